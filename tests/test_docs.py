@@ -113,6 +113,7 @@ def results() -> dict[Path, dict[str, Any]]:
 def test_pages_of_results_are_those_of_their_data(publish: ModuleType) -> None:
     """What `make results` would write of the JSON files that are there."""
     for path, record in results().items():
+        assert path.read_text(encoding="utf-8") == publish.as_json(record)
         assert path.with_suffix(".md").read_text(encoding="utf-8") == publish.page(record)
     assert (DOCS / "results/index.md").read_text(encoding="utf-8") == publish.index()
 
@@ -129,6 +130,16 @@ def test_a_version_is_shown_the_known_issues_that_it_has(publish: ModuleType) ->
             assert averaged == (publish.ordered(record["version"]) < [4])
             rk4[averaged] = record["degrees_off"]["RK4 fast-top"]
     assert rk4[True] > 1000 * rk4[False]
+
+
+def test_a_run_that_was_not_made_is_not_called_one_that_blew_up(publish: ModuleType) -> None:
+    """It has no error; one that blew up has, and an error is none."""
+    verdicts = [["RK4", scene, "converges", "[1, 2], [3]"] for scene in ("a", "b", "c")]
+    off = {"RK4 a": 0.5, "RK4 b": None}
+    record = {"engine": "mujoco", "version": "4.0.0", "verdicts": verdicts, "degrees_off": off}
+    assert publish.scene_lines(record, ["RK4"]) == [["a", "0.5°"], ["b", "blew up"], ["c", ""]]
+    assert publish.line(record, "RK4")[-2:] == ["blew up", "b"]
+    assert json.loads(publish.as_json(record)) == record
 
 
 def test_what_is_wrong_would_be_found() -> None:

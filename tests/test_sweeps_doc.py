@@ -30,7 +30,7 @@ def test_every_command_it_shows_has_the_options_it_shows():
 @pytest.mark.parametrize(
     "words",
     [
-        f"at most {STEP_TURN:g} rad a step",
+        f"({STEP_TURN:g} rad) in a step",
         f"more than {STEP_BUDGET:,} steps".replace(",", " "),
         f"{DEFAULT_COUNT} values where no count is given",
         f"hang of more than {TIME_LIMIT:g} s",

@@ -25,8 +25,13 @@ from spincheck.scenarios import LIBRARY
 FOLDER = Path(__file__).parent
 BUILD = FOLDER.parents[1] / "build" / "results"
 FAULTS = FOLDER.parent / "measured/known-issues.toml"
-#: Older versions, and the folders of scenes that they are run on.
-VERSIONS = ("mujoco@3.3.7", "mujoco@3.6.0", "mujoco@3.10.0", "pybullet@3.2.6")
+#: Older versions, with the method that is run beside their defaults, and the scenes of both.
+VERSIONS = {
+    "mujoco@3.3.7": "RK4",
+    "mujoco@3.6.0": "RK4",
+    "mujoco@3.10.0": "RK4",
+    "pybullet@3.2.6": "multibody",
+}
 TOPS = (LIBRARY / "free", LIBRARY / "heavy")
 #: A scene of each kind of motion, on which optional engines are run.
 KINDS = ("football-spiral", "tennis-racket", "fast-top", "lopsided-body", "spin-up")
@@ -35,9 +40,9 @@ HEAD = """# Results by date and version
 
 Each page shows what one version of an engine did: its known issues with what to do about them, the
 verdicts and errors of each method, and each scene. The engines that are installed with spincheck
-are run on the whole library, all their methods on the plain scenes and two or three on the hard
-ones; older versions of them on the free and the heavy tops, optional engines on a scene of each
-kind of motion, both with the fewer timesteps of `--quick`, which leave more `unresolved`.
+are run on the whole library, as `spincheck run` does; older versions of them and optional engines
+on as many scenes as the table says, with the fewer timesteps of `spincheck run --quick`, which
+leave more `unresolved`.
 
 *Error* is that of the attitude at the timestep that users of the engine get who set none. The
 method `default` is the engine as shipped; in the others everything that a scene does not call for
@@ -63,9 +68,13 @@ def command(*words: object) -> int:
 def run(out: Path) -> None:
     """Run what is missing in the result file; an engine that cannot be installed is left out."""
     command("run", "--out", out)
+    older = {
+        name: (*TOPS, "--method", "default", "--method", method)
+        for name, method in VERSIONS.items()
+    }
     others = {one.name: KINDS for one in engines().values() if one.is_optional and not one.of_file}
-    for name, scenes in {**dict.fromkeys(VERSIONS, TOPS), **others}.items():
-        if command("run", *scenes, "--quick", "--engine", name, "--out", out) == 3:
+    for name, words in (older | others).items():
+        if command("run", *words, "--quick", "--engine", name, "--out", out) == 3:
             print(f"{name} could not be run, and gets no page.")
 
 

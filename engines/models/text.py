@@ -3,17 +3,10 @@
 import xml.etree.ElementTree as ET
 from collections.abc import Iterable
 
-import numpy as np
-
 
 def decimals(values: Iterable[float]) -> str:
     """Doubles, separated by spaces, each in the fewest digits that read back exactly (≤ 17)."""
     return " ".join(repr(float(value)) for value in values)
-
-
-def python_list(values: object) -> str:
-    """An array as Python writes lists of doubles; JavaScript reads them too."""
-    return repr(np.asarray(values, dtype=float).tolist())
 
 
 def xml_text(root: ET.Element) -> str:

@@ -1,1 +1,1 @@
-"""The command line, and the pytest plugin."""
+"""The command line. Any function may raise `Complaint`: a message for the user, an exit code."""

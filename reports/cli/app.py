@@ -10,7 +10,6 @@ import typer
 
 from ..results.verdict_words import UNPROVEN
 from .engines.engine_commands import app as engine_commands
-from .engines.version_commands import app as version_commands
 from .grouped import EnsembleCommand, ErrorBoundsCommand, GroupedCommands, error_bounds
 from .judge.judge_command import app as judge_command
 from .options import (
@@ -38,7 +37,7 @@ from .results.result_commands import app as result_commands
 from .scenes.scene_commands import app as scene_commands
 from .stopping import Stopped, open_closed_streams, raise_when_stopped, say_last_words
 from .sweeps.sweep_commands import app as sweep_commands
-from .sweeps.sweep_commands import run_members
+from .sweeps.sweep_commands import print_swept
 from .terminal import (
     BAD_INPUT,
     DISAGREES,
@@ -66,7 +65,6 @@ app.add_typer(sweep_commands)
 app.add_typer(engine_commands)
 app.add_typer(model_commands)
 app.add_typer(picture_commands)
-app.add_typer(version_commands)
 
 
 def _print_version(wanted: bool) -> None:
@@ -166,8 +164,9 @@ def run(
     from .run.encodings import are_alike, encoding_lines, named_encodings
     from .run.short_summary import short_summary
     from .run.summary import results_as_json, verdict_lines
+    from .sweeps.sweep_running import choose_for_sweep, run_ensembles
 
-    named = (engine or [], method or [], timestep or [])
+    named, where = (engine or [], method or [], timestep or []), Where(jobs, dask)
     if instructions:
         running.check_counting(timed=not quick and ensemble is None)
     if ensemble is not None:
@@ -175,19 +174,11 @@ def run(
             raise Complaint("'--quick' is for ladders; an ensemble has none", BAD_INPUT)
         if as_encoded:
             raise Complaint("'--as' is for scenes, not for members of an ensemble", BAD_INPUT)
-        code = run_members(
-            scenes or [],
-            ensemble,
-            seed,
-            named,
-            time_limit,
-            again,
-            Where(jobs, dask),
-            out,
-            as_json,
-        )
-        raise typer.Exit(code)
-    where = Where(jobs, dask)
+        choice = choose_for_sweep(*named, time_limit, again=again)
+        swept = run_ensembles(scenes or [], ensemble, seed, choice, where, out)
+        member = f"spincheck member SCENE --seed {seed} --member N"
+        said = f"Members are in {out}; '{member}' prints one"
+        raise typer.Exit(print_swept(swept, said, out, as_json))
     results = running.run(
         scenes or [],
         *named,

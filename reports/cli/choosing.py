@@ -29,13 +29,7 @@ class Where:
 
 @contextmanager
 def executor_for(where: Where, time_limit: float | None) -> Iterator[Executor]:
-    """Open the executor, and close it at the end.
-
-    Raises
-    ------
-    Complaint
-        If the cluster cannot be used, or goes away, or engines have no temporary folder here.
-    """
+    """Open the executor, and close it at the end."""
     check_temporary_folder()
     if where.cluster is None:
         with LocalWorkers(where.jobs, time_limit) as executor:
@@ -69,13 +63,7 @@ def compile_first() -> None:
 
 
 def check_temporary_folder() -> None:
-    """Check that there is a temporary folder: engines read models and write output there.
-
-    Raises
-    ------
-    Complaint
-        If there is none that can be written.
-    """
+    """Check that there is a temporary folder: engines read models and write output there."""
     try:
         gettempdir()
     except FileNotFoundError as error:
@@ -106,12 +94,6 @@ def choose(
     scenarios : to be run; engines that load users' files are left out if no scene names one
     python : the command of the interpreter that versions run under; this one if empty
     time_limit : s, that a run may take
-
-    Raises
-    ------
-    Complaint
-        If there is no such engine, method or timestep, or the limit is not positive or longer than
-        the system's clocks can wait.
     """
     if time_limit is not None and not 0 < time_limit <= MOST_TIME:
         raise Complaint(
@@ -224,13 +206,7 @@ def words_of(command: str) -> list[str]:
 
 
 def check_timesteps(scenarios: Sequence[Scenario], choice: Choice) -> None:
-    """See that every scene's window is longer than the timesteps asked for.
-
-    Raises
-    ------
-    Complaint
-        If one is not.
-    """
+    """See that every scene's window is longer than the timesteps asked for."""
     for scenario in scenarios:
         for timestep in choice.timesteps:
             if timestep > scenario.window.duration:

@@ -17,13 +17,7 @@ from .terminal import BAD_INPUT, Complaint, as_complaint, say
 
 
 def one_scene(name: str) -> Scenario:
-    """The scene of that name.
-
-    Raises
-    ------
-    Complaint
-        If there is none or several, or its file is wrong.
-    """
+    """The scene of that name."""
     scenes = scenes_to_run([name], expectations=False)
     if len(scenes) != 1:
         raise Complaint(f"{printable(name)}: takes one scene, this is {len(scenes)}", BAD_INPUT)
@@ -36,11 +30,6 @@ def scenes_to_run(names: Sequence[str], *, expectations: bool = True) -> list[Sc
     Parameters
     ----------
     expectations : whether to check that expectations name engines and methods that exist
-
-    Raises
-    ------
-    Complaint
-        If there is no such scene, or any of the files is wrong; the message names all that are.
     """
     scenarios, wrong = load_each(_files(names))
     complain(wrong)

@@ -21,7 +21,8 @@ LEAST_STEPS = 10
 MAX_STEPS = 1 << 20
 #: A quick study's ladders end before a run would take more steps than this.
 QUICK_STEPS = 1 << 14
-#: And those of any study where single steps and pieces decide: they only show what accuracy costs.
+#: And where single steps and pieces decide, except at a high order: they only show what accuracy
+#: costs.
 DECIDED_STEPS = 1 << 13
 #: A ladder is not ended early after fewer rungs than this.
 MIN_RUNGS = 6

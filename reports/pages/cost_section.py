@@ -1,20 +1,19 @@
 """The report's sections on cost: of accuracy, on both kinds of page, and of what is left out."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from typing import Any
 
 from ...scenarios import SIGNALS
 from ..results.cost_records import EffectsCost, PassCosts
-from ..results.records import Key, Pair
-from .analysis.cost_to_reach import LEVELS, Reach, reach
-from .analysis.profiles import SceneCurves, order_ratios, profile, tally
+from ..results.records import Key
+from .analysis.cost_to_reach import LEVELS, Reach, SceneCurves, order_ratios, profile, reach, tally
 from .analysis.report_data import MethodRuns, ReportData, SceneRuns
-from .analysis.trace_style import TraceStyle, trace_styles
+from .analysis.trace_style import trace_styles
 from .analysis.wording import NOTHING, number
 from .analysis.work_precision import curve_of, curves
 from .figures.figures import Titled
 from .figures.profile_figure import profile_figures
-from .tables import Cell, Table, figure, table
+from .tables import Cell, Table, figure, named, table
 
 #: Microseconds in a second.
 MICROSECONDS = 1e6
@@ -35,7 +34,7 @@ def reach_table(scene: SceneRuns, signal: str) -> Table:
         curve = curve_of(scene, runs, signal)
         costs = [*_step_costs(runs), *(figure(count or NOTHING) for _ in counted)]
         cells = [_reach_cell(reach(curve, level)) for level in LEVELS]
-        rows.append([*_named(runs.pair), *costs, *cells])
+        rows.append([*named(runs.pair), *costs, *cells])
     return table(("engine", "method", *step, *_level_headings()), rows)
 
 
@@ -44,7 +43,7 @@ def reached_table(gathered: ReportData, scenes: Sequence[SceneCurves]) -> Table:
     rows = []
     for pair in gathered.pairs:
         tallies = [tally(scenes, pair, level) for level in LEVELS]
-        rows.append([*_named(pair), *(figure(f"{t.reached} ({t.extrapolated})") for t in tallies)])
+        rows.append([*named(pair), *(figure(f"{t.reached} ({t.extrapolated})") for t in tallies)])
     return table(("engine", "method", *_level_headings()), rows)
 
 
@@ -53,7 +52,7 @@ def median_table(gathered: ReportData, scenes: Sequence[SceneCurves]) -> Table:
     rows = []
     for pair in gathered.pairs:
         costs = [tally(scenes, pair, level).median_cost for level in LEVELS]
-        rows.append([*_named(pair), *(figure(number(cost)) for cost in costs)])
+        rows.append([*named(pair), *(figure(number(cost)) for cost in costs)])
     return table(("engine", "method", *_level_headings()), rows)
 
 
@@ -104,10 +103,6 @@ def _microseconds(seconds: float | None) -> str:
     return number(None if seconds is None else MICROSECONDS * seconds)
 
 
-def _named(pair: Pair) -> tuple[Cell, Cell]:
-    return Cell(pair[0], "name"), Cell(pair[1], "name")
-
-
 #: A pass is listed if its cost exceeds this many times the difference between equal sessions.
 BEYOND_NOISE = 2.0
 
@@ -145,11 +140,6 @@ def passes_table(costs: PassCosts) -> Table:
     )
 
 
-def passes_tables(passes: Sequence[PassCosts]) -> list[tuple[str, Table]]:
-    """A heading and a table for each engine."""
-    return [(f"{p.key.label} on {p.key.scenario}", passes_table(p)) for p in passes]
-
-
 def _effects_cell(cost: EffectsCost) -> Cell:
     more = f"{cost.ratio.median - 1:+.0%} ± {cost.ratio.spread:.0%}"
     same = "motion identical to the last bit"
@@ -169,32 +159,12 @@ LEGEND = (
 )
 
 
-@dataclass(frozen=True, eq=False)
-class CostSection:
-    """The first page's section.
-
-    Attributes
-    ----------
-    scenes : how many were solved, reached or not
-    methods : label and style of every method, for the figure's key
-    profiles : None where nothing was timed
-    """
-
-    scenes: int
-    methods: tuple[tuple[str, TraceStyle], ...]
-    profiles: Titled | None
-    reached: Table
-    medians: Table
-    ratios: Table
-
-
-def cost_section(gathered: ReportData) -> CostSection:
-    """The cost of accuracy, over all scenes that were solved."""
+def cost_section(gathered: ReportData) -> dict[str, Any]:
+    """The cost of accuracy, over all scenes that were solved; no profiles where none was timed."""
     scenes = [curves(scene, COMPARED) for scene in gathered.scenes if scene.solved]
     drawn = trace_styles(gathered.pairs)
     timed = any(curve.seconds_per_step is not None for tried in scenes for curve in tried)
     profiles = [profile(scenes, COMPARED, level) for level in PROFILED]
-    first, *others = profile_figures(profiles, drawn)
     titled = Titled(
         "profiles",
         "Performance profiles",
@@ -202,17 +172,16 @@ def cost_section(gathered: ReportData) -> CostSection:
         "cost of the cheapest method there (Dolan & Moré 2002). Higher is better; the right end "
         "is the fraction within reach at all. Extrapolated costs count; at τ near 1, methods "
         "closer than the spread of the timings change places by chance.",
-        first,
-        tuple(others),
+        profile_figures(profiles, drawn),
     )
-    return CostSection(
-        len(scenes),
-        tuple((" ".join(pair), style) for pair, style in drawn.items()),
-        titled if timed else None,
-        reached_table(gathered, scenes),
-        median_table(gathered, scenes),
-        ratio_table(scenes),
-    )
+    return {
+        "scenes": len(scenes),
+        "methods": [(" ".join(pair), style) for pair, style in drawn.items()],
+        "profiles": titled if timed else None,
+        "reached": reached_table(gathered, scenes),
+        "medians": median_table(gathered, scenes),
+        "ratios": ratio_table(scenes),
+    }
 
 
 def scene_costs(scene: SceneRuns) -> list[tuple[str, Table]]:

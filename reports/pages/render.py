@@ -7,22 +7,21 @@ from typing import Any
 
 from jinja2 import Environment
 
-from ...engines.checks.read_back import READ_BACK_SLACK, READ_BACK_SLACK_SINGLE
+from ...engines.checks import read_back
 from ...engines.models.mjcf import mjcf
 from ...engines.models.urdf import urdf
-from ...reference.solution import MAX_UNCERTAINTY
+from ...reference import solution
 from ...scenarios import EFFECTS, Scenario
 from ..harness import comparison, ladder, step_cost
-from ..harness.executors import TIME_LIMIT
+from ..harness.executors import worker_slot
 from ..harness.judging import best_window, ladder_end, observed_order, signal_ladder
 from ..harness.judging.ladder import RUNGS_OF_A_LIMIT
 from ..harness.measuring import asymptotic
 from ..results.store import Results
 from .analysis.report_data import ReportData, SceneRuns, report_data
-from .analysis.wording import count, number
-from .cost_section import cost_section, effects_table, harm_in_words, passes_tables, scene_costs
+from .cost_section import cost_section, effects_table, harm_in_words, passes_table, scene_costs
 from .figures.figures import figures
-from .overview import hard_cases, overview
+from .overview import overview
 from .overview.first_screen import answer
 from .overview.heat_map import FIRST_SIGNAL, heat_map, stock_table
 from .overview.spread import spread
@@ -31,48 +30,21 @@ from .scene import scene_tables
 from .scene.default_tables import default_tables, encoding_tables
 from .scene.motion_data import motion_data
 from .scene.scene_answer import scene_answer, shown_at_first
-from .sweeps.sweep_pages import sweep_section, write_sweeps
+from .sweeps.sweep_pages import sweep_pages, sweeps_table, write_sweeps
+from .tables import table
 from .templating import ReportFolder, templates, write_assets
 
-
-def constants() -> dict[str, str]:
-    """Name and printed value of every constant in the text of the protocol."""
-    return {
-        "rates": " and ".join(e.rate_formula for e in EFFECTS.values() if e.rate_formula),
-        "coarsest_turn": number(ladder.COARSEST_TURN),
-        "largest_turn": number(ladder.LARGEST_TURN),
-        "least_steps": str(ladder.LEAST_STEPS),
-        "max_steps": count(ladder.MAX_STEPS),
-        "decided_steps": count(ladder.DECIDED_STEPS),
-        "min_rungs": str(ladder.MIN_RUNGS),
-        "goal": number(ladder_end.GOAL),
-        "fine_goal": number(ladder_end.FINE_GOAL),
-        "high_order": str(ladder_end.HIGH_ORDER),
-        "rungs_of_a_limit": str(RUNGS_OF_A_LIMIT),
-        "absurd_energy": f"{comparison.ABSURD_ENERGY:g}",
-        "order_slack": f"{asymptotic.ORDER_SLACK:g}",
-        "above_uncertainty": f"{observed_order.ABOVE_UNCERTAINTY:g}",
-        "asymptotic": f"{asymptotic.ASYMPTOTIC:g}",
-        "fitted_rungs": str(observed_order.FITTED_RUNGS),
-        "sharp": f"{best_window.SHARP:g}",
-        "distinct": f"{asymptotic.DISTINCT:g}",
-        "shown_over": str(signal_ladder.SHOWN_OVER),
-        "safe": f"{best_window.SAFE:g}",
-        "cautious": f"{asymptotic.CAUTIOUS:g}",
-        "settling_order": f"{observed_order.SETTLING_ORDER:g}",
-        "time_limit": f"{TIME_LIMIT:g}",
-        "resolutions": str(step_cost.RESOLUTIONS),
-        "stretch_ms": f"{1e3 * step_cost.STRETCH:g}",
-        "share_of_call": f"{step_cost.SHARE_OF_CALL:.0%}",
-        "repeats": str(step_cost.REPEATS),
-        "warm_up": count(step_cost.WARM_UP),
-        "timed_turn": number(step_cost.TIMED_TURN),
-        "max_uncertainty": number(MAX_UNCERTAINTY),
-        "read_back": number(READ_BACK_SLACK),
-        "read_back_single": number(READ_BACK_SLACK_SINGLE),
-    }
-
-
+#: The modules whose constants the text of the protocol quotes, and what it quotes besides.
+RULES: dict[str, Any] = {
+    "rates": " and ".join(e.rate_formula for e in EFFECTS.values() if e.rate_formula),
+    "rungs_of_a_limit": RUNGS_OF_A_LIMIT,
+} | {
+    module.__name__.rpartition(".")[2]: module
+    for module in (
+        *(asymptotic, best_window, comparison, ladder, ladder_end, observed_order, read_back),
+        *(signal_ladder, solution, step_cost, worker_slot),
+    )
+}
 #: Plotly, deflated: `figures.js` unpacks it.
 PLOTLY = "plotly.js"
 #: Our own scripts, written as they are.
@@ -101,19 +73,20 @@ def render(results: Results, folder: Path) -> Path:
     """
     gathered = report_data(results)
     environment = templates()
-    protocol = environment.get_template("protocol.md").render(p=constants())
+    protocol = environment.get_template("protocol.md").render(**RULES)
     written = ReportFolder(folder)
     write_assets(written, *ASSETS)
     _write_plotly(written)
     left_out = (
         effects_table(results.effects),
-        passes_tables(results.passes),
+        [(f"{p.key.label} on {p.key.scenario}", passes_table(p)) for p in results.passes],
         harm_in_words(results.effects),
     )
     shared = {**_overview(gathered, results), "gathered": gathered, "left_out": left_out}
     shared["protocol"] = protocol
-    shared["sweeps"] = sweeps = sweep_section(results)
-    write_sweeps(environment, written, sweeps, results.scenes)
+    pages = sweep_pages(results)
+    shared["sweeps"] = {"pages": pages, "table": sweeps_table(pages)}
+    write_sweeps(environment, written, pages, results.scenes)
     shared["hard"] = _hard_cases(gathered, environment)
     html = environment.get_template("index.html").render(root="", packed=PageData(), **shared)
     index = written.write("index.html", html)
@@ -172,19 +145,19 @@ def _overview(gathered: ReportData, results: Results) -> dict[str, Any]:
             overview.complaints(plain, lambda kind: kind.word == "unsupported"),
         ],
         "shipped": overview.complaints(plain, lambda kind: kind.needs_reason, as_shipped=True),
-        "environment": overview.environment_table(gathered),
+        "environment": table(("", "value"), gathered.environment.items()),
     }
 
 
 def _hard_cases(gathered: ReportData, environment: Environment) -> dict[str, Any]:
-    scenes = hard_cases.hard_scenes(gathered)
+    scenes = overview.hard_scenes(gathered)
     are = "scene is" if len(scenes) == 1 else "scenes are"
-    numbers = constants() | {"count": f"{len(scenes)} {are}"}
+    count = f"{len(scenes)} {are}"
     return {
         "scenes": scenes,
-        "text": environment.get_template("hard.md").render(h=numbers),
-        "matrix": hard_cases.survivors(gathered),
-        "methods": hard_cases.survivors_table(gathered),
+        "text": environment.get_template("hard.md").render(count=count, **RULES),
+        "matrix": overview.survivors(gathered),
+        "methods": overview.survivors_table(gathered),
     }
 
 

@@ -59,11 +59,12 @@ class Table:
 
 @dataclass(frozen=True, eq=False)
 class Captioned:
-    """A table, what it is of, and in a sentence what it shows."""
+    """A table, what it is of, and in words what it shows; a folded one is shown on demand."""
 
     label: str
     sentence: str
     table: Table
+    folded: bool = False
 
 
 def table(headings: Iterable[str], rows: Iterable[Iterable[Cell | str]]) -> Table:
@@ -79,6 +80,11 @@ def table(headings: Iterable[str], rows: Iterable[Iterable[Cell | str]]) -> Tabl
 def figure(text: str) -> Cell:
     """A cell with a number."""
     return Cell(text, "number")
+
+
+def named(pair: tuple[str, str]) -> tuple[Cell, Cell]:
+    """Cells of an engine and a method."""
+    return Cell(pair[0], "name"), Cell(pair[1], "name")
 
 
 def verdict_cell(word: VerdictWord, detail: str = "", link: str = "") -> Cell:

@@ -14,6 +14,7 @@ from ...scenarios import SIGNALS, is_scene_name
 from ...scenarios.regular_files import read_regular, write_new
 from ..results.database import shown
 from ..results.verdict_words import VERDICTS
+from .analysis.wording import count, number
 from .cost_section import LEGEND
 from .tables import scene_page
 
@@ -129,6 +130,9 @@ def templates() -> Environment:
         "md": escaped,
         "code_block": code_block,
         "page": scene_page,
+        "number": number,
+        "count": count,
+        "g": "{:g}".format,
     }
     return environment
 

@@ -2,7 +2,6 @@
 
 import json
 import math
-from abc import ABC, abstractmethod
 from bisect import bisect_left
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping
@@ -62,40 +61,6 @@ class SweepPoint:
         return ", ".join(parts)
 
 
-class Sweep(ABC):
-    """A scene at many points."""
-
-    kind: ClassVar[str]
-    scenario: SceneName
-    timestep: float | None
-
-    @property
-    @abstractmethod
-    def names(self) -> list[str]:
-        """What the numbers of a point's place are."""
-
-    @abstractmethod
-    def points(self) -> Iterator[SweepPoint]:
-        """All points; of a map, the second axis varies fastest."""
-
-    @abstractmethod
-    def __len__(self) -> int:
-        """How many points there are."""
-
-    @abstractmethod
-    def point(self, parts: Mapping[str, Any]) -> SweepPoint | None:
-        """The point that has an identity; None if the sweep has no such point.
-
-        Parameters
-        ----------
-        parts : the identity, parsed
-        """
-
-    @abstractmethod
-    def check(self, scenario: Scenario) -> None:
-        """Check that the scene can be swept so; raises a ValueError if it cannot."""
-
-
 def _two_axes(axes: tuple[Axis, Axis]) -> tuple[Axis, Axis]:
     """The axes of a map, as `parse_axis` makes them."""
     for axis in axes:
@@ -116,7 +81,7 @@ _Timestep = Annotated[float, Field(gt=0, lt=math.inf)]
 
 
 @dataclass(frozen=True)
-class Map(Sweep):
+class Map:
     """Every pair of the values of two numbers.
 
     Attributes
@@ -126,7 +91,7 @@ class Map(Sweep):
         body turns equally far a step
     """
 
-    kind = "map"
+    kind: ClassVar = "map"
     scenario: SceneName
     axes: Annotated[tuple[Axis, Axis], AfterValidator(_two_axes)]
     timestep: _Timestep | None
@@ -169,7 +134,7 @@ class Map(Sweep):
 
 
 @dataclass(frozen=True)
-class Ensemble(Sweep):
+class Ensemble:
     """Scattered starts and bodies; a member does not depend on how many there are.
 
     Attributes
@@ -178,7 +143,7 @@ class Ensemble(Sweep):
     timestep : s, of every run; None for each engine's stock timestep
     """
 
-    kind = "ensemble"
+    kind: ClassVar = "ensemble"
     scenario: SceneName
     members: Annotated[int, Field(gt=0, le=MAX_MEMBERS)]
     seed: Annotated[int, Field(ge=0, le=MAX_SEED)]

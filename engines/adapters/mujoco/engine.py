@@ -11,11 +11,10 @@ import mujoco
 from ....scenarios import Scenario
 from ...checks.read_back import UnsupportedError
 from ...engine import Engine
-from ...method import COMMON_EFFECTS, Method, Release
+from ...method import COMMON_EFFECTS, Method, Release, numbers_of
 from ...models.description import PLAIN, Description
 from ...models.mjcf import mjcf, switched_off
 from ...models.mjcf_contact import PASSES, off_its_table, with_contact
-from ...release import numbers_of
 from .clock import CLOCK
 from .script import script
 from .session import MuJoCoSession, check_not_too_small, compiled, left_out

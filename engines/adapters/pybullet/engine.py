@@ -14,10 +14,9 @@ from ....scenarios import Scenario
 from ...checks.equations import Equations
 from ...checks.read_back import start_state
 from ...engine import Engine
-from ...method import COMMON_EFFECTS, Method, Release
+from ...method import COMMON_EFFECTS, Method, Release, numbers_of
 from ...models.description import PLAIN, Description
 from ...native_output import native_output
-from ...release import numbers_of
 from ...session import Session
 
 with native_output():

@@ -7,10 +7,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ....engines import Engine, EngineError, Method, engines
-from ....reference import IntegrationError, Solution, solve
+from ....reference import Solution
 from ....scenarios import Scenario, printable
 from ...harness.ladder import single
-from ..choosing import compile_first
+from ..scenes.exact_motion import solved
 from ..terminal import BAD_INPUT, NOT_RUN, Complaint, as_complaint
 
 _PYTHON_HEAD = '''\
@@ -157,14 +157,7 @@ MOST_SAMPLES = 21
 
 
 def reproduction(scenario: Scenario, engine: Engine, method: Method, timestep: float) -> str:
-    """The text of the file, in the language of the engine's script.
-
-    Raises
-    ------
-    Complaint
-        If the engine has no script, cannot simulate the scene with this method, or the exact motion
-        is not known so far.
-    """
+    """The text of the file, in the language of the engine's script."""
     if reason := engine.unsupported(scenario, method):
         raise Complaint(reason, BAD_INPUT)
     with as_complaint(EngineError, before=f"{engine.name} {method.name}: ", exit_code=NOT_RUN):
@@ -173,9 +166,7 @@ def reproduction(scenario: Scenario, engine: Engine, method: Method, timestep: f
         raise Complaint(_without_script(scenario, engine, method), BAD_INPUT)
     with as_complaint(ValueError, before="'--timestep': "):
         steps = single(timestep, scenario.times).sample_steps
-    compile_first()
-    with as_complaint(IntegrationError, before=f"{scenario.name}: ", exit_code=NOT_RUN):
-        solution = solve(scenario, np.asarray(steps * timestep, dtype=float))
+    solution = solved(scenario, np.asarray(steps * timestep, dtype=float))
     frame = FRAMES[engine.script_language]
     head = frame.head.format(
         # The title goes into a docstring or a comment of one line.

@@ -44,13 +44,7 @@ class Judgement:
 
     @cached_property
     def study(self) -> ConvergenceStudy:
-        """The files as the timesteps of one method.
-
-        Raises
-        ------
-        Complaint
-            If they are not.
-        """
+        """The files as the timesteps of one method."""
         names = ", ".join(map(printable, self.motions))
         with as_complaint(RecordingError, before=f"{names}: "):
             return study_of_files(self.scenario, list(self.motions.values()), self.order)
@@ -77,13 +71,7 @@ def judged_files(
     bounds: Sequence[str],
     order: int,
 ) -> Judgement:
-    """Read and judge files.
-
-    Raises
-    ------
-    Complaint
-        If a file, flag or bound cannot be used.
-    """
+    """Read and judge files."""
     components: QuaternionOrder | None = _one_of("--quaternion", quaternion, QuaternionOrder)
     frame: OmegaFrame | None = _one_of("--omega", omega, OmegaFrame)
     if timesteps and len(timesteps) != len(files):
@@ -116,11 +104,6 @@ def write_page(judgement: Judgement, folder: Path) -> Path:
     Returns
     -------
     The page.
-
-    Raises
-    ------
-    Complaint
-        If the files are no timesteps of one method, or the folder cannot be written.
     """
     from ...pages.render import render
 

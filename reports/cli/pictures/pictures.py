@@ -38,13 +38,7 @@ OF_RUNS = ("convergence", "work-precision")
 
 
 def view(scene: str, jobs: int, out: Path) -> Path:
-    """Run a scene down short ladders and at stock timesteps, untimed; returns its page.
-
-    Raises
-    ------
-    Complaint
-        If the scene cannot be used, nothing could be run, or the page cannot be written.
-    """
+    """Run a scene down short ladders and at stock timesteps, untimed; returns its page."""
     with saying("nothing is kept"), TemporaryDirectory() as folder:
         stored = Path(folder) / "view.sqlite"
         results = running.run([scene], [], [], [], Where(jobs), stored, quick=True)
@@ -61,14 +55,7 @@ def plot(
     engine_names: Sequence[str],
     methods: Sequence[str],
 ) -> None:
-    """Write one figure of a scene as a file.
-
-    Raises
-    ------
-    Complaint
-        If there is no such figure of the scene, its runs are not in the result file, or it cannot
-        be written.
-    """
+    """Write one figure of a scene as a file."""
     if what not in (*WHAT, MOTION):
         raise Complaint(
             f"'--what' must be one of {', '.join([*WHAT, MOTION])}, got '{what}'"

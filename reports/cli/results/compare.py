@@ -45,13 +45,7 @@ def _alone(results: Results, engine: str, name: str) -> Results:
 
 
 def compare(old: Path, new: Path) -> list[Change]:
-    """What changed from one result file to another.
-
-    Raises
-    ------
-    Complaint
-        If one of them cannot be read or is empty.
-    """
+    """What changed from one result file to another."""
     return changes(running.read(old), running.read(new))
 
 

@@ -15,13 +15,7 @@ PLAIN = "plain"
 
 
 def named_encodings(text: str) -> tuple[str, ...]:
-    """The encodings of `--as`, names with commas between, or `all`; none of an empty text.
-
-    Raises
-    ------
-    Complaint
-        If there is no encoding of that name.
-    """
+    """The encodings of `--as`, names with commas between, or `all`; none of an empty text."""
     known = [name for name in ENCODINGS if name != PLAIN]
     names = [part.strip().lower() for part in text.split(",") if part.strip()]
     if ALL in names:

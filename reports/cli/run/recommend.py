@@ -90,16 +90,10 @@ def recommend(
     Parameters
     ----------
     stored : a result file; where it has no timed runs of the scene its ladders are run
-
-    Raises
-    ------
-    Complaint
-        If a bound is not positive, the scene, the file or an engine cannot be
-        used, or nothing could be run.
     """
     bounds = bounds or BOUNDS
     _check_bounds(bounds)
-    methods = _methods(engine_names)
+    methods = _methods(one_scene(scene), engine_names)
     check_temporary_folder()
     with saying("nothing is kept"), TemporaryDirectory() as folder:
         if timed_runs := _timed_runs(scene, engine_names, stored):
@@ -130,10 +124,11 @@ def _check_bounds(bounds: ErrorBounds) -> None:
             raise Complaint(f"'{option(signal)}' must be positive, got {bound:g}", BAD_INPUT)
 
 
-def _methods(engine_names: Sequence[str]) -> list[str]:
-    """Names of the methods of the engines named, or of all by default, that are recommendable."""
+def _methods(scenario: Scenario, engine_names: Sequence[str]) -> list[str]:
+    """Names of the recommendable methods for a scene, of the engines named or those by default."""
     chosen = choose(engine_names, [], []).engines
-    offered = [method.name for e in chosen for method in e.methods if method.is_recommendable]
+    made_for_it = (method for engine in chosen for method in engine.methods_for(scenario))
+    offered = [method.name for method in made_for_it if method.is_recommendable]
     if not offered:
         raise Complaint(
             f"{', '.join(engine_names)}: has no method that is recommended: those as shipped are "

@@ -91,12 +91,6 @@ def run(
     leaves the hard scenes out.
 
     What the file holds already is not run again, unless asked for (`again`); encodings always are.
-
-    Raises
-    ------
-    Complaint
-        If a scene, engine, method, timestep or time limit cannot be used, or the file cannot be
-        written.
     """
     scenarios = scenes_of(scenes, quick=quick)
     choice = choose(
@@ -135,13 +129,7 @@ def run(
 
 
 def check_counting(*, timed: bool) -> None:
-    """Check that instructions can be counted.
-
-    Raises
-    ------
-    Complaint
-        If they cannot.
-    """
+    """Check that instructions can be counted."""
     why = why_not_counted() if timed else "with '--quick' or '--ensemble' no steps are timed"
     if why:
         raise Complaint(f"'--instructions': {why}", BAD_INPUT)
@@ -153,13 +141,7 @@ def gone_on_with(out: Path) -> str:
 
 
 def _check_all_apply(choice: Choice, scenarios: Sequence[Scenario]) -> None:
-    """Check that every engine asked for applies to some scene.
-
-    Raises
-    ------
-    Complaint
-        If one does not.
-    """
+    """Check that every engine asked for applies to some scene."""
     for engine in choice.engines:
         if not any(engine.applies_to(scenario) for scenario in scenarios):
             raise Complaint(
@@ -197,13 +179,7 @@ def _asked_for(results: Results, scenarios: Sequence[Scenario], choice: Choice) 
 
 
 def read(path: Path) -> Results:
-    """Everything in a result file.
-
-    Raises
-    ------
-    Complaint
-        If it cannot be read or is empty.
-    """
+    """Everything in a result file."""
     with as_complaint(ResultFileError), open_store(path) as store:
         results = store.read()
         if store.log_missing:

@@ -42,19 +42,22 @@ LETTERS = {1: [""], 3: ["_x", "_y", "_z"], 4: ["_w", "_x", "_y", "_z"]}
 WIDTH = 96
 
 
+def solved(scenario: Scenario, times: FloatArray) -> Solution:
+    """The exact motion at times, s; what solves it is compiled first."""
+    compile_first()
+    with as_complaint(IntegrationError, before=f"{scenario.name}: ", exit_code=NOT_RUN):
+        return solve(scenario, times)
+
+
 def write_truth(scenario: Scenario, folder: Path) -> list[Path]:
     """Write truth.csv, truth.json and truth.h; returns their paths.
 
     Raises
     ------
-    Complaint
-        If the motion cannot be solved.
     OSError
         If the folder cannot be written.
     """
-    compile_first()
-    with as_complaint(IntegrationError, before=f"{scenario.name}: ", exit_code=NOT_RUN):
-        solution = solve(scenario, scenario.times)
+    solution = solved(scenario, scenario.times)
     motion = solution.trajectory
     columns = {
         "t": motion.t,
@@ -148,22 +151,14 @@ QUARTERS = 5
 
 
 def describe(scenario: Scenario, at: Sequence[float]) -> dict[str, Any]:
-    """States, uncertainty, conserved quantities and facts of a scene, SI units.
-
-    Raises
-    ------
-    Complaint
-        If a time is negative, not a number, or out of reach, or the motion cannot be solved.
-    """
+    """States, uncertainty, conserved quantities and facts of a scene, SI units."""
     for time in at:
         if not 0 <= time < float("inf"):
             raise Complaint(f"'--at' must be a time from 0 on, got {time:g}", BAD_INPUT)
-    compile_first()
     wanted = np.array(sorted(set(at))) if at else np.linspace(0, scenario.window.duration, QUARTERS)
     with as_complaint(Misfit, before="'--at': "):
         check_scales(scenario, until=max(scenario.window.duration, float(wanted[-1])))
-    with as_complaint(IntegrationError, before=f"{scenario.name}: ", exit_code=NOT_RUN):
-        solution = solve(scenario, wanted)
+    solution = solved(scenario, wanted)
     motion = solution.trajectory
     angles = euler_zyz_from_quaternion(motion.q_world_body_wxyz)
     columns = {

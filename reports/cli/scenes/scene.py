@@ -47,13 +47,7 @@ def _effects() -> str:
 
 
 def new_scene(name: str) -> Path:
-    """Write NAME.toml in the current folder.
-
-    Raises
-    ------
-    Complaint
-        If the name is not valid for a scene, or the file exists already.
-    """
+    """Write NAME.toml in the current folder."""
     name = name.removesuffix(".toml")
     if not is_scene_name(name):
         raise Complaint(

@@ -1,16 +1,183 @@
-"""The hooks of pytest of `spincheck.suite`, registered where an engine is named."""
+"""The hooks of pytest of `spincheck.suite`, registered where an engine is named; what it tests."""
 
+import re
 import tomllib
-from collections.abc import Generator
+from abc import ABC, abstractmethod
+from collections.abc import Generator, Iterator
+from dataclasses import dataclass, replace
+from functools import cache
 from pathlib import Path
-from typing import Any, TypeGuard
+from pkgutil import resolve_name
+from typing import Any, TypeGuard, final
 
 import pytest
-from spincheck.suite import SCENES, VERSION
+from spincheck.suite import SCENES, VERSION, test_adapter, test_physics
 
-from ....scenarios import did_you_mean
-from ....suite import test_adapter, test_physics
-from .subjects import subjects
+from ....engines import Engine, Method, add
+from ....scenarios import Scenario, did_you_mean, load
+from ...harness.executors import InProcess
+from ...harness.judging import judge
+from ...harness.recorded.judged import judged_motion
+from ...harness.recorded.read import READERS, read_recording
+from ...harness.recorded.recorded_ladder import study_of_files
+from ...harness.recorded.recording import RecordingError
+from ...harness.study import Prepared, convergence_study_of, prepare, run_rungs
+from ...results.records import Verdict
+from ...results.verdict_words import RANKS, VERDICT
+from ..choosing import choose
+from ..terminal import Complaint
+
+#: Steps of the longest run: of an engine that takes 15 µs a step, a quarter of a second.
+MOST_STEPS = 1 << 14
+#: Files at halved timesteps that a verdict takes.
+FEWEST_FILES = 3
+#: A module and a name in it; what else has a colon is a command.
+_OBJECT = re.compile(r"[A-Za-z_][\w.]*:[A-Za-z_][\w.]*")
+
+
+class Subject(ABC):
+    """What a test is about.
+
+    Attributes
+    ----------
+    name : in the ids of tests
+    about : the engine and its version, or the folder
+    method : of an engine; None of recorded motions
+    """
+
+    name: str
+    about: str
+    method: Method | None = None
+
+    def follows(self, name: str, *signals: str) -> None:
+        """Fail unless the motion on a scene converges to the exact one; skip if that is open.
+
+        Parameters
+        ----------
+        name : of one of the suite's scenes
+        signals : those that have to; all if none is named
+        """
+        verdict = self._verdict(name)
+        about = [one for one in verdict.signals if one.signal in signals]
+        word, reason = verdict.verdict, verdict.reason
+        if about:
+            worst = max(about, key=lambda one: RANKS[one.verdict])
+            word, reason = worst.verdict, f"{worst.signal}: {worst.reason}"
+        if VERDICT[word].fails or word == "diverges":
+            pytest.fail(f"on {SCENES / name}.toml it {word}: {reason}", pytrace=False)
+        if word != "converges":
+            pytest.skip(f"{word}: {reason}")
+
+    @abstractmethod
+    def _verdict(self, name: str) -> Verdict:
+        """The verdict on a scene of that name."""
+
+
+@final
+@dataclass(eq=False)
+class EngineSubject(Subject):
+    """A method of an engine, stepped down a ladder of timesteps in this process."""
+
+    engine: Engine
+    method: Method
+
+    def __post_init__(self) -> None:
+        self.name = f"{self.engine.name}-{self.method.name}"
+        self.about = f"{self.engine.name} {self.engine.version}"
+        self._verdicts: dict[str, Verdict] = {}
+
+    def _verdict(self, name: str) -> Verdict:
+        if name not in self._verdicts:
+            scenario, prepared = _scene(name), _prepared(name)
+            study = convergence_study_of(scenario, self.engine, self.method, prepared)
+            for _ in run_rungs(study, InProcess()):
+                pass
+            self._verdicts[name] = judge(study.records)
+        return self._verdicts[name]
+
+
+@final
+@dataclass(eq=False)
+class RecordedSubject(Subject):
+    """Motions recorded elsewhere: in the folder one for each scene, in that a file a timestep."""
+
+    folder: Path
+
+    def __post_init__(self) -> None:
+        self.name, self.about = self.folder.name, str(self.folder)
+
+    def _verdict(self, name: str) -> Verdict:
+        files = sorted(
+            file for file in (self.folder / name).glob("*") if file.suffix.lower() in READERS
+        )
+        if len(files) < FEWEST_FILES:
+            pytest.skip(
+                f"{self.folder / name} must hold {FEWEST_FILES} motions or more of {SCENES / name}"
+                f".toml, at halved timesteps (docs/how-to/judge.md), got {len(files)}"
+            )
+        scenario = _scene(name)
+        try:
+            motions = [judged_motion(scenario, read_recording(file)) for file in files]
+            verdict = judge(study_of_files(scenario, motions, order=1).records)
+        except RecordingError as error:
+            pytest.fail(f"{self.folder / name}: {error}", pytrace=False)
+        explained = [one.explained_by for one in motions if one.explained_by]
+        if not explained or verdict.verdict == "converges":
+            return verdict
+        words = "; ".join([*explained[0], verdict.reason])
+        return replace(verdict, verdict="disagrees", reason=words, signals=())
+
+
+@cache
+def _scene(name: str) -> Scenario:
+    return load(SCENES / f"{name}.toml")
+
+
+@cache
+def _prepared(name: str) -> Prepared:
+    prepared = prepare(_scene(name), (), MOST_STEPS)
+    # Timesteps above the ladder are for reports only.
+    return replace(prepared, ladder=replace(prepared.ladder, above=()))
+
+
+def subjects(names: list[str]) -> Iterator[Subject]:
+    """What `--spincheck-engine` names.
+
+    Raises
+    ------
+    pytest.UsageError
+        If there is no such engine, or it cannot be imported: with the reason.
+    """
+    for name in names:
+        if Path(name).is_dir():
+            yield RecordedSubject(Path(name).resolve())
+            continue
+        for engine in _engines(name):
+            yield from (EngineSubject(engine, method) for method in engine.methods)
+
+
+def _engines(name: str) -> tuple[Engine, ...]:
+    if not _OBJECT.fullmatch(name):
+        try:
+            return choose([name], [], []).engines
+        except Complaint as error:
+            words = str(error).replace("'--engine'", "'--spincheck-engine'")
+            raise pytest.UsageError(words) from None
+    try:
+        found = resolve_name(name)
+        engine = found() if isinstance(found, type) else found
+    # An engine's package may raise anything when imported.
+    except (Exception, SystemExit) as error:
+        words = f"'--spincheck-engine' {name}: {type(error).__name__}: {error}"
+        raise pytest.UsageError(words) from None
+    if not isinstance(engine, Engine):
+        raise pytest.UsageError(
+            f"'--spincheck-engine' {name} must be a subclass of spincheck.engines.Engine, or an "
+            f"object of one, got {found!r}"
+        )
+    add(engine)
+    return (engine,)
+
 
 TESTS = [name for name in [*vars(test_adapter), *vars(test_physics)] if name.startswith("test_")]
 

@@ -23,7 +23,6 @@ from ..terminal import say, to_json
 
 if TYPE_CHECKING:
     from ...results.sweep_records import SweepResult
-    from ..choosing import Where
 
 app = typer.Typer()
 
@@ -60,7 +59,7 @@ def map_scene(
 
     choice = choose_for_sweep(engine or [], method or [], timestep or [], time_limit, again=again)
     swept = run_map(scenario, vary or [], choice, Where(jobs, dask), out)
-    raise typer.Exit(_printed(swept, f"Points are in {out}", out, as_json))
+    raise typer.Exit(print_swept(swept, f"Points are in {out}", out, as_json))
 
 
 @app.command("vary", epilog="Example: spincheck vary fast-top start.omega_body[2]=37.3")
@@ -89,35 +88,7 @@ def print_member(
     print(member_text(scenario, seed, member), end="")
 
 
-def run_members(
-    scenes: list[str],
-    members: int,
-    seed: int,
-    selection: tuple[list[str], list[str], list[float]],
-    time_limit: float | None,
-    again: bool,
-    where: "Where",
-    out: Path,
-    as_json: bool,
-) -> int:
-    """What `run --ensemble` does; returns the exit code.
-
-    Parameters
-    ----------
-    selection : engines, methods, timesteps
-    time_limit : s, that a call may take, if one was chosen
-    again : whether members that the file holds already are run again
-    where, out : where runs are made, and the result file
-    """
-    from .sweep_running import choose_for_sweep, run_ensembles
-
-    choice = choose_for_sweep(*selection, time_limit, again=again)
-    swept = run_ensembles(scenes, members, seed, choice, where, out)
-    one = f"spincheck member SCENE --seed {seed} --member N"
-    return _printed(swept, f"Members are in {out}; '{one}' prints one", out, as_json)
-
-
-def _printed(swept: "list[SweepResult]", where: str, out: Path, as_json: bool) -> int:
+def print_swept(swept: "list[SweepResult]", where: str, out: Path, as_json: bool) -> int:
     """Print sweeps, a single one or a list of them; returns the exit code."""
     from .sweep_running import exit_code, print_sweep, sweep_as_json
 

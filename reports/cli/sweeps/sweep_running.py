@@ -127,11 +127,6 @@ def run_map(
     ----------
     ranges : two axes, as `parse_axis` reads them
     choice : with one timestep at most
-
-    Raises
-    ------
-    Complaint
-        If an argument cannot be used, or the run was stopped.
     """
     base = one_scene(scene)
     sweep = _map(base, ranges, choice)
@@ -164,13 +159,7 @@ def run_ensembles(
 
 
 def member_text(scene: str, seed: int, number: int) -> str:
-    """A member's scenario file.
-
-    Raises
-    ------
-    Complaint
-        If there is no such scene or member.
-    """
+    """A member's scenario file."""
     _check_members(number + 1, seed)
     return member(one_scene(scene), seed, number).text
 
@@ -188,11 +177,6 @@ def varied_text(scene: str, numbers: Sequence[str]) -> str:
     Parameters
     ----------
     numbers : as PATH=VALUE
-
-    Raises
-    ------
-    Complaint
-        If one cannot be set, or they make no scene.
     """
     base = one_scene(scene)
     values = dict(_number(text) for text in numbers)
@@ -212,13 +196,7 @@ def choose_for_sweep(
     *,
     again: bool = False,
 ) -> Choice:
-    """Engines, methods, at most one timestep, a time limit, s, and whether all is run again.
-
-    Raises
-    ------
-    Complaint
-        If there is no such engine or method, there are more timesteps, or the limit is too long.
-    """
+    """Engines, methods, at most one timestep, a time limit, s, and whether all is run again."""
     if len(timesteps) > 1:
         raise Complaint(
             f"'--timestep' may be given once here, got {len(timesteps)}; or vary it in a map",

@@ -130,12 +130,6 @@ def import_scenes(file: Path, out: Path, links: Sequence[str]) -> list[str]:
     Parameters
     ----------
     links : only these; all if empty
-
-    Raises
-    ------
-    Complaint
-        If the file cannot be read or has no such link, if no link makes a scene, or if a scene's
-        file exists already.
     """
     with as_complaint(ModelFileError):
         model = read_model(file)

@@ -7,7 +7,7 @@ from typing import Any
 
 from ....engines.checks.read_back import BodyReading
 from ....scenarios import printable
-from ....scenarios.users_models import ModelFile, ModelFileError, RigidBody, Stated, read_model
+from ....scenarios.users_models import ModelFile, ModelFileError, Stated, read_model
 from ...harness.executors import LocalWorkers
 from ...harness.users_models import (
     READ_LIMIT,
@@ -54,7 +54,11 @@ def record(inspection: Inspection) -> dict[str, Any]:
             "mass": {"stated": stated_mass(inspection), "added": added_masses(inspection)},
             "refused": {" ".join(who): reason for who, reason in inspection.refusals.items()},
             "composed": [
-                {"link": body.host.name, "welded": list(body.welded), **_whole_record(body)}
+                {
+                    "link": body.host.name,
+                    "welded": list(body.welded),
+                    **(_body_record(body.stated) or {}),
+                }
                 for body in inspection.composed
             ],
             "notes": list(inspection.model.notes),
@@ -87,10 +91,6 @@ def _reading_record(reading: LinkReading) -> dict[str, Any]:
         "difference": None if difference is None else vars(difference),
         "attitude_apart_deg": apart and {f"{time:g}": angle for time, angle in apart.items()},
     }
-
-
-def _whole_record(body: RigidBody) -> dict[str, Any]:
-    return _body_record(body.stated) or {}
 
 
 def _body_record(body: Stated | BodyReading | None) -> dict[str, Any] | None:
@@ -132,13 +132,7 @@ def models(
 
 
 def inspections(models: Sequence[ModelFile], engines: Sequence[str]) -> Iterator[Inspection]:
-    """Inspect models one after the other; engines read them in one worker process each.
-
-    Raises
-    ------
-    Complaint
-        If no engine can be asked.
-    """
+    """Inspect models one after the other; engines read them in one worker process each."""
     with as_complaint(CannotInspectError):
         readers = reader_engines(engines)
         if not readers:
@@ -149,13 +143,7 @@ def inspections(models: Sequence[ModelFile], engines: Sequence[str]) -> Iterator
 
 
 def write_pages(inspected: Sequence[Inspection], out: Path) -> Iterator[Path]:
-    """Write a page for each model.
-
-    Raises
-    ------
-    Complaint
-        If the folder cannot be written.
-    """
+    """Write a page for each model."""
     from ...pages.users_models import page_names, write_model_page
 
     names = page_names([one.model.path for one in inspected])

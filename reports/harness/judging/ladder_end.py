@@ -1,6 +1,6 @@
 """Judges, of a ladder so far, whether a finer rung is needed, or can succeed."""
 
-from ..ladder import DECIDED_STEPS, EXCESS, LEAST_RUNGS, MIN_RUNGS
+from ..ladder import DECIDED_STEPS, EXCESS, LEAST_RUNGS, MIN_RUNGS, QUICK_STEPS
 from .best_window import SHARP
 from .records import Records
 
@@ -41,14 +41,16 @@ def _is_known(records: Records) -> bool:
 def _is_decided(records: Records) -> bool:
     """Whether steps and pieces decide, and a longer ladder has no more to show.
 
-    Errors of finer rungs, and their costs, follow by the order.
+    Errors of finer rungs, and their costs, follow by the order. Of a method of `HIGH_ORDER` the
+    ladder of a quick study tells faults of 1e-8, which are too small for steps and pieces.
     """
     if records.local is None or not records.local.converges:
         return False
     last, count = records.rows[-1], len(records.rows)
-    finest = last.timestep * last.steps / DECIDED_STEPS
+    most = QUICK_STEPS if records.order >= HIGH_ORDER else DECIDED_STEPS
+    finest = last.timestep * last.steps / most
     in_vain = count >= MIN_RUNGS and records.ladder.is_out_of_reach(finest)
-    return in_vain or 2 * last.steps > (EXCESS if count < LEAST_RUNGS else 1) * DECIDED_STEPS
+    return in_vain or 2 * last.steps > (EXCESS if count < LEAST_RUNGS else 1) * most
 
 
 def _diverges_at_any_timestep(records: Records) -> bool:

@@ -10,7 +10,6 @@ import numpy as np
 from ....engines import Engine, EngineError, Method, Run, Session
 from ....reference import Solution
 from ....scenarios import FloatArray, Scenario, Trajectory
-from ...results.records import Verdict
 from ...results.store import Results, SceneResult
 from ..convergence_study import ConvergenceStudy
 from ..executors import Answer
@@ -43,11 +42,6 @@ class RecordedEngine(Engine):
     def open(self, scenario: Scenario, method: Method, timestep: float) -> Session:  # noqa: ARG002
         """Raise: there is nothing to open."""
         raise EngineError("recorded motions cannot be run")
-
-
-def verdict_on_files(scenario: Scenario, motions: Sequence[JudgedMotion], order: int) -> Verdict:
-    """Judge motions, as `study_of_files` takes them."""
-    return judge(study_of_files(scenario, motions, order).records)
 
 
 def study_of_files(

@@ -111,13 +111,28 @@ class SceneRuns:
         """The runs to draw, each with the exact motion at its own sample times."""
         if self.solved is None:
             return ()
-        exact_motions = _ExactMotions(self.solved)
+        scenario = self.solved.scenario
         return tuple(
-            _compared(self.solved.scenario, runs, row, row.motion, exact_motions.at(row.motion))
+            Compared(scenario, runs, row, motion, exact, error_series(scenario, motion, exact))
             for runs in self.methods
             for row in runs.drawn
-            if row.motion is not None
+            if (motion := row.motion) is not None
+            for exact in [self._exact_at(motion)]
         )
+
+    def _exact_at(self, motion: Trajectory) -> Trajectory:
+        """The exact motion at a run's samples: stored if they are the ladder's, else solved."""
+        stored, n = self.exact.solution.trajectory, len(motion.t)
+        if n <= len(stored.t) and np.array_equal(stored.t[:n], motion.t):
+            return stored.until(n)
+        times = motion.t.tobytes()
+        if times not in self._solved_at:
+            self._solved_at[times] = ExactMotion(self.exact.scenario).outline(motion.t)
+        return self._solved_at[times]
+
+    @cached_property
+    def _solved_at(self) -> dict[bytes, Trajectory]:
+        return {}
 
     def uncertainty(self, row: Row) -> Errors:
         """Uncertainty of the reference of a run; that of ω is stored with the run."""
@@ -214,27 +229,3 @@ def report_data(results: Results) -> ReportData:
         for name in names
     )
     return ReportData(results.environment, pairs, scenes)
-
-
-def _compared(
-    scenario: Scenario, runs: MethodRuns, row: Row, motion: Trajectory, exact: Trajectory
-) -> Compared:
-    return Compared(scenario, runs, row, motion, exact, error_series(scenario, motion, exact))
-
-
-class _ExactMotions:
-    """The exact motion at a run's samples: stored if they are the ladder's, else solved again."""
-
-    def __init__(self, scene: SceneResult) -> None:
-        self._scene = scene
-        self._solved: dict[bytes, Trajectory] = {}
-
-    def at(self, motion: Trajectory) -> Trajectory:
-        stored = self._scene.solution.trajectory
-        n = len(motion.t)
-        if n <= len(stored.t) and np.array_equal(stored.t[:n], motion.t):
-            return stored.until(n)
-        times = motion.t.tobytes()
-        if times not in self._solved:
-            self._solved[times] = ExactMotion(self._scene.scenario).outline(motion.t)
-        return self._solved[times]

@@ -4,6 +4,7 @@ import math
 from decimal import ROUND_DOWN, Decimal
 
 from ....scenarios import SIGNALS, Errors
+from ...results.records import Row
 
 #: Printed where there is no number.
 NOTHING = "—"
@@ -100,6 +101,11 @@ def limited_errors(errors: Errors | None, uncertainty: Errors) -> tuple[str, ...
         limited(errors[signal.name] * signal.shown, uncertainty[signal.name] * signal.shown)
         for signal in SIGNALS
     )
+
+
+def ended(row: Row) -> str:
+    """How a run ended, and when: `ok`, `diverged at 1.25 s`."""
+    return row.outcome + (f" at {number(row.stopped_at)} s" if row.stopped_at is not None else "")
 
 
 def order(value: float | None) -> str:

@@ -87,26 +87,19 @@ def _heights(heights: FloatArray, energy: float) -> Range:
 
 @dataclass(frozen=True, eq=False)
 class Titled:
-    """A figure with the words around it.
+    """Figures that stand side by side if there is room, with the words around them.
 
     Attributes
     ----------
     name : for links and tests
     title : one line above
     caption : what is drawn and what to look for
-    beside : further figures, side by side with the first if there is room
     """
 
     name: str
     title: str
     caption: str
-    figure: Figure
-    beside: tuple[Figure, ...] = ()
-
-    @property
-    def parts(self) -> tuple[Figure, ...]:
-        """The figure and those beside it, in reading order."""
-        return (self.figure, *self.beside)
+    parts: Sequence[Figure]
 
 
 def figures(scene: SceneRuns) -> dict[Literal["signals", "ladder", "geometry"], list[Titled]]:
@@ -128,9 +121,9 @@ def _signals(scene: SceneRuns) -> Iterator[Titled]:
         f"Above: the tilt of the body's axis from {up}. Below: the angle between the attitude of "
         "each run and the exact one; a dot marks where it first exceeds 1°. Grey: the "
         "reference's uncertainty, below which nothing is claimed.",
-        tilt_figure(scene),
+        [tilt_figure(scene)],
     )
-    yield _titled(
+    yield Titled(
         "omega",
         "ω(t)",
         "In body axes. The exact solution is the thick line.",
@@ -142,14 +135,14 @@ def _signals(scene: SceneRuns) -> Iterator[Titled]:
         "What a run does from one of its samples to the next, beside the exact motion from the "
         "same sample: the largest over all signals, in their errors' norms. What went wrong "
         "before does not count. Grey: round-off.",
-        defect_figure(scene),
+        [defect_figure(scene)],
     )
 
 
 def _ladder(scene: SceneRuns) -> Iterator[Titled]:
     rows = [row for runs in scene.methods for row in runs.rows]
     if any(row.errors for row in rows):
-        yield _titled(
+        yield Titled(
             "convergence",
             "Convergence: error against timestep",
             "Every run. Rings: stock timesteps. Dotted: the slopes of the declared orders of "
@@ -158,7 +151,7 @@ def _ladder(scene: SceneRuns) -> Iterator[Titled]:
             convergence(scene),
         )
     if any(row.errors and row.seconds_per_step for row in rows):
-        yield _titled(
+        yield Titled(
             "cost",
             "Work–precision: error against cost",
             "The same runs by what they cost: CPU seconds of native stepping a simulated second. "
@@ -171,7 +164,7 @@ def _ladder(scene: SceneRuns) -> Iterator[Titled]:
 
 def _geometry(scene: SceneRuns) -> Iterator[Titled]:
     if not scene.exact.scenario.constraint.is_free:
-        yield _titled(
+        yield Titled(
             "axis",
             "Path of the axis",
             "Where the body's axis points, as a path on the unit sphere (to be turned), from "
@@ -181,7 +174,7 @@ def _geometry(scene: SceneRuns) -> Iterator[Titled]:
         )
     traced = polhode(scene)
     if traced:
-        yield _titled(
+        yield Titled(
             "polhode",
             "Polhode and herpolhode",
             "Left: the tip of ω in the body's principal axes, on Poinsot's ellipsoid of the "
@@ -197,10 +190,5 @@ def _geometry(scene: SceneRuns) -> Iterator[Titled]:
             "Effective potential",
             "What is left of the motion once p_α and p_γ are constant: the tilt β moves in the "
             "well V_eff at the height E′ = E − p_γ²/2 I₃, between the two turning points.",
-            well,
+            [well],
         )
-
-
-def _titled(name: str, title: str, caption: str, parts: Sequence[Figure]) -> Titled:
-    first, *others = parts
-    return Titled(name, title, caption, first, tuple(others))

@@ -10,7 +10,7 @@ from ...harness.judging.observed_order import ABOVE_UNCERTAINTY
 from ...harness.measuring.asymptotic import ASYMPTOTIC
 from ...results.records import Row
 from ..analysis.report_data import MethodRuns, SceneRuns
-from ..analysis.wording import number
+from ..analysis.wording import ended, number
 from ..analysis.work_precision import cost, curves, front
 from .plot import (
     WHOLE,
@@ -190,14 +190,9 @@ def _hover(runs: MethodRuns, row: Row) -> str:
         f"{escape(runs.label, quote=False)}, timestep {number(row.timestep)} s",
         f"{number(took)} CPU s a simulated second" if took is not None else "",
         "a stock timestep" if row.stock else "",
-        "" if row.outcome == "ok" else _ending(row),
+        "" if row.outcome == "ok" else ended(row),
     ]
     return "<br>".join(part for part in parts if part)
-
-
-def _ending(row: Row) -> str:
-    when = f" at {number(row.stopped_at)} s" if row.stopped_at is not None else ""
-    return f"{row.outcome}{when}"
 
 
 def _x_range(scene: SceneRuns, abscissa: Abscissa) -> Range:

@@ -13,7 +13,7 @@ from ...results.records import Pair
 from ...results.sweep_records import PlacedRow
 from ..analysis.map_grid import Grid, place_of, places, with_unit
 from ..analysis.measures import FIRST, HORIZON, Mark, is_coloured, marks
-from ..analysis.wording import number, power_of_ten
+from ..analysis.wording import ended, number, power_of_ten
 from .map_axes import cell_side, columns_of, edges, panels
 from .map_bounds import Bound, bounds_of
 from .plot import GROUND, INK, Figure, Trace, axis_suffix, packed
@@ -167,8 +167,7 @@ def _hover(pair: Pair) -> str:
 
 
 def _ended(point: PlacedRow) -> str:
-    at = f" at {number(point.stopped_at)} s" if point.stopped_at is not None else ""
-    return f"{point.outcome}{at}" + (f" ({point.cause})" if point.cause else "")
+    return ended(point) + (f" ({point.cause})" if point.cause else "")
 
 
 def drawn_bounds(grid: Grid, pair: Pair) -> list[tuple[Bound, FloatArray, FloatArray]]:

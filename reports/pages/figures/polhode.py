@@ -8,10 +8,9 @@ from scipy.spatial.transform import Rotation
 from ....reference.rotational_problem import rotational_problem
 from ....scenarios import FloatArray, Trajectory
 from ..analysis.report_data import SceneRuns
-from .axis_path import frame_about
+from .axis_path import dot, frame_about, surface, view
 from .drawn_body import dense_motion
 from .plot import Figure, Panel, drawing, start_dot
-from .solid import dot, surface, view
 
 HEIGHT = 460
 #: Room around the herpolhode, as a factor.

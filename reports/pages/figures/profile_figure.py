@@ -7,8 +7,8 @@ import numpy as np
 
 from ....scenarios import SIGNAL
 from ...results.records import Pair
+from ..analysis.cost_to_reach import Profile
 from ..analysis.measures import Measure, Members
-from ..analysis.profiles import Profile
 from ..analysis.trace_style import TraceStyle
 from ..analysis.wording import number
 from .plot import Figure, Panel, Range, Trace, drawing, line, method_style

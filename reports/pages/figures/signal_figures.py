@@ -15,6 +15,7 @@ from ....scenarios import FloatArray, Trajectory
 from ...harness.defects import LEAST_ROUNDING
 from ...results.store import SceneResult
 from ..analysis.report_data import Compared, SceneRuns
+from .axis_path import curve
 from .drawn_body import DrawnBody, dense_motion, drawn_body
 from .plot import (
     Figure,
@@ -28,7 +29,6 @@ from .plot import (
     line,
     method_style,
 )
-from .solid import curve
 
 #: Number of samples of the exact motion over the window.
 SAMPLES = 4000

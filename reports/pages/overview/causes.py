@@ -13,7 +13,7 @@ import numpy as np
 from ....scenarios import Trajectory
 from ...results.records import Pair, Row
 from ...results.verdict_words import VERDICT
-from ..analysis.report_data import Compared, ReportData, SceneRuns
+from ..analysis.report_data import ReportData, SceneRuns
 from ..analysis.wording import plural
 
 #: rad; a scene is used if its exact ω turns by more in space.
@@ -51,7 +51,7 @@ def without_gyroscopic_torque(
             shipped = run.runs.declared is not None and run.runs.declared.as_shipped
             if not shipped or turned_in_space(run.exact) < TELLING:
                 continue
-            if _is_steady(run):
+            if turned_in_space(run.motion) < STEADY * turned_in_space(run.exact):
                 lacking.setdefault(run.runs.pair, {})[scene.name] = float(run.series["omega"].max())
             else:
                 has_it.add(run.runs.pair)
@@ -67,10 +67,6 @@ def turned_in_space(motion: Trajectory) -> float:
     start = omega_world[0]
     across = np.linalg.norm(np.cross(omega_world, start), axis=1)
     return float(np.arctan2(across, omega_world @ start).max())
-
-
-def _is_steady(run: Compared) -> bool:
-    return turned_in_space(run.motion) < STEADY * turned_in_space(run.exact)
 
 
 def _of_engine(engine: str, errors: dict[str, float]) -> NoGyroscopicTorque:

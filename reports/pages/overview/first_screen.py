@@ -149,7 +149,12 @@ def answer(gathered: ReportData, left_out: Collection[EffectsCost] = ()) -> Answ
         for used in filter(None, (one, instead.get(one.pair))):
             headings.append(f"{'' if used is one else 'use '}{' '.join(used.pair)}")
             columns.append(_column(used, one, left_out))
-    lines = [line for line in zip(*columns, strict=True) if _says_something(line)]
+    # Without times a line has the default's own ratio alone.
+    lines = [
+        line
+        for line in zip(*columns, strict=True)
+        if any(cell.text not in ("", OWN_RATIO) for cell in line[1:])
+    ]
     scenes = plural(max(len(one.rows) for one in shipped), "scene")
     return Answer(
         _lead(listed, list(instead.values())),
@@ -187,11 +192,6 @@ def _column(one: _AtStock, default: _AtStock, left_out: Collection[EffectsCost])
         one.worst,
         *map(figure, ratios),
     ]
-
-
-def _says_something(line: Sequence[Cell]) -> bool:
-    """Whether a line has more than the default's own ratio: without times it has not."""
-    return any(cell.text not in ("", OWN_RATIO) for cell in line[1:])
 
 
 def _others(shipped: Sequence[_AtStock]) -> list[str]:

@@ -1,4 +1,4 @@
-"""The first page: headline, matrix of verdicts, methods and complaints."""
+"""The first page: headline, matrix of verdicts, methods, complaints, survivors of hard scenes."""
 
 import math
 from collections import Counter
@@ -11,9 +11,9 @@ from ....scenarios import PUSHED
 from ...results.records import Pair, Verdict
 from ...results.verdict_words import LISTED, VerdictKind
 from ..analysis.report_data import MethodRuns, ReportData, SceneRuns
-from ..analysis.timesteps import row_at, stock_timesteps
+from ..analysis.timesteps import row_at, stock_timesteps, survival
 from ..analysis.wording import NOTHING, number, order, plural
-from ..tables import Cell, Table, figure, method_anchor, scene_page, table, verdict_cell
+from ..tables import Cell, Table, figure, method_anchor, named, scene_page, table, verdict_cell
 
 #: rad; a run is counted as close if it never is further off.
 CLOSE = math.radians(1.0)
@@ -22,12 +22,9 @@ WORDS = tuple(kind.word for kind in LISTED)
 GROUPS = ("On a pivot", "On a table", "Free", "Thrown", "Driven or damped", "Not solved")
 
 
-@dataclass(frozen=True)
-class Group:
-    """Scenes of one kind: a title and, for each scene, its name, title, page and cells."""
-
-    title: str
-    scenes: tuple[tuple[Cell, tuple[Cell, ...]], ...]
+#: A scene's name, title and page, and its cells; a title, and the scenes below it.
+SceneLine = tuple[Cell, tuple[Cell, ...]]
+Group = tuple[str, tuple[SceneLine, ...]]
 
 
 @dataclass(frozen=True)
@@ -111,7 +108,7 @@ def matrix_of(
         scenes = [scene for scene in shown if group_of(scene) == title]
         if scenes:
             rows = tuple(_matrix_row(scene, gathered.pairs, detail) for scene in scenes)
-            groups.append(Group(title, rows))
+            groups.append((title, rows))
     shipped = {v.key.pair for v in gathered.verdicts if v.as_shipped}
     methods = tuple(
         f"{pair[1]}, as shipped" if pair in shipped else pair[1] for pair in gathered.pairs
@@ -165,16 +162,11 @@ def complaints(
     return table(("scene", "engine", "method", "verdict", "reason"), rows)
 
 
-def environment_table(gathered: ReportData) -> Table:
-    """Table of machine and versions."""
-    return table(("", "value"), [(name, value) for name, value in gathered.environment.items()])
-
-
 def _matrix_row(
     scene: SceneRuns,
     pairs: Sequence[Pair],
     detail: Callable[[SceneRuns, MethodRuns], str],
-) -> tuple[Cell, tuple[Cell, ...]]:
+) -> SceneLine:
     page = scene_page(scene.name)
     cells = []
     for pair in pairs:
@@ -210,12 +202,8 @@ def _method_row(pair: tuple[str, str], gathered: ReportData) -> list[Cell | str]
     declared = entries[0].declared
     versions = sorted({row.engine_version for runs in entries for row in runs.rows})
     counts = Counter(runs.verdict.verdict for runs in entries if runs.verdict)
-    steps = [
-        runs.rows[-1].seconds_per_step
-        for runs in entries
-        if runs.rows and runs.rows[-1].seconds_per_step is not None
-    ]
-    timed = [seconds for seconds in steps if seconds is not None]
+    last = [row.seconds_per_step for runs in entries for row in runs.rows[-1:]]
+    timed = [seconds for seconds in last if seconds is not None]
     return [
         Cell(engine, "name"),
         ", ".join(versions),
@@ -239,8 +227,7 @@ def _complaint(scene: SceneRuns, runs: MethodRuns, verdict: Verdict) -> list[Cel
     link = f"{page}#{method_anchor(runs.engine, runs.method)}"
     return [
         Cell(scene.name, "scene", "", page),
-        Cell(runs.engine, "name"),
-        Cell(runs.method, "name"),
+        *named(runs.pair),
         verdict_cell(verdict.verdict, "expectation unmet" if verdict.unmet else "", link),
         reason_of(verdict),
     ]
@@ -253,3 +240,58 @@ def reason_of(verdict: Verdict) -> str:
 
 def _listed(parts: list[str]) -> str:
     return parts[0] if len(parts) == 1 else f"{', '.join(parts[:-1])} and {parts[-1]}"
+
+
+#: rad a step, at which methods are compared.
+TURNS = (0.01, 0.1, 1.0)
+
+
+def hard_scenes(gathered: ReportData) -> tuple[SceneRuns, ...]:
+    """The scenes that are tagged as hard."""
+    return tuple(scene for scene in gathered.scenes if scene.solved and scene.solved.scenario.hard)
+
+
+def survivors(gathered: ReportData) -> VerdictMatrix:
+    """Matrix of verdicts on hard scenes, with the largest surviving timestep in each cell."""
+    return matrix_of(gathered, hard_scenes(gathered), _detail)
+
+
+def survivors_table(gathered: ReportData) -> Table:
+    """Table of how many hard scenes each method survives, and at which timestep."""
+    headings = (
+        "engine",
+        "method",
+        "hard scenes it was run on",
+        "converges",
+        "survives at its finest timestep",
+        *(f"survives at {turn:g} rad a step" for turn in TURNS),
+        "largest turn a step it survives, rad (median)",
+    )
+    scenes = hard_scenes(gathered)
+    return table(headings, [_line(pair, scenes) for pair in gathered.pairs])
+
+
+def _detail(scene: SceneRuns, runs: MethodRuns) -> str:
+    if not runs.rows:
+        return "no run fits"
+    survived = survival(runs.rows, scene.fastest_rate)
+    return str(survived) if survived else ""
+
+
+def _line(pair: Pair, scenes: tuple[SceneRuns, ...]) -> list[Cell | str]:
+    tried = [
+        (runs, survival(runs.rows, scene.fastest_rate))
+        for scene in scenes
+        if (runs := scene.by_pair.get(pair))
+    ]
+    can = [(runs, survived) for runs, survived in tried if survived is not None]
+    converging = [runs.verdict and runs.verdict.verdict == "converges" for runs, _ in can]
+    turns = [survived.turn or 0.0 for _, survived in can]
+    return [
+        *named(pair),
+        figure(str(len(can))),
+        figure(str(sum(map(bool, converging)))),
+        figure(str(sum(survived.timestep is not None for _, survived in can))),
+        *(figure(str(sum(survived.reaches(turn) for _, survived in can))) for turn in TURNS),
+        figure(number(median(turns)) if turns else NOTHING),
+    ]

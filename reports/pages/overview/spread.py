@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from typing import Any
 
 from ....engines import Method
 from ....reference.kinds import KINDS, kind_of
@@ -15,38 +15,11 @@ from ..analysis.wording import NOTHING, count, duration, readable
 from ..figures.figures import Titled
 from ..figures.profile_figure import LOW, distribution
 from ..sweeps.sweep_pages import methods_of, numbered
-from ..tables import Cell, Table, figure, sweep_page, table
+from ..tables import Cell, figure, sweep_page, table
 
 
-@dataclass(frozen=True, eq=False)
-class KindSpread:
-    """The members of all ensembles of a kind: of each engine its default, and its best method.
-
-    Attributes
-    ----------
-    scenes : that were scattered, each with the link to its ensemble's page
-    styles : how each row of the table is drawn in the figure
-    """
-
-    kind: str
-    members: str
-    scenes: tuple[tuple[str, str], ...]
-    table: Table
-    styles: tuple[TraceStyle, ...]
-    figure: Titled
-
-
-@dataclass(frozen=True, eq=False)
-class Spread:
-    """The first screen's distributions, a kind of motion each."""
-
-    heading: str
-    text: str
-    kinds: tuple[KindSpread, ...]
-
-
-def spread(results: Results) -> Spread | None:
-    """The distributions at stock timesteps; None without an ensemble at these."""
+def spread(results: Results) -> dict[str, Any] | None:
+    """The distributions at stock timesteps, a kind of motion each; None without any ensemble."""
     by_kind: dict[str, dict[str, SweepResult]] = {kind: {} for kind in KINDS}
     for name, one in numbered(results):
         if isinstance(one.sweep, Ensemble) and one.sweep.timestep is None:
@@ -61,12 +34,12 @@ def spread(results: Results) -> Spread | None:
     ]
     if not kinds:
         return None
-    return Spread(
-        "Over starts and bodies of each kind of motion",
-        f"{ATTITUDE.title}, at stock timesteps; ∞ where a run did not finish, "
+    return {
+        "heading": "Over starts and bodies of each kind of motion",
+        "text": f"{ATTITUDE.title}, at stock timesteps; ∞ where a run did not finish, "
         f"{NOTHING} for p99 of less than 100 members, which is the largest.",
-        tuple(kinds),
-    )
+        "kinds": kinds,
+    }
 
 
 def _of_kind(
@@ -74,7 +47,8 @@ def _of_kind(
     ensembles: dict[str, SweepResult],
     declared: dict[Pair, Method | None],
     styles: dict[Pair, TraceStyle],
-) -> KindSpread | None:
+) -> dict[str, Any] | None:
+    """The members of a kind: each engine's default and best method, the scenes and their pages."""
     # Two ensembles of a scene may have members in common.
     points = {
         (p.key.scenario, p.place, p.pair): p for one in ensembles.values() for p in one.points
@@ -83,14 +57,14 @@ def _of_kind(
     if not any((one.errors(ATTITUDE) > 0).any() for one in shown):
         return None
     members = {(scene, place) for scene, place, _ in points}
-    return KindSpread(
-        kind,
-        count(len(members)),
-        tuple((one.scenario.name, sweep_page("ensemble", name)) for name, one in ensembles.items()),
-        table(("", *QUANTILES), [_row(one) for one in shown]),
-        tuple(styles[one.pair] for one in shown),
-        Titled(f"spread {kind}", "", "", distribution(shown, styles, ATTITUDE, LOW)),
-    )
+    return {
+        "kind": kind,
+        "members": count(len(members)),
+        "scenes": [(e.scenario.name, sweep_page("ensemble", n)) for n, e in ensembles.items()],
+        "table": table(("", *QUANTILES), [_row(one) for one in shown]),
+        "styles": [styles[one.pair] for one in shown],
+        "figure": Titled(f"spread {kind}", "", "", [distribution(shown, styles, ATTITUDE, LOW)]),
+    }
 
 
 def _shown(points: Sequence[PlacedRow], declared: dict[Pair, Method | None]) -> list[Members]:

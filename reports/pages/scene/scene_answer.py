@@ -3,7 +3,7 @@
 import math
 import shlex
 from collections.abc import Sequence
-from dataclasses import dataclass
+from typing import Any
 
 from ...harness.recorded.recorded_ladder import RecordedEngine
 from ...results.records import Key, Row
@@ -16,9 +16,9 @@ from ..analysis.best_choice import (
     within_in_words,
 )
 from ..analysis.report_data import Compared, MethodRuns, SceneRuns
-from ..analysis.wording import NOTHING, duration, limited, number, plural, typed
+from ..analysis.wording import NOTHING, duration, ended, limited, number, plural, typed
 from ..analysis.work_precision import cost
-from ..tables import Cell, Table, figure, table
+from ..tables import Cell, figure, table
 from .motion_data import noticeable_from
 
 HEADINGS = (
@@ -35,48 +35,12 @@ HEADINGS = (
 SHOWN_DEFAULTS = 2
 
 
-@dataclass(frozen=True, eq=False)
-class Use:
-    """A choice as users take it.
+def scene_answer(scene: SceneRuns) -> dict[str, Any] | None:
+    """The answer at the top of a scene's page; None if the scene could not be solved.
 
-    Attributes
-    ----------
-    within : whether it is accurate enough; if not, it is the most accurate
-    summary : method, timestep and error in a line
-    setup : what to type into the engine; without that, the command that prints a whole program
-    command : runs it again
+    `uses` has the best choice of each engine, the best of all first; `defaults` engines as shipped
+    at their stock timesteps, and the best choice; `others` every other method at stock timesteps.
     """
-
-    within: bool
-    summary: str
-    facts: tuple[tuple[str, str], ...]
-    setup: str
-    command: str
-
-
-@dataclass(frozen=True, eq=False)
-class SceneAnswer:
-    """The answer at the top of a scene's page.
-
-    Attributes
-    ----------
-    title : of the table of defaults
-    sentence : the defaults' errors, and what to use instead, in words
-    uses : the best choice of each engine, the best of all first; none where no method converges,
-        or the motion tells nothing about methods
-    defaults : engines as shipped at their stock timesteps, and the best choice
-    others : every other method at its engine's stock timestep and at 1 ms
-    """
-
-    title: str
-    sentence: str
-    uses: tuple[Use, ...]
-    defaults: Table
-    others: Table
-
-
-def scene_answer(scene: SceneRuns) -> SceneAnswer | None:
-    """The answer for a scene; None if it could not be solved."""
     if scene.solved is None:
         return None
     of_files = _is_of_files(scene)
@@ -86,13 +50,14 @@ def scene_answer(scene: SceneRuns) -> SceneAnswer | None:
     seen = {(run.row.key, run.row.timestep): run for run in scene.compared}
     rows = [_line(scene, runs, row, seen) for runs in shipped for row in runs.stock[:1]]
     rows += [_line(scene, best.runs, best.row, seen, "recommended") for best in choices[:1]]
-    return SceneAnswer(
-        "What the files show" if of_files else "What the defaults give",
-        _sentence(scene, next(iter(choices), None)),
-        tuple(_use(scene, choice) for choice in choices),
-        table(HEADINGS, rows),
-        table(HEADINGS, [_line(scene, runs, row, seen) for runs in others for row in runs.stock]),
-    )
+    rest = [_line(scene, runs, row, seen) for runs in others for row in runs.stock]
+    return {
+        "title": "What the files show" if of_files else "What the defaults give",
+        "sentence": _sentence(scene, next(iter(choices), None)),
+        "uses": [_use(scene, choice) for choice in choices],
+        "defaults": table(HEADINGS, rows),
+        "others": table(HEADINGS, rest),
+    }
 
 
 def _is_of_files(scene: SceneRuns) -> bool:
@@ -153,8 +118,7 @@ def _run_in_words(scene: SceneRuns, label: str, row: Row) -> str:
         return f"{run} was not run: {row.reason}."
     if row.outcome == "unsupported":
         return f"{run} cannot be run: {row.reason}."
-    when = f" at {number(row.stopped_at)} s" if row.stopped_at is not None else ""
-    return f"{run} {row.outcome}{when}."
+    return f"{run} {ended(row)}."
 
 
 def _price(best: BestChoice, defaults: Sequence[tuple[MethodRuns, Row]]) -> str:
@@ -167,42 +131,37 @@ def _price(best: BestChoice, defaults: Sequence[tuple[MethodRuns, Row]]) -> str:
     return ""
 
 
-def _use(scene: SceneRuns, choice: BestChoice) -> Use:
-    off = attitude_in_degrees(scene, choice.row)
-    key = choice.row.key
-    whole = ["spincheck", "reproduce", scene.name, "--engine", key.engine, "--method", key.method]
-    return Use(
-        choice.within,
-        f"{choice.runs.label} at {duration(choice.timestep)}: {off}°{_bound_missed(choice)}",
-        tuple(_facts(scene, choice)),
-        choice.setup or shlex.join([*whole, "--timestep", repr(choice.timestep)]),
-        _command(scene, choice),
-    )
+def _use(scene: SceneRuns, choice: BestChoice) -> dict[str, Any]:
+    """A choice as users take it: a line, the engine's own words, a command that checks it."""
+    off, key = attitude_in_degrees(scene, choice.row), choice.row.key
+    options = [scene.name, "--engine", key.engine, "--method", key.method]
+    options += ["--timestep", repr(choice.timestep)]
+    missed = "" if choice.within else ", its most accurate run"
+    return {
+        "within": choice.within,
+        "summary": f"{choice.runs.label} at {duration(choice.timestep)}: {off}°{missed}",
+        "facts": _facts(scene, choice),
+        "setup": choice.setup or shlex.join(["spincheck", "reproduce", *options]),
+        "command": shlex.join(["spincheck", "run", *options]),
+    }
 
 
 def _facts(scene: SceneRuns, best: BestChoice) -> list[tuple[str, str]]:
     errors, limits = best.row.errors, scene.uncertainty(best.row)
     assert errors is not None, "only a run with errors is recommended"
+    run, timestep = best.row.timestep, f"{typed(best.timestep)} s"
+    if run != best.timestep:
+        timestep += f" (measured at {number(run, 4)} s)"
     facts = [
         ("engine", f"{best.runs.engine} {best.row.engine_version}"),
         ("integrator", best.runs.method),
-        ("timestep", f"{typed(best.timestep)} s{_as_run(best)}"),
+        ("timestep", timestep),
         ("attitude error", f"{attitude_in_degrees(scene, best.row)}°"),
         ("ω error", limited(errors.omega, limits.omega)),
     ]
     if best.cost is not None:
         facts.append(("cost", f"{number(best.cost)} CPU s a simulated s"))
     return facts
-
-
-def _bound_missed(choice: BestChoice) -> str:
-    return "" if choice.within else ", its most accurate run"
-
-
-def _as_run(best: BestChoice) -> str:
-    """The timestep of the run that was measured, where that is not quite what is recommended."""
-    run = best.row.timestep
-    return "" if run == best.timestep else f" (measured at {number(run, 4)} s)"
 
 
 def _line(
@@ -225,8 +184,7 @@ def _line(
 
 def _errors(scene: SceneRuns, row: Row, noticed: float | None) -> list[Cell]:
     if row.errors is None:
-        when = f" at {number(row.stopped_at)} s" if row.stopped_at is not None else ""
-        word = f"{row.outcome}{when}" if row.made else "not run"
+        word = ended(row) if row.made else "not run"
         kind = row.outcome if row.made else "unsupported"
         return [Cell(word, kind, note=row.reason), *[figure(NOTHING)] * 3]
     limits = scene.uncertainty(row)
@@ -237,12 +195,6 @@ def _errors(scene: SceneRuns, row: Row, noticed: float | None) -> list[Cell]:
     if row.errors.attitude > math.radians(1) and noticed is None:
         begins = NOTHING
     return [figure(attitude_in_degrees(scene, row)), figure(begins), *of_signal]
-
-
-def _command(scene: SceneRuns, best: BestChoice) -> str:
-    key = best.row.key
-    words = ["spincheck", "run", scene.name, "--engine", key.engine, "--method", key.method]
-    return shlex.join([*words, "--timestep", repr(best.timestep)])
 
 
 def _capital(text: str) -> str:

@@ -22,7 +22,7 @@ from ..analysis.wording import (
 )
 from ..analysis.work_precision import cost
 from ..overview.overview import reason_of
-from ..tables import Captioned, Cell, Table, figure, method_anchor, table, verdict_cell
+from ..tables import Captioned, Cell, Table, figure, method_anchor, named, table, verdict_cell
 
 
 def effects_table(scenario: Scenario) -> Table:
@@ -89,8 +89,7 @@ def signals_table(scene: SceneRuns) -> Table:
     )
     rows: list[list[Cell | str]] = [
         [
-            Cell(runs.engine, "name"),
-            Cell(runs.method, "name"),
+            *named(runs.pair),
             SIGNAL[signal.signal].error_title,
             verdict_cell(signal.verdict),
             figure(order(signal.order)),
@@ -134,7 +133,7 @@ def drifts_table(scene: SceneRuns) -> Table | None:
     shown = [(runs, runs.finest) for runs in scene.methods]
     rows = [
         (
-            *_named(runs),
+            *named(runs.pair),
             figure(number(row.timestep)),
             *(figure(number(row.drifts.get(law.name))) for law in laws),
         )
@@ -196,7 +195,7 @@ def _verdict_row(scene: SceneRuns, runs: MethodRuns) -> list[Cell | str]:
     verdict = runs.verdict
     if verdict is None:
         nothing = [figure(NOTHING)] * 3
-        return [*_named(runs), Cell("no verdict", "absent"), *nothing, "stopped early"]
+        return [*named(runs.pair), Cell("no verdict", "absent"), *nothing, "stopped early"]
     survives, turn = in_words(survival(runs.rows, scene.fastest_rate if scene.solved else None))
     stable = Cell(survives, "number", f"{turn} rad a step" if turn != NOTHING else "")
     uncertainty = 0.0
@@ -212,7 +211,7 @@ def _verdict_row(scene: SceneRuns, runs: MethodRuns) -> list[Cell | str]:
         expected = runs.declared.attitude_order if attitude else runs.declared.order
         declared = f"declared {expected}"
     return [
-        *_named(runs),
+        *named(runs.pair),
         verdict_cell(verdict.verdict, verdict.ground),
         Cell(order(verdict.order), "number", declared if verdict.order is not None else ""),
         Cell(_limit(verdict, uncertainty), "number", decided),
@@ -247,16 +246,12 @@ def _components(values: FloatArray) -> str:
     return ", ".join(f"{value:.9g}" for value in values)
 
 
-def _named(runs: MethodRuns) -> tuple[Cell, Cell]:
-    return Cell(runs.engine, "name"), Cell(runs.method, "name")
-
-
 def _observables_row(
     scenario: Scenario, runs: MethodRuns, motion: Trajectory, names: list[str]
 ) -> list[Cell | str]:
     seen = {observable.name: observable.value for observable in observables(scenario, motion)}
     cells = [figure(observed(seen[name]) if name in seen else NOTHING) for name in names]
-    return [*_named(runs), *cells]
+    return [*named(runs.pair), *cells]
 
 
 def _run_row(scene: SceneRuns, row: Row) -> list[Cell | str]:

@@ -9,9 +9,9 @@ from ...results.records import Pair
 from ...results.sweep_records import Ensemble, PlacedRow
 from ..analysis.map_grid import Grid
 from ..analysis.measures import OMEGA, QUANTILES, Measure, Members, is_coloured, marks
-from ..analysis.wording import NOTHING, limited, number
+from ..analysis.wording import NOTHING, ended, limited, number
 from ..figures.map_figure import legend_of_bounds
-from ..tables import Cell, Table, figure, table
+from ..tables import Cell, Table, figure, named, table
 
 #: Number of worst members shown of each method.
 WORST = 3
@@ -31,9 +31,8 @@ def quantile_table(members: Sequence[Members], measure: Measure) -> Table:
 def worst_table(ensemble: Ensemble, members: Sequence[Members]) -> Table:
     """The worst members of each method, with the commands that write them as scene files."""
     rows = (
-        [Cell(engine, "name"), Cell(method, "name"), *_member(ensemble, point)]
+        [*named(of_method.pair), *_member(ensemble, point)]
         for of_method in members
-        for engine, method in [of_method.pair]
         for point in of_method.worst(WORST)
     )
     return table(("engine", "method", "member", "ω error", "how it ended", "as a scene file"), rows)
@@ -47,10 +46,8 @@ def member_command(ensemble: Ensemble, number_of_member: int) -> str:
 
 
 def _quantile_row(of_method: Members, measure: Measure) -> Iterator[Cell]:
-    engine, method = of_method.pair
     run, finished = len(of_method.points), len(of_method.finished)
-    yield Cell(engine, "name")
-    yield Cell(method, "name")
+    yield from named(of_method.pair)
     yield figure(str(run))
     yield figure(percent(finished, run) if run else NOTHING)
     for value in of_method.quantiles(measure) or (None,) * len(QUANTILES):
@@ -65,8 +62,7 @@ def _member(ensemble: Ensemble, point: PlacedRow) -> Iterator[Cell]:
     if is_coloured(point):
         yield Cell("finished")
     else:
-        at = f" at {number(point.stopped_at)} s" if point.stopped_at is not None else ""
-        yield Cell(f"{point.outcome}{at}", "", point.reason)
+        yield Cell(ended(point), "", point.reason)
     yield Cell(member_command(ensemble, member), "command")
 
 
@@ -104,7 +100,7 @@ def ends_table(points: Iterable[PlacedRow], pairs: Iterable[Pair]) -> Table:
     labels = ["finished", *dict.fromkeys(mark.label for mark in marks_by_end.values())]
     return table(
         ("engine", "method", *labels),
-        ([*_name(pair), *(_count(counts[pair][label]) for label in labels)] for pair in counts),
+        ([*named(pair), *(_count(counts[pair][label]) for label in labels)] for pair in counts),
     )
 
 
@@ -112,11 +108,6 @@ def bounds_table(grid: Grid) -> Table:
     """Table of the lines: meaning, and source."""
     rows = ((Cell(b.label, "name"), b.meaning, b.source) for b in legend_of_bounds(grid))
     return table(("line", "what it says", "source"), rows)
-
-
-def _name(pair: Pair) -> tuple[Cell, Cell]:
-    engine, method = pair
-    return Cell(engine, "name"), Cell(method, "name")
 
 
 def _count(amount: int) -> Cell:
@@ -128,7 +119,7 @@ def _by_turn(grid: Grid, said: Callable[[list[PlacedRow]], str]) -> Table:
     by_turn = {pair: _runs_by_turn(grid, pair) for pair in grid.methods}
     shown = [k for k in range(len(TURNS) + 1) if any(by_turn[pair][k] for pair in by_turn)]
     rows = (
-        [*_name(pair), *(figure(said(runs[k]) if runs[k] else NOTHING) for k in shown)]
+        [*named(pair), *(figure(said(runs[k]) if runs[k] else NOTHING) for k in shown)]
         for pair, runs in by_turn.items()
     )
     return table(("engine", "method", *(_range(k) for k in shown)), rows)

@@ -2,7 +2,7 @@
 
 import shlex
 from collections import Counter
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
 
 from jinja2 import Environment
@@ -20,7 +20,7 @@ from ..figures.figures import Titled
 from ..figures.map_figure import map_figure
 from ..figures.profile_figure import distribution
 from ..page_data import PageData
-from ..tables import Cell, Table, figure, sweep_page, table
+from ..tables import Captioned, Cell, Table, figure, sweep_page, table
 from ..templating import ReportFolder
 from .map_tables import (
     bounds_table,
@@ -63,16 +63,6 @@ WORST_FIRST = "Those that did not finish first, then by the error of ω."
 
 
 @dataclass(frozen=True, eq=False)
-class SweepTable:
-    """A table with the words around it; a folded one is shown on demand."""
-
-    heading: str
-    about: str
-    table: Table
-    folded: bool = False
-
-
-@dataclass(frozen=True, eq=False)
 class SweepPage:
     """Everything that the HTML page and the Markdown file of a sweep show.
 
@@ -90,7 +80,7 @@ class SweepPage:
     timestep: str
     figure: Titled | None
     shown: tuple[tuple[str, TraceStyle], ...]
-    tables: tuple[SweepTable, ...]
+    tables: tuple[Captioned, ...]
 
     @property
     def kind(self) -> str:
@@ -149,20 +139,20 @@ def _page(name: str, result: SweepResult, results: Results) -> SweepPage:
 
 def _map_figure(name: str, grid: Grid) -> Titled:
     across, up = (axis_title(axis) for axis in grid.axes)
-    return Titled(f"map-{name}", f"{up} against {across}", CELLS, map_figure(grid))
+    return Titled(f"map-{name}", f"{up} against {across}", CELLS, [map_figure(grid)])
 
 
-def _map_tables(grid: Grid) -> tuple[SweepTable, ...]:
+def _map_tables(grid: Grid) -> tuple[Captioned, ...]:
     lines = bounds_table(grid)
     ends = ends_table(grid.result.points, grid.methods)
     return (
-        *([SweepTable("What the lines say", "", lines)] if lines.rows else []),
-        SweepTable("What survives", SURVIVAL, survival_table(grid)),
+        *([Captioned("What the lines say", "", lines)] if lines.rows else []),
+        Captioned("What survives", SURVIVAL, survival_table(grid)),
         *(
-            SweepTable(f"Median: {one.title}", UNFINISHED, medians_table(grid, one), folded=True)
+            Captioned(f"Median: {one.title}", UNFINISHED, medians_table(grid, one), folded=True)
             for one in FIRST
         ),
-        SweepTable("How runs ended", "", ends),
+        Captioned("How runs ended", "", ends),
     )
 
 
@@ -175,23 +165,23 @@ def _distributions(
     compared = [one for one in members if (one.errors(OMEGA) > 0).any()]
     if not compared:
         return None, ()
-    first, second = (distribution(compared, styles, measure) for measure in (ATTITUDE, OMEGA))
+    parts = [distribution(compared, styles, measure) for measure in (ATTITUDE, OMEGA)]
     shown = tuple((" ".join(one.pair), styles[one.pair]) for one in compared)
-    figure = Titled(f"errors-{name}", "How errors are distributed", CURVES, first, (second,))
+    figure = Titled(f"errors-{name}", "How errors are distributed", CURVES, parts)
     return figure, shown
 
 
 def _ensemble_tables(
     ensemble: Ensemble, members: Sequence[Members], ends: Table
-) -> tuple[SweepTable, ...]:
+) -> tuple[Captioned, ...]:
     worst = worst_table(ensemble, [one for one in members if one.points])
     return (
-        SweepTable("How members ended", "", ends),
+        Captioned("How members ended", "", ends),
         *(
-            SweepTable(one.title, UNFINISHED, quantile_table(members, one), one not in FIRST)
+            Captioned(one.title, UNFINISHED, quantile_table(members, one), one not in FIRST)
             for one in MEASURES
         ),
-        SweepTable("The worst members", WORST_FIRST, worst),
+        Captioned("The worst members", WORST_FIRST, worst),
     )
 
 
@@ -238,22 +228,16 @@ def _timestep_in_words(sweep: Map | Ensemble) -> str:
     return f"Every run takes steps of {sweep.timestep:g} s."
 
 
-@dataclass(frozen=True, eq=False)
-class SweepSection:
-    """Pages of maps and ensembles, and the table of them; it has no rows if there are none."""
-
-    pages: tuple[SweepPage, ...]
-    table: Table
-
-
-def sweep_section(results: Results) -> SweepSection:
-    """Every map and ensemble of a result file that has any runs."""
-    pages = tuple(sweep_pages(results))
-    return SweepSection(pages, table(("", "command", "runs", "finished"), map(_row, pages)))
+def sweeps_table(pages: Sequence[SweepPage]) -> Table:
+    """The overview's table of maps and ensembles; it has no rows if there are none."""
+    return table(("", "command", "runs", "finished"), map(_row, pages))
 
 
 def write_sweeps(
-    environment: Environment, written: ReportFolder, section: SweepSection, scenes: Iterable[str]
+    environment: Environment,
+    written: ReportFolder,
+    pages: Sequence[SweepPage],
+    scenes: Collection[str],
 ) -> None:
     """Write maps/ and ensembles/, each page as .html and .md.
 
@@ -266,14 +250,13 @@ def write_sweeps(
     OSError
         If the folder cannot be written.
     """
-    solved_scenes = set(scenes)
-    for page in section.pages:
+    for page in pages:
         for ending in ("html", "md"):
             text = environment.get_template(f"sweep.{ending}").render(
                 root="../",
                 page=page,
                 packed=PageData(),
-                has_scene=page.result.scenario.name in solved_scenes,
+                has_scene=page.result.scenario.name in scenes,
             )
             written.write(f"{page.kind}s/{page.name}.{ending}", text)
 

@@ -7,6 +7,7 @@ has no ellipsoid: one of its second moments is negative.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -19,34 +20,10 @@ WIDTH, HEIGHT, LEFT, BOTTOM, TOP, RIGHT = 320.0, 200.0, 40.0, 30.0, 10.0, 12.0
 TOPS = (1e-3, 1e-2, 0.1, 1.0, 5.0, 15.0, 45.0, 90.0, 180.0)
 
 
-@dataclass(frozen=True)
-class TimeCurve:
-    """One line: "x,y x,y …" in the picture's units."""
-
-    name: str
-    colour: str
-    dash: str
-    points: str
-
-
-@dataclass(frozen=True)
-class TimeCurves:
-    """A picture of curves.
-
-    Attributes
-    ----------
-    x_ticks, y_ticks : positions and labels
-    """
-
-    curves: tuple[TimeCurve, ...]
-    x_ticks: tuple[tuple[float, str], ...]
-    y_ticks: tuple[tuple[float, str], ...]
-
-
 def time_curves(
     times: FloatArray, of_runs: Sequence[tuple[str, TraceStyle, FloatArray]]
-) -> TimeCurves:
-    """Curves of angles.
+) -> dict[str, Any]:
+    """Curves of angles, with positions and labels of ticks, in the picture's units.
 
     Parameters
     ----------
@@ -63,17 +40,20 @@ def time_curves(
     def y(angle: FloatArray | float) -> FloatArray:
         return np.asarray(HEIGHT - BOTTOM - (HEIGHT - BOTTOM - TOP) * np.asarray(angle) / top)
 
-    curves = tuple(
-        TimeCurve(name, style.colour, style.dash, _points(x(times), y(angles)))
+    curves = [
+        {
+            "name": name,
+            "colour": style.colour,
+            "dash": style.dash,
+            "points": " ".join(
+                f"{a:.1f},{b:.1f}" for a, b in zip(x(times), y(angles), strict=True)
+            ),
+        }
         for name, style, angles in of_runs
-    )
-    seconds = tuple((float(x(t)), f"{t:g}") for t in range(int(end) + 1))
-    degrees = tuple((float(y(a)), f"{a:g}°") for a in (0.0, top / 3, 2 * top / 3, top))
-    return TimeCurves(curves, seconds, degrees)
-
-
-def _points(x: FloatArray, y: FloatArray) -> str:
-    return " ".join(f"{a:.1f},{b:.1f}" for a, b in zip(x, y, strict=True))
+    ]
+    seconds = [(float(x(t)), f"{t:g}") for t in range(int(end) + 1)]
+    degrees = [(float(y(a)), f"{a:g}°") for a in (0.0, top / 3, 2 * top / 3, top)]
+    return {"curves": curves, "x_ticks": seconds, "y_ticks": degrees}
 
 
 #: For a solid ellipsoid, a² = 5 × second moment / mass.

@@ -1,8 +1,8 @@
 """The page of a user's model: how engines hold its links, the worst first, and remedies."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -28,7 +28,7 @@ from ...harness.users_models import (
 from ..analysis.trace_style import TraceStyle, trace_styles
 from ..tables import Cell, Table, figure, table
 from ..templating import ReportFolder, templates, write_assets
-from .inertia_ellipsoid import Solid, TimeCurves, View, solid_squares, time_curves, views
+from .inertia_ellipsoid import Solid, solid_squares, time_curves, views
 
 #: Number of links with pictures; the table has all.
 MOST_SHOWN = 12
@@ -38,20 +38,6 @@ TIMES = np.linspace(0.0, 3.0, 61)
 INK = "var(--ink)"
 FILES_OWN = "the file"
 Who = tuple[str, str]
-
-
-@dataclass(frozen=True, eq=False)
-class LinkCard:
-    """One link: numbers, pictures, faults of the file, and the line that corrects it."""
-
-    name: str
-    where: str
-    problems: tuple[str, ...]
-    numbers: Table
-    views: tuple[View, ...]
-    keys: tuple[tuple[str, TraceStyle | None], ...]
-    curves: TimeCurves | None
-    line: str
 
 
 def write_model_page(inspection: Inspection, folder: Path, name: str) -> Path:
@@ -145,23 +131,24 @@ def _coloured(reading: LinkReading) -> Cell:
     )
 
 
-def _card(link: InspectedLink, drawn: dict[Who, TraceStyle]) -> LinkCard:
+def _card(link: InspectedLink, drawn: dict[Who, TraceStyle]) -> dict[str, object]:
+    """One link: numbers, pictures, faults of the file, and the line that corrects it."""
     stated = link.link.stated
     otherwise = [
         reading for reading in link.readings if reading.agrees is False and reading.body is not None
     ]
     solids = list(_solids(stated, otherwise, drawn))
     lines = (line_without_rotation(link, reading) for reading in link.readings)
-    return LinkCard(
-        name=printable(link.link.name),
-        where=printable(link.link.where),
-        problems=tuple(problem.text for problem in link.problems),
-        numbers=_numbers(stated, link.readings),
-        views=views(solids) if any(s.squares is not None for s in solids) else (),
-        keys=tuple(_keys(stated, otherwise, drawn)),
-        curves=_curves(otherwise, drawn),
-        line=next(filter(None, lines), ""),
-    )
+    return {
+        "name": printable(link.link.name),
+        "where": printable(link.link.where),
+        "problems": tuple(problem.text for problem in link.problems),
+        "numbers": _numbers(stated, link.readings),
+        "views": views(solids) if any(s.squares is not None for s in solids) else (),
+        "keys": tuple(_keys(stated, otherwise, drawn)),
+        "curves": _curves(otherwise, drawn),
+        "line": next(filter(None, lines), ""),
+    }
 
 
 def _solids(
@@ -187,7 +174,9 @@ def _keys(
         yield _who(reading), drawn[reading.engine, reading.configuration]
 
 
-def _curves(otherwise: Sequence[LinkReading], drawn: dict[Who, TraceStyle]) -> TimeCurves | None:
+def _curves(
+    otherwise: Sequence[LinkReading], drawn: dict[Who, TraceStyle]
+) -> dict[str, Any] | None:
     """Curves of the attitude difference over time, of the bodies that are possible."""
     curves: list[tuple[str, TraceStyle, FloatArray]] = []
     for reading in otherwise:

@@ -87,3 +87,15 @@ def test_the_row_that_is_not_run_is_that_of_double_precision() -> None:
 
 def test_the_page_has_a_row_for_every_optional_engine() -> None:
     assert {name for name, _, _ in ROWS} == set(OPTIONAL)
+
+
+def test_the_engines_with_rotors_and_tables_are_the_pages() -> None:
+    section = PAGE.read_text(encoding="utf-8").split("## Rotors and tables")[1].split("\nMuJoCo")[0]
+    listed = set(re.findall(r"^\| `([\w-]+)` \|", section, re.MULTILINE))
+    able = {
+        name
+        for name, engine in engines().items()
+        if name in OPTIONAL and any({"rotors", "table"} & one.effects for one in engine.methods)
+    }
+    assert able <= listed
+    assert all(why_missing(name) for name in listed - able)

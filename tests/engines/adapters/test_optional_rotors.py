@@ -15,6 +15,7 @@ from library_scenes import library_scene
 from spincheck.engines import Engine, engines
 from spincheck.reference import solve
 from spincheck.scenarios import Scenario, errors_between
+from spincheck.scenarios.fastest_rate import fastest_rate
 from spincheck.suite.contract_scenes import SCENES
 
 pytestmark = pytest.mark.slow
@@ -22,7 +23,7 @@ pytestmark = pytest.mark.slow
 #: A free rotor and a locked one off the com, four on a falling body, a driven one on a pivot.
 ROTORS = ("brake-on-one-wheel", "quadrotor-body", "gyroscope-in-its-frame")
 METHODS = {"mjx": "Euler", "pin": "RK4", "drake": "runge_kutta3", "dartpy": "semi-implicit"}
-#: Rotor's turns a step, rad, of the coarser of two runs; and how many steps it takes.
+#: The fastest rate times the step, of the coarser of two runs; and how many steps it takes.
 TURN, STEPS = 0.1, 64
 #: How far an order may fall short of the declared one, as in the contract.
 ORDER_SLACK = 0.25
@@ -52,7 +53,7 @@ def test_rotors_of_the_library_converge_with_the_declared_order(name: str) -> No
     engine = installed(name)
     order = engine.method(METHODS[name]).order
     for scene in map(library_scene, ROTORS):
-        rate = np.abs(scene.rotors.start_spins).max() + np.abs(scene.start.omega_body).max()
+        rate = fastest_rate(scene, scene.start.omega_body)
         coarse, fine = (errors_at(engine, scene, TURN / rate / k, k * STEPS) for k in (1, 2))
         # Of a driven rotor the spin stays, but for rounding.
         known = coarse > STEPS * np.finfo(float).eps

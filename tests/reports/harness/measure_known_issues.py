@@ -13,16 +13,17 @@ from known_issues import DATA, KnownIssue, known_issues
 PAGE = DATA.with_suffix(".md")
 #: s that a command may take.
 LIMIT = 900
-#: Lines of a measurement in the table.
+#: Lines of a measurement that are shown.
 SHOWN = 8
 HEAD = """# Known issues
 
-Public issues on the rotation of single rigid bodies, and what `spincheck` says of them.
-Made by `make known-issues` from `known-issues.toml`: of {issues} issues {asked} have a command,
-{run} of which were run for this page. What that file expects was recorded from a run, so that a
-change shows: {met} ended so. *Stand-in*: another engine than the issue's was run, on a scene that
-asks for the same. `MODEL` is a file that `known-issues.toml` holds. Verdicts of `--quick` are on
-short ladders: `unresolved` says that neither these nor single steps decide.
+Public issues on the rotation of single rigid bodies: what each is about, a command of spincheck
+that shows it, and the verdict that this gave. *Stand-in*: another engine than the issue's was run,
+on a scene with the same difficulty. `MODEL` stands for a model in `known-issues.toml`.
+
+`make known-issues` runs the commands in that file and writes this page. Of {issues} issues {asked}
+have a command; {run} were run, and {met} ended as in an earlier run, which the file holds.
+`--quick` means fewer timesteps, which leave more `unresolved`.
 """
 
 
@@ -102,26 +103,21 @@ def page(answers: dict[KnownIssue, list[str]]) -> str:
     engines = sorted({issue.engine for issue in asked}, key=lambda name: (not name, name))
     for engine in engines:
         parts += [f"\n## {engine or 'The exact motion alone'}\n"]
-        parts += ["| issue | what it is about | command | measured |", "|---|---|---|---|"]
-        parts += [_row(one, answers.get(one)) for one in asked if one.engine == engine]
-    parts += ["\n## Without a command\n", "| issue | what it is about | why |", "|---|---|---|"]
-    parts += [f"| [{i.name}]({i.url}) | {i.title} | {i.why} |" for i in issues if not i.command]
+        parts += [_item(one, answers.get(one)) for one in asked if one.engine == engine]
+    parts += ["\n## Without a command\n"]
+    parts += [f"- **{i.title}** ([{i.name}]({i.url})). {i.why}" for i in issues if not i.command]
     return "\n".join(parts) + "\n"
 
 
-def _row(issue: KnownIssue, lines: list[str] | None) -> str:
-    if lines is None:
-        return _cells(issue, "not run")
-    shown = [line.replace("|", "/") for line in lines[:SHOWN]]
-    shown += [f"and {len(lines) - SHOWN} more"] if len(lines) > SHOWN else []
-    if not meets(issue, lines):
-        shown.insert(0, "**not as expected**")
-    return _cells(issue, "<br>".join(shown))
-
-
-def _cells(issue: KnownIssue, answer: str) -> str:
-    title = issue.title + (" (stand-in)" if issue.stand_in else "")
-    return f"| [{issue.name}]({issue.url}) | {title} | `spincheck {issue.command}` | {answer} |"
+def _item(issue: KnownIssue, lines: list[str] | None) -> str:
+    shown = ["not run"] if lines is None else lines[:SHOWN]
+    if lines is not None and not meets(issue, lines):
+        shown = ["**not as expected**", *shown]
+    if lines is not None and len(lines) > SHOWN:
+        shown = [*shown, f"and {len(lines) - SHOWN} more"]
+    where = f"[{issue.name}]({issue.url}){', stand-in' * issue.stand_in}"
+    answer = "; ".join(shown)
+    return f"- **{issue.title}** ({where}).\n  `spincheck {issue.command}`: {answer}."
 
 
 def main() -> int:

@@ -70,7 +70,7 @@ def _nobody_left() -> Iterator[None]:
 def test_every_script_of_it_finds_the_errors_that_the_harness_finds(
     name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(reproduce, "solve", solved)
+    monkeypatch.setattr(reproduce, "solved", solved)
     monkeypatch.setenv("JAX_COMPILATION_CACHE_DIR", str(user_cache() / "jax"))
     if reason := why_missing(name):
         pytest.skip(reason)

@@ -28,6 +28,16 @@ pytestmark = pytest.mark.slow
 NO_FILE = Path("there-is-none.sqlite")
 
 
+@pytest.fixture(autouse=True)
+def _made_up_top(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Have the name of the made-up ladders' scene stand for a heavy top."""
+    found = recommend_module.one_scene
+    top = library_scene("fast-top")
+    monkeypatch.setattr(
+        recommend_module, "one_scene", lambda name: top if name == TOP else found(name)
+    )
+
+
 def recommended(
     monkeypatch: pytest.MonkeyPatch, ladder: Results, true_law: Law, **bounds: float
 ) -> Any:
@@ -96,11 +106,11 @@ def test_engines_as_shipped_are_not_even_run(monkeypatch: pytest.MonkeyPatch) ->
 
     monkeypatch.setattr(running, "run", run)
     recommend(TOP, {"omega": 1e-300}, [], 1, NO_FILE)
-    chosen = choosing.choose(
-        [], methods_asked[0], [], scenarios=[library_scene("fast-top")]
-    ).engines
-    every = [method for engine in chosen for method in engine.methods]
+    scene = library_scene("fast-top")
+    chosen = choosing.choose([], methods_asked[0], [], scenarios=[scene]).engines
+    every = [method for engine in chosen for method in engine.methods_for(scene)]
     assert any(method.as_shipped for method in every)
+    assert not [name for name in methods_asked[0] if name.startswith("contact")]
     assert set(methods_asked[0]) == {method.name for method in every if method.is_recommendable}
 
 

@@ -14,6 +14,7 @@ from spincheck.reports.cli import app as commands
 from spincheck.reports.cli import choosing
 from spincheck.reports.cli.app import app
 from spincheck.reports.cli.choosing import Where
+from spincheck.reports.cli.sweeps import sweep_running
 from spincheck.reports.cli.sweeps.sweep_running import choose_for_sweep as choose
 from spincheck.reports.cli.sweeps.sweep_running import exit_code, run_ensembles, run_map
 from spincheck.reports.cli.terminal import AGREES, BAD_INPUT, DISAGREES, NOT_RUN, Complaint
@@ -96,8 +97,9 @@ def test_an_ensemble_prints_its_members(tmp_path):
 def test_without_a_number_an_ensemble_has_two_hundred_members(monkeypatch):
     calls = []
     monkeypatch.setattr(
-        commands, "run_members", lambda scenes, members, *_: calls.append((scenes, members)) or 0
+        sweep_running, "run_ensembles", lambda scenes, members, *_: calls.append((scenes, members))
     )
+    monkeypatch.setattr(commands, "print_swept", lambda *_: AGREES)
     for arguments in ([SCENE, "--ensemble"], ["--ensemble", SCENE], ["--ensemble", "3", SCENE]):
         assert run("run", *arguments)[0] == AGREES
     assert calls == [([SCENE], 200), ([SCENE], 200), ([SCENE], 3)]

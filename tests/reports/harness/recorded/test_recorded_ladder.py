@@ -12,7 +12,7 @@ from spincheck.reports.harness.judging import judge
 from spincheck.reports.harness.ladder import QUICK_STEPS
 from spincheck.reports.harness.recorded.judged import judged_motion
 from spincheck.reports.harness.recorded.read import read_recording
-from spincheck.reports.harness.recorded.recorded_ladder import verdict_on_files
+from spincheck.reports.harness.recorded.recorded_ladder import study_of_files
 from spincheck.reports.harness.recorded.recording import RecordingError
 from spincheck.reports.harness.study import convergence_study_of, prepare, run_rungs
 
@@ -49,7 +49,7 @@ def test_the_verdict_is_the_engine_s_own(tmp_path, engine, method: Method):
     own = judge(study.records)
     files = [write(tmp_path, row.motion, row.timestep) for row in study.rows]
     motions = [judged_motion(scene, read_recording(path)) for path in files]
-    judged = verdict_on_files(scene, motions, min(method.order, method.attitude_order))
+    judged = judge(study_of_files(scene, motions, min(method.order, method.attitude_order)).records)
     assert judged.verdict == own.verdict
     # Attitudes are normalised when they are read: an ulp, of errors of some 1e-10.
     assert judged.order == pytest.approx(own.order, abs=1e-6)
@@ -72,11 +72,11 @@ def test_timesteps_that_are_not_halved_are_refused(two):
     scene, recorded = two
     motions = [recorded(dt, np.linspace(0, 1, 11)) for dt in (0.01, 0.004)]
     with pytest.raises(RecordingError, match=r"must be halved from file to file, got 0\.01 and"):
-        verdict_on_files(scene, motions, 1)
+        judge(study_of_files(scene, motions, 1).records)
 
 
 def test_files_without_common_times_are_refused(two):
     scene, recorded = two
     motions = [recorded(0.01, np.linspace(0, 1, 11)), recorded(0.005, np.linspace(0.01, 1.01, 11))]
     with pytest.raises(RecordingError, match="must share sample times"):
-        verdict_on_files(scene, motions, 1)
+        judge(study_of_files(scene, motions, 1).records)

@@ -9,7 +9,7 @@ import pytest
 from case_loops import each_case
 from planted_physics import Damped, Ungyroscopic
 from spincheck.engines import State
-from spincheck.reports.cli.suite.subjects import EngineSubject
+from spincheck.reports.cli.suite.hooks import EngineSubject
 from spincheck.suite import test_physics
 from stepped import (
     DRAG,

@@ -7,8 +7,7 @@ import pytest
 from laws import COARSEST, COARSEST_ERROR, ROUNDING, curve_of_law, law
 from made_up import METHODS, results
 from plotted import values_of
-from spincheck.reports.pages.analysis.cost_to_reach import LEVELS
-from spincheck.reports.pages.analysis.profiles import order_ratios, profile, tally
+from spincheck.reports.pages.analysis.cost_to_reach import LEVELS, order_ratios, profile, tally
 from spincheck.reports.pages.analysis.report_data import SceneRuns, report_data
 from spincheck.reports.pages.analysis.trace_style import trace_styles
 from spincheck.reports.pages.analysis.work_precision import Curve, curves

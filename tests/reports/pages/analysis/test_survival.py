@@ -7,13 +7,13 @@ from made_up import TIMESTEPS, TOP, results
 from spincheck.reports.pages.analysis.report_data import report_data
 from spincheck.reports.pages.analysis.timesteps import in_words, survival
 from spincheck.reports.pages.analysis.wording import number
-from spincheck.reports.pages.overview.hard_cases import (
+from spincheck.reports.pages.overview.overview import (
     TURNS,
     hard_scenes,
+    headline,
     survivors,
     survivors_table,
 )
-from spincheck.reports.pages.overview.overview import headline
 from spincheck.reports.results.records import Key, Row
 from spincheck.reports.results.store import Results
 from spincheck.scenarios import loads
@@ -116,7 +116,7 @@ def test_each_cell_has_verdict_and_largest_timestep():
     gathered = report_data(hardened())
     fastest_rate = hard_scenes(gathered)[0].fastest_rate
     matrix = survivors(gathered)
-    ((_, cells),) = matrix.groups[0].scenes
+    _, ((_, cells),) = matrix.groups[0]
     euler = next(c for c, name in zip(cells, matrix.methods, strict=True) if name == "Euler")
     assert euler.kind == "converges"
     assert euler.detail == f"≥ 0.0200 s, {number(TIMESTEPS[0] * fastest_rate)} rad"

@@ -82,7 +82,7 @@ def test_plotly_accepts_every_figure(top: dict[str, Titled], brick: dict[str, Ti
 
 
 def test_plotly_refuses_what_it_does_not_know(top: dict[str, Titled]) -> None:
-    planted = top["tilt"].figure | {"layout": {"xaxes": {}}}
+    planted = top["tilt"].parts[0] | {"layout": {"xaxes": {}}}
     with pytest.raises(ValueError, match="xaxes"):
         go.Figure(coloured(planted))
 
@@ -122,7 +122,7 @@ def test_thinning_keeps_both_ends() -> None:
 def test_convergence_shows_the_error_of_every_finished_run(top: dict[str, Titled]) -> None:
     euler = next(
         trace
-        for trace in top["convergence"].figure["data"]
+        for trace in top["convergence"].parts[0]["data"]
         if trace.get("legendgroup") == "mujoco Euler" and trace["xaxis"] == "x"
     )
     rows = [row for row in results().rows if _label(row.key) == "mujoco Euler" and row.errors]
@@ -142,7 +142,7 @@ def test_a_diverged_run_is_a_cross_on_a_strip_of_its_own(
 
 
 def test_no_run_with_an_error_is_on_the_strip(top: dict[str, Titled]) -> None:
-    marks = [t for t in top["convergence"].figure["data"] if t["yaxis"] == "y2"]
+    marks = [t for t in top["convergence"].parts[0]["data"] if t["yaxis"] == "y2"]
     assert {t["legendgroup"] for t in marks} == {"pybullet multibody", "elsewhere fancy<i>"}
 
 
@@ -155,7 +155,9 @@ def test_stock_timesteps_have_rings(top: dict[str, Titled]) -> None:
 
 
 def test_guides_have_the_declared_slopes(top: dict[str, Titled]) -> None:
-    guides = [t for t in top["convergence"].figure["data"] if t.get("name", "").startswith("order")]
+    guides = [
+        t for t in top["convergence"].parts[0]["data"] if t.get("name", "").startswith("order")
+    ]
     assert {t["name"] for t in guides} == {"order 1", "order 4"}
     for guide in guides:
         slope = np.polyfit(np.log(values_of(guide["x"])), np.log(values_of(guide["y"])), 1)[0]
@@ -167,7 +169,7 @@ def test_cost_is_seconds_a_simulated_second(top: dict[str, Titled]) -> None:
     row = next(row for row in results().rows if row.seconds_per_step)
     assert row.seconds_per_step is not None
     assert cost(row) == row.seconds_per_step / row.timestep
-    first = next(t for t in top["cost"].figure["data"] if t.get("legendgroup") == _label(row.key))
+    first = next(t for t in top["cost"].parts[0]["data"] if t.get("legendgroup") == _label(row.key))
     assert values_of(first["x"])[0] == np.float32(cost(row))
 
 
@@ -184,7 +186,7 @@ def test_turning_points_of_the_well_are_the_bounds_of_nutation(top: dict[str, Ti
     solved = scene(TOP).solved
     assert solved is not None
     exact = {fact.name: fact.value for fact in facts(solved.scenario)}
-    dots = next(t for t in top["potential"].figure["data"] if t["mode"] == "markers")
+    dots = next(t for t in top["potential"].parts[0]["data"] if t["mode"] == "markers")
     bounds = np.float32([exact["nutation from"], exact["nutation to"]])
     np.testing.assert_array_equal(values_of(dots["x"]), bounds)
 
@@ -196,7 +198,7 @@ def exact_line(figure: Figure, drawn_scene: SceneRuns) -> Trace:
 
 
 def test_the_axis_stays_on_the_sphere(top: dict[str, Titled]) -> None:
-    curve = exact_line(top["axis"].figure, scene(TOP))
+    curve = exact_line(top["axis"].parts[0], scene(TOP))
     radius = np.sqrt(sum(values_of(curve[axis]) ** 2 for axis in "xyz"))
     np.testing.assert_allclose(radius, 1.0, atol=4 * np.finfo(np.float32).eps)
 
@@ -207,7 +209,7 @@ def test_the_polhode_starts_at_the_scenes_own_rates_and_stays_on_the_ellipsoid(
     """Of a free body Σ I ω² stays; the made-up motion, which is another, is not drawn."""
     solved = scene(BRICK).solved
     assert solved is not None
-    exact = exact_line(brick["polhode"].figure, scene(BRICK))
+    exact = exact_line(brick["polhode"].parts[0], scene(BRICK))
     tips = np.column_stack([values_of(exact[axis]) for axis in "xyz"])
     moments = np.diag(solved.scenario.body.inertia_com)
     slack = 8 * np.finfo(np.float32).eps
@@ -232,7 +234,7 @@ def test_colours_are_those_of_the_whole_study_on_every_page() -> None:
         {trace["legendgroup"]: trace["line"]["color"]}
         for name in (TOP, BRICK)
         for titled in drawn(scene(name)).values()
-        for trace in titled.figure["data"]
+        for trace in titled.parts[0]["data"]
         if "legendgroup" in trace
     ]
     merged: dict[str, str] = {}
