@@ -148,7 +148,7 @@ def extrapolated(gains: Gains) -> tuple[FloatArray, FloatArray, FloatArray]:
     h = gains.timesteps[:, None, None]
     table, rounded = gains.values, gains.rounding
     limit, best = table[-1].mean(axis=0), np.full(rounded.shape[1:], np.inf)
-    accident, alike = np.zeros((2, *best.shape))
+    accident, alike = np.zeros_like(best), np.zeros_like(best)
     for order in range(1, len(h)):
         coarse, fine = h[:-order], h[order:]
         finer = table[1:]
