@@ -32,7 +32,7 @@ from .richardson import RichardsonLadder
 #: Halvings of all timesteps where the coarsest are refused.
 FINER = 3
 #: Times that each state is repeated in single precision: no more than it takes.
-REPEATS = (16, 64, 256)
+REPEATS = (16, 64)
 
 
 def examine(
@@ -119,7 +119,8 @@ def _consistency(
             engine.single_precision,
             repeats,
         )
-        if found.at_most <= CONSISTENT or found.by_tolerance.max() > 1:
+        is_decided = found.at_most <= CONSISTENT or found.by_tolerance.max() > 1
+        if is_decided or found.is_constrained:
             break
     return steps, found
 
