@@ -185,7 +185,7 @@ def excess(
     read = (ROUNDINGS * epsilon if is_averaged else ABOVE * slack) * rates(equations, sizes)
     noise = np.minimum(noise_of(steps.timesteps, step_gains(equations, steps)), read)
     nodes, added = (_gains(equations, one, epsilon, noise) for one in (steps, others))
-    limit, known_to = extrapolated(nodes)
+    limit, known_to, rounded = extrapolated(nodes)
     slack_of_terms = _slack_of_terms(equations, steps, sizes, epsilon, slack)
     off = norms(_off_the_constraint(equations, steps.after)[1]).reshape(len(steps.timesteps), -1)
     found = [surprises(nodes, at, least) for at, least in ((nodes, COARSER), (added, 1))]
@@ -199,7 +199,7 @@ def excess(
     return Excess(
         limit,
         known_to,
-        known_to + slack_of_terms,
+        known_to + rounded + slack_of_terms,
         sizes,
         (np.abs(nodes.values.mean(axis=1)).max(axis=3) / sizes).max(axis=1),
         unsmooth.max(axis=1),
@@ -216,12 +216,11 @@ def _gains(equations: Equations, steps: Steps, epsilon: float, noise: FloatArray
     """What steps gain, and what rounding and noise may make of it."""
     shape = len(steps.timesteps), steps.repeats, -1, 4
     values = step_gains(equations, steps).reshape(*shape, 3)
-    rounded = (
-        ROUNDINGS
-        * epsilon
-        * roundings(equations, steps.before, steps.after, steps.spans).reshape(shape).max(axis=1)
-    )
-    return Gains(steps.timesteps, values, rounded + noise / steps.timesteps[:, None, None])
+    ulps = roundings(equations, steps.before, steps.after, steps.spans)
+    rounded = epsilon * ulps.reshape(shape).max(axis=1)
+    if steps.repeats == 1:
+        rounded = ROUNDINGS * rounded + noise / steps.timesteps[:, None, None]
+    return Gains(steps.timesteps, values, rounded)
 
 
 def _is_idle(equations: Equations, steps: Steps, sizes: FloatArray) -> NDArray[np.bool_]:

@@ -111,7 +111,7 @@ def _beyond(nodes: Gains, near: list[int], at: Gains) -> tuple[FloatArray, Float
     error = DISTINCT * np.maximum(change, np.median(change, axis=0))
     rounded = at.rounding + np.tensordot(np.abs(weights), nodes.rounding[near], 1)
     left = at.values - predicted
-    error += _uncertainty(left, ABOVE * rounded)
+    error += _uncertainty(left, ABOVE * rounded) + _alike(left, rounded)
     return np.abs(left.mean(axis=0)).max(axis=2), error
 
 
@@ -133,8 +133,13 @@ def _weights(nodes: FloatArray, at: float) -> FloatArray:
     return np.asarray(np.prod(above / apart, axis=1))
 
 
-def extrapolated(gains: Gains) -> tuple[FloatArray, FloatArray]:
-    """Limits of the gains, (K, 4, 3), and what they are known to, (K, 4).
+def _alike(values: FloatArray, rounding: FloatArray) -> FloatArray:
+    """What rounding that is the same in all repeats may be: gravity adds the same to any speed."""
+    return rounding if values.shape[-4] > 1 else np.zeros_like(rounding)
+
+
+def extrapolated(gains: Gains) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Limits of the gains, (K, 4, 3), what they are known to, and what is rounding, (K, 4) each.
 
     Of each state and quantity the entry of Neville's table that is known best is taken: it differs
     from its neighbour of one order less by more than its own error. By accident that difference may
@@ -143,6 +148,7 @@ def extrapolated(gains: Gains) -> tuple[FloatArray, FloatArray]:
     h = gains.timesteps[:, None, None]
     table, rounded = gains.values, gains.rounding
     limit, best = table[-1].mean(axis=0), np.full(rounded.shape[1:], np.inf)
+    accident, alike = np.zeros_like(best), np.zeros_like(best)
     for order in range(1, len(h)):
         coarse, fine = h[:-order], h[order:]
         finer = table[1:]
@@ -152,12 +158,15 @@ def extrapolated(gains: Gains) -> tuple[FloatArray, FloatArray]:
         entries = table.mean(axis=1)
         change = np.abs(entries - finer.mean(axis=1)).max(axis=3)
         unsure = _uncertainty(table, rounded)
-        # A finer entry of the same order that is further away shows that this is by accident.
-        finer_off = np.abs(np.diff(entries, axis=0)).max(axis=3) - unsure[1:]
-        change[:-1] = np.maximum(change[:-1], finer_off)
         known = ABOVE * np.maximum(change, np.median(change, axis=1, keepdims=True)) + unsure
-        for entry, known_to in zip(entries, known, strict=True):
+        # A finer entry of the same order that is further away shows that this is by accident.
+        finer_off = np.zeros_like(known)
+        finer_off[:-1] = np.abs(np.diff(entries, axis=0)).max(axis=3) - unsure[1:]
+        bounds = _alike(table, rounded)
+        for entry, known_to, off, bound in zip(entries, known, finer_off, bounds, strict=True):
             is_better = known_to < best
             best = np.where(is_better, known_to, best)
+            accident = np.where(is_better, ABOVE * off, accident)
+            alike = np.where(is_better, bound, alike)
             limit = np.where(is_better[..., None], entry, limit)
-    return limit, best
+    return limit, np.maximum(best, accident), alike
