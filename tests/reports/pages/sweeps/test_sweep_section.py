@@ -326,8 +326,8 @@ def test_the_worst_are_reported_with_what_writes_them(pages: dict[str, Page]) ->
 def test_the_distribution_rises_at_every_error() -> None:
     page = of_ensemble(swept())
     assert page.figure is not None
-    go.Figure(coloured(page.figure.figure))
-    curve = next(t for t in page.figure.figure["data"] if t["name"] == "mujoco Euler")
+    go.Figure(coloured(page.figure.parts[0]))
+    curve = next(t for t in page.figure.parts[0]["data"] if t["name"] == "mujoco Euler")
     np.testing.assert_allclose(values_of(curve["y"]), np.arange(0, 101, 10), rtol=1e-6)
     degrees = np.degrees(2 * np.arange(1, 11) / 100)
     np.testing.assert_allclose(values_of(curve["x"])[1:], degrees, rtol=1e-6)
@@ -336,7 +336,7 @@ def test_the_distribution_rises_at_every_error() -> None:
 def test_the_distribution_ends_at_what_finished() -> None:
     page = of_ensemble(swept())
     assert page.figure is not None
-    curve = next(t for t in page.figure.figure["data"] if t["name"] == "pybullet multibody")
+    curve = next(t for t in page.figure.parts[0]["data"] if t["name"] == "pybullet multibody")
     assert values_of(curve["y"])[-1] == 50.0
 
 
