@@ -19,7 +19,7 @@ TABLE = re.compile(
 )
 OF_A_CONSTRAINT = "## A constraint: the table"
 #: Where "table" is another's.
-OTHER_TABLES = {"reports/pages/templating.py"}
+OTHER_TABLES = {f"reports/pages/{name}.py" for name in ("render", "templating", "overview/spread")}
 #: Of a constraint with a force and an end of its own: measured.
 MOST_OF_A_CONSTRAINT = 26
 MOST, MOST_WITH_ADAPTERS = 11, 21

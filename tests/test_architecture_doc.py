@@ -1,6 +1,7 @@
 """What the pages for developers name exists, and the way of a scene is the one that a run takes."""
 
 import ast
+import inspect
 import re
 import sys
 import threading
@@ -59,12 +60,15 @@ class Trace:
                 above = above.f_back
 
     def _file(self, frame: FrameType) -> str:
-        """Its path in the package; empty for tests, other packages and modules being imported."""
+        """Its path in the package; empty for tests, other packages and what is being imported."""
         path = frame.f_code.co_filename
         if path not in self._files:
             inside = path.startswith(tuple(f"{ROOT / top}/" for top in TOPS))
             self._files[path] = Path(path).relative_to(ROOT).as_posix() if inside else ""
-        return "" if frame.f_code.co_name in ("<module>", "<lambda>") else self._files[path]
+        # Bodies of modules and classes run when they are imported.
+        is_function = frame.f_code.co_flags & inspect.CO_OPTIMIZED
+        is_named = frame.f_code.co_name != "<lambda>"
+        return self._files[path] if is_function and is_named else ""
 
 
 @pytest.fixture(scope="module")
