@@ -20,8 +20,6 @@ ANOTHER = 1 + 1e-9
 ONE_SIDED = 5
 #: A gain is off its prediction if it is by so many times the prediction's error.
 DISTINCT = 4.0
-#: Gains that become larger by such a factor at each of two halvings of the timestep have no limit.
-GROWTH = 1.5
 #: Gains that the last one is predicted from, to see the noise of all.
 PREDICTING = 4
 
@@ -145,8 +143,7 @@ def extrapolated(gains: Gains) -> tuple[FloatArray, FloatArray, FloatArray]:
 
     Of each state and quantity the entry of Neville's table that is known best is taken: it differs
     from its neighbour of one order less by more than its own error. By accident that difference may
-    be small, so it counts as the median of all states at least. Where gains grow as timesteps
-    vanish, the finest stands for the limit, as of a motor that stops a body within any step.
+    be small, so it counts as the median of all states at least.
     """
     h = gains.timesteps[:, None, None]
     table, rounded = gains.values, gains.rounding
@@ -172,9 +169,4 @@ def extrapolated(gains: Gains) -> tuple[FloatArray, FloatArray, FloatArray]:
             accident = np.where(is_better, ABOVE * off, accident)
             alike = np.where(is_better, bound, alike)
             limit = np.where(is_better[..., None], entry, limit)
-    known = np.maximum(best, accident)
-    unsure = _uncertainty(gains.values[-1], gains.rounding[-1])
-    sizes = np.abs(gains.values[-3:].mean(axis=1)).max(axis=3)
-    grows = (sizes[1:] > GROWTH * sizes[:-1]).all(axis=0) & (sizes[-1] > ABOVE * unsure)
-    limit = np.where(grows[..., None], gains.values[-1].mean(axis=0), limit)
-    return limit, np.where(grows, unsure, known), alike
+    return limit, np.maximum(best, accident), alike
