@@ -22,6 +22,9 @@ __all__ = ["clock"]
 TAKES = 3e-6
 #: A stretch is off by a tick of its clock at either end, and by the looks at it.
 TICK = 2 / cost.RESOLUTIONS
+#: CPU time of one thread, at most, in wall times of other passes, on a machine that is busy; two
+#: threads that share the work take up to 2.
+SHARED = 1.25
 
 
 def costs_of(*sessions: Clockwork) -> list[StepCost | None]:
@@ -162,7 +165,7 @@ def test_engines_step_in_one_thread() -> None:
         pairs += [(engine, method) for method in can[:1]]
     for (engine, method), measured in zip(pairs, step_costs(scenario, pairs), strict=True):
         assert measured is not None, (engine.name, method.name)
-        assert measured.seconds_per_step <= measured.wall_seconds_per_step * (1 + TICK)
+        assert measured.seconds_per_step <= measured.wall_seconds_per_step * SHARED
 
 
 @pytest.mark.parametrize("name", ["fast-top", "earth-wobble"])
