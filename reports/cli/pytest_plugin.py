@@ -20,12 +20,13 @@ if TYPE_CHECKING:
 
 #: Bytes of a file's beginning in which a scenario's first key must be.
 _HEAD = 1 << 14
-#: The settings of which engines are tested, and of how many steps a run of a ladder may take.
+#: What the reason of a skipped item begins with if the engine cannot simulate the scene.
 _UNSUPPORTED = "unsupported: "
 #: The keyword of the items of scenes.
 _OWN = "spincheck_scene"
 #: The property of an item whose outcome was known, so that it was not run.
 _KEPT = "spincheck_kept"
+#: The settings of which engines are tested, and of how many steps a run of a ladder may take.
 _ENGINES, _MAX_STEPS = "spincheck_engines", "spincheck_max_steps"
 #: Options of `spincheck.suite`.
 ENGINE, XFAILS, SUITE = "--spincheck-engine", "--spincheck-xfails", "--spincheck-suite"
