@@ -13,7 +13,6 @@ from scipy.integrate import solve_ivp
 from scipy.spatial.transform import Rotation
 
 from ..scenarios import PUSHED, FloatArray, Scenario, Trajectory, push
-from ..scenarios.effects import table
 from ..scenarios.fastest_rate import decay_rate, fastest_rate
 
 EPS = float(np.finfo(float).eps)
@@ -89,7 +88,7 @@ def _equations(scenario: Scenario) -> Callable[[float, FloatArray], list[float]]
     mass = scenario.body.mass * float(scenario.constraint.is_pivot)
     lever = (mass * scenario.body.com).tolist()
     gravity, is_pushed = scenario.gravity_world.tolist(), bool(scenario.called_for & PUSHED)
-    on_table = scenario.effects.table is not None
+    answer = scenario.answer
     falling = [0.0, 0.0, 0.0] if scenario.constraint.is_pivot else gravity
     kept = scenario.kept_body(scenario.kept_at_start).tolist()
 
@@ -111,11 +110,10 @@ def _equations(scenario: Scenario) -> Callable[[float, FloatArray], list[float]]
             R = np.array(R_body_world) / norm
             pushed = R @ push(scenario.pushed, R.T, R.T @ omega)
             torque = [torque[k] + pushed[k] for k in range(3)]
-        if on_table:
+        if answer is not None:
             up, turning = np.array(R_body_world).T[2] / norm, np.array(omega)
-            pressed = table.normal_force(scenario, up, turning, np.array(torque))
-            arm = table.arm_body(scenario, up)
-            torque = [torque[k] + float(pressed * arm[k]) for k in range(3)]
+            acting = up, turning, np.array(torque), scenario.gravity_world
+            torque = answer(scenario, *acting)[0].tolist()
         q_rate = [
             0.5 * (-x * a - y * b - z * c),
             0.5 * (w * a + y * c - z * b),

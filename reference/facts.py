@@ -105,7 +105,7 @@ def _of_any_body(scenario: Scenario, problem: Problem, start: Trajectory) -> Ite
     yield Fact("energy", kinetic + potential, "J", "T + V at t = 0")
     for effect in scenario.acting:
         if effect.force is not None:
-            force, name = float(effect.force(scenario, start)[0]), effect.name
+            force, name = float(effect.force_along(scenario, start)[0]), effect.name
             yield Fact(f"{name}'s force", force, "N", f"N at t = 0, upward: a {name} cannot pull")
 
 

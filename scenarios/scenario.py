@@ -15,6 +15,7 @@ from .body import Body
 from .constraint import Constraint
 from .document import Document, Expect, Known, Published, Window
 from .effects import EFFECTS, Effect, Effects, EffectTable, rotors_of
+from .effects.effect import Answer
 from .float_array import FloatArray, read_only
 from .gyrostat import Rotors, whole, without_free_axes
 from .start import Start, StartTable, start_of
@@ -115,6 +116,11 @@ class Scenario:
         return tuple(one for one in EFFECTS.values() if one.is_called_for(self.document))
 
     @cached_property
+    def answer(self) -> Answer | None:
+        """What a constraint besides a pivot does about torques and accelerations; None without."""
+        return next((one.answer for one in self.acting if one.answer is not None), None)
+
+    @cached_property
     def constraint(self) -> Constraint:
         """What holds the body."""
         return _constraint(self.document, self.body)
@@ -141,6 +147,15 @@ class Scenario:
         """The spins of parts that keep so much, rad/s, (n, parts)."""
         return self.rotors.spins(omega_body, kept)
 
+    def cancelling(self, spins: FloatArray, far: float = 0.0) -> tuple[FloatArray, FloatArray]:
+        """Force, N, and torque, N m, (n,), that cancel in coordinates which turn with parts.
+
+        Parameters
+        ----------
+        far : m, from the origin relative to which places are rounded
+        """
+        return self.rotors.cancelling(spins, self.body.com, far)
+
     @cached_property
     def body(self) -> Body:
         """The body with its rotors as if they did not turn in it."""
@@ -154,7 +169,11 @@ class Scenario:
         """
         body = self.body
         tensor = body.inertia_origin_exact if self.about == "pivot" else body.inertia_com_exact
-        return without_free_axes(tensor, self.rotors)
+        return self.without_free_axes(tensor)
+
+    def without_free_axes(self, inertia: exact.Tensor) -> exact.Tensor:
+        """A tensor less what rotors that turn freely have about their axles, kg m²."""
+        return without_free_axes(inertia, self.rotors)
 
     @cached_property
     def inertia(self) -> FloatArray:

@@ -247,9 +247,8 @@ def _slack_of_terms(
         # Engines may solve for rotation and flight together, with terms m v² that cancel.
         speeds = _of_states(norms(steps.before.velocity_world), steps)
         slack_of_terms[:, 1] += ROUNDINGS * epsilon * body.mass * speeds**2
-    if equations.scenario.rotors and constraint.is_free:
-        spins = _of_states(np.abs(steps.before.spins), steps)
-        force, _ = equations.scenario.rotors.cancelling(spins, body.com)
+    if steps.before.spins.size and constraint.is_free:
+        force, _ = equations.scenario.cancelling(_of_states(np.abs(steps.before.spins), steps))
         rounded = ROUNDINGS * epsilon * force / body.mass
         slack_of_terms[:, 2] += rounded
         slack_of_terms[:, 3] += rounded * steps.timesteps[0]

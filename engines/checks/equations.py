@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...scenarios import PUSHED, FloatArray, Scenario, push
-from ...scenarios.effects import gravity, table
+from ...scenarios.effects import gravity
 from ...scenarios.fastest_rate import fastest_rate
 from ...scenarios.rotation import cross, matrices, matrix, rotation_vectors
 from .read_back import State, stacked
@@ -74,24 +74,22 @@ class Equations:
         """I dω/dt, N m, given the angular momentum that parts keep, kg m²/s."""
         gyroscopic = cross(omega_body, self.inertia @ omega_body + kept_body)
         torque_body = self.outer_body(R_world_body, omega_body) - gyroscopic
-        if self.scenario.effects.table is None:
+        if self.scenario.answer is None:
             return torque_body
-        up_body = R_world_body[2]
-        force = table.normal_force(self.scenario, up_body, omega_body, torque_body)
-        return np.asarray(torque_body + force * table.arm_body(self.scenario, up_body))
+        acting = R_world_body[2], omega_body, torque_body, self.scenario.gravity_world
+        return self.scenario.answer(self.scenario, *acting)[0]
 
     def kept_body(self, state: State) -> FloatArray:
         """The angular momentum that parts keep, kg m²/s, (3,) or (n, 3)."""
         return self.scenario.kept_body(self.scenario.kept(state.omega_body, state.spins))
 
     def bears(self, states: State) -> NDArray[np.bool_]:
-        """Whether what holds the body can hold it at each of n states: a table does not pull."""
-        if self.scenario.effects.table is None:
-            return np.ones(len(states.omega_body), dtype=bool)
-        R_world_body = matrices(states.q_world_body_wxyz)
-        kept_body = self.kept_body(states)
-        force = table.force(self.scenario, R_world_body, states.omega_body, kept_body)
-        return np.asarray(force > 0)
+        """Whether what holds the body can hold it at each of n states: some cannot pull."""
+        bears = np.ones(len(states.omega_body), dtype=bool)
+        for force in filter(None, (one.force for one in self.scenario.acting)):
+            at = matrices(states.q_world_body_wxyz), states.omega_body, self.kept_body(states)
+            bears &= force(self.scenario, *at) > 0
+        return bears
 
     def after(self, state: State, span: float) -> State:
         """The state a time `span` later, s."""

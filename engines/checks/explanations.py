@@ -11,7 +11,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...scenarios import FloatArray
-from ...scenarios.effects import table
 from ...scenarios.rotation import cross, matrix
 from .equations import Equations, Gain
 
@@ -113,10 +112,11 @@ def _changes(equations: Equations, gains: Sequence[Gain]) -> Iterator[_Change]:
         effect(lambda s: s.torque(-s.L), lambda s: s.torque(-s.L * np.linalg.norm(s.omega))),
         lambda theta: f"L were slowed by {theta[0]:.3g} + {theta[1]:.3g} ‖ω‖ /s",
     )
-    if equations.scenario.rotors:
+    acting = equations.scenario.acting
+    if words := next((one.wrong_momentum for one in acting if one.wrong_momentum), ""):
         yield _Change(
             effect(lambda s: s.torque(-cross(s.omega, s.kept))),
-            lambda t: f"the rotors had {_factor(t[0])} times their angular momentum",
+            lambda t: words.format(_factor(t[0])),
         )
     yield _Change(effect(lambda s: s.gain.wanted * s.is_rate), _step)
     yield _Change(
@@ -173,12 +173,11 @@ class _Start:
         return self._answered(torque_body, np.zeros(3))
 
     def _answered(self, torque_body: FloatArray, pull_world: FloatArray) -> FloatArray:
-        """The change by a torque and an acceleration, and by what a table does about them."""
+        """The change by a torque and an acceleration, and by what a constraint does about them."""
         scenario, up_body = self.equations.scenario, self.R[2]
-        if scenario.effects.table is not None:
-            force = table.added_force(scenario, up_body, torque_body, -pull_world[2])
-            torque_body = torque_body + force * table.arm_body(scenario, up_body)
-            pull_world = pull_world + np.array([0.0, 0.0, force / scenario.body.mass])
+        if scenario.answer is not None:
+            added = up_body, np.zeros(3), torque_body, pull_world
+            torque_body, pull_world = scenario.answer(scenario, *added)
         return np.array([np.zeros(3), torque_body, pull_world, np.zeros(3)])
 
     def of_tensor(self, tensor: FloatArray) -> FloatArray:

@@ -191,13 +191,11 @@ def _pairs(
     body, start = scenario.body, start_state(scenario)
     arm = float(np.linalg.norm(body.com))
     speed = float(np.linalg.norm(start.omega_body))
-    yield "mass", np.array(reading.mass), np.array(body.mass), body.mass
-    yield "com", reading.com, body.com, arm
     # Not of the tensor about the origin: with a long arm that would hide faults of this one.
-    yield "inertia_com", reading.inertia_com, body.inertia_com, float(body.principal_moments[-1])
-    for rotor, axial in enumerate(scenario.rotors.axial_body):
-        name = f"axial moment of rotor {rotor + 1}"
-        yield name, reading.axial[rotor], axial, float(np.linalg.norm(axial))
+    sizes = {"mass": body.mass, "com": arm, "inertia_com": float(body.principal_moments[-1])}
+    for what, got, wanted in body_pairs(scenario, reading):
+        yield what, got, wanted, sizes.get(what, float(np.linalg.norm(wanted)))
+    for rotor in range(len(scenario.rotors.each)):
         spin = scenario.rotors.start_spins[rotor : rotor + 1]
         size = float(np.abs(spin).max()) + speed
         yield f"spin of rotor {rotor + 1}", state.spins[rotor : rotor + 1], spin, size
@@ -206,6 +204,18 @@ def _pairs(
     yield "com_world", state.com_world, start.com_world, size
     size = arm * speed + float(np.linalg.norm(start.velocity_world))
     yield "velocity_world", state.velocity_world, start.velocity_world, size
+
+
+def body_pairs(
+    scenario: Scenario, reading: BodyReading
+) -> Iterator[tuple[str, FloatArray, FloatArray]]:
+    """Name, value got and value wanted of each number of the body."""
+    body = scenario.body
+    yield "mass", np.array(reading.mass), np.array(body.mass)
+    yield "com", reading.com, body.com
+    yield "inertia_com", reading.inertia_com, body.inertia_com
+    for number, axial in enumerate(scenario.rotors.axial_body, start=1):
+        yield f"axial moment of rotor {number}", reading.axial[number - 1], axial
 
 
 def _rounded(values: FloatArray) -> str:

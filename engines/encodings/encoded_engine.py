@@ -6,7 +6,7 @@ from typing import Any, final
 import numpy as np
 
 from ...scenarios import FloatArray, Scenario
-from ..checks.read_back import BodyReading, Difference, State
+from ..checks.read_back import BodyReading, Difference, State, body_pairs
 from ..engine import Engine
 from ..fault import Fault
 from ..method import Method
@@ -71,18 +71,11 @@ class EncodedEngine(Engine):
         # About a point that far away the tensor is larger, and its rounding.
         far = float(shift @ shift + own.com @ own.com)
         moment = float(own.principal_moments[-1]) + own.mass * far
-        pairs = (
-            ("mass", np.array(body.mass), np.array(own.mass), own.mass),
-            ("com", body.com, own.com, np.sqrt(moment / own.mass)),
-            ("inertia_com", body.inertia_com, own.inertia_com, moment),
-            *(
-                (f"axial moment of rotor {number}", body.axial[number - 1], axial, moment)
-                for number, axial in enumerate(scenario.rotors.axial_body, start=1)
-            ),
-        )
+        sizes = {"mass": own.mass, "com": np.sqrt(moment / own.mass)}
         return [
             _Off(what, wanted, got, largest / size)
-            for what, got, wanted, size in pairs
+            for what, got, wanted in body_pairs(scenario, body)
+            for size in [sizes.get(what, moment)]
             if not (largest := float(np.abs(got - wanted).max())) <= SAME_BODY * self.ulp * size
         ]
 

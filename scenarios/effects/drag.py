@@ -8,7 +8,7 @@ from mpmath import mpf
 from pydantic import Field
 
 from ..values import Positive
-from .effect import Effect, EffectTable, Extent, Rate, Scene, Size
+from .effect import DRIVEN, Effect, EffectTable, Extent, Rate, Scene, Size
 
 _WHERE = ("effects", "drag", "rotational")
 
@@ -45,4 +45,5 @@ EFFECT = Effect(
     rate=_decay,
     rate_formula="c/I of drag",
     decay=_decay,
+    group=DRIVEN,
 )

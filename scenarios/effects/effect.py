@@ -17,6 +17,8 @@ from ..values import Table
 
 T = TypeVar("T", bound="EffectTable")
 
+#: The group of scenes with a torque that a machine, or the air, exerts.
+DRIVEN = "Driven or damped"
 #: Where a quantity is written in a file, what it is, its size and its unit.
 Size = tuple[tuple[str | int, ...], str, mpf, str]
 #: Where a rate is written, what it is, and 1/s.
@@ -87,6 +89,14 @@ class Scene(Protocol):
 
 #: Something of a scene's body along a motion, SI, one row a sample.
 Along = Callable[[Scene, Trajectory], FloatArray]
+#: A force, N, (n,), at rotation matrices (n, 3, 3), angular velocities, body axes, rad/s, (n, 3),
+#: and what parts keep then, kg m²/s, (n, 3).
+Force = Callable[[Scene, FloatArray, FloatArray, FloatArray], FloatArray]
+#: Torque, N m, body axes, and acceleration of the com, m/s², world axes, with what a constraint
+#: does about them: given ẑ and ω in body axes, and both without it, (3,) each.
+Answer = Callable[
+    [Scene, FloatArray, FloatArray, FloatArray, FloatArray], tuple[FloatArray, FloatArray]
+]
 
 
 @dataclass(frozen=True, eq=False)
@@ -156,7 +166,13 @@ class Effect:
     decay : 1/s, the fastest at which it slows the body
     potential : energy, J, (n,); None if it has none
     momentum_body, kinetic : of parts, what they add to L, kg m²/s, (n, 3), and to T, J, (n,)
-    force : of a constraint that cannot pull, upward, N, (n,)
+    work : of parts, J, (n,): its change is the work of their drives, which E gains; None without
+    wrong_momentum : of parts, the words for another angular momentum than theirs, by its factor
+    force : of a constraint that cannot pull, upward, N
+    answer : of such a constraint, what it does about a torque and an acceleration
+    end : how the motion ends where it would have to pull, in words
+    held : of a constraint, the quantity that it keeps, as a formula
+    group : of the scenes with it, where they are listed by effects; the last of a scene's counts
     """
 
     name: str
@@ -175,7 +191,20 @@ class Effect:
     potential: Along | None = None
     momentum_body: Along | None = None
     kinetic: Along | None = None
-    force: Along | None = None
+    work: Along | None = None
+    wrong_momentum: str = ""
+    force: Force | None = None
+    answer: Answer | None = None
+    end: str = ""
+    held: str = ""
+    group: str = ""
+
+    def force_along(self, scenario: Scene, motion: Trajectory) -> FloatArray:
+        """The force along a motion, N, (n,), of a constraint that has one."""
+        assert self.force is not None
+        kept_body = scenario.kept_body(scenario.kept(motion.omega_body, motion.spins))
+        R_world_body = motion.R_world_body.as_matrix()
+        return self.force(scenario, R_world_body, motion.omega_body, kept_body)
 
     @property
     def heading(self) -> str:

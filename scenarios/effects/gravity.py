@@ -75,4 +75,5 @@ EFFECT = Effect(
     rate=swing_rate,
     rate_formula="√(m g l/I) of a small swing under gravity",
     potential=potential,
+    group="Thrown",
 )

@@ -107,4 +107,6 @@ EFFECT = Effect(
     rate_formula="h/I of rotors, h their angular momentum",
     momentum_body=lambda scene, motion: scene.rotors.momentum_body(motion.spins),
     kinetic=lambda scene, motion: scene.rotors.energy(motion.omega_body, motion.spins),
+    work=lambda scene, motion: scene.rotors.work(motion.omega_body, motion.spins),
+    wrong_momentum="the rotors had {} times their angular momentum",
 )

@@ -24,7 +24,6 @@ from ..exact import DIGITS
 from ..float_array import FloatArray
 from ..rotation import cross, matrix
 from ..start import StartTable
-from ..trajectory import Trajectory
 from ..values import NotNegative, Number, Vector
 from .effect import Effect, EffectTable, Extent, Scene, Size, length
 from .pivot import EFFECT as PIVOT
@@ -67,7 +66,11 @@ def arm_body(scenario: Scene, up_body: FloatArray) -> FloatArray:
 
 
 def normal_force(
-    scenario: Scene, up_body: FloatArray, omega_body: FloatArray, torque_body: FloatArray
+    scenario: Scene,
+    up_body: FloatArray,
+    omega_body: FloatArray,
+    torque_body: FloatArray,
+    pull_world: FloatArray,
 ) -> FloatArray:
     """N, in newtons, (n,) or a number; negative where the table would have to pull.
 
@@ -75,19 +78,26 @@ def normal_force(
     ----------
     up_body, omega_body : ẑ of the world and ω, rad/s, body axes, (n, 3) or (3,)
     torque_body : T, N m, body axes, likewise
+    pull_world : the acceleration of the com without the table, m/s², (3,)
     """
     circling = cross(omega_body, cross(omega_body, scenario.constraint.lever))
-    lift = (up_body * circling).sum(-1) - scenario.gravity_world[2]
-    return added_force(scenario, up_body, torque_body, lift)
-
-
-def added_force(
-    scenario: Scene, up_body: FloatArray, torque_body: FloatArray, lift: FloatArray | float
-) -> FloatArray:
-    """N that answers a torque, N m, and an acceleration downwards, m/s²: in newtons."""
+    lift = (up_body * circling).sum(-1) - pull_world[2]
     b, inverse = arm_body(scenario, up_body), np.linalg.inv(scenario.inertia)
     mobility = 1 / scenario.body.mass + (b * (b @ inverse)).sum(-1)
     return np.asarray((lift - (b * (torque_body @ inverse)).sum(-1)) / mobility)
+
+
+def answer(
+    scenario: Scene,
+    up_body: FloatArray,
+    omega_body: FloatArray,
+    torque_body: FloatArray,
+    pull_world: FloatArray,
+) -> tuple[FloatArray, FloatArray]:
+    """Torque and acceleration with those by N; parameters as of `normal_force`, (3,)."""
+    force = normal_force(scenario, up_body, omega_body, torque_body, pull_world)
+    pushed_up = np.array([0.0, 0.0, force / scenario.body.mass])
+    return torque_body + force * arm_body(scenario, up_body), pull_world + pushed_up
 
 
 def force(
@@ -104,14 +114,8 @@ def force(
     pushed = push(scenario.pushed, R_world_body, omega_world)
     torque_body = (R_world_body * pushed[..., :, None]).sum(-2)
     torque_body = torque_body - cross(omega_body, omega_body @ scenario.inertia + kept_body)
-    return normal_force(scenario, R_world_body[..., 2, :], omega_body, torque_body)
-
-
-def along(scenario: Scene, motion: Trajectory) -> FloatArray:
-    """N along a motion, in newtons, (n,)."""
-    R_world_body = motion.R_world_body.as_matrix()
-    kept_body = scenario.kept_body(scenario.kept(motion.omega_body, motion.spins))
-    return force(scenario, R_world_body, motion.omega_body, kept_body)
+    up_body = R_world_body[..., 2, :]
+    return normal_force(scenario, up_body, omega_body, torque_body, scenario.gravity_world)
 
 
 def check(scenario: Scene, stated: StartTable) -> None:
@@ -173,5 +177,15 @@ def _sizes(extent: Extent) -> Iterator[Size]:
 
 
 EFFECT = Effect(
-    "table", "table", TableTable, constraint=constraint, check=check, sizes=_sizes, force=along
+    "table",
+    "table",
+    TableTable,
+    constraint=constraint,
+    check=check,
+    sizes=_sizes,
+    force=force,
+    answer=answer,
+    end="the body leaves the table",
+    held="z of r_com − R (com − tip): the height of the tip",
+    group="On a table",
 )

@@ -9,7 +9,7 @@ from pydantic import Field, model_validator
 from ..exact import ZERO
 from ..float_array import read_only
 from ..values import Vector
-from .effect import Effect, EffectTable, Extent, Rate, Size, length
+from .effect import DRIVEN, Effect, EffectTable, Extent, Rate, Size, length
 
 _WHERE = ("effects", "torque")
 
@@ -59,6 +59,7 @@ def _constant(axes: str) -> Effect:
         pushed=lambda table: read_only((table and getattr(table, axes)) or ZERO),
         sizes=_sizes,
         rates=_rates,
+        group=DRIVEN,
     )
 
 

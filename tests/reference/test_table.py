@@ -25,7 +25,7 @@ from spincheck.reference.heavy_symmetric_top import (
 from spincheck.reference.invariants import drifts
 from spincheck.reference.rotational_problem import rotational_problem
 from spincheck.scenarios import LIBRARY, Scenario, errors_between, load
-from spincheck.scenarios.effects.table import along, force
+from spincheck.scenarios.effects.table import EFFECT, force
 from spincheck.scenarios.rotation import matrices
 from spincheck.scenarios.vary import varied
 from spincheck.suite.contract_scenes import SCENES as CONTRACT
@@ -177,7 +177,7 @@ def test_the_table_pushes_all_along_and_what_is_kept_is_kept(scene: Scenario) ->
     solution = solve(scene, scene.times)
     motion = solution.trajectory
     assert solution.horizon is None
-    assert (along(scene, motion) > 0).all()
+    assert (EFFECT.force_along(scene, motion) > 0).all()
     kept = drifts(scene, motion)
     assert {"table", "momentum_less_impulse", "com_parabola"} <= kept.keys()
     assert ("energy" in kept) == (scene.pushed["drag"] == 0)

@@ -175,8 +175,9 @@ def describe(scenario: Scenario, at: Sequence[float]) -> dict[str, Any]:
     }
     if motion.spins.size:
         columns["rotors_spin"] = motion.spins
-    forces = {f"{effect.name}_force": effect.force for effect in scenario.acting}
-    columns |= {name: force(scenario, motion) for name, force in forces.items() if force}
+    for effect in scenario.acting:
+        if effect.force is not None:
+            columns[f"{effect.name}_force"] = effect.force_along(scenario, motion)
     return {
         "scenario": scenario.name,
         "method": solution.method,

@@ -11,7 +11,6 @@ from ....engines.encodings import KEPT, SAME_BODY, Encoding, SceneChange
 from ....engines.models.description import away_from
 from ....reference import Solution
 from ....scenarios import SIGNAL, Scenario, Trajectory
-from ....scenarios.gyrostat import without_free_axes
 from ....scenarios.mechanics import angular_momentum_world
 from ....scenarios.rotation import norms
 from ..measuring.rounding import roundings_in_flight
@@ -40,12 +39,12 @@ def rounding_bounds(
       to the com, is as many times (I₃ + m r²) / I₁ off in its least moment.
     - A step: ω̇ = I⁻¹ (ω × I ω) is rounded relative to ‖I⁻¹‖ ‖I‖ ω² = (I₃ + m r²) / I₁ ω², and
       gains ω dt of that, an ulp of ω for the 20 operations of a component at 0.05 rad a step; the
-      state is rounded once. Steps add up as if all had one sign. With rotors L is not I ω, torques
-      are added that cancel in coordinates which turn with them, at places that are rounded relative
-      to their distance from the origin, and I₁ is the least moment that is left where they turn
-      freely.
+      state is rounded once. Steps add up as if all had one sign. With parts that turn L is not I ω,
+      torques are added that cancel in coordinates which turn with them, at places that are rounded
+      relative to their distance from the origin, and I₁ is the least moment that is left where they
+      turn freely.
     - The flight, for place and velocity of a free body: an ulp of the changed scene's own numbers,
-      and of forces that cancel in coordinates which turn with rotors.
+      and of forces that cancel in coordinates which turn with parts.
     """
     change, exact = encoding.change(scenario), solution.trajectory
     changed, moved = _farthest(encoding.scene(scenario), encoding), _moved(change, exact)
@@ -86,10 +85,10 @@ def _moved(change: SceneChange, exact: Trajectory) -> Trajectory:
 
 
 def _flung(scenario: Scenario, exact: Trajectory, far: float) -> float:
-    """Accelerations that cancel where a free body's rotors are off its com, both ways, m/s²."""
+    """Accelerations that cancel where parts of a free body are off its com, both ways, m/s²."""
     if not scenario.constraint.is_free:
         return 0.0
-    force, _ = scenario.rotors.cancelling(exact.spins, scenario.body.com, far)
+    force, _ = scenario.cancelling(exact.spins, far)
     return BOTH * OPERATIONS * float(force.max()) / scenario.body.mass
 
 
@@ -104,10 +103,10 @@ def _farthest(scenario: Scenario, encoding: Encoding) -> Scenario:
 
 
 def _ulps_a_step(scenario: Scenario, exact: Trajectory, steps: int, far: float) -> float:
-    """Roundings of ω a step, in units of the condition number: one, or more of fast rotors."""
+    """Roundings of ω a step, in units of the condition number: one, or more of fast parts."""
     speed = norms(exact.omega_body).max() or 1 / float(exact.t[-1])
     turning = np.abs(exact.spins) + speed
-    _, torque = scenario.rotors.cancelling(turning, scenario.body.com, far)
+    _, torque = scenario.cancelling(turning, far)
     torque = torque + norms(angular_momentum_world(scenario, exact)) * speed
     rate = torque.max() / (scenario.body.principal_moments[-1] * speed)
     return max(1.0, OPERATIONS * float(rate * exact.t[-1]) / steps)
@@ -117,7 +116,6 @@ def _condition(scenario: Scenario) -> float:
     """(I₃ + m r²) / I₁, r the distance of the com from the frame's origin."""
     body = scenario.body
     far = float(np.linalg.norm(body.com))
-    moments = np.linalg.eigvalsh(
-        np.array(without_free_axes(body.inertia_com_exact, scenario.rotors), dtype=float)
-    )
+    left = scenario.without_free_axes(body.inertia_com_exact)
+    moments = np.linalg.eigvalsh(np.array(left, dtype=float))
     return float((body.principal_moments[-1] + body.mass * far**2) / moments[0])

@@ -102,7 +102,7 @@ def places(scenario: Scenario, motion: Trajectory, coarsest: float | None) -> Pl
     bears = Equations(scenario).bears(states)
     states, times = states.rows(bears), np.append(along.t, [np.nan] * len(ASKEW))[bears]
     starts = np.unique(np.linspace(0, len(chosen) - 1, PIECES).astype(int))
-    condition = float(np.linalg.cond(scenario.inertia)) + _of_rotors(scenario, motion)
+    condition = float(np.linalg.cond(scenario.inertia)) + _of_parts(scenario, motion)
     pieces = _pieces(scenario, states.rows(starts), timestep, condition)
     timesteps = timestep / 2.0 ** np.arange(HALVINGS)
     return Places(states, times, np.asarray(timesteps), pieces, starts, condition)
@@ -132,9 +132,9 @@ def _changed(vectors: FloatArray, by: FloatArray) -> FloatArray:
     return np.asarray(vectors + norms(vectors)[:, None] * by)
 
 
-def _of_rotors(scenario: Scenario, motion: Trajectory) -> float:
-    """Torques that cancel in coordinates which turn with rotors, over the gyroscopic one."""
-    _, torque = scenario.rotors.cancelling(motion.spins, scenario.body.com)
+def _of_parts(scenario: Scenario, motion: Trajectory) -> float:
+    """Torques that cancel in coordinates which turn with parts, over the gyroscopic one."""
+    _, torque = scenario.cancelling(motion.spins)
     L_world, speed = angular_momentum_world(scenario, motion), norms(motion.omega_body).max()
     gyroscopic = float(norms(L_world).max() * speed)
     return float(torque.max()) / gyroscopic if gyroscopic else 0.0

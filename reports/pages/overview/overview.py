@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from statistics import median
 
 from ....engines import Method
-from ....scenarios import PUSHED
+from ....scenarios import EFFECTS
 from ...results.records import Pair, Verdict
 from ...results.verdict_words import LISTED, VerdictKind
 from ..analysis.report_data import MethodRuns, ReportData, SceneRuns
@@ -18,8 +18,11 @@ from ..tables import Cell, Table, figure, method_anchor, named, scene_page, tabl
 #: rad; a run is counted as close if it never is further off.
 CLOSE = math.radians(1.0)
 WORDS = tuple(kind.word for kind in LISTED)
-#: Groups of scenes, in reading order.
-GROUPS = ("On a pivot", "On a table", "Free", "Thrown", "Driven or damped", "Not solved")
+#: Groups of scenes, in reading order: those that are held first.
+FREE, NOT_SOLVED = "Free", "Not solved"
+_OF_HELD = [one.group for one in EFFECTS.values() if one.group and one.constraint]
+_OF_OTHERS = [one.group for one in EFFECTS.values() if one.group and not one.constraint]
+GROUPS = tuple(dict.fromkeys([*_OF_HELD, FREE, *_OF_OTHERS, NOT_SOLVED]))
 
 
 #: A scene's name, title and page, and its cells; a title, and the scenes below it.
@@ -119,15 +122,9 @@ def matrix_of(
 def group_of(scene: SceneRuns) -> str:
     """The one of `GROUPS` that a scene belongs to, by its effects."""
     if scene.solved is None:
-        return "Not solved"
-    effects = scene.solved.scenario.called_for
-    if effects & PUSHED:
-        return "Driven or damped"
-    if "pivot" in effects:
-        return "On a pivot"
-    if "table" in effects:
-        return "On a table"
-    return "Thrown" if "gravity" in effects else "Free"
+        return NOT_SOLVED
+    groups = [effect.group for effect in scene.solved.scenario.acting if effect.group]
+    return groups[-1] if groups else FREE
 
 
 def methods_table(gathered: ReportData) -> Table:
