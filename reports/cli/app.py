@@ -39,7 +39,6 @@ from .stopping import Stopped, open_closed_streams, raise_when_stopped, say_last
 from .sweeps.sweep_commands import app as sweep_commands
 from .sweeps.sweep_commands import print_swept
 from .terminal import (
-    BAD_INPUT,
     DISAGREES,
     Complaint,
     escape_what_turns_text,
@@ -171,9 +170,9 @@ def run(
         running.check_counting(timed=not quick and ensemble is None)
     if ensemble is not None:
         if quick:
-            raise Complaint("'--quick' is for ladders; an ensemble has none", BAD_INPUT)
+            raise Complaint("'--quick' is for ladders; an ensemble has none")
         if as_encoded:
-            raise Complaint("'--as' is for scenes, not for members of an ensemble", BAD_INPUT)
+            raise Complaint("'--as' is for scenes, not for members of an ensemble")
         choice = choose_for_sweep(*named, time_limit, again=again)
         swept = run_ensembles(scenes or [], ensemble, seed, choice, where, out)
         member = f"spincheck member SCENE --seed {seed} --member N"

@@ -97,12 +97,11 @@ def choose(
     """
     if time_limit is not None and not 0 < time_limit <= MOST_TIME:
         raise Complaint(
-            f"'--time-limit' must be positive and at most {MOST_TIME:g} s, got {time_limit:g} s",
-            BAD_INPUT,
+            f"'--time-limit' must be positive and at most {MOST_TIME:g} s, got {time_limit:g} s"
         )
     names = dict.fromkeys(engine_names)
     if python and not any("@" in name for name in names):
-        raise Complaint("'--python' is for versions, such as '--engine mujoco@3.1.6'", BAD_INPUT)
+        raise Complaint("'--python' is for versions, such as '--engine mujoco@3.1.6'")
     chosen = [engine for name in names for engine in _engines(name, python, time_limit, scenarios)]
     if not names:
         chosen = [one for one in _applying(scenarios) if not one.is_optional]
@@ -113,13 +112,12 @@ def choose(
         if name.lower() not in by_lower:
             raise Complaint(
                 f"'--method' must be one of {', '.join(sorted(by_lower.values()))}, got '{name}'"
-                f"{did_you_mean(name, by_lower.values())}",
-                BAD_INPUT,
+                f"{did_you_mean(name, by_lower.values())}"
             )
     methods = [by_lower[name.lower()] for name in methods]
     for timestep in timesteps:
         if not 0 < timestep < float("inf"):
-            raise Complaint(f"'--timestep' must be positive, got {timestep:g} s", BAD_INPUT)
+            raise Complaint(f"'--timestep' must be positive, got {timestep:g} s")
     engines_once = tuple({engine.name: engine for engine in chosen}.values())
     return Choice(engines_once, tuple(methods), tuple(timesteps), time_limit=time_limit)
 
@@ -156,8 +154,7 @@ def _engines(
             raise Complaint(f"engine '{name}' cannot be used: {absent.reason}", NOT_RUN)
     known = [*engines(), *sorted(families), ALL]
     raise Complaint(
-        f"'--engine' must be one of {', '.join(known)}, got '{name}'{did_you_mean(lower, known)}",
-        BAD_INPUT,
+        f"'--engine' must be one of {', '.join(known)}, got '{name}'{did_you_mean(lower, known)}"
     )
 
 
@@ -212,6 +209,5 @@ def check_timesteps(scenarios: Sequence[Scenario], choice: Choice) -> None:
             if timestep > scenario.window.duration:
                 raise Complaint(
                     f"'--timestep' must be shorter than the window of {scenario.name}, "
-                    f"{scenario.window.duration:g} s, got {timestep:g} s",
-                    BAD_INPUT,
+                    f"{scenario.window.duration:g} s, got {timestep:g} s"
                 )

@@ -13,14 +13,14 @@ from ...scenarios import (
     load_each,
     printable,
 )
-from .terminal import BAD_INPUT, Complaint, as_complaint, say
+from .terminal import Complaint, as_complaint, say
 
 
 def one_scene(name: str) -> Scenario:
     """The scene of that name."""
     scenes = scenes_to_run([name], expectations=False)
     if len(scenes) != 1:
-        raise Complaint(f"{printable(name)}: takes one scene, this is {len(scenes)}", BAD_INPUT)
+        raise Complaint(f"{printable(name)}: takes one scene, this is {len(scenes)}")
     return scenes[0]
 
 
@@ -117,7 +117,7 @@ def _check_motion(scenario: Scenario, result: Checked) -> None:
 def complain(wrong: Sequence[str]) -> None:
     """Raise one `Complaint` with everything that is wrong, if anything is."""
     if wrong:
-        raise Complaint("\n".join(wrong), BAD_INPUT)
+        raise Complaint("\n".join(wrong))
 
 
 def _files(names: Sequence[str]) -> list[Path]:

@@ -24,7 +24,7 @@ NAME = 12
 class Complaint(Exception):
     """An error for the user: one message, and the exit code that goes with it."""
 
-    def __init__(self, message: str, exit_code: int) -> None:
+    def __init__(self, message: str, exit_code: int = BAD_INPUT) -> None:
         super().__init__(message)
         self.exit_code = exit_code
 
@@ -281,4 +281,4 @@ def unusable(place: Path | str, error: OSError, purpose: str = "used") -> Compla
     from ...scenarios import printable
 
     where = printable(str(place))
-    return Complaint(f"{where}: cannot be {purpose}: {error.strerror}", BAD_INPUT)
+    return Complaint(f"{where}: cannot be {purpose}: {error.strerror}")

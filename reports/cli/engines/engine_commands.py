@@ -12,7 +12,6 @@ import typer
 from ..options import CORES, RESULT_FILE, AsEncoded, AsJson, Jobs, Methods, Python, Scene
 from ..terminal import (
     AGREES,
-    BAD_INPUT,
     DISAGREES,
     NOT_RUN,
     Complaint,
@@ -261,7 +260,7 @@ def versions(
 
     numbers = [word for word in arguments if word[:1].isdigit()]
     if len(numbers) < 2:
-        raise Complaint("'versions' takes two versions at the least, oldest first", BAD_INPUT)
+        raise Complaint("'versions' takes two versions at the least, oldest first")
     scenes = [word for word in arguments if word not in numbers] or list(SCENES)
     names = [f"{engine}@{number}" for number in numbers]
     encodings = named_encodings(as_encoded)

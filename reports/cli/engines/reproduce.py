@@ -11,7 +11,7 @@ from ....reference import Solution
 from ....scenarios import Scenario, printable
 from ...harness.ladder import single
 from ..scenes.exact_motion import solved
-from ..terminal import BAD_INPUT, NOT_RUN, Complaint, as_complaint
+from ..terminal import NOT_RUN, Complaint, as_complaint
 
 _PYTHON_HEAD = '''\
 """{title}
@@ -159,11 +159,11 @@ MOST_SAMPLES = 21
 def reproduction(scenario: Scenario, engine: Engine, method: Method, timestep: float) -> str:
     """The text of the file, in the language of the engine's script."""
     if reason := engine.unsupported(scenario, method):
-        raise Complaint(reason, BAD_INPUT)
+        raise Complaint(reason)
     with as_complaint(EngineError, before=f"{engine.name} {method.name}: ", exit_code=NOT_RUN):
         script = engine.script(scenario, method, timestep)
     if not script:
-        raise Complaint(_without_script(scenario, engine, method), BAD_INPUT)
+        raise Complaint(_without_script(scenario, engine, method))
     with as_complaint(ValueError, before="'--timestep': "):
         steps = single(timestep, scenario.times).sample_steps
     solution = solved(scenario, np.asarray(steps * timestep, dtype=float))

@@ -18,7 +18,7 @@ from ...harness.recorded.recorded_ladder import results_of, study_of_files
 from ...harness.recorded.recording import RecordingError
 from ...results.records import Verdict
 from ..choosing import compile_first
-from ..terminal import AGREES, BAD_INPUT, DISAGREES, Complaint, as_complaint, table, written
+from ..terminal import AGREES, DISAGREES, Complaint, as_complaint, table, written
 
 #: Columns that reasons are wrapped at.
 WIDTH = 80
@@ -76,8 +76,7 @@ def judged_files(
     frame: OmegaFrame | None = _one_of("--omega", omega, OmegaFrame)
     if timesteps and len(timesteps) != len(files):
         raise Complaint(
-            f"'--timestep' must be given once for each file, got {len(timesteps)} for {len(files)}",
-            BAD_INPUT,
+            f"'--timestep' must be given once for each file, got {len(timesteps)} for {len(files)}"
         )
     wanted = dict(_bound(bound) for bound in bounds)
     compile_first()
@@ -89,7 +88,7 @@ def judged_files(
             motions[str(file)] = judged_motion(scenario, recording, components, frame, timestep)
         except RecordingError as error:
             where = "" if str(error).startswith(printable(str(file))) else f"{file}: "
-            raise Complaint(f"{where}{error}", BAD_INPUT) from None
+            raise Complaint(f"{where}{error}") from None
     beyond = [
         f"{name}: {sentence}"
         for name, motion in motions.items()
@@ -116,7 +115,7 @@ def write_page(judgement: Judgement, folder: Path) -> Path:
 def _one_of(option: str, value: str | None, words: Any) -> Any:
     known = get_args(words)
     if value is not None and value not in known:
-        raise Complaint(f"'{option}' must be {' or '.join(known)}, got '{value}'", BAD_INPUT)
+        raise Complaint(f"'{option}' must be {' or '.join(known)}, got '{value}'")
     return value
 
 
@@ -126,9 +125,7 @@ def _bound(text: str) -> tuple[str, float]:
     if name not in SIGNAL:
         hint = did_you_mean(name, SIGNAL)
         known = ", ".join(SIGNAL)
-        raise Complaint(
-            f"'--fail-above' must begin with one of {known}, got '{name}'{hint}", BAD_INPUT
-        )
+        raise Complaint(f"'--fail-above' must begin with one of {known}, got '{name}'{hint}")
     factor = 1.0
     if SIGNAL[name].unit == "rad":
         unit = next((unit for unit in ANGLES if number.endswith(unit)), "rad")
@@ -138,9 +135,7 @@ def _bound(text: str) -> tuple[str, float]:
     except ValueError:
         bound = -1.0
     if not 0 <= bound < float("inf"):
-        raise Complaint(
-            f"'--fail-above' must be SIGNAL=BOUND, such as {name}=1e-3, got '{text}'", BAD_INPUT
-        )
+        raise Complaint(f"'--fail-above' must be SIGNAL=BOUND, such as {name}=1e-3, got '{text}'")
     return name, bound
 
 

@@ -34,25 +34,20 @@ def plot(
     what: Annotated[
         str,
         typer.Option(
-            help="theta, omega, polhode, herpolhode, axis, potential, convergence, "
-            "work-precision; motion, a film."
+            help="theta, omega, polhode, herpolhode, axis, potential, convergence, work-precision."
         ),
     ],
-    out: Annotated[
-        Path, typer.Option("--out", "-o", help="The file to write: .svg, .png, .pdf; .gif, .mp4.")
-    ],
+    out: Annotated[Path, typer.Option("--out", "-o", help="The file to write: .svg, .png, .pdf.")],
     results: From = RESULT_FILE,
     engine: Engines = None,
     method: Methods = None,
 ) -> None:
-    """Draw one figure of a scene, or film its motion, as a file; needs matplotlib.
+    """Draw one figure of a scene as a file; needs matplotlib.
 
     It shows the exact motion, and the engines and methods that are named if the result file has
     runs of them; convergence and work-precision show every method.
 
-    A film is slowed down until it can be followed; .gif always works, .mp4 needs ffmpeg.
-
-    Example: spincheck plot fast-top --what motion --engine mujoco --method default -o top.gif
+    Example: spincheck plot fast-top --what theta --engine mujoco --method default -o tilt.png
     """
     from .pictures import plot as draw
 

@@ -12,13 +12,12 @@ from ...pages.figures.figures import figures
 from ...pages.figures.plot import Figure
 from ...pages.figures.signal_figures import with_runs
 from ...pages.render import render
-from ...pages.scene.motion_data import run_name
 from ...results.store import Results, SceneResult
 from ..choosing import Where
 from ..named_scenes import one_scene
 from ..run import running
 from ..stopping import saying
-from ..terminal import BAD_INPUT, NOT_RUN, Complaint
+from ..terminal import NOT_RUN, Complaint
 
 #: What can be drawn: the figure of a scene's page, and which of its parts; all of them if None.
 WHAT: dict[str, tuple[str, int | None]] = {
@@ -31,8 +30,6 @@ WHAT: dict[str, tuple[str, int | None]] = {
     "convergence": ("convergence", None),
     "work-precision": ("cost", None),
 }
-#: The motion itself, as a film.
-MOTION = "motion"
 #: Figures that show runs only, and not the exact motion.
 OF_RUNS = ("convergence", "work-precision")
 
@@ -56,46 +53,26 @@ def plot(
     methods: Sequence[str],
 ) -> None:
     """Write one figure of a scene as a file."""
-    if what not in (*WHAT, MOTION):
+    if what not in WHAT:
         raise Complaint(
-            f"'--what' must be one of {', '.join([*WHAT, MOTION])}, got '{what}'"
-            f"{did_you_mean(what, [*WHAT, MOTION])}",
-            BAD_INPUT,
+            f"'--what' must be one of {', '.join(WHAT)}, got '{what}'{did_you_mean(what, WHAT)}"
         )
     scenario = one_scene(scene)
     scene_runs = _scene_runs(scenario, results)
     if what in OF_RUNS and not any(runs.rows for runs in scene_runs.methods):
         raise Complaint(
-            f"{results}: has no runs of {scenario.name}; 'spincheck run {scene}' makes them",
-            BAD_INPUT,
+            f"{results}: has no runs of {scenario.name}; 'spincheck run {scene}' makes them"
         )
-    chosen = _chosen(scene_runs, engine_names, methods)
+    parts = _parts(scene_runs, what, _chosen(scene_runs, engine_names, methods))
     try:
+        from ...pages.figures.picture import write_picture
+
         with replacing(out) as new:
-            if what == MOTION:
-                _film(scene_runs, chosen, new)
-            else:
-                _picture(scene_runs, _parts(scene_runs, what, chosen), new)
+            write_picture(parts, scene_runs.title, new)
     except ImportError:
         raise Complaint("needs matplotlib; 'pip install spincheck[plot]'", NOT_RUN) from None
     except (OSError, ValueError) as error:
-        raise Complaint(f"{out}: cannot be written: {error}", BAD_INPUT) from None
-
-
-def _picture(scene: SceneRuns, parts: list[Figure], out: Path) -> None:
-    from ...pages.figures.picture import write_picture
-
-    write_picture(parts, scene.title, out)
-
-
-def _film(scene: SceneRuns, runs: tuple[Compared, ...], out: Path) -> None:
-    from ...pages.figures.film import Filmed, NoWriterError, write_film
-
-    beside = [Filmed(run_name(run.row), run.motion) for run in runs]
-    try:
-        write_film(scene.exact, beside, out)
-    except NoWriterError as error:
-        raise Complaint(f"{out}: {error}", NOT_RUN) from None
+        raise Complaint(f"{out}: cannot be written: {error}") from None
 
 
 def _scene_runs(scenario: Scenario, results: Path) -> SceneRuns:
@@ -129,6 +106,6 @@ def _parts(scene: SceneRuns, what: str, runs: tuple[Compared, ...]) -> list[Figu
     name, part = WHAT[what]
     drawn = {titled.name: titled for section in figures(scene).values() for titled in section}
     if name not in drawn:
-        raise Complaint(f"{scene.name}: has no figure '{what}'", BAD_INPUT)
+        raise Complaint(f"{scene.name}: has no figure '{what}'")
     parts = drawn[name].parts if part is None else drawn[name].parts[part : part + 1]
     return [with_runs(figure, scene, runs) for figure in parts]

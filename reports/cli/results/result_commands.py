@@ -8,7 +8,7 @@ from typing import Any
 import typer
 
 from ..options import RESULT_FILE, AsCsv, AsJson, Stored
-from ..terminal import BAD_INPUT, Complaint, as_complaint, to_json
+from ..terminal import Complaint, as_complaint, to_json
 
 #: What a formula begins with, or white space that spreadsheets pass over before one.
 FORMULA = ("=", "+", "-", "@", "\t", "\n")
@@ -126,7 +126,7 @@ def _print_lines(lines: Iterable[str]) -> None:
 
 def _print_records(records: list[dict[str, Any]], as_csv: bool, as_json: bool) -> None:
     if as_csv and as_json:
-        raise Complaint("takes '--csv' or '--json', not both", BAD_INPUT)
+        raise Complaint("takes '--csv' or '--json', not both")
     if as_csv:
         print(csv_text(records), end="")
     else:

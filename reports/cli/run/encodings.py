@@ -7,7 +7,7 @@ from ....engines import engines
 from ....engines.encodings import ENCODINGS
 from ....scenarios import did_you_mean
 from ...results.encoding_records import PHRASES, WRONG, EncodedRun, EncodedRuns, encoding_sentence
-from ..terminal import BAD_INPUT, Complaint
+from ..terminal import Complaint
 
 #: The word for all of them.
 ALL = "all"
@@ -24,8 +24,7 @@ def named_encodings(text: str) -> tuple[str, ...]:
         if name not in known:
             raise Complaint(
                 f"'--as' must be {ALL} or out of {', '.join(known)}, got '{name}'"
-                f"{did_you_mean(name, known)}; 'spincheck encodings' explains them",
-                BAD_INPUT,
+                f"{did_you_mean(name, known)}; 'spincheck encodings' explains them"
             )
     return tuple(dict.fromkeys(names))
 

@@ -30,7 +30,7 @@ from ..choosing import Where, check_temporary_folder, choose
 from ..grouped import option
 from ..named_scenes import one_scene
 from ..stopping import saying
-from ..terminal import AGREES, BAD_INPUT, DISAGREES, NOT_RUN, Complaint, say
+from ..terminal import AGREES, DISAGREES, NOT_RUN, Complaint, say
 from . import running
 
 #: Checks before it is given up.
@@ -121,7 +121,7 @@ def exit_code(recommendation: Recommendation) -> int:
 def _check_bounds(bounds: ErrorBounds) -> None:
     for signal, bound in bounds.items():
         if not 0 < bound < math.inf:
-            raise Complaint(f"'{option(signal)}' must be positive, got {bound:g}", BAD_INPUT)
+            raise Complaint(f"'{option(signal)}' must be positive, got {bound:g}")
 
 
 def _methods(scenario: Scenario, engine_names: Sequence[str]) -> list[str]:

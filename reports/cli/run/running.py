@@ -31,7 +31,6 @@ from ..named_scenes import scenes_to_run
 from ..stopping import saying
 from ..terminal import (
     AGREES,
-    BAD_INPUT,
     DISAGREES,
     NOT_RUN,
     Complaint,
@@ -132,7 +131,7 @@ def check_counting(*, timed: bool) -> None:
     """Check that instructions can be counted."""
     why = why_not_counted() if timed else "with '--quick' or '--ensemble' no steps are timed"
     if why:
-        raise Complaint(f"'--instructions': {why}", BAD_INPUT)
+        raise Complaint(f"'--instructions': {why}")
 
 
 def gone_on_with(out: Path) -> str:
@@ -146,8 +145,7 @@ def _check_all_apply(choice: Choice, scenarios: Sequence[Scenario]) -> None:
         if not any(engine.applies_to(scenario) for scenario in scenarios):
             raise Complaint(
                 f"'--engine' {engine.name} loads links of users' files, and no scene here names "
-                "one; 'spincheck import FILE --out DIR' makes such scenes",
-                BAD_INPUT,
+                "one; 'spincheck import FILE --out DIR' makes such scenes"
             )
 
 
@@ -188,7 +186,7 @@ def read(path: Path) -> Results:
                 f"'{path.name}-wal' is not beside it: the last runs may be missing"
             )
     if not (results.verdicts or results.sweeps):
-        raise Complaint(f"{path}: holds no results; 'spincheck run' fills it", BAD_INPUT)
+        raise Complaint(f"{path}: holds no results; 'spincheck run' fills it")
     return results
 
 

@@ -24,7 +24,7 @@ from ....scenarios import (
 )
 from ....scenarios.regular_files import write_new
 from ..choosing import compile_first
-from ..terminal import BAD_INPUT, NOT_RUN, Complaint, as_complaint, table
+from ..terminal import NOT_RUN, Complaint, as_complaint, table
 
 #: What each column is, with its unit and its axes.
 COLUMNS = {
@@ -154,7 +154,7 @@ def describe(scenario: Scenario, at: Sequence[float]) -> dict[str, Any]:
     """States, uncertainty, conserved quantities and facts of a scene, SI units."""
     for time in at:
         if not 0 <= time < float("inf"):
-            raise Complaint(f"'--at' must be a time from 0 on, got {time:g}", BAD_INPUT)
+            raise Complaint(f"'--at' must be a time from 0 on, got {time:g}")
     wanted = np.array(sorted(set(at))) if at else np.linspace(0, scenario.window.duration, QUARTERS)
     with as_complaint(Misfit, before="'--at': "):
         check_scales(scenario, until=max(scenario.window.duration, float(wanted[-1])))

@@ -7,7 +7,7 @@ from ....engines.models.mjcf import mjcf
 from ....engines.models.urdf import urdf
 from ....scenarios import EFFECTS, Scenario, is_scene_name, loads, printable
 from ....scenarios.regular_files import write_new
-from ..terminal import BAD_INPUT, Complaint
+from ..terminal import Complaint
 
 TEMPLATE = """\
 spincheck = 1
@@ -52,15 +52,14 @@ def new_scene(name: str) -> Path:
     if not is_scene_name(name):
         raise Complaint(
             "'NAME' must be letters, digits, '-', '_' and '.', the first a letter or digit, "
-            f"got '{printable(name)}'",
-            BAD_INPUT,
+            f"got '{printable(name)}'"
         )
     path, text = Path(f"{name}.toml"), TEMPLATE.format(name=name, effects=_effects())
     loads(text, name)
     try:
         write_new(path, text, replace=False)
     except FileExistsError:
-        raise Complaint(f"{path}: exists already; choose another name", BAD_INPUT) from None
+        raise Complaint(f"{path}: exists already; choose another name") from None
     return path
 
 

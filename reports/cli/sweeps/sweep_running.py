@@ -31,7 +31,6 @@ from ..run.running import gone_on_with
 from ..stopping import saying
 from ..terminal import (
     AGREES,
-    BAD_INPUT,
     DISAGREES,
     NOT_RUN,
     Complaint,
@@ -150,7 +149,7 @@ def run_ensembles(
     members, seed : number of members of each scene, and the seed of their random numbers
     """
     if not scenes:
-        raise Complaint("'--ensemble' takes scenes to scatter, got none", BAD_INPUT)
+        raise Complaint("'--ensemble' takes scenes to scatter, got none")
     bases = scenes_to_run(scenes, expectations=False)
     check_timesteps(bases, choice)
     _check_members(members, seed)
@@ -166,9 +165,9 @@ def member_text(scene: str, seed: int, number: int) -> str:
 
 def _check_members(members: int, seed: int) -> None:
     if members > MAX_MEMBERS:
-        raise Complaint(f"an ensemble has {MAX_MEMBERS} members at most, got {members}", BAD_INPUT)
+        raise Complaint(f"an ensemble has {MAX_MEMBERS} members at most, got {members}")
     if seed > MAX_SEED:
-        raise Complaint(f"'--seed' must be less than 2^128, got {seed}", BAD_INPUT)
+        raise Complaint(f"'--seed' must be less than 2^128, got {seed}")
 
 
 def varied_text(scene: str, numbers: Sequence[str]) -> str:
@@ -199,8 +198,7 @@ def choose_for_sweep(
     """Engines, methods, at most one timestep, a time limit, s, and whether all is run again."""
     if len(timesteps) > 1:
         raise Complaint(
-            f"'--timestep' may be given once here, got {len(timesteps)}; or vary it in a map",
-            BAD_INPUT,
+            f"'--timestep' may be given once here, got {len(timesteps)}; or vary it in a map"
         )
     choice = choose(engine_names, methods, timesteps, time_limit=time_limit)
     return replace(choice, again=again)
@@ -219,7 +217,7 @@ def _number(text: str) -> tuple[str, float]:
     try:
         return path, float(value)
     except ValueError:
-        raise Complaint(f"takes PATH=VALUE, got '{text}'", BAD_INPUT) from None
+        raise Complaint(f"takes PATH=VALUE, got '{text}'") from None
 
 
 def _map(base: Scenario, ranges: Sequence[str], choice: Choice) -> Map:
@@ -230,10 +228,10 @@ def _map(base: Scenario, ranges: Sequence[str], choice: Choice) -> Map:
     paths = [axis.path for axis in axes]
     if len(axes) != 2 or paths[0] == paths[1]:
         raise Complaint(
-            f"'--vary' must name two different numbers, got {', '.join(paths) or 'none'}", BAD_INPUT
+            f"'--vary' must name two different numbers, got {', '.join(paths) or 'none'}"
         )
     if TIMESTEP in paths and choice.timesteps:
-        raise Complaint("'--timestep' cannot be both given and varied", BAD_INPUT)
+        raise Complaint("'--timestep' cannot be both given and varied")
     return Map(base.name, (axes[0], axes[1]), _timestep(choice))
 
 

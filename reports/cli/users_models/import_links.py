@@ -27,7 +27,7 @@ from ....scenarios.users_models import (
 )
 from ....scenarios.write import to_toml
 from ...harness.users_models import listed
-from ..terminal import BAD_INPUT, Complaint, as_complaint, written
+from ..terminal import Complaint, as_complaint, written
 
 #: rad/s along the principal axes, ascending moments: a turn a second about the middle axis, which
 #: no body keeps, and a little about the others.
@@ -136,19 +136,18 @@ def import_scenes(file: Path, out: Path, links: Sequence[str]) -> list[str]:
         scenes = list(link_scenes(model, out.absolute()))
     there = {link.name for link in model.links}
     if unknown := [link for link in links if link not in there]:
-        raise Complaint(f"{file}: there is no link '{unknown[0]}'", BAD_INPUT)
+        raise Complaint(f"{file}: there is no link '{unknown[0]}'")
     wanted = [s for s in scenes if not links or {s.link, *s.welded}.intersection(links)]
     if not any(scene.text for scene in wanted):
         why = f"'{links[0]}' is welded to another and has no inertia of its own" if links else ""
         if wanted:
             why = f"'{wanted[0].link}' is left out: {wanted[0].left_out}"
-        raise Complaint(f"{file}: no link makes a scene; {why}", BAD_INPUT)
+        raise Complaint(f"{file}: no link makes a scene; {why}")
     paths = {out / f"{scene.name}.toml": scene for scene in wanted if scene.text}
     if there_already := [path for path in paths if path.exists()]:
         raise Complaint(
             f"{there_already[0]}: a scene of that name exists already; remove it, "
-            "or give another '--out'",
-            BAD_INPUT,
+            "or give another '--out'"
         )
     with written(out):
         out.mkdir(parents=True, exist_ok=True)

@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 
 from ..options import AsJson, Engines
-from ..terminal import AGREES, BAD_INPUT, DISAGREES, Complaint, say, to_json
+from ..terminal import AGREES, DISAGREES, Complaint, say, to_json
 
 app = typer.Typer()
 
@@ -50,7 +50,7 @@ def inspect(
         records = [record(one) for one in inspected]
         print(to_json(records[0] if len(files) == 1 else records))
     if unreadable:
-        raise Complaint("\n".join(unreadable), BAD_INPUT)
+        raise Complaint("\n".join(unreadable))
     raise typer.Exit(AGREES if all(one.is_well for one in inspected) else DISAGREES)
 
 
@@ -75,8 +75,7 @@ def _packages(options: list[str]) -> tuple[tuple[str, Path], ...]:
         name, equals, folder = one.partition("=")
         if not (name and equals and Path(folder).is_dir()):
             raise Complaint(
-                f"'--package-path' takes NAME=DIR with a folder that is there, got '{one}'",
-                BAD_INPUT,
+                f"'--package-path' takes NAME=DIR with a folder that is there, got '{one}'"
             )
         folders.append((name, Path(folder)))
     return tuple(folders)

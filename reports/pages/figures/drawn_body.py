@@ -89,11 +89,6 @@ def axis_body(scenario: Scenario) -> FloatArray:
     return np.asarray(np.array(R_body_axes, dtype=float) @ axis)
 
 
-def kept_body(scenario: Scenario) -> FloatArray:
-    """What parts add to I ω in L, kg m²/s, body axes, (3,): the same all along the motion."""
-    return scenario.kept_body(scenario.kept_at_start)
-
-
 def _up(solved: SceneResult) -> tuple[FloatArray, str]:
     """Against gravity where it turns the body, along the initial L elsewhere; z at rest."""
     scenario = solved.scenario

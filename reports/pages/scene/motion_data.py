@@ -17,7 +17,7 @@ from ...results.records import Row
 from ...results.store import SceneResult
 from ..analysis.report_data import Compared, SceneRuns
 from ..analysis.wording import duration
-from ..figures.drawn_body import drawn_body, kept_body
+from ..figures.drawn_body import drawn_body
 from ..figures.plot import claimed, thinned
 from ..page_data import Differences, differenced
 
@@ -104,7 +104,7 @@ def _body(solved: SceneResult) -> dict[str, Any]:
         "up_means": drawn.up_means,
         "com": scenario.body.com.tolist() if scenario.constraint.is_pivot else [0.0, 0.0, 0.0],
         "inertia": scenario.inertia.tolist(),
-        "kept": kept_body(scenario).tolist(),
+        "kept": scenario.kept_body(scenario.kept_at_start).tolist(),
         "pivot": scenario.constraint.is_pivot,
     }
 
