@@ -8,21 +8,3 @@ from .method import Method
 from .missing import Missing
 from .run import Outcome, Run
 from .session import Session
-
-__all__ = [
-    "BodyReading",
-    "Cause",
-    "Engine",
-    "EngineError",
-    "Fault",
-    "Method",
-    "Missing",
-    "Outcome",
-    "Run",
-    "Session",
-    "State",
-    "UnsupportedError",
-    "add",
-    "engines",
-    "missing",
-]

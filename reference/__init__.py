@@ -6,16 +6,3 @@ from .invariants import drifts, invariants
 from .solution import Solution
 from .solve import ExactMotion, solve, solve_cheaply, solve_ode
 from .taylor import IntegrationError
-
-__all__ = [
-    "ExactMotion",
-    "IntegrationError",
-    "Solution",
-    "drifts",
-    "facts",
-    "flow",
-    "invariants",
-    "solve",
-    "solve_cheaply",
-    "solve_ode",
-]

@@ -2,5 +2,3 @@
 
 from .engine import ChildEngine, child_engine
 from .process import ANSWER_LIMIT, ProtocolError
-
-__all__ = ["ANSWER_LIMIT", "ChildEngine", "ProtocolError", "child_engine"]

@@ -3,5 +3,3 @@
 from .changed_scene import SceneChange
 from .encoded_engine import SAME_BODY, EncodedEngine
 from .table import ENCODINGS, KEPT, Encoding
-
-__all__ = ["ENCODINGS", "KEPT", "SAME_BODY", "EncodedEngine", "Encoding", "SceneChange"]

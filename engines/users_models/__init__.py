@@ -6,22 +6,3 @@ from .file_engine import FileEngine, model_readers
 from .model_reader import Advice, Configuration, ModelReader, RefusalAdvice
 from .named_link import UsersLink, users_link
 from .users_urdf import body_alone, with_meshes
-
-__all__ = [
-    "AGREES",
-    "Advice",
-    "BodyDifference",
-    "Configuration",
-    "FileEngine",
-    "Kind",
-    "ModelReader",
-    "RefusalAdvice",
-    "UsersLink",
-    "body_alone",
-    "cause",
-    "difference",
-    "model_readers",
-    "unstated_body",
-    "users_link",
-    "with_meshes",
-]

@@ -2,13 +2,3 @@
 
 from .engine import VersionedEngine, versioned
 from .folders import Installed, VersionError, install, installed, remove
-
-__all__ = [
-    "Installed",
-    "VersionError",
-    "VersionedEngine",
-    "install",
-    "installed",
-    "remove",
-    "versioned",
-]

@@ -5,26 +5,3 @@ from .model_file import IDENTITY, Format, Link, ModelFile, Pose, Shape, Stated, 
 from .problems import WORLD, FileProblem, RigidBody, principal_moments, problems, rigid_bodies
 from .read import check_origin, digest, read_model
 from .xml_tree import ModelFileError
-
-__all__ = [
-    "IDENTITY",
-    "WORLD",
-    "FileProblem",
-    "Format",
-    "Link",
-    "ModelFile",
-    "ModelFileError",
-    "Pose",
-    "RigidBody",
-    "Shape",
-    "Stated",
-    "check_origin",
-    "digest",
-    "fused",
-    "principal_moments",
-    "problems",
-    "read_model",
-    "rigid_bodies",
-    "unnamed",
-    "welded",
-]

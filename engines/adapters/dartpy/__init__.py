@@ -1,5 +1,3 @@
 """DART, multibody dynamics in joint coordinates, in double precision."""
 
 from .engine import Dart
-
-__all__ = ["Dart"]

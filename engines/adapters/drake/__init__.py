@@ -1,5 +1,3 @@
 """Drake, multibody dynamics with integrators of fixed step, in double precision."""
 
 from .engine import Drake
-
-__all__ = ["Drake"]

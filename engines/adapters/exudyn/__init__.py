@@ -1,5 +1,3 @@
 """Exudyn, flexible multibody dynamics, in double precision."""
 
 from .engine import Exudyn
-
-__all__ = ["Exudyn"]

@@ -5,5 +5,3 @@ docs/measured/engines-more.md.
 """
 
 from .engine import MJX, MJXSingle
-
-__all__ = ["MJX", "MJXSingle"]

@@ -2,5 +2,3 @@
 
 from .engine import MuJoCo
 from .file_engine import MuJoCoFile
-
-__all__ = ["MuJoCo", "MuJoCoFile"]

@@ -5,5 +5,3 @@ Their packages, of the versions in `package-lock.json`, are in the user's cache 
 """
 
 from .discovered import discovered
-
-__all__ = ["discovered"]

@@ -1,5 +1,3 @@
 """Pinocchio, rigid-body dynamics without integrators of its own, in double precision."""
 
 from .engine import Pinocchio
-
-__all__ = ["Pinocchio"]

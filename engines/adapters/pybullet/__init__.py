@@ -2,5 +2,3 @@
 
 from .engine import PyBullet
 from .file_engine import PyBulletFile
-
-__all__ = ["PyBullet", "PyBulletFile"]

@@ -1,5 +1,3 @@
 """Rapier 3D, in single precision, from its Python package `rapier3d`."""
 
 from .engine import Rapier3D
-
-__all__ = ["Rapier3D"]
