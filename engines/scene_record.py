@@ -50,6 +50,20 @@ class HeldRotor(NamedTuple):
     axis: FloatArray
 
 
+class WorldBody(NamedTuple):
+    """A body as an engine holds it; kg, kg m².
+
+    `com` and `arm`, where it is held, None if it is free, are in m from the origin of the engine's
+    body, (3,); `inertia_com` is (3, 3).
+    """
+
+    mass: float
+    com: Sequence[float] | FloatArray
+    inertia_com: FloatArray
+    arm: Sequence[float] | FloatArray | None
+    rotors: Sequence[HeldRotor] = ()
+
+
 @dataclass(frozen=True, eq=False)
 class RecordFrame:
     """Takes motions and bodies from a scene's body axes to those of its record, and back.
@@ -110,28 +124,14 @@ class RecordFrame:
             velocity_world = velocity_world - turned(R_world_body, swing_body)
         return State(q_world_body, omega_body, com_world, velocity_world, spins)
 
-    def body(
-        self,
-        mass: float,
-        com: Sequence[float] | FloatArray,
-        inertia_com: FloatArray,
-        arm: Sequence[float] | FloatArray | None,
-        rotors: Sequence[HeldRotor] = (),
-    ) -> BodyReading:
-        """A body that an engine holds, in the scene's body axes and from its origin.
-
-        Parameters
-        ----------
-        com, arm : m, from the origin of the engine's body, (3,); where it is held, None if it is
-            free
-        inertia_com : kg m², (3, 3)
-        """
-        reading = BodyReading(float(mass), np.array(com), np.array(inertia_com))
-        if rotors:
-            axial = [rotor.axis * (rotor.axis @ rotor.inertia_com @ rotor.axis) for rotor in rotors]
-            parts = [BodyReading(one.mass, one.com, one.inertia_com) for one in rotors]
+    def body(self, body: WorldBody) -> BodyReading:
+        """A body that an engine holds, in the scene's body axes and from its origin."""
+        reading = BodyReading(float(body.mass), np.array(body.com), np.array(body.inertia_com))
+        if body.rotors:
+            axial = [one.axis * (one.axis @ one.inertia_com @ one.axis) for one in body.rotors]
+            parts = [BodyReading(one.mass, one.com, one.inertia_com) for one in body.rotors]
             reading = replace(composed([reading, *parts]), axial=np.array(axial))
-        R_body_axes = self.body_from_axes.as_matrix()
+        R_body_axes, arm = self.body_from_axes.as_matrix(), body.arm
         # The origin is where the body is held; of a free one, where the scene has it.
         at = self.com_body if arm is None else self.held_body - R_body_axes @ np.array(arm)
         return reading.placed(at, R_body_axes)

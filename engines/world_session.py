@@ -7,30 +7,20 @@ from abc import abstractmethod
 from collections.abc import Sequence
 from importlib import import_module
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
 from ..scenarios import FloatArray, Scenario
 from ..scenarios.effects.push import is_pushed, push
 from .checks.read_back import BodyReading, EngineError, State
-from .scene_record import ABOUT, HeldRotor, RecordFrame, scene_record
+from .scene_record import ABOUT, RecordFrame, WorldBody, scene_record
 from .session import Session
 from .world_parts import matrix
 
 #: The module that worlds share.
 PARTS = Path(__file__).with_name("world_parts.py")
 _RELATIVE_IMPORT = re.compile(r"^from \.[\w.]* import .+\n", re.MULTILINE)
-
-
-class WorldBody(NamedTuple):
-    """A body as a world holds it, as `RecordFrame.body` takes it."""
-
-    mass: float
-    com: Sequence[float] | FloatArray
-    inertia_com: FloatArray
-    arm: Sequence[float] | FloatArray | None
-    rotors: Sequence[HeldRotor] = ()
 
 
 class WorldSession(Session):
@@ -77,7 +67,7 @@ class WorldSession(Session):
 
     def read_body(self) -> BodyReading:
         """The body in the scene's axes."""
-        return self.frame.body(*self.world_body())
+        return self.frame.body(self.world_body())
 
     def read_state(self) -> State:
         """The state now."""

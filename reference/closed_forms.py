@@ -1,10 +1,11 @@
 """Which closed form solves a problem."""
 
+from .effect_terms import is_free, is_undriven
 from .free_asymmetric import free_asymmetric
 from .free_symmetric import free_symmetric
 from .lagrange import lagrange
 from .problem import Problem
-from .symmetry import equal, is_free, is_undriven, symmetry_axis
+from .symmetry import equal, symmetry_axis
 from .theta_quotients import ClosedForm
 
 __all__ = ["ClosedForm", "closed_form"]

@@ -20,7 +20,7 @@ from mpmath import mp, mpf
 from ..scenarios import Errors, Scenario, Trajectory, errors_between
 from ..scenarios.exact import DIGITS, normalised, product
 from .problem import Problem
-from .symmetry import gravity_torque_scale, norm, scaled
+from .symmetry import gravity_torque_scale, norm
 
 EPS = float(np.finfo(float).eps)
 #: Relative nudges. The first is large against rounding; where the motion grows it out of the
@@ -58,14 +58,11 @@ def nudged(problem: Problem, k: int, size: mpf) -> Problem:
         )
         turn = normalised((mpf(1), *(size / 2 * signs[k] for signs in SIGNS_OF_TURN)))
         return replace(
-            problem,
+            # A neighbour may come off its table a little earlier.
+            problem.lengthened(1 + size * SIGNS_OF_LEVER[0][k]),
             moments=(first, second, third),
             omega_axes=(w1, w2, w3),
             q_world_axes=product(problem.q_world_axes, turn),
-            lever_axes=scaled(problem.lever_axes, 1 + size * SIGNS_OF_LEVER[0][k]),
-            tip_axes=scaled(problem.tip_axes, 1 + size * SIGNS_OF_LEVER[0][k]),
-            # A neighbour may lift off a little earlier: it is followed as if the table pulled.
-            ends_at_lift_off=False,
             kept=tuple(
                 kept * (1 + size * SIGNS_OF_LEVER[part % 2][k])
                 for part, kept in enumerate(problem.kept)

@@ -6,10 +6,11 @@ from functools import cached_property
 
 import numpy as np
 
-from ..scenarios import FloatArray, Scenario, Trajectory, angular_momentum_world
+from ..scenarios import EFFECTS, FloatArray, Scenario, Trajectory, angular_momentum_world
 from ..scenarios import energy as energy_of
+from ..scenarios.effects import Effect
 from . import integrable_cases
-from .effect_terms import turning
+from .effect_terms import TERMS, turning
 from .problem import Problem
 from .symmetry import (
     angular_momentum_axes,
@@ -59,20 +60,13 @@ class InvariantScales:
         """J: kinetic at t = 0 plus what gravity can add to it within the window."""
         numbers = zip(self.problem.moments, self.problem.omega_axes, strict=True)
         turning = float(sum(moment * w * w for moment, w in numbers)) / 2
-        turning += float(self.rotors_kept @ (self.rotors_kept / self.scenario.rotors.along)) / 2
+        turning += self.scenario.kept_sizes[1]
         turning += 2 * self.pull
         if self.scenario.constraint.is_pivot:
             return turning
         fall = float(np.linalg.norm(self.scenario.gravity_world)) * self.duration
         straight = float(np.linalg.norm(self.scenario.start.velocity_world))
         return turning + self.scenario.body.mass * (straight + fall) ** 2 / 2
-
-    @cached_property
-    def rotors_kept(self) -> FloatArray:
-        """kg m²/s, (rotors,): |C s| at t = 0, plus C |u·ω|: none is zero where it can turn."""
-        rotors, omega = self.scenario.rotors, self.scenario.start.omega_body
-        turned = np.abs(rotors.axes_body @ omega)
-        return np.asarray(rotors.along * (np.abs(rotors.start_spins) + turned))
 
     @cached_property
     def speed(self) -> float:
@@ -93,7 +87,7 @@ class InvariantScales:
     @cached_property
     def up_world(self) -> FloatArray:
         """Off the table, else against gravity, which must not be zero: a unit vector, (3,)."""
-        return UP_WORLD if any(self.problem.tip_axes) else up_world(self.problem)
+        return UP_WORLD if self.problem.slides else up_world(self.problem)
 
     @property
     def is_flying(self) -> FloatArray:
@@ -130,8 +124,10 @@ class Law:
 
 
 def _energy(scene: InvariantScales, motion: Trajectory) -> FloatArray:
-    total, rotors = energy_of(scene.scenario, motion), scene.scenario.rotors
-    return total - rotors.work(motion.omega_body, motion.spins) if rotors else total
+    total = energy_of(scene.scenario, motion)
+    for work in filter(None, (effect.work for effect in scene.scenario.acting)):
+        total = total - work(scene.scenario, motion)
+    return total
 
 
 def _L_world(scene: InvariantScales, motion: Trajectory) -> FloatArray:
@@ -183,32 +179,44 @@ def _held_point(scene: InvariantScales, motion: Trajectory) -> FloatArray:
     return point_world * constraint.is_held
 
 
-def _turned_by_at_most(*names: str) -> Callable[[InvariantScales], bool]:
-    """The rule that no effect but these turns the body; one that is new breaks every law."""
-    return lambda scene: turning(scene.problem) <= set(names)
+def _is_left(law: str) -> Callable[[InvariantScales], bool]:
+    """The rule that every effect that turns the body leaves a law: one that is new breaks all."""
+    return lambda scene: all(law in TERMS[name].keeps for name in turning(scene.problem))
 
 
 def _is_heavy(scene: InvariantScales) -> bool:
-    """Gravity about a pivot or a table, and at most a torque fixed in the world and rotors."""
-    return turning(scene.problem) - {"torque_world", "rotors"} in ({"gravity"}, {"table"})
+    """Something pulls at a lever along the vertical, and nothing turns the body about that."""
+    pulls = any(TERMS[name].pulls for name in turning(scene.problem))
+    return pulls and _is_left("L_vertical")(scene)
 
 
 def _is_symmetric(scene: InvariantScales) -> bool:
-    """A symmetric body with its com on the axis, and at most a torque fixed in it."""
-    is_spun_at_most = turning(scene.problem) <= {"gravity", "table", "torque_body"}
-    return is_spun_at_most and symmetry_axis(scene.problem) is not None
+    """A symmetric body with its com on the axis, about which it is turned steadily at most."""
+    return _is_left("L_axial")(scene) and symmetry_axis(scene.problem) is not None
 
 
 def _is_thrown(scene: InvariantScales) -> bool:
     return not scene.scenario.constraint.is_pivot
 
 
+def _of_held_point(effect: Effect) -> Law:
+    """The law of the point that a constraint holds, which has its name."""
+    return Law(
+        name=effect.name,
+        formula=effect.place_formula,
+        unit="m",
+        holds=lambda scene: effect in scene.scenario.acting,
+        values=_held_point,
+        scale=lambda scene: scene.radius,
+    )
+
+
 LAWS = (
     Law(
         name="energy",
-        formula="E = T + V, less the work of rotors' drives",
+        formula="E = T + V, less the work of drives",
         unit="J",
-        holds=_turned_by_at_most("gravity", "table", "rotors"),
+        holds=_is_left("energy"),
         values=_energy,
         scale=lambda scene: scene.energy,
     ),
@@ -216,7 +224,7 @@ LAWS = (
         name="L_world",
         formula="L − τ t, as vectors",
         unit="kg m²/s",
-        holds=_turned_by_at_most("torque_world", "rotors"),
+        holds=_is_left("L_world"),
         values=_L_world,
         scale=lambda scene: scene.angular_momentum,
     ),
@@ -224,7 +232,7 @@ LAWS = (
         name="L_norm",
         formula="‖L‖",
         unit="kg m²/s",
-        holds=_turned_by_at_most("rotors"),
+        holds=_is_left("L_norm"),
         values=_L_norm,
         scale=lambda scene: scene.angular_momentum,
     ),
@@ -262,11 +270,11 @@ LAWS = (
     ),
     Law(
         name="rotors_momentum",
-        formula="C (u·ω + s) of rotors on free hinges, C s of driven ones",
+        formula="C (u·ω + s) on free hinges, C s on driven ones",
         unit="kg m²/s",
-        holds=lambda scene: bool(scene.scenario.rotors),
-        values=lambda scene, motion: scene.scenario.rotors.kept(motion.omega_body, motion.spins),
-        scale=lambda scene: float(scene.rotors_kept.sum()),
+        holds=lambda scene: bool(scene.problem.kept),
+        values=lambda scene, motion: scene.scenario.kept(motion.omega_body, motion.spins),
+        scale=lambda scene: float(scene.scenario.kept_sizes[0].sum()),
     ),
     Law(
         name="momentum_less_impulse",
@@ -284,20 +292,5 @@ LAWS = (
         values=_parabola,
         scale=lambda scene: scene.speed * scene.duration,
     ),
-    Law(
-        name="pivot",
-        formula="r_com − R com: where the body's origin is",
-        unit="m",
-        holds=lambda scene: scene.scenario.constraint.is_pivot,
-        values=_held_point,
-        scale=lambda scene: scene.radius,
-    ),
-    Law(
-        name="table",
-        formula="z of r_com − R (com − tip): the height of the tip",
-        unit="m",
-        holds=lambda scene: "table" in scene.scenario.called_for,
-        values=_held_point,
-        scale=lambda scene: scene.radius,
-    ),
+    *(_of_held_point(effect) for effect in EFFECTS.values() if effect.constraint is not None),
 )

@@ -1,19 +1,24 @@
 """What each effect adds to the equations of motion: its numbers, and its terms of ω'.
 
+Besides, what follows from these: which conservation laws it leaves, and facts of its own.
+
 A term has one of the forms that `taylor_coefficients` knows the series of. A pivot has none: it
 is why the equations are about the body's origin.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Any, Literal
 
 from mpmath import mpf
 
 from ..scenarios import Scenario
+from ..scenarios.effects.rotors import gyroscopic_rate
 from ..scenarios.exact import ZERO, Quaternion, Vector, rotate, vector
 from ..scenarios.gyrostat import kept_exact
+from .fact import Fact
 from .problem import Problem
+from .symmetry import moment_about, norm, symmetry_axis
 from .taylor_coefficients import (
     CONSTANT,
     DOWN_AND_RADIUS,
@@ -34,6 +39,10 @@ from .taylor_coefficients import (
 Form = Literal["lever", "world", "constant", "linear", "plane", "momentum"]
 
 
+def _no_facts(scenario: Scenario, problem: Problem) -> Iterator[Fact]:  # noqa: ARG001
+    yield from ()
+
+
 @dataclass(frozen=True, eq=False)
 class EffectTerms:
     """The terms of one effect.
@@ -44,12 +53,21 @@ class EffectTerms:
     posed : its numbers as attributes of a `Problem`, given what takes body components to axes'
     turns : whether it turns the body of a problem at all
     constants : by row of the table of constants, for one axis i and the next two j and k
+    keeps : the conservation laws that hold still where it turns the body, by name
+    facts : derived numbers of a scene that it gives rise to
     """
 
     form: Form
     posed: Callable[[Scenario, Quaternion], dict[str, Any]]
     turns: Callable[[Problem], bool]
     constants: Callable[[Problem, int, int, int], dict[int, mpf]]
+    keeps: frozenset[str] = frozenset()
+    facts: Callable[[Scenario, Problem], Iterator[Fact]] = _no_facts
+
+    @property
+    def pulls(self) -> bool:
+        """Whether it pulls at a lever along a direction that is fixed in the world."""
+        return self.form in ("lever", "plane")
 
 
 def _lever_body(scenario: Scenario) -> Vector:
@@ -73,13 +91,24 @@ GRAVITY = EffectTerms(
         LEVER_AFTER: -problem.lever_axes[k] / problem.moments[i],
         GRAVITY_WORLD: problem.gravity_world[i],
     },
+    keeps=frozenset({"energy", "L_vertical", "L_axial"}),
 )
+
+
+def _spin_down(scenario: Scenario, problem: Problem) -> Iterator[Fact]:  # noqa: ARG001
+    axis = symmetry_axis(problem)
+    if problem.drag and axis is not None:
+        time = float(moment_about(problem, axis) / problem.drag)
+        meaning = "I3/c: ω3 falls as exp(−t c/I3) under drag alone"
+        yield Fact("spin-down time", time, "s", meaning)
+
 
 DRAG = EffectTerms(
     form="linear",
     posed=lambda scenario, _: {"drag": mpf(scenario.pushed["drag"])},
     turns=lambda problem: bool(problem.drag),
     constants=lambda problem, i, *_: {LINEAR: -problem.drag / problem.moments[i]},
+    facts=_spin_down,
 )
 
 TORQUE_OF_BODY = EffectTerms(
@@ -87,6 +116,7 @@ TORQUE_OF_BODY = EffectTerms(
     posed=lambda scenario, q: {"torque_axes": rotate(q, vector(scenario.pushed["torque_body"]))},
     turns=lambda problem: any(problem.torque_axes),
     constants=lambda problem, i, *_: {CONSTANT: problem.torque_axes[i] / problem.moments[i]},
+    keeps=frozenset({"L_axial"}),
 )
 
 TORQUE_OF_WORLD = EffectTerms(
@@ -94,6 +124,7 @@ TORQUE_OF_WORLD = EffectTerms(
     posed=lambda scenario, _: {"torque_world": vector(scenario.pushed["torque_world"])},
     turns=lambda problem: any(problem.torque_world),
     constants=lambda problem, i, *_: {TORQUE_WORLD: problem.torque_world[i]},
+    keeps=frozenset({"L_world", "L_vertical"}),
 )
 
 
@@ -109,7 +140,7 @@ def _posed_table(scenario: Scenario, q: Quaternion) -> dict[str, Vector | mpf]:
 TABLE = EffectTerms(
     form="plane",
     posed=_posed_table,
-    turns=lambda problem: any(problem.tip_axes),
+    turns=lambda problem: problem.slides,
     constants=lambda problem, i, *_: {
         TIP: problem.tip_axes[i],
         MASS_OVER_MOMENT: problem.mass / problem.moments[i],
@@ -120,7 +151,16 @@ TABLE = EffectTerms(
             mpf(problem.ends_at_lift_off),
         )[i],
     },
+    keeps=GRAVITY.keeps,
 )
+
+
+def _momentum_of_rotors(scenario: Scenario, problem: Problem) -> Iterator[Fact]:
+    if problem.kept:
+        kept, rate = float(norm(problem.kept_momentum)), gyroscopic_rate(scenario)
+        yield Fact("rotors' momentum", kept, "kg m²/s", "‖h‖, what free and driven hinges keep")
+        yield Fact("gyroscopic rate", rate, "rad/s", "‖h‖ over the least moment across h")
+
 
 ROTORS = EffectTerms(
     form="momentum",
@@ -128,10 +168,12 @@ ROTORS = EffectTerms(
         "kept": tuple(
             kept_exact(rotor, scenario.start.omega_body_exact) for rotor in scenario.rotors.each
         ),
-        "rotors_axes": tuple(rotate(q, rotor.axis) for rotor in scenario.rotors.each),
+        "kept_axes": tuple(rotate(q, rotor.axis) for rotor in scenario.rotors.each),
     },
-    turns=lambda problem: any(problem.rotors_momentum),
-    constants=lambda problem, i, *_: {MOMENTUM: problem.rotors_momentum[i]},
+    turns=lambda problem: any(problem.kept_momentum),
+    constants=lambda problem, i, *_: {MOMENTUM: problem.kept_momentum[i]},
+    keeps=frozenset({"energy", "L_world", "L_norm", "L_vertical"}),
+    facts=_momentum_of_rotors,
 )
 
 #: By the effect's name.
@@ -148,3 +190,18 @@ TERMS = {
 def turning(problem: Problem) -> frozenset[str]:
     """Names of the effects that turn the body: gravity only about a pivot that is not the com."""
     return frozenset(name for name, terms in TERMS.items() if terms.turns(problem))
+
+
+def is_undriven(problem: Problem) -> bool:
+    """Whether at most gravity turns the body."""
+    return turning(problem) <= {"gravity"}
+
+
+def nutates(problem: Problem) -> bool:
+    """Whether nothing but gravity, on a pivot or a table, turns the body."""
+    return is_undriven(problem) or turning(problem) == {"table"}
+
+
+def is_free(problem: Problem) -> bool:
+    """Whether no torque of any kind acts about the fixed point."""
+    return not turning(problem)

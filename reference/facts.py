@@ -1,11 +1,10 @@
 """Derived numbers of a scene that classify its motion.
 
-All are of the exact motion; those that a drag or a torque changes are of t = 0 and say so.
+All are of the exact motion; those that change along it are of t = 0 and say so.
 """
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
 
 import numpy as np
 from mpmath import mp
@@ -17,10 +16,11 @@ from ..scenarios import (
     kinetic_energy,
     potential_energy,
 )
-from ..scenarios.effects.rotors import EFFECT as ROTORS
 from ..scenarios.exact import DIGITS, dot
 from . import heavy_symmetric_top as lagrangian
 from . import stability
+from .effect_terms import TERMS, is_free, nutates
+from .fact import Fact
 from .heavy_symmetric_top import HeavySymmetricTop, heavy_symmetric_top
 from .integrable_cases import (
     goryachev_chaplygin,
@@ -34,31 +34,10 @@ from .rotational_problem import rotational_problem
 from .symmetry import (
     across,
     angular_momentum_axes,
-    is_free,
-    moment_about,
     moments_across_and_along,
     norm,
-    nutates,
     symmetry_axis,
 )
-
-
-@dataclass(frozen=True)
-class Fact:
-    """One number.
-
-    Attributes
-    ----------
-    name : what it is called; observables of a run use the same names
-    value : may be inf: a period on a separatrix
-    unit : SI, degrees ("deg") for angles, "" for ratios
-    meaning : formula or explanation, in a line
-    """
-
-    name: str
-    value: float
-    unit: str
-    meaning: str
 
 
 def facts(scenario: Scenario) -> list[Fact]:
@@ -75,8 +54,8 @@ def facts(scenario: Scenario) -> list[Fact]:
     elif is_free(problem):
         scene_facts += _of_a_free_body(problem) if axis is None else _of_a_free_top(problem)
     scene_facts += _of_an_integrable_case(problem, start)
-    if problem.drag and axis is not None:
-        scene_facts.append(_spin_down(problem))
+    for terms in TERMS.values():
+        scene_facts += terms.facts(scenario, problem)
     return scene_facts
 
 
@@ -87,14 +66,9 @@ def _start(scenario: Scenario, problem: Problem) -> Trajectory:
 
 def _of_any_body(scenario: Scenario, problem: Problem, start: Trajectory) -> Iterator[Fact]:
     point = "pivot" if scenario.constraint.is_pivot else "centre of mass"
-    less = ", less those of free rotors about their axles" if scenario.rotors else ""
+    less = ", less what parts that turn freely have about their axles" if problem.kept else ""
     for k, moment in enumerate(problem.moments, start=1):
         yield Fact(f"moment {k}", float(moment), "kg m²", f"principal, about the {point}{less}")
-    if scenario.rotors:
-        kept = float(norm(problem.rotors_momentum))
-        yield Fact("rotors' momentum", kept, "kg m²/s", "‖h‖, what free and driven hinges keep")
-        rate = ROTORS.rate(scenario)
-        yield Fact("gyroscopic rate", rate, "rad/s", "‖h‖ over the least moment across h")
     kinetic = float(kinetic_energy(scenario, start)[0])
     potential = float(potential_energy(scenario, start)[0]) + 0.0  # never −0
     L = float(np.linalg.norm(angular_momentum_world(scenario, start)[0]))
@@ -193,13 +167,6 @@ def _of_an_integrable_case(problem: Problem, start: Trajectory) -> Iterator[Fact
         value = float(goryachev_chaplygin(problem, frame, start)[0])
         meaning = "ω3(ω1² + ω2²) − (M g l/I3) ω1 γ3, conserved"
         yield Fact("Goryachev–Chaplygin constant", value, "rad³/s³", meaning)
-
-
-def _spin_down(problem: Problem) -> Fact:
-    axis = symmetry_axis(problem)
-    assert axis is not None
-    time = float(moment_about(problem, axis) / problem.drag)
-    return Fact("spin-down time", time, "s", "I3/c: ω3 falls as exp(−t c/I3) under drag alone")
 
 
 def _deg(cosine: object) -> float:

@@ -53,7 +53,7 @@ def flow(scenario: Scenario, states: Trajectory, spans: FloatArray) -> Trajector
     q_world_axes, omega_axes = along_axes(problem, states)
     attitude[:], spin[:] = q_world_axes[: len(spans)], omega_axes[: len(spans)]
     kept = scenario.kept(states.omega_body, states.spins)[: len(spans)]
-    momenta = kept @ np.array(problem.rotors_axes, dtype=float).reshape(-1, 3)
+    momenta = kept @ np.array(problem.kept_axes, dtype=float).reshape(-1, 3)
     done = flow_each(constants.copy(), inverses, terms, table, momenta, spans, MAX_STEPS)
     if done < len(spans):
         raise IntegrationError(

@@ -20,10 +20,11 @@ from mpmath import mp, mpc, mpf
 from ..scenarios.exact import DIGITS, Vector, conjugate, cross, product
 from ..scenarios.principal import from_matrix
 from .cayley_klein import CayleyKlein, along, with_L_upright
+from .effect_terms import is_free
 from .elliptic import Jacobi, Lattice, first_kind, jacobi, scaled, theta
 from .problem import Problem
 from .steady_motions import rigid_rotation, turns_rigidly
-from .symmetry import UNIT_VECTORS, equal, is_free, moment_about
+from .symmetry import UNIT_VECTORS, equal, moment_about
 from .theta_quotients import (
     NOTHING,
     Clock,

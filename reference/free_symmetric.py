@@ -7,13 +7,13 @@ from mpmath import mp
 from ..scenarios.exact import DIGITS, conjugate, dot, product
 from ..scenarios.principal import from_matrix
 from .cayley_klein import along, with_L_upright
+from .effect_terms import is_free
 from .problem import Problem
 from .steady_motions import regular_precession, rigid_rotation, turns_rigidly
 from .symmetry import (
     across,
     angular_momentum_axes,
     equal,
-    is_free,
     moments_across_and_along,
     norm,
     scaled,

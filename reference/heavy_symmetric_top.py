@@ -106,8 +106,7 @@ def heavy_symmetric_top(problem: Problem) -> HeavySymmetricTop | None:
     axis = symmetry_axis(problem)
     with mp.workdps(DIGITS):
         kappa = gravity_torque_scale(problem)
-        slides = any(problem.tip_axes)
-        if axis is None or kappa == 0 or (slides and any(problem.gravity_world[:2])):
+        if axis is None or kappa == 0 or (problem.slides and any(problem.gravity_world[:2])):
             return None
         up_world = scaled(problem.gravity_world, -1 / norm(problem.gravity_world))
         up = rotate(conjugate(problem.q_world_axes), up_world)
@@ -120,7 +119,7 @@ def heavy_symmetric_top(problem: Problem) -> HeavySymmetricTop | None:
             if equal(p_alpha, sign * p_gamma, norm(L)):
                 p_alpha = sign * p_gamma
         I1, I3 = moments_across_and_along(problem, axis)
-        heave = norm(problem.tip_axes) ** 2 * problem.mass / I1 if slides else mpf(0)
+        heave = problem.heaving / I1
         rising = dot(up, cross(omega, axis))
         energy = (dot(omega, L) + heave * I1 * rising**2) / 2 + kappa * cos_beta
         return HeavySymmetricTop(I1, I3, kappa, p_alpha, p_gamma, energy, cos_beta, heave)

@@ -15,13 +15,13 @@ from mpmath import mp
 
 from ..scenarios import FloatArray, Trajectory
 from ..scenarios.exact import DIGITS, Vector, conjugate, cross, dot, rotate
+from .effect_terms import is_undriven
 from .problem import Problem
 from .symmetry import (
     UNIT_VECTORS,
     angular_momentum_axes,
     equal,
     gravity_torque_scale,
-    is_undriven,
     moment_about,
     norm,
     scaled,

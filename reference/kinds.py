@@ -1,8 +1,9 @@
 """Kinds of motion: what turns the body, and whether it has an axis of symmetry."""
 
 from ..scenarios import Scenario
+from .effect_terms import is_free, is_undriven
 from .rotational_problem import rotational_problem
-from .symmetry import equal, is_free, is_undriven, symmetry_axis
+from .symmetry import equal, symmetry_axis
 
 #: In the order in which they are shown.
 KINDS = (

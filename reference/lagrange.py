@@ -19,6 +19,7 @@ from mpmath import mp, mpc, mpf
 from ..scenarios.exact import DIGITS, Quaternion, Vector, conjugate, product
 from ..scenarios.principal import from_matrix
 from .cayley_klein import CayleyKlein, along, of_quaternion, transverse
+from .effect_terms import is_undriven
 from .elliptic import Theta, first_kind, jacobi, theta
 from .nutation import Constants, Nutation, constants, nutation
 from .problem import Problem
@@ -27,7 +28,6 @@ from .symmetry import (
     across,
     equal,
     gravity_torque_scale,
-    is_undriven,
     moments_across_and_along,
     norm,
     scaled,

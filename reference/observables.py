@@ -17,6 +17,7 @@ from scipy.interpolate import CubicHermiteSpline, PPoly
 from ..scenarios import FloatArray, Scenario, Trajectory
 from ..scenarios.exact import DIGITS, dot, rotate
 from . import stability
+from .effect_terms import is_free, nutates
 from .heavy_symmetric_top import (
     HeavySymmetricTop,
     heavy_symmetric_top,
@@ -30,10 +31,8 @@ from .symmetry import (
     UNIT_VECTORS,
     across,
     angular_momentum_axes,
-    is_free,
     moments_across_and_along,
     norm,
-    nutates,
     scaled,
     symmetry_axis,
     to_body,

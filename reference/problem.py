@@ -1,10 +1,10 @@
 """The initial value problem every solver is given: principal axes, extended precision."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from mpmath import mp, mpf
 
-from ..scenarios.exact import DIGITS, ZERO, Quaternion, Vector
+from ..scenarios.exact import DIGITS, ZERO, Quaternion, Vector, dot
 
 _ONE = mpf(1)
 
@@ -32,8 +32,8 @@ class Problem:
     ends_at_lift_off : whether the motion ends where the table would have to pull
     mass : kg
     q_axes_body : takes body components to components along the principal axes
-    kept, rotors_axes : of each rotor, the angular momentum that its hinge keeps, kg m²/s, and its
-        unit axis along the principal axes
+    kept, kept_axes : of each part that turns, the angular momentum that it keeps, kg m²/s, and the
+        unit axis that it keeps it about, along the principal axes
     """
 
     moments: Vector
@@ -50,13 +50,40 @@ class Problem:
     ends_at_lift_off: bool = True
     mass: mpf = _ONE
     kept: tuple[mpf, ...] = ()
-    rotors_axes: tuple[Vector, ...] = ()
+    kept_axes: tuple[Vector, ...] = ()
 
     @property
-    def rotors_momentum(self) -> Vector:
+    def slides(self) -> bool:
+        """Whether the point that holds the body slides on a plane."""
+        return any(self.tip_axes)
+
+    @property
+    def held_lever(self) -> Vector:
+        """Mass times the com from the pivot, or from the tip on a table, kg m; zero if free."""
+        if not self.slides:
+            return self.lever_axes
+        with mp.workdps(DIGITS):
+            x, y, z = (-self.mass * component for component in self.tip_axes)
+            return (x, y, z)
+
+    @property
+    def heaving(self) -> mpf:
+        """m l², kg m², l from the tip to a com that heaves as the body leans; else 0."""
+        return mp.sqrt(dot(self.tip_axes, self.tip_axes)) ** 2 * self.mass
+
+    def lengthened(self, factor: mpf) -> "Problem":
+        """The problem with its levers so many times as long, followed as if a table pulled."""
+        levers = {
+            name: tuple(factor * component for component in getattr(self, name))
+            for name in ("lever_axes", "tip_axes")
+        }
+        return replace(self, ends_at_lift_off=False, **levers)
+
+    @property
+    def kept_momentum(self) -> Vector:
         """Σ kept · axis, kg m²/s: what is added to I ω."""
         with mp.workdps(DIGITS):
             total = ZERO
-            for kept, (u, v, w) in zip(self.kept, self.rotors_axes, strict=True):
+            for kept, (u, v, w) in zip(self.kept, self.kept_axes, strict=True):
                 total = (total[0] + kept * u, total[1] + kept * v, total[2] + kept * w)
             return total

@@ -40,6 +40,15 @@ class Solution:
             f"it is chaotic, and from t = {self.horizon:.6g} s on not known to {MAX_UNCERTAINTY:g}"
         )
 
+    def ends_before(self, duration: float) -> str:
+        """The sentence on a window, s, that goes on after the motion; empty if it does not."""
+        if not self.lifts_off:
+            return ""
+        return (
+            f"{self.ending}, before the window ends at {duration:g} s: nothing is compared from "
+            "there on; shorten '[window] duration'"
+        )
+
 
 #: A motion whose uncertainty is larger than this, relative or in rad, is not used as a reference.
 MAX_UNCERTAINTY = 1e-9

@@ -15,10 +15,11 @@ from mpmath import mp
 from ..scenarios import FloatArray, Scenario
 from ..scenarios.exact import DIGITS
 from . import stability
+from .effect_terms import is_free
 from .heavy_symmetric_top import heavy_symmetric_top
 from .problem import Problem
 from .rotational_problem import rotational_problem
-from .symmetry import equal, gravity_torque_scale, is_free, lever_of
+from .symmetry import equal, gravity_torque_scale
 
 #: Classical Runge–Kutta on the imaginary axis, R(z) = 1 + z + z²/2 + z³/6 + z⁴/24:
 #: |R(iy)|² = 1 − y⁶/72 + y⁸/576 is at most 1 up to here (Hairer & Wanner II, §IV.2).
@@ -141,7 +142,7 @@ def _swinging(problem: Problem) -> float:
         torque = float(gravity_torque_scale(problem))
     if not torque:
         return 0.0
-    lever = np.array(lever_of(problem), float)
+    lever = np.array(problem.held_lever, float)
     n = lever / np.linalg.norm(lever)
     across = np.eye(3) - np.outer(n, n)
     stiffness = torque * across / np.array(problem.moments, float)[:, None]

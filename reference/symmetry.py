@@ -1,4 +1,4 @@
-"""What kind of top a problem is: which axis it is symmetric about, whether anything acts on it."""
+"""What kind of top a problem is: which axis it is symmetric about, and its moments about that."""
 
 from collections.abc import Sequence
 
@@ -8,7 +8,6 @@ from mpmath import mp, mpf
 from ..scenarios import FloatArray
 from ..scenarios.exact import DIGITS, Vector, conjugate, cross, dot, rotate
 from ..scenarios.principal import EQUAL_TO_WORKING_PRECISION
-from .effect_terms import turning
 from .problem import Problem
 
 UNIT_VECTORS: tuple[Vector, Vector, Vector] = (
@@ -34,33 +33,10 @@ def scaled(vector: Vector, factor: mpf) -> Vector:
     return (factor * x, factor * y, factor * z)
 
 
-def lever_of(problem: Problem) -> Vector:
-    """Mass times the com from the pivot, or from the tip on a table, kg m; zero of a free body."""
-    if any(problem.tip_axes):
-        with mp.workdps(DIGITS):
-            return scaled(problem.tip_axes, -problem.mass)
-    return problem.lever_axes
-
-
 def gravity_torque_scale(problem: Problem) -> mpf:
     """M g l, N m: weight times the com's distance from pivot or tip; 0 of a free body."""
     with mp.workdps(DIGITS):
-        return norm(lever_of(problem)) * norm(problem.gravity_world)
-
-
-def is_undriven(problem: Problem) -> bool:
-    """Whether at most gravity turns the body."""
-    return turning(problem) <= {"gravity"}
-
-
-def nutates(problem: Problem) -> bool:
-    """Whether nothing but gravity, on a pivot or a table, turns the body."""
-    return is_undriven(problem) or turning(problem) == {"table"}
-
-
-def is_free(problem: Problem) -> bool:
-    """Whether no torque of any kind acts about the fixed point."""
-    return not turning(problem)
+        return norm(problem.held_lever) * norm(problem.gravity_world)
 
 
 def symmetry_axis(problem: Problem) -> Vector | None:
@@ -68,15 +44,15 @@ def symmetry_axis(problem: Problem) -> Vector | None:
 
     Symmetric means: the two moments across the axis are equal, and gravity's lever lies on it.
     With a lever the axis points from pivot or tip to the com. Without one it is the principal axis
-    whose moment differs from the other two; a sphere has none. Rotors that turn make it none.
+    whose moment differs from the other two; a sphere has none. Parts that turn make it none.
     """
-    if any(problem.rotors_momentum):
+    if any(problem.kept_momentum):
         return None
     with mp.workdps(DIGITS):
         if gravity_torque_scale(problem) == 0:
             single = _axis_of_the_single_moment(problem.moments)
             return None if single is None else UNIT_VECTORS[single]
-        lever = lever_of(problem)
+        lever = problem.held_lever
         axis = scaled(lever, 1 / norm(lever))
         first, second, third = problem.moments
         if equal(first, second) and equal(second, third):
@@ -90,7 +66,7 @@ def symmetry_axis(problem: Problem) -> Vector | None:
 def angular_momentum_axes(problem: Problem) -> Vector:
     """L at t = 0 along the principal axes, kg m²/s."""
     with mp.workdps(DIGITS):
-        parts = zip(problem.moments, problem.omega_axes, problem.rotors_momentum, strict=True)
+        parts = zip(problem.moments, problem.omega_axes, problem.kept_momentum, strict=True)
         x, y, z = (m * w + h for m, w, h in parts)
         return (x, y, z)
 

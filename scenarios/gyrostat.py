@@ -136,6 +136,15 @@ class Rotors:
         squares, reach = spins * spins, apart + far
         return squares @ (masses * reach), squares @ (self.along + masses * apart * reach)
 
+    def sizes(self, omega_body: FloatArray) -> tuple[FloatArray, float]:
+        """|C s| + C |u·ω| at the start, kg m²/s, (rotors,), and the energy that comes to, J.
+
+        None is zero where it can turn.
+        """
+        turned = np.abs(self.axes_body @ omega_body)
+        kept = np.asarray(self.along * (np.abs(self.start_spins) + turned))
+        return kept, float(kept @ (kept / self.along)) / 2
+
     def momentum_body(self, spins: FloatArray) -> FloatArray:
         """Σ C s u, kg m²/s, (n, 3): what they add to L."""
         return np.asarray(spins @ self.axial_body)

@@ -139,6 +139,11 @@ class Scenario:
         """The same at t = 0, (parts,)."""
         return self.kept(self.start.omega_body, self.rotors.start_spins)
 
+    @cached_property
+    def kept_sizes(self) -> tuple[FloatArray, float]:
+        """Sizes of what parts keep, kg m²/s, (parts,), and of the energy of that, J."""
+        return self.rotors.sizes(self.start.omega_body)
+
     def kept_body(self, kept: FloatArray) -> FloatArray:
         """The sum of what parts keep, body axes, (n, 3)."""
         return self.rotors.kept_body(kept)

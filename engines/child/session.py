@@ -9,7 +9,7 @@ import numpy as np
 from ...scenarios import Scenario
 from ...scenarios.rotation import matrix
 from ..checks.read_back import BodyReading, EngineError, State
-from ..scene_record import RecordFrame, scene_record
+from ..scene_record import RecordFrame, WorldBody, scene_record
 from ..session import Session
 from .messages import Active, Done, Opened, Seconds, StateRow, Stepped
 from .process import ChildProcess, given_back
@@ -47,7 +47,7 @@ class ChildSession(Session):
         body = self._opened.body
         axes = matrix(np.array(body.frame))
         inertia_com = axes @ np.diag(body.moments) @ axes.T
-        return self._frame.body(body.mass, body.com, inertia_com, body.arm)
+        return self._frame.body(WorldBody(body.mass, body.com, inertia_com, body.arm))
 
     def read_state(self) -> State:
         """The state now."""

@@ -200,7 +200,7 @@ def run(
         say(f"Results are in {out}; 'spincheck report {out}' makes pages of them.")
         if unproven := running.unproven_in_words(results):
             say(unproven)
-    running.say_where_bodies_lift_off(results)
+    running.say_where_motions_end(results)
     running.tell_untrue(results)
     code = running.exit_code(results, strict=strict)
     if as_encoded and not are_alike(results.encodings):

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ...reference import ExactMotion, IntegrationError, Solution, solve
+from ...reference import ExactMotion, IntegrationError, solve
 from ...scenarios import Errors, Scenario, errors_between
 from ...scenarios.effects import Effect
 from ...scenarios.scenario import with_tables
@@ -24,8 +24,8 @@ def powerless(scenario: Scenario) -> Iterator[str]:
         return
     solution = solve(scenario, scenario.times)
     exact = solution.trajectory
-    if solution.lifts_off:
-        yield f"{scenario.name}: {too_long(scenario, solution)}"
+    if too_long := solution.ends_before(scenario.window.duration):
+        yield f"{scenario.name}: {too_long}"
     for effect in present:
         try:
             other = ExactMotion(_without(scenario, effect)).outline(exact.t)
@@ -41,14 +41,6 @@ def powerless(scenario: Scenario) -> Iterator[str]:
                 f"{scenario.name}: cannot tell whether there is {effect.table}: without it no "
                 f"signal changes by more than the reference's uncertainty"
             )
-
-
-def too_long(scenario: Scenario, solution: Solution) -> str:
-    """The sentence on a window that goes on after a body has left its table."""
-    return (
-        f"{solution.ending}, before the window ends at {scenario.window.duration:g} s: nothing is "
-        "compared from there on; shorten '[window] duration'"
-    )
 
 
 def _without(scenario: Scenario, effect: Effect) -> Scenario:

@@ -170,8 +170,7 @@ class Effect:
     wrong_momentum : of parts, the words for another angular momentum than theirs, by its factor
     force : of a constraint that cannot pull, upward, N
     answer : of such a constraint, what it does about a torque and an acceleration
-    end : how the motion ends where it would have to pull, in words
-    held : of a constraint, the quantity that it keeps, as a formula
+    place_formula : of a constraint, of the place that it keeps
     group : of the scenes with it, where they are listed by effects; the last of a scene's counts
     """
 
@@ -195,8 +194,7 @@ class Effect:
     wrong_momentum: str = ""
     force: Force | None = None
     answer: Answer | None = None
-    end: str = ""
-    held: str = ""
+    place_formula: str = ""
     group: str = ""
 
     def force_along(self, scenario: Scene, motion: Trajectory) -> FloatArray:

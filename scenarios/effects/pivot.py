@@ -13,6 +13,6 @@ EFFECT = Effect(
     "pivot",
     PivotTable,
     constraint=lambda _, body: Constraint((True, True, True), body.com_exact),
-    held="r_com − R com: where the body's origin is",
+    place_formula="r_com − R com: where the body's origin is",
     group="On a pivot",
 )

@@ -70,7 +70,7 @@ def rotors_of(tables: Iterable[RotorTable] | None) -> Rotors:
     return Rotors(tuple(table.rotor() for table in tables or ()))
 
 
-def _gyroscopic_rate(scenario: Scene) -> float:
+def gyroscopic_rate(scenario: Scene) -> float:
     """‖h‖/I, h the sum of what the hinges keep: the rate at which h × ω turns ω, rad/s."""
     h = scenario.kept_body(scenario.kept_at_start)
     size = float(np.linalg.norm(h))
@@ -92,7 +92,7 @@ def _sizes(extent: Extent) -> Iterator[Size]:
 
 
 def _rates(extent: Extent) -> Iterator[Rate]:
-    rate = mpf(_gyroscopic_rate(extent.scenario))
+    rate = mpf(gyroscopic_rate(extent.scenario))
     yield ("rotors",), "the rotors' momentum over the body's moment", rate
 
 
@@ -103,7 +103,7 @@ EFFECT = Effect(
     is_part=True,
     sizes=_sizes,
     rates=_rates,
-    rate=_gyroscopic_rate,
+    rate=gyroscopic_rate,
     rate_formula="h/I of rotors, h their angular momentum",
     momentum_body=lambda scene, motion: scene.rotors.momentum_body(motion.spins),
     kinetic=lambda scene, motion: scene.rotors.energy(motion.omega_body, motion.spins),

@@ -185,7 +185,6 @@ EFFECT = Effect(
     sizes=_sizes,
     force=force,
     answer=answer,
-    end="the body leaves the table",
-    held="z of r_com − R (com − tip): the height of the tip",
+    place_formula="z of r_com − R (com − tip): the height of the tip",
     group="On a table",
 )

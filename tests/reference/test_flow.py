@@ -27,7 +27,7 @@ PROBLEMS = {
     "all effects": problem(**BODY, **HEAVY, **TORQUES, drag=0.125),
     "moments of 1 and 1e-12": problem((1, 1, 1e-12), (0.5, 1.0, 3.0)),
     "with a rotor": replace(
-        problem(**BODY, **HEAVY), kept=(mpf(2),), rotors_axes=(exact((0.6, 0.0, 0.8)),)
+        problem(**BODY, **HEAVY), kept=(mpf(2),), kept_axes=(exact((0.6, 0.0, 0.8)),)
     ),
     "spins of 1e4": problem((1.0, 1.3, 0.7), (5e3, 1e4, 3e4), **HEAVY),
     "spins of 1e-8": problem((1.0, 1.3, 0.7), (5e-9, 1e-8, 3e-8)),
@@ -60,7 +60,7 @@ def random_states(p: Problem, n: int) -> np.ndarray:
 def flowed(p: Problem, states: np.ndarray, spans: np.ndarray):
     after = states.copy()
     inverses = inverses_to(ORDERS[-1])[0]
-    momenta = np.tile(np.array(p.rotors_momentum, dtype=float), (len(states), 1))
+    momenta = np.tile(np.array(p.kept_momentum, dtype=float), (len(states), 1))
     numbers = after, momenta, spans, MAX_STEPS
     return flow_each(constants_of(p)[0], inverses, terms_of(p), *numbers), after
 

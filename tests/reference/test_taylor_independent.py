@@ -38,7 +38,7 @@ TERMS: dict[str, dict[str, object]] = {
     "drag": {"drag": mpf(1) / 9},
     "rotors": {
         "kept": (mpf(1) / 3, -mpf(2)),
-        "rotors_axes": ((mpf(3) / 5, mpf(0), mpf(4) / 5), (mpf(0), mpf(1), mpf(0))),
+        "kept_axes": ((mpf(3) / 5, mpf(0), mpf(4) / 5), (mpf(0), mpf(1), mpf(0))),
     },
 }
 TERMS["everything"] = {name: value for terms in TERMS.values() for name, value in terms.items()}
@@ -74,7 +74,7 @@ def step(p: Problem, L: list[mpf], rows: list[list[mpf]], h: mpf) -> None:
     for n in range(ORDER):
         omega = [
             [(x - h * (order == 0)) / i for order, x in enumerate(series)]
-            for series, i, h in zip(L_series, p.moments, p.rotors_momentum, strict=True)
+            for series, i, h in zip(L_series, p.moments, p.kept_momentum, strict=True)
         ]
         gained = torque(p, row_series, omega, n)
         turning = [crossed(row, omega, n) for row in row_series]
@@ -92,12 +92,12 @@ def step(p: Problem, L: list[mpf], rows: list[list[mpf]], h: mpf) -> None:
 
 def second_solution(p: Problem) -> tuple[list[list[mpf]], list[mpf]]:
     """R, row by row, and ω after `DURATION`."""
-    numbers = zip(p.moments, p.omega_axes, p.rotors_momentum, strict=True)
+    numbers = zip(p.moments, p.omega_axes, p.kept_momentum, strict=True)
     L = [i * w + h for i, w, h in numbers]
     rows = rotation(p.q_world_axes)
     for _ in range(STEPS):
         step(p, L, rows, mpf(DURATION) / STEPS)
-    numbers = zip(L, p.rotors_momentum, p.moments, strict=True)
+    numbers = zip(L, p.kept_momentum, p.moments, strict=True)
     return rows, [(x - h) / i for x, h, i in numbers]
 
 

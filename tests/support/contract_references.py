@@ -10,11 +10,11 @@ from legendre_top import heavy_top
 from mpmath import mp, mpf
 from spincheck.reference import Solution
 from spincheck.reference.closed_forms import closed_form
+from spincheck.reference.effect_terms import is_free
 from spincheck.reference.motion import motion
 from spincheck.reference.problem import Problem
 from spincheck.reference.rotational_problem import rotational_problem
 from spincheck.reference.steady_motions import turns_rigidly
-from spincheck.reference.symmetry import is_free
 from spincheck.reference.taylor import FINE_ORDERS, Orders, integrate
 from spincheck.scenarios import FloatArray, Scenario, Trajectory
 from spincheck.scenarios.fastest_rate import fastest_rate

@@ -9,9 +9,9 @@ from typing import Any, final
 import numpy as np
 
 from ...method import COMMON_EFFECTS, Method
-from ...scene_record import HeldRotor
+from ...scene_record import HeldRotor, WorldBody
 from ...world_engine import WorldEngine
-from ...world_session import WorldBody, WorldSession
+from ...world_session import WorldSession
 
 #: A table is a planar slide under a ball joint, a rotor's hinge is a revolute joint.
 EFFECTS = COMMON_EFFECTS | {"rotors", "table"}

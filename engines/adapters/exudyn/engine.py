@@ -12,9 +12,10 @@ from ....scenarios import Scenario
 from ...checks.read_back import EngineError
 from ...method import COMMON_EFFECTS, Method
 from ...native_output import native_output
+from ...scene_record import WorldBody
 from ...session import Session
 from ...world_engine import WorldEngine
-from ...world_session import WorldBody, WorldSession
+from ...world_session import WorldSession
 
 #: Types of the objects that a scene needs.
 KINDS = frozenset({"RigidBody", "Ground", "ConnectorCoordinate", "ConnectorRigidBodySpringDamper"})

@@ -10,9 +10,9 @@ import numpy as np
 
 from ....scenarios import PUSHED, FloatArray
 from ...method import COMMON_EFFECTS, Method
-from ...scene_record import HeldRotor
+from ...scene_record import HeldRotor, WorldBody
 from ...world_engine import WorldEngine
-from ...world_session import WorldBody, WorldSession
+from ...world_session import WorldSession
 
 #: A table is two slides under a spherical joint, a rotor's hinge is a revolute joint.
 EFFECTS = COMMON_EFFECTS | {"rotors", "table"}

@@ -11,9 +11,10 @@ import numpy as np
 from ....scenarios import PUSHED
 from ...checks.read_back import EngineError
 from ...method import COMMON_EFFECTS, Method
+from ...scene_record import WorldBody
 from ...world_engine import WorldEngine
 from ...world_parts import matrix, push
-from ...world_session import WorldBody, WorldSession
+from ...world_session import WorldSession
 
 #: rad: ANGULAR_MOTION_THRESHOLD of its sources: by default a body turns no further in a step.
 MOST_ROTATION_A_STEP = pi / 4

@@ -12,7 +12,6 @@ from ...harness.executors.compiling import share_of_a_core
 from ...harness.instructions import why_not_counted
 from ...harness.ladder import QUICK_STEPS
 from ...harness.plan import Plan, plan
-from ...harness.power import too_long
 from ...harness.published import published_that_do_not_hold
 from ...harness.study import run_study
 from ...pages.analysis.wording import plural
@@ -198,11 +197,11 @@ def tell_untrue(results: Results) -> None:
         raise Complaint("\n".join(untrue), DISAGREES)
 
 
-def say_where_bodies_lift_off(results: Results) -> None:
-    """Say of each scene whose body leaves its table that the window is too long."""
+def say_where_motions_end(results: Results) -> None:
+    """Say of each scene whose motion ends before its window does that this is too long."""
     for name, scene in results.scenes.items():
-        if scene.solution.lifts_off:
-            say(f"{name}: {too_long(scene.scenario, scene.solution)}")
+        if too_long := scene.solution.ends_before(scene.scenario.window.duration):
+            say(f"{name}: {too_long}")
 
 
 def unproven_in_words(results: Results) -> str:

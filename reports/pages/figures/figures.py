@@ -7,6 +7,7 @@ from typing import Literal
 
 import numpy as np
 
+from ....reference.effect_terms import nutates
 from ....reference.heavy_symmetric_top import (
     HeavySymmetricTop,
     effective_potential,
@@ -14,7 +15,6 @@ from ....reference.heavy_symmetric_top import (
     nutation_bounds,
 )
 from ....reference.rotational_problem import rotational_problem
-from ....reference.symmetry import nutates
 from ....scenarios import FloatArray, Scenario
 from ..analysis.report_data import SceneRuns
 from .axis_path import axis_path
