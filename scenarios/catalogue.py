@@ -32,11 +32,19 @@ def scenario_files(folder: Path) -> list[Path]:
     return paths
 
 
-def hiding_the_library(names: Iterable[str]) -> list[Path]:
-    """The files and folders of the current folder that `find` takes before those of the library."""
+def hiding_the_library(names: Iterable[str]) -> list[str]:
+    """A sentence for each file or folder of the current folder that `find` takes for a name.
+
+    Only for names that the library has, too.
+    """
     there = {path: name for name in names for path in _of_current_folder(name)}
     known = {one for path in _library() for one in (path.stem, path.parent.name)} if there else ()
-    return [path for path, name in there.items() if name in known]
+    return [
+        f"{printable(str(path))}: taken from the current folder; the library has one of that name, "
+        "too."
+        for path, name in there.items()
+        if name in known
+    ]
 
 
 def find(names: Iterable[str]) -> list[Path]:

@@ -12,6 +12,7 @@ import re
 import subprocess
 import sys
 import tomllib
+from collections.abc import Iterator
 from datetime import date
 from pathlib import Path
 from statistics import median
@@ -65,22 +66,23 @@ def command(*words: object) -> int:
     return code
 
 
-def run(out: Path) -> None:
-    """Run what is missing in the result file; an engine that cannot be installed is left out."""
-    command("run", "--out", out)
-    older = {
-        name: (*TOPS, "--method", "default", "--method", method)
-        for name, method in VERSIONS.items()
+def runs() -> Iterator[tuple[list[str], tuple[object, ...]]]:
+    """Engines, and how `spincheck run` is called for them: few scenes first, the library last."""
+    every = [one for one in engines().values() if not one.of_file]
+    for one in every:
+        if one.is_optional:
+            yield [one.name], (*KINDS, "--quick", "--engine", one.name)
+    for name, method in VERSIONS.items():
+        methods = ("--method", "default", "--method", method)
+        yield [name], (*TOPS, *methods, "--quick", "--engine", name)
+    yield [one.name for one in every if not one.is_optional], ()
+
+
+def records(stored: Any, names: list[str], day: str) -> list[Record]:
+    """What each version of the engines named did, as its JSON file has it."""
+    versions = {
+        (row.key.engine, row.engine_version) for row in stored.rows if row.key.engine in names
     }
-    others = {one.name: KINDS for one in engines().values() if one.is_optional and not one.of_file}
-    for name, words in (older | others).items():
-        if command("run", *words, "--quick", "--engine", name, "--out", out) == 3:
-            print(f"{name} could not be run, and gets no page.")
-
-
-def records(stored: Any, day: str) -> list[Record]:
-    """What each version of each engine did, as its JSON file has it."""
-    versions = {(row.key.engine, row.engine_version) for row in stored.rows}
     return [record(stored, *names, day) for names in sorted(versions)]
 
 
@@ -263,19 +265,27 @@ def index() -> str:
     return f"{HEAD}\n{table(columns, lines)}\n```{{toctree}}\n:hidden:\n\n{pages}\n```\n"
 
 
-def main() -> None:
-    """Run, and write the pages once everything has run."""
-    argparse.ArgumentParser(description=__doc__).parse_args()
-    BUILD.mkdir(parents=True, exist_ok=True)
-    out = BUILD / "spincheck.sqlite"
-    run(out)
-    day = date.today().isoformat()
+def publish(stored: Any, names: list[str], day: str) -> None:
+    """Write the pages of the engines named, and the page of all days."""
     folder = FOLDER / day
     folder.mkdir(exist_ok=True)
-    for one in records(spincheck.results(out), day):
+    for one in records(stored, names, day):
         (folder / f"{name_of(one)}.md").write_text(page(one), encoding="utf-8")
         (folder / f"{name_of(one)}.json").write_text(as_json(one), encoding="utf-8")
     (FOLDER / "index.md").write_text(index(), encoding="utf-8")
+
+
+def main() -> None:
+    """Run what is missing in the result file; an engine's pages are written when it has run."""
+    argparse.ArgumentParser(description=__doc__).parse_args()
+    BUILD.mkdir(parents=True, exist_ok=True)
+    out = BUILD / "spincheck.sqlite"
+    day = date.today().isoformat()
+    for names, words in runs():
+        if command("run", *words, "--out", out) == 3:
+            print(f"{' and '.join(names)} could not be run, and gets no page.")
+        else:
+            publish(spincheck.results(out), names, day)
     command("report", out, "--out", BUILD / day)
 
 

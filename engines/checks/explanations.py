@@ -234,7 +234,7 @@ def _decay(theta: FloatArray) -> str:
 
 
 def _step(theta: FloatArray) -> str:
-    return f"a step were {_factor(theta[0])} of a timestep"
+    return f"a step took {_factor(theta[0])} timesteps"
 
 
 def _moments(moments: FloatArray, theta: FloatArray) -> str:

@@ -47,7 +47,7 @@ def executor_for(where: Where, time_limit: float | None) -> Iterator[Executor]:
 
 
 def say_if_compiling() -> None:
-    """Say that what solves exact motions is compiled next, unless it is there."""
+    """Say that the solver of exact motions is compiled next, unless it is there."""
     from ...reference.compiled import is_compiled
     from ..harness.executors.compiling import notice
 
@@ -56,7 +56,7 @@ def say_if_compiling() -> None:
 
 
 def compile_first() -> None:
-    """Compile what solves exact motions, for a command that solves them in this process."""
+    """Compile the solver of exact motions, for a command that solves them in this process."""
     from ..harness.executors import compiling
 
     compiling.compile_first(say)

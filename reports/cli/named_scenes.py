@@ -127,6 +127,6 @@ def _files(names: Sequence[str]) -> list[Path]:
 
 def _found(names: Sequence[str]) -> list[Path]:
     paths = find(names)
-    for path in hiding_the_library(names):
-        say(f"{path}: taken from the current folder; the library has one of that name, too.")
+    for sentence in hiding_the_library(names):
+        say(sentence)
     return paths

@@ -88,7 +88,7 @@ def pytest_collect_file(file_path: Path, parent: pytest.Collector) -> pytest.Col
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_runtestloop(session: pytest.Session) -> None:
-    """Compile what solves exact motions before the first scene, and say so, where output shows."""
+    """Compile the solver of exact motions before the first scene, and say so where it shows."""
     reporter: Any = session.config.pluginmanager.get_plugin("terminalreporter")
     has_scenes = any(isinstance(item, SceneItem) for item in session.items)
     if reporter is None or not has_scenes or session.config.option.collectonly:

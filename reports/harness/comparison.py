@@ -132,8 +132,10 @@ def unmet_expectations(expected: Expect, row: Row) -> list[str]:
 
 
 def _in_unit(name: str, size: float) -> str:
-    """A size of a signal's error as a scene's file has it: 0.0123 rad, or 1e-06."""
-    return f"{size:.3g} {SIGNAL[name].unit}".rstrip()
+    """A size of a signal's error: `0.705° (0.0123 rad)`, as scenes' files have it, or `1e-06`."""
+    if SIGNAL[name].unit == "rad":
+        return f"{size * SIGNAL[name].shown:.3g}° ({size:.3g} rad)"
+    return f"{size:.3g}"
 
 
 def _first_absurd(scenario: Scenario, motion: Trajectory, exact: Trajectory) -> int | None:

@@ -26,6 +26,9 @@ __all__ = ["exact", "judge", "load", "results", "run"]
 def load(scene: "Scene", name: str = "scene") -> "Scenario":
     """Return a scene.
 
+    A file of the current folder, `./fast-top.toml`, is taken before a scene of the library; that is
+    said through `logging`.
+
     Parameters
     ----------
     scene : its name in the library, the path of its file, or its tables as a dict, as the file has
@@ -37,7 +40,9 @@ def load(scene: "Scene", name: str = "scene") -> "Scenario":
     spincheck.scenarios.ScenarioError
         If there is no such scene, or it breaks a rule of the format.
     """
-    from spincheck.scenarios import Scenario, find, from_tables
+    from logging import getLogger
+
+    from spincheck.scenarios import Scenario, find, from_tables, hiding_the_library
     from spincheck.scenarios import load as load_file
 
     if isinstance(scene, Scenario):
@@ -45,6 +50,8 @@ def load(scene: "Scene", name: str = "scene") -> "Scenario":
     if isinstance(scene, Mapping):
         return from_tables(scene, name)
     (path,) = find([str(scene)])
+    for sentence in hiding_the_library([str(scene)]):
+        getLogger("spincheck").warning("%s", sentence)
     return load_file(path)
 
 

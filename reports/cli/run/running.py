@@ -46,7 +46,10 @@ OVERHEAD, TIMING = 0.3, 0.06
 
 
 def announcement(left: Plan, choice: Choice, jobs: int) -> str:
-    """Engines, number of verdicts to be made, estimated time; empty for one verdict at most."""
+    """Engines, number of verdicts and timings to be made, estimated time.
+
+    Empty for one verdict at most.
+    """
     pairs = [pair for scene in left.scenes for pair in scene.to_run]
     if len(pairs) < 2:
         return ""
@@ -54,9 +57,11 @@ def announcement(left: Plan, choice: Choice, jobs: int) -> str:
     timings = sum(len(scene.to_run) for scene in left.scenes if scene.to_time)
     seconds = _seconds((engine for engine, _ in pairs), choice) / jobs + TIMING * timings
     seconds /= share_of_a_core(jobs)
+    timed = left.total - len(pairs)
+    to_time = f", and {plural(timed, 'scene')} to be timed" if timed else ""
     return (
         f"{plural(len(pairs), 'verdict')} of {plural(len(names), 'engine')} ({', '.join(names)}) "
-        f"on {plural(len(left.scenes), 'scene')}: roughly {in_words(seconds)} "
+        f"on {plural(len(left.scenes), 'scene')}{to_time}: roughly {in_words(seconds)} "
         f"with {plural(jobs, 'worker')}{'; --engine names fewer' if len(names) > 2 else ''}"
     )
 

@@ -14,7 +14,7 @@ from ...pages.analysis.timesteps import as_shipped, attitudes_at, leading, stock
 from ...pages.analysis.wording import duration, plural
 from ...results.records import Row, Verdict
 from ...results.store import Results
-from ...results.verdict_words import RANKS
+from ...results.verdict_words import LISTED
 
 WIDTH = 80
 #: Lines that one reason may take, and scenes whose best choice is printed one by one.
@@ -43,20 +43,17 @@ def short_summary(results: Results, timesteps: Sequence[float] = ()) -> list[str
 
 
 def _counts(verdicts: Sequence[Verdict]) -> Iterator[str]:
-    clean = Counter(verdict.verdict for verdict in verdicts if not verdict.as_shipped)
+    """The number of verdicts, and how many of each word: of clean methods, and as shipped."""
     scenes = len({verdict.key.scenario for verdict in verdicts})
-    counted = ", ".join(f"{clean[word]} {word}" for word in reversed(RANKS) if clean[word])
-    total = plural(sum(clean.values()), "verdict")
-    text = f"{plural(scenes, 'scene')}, {total}: {counted or 'none'}."
-    yield from textwrap.wrap(text, WIDTH)
-    shipped = [verdict for verdict in verdicts if verdict.as_shipped]
-    if shipped:
-        counts = Counter(verdict.verdict for verdict in shipped)
-        failed = f", {counts['failed']} failed" if counts["failed"] else ""
-        yield (
-            f"With their defaults (as shipped): {counts['converges']} of {len(shipped)} "
-            f"converge{failed}."
-        )
+    yield f"{plural(scenes, 'scene')}, {plural(len(verdicts), 'verdict')}."
+    for of_what, shipped in (
+        ("With the effects of the scene alone", False),
+        ("As shipped, with the engine's defaults", True),
+    ):
+        counts = Counter(v.verdict for v in verdicts if v.as_shipped == shipped)
+        if counts:
+            words = ", ".join(f"{k.word} {counts[k.word]}" for k in LISTED if counts[k.word])
+            yield from textwrap.wrap(f"{of_what}: {words}.", WIDTH)
 
 
 def _first_failure(verdicts: Sequence[Verdict]) -> Iterator[str]:
@@ -101,7 +98,7 @@ def _at_stock(report: ReportData) -> Iterator[str]:
     shown = [*defaults, *others[: METHODS_SHOWN - len(defaults)]]
     if not shown:
         return
-    yield f"{'Attitude off at stock timesteps (*as shipped)':45}{'median':>8}  worst"
+    yield f"{'Attitude error at stock timesteps (* as shipped)':45}{'median':>8}  worst"
     for engine, method in shown[:METHODS_SHOWN]:
         errors = errors_of[engine, method]
         worst = max(errors, key=lambda name: errors[name])

@@ -1,4 +1,4 @@
-"""Compiles what solves exact motions, side by side, before it is needed.
+"""Compiles the solver of exact motions, side by side, before it is needed.
 
 ``python -m spincheck.reports.harness.executors.compiling`` does it after an installation, a study
 before its first scene: else each worker would compile for itself.
@@ -42,7 +42,7 @@ def compile_first(tell: Callable[[str], object]) -> None:
 def notice() -> str:
     """The sentence that stands before a compilation."""
     wait = SECONDS / share_of_a_core(len(HALVES))
-    return f"First, once: what solves exact motions is compiled, roughly {wait:.0f} s."
+    return f"First, once: the solver of exact motions is compiled, roughly {wait:.0f} s."
 
 
 def share_of_a_core(jobs: int) -> float:

@@ -25,6 +25,9 @@ from .recording import Recording, RecordingError
 EPS = float(np.finfo(float).eps)
 #: rad; the bound that is reported where a user names none.
 DEGREE = pi / 180
+#: Times that go on for more windows of the scene are in another unit than s, and would take long to
+#: solve; those of one window in ms, which are explained, go on for 1000.
+MOST_WINDOWS = 2000
 #: The signals that a recording without a quantity says nothing of.
 WITHOUT = {"com": ("com",), "velocity": ("velocity",)}
 
@@ -142,8 +145,15 @@ def exact_at(scenario: Scenario, times: FloatArray) -> Solution:
     Raises
     ------
     RecordingError
-        If it is not known up to the last of them.
+        If it is not known up to the last of them, or they are in another unit.
     """
+    windows = float(times[-1]) / scenario.window.duration
+    if windows > MOST_WINDOWS:
+        raise RecordingError(
+            f"its times reach {times[-1]:.6g} s, {windows:.3g} times the "
+            f"{scenario.window.duration:g} s of {scenario.name}; if they are in another unit than "
+            "s, name it in the heading, such as t [us]"
+        )
     try:
         check_scales(scenario, until=max(scenario.window.duration, float(times[-1])))
         solution = ExactMotion(scenario).solve(times)

@@ -122,6 +122,8 @@ FITS = 1e-9
 STARTS = 1e-3
 #: Mistakes that are looked for in one file at the same time.
 MOST = 2
+#: Units that times may be in by mistake, as a column's heading names them, and their seconds.
+UNITS = {"ms": 1e-3, "us": 1e-6, "ns": 1e-9, "min": 60.0}
 
 
 @dataclass(frozen=True, eq=False)
@@ -130,12 +132,14 @@ class Reading:
 
     Attributes
     ----------
-    late : s, by which the times are to be put back
+    unit : s, of the times
+    late : by which the times are to be put back, in their unit
     """
 
     recording: Recording
     quaternion: QuaternionOrder
     omega: OmegaFrame
+    unit: float = 1.0
     late: float = 0.0
 
     def with_arrays(self, **arrays: FloatArray) -> "Reading":
@@ -192,22 +196,24 @@ def starts_elsewhere(scenario: Scenario, exact: Trajectory, reading: Reading) ->
 def _beginning(exact: Trajectory) -> int:
     rates = np.linalg.norm(exact.omega_body, axis=1)
     turned = np.cumsum(rates[1:] * np.diff(exact.t))
-    return min(len(exact.t), max(FEWEST, int(np.searchsorted(turned, BEGINNING)) + 1))
+    # Each ω that goes with another attitude takes a sample away.
+    return min(len(exact.t), max(FEWEST + MOST, int(np.searchsorted(turned, BEGINNING)) + 1))
 
 
 def _error(scenario: Scenario, exact: Trajectory, reading: Reading) -> float:
     """The largest error in ω and attitude; infinite if it cannot be read this way."""
     exact = exact.at(np.flatnonzero(np.isin(exact.t, reading.recording.arrays["t"])))
-    if reading.late:
+    if reading.late or reading.unit != 1.0:
         # A state before the start is none of the exact motion's.
         is_after = exact.t + reading.late >= 0
-        times = exact.t[is_after]
-        shifted = _exact(scenario, tuple(times + reading.late))
+        times = exact.t[is_after] * reading.unit
+        shifted = _exact(scenario, tuple(times + reading.late * reading.unit))
         if len(shifted.t) < len(times):
             return np.inf
         exact = Trajectory(times, **{name: getattr(shifted, name) for name in _STATE})
         arrays = reading.recording.arrays
-        reading = reading.with_arrays(**{name: rows[is_after] for name, rows in arrays.items()})
+        kept = {name: rows[is_after] for name, rows in arrays.items()}
+        reading = reading.with_arrays(**kept | {"t": times})
     try:
         recorded = _recorded(scenario, reading, exact)
     except RecordingError:
@@ -251,6 +257,8 @@ def _undone(reading: Reading) -> Iterator[tuple[str, Reading]]:
         f"the quaternion's order is {order}, and it takes world to body components",
         replace(reading.with_arrays(q=swapped), quaternion=other_order),
     )
+    for name, unit in UNITS.items():
+        yield f"the times are in {name}; t [{name}] says so", replace(reading, unit=unit)
     step = float(np.diff(arrays["t"]).min())
     for samples, words in ((1.0, "one sample"), (0.5, "half a sample")):
         yield (

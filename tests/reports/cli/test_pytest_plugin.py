@@ -149,7 +149,7 @@ def test_what_is_compiled_first_is_announced(run, monkeypatch):
     monkeypatch.setattr(compiling, "compile_side_by_side", lambda _: None)
     result = run("-k", "reference", sphere=SPHERE)
     result.stdout.fnmatch_lines(
-        ["First, once: what solves exact motions is compiled, roughly * s."]
+        ["First, once: the solver of exact motions is compiled, roughly * s."]
     )
     result = run("--collect-only", sphere=SPHERE)
     result.stdout.no_fnmatch_line("First, once*")

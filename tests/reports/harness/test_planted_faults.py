@@ -43,7 +43,7 @@ DETECTED = {
     planted_faults.FrozenSession: ("failed", "frozen", "the state stands still"),
     planted_faults.WorldOmegaSession: ("failed", "frames", "about another axis"),
     planted_faults.NegatedSession: ("failed", "frames", "about another axis"),
-    planted_faults.SlowClockSession: ("failed", "clock", "as if a step were 0.99 of a timestep"),
+    planted_faults.SlowClockSession: ("failed", "clock", "as if a step took 0.99 timesteps"),
     planted_faults.SpunUpInSecretSession: ("ok", "law", "as if L were sped up by 0.001 /s"),
     planted_faults.LaggingSession: ("diverged", "lag", "in a step the attitude turns by 0.573°"),
     planted_faults.LateSession: ("failed", "late", "what is read is a step old"),

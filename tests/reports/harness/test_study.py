@@ -176,8 +176,8 @@ def test_of_a_run_that_blew_up_the_unmet_bound_is_stated():
     expected = Expect(engine="mujoco", method="Euler", timestep=2e-3, attitude=1e-4)
     row = Row(Key("top", "mujoco", "Euler"), "4", 2e-3, "diverged", "the energy exceeds all bounds")
     assert unmet_expectations(expected, row) == [
-        "mujoco Euler at 0.002 s: expected attitude within 0.0001 rad, got diverged: the energy "
-        "exceeds all bounds"
+        "mujoco Euler at 0.002 s: expected attitude within 0.00573° (0.0001 rad), got diverged: "
+        "the energy exceeds all bounds"
     ]
 
 

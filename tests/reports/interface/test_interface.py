@@ -38,6 +38,16 @@ def test_scenes_are_loaded_by_name_path_or_tables():
     assert spincheck.load(tables, "mine").name == "mine"
 
 
+def test_a_file_that_goes_before_the_library_is_named(tmp_path, monkeypatch, caplog):
+    monkeypatch.chdir(tmp_path)
+    text = spincheck.load("fast-top").text
+    assert not caplog.messages
+    (tmp_path / "fast-top.toml").write_text(text.replace("source", "# mine\nsource", 1))
+    assert "# mine" in spincheck.load("fast-top").text
+    (message,) = caplog.messages
+    assert message.startswith("fast-top.toml: taken from the current folder; the library has")
+
+
 def test_a_wrong_scene_is_refused_as_its_file_would_be():
     tables = tomllib.loads(spincheck.load("fast-top").text)
     tables["body"]["mass"] = -1.0
@@ -191,4 +201,4 @@ def test_what_is_compiled_first_is_announced(monkeypatch, caplog):
     spincheck.exact("sphere")
     (record,) = caplog.records
     assert record.name == "spincheck"
-    assert "what solves exact motions is compiled, roughly" in record.message
+    assert "the solver of exact motions is compiled, roughly" in record.message

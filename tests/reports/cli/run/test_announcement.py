@@ -14,9 +14,9 @@ from spincheck.reports.harness.plan import Plan, SceneLeft
 CHOICE = Choice((engines()["mujoco"], engines()["pybullet"]), max_steps=QUICK_STEPS)
 
 
-def plan(scenes: int = 1) -> Plan:
+def plan(scenes: int = 1, *, timed: bool = False) -> Plan:
     pairs = [(engine, engine.methods[0]) for engine in CHOICE.engines]
-    scene_left = SceneLeft(SCENES["free"], pairs, to_time=False, by_pass=False)
+    scene_left = SceneLeft(SCENES["free"], pairs, to_time=timed, by_pass=False)
     return Plan([scene_left] * scenes, 0, 0)
 
 
@@ -27,6 +27,14 @@ def minutes(choice: Choice) -> int:
 def test_it_names_the_engines_and_counts_what_is_to_be_made() -> None:
     words = announcement(plan(), CHOICE, 2)
     assert words.startswith("2 verdicts of 2 engines (mujoco, pybullet) on 1 scene: roughly ")
+
+
+def test_it_counts_what_the_progress_counts() -> None:
+    left = plan(3, timed=True)
+    words = announcement(left, CHOICE, 2)
+    assert left.total == 6 + 3
+    assert words.startswith("6 verdicts of ")
+    assert " on 3 scenes, and 3 scenes to be timed: roughly " in words
 
 
 def test_many_scenes_are_reported_in_minutes() -> None:

@@ -14,12 +14,14 @@ def test_it_fits_a_terminal():
     assert max(map(len, lines)) <= WIDTH
 
 
-def test_all_verdicts_of_clean_methods_are_counted():
-    clean = [verdict for verdict in FOUND.verdicts if not verdict.as_shipped]
-    first = " ".join(short_summary(FOUND)).partition(".")[0]
-    assert f"{len(clean)} verdict" in first
-    counted = [int(part.split()[0]) for part in first.partition(": ")[2].split(", ")]
-    assert sum(counted) == len(clean)
+def test_every_verdict_is_counted_once():
+    verdicts = [replace(FOUND.verdicts[0], as_shipped=True), *FOUND.verdicts[1:]]
+    shipped = sum(verdict.as_shipped for verdict in verdicts)
+    first, *groups = short_summary(replace(FOUND, verdicts=verdicts))[:3]
+    assert f"{len(verdicts)} verdicts." in first
+    words = [group.rstrip(".").partition(": ")[2].split(", ") for group in groups]
+    counted = [sum(int(part.split()[1]) for part in parts) for parts in words]
+    assert counted == [len(verdicts) - shipped, shipped]
 
 
 def test_what_fails_is_reported_with_its_reason_and_how_many_more_there_are():
@@ -59,6 +61,6 @@ def test_a_default_that_failed_and_runs_lost_by_the_machine_are_told():
     lost = replace(FOUND.rows[0], outcome="failed", cause="killed", errors=None)
     lost = replace(lost, reason="it was killed")
     text = "\n".join(short_summary(replace(FOUND, verdicts=shipped, rows=[lost, *FOUND.rows[1:]])))
-    assert f"converge, {len(shipped)} failed." in text
+    assert f"defaults: failed {len(shipped)}." in text
     assert "1 run lost by the machine's fault: it was killed" in text
     assert "lost" not in "\n".join(short_summary(FOUND))

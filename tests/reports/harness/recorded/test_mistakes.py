@@ -7,7 +7,7 @@ import pytest
 from library_scenes import library_scene
 from spincheck.reference import solve
 from spincheck.reports.harness.recorded.judged import judged_motion
-from spincheck.reports.harness.recorded.recording import Recording
+from spincheck.reports.harness.recorded.recording import Recording, RecordingError
 
 pytestmark = pytest.mark.slow
 
@@ -55,6 +55,8 @@ PLANTED = {
         lambda a, later: {"q": later(1)["q"], "omega": a["omega"], "t": a["t"] + a["t"][1]},
         ["ω is one sample older than the attitude"],
     ),
+    "ms": (lambda a, later: {"t": 1e3 * a["t"]}, ["the times are in ms; t [ms] says so"]),
+    "min": (lambda a, later: {"t": a["t"] / 60}, ["the times are in min; t [min] says so"]),
     "two at once": (
         lambda a, later: {"q": rolled(a["q"]), "omega": a["omega_world"]},
         ["the quaternion's order is x y z w", "ω is in world axes"],
@@ -91,3 +93,12 @@ def test_an_error_that_no_mistake_explains_has_no_explanation():
     arrays |= {"omega": arrays["omega"] * drifting}
     arrays.pop("omega_world")
     assert judged_motion(scene, Recording(Path("motion.csv"), arrays)).explained_by == ()
+
+
+def test_times_far_beyond_the_window_are_of_another_unit():
+    scene = library_scene("fast-top")
+    arrays = exact_at(scene)
+    arrays["t"] = 1e6 * arrays["t"]
+    arrays.pop("omega_world")
+    with pytest.raises(RecordingError, match=r"its times reach 5e\+06 s, .* such as t \[us\]"):
+        judged_motion(scene, Recording(Path("motion.csv"), arrays))
