@@ -25,6 +25,7 @@ from .checks.read_back import (
     State,
     UnsupportedError,
     differences,
+    start_state,
 )
 from .fault import ENVIRONMENTAL
 from .method import Method, Release
@@ -235,8 +236,7 @@ class Engine(ABC):
         ended = partial(Run, self.name, self.version, method.name, timestep)
         if reason := self.unsupported(scenario, method):
             return ended("unsupported", reason, "effects")
-        speed = float(np.linalg.norm(scenario.start.omega_body))
-        if turn := clamped_turn(speed, timestep, method.max_rotation_per_step):
+        if turn := clamped_start(scenario, method, timestep):
             return ended("unsupported", turn, "clamp")
         try:
             with self.open(scenario, method, timestep) as session:
@@ -273,6 +273,14 @@ class Engine(ABC):
             body.com if scenario.constraint.is_pivot else None,
             self.steps_angles(scenario, method),
         )
+
+
+def clamped_start(scenario: Scenario, method: Method, timestep: float) -> str:
+    """The message if an engine clamps how far the body or its parts turn in the first step."""
+    speed = float(np.linalg.norm(scenario.start.omega_body))
+    if method.clamps_parts:
+        speed += float(np.abs(start_state(scenario).spins).max(initial=0.0))
+    return clamped_turn(speed, timestep, method.max_rotation_per_step)
 
 
 def _samples(sampled: Sampled, sample_steps: NDArray[np.int64], timestep: float) -> dict[str, Any]:

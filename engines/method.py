@@ -23,6 +23,7 @@ class Method:
     effects : names out of `scenarios.EFFECTS` that it can simulate
     requires : effects without which it makes no sense, such as a pivot for a pivot constraint
     max_rotation_per_step : rad; beyond it the engine silently clamps, so it is not run
+    clamps_parts : whether it clamps parts of the body too, as they turn relative to it
     as_shipped : the engine with all its defaults: how it differs from the scene is reported as a
         remark, and does not fail a run
     by_angles : whether the attitude of a held body is stepped as roll, pitch and yaw
@@ -39,6 +40,7 @@ class Method:
     effects: frozenset[str]
     requires: frozenset[str] = frozenset()
     max_rotation_per_step: float = np.inf
+    clamps_parts: bool = False
     as_shipped: bool = False
     by_angles: bool = False
     damping: float = 0.0

@@ -4,17 +4,18 @@ import json
 import math
 from typing import Annotated, Any, Literal, Self, TypeVar
 
+import numpy as np
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError, model_validator
 
-from ...scenarios import EFFECTS
+from ...scenarios import EFFECTS, FloatArray
+from ...scenarios.document import MAX_ROTORS
+from ...scenarios.rotation import matrix
 from ..method import Method
 
 #: Characters of an answer that a complaint quotes.
 QUOTED = 80
 #: Largest number of methods of an engine, and of names it may list as active.
 MOST_NAMES = 32
-#: Effects that a scene's record has: it is of one body, without parts.
-IN_RECORDS = [name for name, effect in EFFECTS.items() if not effect.is_part]
 
 
 def _printable(text: str) -> str:
@@ -24,15 +25,15 @@ def _printable(text: str) -> str:
 
 
 def _effect(name: str) -> str:
-    if name not in IN_RECORDS:
-        raise ValueError(f"must be one of {', '.join(IN_RECORDS)}")
+    if name not in EFFECTS:
+        raise ValueError(f"must be one of {', '.join(EFFECTS)}")
     return name
 
 
 Name = Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9._-]{0,39}$")]
 Words = Annotated[str, Field(min_length=1, max_length=200), AfterValidator(_printable)]
 Effect = Annotated[str, AfterValidator(_effect)]
-Effects = Annotated[list[Effect], Field(max_length=len(IN_RECORDS))]
+Effects = Annotated[list[Effect], Field(max_length=len(EFFECTS))]
 Number = Annotated[float, Field(allow_inf_nan=False)]
 Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
 Known = Number | None
@@ -68,6 +69,7 @@ class ChildMethod(ChildAnswer):
     effects: Effects
     requires: Effects = []
     max_rotation_per_step: Positive | None = None
+    clamps_parts: bool = False
     as_shipped: bool = False
     damping: Positive | None = None
 
@@ -81,6 +83,7 @@ class ChildMethod(ChildAnswer):
             frozenset(self.effects),
             frozenset(self.requires),
             self.max_rotation_per_step or float("inf"),
+            self.clamps_parts,
             self.as_shipped,
             damping=self.damping or 0.0,
         )
@@ -105,21 +108,44 @@ class Hello(ChildAnswer):
         return self
 
 
-class ChildBody(ChildAnswer):
-    """The body as the engine holds it, in its own axes and from its own origin.
+class ChildPart(ChildAnswer):
+    """A rigid body as the engine holds it, in the axes of the scene's body and from its origin.
 
     Attributes
     ----------
     com : m
     moments, frame : kg m² along principal axes, and these axes' attitude in the body's, w x y z
-    arm : m, the point where the body is held; null if it is free
     """
 
     mass: Number
     com: Vector
     moments: Vector
     frame: Rotation
+
+    @property
+    def inertia_com(self) -> FloatArray:
+        """About the com, kg m², (3, 3)."""
+        axes = matrix(np.array(self.frame))
+        return axes @ np.diag(self.moments) @ axes.T
+
+
+class ChildRotor(ChildPart):
+    """A rotor at the start; `axis` is that of its hinge."""
+
+    axis: Vector
+
+
+class ChildBody(ChildPart):
+    """The body without its rotors.
+
+    Attributes
+    ----------
+    arm : m, the point where the body is held; null if it is free
+    rotors : in the scene's order
+    """
+
     arm: Vector | None
+    rotors: Annotated[list[ChildRotor], Field(max_length=MAX_ROTORS)] = []
 
 
 class StateRow(ChildAnswer):
@@ -129,12 +155,14 @@ class StateRow(ChildAnswer):
     ----------
     q : attitude, w x y z
     omega, com, velocity : rad/s, m, m/s
+    spins : of the rotors, about their axes relative to the body, rad/s
     """
 
     q: Rotation
     omega: Vector
     com: Vector
     velocity: Vector
+    spins: Annotated[list[Number], Field(max_length=MAX_ROTORS)] = []
 
 
 class Stepped(ChildAnswer):
@@ -144,6 +172,7 @@ class Stepped(ChildAnswer):
     omega: tuple[Known, Known, Known]
     com: tuple[Known, Known, Known]
     velocity: tuple[Known, Known, Known]
+    spins: Annotated[list[Known], Field(max_length=MAX_ROTORS)] = []
 
 
 class Opened(ChildAnswer):

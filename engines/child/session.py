@@ -7,9 +7,8 @@ from typing import Any, final
 import numpy as np
 
 from ...scenarios import Scenario
-from ...scenarios.rotation import matrix
 from ..checks.read_back import BodyReading, EngineError, State
-from ..scene_record import RecordFrame, WorldBody, scene_record
+from ..scene_record import HeldRotor, RecordFrame, WorldBody, scene_record
 from ..session import Session
 from .messages import Active, Done, Opened, Seconds, StateRow, Stepped
 from .process import ChildProcess, given_back
@@ -37,17 +36,27 @@ class ChildSession(Session):
     ) -> None:
         self._child, self._timestep = child, timestep
         self._frame = RecordFrame.of(scenario)
+        self._rotors = len(scenario.rotors.each)
         scene = scene_record(scenario)
         self._opened = child.ask(Opened, "open", scene=scene, method=method, timestep=timestep)
         self._state: StateRow | Stepped = self._opened.state
+        self._count("body.rotors", self._opened.body.rotors)
         self._left = 0
 
     def read_body(self) -> BodyReading:
         """The body as the child holds it, in the scene's body axes and from its origin."""
         body = self._opened.body
-        axes = matrix(np.array(body.frame))
-        inertia_com = axes @ np.diag(body.moments) @ axes.T
-        return self._frame.body(WorldBody(body.mass, body.com, inertia_com, body.arm))
+        rotors = [
+            HeldRotor(one.mass, np.array(one.com), one.inertia_com, np.array(one.axis))
+            for one in body.rotors
+        ]
+        held = WorldBody(body.mass, body.com, body.inertia_com, body.arm, rotors)
+        return self._frame.body(held)
+
+    def _count(self, what: str, values: Sequence[object]) -> None:
+        if len(values) != self._rotors:
+            words = f"{what!r} must have one entry a rotor, {self._rotors}, got {len(values)}"
+            raise EngineError(words, "protocol")
 
     def read_state(self) -> State:
         """The state now."""
@@ -86,7 +95,8 @@ class ChildSession(Session):
             self._state = self._child.ask(Stepped, "run", steps=steps)
             self._left -= steps
         state = self._state
-        return [*state.q, *state.omega, *state.com, *state.velocity]
+        self._count("spins", state.spins)
+        return [*state.q, *state.omega, *state.com, *state.velocity, *state.spins]
 
     def states(self, snapshots: Sequence[Any]) -> State:
         """The states of n snapshots, in the scene's body axes."""

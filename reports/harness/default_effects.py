@@ -6,7 +6,7 @@ import numpy as np
 
 from ...engines import Engine, EngineError, Method
 from ...engines.checks.bounds import Bounds
-from ...engines.checks.faults import clamped_turn
+from ...engines.engine import clamped_start
 from ...engines.sampling import sample
 from ...reference import Solution
 from ...scenarios import Errors, Scenario, Trajectory, errors_between
@@ -31,8 +31,7 @@ def take_defaults_away(study: ConvergenceStudy, executor: Executor, store: Store
     if not made or method != first or not engine.defaults(scenario, method):
         return
     rung, solution = max(made, key=lambda run: run[0].timestep)
-    speed = float(np.linalg.norm(scenario.start.omega_body))
-    if clamped_turn(speed, rung.timestep, method.max_rotation_per_step):
+    if clamped_start(scenario, method, rung.timestep):
         return
     # The report's first screen, which counts what acts, is of plain scenes.
     at = None if scenario.hard else study.places

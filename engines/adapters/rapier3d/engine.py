@@ -3,19 +3,24 @@
 What it does to a top by default, and how each effect was measured: docs/measured/engines-more.md.
 """
 
+from collections.abc import Iterator
 from math import pi
-from typing import final
+from typing import Any, final
 
 import numpy as np
 
-from ....scenarios import PUSHED
+from ....scenarios import PUSHED, FloatArray
 from ...checks.read_back import EngineError
 from ...method import COMMON_EFFECTS, Method
-from ...scene_record import WorldBody
+from ...scene_record import HeldRotor, WorldBody
 from ...world_engine import WorldEngine
 from ...world_parts import matrix, push
 from ...world_session import WorldSession
 
+#: A rotor's hinge and a table are joints of other locked axes than a pivot's.
+EFFECTS = COMMON_EFFECTS | {"rotors", "table"}
+#: Axes that a joint can lock.
+EVERY = 6
 #: rad: ANGULAR_MOTION_THRESHOLD of its sources: by default a body turns no further in a step.
 MOST_ROTATION_A_STEP = pi / 4
 #: Relative rounding of numbers in single precision.
@@ -32,11 +37,26 @@ class Rapier3DSession(WorldSession):
 
     def world_body(self) -> WorldBody:
         """Its principal moments in the axes that they belong to, and the joint's anchor."""
-        properties, joint, xyz = self.world.body.mass_properties, self.world.joint, self.module.xyz
+        joint, xyz = self.world.joint, self.module.xyz
+        arm = None if joint is None else xyz(joint.data.local_anchor2)
+        rotors = [self._rotor(*rotor) for rotor in self.world.rotors]
+        return WorldBody(*self._mass_of(self.world.body), arm, rotors)
+
+    def _mass_of(self, body: Any) -> tuple[float, FloatArray, FloatArray]:
+        """Mass, com and tensor about it of a body, in its own axes."""
+        properties, xyz = body.mass_properties, self.module.xyz
         axes = matrix(self.module.wxyz(properties.principal_inertia_local_frame))
         inertia = axes @ np.diag(xyz(properties.principal_inertia)) @ axes.T
-        arm = None if joint is None else xyz(joint.data.local_anchor2)
-        return WorldBody(self.world.body.mass, xyz(properties.local_com), inertia, arm)
+        return body.mass, xyz(properties.local_com), inertia
+
+    def _rotor(self, body: Any, joint: Any) -> HeldRotor:
+        """A rotor, which starts along the body's axes."""
+        (mass, com, inertia), held, xyz = self._mass_of(body), joint.data, self.module.xyz
+        place = xyz(held.local_anchor1) + com - xyz(held.local_anchor2)
+        turns = self.module.count(held.locked_axes) < EVERY
+        # Its `local_axis1` adds the anchor.
+        axis = matrix(self.module.wxyz(held.local_frame1.rotation))[:, 0] * turns
+        return HeldRotor(mass, place, inertia, axis)
 
     def advance(self, steps: int) -> None:
         """Step; Rapier reports a body whose numbers are not finite only after that step."""
@@ -58,12 +78,19 @@ class Rapier3DSession(WorldSession):
         torque = np.linalg.norm(got - wanted) <= SLACK * np.linalg.norm(got)
         gravity = self.module.xyz(world.gravity) * body.gravity_scale
         right = np.allclose(gravity, scenario.gravity_world, rtol=SLACK, atol=0)
+        held = self.world.joint and self.module.count(self.world.joint.data.locked_axes)
+        rotors = self.world.rotors
+        bodies = [body, *(rotor for rotor, _ in rotors)]
         named = {
             "gravity" if right else f"a gravity of {gravity.tolist()} m/s²": gravity.any(),
-            "pivot": len(world.impulse_joints) == 1,
-            "joints": len(world.impulse_joints) > 1 or len(world.multibody_joints) > 0,
+            "pivot": held == 3,
+            "table": held == 1,
+            "rotors": bool(rotors),
+            **dict.fromkeys(self._wrong_hinges(), True),
+            "joints": len(world.impulse_joints) != len(rotors) + bool(held),
+            "multibody joints": len(world.multibody_joints) > 0,
             f"a torque of {got.tolist()} N m": not torque,
-            "damping": body.linear_damping or body.angular_damping,
+            "damping": any(one.linear_damping or one.angular_damping for one in bodies),
             "sleeping": body.activation.angular_threshold > 0,
             "a collision shape": len(world.colliders) > 0,
             "no gyroscopic torque": not body.gyroscopic_forces_enabled,
@@ -72,6 +99,19 @@ class Rapier3DSession(WorldSession):
         acting = {name for name, acts in named.items() if acts}
         stated_effects = scenario.called_for & PUSHED
         return frozenset(acting | stated_effects if got.any() else acting)
+
+    def _wrong_hinges(self) -> Iterator[str]:
+        """Joints of rotors that are other than the scene's, in words."""
+        described = self.scene.get("rotors", ())
+        for number, (rotor, (_, joint)) in enumerate(
+            zip(described, self.world.rotors, strict=True), 1
+        ):
+            hinge, locked = rotor["hinge"], self.module.count(joint.data.locked_axes)
+            if locked != EVERY - (hinge != "locked"):
+                yield f"rotor {number} on a {hinge} hinge that locks {locked} axes"
+            if joint.data.motor_axes.is_empty() == (hinge == "driven"):
+                how = "without" if hinge == "driven" else "with"
+                yield f"rotor {number} {how} a drive on a {hinge} hinge"
 
 
 @final
@@ -91,7 +131,7 @@ class Rapier3D(WorldEngine):
             1,
             1,
             "semi-implicit Euler, the pivot as an impulse joint",
-            COMMON_EFFECTS,
+            EFFECTS,
             setup=AWAKE,
         ),
         Method(
@@ -99,8 +139,9 @@ class Rapier3D(WorldEngine):
             1,
             1,
             "as shipped: may fall asleep, and clamps the rotation a step",
-            COMMON_EFFECTS,
+            EFFECTS,
             max_rotation_per_step=MOST_ROTATION_A_STEP,
+            clamps_parts=True,
             as_shipped=True,
         ),
     )

@@ -3,7 +3,10 @@
 import numpy as np
 import rapier3d
 
-from ...world_parts import is_pushed, matrix, push
+from ...world_parts import is_pushed, matrix, push, quaternion, rotor_tensor
+
+#: Gain of a drive, in steps: it lets no change of a spin be.
+FIRM = 1e9
 
 
 def wxyz(q):
@@ -16,45 +19,87 @@ def xyz(v):
     return np.array((v.x, v.y, v.z))
 
 
+def count(mask):
+    """How many axes a mask of them has."""
+    return mask.bits.bit_count()
+
+
 class World:
-    """One body, and for a pivot the joint that holds it."""
+    """The body, its rotors, and joints: of a pivot or table, then the rotors' hinges."""
 
     def __init__(self, scene, method, timestep):
-        self.scene = scene
-        self.quarantined = False
-        self.world = rapier3d.PhysicsWorld(gravity=tuple(scene["gravity"]))
-        upright = rapier3d.Rotation3(1.0, 0.0, 0.0, 0.0)
-        mass = rapier3d.MassProperties(
-            (0.0, 0.0, 0.0), scene["mass"], tuple(scene["moments"]), upright
-        )
-        described = rapier3d.RigidBody.dynamic().additional_mass_properties(mass)
-        if method != "default":
-            described = described.can_sleep(False).allow_fast_rotation(True)
-        handle = self.world.add_body(described)
-        self.body = self.world.rigid_bodies[handle]
-        self.joint = None
-        if scene["arm"]:
-            anchored = rapier3d.SphericalJoint.builder().local_anchor2(tuple(scene["arm"]))
-            ground = self.world.add_body(rapier3d.RigidBody.fixed())
-            number = self.world.impulse_joints.insert(ground, handle, anchored.build())
-            self.joint = self.world.impulse_joints.get(number)
+        self.scene, self.method = scene, method
         self.restart(scene, timestep)
 
     def restart(self, motion, timestep):
-        """Set another motion and timestep."""
+        """Build a world with another motion and timestep: a new one has nothing to forget."""
+        self.scene = scene = self.scene | motion
+        self.quarantined = False
+        self.world = rapier3d.PhysicsWorld(gravity=tuple(scene["gravity"]))
         self.world.integration_parameters.dt = timestep
+        upright = rapier3d.Rotation3(1.0, 0.0, 0.0, 0.0)
+        self.body, carrier = self.add_body(scene, scene["moments"], upright)
+        self.joint, self.rotors = None, []
+        if scene["arm"]:
+            ground = self.world.add_body(rapier3d.RigidBody.fixed())
+            locked = sum(1 << axis for axis in range(3) if axis not in scene.get("slides", ()))
+            joint = rapier3d.GenericJoint.builder(rapier3d.JointAxesMask(locked))
+            joint = joint.local_anchor1((0.0, 0.0, scene.get("height", 0.0)))
+            self.joint = self.add_joint(ground, carrier, joint.local_anchor2(tuple(scene["arm"])))
+        for rotor, spin in zip(scene.get("rotors", ()), scene.get("spins", ()), strict=True):
+            self.rotors.append(self.add_rotor(carrier, rotor, spin))
+
+    def add_body(self, motion, moments, frame):
+        """Add a body with its com at its origin; returns it and its handle."""
+        mass = rapier3d.MassProperties((0.0, 0.0, 0.0), motion["mass"], tuple(moments), frame)
+        described = rapier3d.RigidBody.dynamic().additional_mass_properties(mass)
+        if self.method != "default":
+            described = described.can_sleep(False).allow_fast_rotation(True)
+        handle = self.world.add_body(described)
+        body = self.world.rigid_bodies[handle]
         attitude = rapier3d.Rotation3(*motion["q"])
-        self.body.position = rapier3d.Isometry3(tuple(motion["com"]), attitude)
-        self.body.linvel = tuple(motion["velocity"])
-        self.body.angvel = tuple(motion["omega"])
+        body.position = rapier3d.Isometry3(tuple(motion["com"]), attitude)
+        body.linvel = tuple(motion["velocity"])
+        body.angvel = tuple(motion["omega"])
         # Until then its mass reads 0.
-        self.body.recompute_mass_properties_from_colliders(self.world.colliders)
+        body.recompute_mass_properties_from_colliders(self.world.colliders)
+        return body, handle
+
+    def add_rotor(self, carrier, rotor, spin):
+        """Add a rotor, its axes along the body's; returns it and its joint."""
+        scene, hinge = self.scene, rotor["hinge"]
+        R = matrix(scene["q"])
+        arm, axis = R @ rotor["place"], R @ rotor["axis"]
+        motion = scene | {
+            "mass": rotor["mass"],
+            "com": scene["com"] + arm,
+            "velocity": scene["velocity"] + np.cross(scene["omega"], arm),
+            "omega": scene["omega"] + spin * axis,
+        }
+        moments, frame = np.linalg.eigh(rotor_tensor(rotor))
+        frame[:, 0] *= np.linalg.det(frame)
+        body, handle = self.add_body(motion, moments, rapier3d.Rotation3(*quaternion(frame)))
+        masks = rapier3d.JointAxesMask
+        locked = masks.LOCKED_FIXED_AXES if hinge == "locked" else masks.LOCKED_REVOLUTE_AXES
+        joint = rapier3d.GenericJoint.builder(locked).local_anchor1(tuple(rotor["place"]))
+        joint = joint.local_axis1(tuple(rotor["axis"])).local_axis2(tuple(rotor["axis"]))
+        if hinge == "driven":
+            joint = joint.motor_velocity(rapier3d.JointAxis.ANG_X, spin, FIRM)
+        return body, self.add_joint(carrier, handle, joint)
+
+    def add_joint(self, parent, child, described):
+        """Add a joint between two bodies; returns it."""
+        number = self.world.impulse_joints.insert(parent, child, described.build())
+        return self.world.impulse_joints.get(number)
 
     def motion(self):
-        """Attitude, w x y z, ω, com and its velocity, world axes."""
+        """Attitude, w x y z, ω, com and its velocity, world axes; spins."""
         body = self.body
-        vectors = xyz(body.angvel), xyz(body.center_of_mass), xyz(body.linvel)
-        return np.concatenate([wxyz(body.rotation), *vectors])
+        q, omega = wxyz(body.rotation), xyz(body.angvel)
+        spun = [xyz(rotor.angvel) - omega for rotor, _ in self.rotors]
+        axes = [matrix(q) @ rotor["axis"] for rotor in self.scene.get("rotors", ())]
+        spins = [axis @ turned for axis, turned in zip(axes, spun, strict=True)]
+        return np.concatenate([q, omega, xyz(body.center_of_mass), xyz(body.linvel), spins])
 
     def push(self):
         """Set the torque, which Rapier keeps until it is reset; returns it, N m, world axes."""

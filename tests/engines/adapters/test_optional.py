@@ -28,7 +28,10 @@ omega_body = [0.0, 0.0, 5.0]
 """
 ON_AXIS = scene("on-axis", start=START_ON_AXIS)
 #: A scene with everything that is held, and one with everything that acts on a free body.
-HELD = ("everything", "heavy-top", "free-tilted-plate")
+HELD = (
+    *("everything", "heavy-top", "free-tilted-plate"),
+    *("free-rotors", "pivot-rotors", "table", "table-rotors"),
+)
 PUSHED = ("free-falling", "free-drag", "free-torque-body", "free-torque-world", "pivot-torque-body")
 #: A method of each engine in double precision that keeps the contract, which asks for the same.
 CONTRACT = [
@@ -95,8 +98,8 @@ def test_its_defaults_have_a_row_that_says_what_differs(engine: Engine) -> None:
 
 
 @pytest.mark.parametrize("path", sorted(HERE.glob("*.mjs")), ids=lambda path: path.stem)
-def test_an_engine_under_node_is_one_file_of_fewer_than_sixty_lines(path: Path) -> None:
-    assert len(path.read_text(encoding="utf-8").splitlines()) < 60
+def test_an_engine_under_node_is_one_file_of_fewer_than_eighty_lines(path: Path) -> None:
+    assert len(path.read_text(encoding="utf-8").splitlines()) < 80
 
 
 @pytest.mark.parametrize(

@@ -93,6 +93,11 @@ def spoilt(call: dict, reply: dict) -> None:
         reply["omega"] = [None, 0.0, 0.0]
     elif FAULT == "three of four" and do == WHEN:
         reply["q"] = reply["q"][:3]
+    elif FAULT == "a spin too many" and do == WHEN:
+        reply["spins"] = [1.0]
+    elif FAULT == "a rotor too many" and do == "open":
+        part = {"mass": 1.0, "com": [0, 0, 0], "moments": [1, 1, 1], "frame": [1, 0, 0, 0]}
+        reply["body"]["rotors"] = [part | {"axis": [0, 0, 1]}]
     elif FAULT == "text for numbers" and do == WHEN:
         reply["com"] = ["0", "0", "0"]
     elif FAULT == "one key more" and do == WHEN:

@@ -66,6 +66,8 @@ FAULTS = {
     "speaks unasked": ("protocol", "must have the call's 'id'"),
     "another's answer": ("protocol", "must have the call's 'id'"),
     "three of four": ("protocol", "breaks the protocol at 'q"),
+    "a spin too many": ("protocol", "'spins' must have one entry a rotor, 0, got 1"),
+    "a rotor too many": ("protocol", "'body.rotors' must have one entry a rotor, 0, got 1"),
     "text for numbers": ("protocol", "breaks the protocol at 'com"),
     "one key more": ("protocol", "breaks the protocol at 'energy'"),
     "NaN": ("protocol", "null says that a number is not finite"),

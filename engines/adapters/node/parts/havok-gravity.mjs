@@ -1,7 +1,5 @@
 // The gravity that a body in Havok feels.
-import { HERE } from './havok.mjs';
-
-const X = [1, 0, 0], Y = [0, 1, 0];
+import { HERE, X, Y } from './building.mjs';
 
 // Of the world's gravity Havok tells nothing: other bodies feel it, which move, for below 0.1 m/s it takes 3 % off.
 // Along what a body moves by, its gain is rounded: each component is felt by one that moves across it.
