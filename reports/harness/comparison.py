@@ -10,9 +10,6 @@ from ...scenarios import (
     SIGNAL,
     Expect,
     Scenario,
-    Trajectory,
-    energy,
-    energy_base,
     error_series,
 )
 from ..results.evidence import LocalEvidence
@@ -56,22 +53,22 @@ def row_of(
     if motion is None or not len(motion.t):
         return row
     exact = solution.trajectory.until(len(motion.t))
-    absurd = _first_absurd(scenario, motion, exact)
-    if absurd is not None:
+    series = error_series(scenario, motion, exact)
+    absurd = np.flatnonzero(series["energy"] > ABSURD_ENERGY)
+    if len(absurd):
         # The run's own reason is kept too: it may tell the cause.
         reasons = (f"the energy exceeds {ABSURD_ENERGY:g} times its base", row.reason)
         reason = "; ".join(filter(None, reasons))
-        stopped_at = float(motion.t[absurd])
+        stopped_at = float(motion.t[absurd[0]])
         row = replace(row, outcome="diverged", reason=reason, cause="energy", stopped_at=stopped_at)
-    elif row.outcome == "ok" and (no_skill := no_better_than_rest(scenario, motion, exact)):
+    elif row.outcome == "ok" and (no_skill := no_better_than_rest(scenario, motion, exact, series)):
         reason = "; ".join(filter(None, (row.reason, no_skill)))
         row = replace(row, cause=row.cause or "lost", reason=reason, without_skill=True)
-    # A run that stopped early has no errors: those up to that time may be arbitrarily small.
-    series = error_series(scenario, motion, exact)
     turned = np.concatenate([[0.0], np.cumsum(turns_made(exact))])
     beyond = np.flatnonzero(series["attitude"] > DEGREE)
     return replace(
         row,
+        # A run that stopped early has none: those up to that time may be arbitrarily small.
         errors=series.worst() if row.outcome == "ok" else None,
         drifts=drifts(scenario, motion),
         motion=motion,
@@ -136,10 +133,3 @@ def _in_unit(name: str, size: float) -> str:
     if SIGNAL[name].unit == "rad":
         return f"{size * SIGNAL[name].shown:.3g}° ({size:.3g} rad)"
     return f"{size:.3g}"
-
-
-def _first_absurd(scenario: Scenario, motion: Trajectory, exact: Trajectory) -> int | None:
-    """Index of the first sample whose energy error exceeds `ABSURD_ENERGY` times its base."""
-    excess = np.abs(energy(scenario, motion) - energy(scenario, exact))
-    beyond = np.flatnonzero(excess > ABSURD_ENERGY * energy_base(scenario, exact))
-    return int(beyond[0]) if len(beyond) else None

@@ -1,6 +1,7 @@
 """Measures what each default of an engine does to a motion, one default at a time."""
 
 from collections.abc import Collection
+from functools import cache
 
 import numpy as np
 
@@ -61,19 +62,20 @@ def default_effects(
     if not names or engine.unsupported(scenario, method):
         return None
 
-    def errors(defaults: Collection[str]) -> Errors | None:
+    @cache
+    def errors(*defaults: str) -> Errors | None:
         return _errors(scenario, engine, method, rung, solution, defaults)
 
     return DefaultEffects(
         Key(scenario.name, engine.name, method.name),
         rung.timestep,
-        errors(()),
-        errors(names),
+        errors(),
+        errors(*names),
         tuple(
             DefaultEffect(
                 name,
-                errors([name]),
-                errors([other for other in names if other != name]),
+                errors(name),
+                errors(*(other for other in names if other != name)),
                 _acts(scenario, engine, method, name, at) if at else None,
             )
             for name in names

@@ -19,29 +19,31 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from ...scenarios import FloatArray, Scenario, Trajectory, angular_momentum_world
+from ...scenarios import ErrorSeries, FloatArray, Scenario, Trajectory
 
 
-def no_better_than_rest(scenario: Scenario, motion: Trajectory, exact: Trajectory) -> str:
+def no_better_than_rest(
+    scenario: Scenario, motion: Trajectory, exact: Trajectory, series: ErrorSeries
+) -> str:
     """The signals in which a run is no better than no motion, in words; empty if there is none.
 
     Parameters
     ----------
     exact : the exact motion at the run's own sample times
+    series : the run's errors
     """
-    signals = list(_signals(scenario, motion, exact))
+    signals = list(_signals(scenario, motion, exact, series))
     return f"lost: {'; '.join(signals)}" if signals else ""
 
 
-def _signals(scenario: Scenario, motion: Trajectory, exact: Trajectory) -> Iterator[str]:
+def _signals(
+    scenario: Scenario, motion: Trajectory, exact: Trajectory, series: ErrorSeries
+) -> Iterator[str]:
     yield from _of_path("ω", motion.omega_body, exact.omega_body, exact.t)
-    L_true = _norms(angular_momentum_world(scenario, exact))
-    L_errors = _norms(
-        angular_momentum_world(scenario, motion) - angular_momentum_world(scenario, exact)
-    )
-    if 0 < L_true.max() <= L_errors.max():
-        since = exact.t[np.argmax(L_errors >= L_true.max())]
-        yield _words("L", L_errors.max() / L_true.max(), since)
+    L_errors = series["angular_momentum"]
+    # Over an exact value of zero they are infinite.
+    if 1 <= (worst := float(L_errors.max())) < np.inf:
+        yield _words("L", worst, exact.t[np.argmax(L_errors >= 1)])
     start, is_flying = exact.com_world[0], ~np.array(scenario.constraint.is_held)
     flown, exactly = ((one.com_world - start) * is_flying for one in (motion, exact))
     yield from _of_path("com", flown, exactly, exact.t)

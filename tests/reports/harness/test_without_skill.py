@@ -9,11 +9,11 @@ from scene_texts import FAST_TOP
 from scipy.spatial.transform import Rotation
 from spincheck.engines import engines
 from spincheck.reference import solve
+from spincheck.reports.harness import without_skill
 from spincheck.reports.harness.comparison import row_of
 from spincheck.reports.harness.ladder import single
-from spincheck.reports.harness.without_skill import no_better_than_rest
 from spincheck.reports.results.records import Key
-from spincheck.scenarios import Trajectory, loads
+from spincheck.scenarios import Trajectory, error_series, loads
 
 HEAVY, FREE = loads(FAST_TOP, "top"), library_scene("tennis-racket")
 THROWN = library_scene("hammer")
@@ -21,6 +21,11 @@ THROWN = library_scene("hammer")
 
 def exact_motion_of(scenario) -> Trajectory:
     return solve(scenario, scenario.times).trajectory
+
+
+def no_better_than_rest(scenario, motion: Trajectory, exact: Trajectory) -> str:
+    series = error_series(scenario, motion, exact)
+    return without_skill.no_better_than_rest(scenario, motion, exact, series)
 
 
 def turned_aside(exact: Trajectory, angle: float) -> Trajectory:
