@@ -108,7 +108,7 @@ class Hello(ChildAnswer):
         return self
 
 
-class ChildPart(ChildAnswer):
+class ChildRigid(ChildAnswer):
     """A rigid body as the engine holds it, in the axes of the scene's body and from its origin.
 
     Attributes
@@ -129,23 +129,23 @@ class ChildPart(ChildAnswer):
         return axes @ np.diag(self.moments) @ axes.T
 
 
-class ChildRotor(ChildPart):
-    """A rotor at the start; `axis` is that of its hinge."""
+class ChildPart(ChildRigid):
+    """A part that turns in the body, at the start; `axis` is that of its hinge."""
 
     axis: Vector
 
 
-class ChildBody(ChildPart):
-    """The body without its rotors.
+class ChildBody(ChildRigid):
+    """The body without its parts.
 
     Attributes
     ----------
     arm : m, the point where the body is held; null if it is free
-    rotors : in the scene's order
+    parts : in the scene's order
     """
 
     arm: Vector | None
-    rotors: Annotated[list[ChildRotor], Field(max_length=MAX_ROTORS)] = []
+    parts: Annotated[list[ChildPart], Field(max_length=MAX_ROTORS)] = []
 
 
 class StateRow(ChildAnswer):
@@ -155,7 +155,7 @@ class StateRow(ChildAnswer):
     ----------
     q : attitude, w x y z
     omega, com, velocity : rad/s, m, m/s
-    spins : of the rotors, about their axes relative to the body, rad/s
+    spins : of its parts, about their axes relative to the body, rad/s
     """
 
     q: Rotation

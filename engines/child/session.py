@@ -7,7 +7,7 @@ from typing import Any, final
 import numpy as np
 
 from ...scenarios import Scenario
-from ..checks.read_back import BodyReading, EngineError, State
+from ..checks.read_back import BodyReading, EngineError, State, start_state
 from ..scene_record import HeldRotor, RecordFrame, WorldBody, scene_record
 from ..session import Session
 from .messages import Active, Done, Opened, Seconds, StateRow, Stepped
@@ -36,26 +36,26 @@ class ChildSession(Session):
     ) -> None:
         self._child, self._timestep = child, timestep
         self._frame = RecordFrame.of(scenario)
-        self._rotors = len(scenario.rotors.each)
+        self._parts = start_state(scenario).spins.size
         scene = scene_record(scenario)
         self._opened = child.ask(Opened, "open", scene=scene, method=method, timestep=timestep)
         self._state: StateRow | Stepped = self._opened.state
-        self._count("body.rotors", self._opened.body.rotors)
+        self._count("body.parts", self._opened.body.parts)
         self._left = 0
 
     def read_body(self) -> BodyReading:
         """The body as the child holds it, in the scene's body axes and from its origin."""
         body = self._opened.body
-        rotors = [
+        parts = [
             HeldRotor(one.mass, np.array(one.com), one.inertia_com, np.array(one.axis))
-            for one in body.rotors
+            for one in body.parts
         ]
-        held = WorldBody(body.mass, body.com, body.inertia_com, body.arm, rotors)
+        held = WorldBody(body.mass, body.com, body.inertia_com, body.arm, parts)
         return self._frame.body(held)
 
     def _count(self, what: str, values: Sequence[object]) -> None:
-        if len(values) != self._rotors:
-            words = f"{what!r} must have one entry a rotor, {self._rotors}, got {len(values)}"
+        if len(values) != self._parts:
+            words = f"{what!r} must have one entry a part, {self._parts}, got {len(values)}"
             raise EngineError(words, "protocol")
 
     def read_state(self) -> State:

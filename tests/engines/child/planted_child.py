@@ -95,9 +95,9 @@ def spoilt(call: dict, reply: dict) -> None:
         reply["q"] = reply["q"][:3]
     elif FAULT == "a spin too many" and do == WHEN:
         reply["spins"] = [1.0]
-    elif FAULT == "a rotor too many" and do == "open":
+    elif FAULT == "a part too many" and do == "open":
         part = {"mass": 1.0, "com": [0, 0, 0], "moments": [1, 1, 1], "frame": [1, 0, 0, 0]}
-        reply["body"]["rotors"] = [part | {"axis": [0, 0, 1]}]
+        reply["body"]["parts"] = [part | {"axis": [0, 0, 1]}]
     elif FAULT == "text for numbers" and do == WHEN:
         reply["com"] = ["0", "0", "0"]
     elif FAULT == "one key more" and do == WHEN:

@@ -23,7 +23,7 @@ function jointsIn(held, scene, joint) {
 function composed(held, scene, body, joint) {
   const [first, ...rotors] = held.bodies.map(body), [base, ...hinges] = jointsIn(held, scene, joint);
   const q = held.motion(0).q;
-  return { ...first, arm: base && base.here, rotors: rotors.map((rotor, k) => {
+  return { ...first, arm: base && base.here, parts: rotors.map((rotor, k) => {
     const { at, here, axis, locked } = hinges[k], turn = after(back(q), held.motion(k + 1).q);
     return { ...rotor, com: plus(at, rotated(turn, plus(rotor.com, here, -1))), frame: after(turn, rotor.frame), axis: locked === 6 ? HERE : axis };
   }) };
