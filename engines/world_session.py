@@ -18,6 +18,10 @@ from .scene_record import ABOUT, RecordFrame, WorldBody, scene_record
 from .session import Session
 from .world_parts import matrix
 
+#: The torques that a body at rest feels.
+TORQUES = frozenset({"torque_body", "torque_world"})
+#: Relative rounding of a torque that was rotated twice.
+SLACK = 16 * float(np.finfo(float).eps)
 #: The module that worlds share.
 PARTS = Path(__file__).with_name("world_parts.py")
 _RELATIVE_IMPORT = re.compile(r"^from \.[\w.]* import .+\n", re.MULTILINE)
@@ -54,16 +58,23 @@ class WorldSession(Session):
         self.timestep = self.timestep if timestep is None else timestep
         self.world.restart(self.frame.motion(state), self.timestep)
 
-    def constant_push(self) -> FloatArray:
-        """Torque of the scene's effects on the body at rest, N m, world axes, (3,)."""
-        torque: FloatArray = push(self.scene, matrix(self.world.motion()[:4]), np.zeros(3))
-        return torque
-
     def damped_by(self, damping: Sequence[float]) -> dict[str, bool]:
         """What the damping of a joint's velocities, rotations first, is, and whether it acts."""
         wanted = [self.scene["drag"]] * 3 + [0.0] * (len(damping) - 3)
         name = "drag" if list(damping) == wanted else f"a joint damping of {damping} N m s"
         return {name: any(damping)}
+
+    def gravity_by(self, vector: FloatArray) -> dict[str, bool]:
+        """What a world's gravity is, m/s², and whether it acts."""
+        right = np.array_equal(vector, self.scenario.gravity_world)
+        return {"gravity" if right else f"a gravity of {vector.tolist()} m/s²": bool(vector.any())}
+
+    def pushed_by(self, torque: FloatArray) -> dict[str, bool]:
+        """What a torque on the body at rest is, N m, world axes, and whether it acts."""
+        wanted = push(self.scene, matrix(self.world.motion()[:4]), np.zeros(3))
+        pushes = np.linalg.norm(torque - wanted) <= SLACK * np.linalg.norm(wanted)
+        acting = dict.fromkeys(self.scenario.called_for & TORQUES, bool(torque.any()))
+        return acting | {f"a torque of {torque.tolist()} N m": not bool(pushes)}
 
     def read_body(self) -> BodyReading:
         """The body in the scene's axes."""

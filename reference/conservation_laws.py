@@ -113,6 +113,7 @@ class Law:
     holds : whether a scene conserves it
     values : the quantity along a trajectory, (n,) or (n, 3)
     scale : what its changes are relative to, in its unit
+    title : of its value among the facts of a scene, empty if it is none of them
     """
 
     name: str
@@ -121,6 +122,7 @@ class Law:
     holds: Callable[[InvariantScales], bool]
     values: Callable[[InvariantScales, Trajectory], FloatArray]
     scale: Callable[[InvariantScales], float]
+    title: str = ""
 
 
 def _energy(scene: InvariantScales, motion: Trajectory) -> FloatArray:
@@ -259,6 +261,7 @@ LAWS = (
         holds=lambda scene: integrable_cases.kovalevskaya_frame(scene.problem) is not None,
         values=_kovalevskaya,
         scale=lambda scene: scene.rate**4,
+        title="Kovalevskaya's constant",
     ),
     Law(
         name="goryachev_chaplygin",
@@ -267,6 +270,7 @@ LAWS = (
         holds=lambda scene: integrable_cases.goryachev_chaplygin_frame(scene.problem) is not None,
         values=_goryachev_chaplygin,
         scale=lambda scene: scene.rate**3,
+        title="Goryachev–Chaplygin constant",
     ),
     Law(
         name="rotors_momentum",

@@ -13,6 +13,7 @@ from scipy.integrate import solve_ivp
 from scipy.spatial.transform import Rotation
 
 from ..scenarios import PUSHED, FloatArray, Scenario, Trajectory, push
+from ..scenarios.exact import cross
 from ..scenarios.fastest_rate import decay_rate, fastest_rate
 
 EPS = float(np.finfo(float).eps)
@@ -103,8 +104,8 @@ def _equations(scenario: Scenario) -> Callable[[float, FloatArray], list[float]]
         pull = _product(R_body_world, gravity)
         omega = [a, b, c]
         L = _product(differences, omega)
-        fall = _cross(lever, pull)
-        gyroscopic = _cross(omega, [L[k] + kept[k] for k in range(3)])
+        fall = cross(lever, pull)
+        gyroscopic = cross(omega, [L[k] + kept[k] for k in range(3)])
         torque = [fall[k] / norm - gyroscopic[k] for k in range(3)]
         if is_pushed:
             R = np.array(R_body_world) / norm
@@ -129,14 +130,6 @@ def _equations(scenario: Scenario) -> Callable[[float, FloatArray], list[float]]
 def _product(M: list[list[float]], v: list[float]) -> list[float]:
     x, y, z = v
     return [row[0] * x + row[1] * y + row[2] * z for row in M]
-
-
-def _cross(u: list[float], v: list[float]) -> list[float]:
-    return [
-        u[1] * v[2] - u[2] * v[1],
-        u[2] * v[0] - u[0] * v[2],
-        u[0] * v[1] - u[1] * v[0],
-    ]
 
 
 def _differences(scenario: Scenario) -> FloatArray:

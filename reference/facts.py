@@ -19,15 +19,10 @@ from ..scenarios import (
 from ..scenarios.exact import DIGITS, dot
 from . import heavy_symmetric_top as lagrangian
 from . import stability
+from .conservation_laws import LAWS, InvariantScales
 from .effect_terms import TERMS, is_free, nutates
 from .fact import Fact
 from .heavy_symmetric_top import HeavySymmetricTop, heavy_symmetric_top
-from .integrable_cases import (
-    goryachev_chaplygin,
-    goryachev_chaplygin_frame,
-    kovalevskaya,
-    kovalevskaya_frame,
-)
 from .motion import motion
 from .problem import Problem
 from .rotational_problem import rotational_problem
@@ -53,7 +48,11 @@ def facts(scenario: Scenario) -> list[Fact]:
             scene_facts += _of_nutation(top)
     elif is_free(problem):
         scene_facts += _of_a_free_body(problem) if axis is None else _of_a_free_top(problem)
-    scene_facts += _of_an_integrable_case(problem, start)
+    scales = InvariantScales(scenario, problem)
+    for law in LAWS:
+        if law.title and law.holds(scales):
+            value = float(law.values(scales, start)[0])
+            scene_facts.append(Fact(law.title, value, law.unit, f"{law.formula}, conserved"))
     for terms in TERMS.values():
         scene_facts += terms.facts(scenario, problem)
     return scene_facts
@@ -154,19 +153,6 @@ def _of_a_free_body(problem: Problem) -> Iterator[Fact]:
     yield Fact(name, math.sqrt(abs(square)), "rad/s", meaning)
     yield Fact("tumbling period", period, "s", "4K/p, of ω in the body: two flips")
     yield Fact("separatrix distance", distance, "", "(L² − 2 E I_mid)/L²; > 0: about the largest I")
-
-
-def _of_an_integrable_case(problem: Problem, start: Trajectory) -> Iterator[Fact]:
-    frame = kovalevskaya_frame(problem)
-    if frame is not None:
-        value = float(kovalevskaya(problem, frame, start)[0])
-        meaning = "|(ω1 + iω2)² − (M g l/I3)(γ1 + iγ2)|², conserved"
-        yield Fact("Kovalevskaya's constant", value, "rad⁴/s⁴", meaning)
-    frame = goryachev_chaplygin_frame(problem)
-    if frame is not None:
-        value = float(goryachev_chaplygin(problem, frame, start)[0])
-        meaning = "ω3(ω1² + ω2²) − (M g l/I3) ω1 γ3, conserved"
-        yield Fact("Goryachev–Chaplygin constant", value, "rad³/s³", meaning)
 
 
 def _deg(cosine: object) -> float:

@@ -130,5 +130,4 @@ def norm_of(scenario: Scenario, exact: Trajectory) -> ErrorNorm:
 
 
 def _normalised(q_wxyz: FloatArray) -> FloatArray:
-    norms = np.sqrt(np.einsum("ni,ni->n", q_wxyz, q_wxyz))
-    return np.asarray(q_wxyz / norms[:, None])
+    return np.asarray(q_wxyz / norms(q_wxyz)[:, None])

@@ -38,8 +38,8 @@ def dot(a: Sequence[mpf], b: Sequence[mpf]) -> mpf:
     return mp.fdot(a, b)
 
 
-def cross(a: Vector, b: Vector) -> Vector:
-    """a × b."""
+def cross(a: Sequence[mpf], b: Sequence[mpf]) -> Vector:
+    """a × b; of floats as of extended numbers."""
     return (
         a[1] * b[2] - a[2] * b[1],
         a[2] * b[0] - a[0] * b[2],

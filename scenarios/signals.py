@@ -14,6 +14,7 @@ import numpy as np
 from .effects.effect import Scene
 from .float_array import FloatArray
 from .mechanics import angular_momentum_world, energy, energy_base
+from .rotation import norms
 from .trajectory import Trajectory
 
 EPS = float(np.finfo(float).eps)
@@ -158,7 +159,7 @@ def _velocity_in_flight(scene: Scene, exact: Trajectory, growth: Errors) -> floa
 
 
 def _longest(vectors: FloatArray) -> float:
-    return float(np.sqrt(np.einsum("ni,ni->n", vectors, vectors).max()))
+    return float(norms(vectors).max())
 
 
 def _largest_norm(vectors: FloatArray) -> float:

@@ -15,11 +15,8 @@ from ...world_session import WorldSession
 
 #: A table is a planar slide under a ball joint, a rotor's hinge is a revolute joint.
 EFFECTS = COMMON_EFFECTS | {"rotors", "table"}
-TORQUES = frozenset({"torque_body", "torque_world"})
 #: Number of coordinates that turn the body; they come first in a joint.
 TURNING = 3
-#: Relative rounding of a torque that was rotated twice.
-SLACK = 16 * float(np.finfo(float).eps)
 #: How users keep bodies from falling asleep.
 AWAKE = """\
 world.setTimeStep(TIMESTEP)
@@ -41,26 +38,21 @@ class DartSession(WorldSession):
 
     def active(self) -> frozenset[str]:
         """What acts, as reported by world, joint and body node."""
-        world, joint, scenario = self.world.world, self.world.joint, self.scenario
+        world, joint = self.world.world, self.world.joint
         gravity = np.array(world.getGravity()) * self.world.body.getGravityMode()
-        right = np.array_equal(gravity, scenario.gravity_world)
         count = joint.getNumDofs()
         damping = [joint.getDampingCoefficient(k) for k in range(count)]
-        wanted = self.constant_push()
         self.world.push()
-        torque = np.array(self.world.body.getExternalForceGlobal()[:TURNING])
-        pushes = np.linalg.norm(torque - wanted) <= SLACK * np.linalg.norm(wanted)
         named = {
-            "gravity" if right else f"a gravity of {gravity.tolist()} m/s²": gravity.any(),
+            **self.gravity_by(gravity),
             **self.damped_by(damping),
             **self._joints(),
-            f"a torque of {torque.tolist()} N m": not pushes,
+            **self.pushed_by(np.array(self.world.body.getExternalForceGlobal()[:TURNING])),
             "springs": any(joint.getSpringStiffness(k) for k in range(count)),
             "deactivation": world.getDeactivationOptions().mEnabled,
             "a collision shape": self.world.body.getNumShapeNodes() > 0,
         }
-        acting = frozenset(name for name, acts in named.items() if acts)
-        return acting | (scenario.called_for & TORQUES if torque.any() else frozenset())
+        return frozenset(name for name, acts in named.items() if acts)
 
     def _joints(self) -> dict[str, bool]:
         """What the joints are, under and beyond the body's."""

@@ -17,9 +17,6 @@ from ...world_session import WorldSession
 
 #: A table is two slides under a ball joint, a rotor's hinge is a revolute joint.
 EFFECTS = COMMON_EFFECTS | {"rotors", "table"}
-TORQUES = frozenset({"torque_body", "torque_world"})
-#: Relative rounding of a torque that was rotated.
-SLACK = 16 * float(np.finfo(float).eps)
 
 
 def _method(name: str, order: int, summary: str, as_shipped: bool = False) -> Method:
@@ -103,30 +100,23 @@ class DrakeSession(WorldSession):
 
     def active(self) -> frozenset[str]:
         """What acts, as reported by plant, joint and input port."""
-        plant, joint, scenario = self.world.plant, self.world.joint, self.scenario
+        plant, joint = self.world.plant, self.world.joint
         slides, rotors = self.world.slides, self.world.rotors
         turns = joint.type_name() == self.module.drake.BallRpyJoint.kTypeName
-        gravity = np.array(plant.gravity_field().gravity_vector())
-        right = np.array_equal(gravity, scenario.gravity_world)
-        damping = np.array(joint.GetDampingVector(self.world.context))
-        torque = self._felt_torque()
-        wanted = self.constant_push()
-        pushes = np.linalg.norm(torque - wanted) <= SLACK * np.linalg.norm(wanted)
         named = {
-            "gravity" if right else f"a gravity of {gravity.tolist()} m/s²": gravity.any(),
-            **self.damped_by(damping.tolist()),
+            **self.gravity_by(np.array(plant.gravity_field().gravity_vector())),
+            **self.damped_by(np.array(joint.GetDampingVector(self.world.context)).tolist()),
             "pivot": turns and not slides,
             "table": turns and len(slides) == 2,
             "rotors": bool(rotors),
             **dict.fromkeys(self._wrong_hinges(), True),
-            f"a torque of {torque.tolist()} N m": not pushes,
+            **self.pushed_by(self._felt_torque()),
             "joints": plant.num_joints() != 1 + len(slides) + len(rotors),
             # Gravity is one of them.
             "force elements": plant.num_force_elements() > 1,
             "contact geometry": plant.geometry_source_is_registered(),
         }
-        acting = frozenset(name for name, acts in named.items() if acts)
-        return acting | (scenario.called_for & TORQUES if torque.any() else frozenset())
+        return frozenset(name for name, acts in named.items() if acts)
 
     def _wrong_hinges(self) -> Iterator[str]:
         """Joints of rotors that are other than the scene's, in words."""

@@ -5,7 +5,6 @@ process; all three are checked.
 """
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import mujoco
@@ -73,44 +72,18 @@ CONTACT_CHOICES = frozenset({"filterparent", "nativeccd", "multiccd"})
 CALLBACKS = ("act_bias", "act_dyn", "act_gain", "contactfilter", "control", "passive", "sensor")
 
 
-@dataclass(frozen=True, eq=False)
-class EffectsReading:
-    """The effects a compiled model has, and how strong.
-
-    Attributes
-    ----------
-    held_by : "pivot" for a ball joint at the world's origin, "table" for one on two slides, or
-        nothing
-    gravity_world : m/s², (3,)
-    joint_damping, servo_drag : N m s, (3, 3), the D of the torque −D ω in body axes, of the joint
-        and of the actuators
-    torque_body, torque_world : N m, (3,)
-    other : anything else that the joint or an actuator does, in words
-    """
-
-    held_by: str
-    gravity_world: FloatArray
-    joint_damping: FloatArray
-    servo_drag: FloatArray
-    torque_body: FloatArray
-    torque_world: FloatArray
-    other: frozenset[str]
-
-
 def acting(model: Any, data: Any, scenario: Scenario) -> frozenset[str]:
     """Names of the effects that act, and descriptions of anything else that is switched on.
 
     An effect whose strength differs from the scene's is described too.
     """
-    effects = read_effects(model, scenario)
-    drag = effects.joint_damping + effects.servo_drag
+    strengths, other = read_strengths(model)
+    held_by, of_joints = _joints(model, scenario)
+    drag = strengths["drag"]
     named = {
-        effects.held_by: effects.held_by,
-        "gravity": effects.gravity_world.any(),
-        "drag": drag.any(),
+        held_by: held_by,
+        **{name: got.any() for name, got in strengths.items()},
         "uneven drag": (drag != drag[0, 0] * np.eye(3)).any(),
-        "torque_body": effects.torque_body.any(),
-        "torque_world": effects.torque_world.any(),
         "applied forces": data.qfrc_applied.any() or data.xfrc_applied.any(),
     }
     names_acting = {name for name, acts in named.items() if acts}
@@ -123,8 +96,8 @@ def acting(model: Any, data: Any, scenario: Scenario) -> frozenset[str]:
     names_acting |= {
         f"callback {n}" for n in CALLBACKS if getattr(mujoco, f"get_mjcb_{n}")() is not None
     }
-    names_acting |= set(_wrong_strengths(effects, drag, scenario))
-    return frozenset(names_acting) | effects.other | _idle_passes(model, effects)
+    names_acting |= {*_wrong_strengths(strengths, scenario), *other, *of_joints}
+    return frozenset(names_acting) | _idle_passes(model)
 
 
 def _wrong_hinges(model: Any, rotors: Sequence[Rotor]) -> Iterator[str]:
@@ -159,38 +132,36 @@ def _has(model: Any, part: Callable[[Any], Any]) -> bool:
         return False
 
 
-def _wrong_strengths(
-    effects: EffectsReading, drag: FloatArray, scenario: Scenario
-) -> Iterator[str]:
+def _wrong_strengths(strengths: dict[str, FloatArray], scenario: Scenario) -> Iterator[str]:
     """The effects that act with another strength than the scene says, in words."""
-    pairs = {
-        "gravity": (effects.gravity_world, scenario.gravity_world),
-        "drag": (np.diag(drag), np.full(3, scenario.pushed["drag"])),
-        "torque_body": (effects.torque_body, scenario.pushed["torque_body"]),
-        "torque_world": (effects.torque_world, scenario.pushed["torque_world"]),
-    }
-    for name, (got, wanted) in pairs.items():
+    wanted_of = {"gravity": scenario.gravity_world, **scenario.pushed}
+    for name, strength in strengths.items():
+        got = np.diag(strength) if strength.ndim > 1 else strength
+        wanted = np.broadcast_to(wanted_of[name], got.shape)
         # Effects not called for, or missing, are reported elsewhere.
         if wanted.any() and got.any() and (got != wanted.astype(got.dtype)).any():
             yield f"{name} of {got.tolist()}, not {wanted.tolist()}"
 
 
-def read_effects(model: Any, scenario: Scenario) -> EffectsReading:
-    """The strength of every effect, with what is disabled counted as absent."""
+def read_strengths(model: Any) -> tuple[dict[str, FloatArray], list[str]]:
+    """How strong each effect is, (3,), with what is disabled counted as absent.
+
+    Of drag, the D of the torque −D ω in body axes, (3, 3). Returns besides what else actuators do,
+    in words.
+    """
     numbers = model.opt.gravity.dtype
-    reading = EffectsReading(
-        held_by="",
-        gravity_world=model.opt.gravity * _is_on(model, "gravity"),
-        joint_damping=np.diag(model.dof_damping[_turning(model)]) * _is_on(model, "damper"),
-        servo_drag=np.zeros((3, 3), numbers),
-        torque_body=np.zeros(3, numbers),
-        torque_world=np.zeros(3, numbers),
-        other=frozenset(),
-    )
-    held_by, other = _joints(model, scenario)
-    if _is_on(model, "actuation"):
-        other |= {word for word in _add_actuators(model, reading) if word}
-    return EffectsReading(**{**vars(reading), "held_by": held_by, "other": frozenset(other)})
+    strengths: dict[str, FloatArray] = {
+        "gravity": model.opt.gravity * _is_on(model, "gravity"),
+        "drag": np.diag(_joint_damping(model)),
+        "torque_body": np.zeros(3, numbers),
+        "torque_world": np.zeros(3, numbers),
+    }
+    return strengths, _add_actuators(model, strengths) if _is_on(model, "actuation") else []
+
+
+def _joint_damping(model: Any) -> FloatArray:
+    damping: FloatArray = model.dof_damping[_turning(model)] * _is_on(model, "damper")
+    return damping
 
 
 def _own_joints(model: Any) -> int:
@@ -254,8 +225,8 @@ def _rests(model: Any, scenario: Scenario) -> bool:
     )
 
 
-def _add_actuators(model: Any, reading: EffectsReading) -> list[str]:
-    """Add constant torques and servos to the reading's arrays; returns others, in words."""
+def _add_actuators(model: Any, strengths: dict[str, FloatArray]) -> list[str]:
+    """Add constant torques and servos to the strengths; returns others, in words."""
     other = []
     for i in range(model.nu):
         gear = model.actuator_gear[i]
@@ -264,26 +235,25 @@ def _add_actuators(model: Any, reading: EffectsReading) -> list[str]:
         constant, per_length, per_velocity = model.actuator_biasprm[i][:3]
         # Both are constant torques; they differ in the axes that the gear is written in.
         turned_by = {
-            int(mujoco.mjtTrn.mjTRN_JOINT): reading.torque_body,
-            int(mujoco.mjtTrn.mjTRN_JOINTINPARENT): reading.torque_world,
+            int(mujoco.mjtTrn.mjTRN_JOINT): strengths["torque_body"],
+            int(mujoco.mjtTrn.mjTRN_JOINTINPARENT): strengths["torque_world"],
         }.get(int(model.actuator_trntype[i]))
-        is_servo = turned_by is reading.torque_body
+        is_servo = turned_by is strengths["torque_body"]
         if turned_by is None or model.actuator_gainprm[i].any() or per_length or force.any():
             other.append("an actuator that is neither a constant torque nor drag")
             continue
         turned_by += constant * torque
         if is_servo:
-            reading.servo_drag[:] -= per_velocity * np.outer(torque, torque)
+            strengths["drag"] -= per_velocity * np.outer(torque, torque)
         elif per_velocity:
             other.append("drag along world axes")
     return other
 
 
-def _idle_passes(model: Any, effects: EffectsReading) -> frozenset[str]:
+def _idle_passes(model: Any) -> frozenset[str]:
     """The passes that are on though nothing in the scene needs them, in words."""
-    has_damping = effects.joint_damping.any()
     needed = {"gravity"} | CONTACT_CHOICES
-    needed |= {"damper", "eulerdamp"} if has_damping else set()
+    needed |= {"damper", "eulerdamp"} if _joint_damping(model).any() else set()
     needed |= {"actuation"} if model.nu else set()
     needed |= PASSES if model.ngeom else set()
     passes = disabling()

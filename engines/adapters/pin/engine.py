@@ -44,10 +44,9 @@ class PinocchioSession(WorldSession):
     def active(self) -> frozenset[str]:
         """Gravity and pivot as in the model; torques as passed to `aba`."""
         model, scenario = self.world.model, self.scenario
-        gravity = np.array(model.gravity.vector)
-        right = np.array_equal(gravity, [*scenario.gravity_world, 0.0, 0.0, 0.0])
         named = {
-            "gravity" if right else f"a gravity of {gravity.tolist()} m/s²": gravity.any(),
+            **self.gravity_by(np.array(model.gravity.linear)),
+            "a gravity that turns": np.any(model.gravity.angular),
             **self._joints(),
             **dict.fromkeys(scenario.called_for & PUSHED, True),
             "joint friction": model.damping.any() or model.friction.any(),

@@ -7,7 +7,7 @@ import mujoco
 import numpy as np
 import pytest
 from scenes import SCENES
-from spincheck.engines.adapters.mujoco.audit import acting, read_effects
+from spincheck.engines.adapters.mujoco.audit import acting, read_strengths
 from spincheck.engines.models.mjcf import mjcf, switched_off
 
 TIMESTEP = 1e-3
@@ -151,12 +151,15 @@ def test_a_callback_somebody_installed_in_the_process_is_named() -> None:
 
 @pytest.mark.parametrize("name", SCENES)
 def test_effects_read_back_at_their_strengths(name: str) -> None:
-    scene, held = SCENES[name], read_effects(model_of(name), SCENES[name])
-    assert (held.held_by == "pivot") == scene.constraint.is_pivot
-    assert held.gravity_world.tolist() == scene.gravity_world.tolist()
-    assert held.torque_body.tolist() == scene.pushed["torque_body"].tolist()
-    assert held.torque_world.tolist() == scene.pushed["torque_world"].tolist()
-    assert np.array_equal(held.joint_damping + held.servo_drag, scene.pushed["drag"] * np.eye(3))
+    scene, (strengths, other) = SCENES[name], read_strengths(model_of(name))
+    wanted = {
+        "gravity": scene.gravity_world,
+        **scene.pushed,
+        "drag": scene.pushed["drag"] * np.eye(3),
+    }
+    assert strengths.keys() == wanted.keys()
+    assert all(np.array_equal(got, wanted[effect]) for effect, got in strengths.items())
+    assert not other
 
 
 def test_an_effect_that_is_disabled_reads_back_as_absent() -> None:
