@@ -1,16 +1,19 @@
 """Scenario files with one thing wrong each, made from the format's own schema.
 
-Whatever key the format has or will have is found in the schema, and so is a value it takes; a
-file in which that key stands is looked for by leaving out or adding keys beside it.
+Whatever key the format has or will have is found in the schema; a file in which it stands, in the
+library or among `SPECIAL`.
 """
 
+import json
+import tomllib
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cache
-from itertools import chain, combinations
+from itertools import chain
 from typing import Any
 
-from spincheck.scenarios import Document, ScenarioError, loads
+from spincheck.scenarios import LIBRARY, Document, ScenarioError, loads
+from spincheck.scenarios.signals import SIGNAL
 
 #: Keys lead to a place in a file as they do in what a TOML parser returns.
 Keys = tuple[int | str, ...]
@@ -65,7 +68,7 @@ class Leaf:
     @property
     def file(self) -> Tables:
         """A valid file in which it stands."""
-        return _file_with(self.keys)
+        return next(file for file in _files() if holds(file, self.keys))
 
 
 @cache
@@ -115,107 +118,33 @@ def _arms(schema: dict[str, Any]) -> list[dict[str, Any]]:
     return list(chain.from_iterable(_arms(arm) for arm in arms)) if arms else [resolved]
 
 
-def _examples(schema: dict[str, Any], row: int = 0) -> Iterator[Any]:
-    """Values that a schema allows; what else is asked of them decides between them."""
-    for arm in _arms(schema):
-        kind = arm.get("type")
-        if "const" in arm or "enum" in arm:
-            yield arm.get("const", arm.get("enum", [None])[0])
-        elif "properties" in arm:
-            yield {key: next(_examples(arm["properties"][key])) for key in arm.get("required", ())}
-        elif kind == "array" and "prefixItems" in arm:
-            if all(_resolved(item).get("type") == "number" for item in arm["prefixItems"]):
-                n = len(arm["prefixItems"])
-                positive = ["exclusiveMinimum" in _resolved(item) for item in arm["prefixItems"]]
-                yield [1.0] * n if all(positive) else [float(k == row) for k in range(n)]
-                yield [1.0] + [float(k == row) for k in range(n - 1)]
-            else:
-                yield [next(_examples(item, k)) for k, item in enumerate(arm["prefixItems"])]
-        elif kind == "array":
-            count = max(arm.get("minItems", 1), 1)
-            for rows in zip(*(_examples(arm["items"], k) for k in range(count)), strict=True):
-                yield list(rows)
-        elif kind in ("number", "integer"):
-            yield max(1.0, arm.get("minimum", 0)) if kind == "number" else arm.get("minimum", 1)
-        elif kind == "string":
-            yield "x"
-
-
-#: By table, what its keys need besides: the file that a body's numbers are from, all of a table
-#: that a body stands on, and its weight.
-ALONG: dict[Keys, dict[Keys, Any]] = {
-    ("body",): {
-        ("body", "model"): "robot.urdf",
-        ("body", "link"): "top",
-        ("body", "sha256"): "0" * 64,
-    },
-    ("effects", "table"): {
-        ("effects", "table", "height"): 0.0,
-        ("effects", "table", "tip"): [0.0, 0.0, 0.0],
-        ("effects", "table", "radius"): 0.0,
-        ("effects", "gravity", "acceleration"): [0.0, 0.0, -9.81],
-    },
-}
+#: Files of keys that the library has not, or only beside others of which one is needed.
+MODEL = {"model": "robot.urdf", "link": "top", "sha256": "0" * 64, "welded": ["a"]}
+SPECIAL: list[Tables] = [
+    {**LEAST, "body": LEAST["body"] | MODEL},
+    *(
+        {**LEAST, "published": [{"t": 0.5, "tolerance": 0.1, "source": "s", name: value}]}
+        for name, value in {
+            "omega_body": [1.0, 2.0, 3.0],
+            "omega_world": [1.0, 2.0, 3.0],
+            "quaternion_wxyz": [1.0, 0.0, 0.0, 0.0],
+            "com_world": [1.0, 2.0, 3.0],
+            "L_world": [1.0, 2.0, 3.0],
+            "energy": 1.0,
+        }.items()
+    ),
+    *(
+        {**LEAST, "expect": [{"engine": "e", "method": "m", "timestep": 0.1, name: value}]}
+        for name, value in {**dict.fromkeys(SIGNAL, 0.1), "outcome": "diverges"}.items()
+    ),
+]
 
 
 @cache
-def _file_with(keys: Keys) -> Tables:
-    """A valid file in which a key or a table stands, found by trying what stands beside it."""
-    if holds(LEAST, keys):
-        return LEAST
-    for example in _examples(_schema_at(keys)):
-        begun = changed(_with_tables_of(keys), keys, example)
-        for file in chain(_with_less(begun, keys), _with_more(begun, keys)):
-            if is_scene(file):
-                return file
-    raise AssertionError(f"no valid file was found in which {keys} stands: help `_examples`")
-
-
-def _with_tables_of(keys: Keys) -> Tables:
-    """The least file, with the tables that lead to a key, and in them what they need."""
-    file = LEAST
-    for length in range(1, len(keys)):
-        schema = _schema_at(keys[:length])
-        if not holds(file, keys[:length]) and "properties" in _arms(schema)[0]:
-            file = changed(file, keys[:length], next(_examples(schema)))
-    return file
-
-
-def _schema_at(keys: Keys) -> dict[str, Any]:
-    schema = SCHEMA
-    for key in keys:
-        arm = next(arm for arm in _arms(schema) if arm.get("type") != "null")
-        schema = arm["properties"][key] if isinstance(key, str) else arm["items"]
-    return schema
-
-
-def _with_less(file: Tables, keys: Keys) -> Iterator[Tables]:
-    """The file without some of the keys in the same table."""
-    beside = [key for key in value_at(file, keys[:-1]) if key != keys[-1]] if keys[:-1] else []
-    for count in range(len(beside) + 1):
-        for dropped in combinations(beside, count):
-            less = file
-            for key in dropped:
-                less = without(less, (*keys[:-1], key))
-            yield less
-
-
-def _with_more(file: Tables, keys: Keys) -> Iterator[Tables]:
-    """The file with another key in the same table, or the next one; or with several that go along.
-
-    No schema tells that a key needs others (`ALONG`).
-    """
-    inside = "properties" in _arms(_schema_at(keys))[0]
-    table = keys if inside else keys[:-1]
-    properties = next(arm for arm in _arms(_schema_at(table)) if "properties" in arm)["properties"]
-    for key, schema in properties.items():
-        if not holds(file, (*table, key)):
-            for example in _examples(schema):
-                yield changed(file, (*table, key), example)
-    whole = file
-    for place, value in ALONG.get(table, {}).items():
-        whole = changed(whole, place, value)
-    yield whole
+def _files() -> list[Tables]:
+    """Valid files, of which each key of the format stands in one: the smallest first."""
+    texts = sorted((path.read_text("utf-8") for path in LIBRARY.rglob("*.toml")), key=len)
+    return [LEAST, *SPECIAL, *map(tomllib.loads, texts)]
 
 
 def is_scene(file: Tables) -> bool:
@@ -302,7 +231,7 @@ def in_toml(value: Any) -> str:
         return value
     if isinstance(value, list):
         return f"[{', '.join(in_toml(entry) for entry in value)}]"
-    return f'"{value}"' if isinstance(value, str) else str(value)
+    return json.dumps(value, ensure_ascii=False)
 
 
 def _flat(value: Any) -> Iterator[Any]:
