@@ -10,7 +10,8 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 from spincheck.engines import BodyReading, Method, Session, State
 from spincheck.engines.adapters.mujoco.engine import MuJoCo
-from spincheck.scenarios import Scenario, radius_of_gyration
+from spincheck.engines.checks.equation_residuals import starting_with
+from spincheck.scenarios import Scenario, loads, radius_of_gyration
 from spincheck.scenarios.scenario import with_tables
 
 #: About this axis what is turned is turned.
@@ -62,19 +63,13 @@ def _tilted(scenario: Scenario, size: float) -> Scenario:
     return _gravity(scenario, turn.apply(np.array(scenario.gravity_world)))
 
 
-def _turned(state: State, size: float) -> State:
-    attitude = Rotation.from_quat(state.q_world_body_wxyz, scalar_first=True)
-    q = (attitude * Rotation.from_rotvec(size * AXIS)).as_quat(scalar_first=True)
-    return replace(state, q_world_body_wxyz=q)
-
-
 def _late(state: State, by: float) -> State:
     """The attitude, and the com, of a while ago, s."""
-    late = _turned_by(state, -by * state.omega_body)
+    late = _turned(state, -by * state.omega_body)
     return replace(late, com_world=state.com_world - by * state.velocity_world)
 
 
-def _turned_by(state: State, turn_body: np.ndarray) -> State:
+def _turned(state: State, turn_body: np.ndarray) -> State:
     attitude = Rotation.from_quat(state.q_world_body_wxyz, scalar_first=True)
     q = (attitude * Rotation.from_rotvec(turn_body)).as_quat(scalar_first=True)
     return replace(state, q_world_body_wxyz=q)
@@ -104,7 +99,7 @@ MODELS: dict[str, Callable[[Scenario, float], Scenario]] = {
 #: What it does to a state read after the first step, given the time, s, and the scene.
 READINGS: dict[str, Callable[[State, float, Scenario, float], State]] = {
     "reading of ω": lambda s, _t, _c, size: replace(s, omega_body=(1 + size) * s.omega_body),
-    "reading of the attitude": lambda s, _t, _c, size: _turned(s, size),
+    "reading of the attitude": lambda s, _t, _c, size: _turned(s, size * AXIS),
     "reading of the velocity": lambda s, _t, _c, size: replace(
         s, velocity_world=(1 + size) * s.velocity_world
     ),
@@ -194,4 +189,31 @@ class FaultyMuJoCo(MuJoCo):
             clock,
         )
         session.timestep = timestep
+        return session
+
+
+class UpsideDown(MuJoCo):
+    """MuJoCo, told of a scene whose gravity points the other way, and honest about that one."""
+
+    name = "upside-down"
+    methods = tuple(method for method in MuJoCo.methods if method.name == "RK4")
+
+    def open(self, scenario: Scenario, method: Method, timestep: float) -> Session:
+        flipped = scenario.text.replace("-9.81]", "9.81]")
+        assert flipped != scenario.text
+        other = starting_with(loads(flipped, scenario.name), scenario.start.omega_body)
+        return super().open(other, method, timestep)
+
+
+class HeavierOnceLoaded(MuJoCo):
+    """MuJoCo, with the body's mass doubled after loading."""
+
+    name = "heavier"
+    methods = UpsideDown.methods
+
+    def open(self, scenario: Scenario, method: Method, timestep: float) -> Session:
+        session = super().open(scenario, method, timestep)
+        held = session.read_body()
+        session.read_body = lambda: held
+        session.model.body_mass[-1] *= 2
         return session

@@ -1,76 +1,42 @@
 """Engines with a planted fault each: what they do wrong, a study must tell by name.
 
-They step a rigid body honestly, in the way of `spincheck.reference.cross_check`, but for the
-fault, so that a study of the faultless one converges.
+They are stepped honestly, by Heun's method (`stepped`), but for the fault, so that a study of the
+faultless one converges. Faults that are told by ladders and pieces are in `stepped_faults`.
 """
 
 import ctypes
-import math
 import os
 import time
 from dataclasses import replace
 from functools import cache
 
 import numpy as np
-from quiet_session import QuietSession
+from planted_physics import Ungyroscopic
 from scipy.spatial.transform import Rotation
 from spincheck.engines import BodyReading, Engine, EngineError, Method, Session, State
-from spincheck.engines.adapters.mujoco.engine import MuJoCo
-from spincheck.engines.checks.equation_residuals import starting_with
-from spincheck.scenarios import EFFECTS, Scenario, loads
-from spincheck.scenarios.rotation import cross, times
+from spincheck.scenarios import EFFECTS, Scenario
+from stepped import Stepped, with_omega
 
-METHOD = Method("Heun", 2, 2, "Heun's method on rotation vectors", frozenset(EFFECTS) - {"pivot"})
+METHOD = Method("Heun", 2, 2, "Heun's method on quaternions", frozenset(EFFECTS) - {"pivot"})
+#: s, when some faults begin.
+HALFWAY = 0.5
 
 
-class HeunSession(QuietSession):
-    """A free body in its own frame, stepped by Heun's method in ω and attitude."""
+class HeunSession(Stepped):
+    """The faultless one; it cannot be restarted."""
+
+    can_restart = False
 
     def __init__(self, scenario: Scenario, timestep: float) -> None:
-        self.scenario, self.timestep = scenario, timestep
-        self.inertia = np.array(scenario.body.inertia_com)
-        self.inverse = np.linalg.inv(self.inertia)
-        self.omega = np.array(scenario.start.omega_body)
-        self.q_world_body_wxyz = np.array(scenario.start.q_world_body_wxyz)
-        self.steps = 0
-
-    def read_body(self) -> BodyReading:
-        body = self.scenario.body
-        return BodyReading(body.mass, np.array(body.com), self.inertia)
-
-    def read_state(self) -> State:
-        return State(self.q_world_body_wxyz, self.omega.copy(), np.zeros(3), np.zeros(3))
-
-    def rate(self, omega):
-        return self.inverse @ cross(self.inertia @ omega, omega)
-
-    def advance(self, steps: int) -> None:
-        h = self.timestep
-        for _ in range(steps):
-            first = self.rate(self.omega)
-            second = self.rate(self.omega + h * first)
-            middle = self.omega + h / 4 * (first + second)
-            self.omega = self.omega + h / 2 * (first + second)
-            self.turn(h * middle)
-        self.steps += steps
+        super().__init__(scenario, METHOD.order, timestep, 0.0)
 
     @property
-    def attitude(self) -> Rotation:
-        return Rotation.from_quat(self.q_world_body_wxyz, scalar_first=True)
-
-    @attitude.setter
-    def attitude(self, other: Rotation) -> None:
-        self.q_world_body_wxyz = other.as_quat(scalar_first=True)
-
-    def turn(self, rotation_vector_body):
-        """Turn the body, rad."""
-        angle = math.sqrt(rotation_vector_body @ rotation_vector_body)
-        sine = 0.5 * np.sinc(angle / (2 * np.pi)) * rotation_vector_body
-        self.q_world_body_wxyz = self.q_world_body_wxyz @ times([math.cos(angle / 2), *sine])
+    def is_late(self) -> bool:
+        return self.time > HALFWAY
 
 
 class Planted(Engine):
-    """The faultless one."""
+    """The engine of a session class, picklable by name."""
 
     name = "faultless"
     version = "1"
@@ -79,6 +45,9 @@ class Planted(Engine):
 
     def open(self, scenario: Scenario, method: Method, timestep: float) -> Session:
         return self.session(scenario, timestep)
+
+
+# What ends a process or a run.
 
 
 class SegfaultSession(HeunSession):
@@ -96,7 +65,7 @@ class AbortSession(HeunSession):
 
 class ChattySession(HeunSession):
     def advance(self, steps: int) -> None:
-        if not self.steps:
+        if not self.taken:
             os.write(1, b"stepping\n")
         super().advance(steps)
 
@@ -106,16 +75,21 @@ class HangSession(HeunSession):
         time.sleep(600)
 
 
+class RaisingSession(HeunSession):
+    def advance(self, steps: int) -> None:
+        raise ZeroDivisionError("a bug in an adapter")
+
+
 class NotANumberSession(HeunSession):
     def advance(self, steps: int) -> None:
         super().advance(steps)
-        if self.steps * self.timestep > 0.5:
-            self.omega = self.omega * np.nan
+        if self.is_late:
+            self.omega[:] = np.nan
 
 
 class ResetSession(HeunSession):
     def check(self) -> None:
-        if self.steps * self.timestep > 0.5:
+        if self.is_late:
             raise EngineError("the clock went back: the engine has reset itself")
 
 
@@ -126,8 +100,12 @@ class ExplodingSession(HeunSession):
 
     def advance(self, steps: int) -> None:
         super().advance(steps)
-        if self.steps * self.timestep > 0.5 and not self.kicked:
-            self.omega, self.kicked = self.omega * 10, True
+        if self.is_late and not self.kicked:
+            self.omega[:] *= 10
+            self.kicked = True
+
+
+# What is held, or read, is not what is there.
 
 
 class LyingAboutBodySession(HeunSession):
@@ -138,14 +116,63 @@ class LyingAboutBodySession(HeunSession):
 class LyingAboutStartSession(HeunSession):
     def __init__(self, scenario: Scenario, timestep: float) -> None:
         super().__init__(scenario, timestep)
-        self.omega = 1.01 * self.omega
+        self.omega[:] *= 1.01
+
+
+class AnotherStartSession(LyingAboutStartSession):
+    """Reads back its start, and starts from another."""
+
+    def read_state(self) -> State:
+        state = super().read_state()
+        return state if self.taken else replace(state, omega_body=self.scenario.start.omega_body)
+
+
+class XyzwSession(HeunSession):
+    """Reads its attitude out scalar last, after a start that was right."""
+
+    def reading(self, state: State) -> State:
+        return replace(state, q_world_body_wxyz=np.roll(state.q_world_body_wxyz, -1))
+
+
+class NegatedSession(HeunSession):
+    """Gives its quaternion with one component negated."""
+
+    def reading(self, state: State) -> State:
+        return replace(state, q_world_body_wxyz=state.q_world_body_wxyz * [1, -1, 1, 1])
+
+
+class WorldOmegaSession(HeunSession):
+    """Gives ω along the world's axes for that along the body's."""
+
+    def reading(self, state: State) -> State:
+        attitude = Rotation.from_quat(state.q_world_body_wxyz, scalar_first=True)
+        return with_omega(state, attitude.apply(state.omega_body))
+
+
+class LateSession(HeunSession):
+    """Reads what it was a step ago."""
+
+    def advance(self, steps: int) -> None:
+        super().advance(steps - 1)
+        self.last = State(*np.split(self.y.copy(), (4, 7, 10)))
+        super().advance(1)
+
+    def reading(self, state: State) -> State:
+        return self.last
+
+
+# What acts, or is solved, is something else.
 
 
 class DampedInSecretSession(HeunSession):
     """Damps the spin and does not say so: only a comparison with the exact motion shows it."""
 
-    def rate(self, omega):
-        return super().rate(omega) - 1e-3 * omega
+    at_every_step = True
+    #: 1/s
+    gain = -1e-3
+
+    def torque(self):
+        return self.gain * (self.inertia @ self.omega)
 
 
 class DampedOpenlySession(DampedInSecretSession):
@@ -153,36 +180,102 @@ class DampedOpenlySession(DampedInSecretSession):
         return frozenset({"damping"})
 
 
+class BarelyDampedSession(DampedInSecretSession):
+    """Loses energy, a billionth a second."""
+
+    gain = -1e-9
+
+
+class SpunUpInSecretSession(DampedInSecretSession):
+    """Gains energy, slowly."""
+
+    gain = 1e-3
+
+
+class SpunUpFromHalfwaySession(DampedInSecretSession):
+    """Gains energy only later on."""
+
+    gain = 1e-2
+
+    def torque(self):
+        return super().torque() if self.time >= HALFWAY else None
+
+
+class UngyroscopicSession(Ungyroscopic, HeunSession):
+    """Leaves the gyroscopic torque out, as engines for games do."""
+
+
+class SingleSession(HeunSession):
+    """Holds its state in 24 bits."""
+
+    at_every_step = True
+
+    def after_step(self) -> None:
+        self.y[:] = self.y.astype(np.float32)
+
+
+class SingleUngyroscopicSession(Ungyroscopic, SingleSession):
+    """Both."""
+
+
 class SwappedMomentsSession(HeunSession):
     """Steps with the first and the last moment swapped, and reads back the right ones."""
 
-    def rate(self, omega):
-        swapped = self.inertia[::-1, ::-1]
-        return np.linalg.inv(swapped) @ cross(swapped @ omega, omega)
+    def __init__(self, scenario: Scenario, timestep: float) -> None:
+        super().__init__(scenario, timestep)
+        self.constants = self.constants_with(self.inertia[::-1, ::-1])
 
 
-class XyzwSession(HeunSession):
-    """Reads its attitude out scalar last, after a start that was right."""
+class TwiceTheMassSession(HeunSession):
+    """Doubles mass and moments once they were read back: of a free body that changes nothing."""
 
-    def read_state(self) -> State:
-        state = super().read_state()
-        if not self.steps:
-            return state
-        return replace(state, q_world_body_wxyz=np.roll(state.q_world_body_wxyz, -1))
-
-
-class RaisingSession(HeunSession):
     def advance(self, steps: int) -> None:
-        raise ZeroDivisionError("a bug in an adapter")
+        self.constants = self.constants_with(2 * self.inertia)
+        super().advance(steps)
+
+
+class SlowClockSession(HeunSession):
+    """Takes steps of another length than it is told."""
+
+    def __init__(self, scenario: Scenario, timestep: float) -> None:
+        super().__init__(scenario, 0.99 * timestep)
+
+
+class FrozenSession(HeunSession):
+    """Stands still from halfway on, its ω as it was."""
+
+    def advance(self, steps: int) -> None:
+        if self.time < HALFWAY:
+            super().advance(steps)
+
+
+class ResetInSecretSession(HeunSession):
+    """Goes back to its start once, its clock going on."""
+
+    at_every_step = True
+    was_reset = False
+
+    def after_step(self) -> None:
+        if self.is_late and not self.was_reset:
+            start, self.was_reset = self.scenario.start, True
+            self.y[:7] = *start.q_world_body_wxyz, *start.omega_body
+
+
+class LaggingSession(HeunSession):
+    """Turns its attitude by no more than so much a step, its ω going on."""
+
+    at_every_step = True
+    #: rad.
+    MOST = 0.01
+
+    def after_step(self) -> None:
+        turn = float(np.linalg.norm(self.omega)) * self.timestep
+        self.turn((min(1.0, self.MOST / turn) - 1) * self.timestep * self.omega)
 
 
 @cache
 def planted(kind: type[HeunSession]) -> Engine:
-    """An engine of one session class, picklable by name."""
-    return _ENGINES[kind]
-
-
-def _engine(kind: type[HeunSession]) -> Engine:
+    """The engine of a session class of this module."""
     name = kind.__name__.removesuffix("Session")
     cls = type(f"{name}Engine", (Planted,), {"name": name, "session": kind})
     cls.__module__ = __name__
@@ -190,18 +283,6 @@ def _engine(kind: type[HeunSession]) -> Engine:
     return cls()
 
 
-_ENGINES = {kind: _engine(kind) for kind in [HeunSession, *HeunSession.__subclasses__()]}
-_ENGINES[DampedOpenlySession] = _engine(DampedOpenlySession)
-
-
-class UpsideDown(MuJoCo):
-    """MuJoCo, told of a scene whose gravity points the other way, and honest about that one."""
-
-    name = "upside-down"
-    methods = tuple(method for method in MuJoCo.methods if method.name == "RK4")
-
-    def open(self, scenario: Scenario, method: Method, timestep: float) -> Session:
-        flipped = scenario.text.replace("-9.81]", "9.81]")
-        assert flipped != scenario.text
-        other = starting_with(loads(flipped, scenario.name), scenario.start.omega_body)
-        return super().open(other, method, timestep)
+for _kind in [*globals().values()]:
+    if isinstance(_kind, type) and issubclass(_kind, HeunSession):
+        planted(_kind)

@@ -179,6 +179,13 @@ class Stepped(QuietSession):
         _take_steps(self.y, steps, self.timestep, self.order, self.constants, push)
         self.taken += steps
 
+    def turn(self, turn_body: Vector) -> None:
+        """Turn the body by a little, rad."""
+        w, v, half = self.y[0], self.y[1:4].copy(), turn_body / 2
+        self.y[0] -= v @ half
+        self.y[1:4] += w * half + np.cross(v, half)
+        self.y[:4] /= np.linalg.norm(self.y[:4])
+
     # What a subclass may plant.
 
     def torque(self) -> Vector | None:

@@ -3,9 +3,12 @@
 Sizes are relative to spin and moments: a torque of `size` changes ω by that fraction in a radian.
 """
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
+from spincheck.engines import State
+from spincheck.scenarios.rotation import times
 from stepped import GRAVITY, LEVER, Stepped, with_omega
 
 #: A torque acts about this axis of the body, askew to all.
@@ -46,46 +49,30 @@ class Pushed(Stepped):
         return self.time / self.scenario.window.duration
 
 
-class ButForTinySteps(Pushed):
-    """At every timestep but tiny ones."""
-
-    def is_on(self):
-        return self.turn > TINY
+def _pushed(name: str, is_on: Callable[[Pushed], bool]) -> type[Pushed]:
+    """A torque that acts whenever something holds."""
+    return type(name, (Pushed,), {"is_on": is_on})
 
 
-class AtFineSteps(Pushed):
-    """At the finest rungs, and not at tiny steps."""
-
-    def is_on(self):
-        return TINY < self.turn < FINE
-
-
-class AtTwoMilliseconds(Pushed):
-    """At one timestep exactly, at the nearest rung of a ladder to 2 ms."""
-
-    def is_on(self):
-        return 2e-3 / 2**0.5 < self.timestep <= 2e-3 * 2**0.5
-
-
-class AtExactlyTwoMilliseconds(Pushed):
-    """At one timestep, which is on no ladder."""
-
-    def is_on(self):
-        return self.timestep == 2e-3
-
-
-class FromHalfway(Pushed):
-    """From half of the window on."""
-
-    def is_on(self):
-        return self.share > 0.5
-
-
-class InOneInterval(Pushed):
-    """For a four-hundredth of the window, between two samples."""
-
-    def is_on(self):
-        return 0.37 < self.share <= 0.37 + 1 / 400
+# At every timestep but tiny ones; at the finest rungs, and not at tiny steps.
+ButForTinySteps = _pushed("ButForTinySteps", lambda one: one.turn > TINY)
+AtFineSteps = _pushed("AtFineSteps", lambda one: TINY < one.turn < FINE)
+# At the nearest rung of a ladder to 2 ms; at 2 ms, which is on no ladder.
+AtTwoMilliseconds = _pushed(
+    "AtTwoMilliseconds", lambda one: 2e-3 / 2**0.5 < one.timestep <= 2e-3 * 2**0.5
+)
+AtExactlyTwoMilliseconds = _pushed("AtExactlyTwoMilliseconds", lambda one: one.timestep == 2e-3)
+FromHalfway = _pushed("FromHalfway", lambda one: one.share > 0.5)
+InTheLastTenth = _pushed("InTheLastTenth", lambda one: one.share > 0.9)
+# Between two samples of four hundred.
+InOneInterval = _pushed("InOneInterval", lambda one: 0.37 < one.share <= 0.37 + 1 / 400)
+# From the hundredth step on, whichever the timestep: no check of few steps sees it.
+AfterAHundredSteps = _pushed("AfterAHundredSteps", lambda one: one.taken >= 100)
+# While ω is in an octant of the body; while the body spins faster than at its start.
+InAnOctantOfOmega = _pushed("InAnOctantOfOmega", lambda one: bool((one.omega > 0).all()))
+AboveASpeed = _pushed(
+    "AboveASpeed", lambda one: float(np.linalg.norm(one.omega)) > 1.001 * one.rate
+)
 
 
 class InAnOctant(Pushed):
@@ -94,13 +81,6 @@ class InAnOctant(Pushed):
     def is_on(self):
         w, x, y, z = self.y[:4]
         return x * z + w * y > 0 and y * z - w * x > 0 and w * w + z * z > 0.5
-
-
-class InAnOctantOfOmega(Pushed):
-    """While ω is in an octant of the body."""
-
-    def is_on(self):
-        return bool((self.omega > 0).all())
 
 
 class AtOneAttitude(Pushed):
@@ -114,25 +94,11 @@ class AtOneAttitude(Pushed):
         return self.there is not None and abs(self.there @ self.y[:4]) > 0.995
 
 
-class AboveASpeed(Pushed):
-    """While the body spins faster than at its start."""
-
-    def is_on(self):
-        return float(np.linalg.norm(self.omega)) > 1.001 * self.rate
-
-
 class EveryThousandthStep(Pushed):
     """In each thousandth step, a thousand times as strong."""
 
     def torque(self):
         return 1e3 * super().torque() if self.taken % 1000 == 999 else None
-
-
-class AfterAHundredSteps(Pushed):
-    """From the hundredth step on, whichever the timestep: no check of few steps sees it."""
-
-    def is_on(self):
-        return self.taken >= 100
 
 
 class InLongStrides(Pushed):
@@ -146,13 +112,6 @@ class InLongStrides(Pushed):
 
     def is_on(self):
         return self.stride >= 16
-
-
-class InTheLastTenth(Pushed):
-    """In the last tenth of the window."""
-
-    def is_on(self):
-        return self.share > 0.9
 
 
 class ByChanceARun(Pushed):
@@ -325,11 +284,7 @@ class TurnsTooFar(Stepped):
     at_every_step = True
 
     def after_step(self):
-        half = 0.5 * self.size * self.timestep * self.omega
-        w, v = self.y[0], self.y[1:4].copy()
-        self.y[0] -= v @ half
-        self.y[1:4] += w * half + np.cross(v, half)
-        self.y[:4] /= np.linalg.norm(self.y[:4])
+        self.turn(self.size * self.timestep * self.omega)
 
 
 class SkipsSteps(Stepped):
@@ -366,51 +321,39 @@ class HalfAnOrder(Pushed):
         return super().torque() * self.turn**0.5
 
 
-class ReadsConjugated(Stepped):
-    """Its attitude is that of the world as seen from the body."""
-
-    def reading(self, state):
-        return replace(state, q_world_body_wxyz=state.q_world_body_wxyz * [1, -1, -1, -1])
+def _reads(name: str, reading: Callable[[Stepped, State], State]) -> type[Stepped]:
+    """What is read is another state."""
+    return type(name, (Stepped,), {"reading": reading})
 
 
-class ReadsPermuted(Stepped):
-    """Its attitude is given scalar last."""
-
-    def reading(self, state):
-        return replace(state, q_world_body_wxyz=np.roll(state.q_world_body_wxyz, -1))
-
-
-class ReadsScattered(Stepped):
-    """What is read of ω scatters."""
-
-    def reading(self, state):
-        noise = self.size * self.rate * CHANCE.normal(size=3)
-        return with_omega(state, state.omega_body + noise)
-
-
-class ReadsOmegaOff(Stepped):
-    """What is read of ω is off by its size."""
-
-    def reading(self, state):
-        return with_omega(state, (1 + self.size) * state.omega_body)
-
-
-class ReadsOmegaDrifting(Stepped):
-    """What is read of ω drifts off in the course of the window."""
-
-    def reading(self, state):
-        drifted = 1 + self.size * self.time / self.scenario.window.duration
-        return with_omega(state, drifted * state.omega_body)
+# The attitude is that of the world as seen from the body; it is given scalar last.
+ReadsConjugated = _reads(
+    "ReadsConjugated",
+    lambda one, s: replace(s, q_world_body_wxyz=s.q_world_body_wxyz * [1, -1, -1, -1]),
+)
+ReadsPermuted = _reads(
+    "ReadsPermuted", lambda one, s: replace(s, q_world_body_wxyz=np.roll(s.q_world_body_wxyz, -1))
+)
+# ω scatters; it is off; it drifts off in the course of the window.
+ReadsScattered = _reads(
+    "ReadsScattered",
+    lambda one, s: with_omega(s, s.omega_body + one.size * one.rate * CHANCE.normal(size=3)),
+)
+ReadsOmegaOff = _reads("ReadsOmegaOff", lambda one, s: with_omega(s, (1 + one.size) * s.omega_body))
+ReadsOmegaDrifting = _reads(
+    "ReadsOmegaDrifting",
+    lambda one, s: with_omega(
+        s, (1 + one.size * one.time / one.scenario.window.duration) * s.omega_body
+    ),
+)
 
 
 class ReadsTurned(Stepped):
     """What is read of the attitude is turned by its size, rad, about an axis of the body."""
 
     def reading(self, state):
-        w, x, y, z = state.q_world_body_wxyz
-        s, c = np.sin(self.size / 2), np.cos(self.size / 2)
-        q = np.array([c * w - s * z, c * x + s * y, c * y - s * x, c * z + s * w])
-        return replace(state, q_world_body_wxyz=q)
+        about_z = np.array([np.cos(self.size / 2), 0.0, 0.0, np.sin(self.size / 2)])
+        return replace(state, q_world_body_wxyz=state.q_world_body_wxyz @ times(about_z))
 
 
 class ComJumps(Stepped):

@@ -5,8 +5,12 @@ import sys
 import numpy as np
 import pytest
 from box import BOX
-from planted import HeunSession
-from planted_faults import SingleSession, SingleUngyroscopicSession, UngyroscopicSession
+from planted import (
+    HeunSession,
+    SingleSession,
+    SingleUngyroscopicSession,
+    UngyroscopicSession,
+)
 from scenes import SCENES
 from spincheck.engines import engines
 from spincheck.engines.checks.equation_residuals import equation_residuals, starting_with

@@ -5,8 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from library_scenes import library_scene
-from planted import METHOD, HeunSession, planted
-from planted_faults import HALFWAY, SpunUpFromHalfwaySession, engine_of
+from planted import HALFWAY, METHOD, HeunSession, SpunUpFromHalfwaySession, planted
 from spincheck.engines import Engine
 from spincheck.reference import ExactMotion
 from spincheck.reports.harness.defects import LEAST_ROUNDING, NOISE, defects, turns_made
@@ -58,7 +57,7 @@ def test_defects_shrink_at_the_order_of_the_method():
 
 
 def test_a_fault_is_seen_in_the_intervals_in_which_it_acts():
-    late = defects(BOOK, run(engine_of(SpunUpFromHalfwaySession), 64), EXACT)
+    late = defects(BOOK, run(planted(SpunUpFromHalfwaySession), 64), EXACT)
     honest = series(run(planted(HeunSession), 64)).max()
     of_omega = late.series["omega"]
     early = late.t <= HALFWAY

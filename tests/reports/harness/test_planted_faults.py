@@ -1,23 +1,12 @@
 """Planted faults of an engine are reported by cause in its own rows, and in no other engine's."""
 
-import planted_faults
+import planted
 import pytest
 from box import BOX
+from faulty_mujoco import HeavierOnceLoaded, UpsideDown
 from library_scenes import library_scene
-from planted import (
-    DampedInSecretSession,
-    ExplodingSession,
-    HeunSession,
-    LyingAboutBodySession,
-    NotANumberSession,
-    RaisingSession,
-    ResetSession,
-    SwappedMomentsSession,
-    UpsideDown,
-    XyzwSession,
-    planted,
-)
-from planted_faults import HeavierOnceLoaded, engine_of
+from planted import HeunSession
+from planted import planted as engine
 from spincheck.reports.harness.choice import Choice
 from spincheck.scenarios import loads
 from studies import study
@@ -31,34 +20,30 @@ TIMESTEP = 2.0**-7
 
 #: By session class: the outcome, the cause, and words of the reason.
 DETECTED = {
-    RaisingSession: ("failed", "bug", "ZeroDivisionError"),
-    LyingAboutBodySession: ("failed", "read-back", "'mass' must read back"),
-    NotANumberSession: ("diverged", "not-finite", "no longer finite"),
-    ResetSession: ("diverged", "warning", "the clock went back"),
-    ExplodingSession: ("diverged", "energy", "the energy exceeds 10 times its base"),
-    XyzwSession: ("failed", "frames", "about another axis"),
-    DampedInSecretSession: ("ok", "law", "as if L were slowed by 0.001 /s"),
-    SwappedMomentsSession: ("ok", "law", "I dω/dt, N m in body axes, is"),
-    planted_faults.ResetInSecretSession: ("diverged", "reset", "that of the start again"),
-    planted_faults.FrozenSession: ("failed", "frozen", "the state stands still"),
-    planted_faults.WorldOmegaSession: ("failed", "frames", "about another axis"),
-    planted_faults.NegatedSession: ("failed", "frames", "about another axis"),
-    planted_faults.SlowClockSession: ("failed", "clock", "as if a step took 0.99 timesteps"),
-    planted_faults.SpunUpInSecretSession: ("ok", "law", "as if L were sped up by 0.001 /s"),
-    planted_faults.LaggingSession: ("diverged", "lag", "in a step the attitude turns by 0.573°"),
-    planted_faults.LateSession: ("failed", "late", "what is read is a step old"),
-    planted_faults.AnotherStartSession: ("ok", "law", "after a step, however short it is"),
-    planted_faults.BarelyDampedSession: ("ok", "law", "as if L were slowed by 1e-09 /s"),
+    planted.RaisingSession: ("failed", "bug", "ZeroDivisionError"),
+    planted.LyingAboutBodySession: ("failed", "read-back", "'mass' must read back"),
+    planted.NotANumberSession: ("diverged", "not-finite", "no longer finite"),
+    planted.ResetSession: ("diverged", "warning", "the clock went back"),
+    planted.ExplodingSession: ("diverged", "energy", "the energy exceeds 10 times its base"),
+    planted.XyzwSession: ("failed", "frames", "about another axis"),
+    planted.DampedInSecretSession: ("ok", "law", "as if L were slowed by 0.001 /s"),
+    planted.SwappedMomentsSession: ("ok", "law", "I dω/dt, N m in body axes, is"),
+    planted.ResetInSecretSession: ("diverged", "reset", "that of the start again"),
+    planted.FrozenSession: ("failed", "frozen", "the state stands still"),
+    planted.WorldOmegaSession: ("failed", "frames", "about another axis"),
+    planted.NegatedSession: ("failed", "frames", "about another axis"),
+    planted.SlowClockSession: ("failed", "clock", "as if a step took 0.99 timesteps"),
+    planted.SpunUpInSecretSession: ("ok", "law", "as if L were sped up by 0.001 /s"),
+    planted.LaggingSession: ("diverged", "lag", "in a step the attitude turns by 0.573°"),
+    planted.LateSession: ("failed", "late", "what is read is a step old"),
+    planted.AnotherStartSession: ("ok", "law", "after a step, however short it is"),
+    planted.BarelyDampedSession: ("ok", "law", "as if L were slowed by 1e-09 /s"),
 }
 #: By its row alone none of these can be told from an honest engine.
 UNDETECTED = (
-    planted_faults.TwiceTheMassSession,
-    planted_faults.SpunUpFromHalfwaySession,
+    planted.TwiceTheMassSession,
+    planted.SpunUpFromHalfwaySession,
 )
-
-
-def engine(kind):
-    return planted(kind) if kind.__module__ == HeunSession.__module__ else engine_of(kind)
 
 
 def rows_of(tmp_path, engines, scene, timestep):
@@ -90,7 +75,7 @@ def test_what_does_not_come_to_its_end_has_not_survived(rows, kind):
 
 
 def test_the_faultless_engine_is_as_if_it_were_alone(rows, tmp_path):
-    (alone,) = rows_of(tmp_path, [planted(HeunSession)], loads(BOX, "box"), TIMESTEP).values()
+    (alone,) = rows_of(tmp_path, [engine(HeunSession)], loads(BOX, "box"), TIMESTEP).values()
     beside = rows[alone.key.engine]
     assert (beside.outcome, beside.cause, beside.reason) == ("ok", "", "")
     assert beside.errors == alone.errors
@@ -103,7 +88,7 @@ def test_some_faults_show_in_no_single_run(rows, kind):
 
 
 def test_a_planted_fault_that_begins_later_is_reported_by_the_ladder(tmp_path):
-    faulty = engine(planted_faults.SpunUpFromHalfwaySession)
+    faulty = engine(planted.SpunUpFromHalfwaySession)
     choice = Choice((faulty,), max_steps=BUDGET, timed=False)
     (verdict,) = study(tmp_path / "results.sqlite", [loads(BOX, "box")], choice).verdicts
     assert verdict.verdict == "disagrees"
@@ -111,7 +96,7 @@ def test_a_planted_fault_that_begins_later_is_reported_by_the_ladder(tmp_path):
 
 def test_twice_the_mass_of_a_free_body_shows_in_no_motion(rows):
     """Euler's equations are the same: this is no fault that a motion could give away."""
-    row, right = rows["TwiceTheMass"], rows[planted(HeunSession).name]
+    row, right = rows["TwiceTheMass"], rows[engine(HeunSession).name]
     assert (row.outcome, row.cause, row.errors) == ("ok", "", right.errors)
 
 

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from box import BOX
+from faulty_mujoco import UpsideDown
 from library_scenes import library_scene
 from planted import (
     AbortSession,
@@ -20,7 +21,6 @@ from planted import (
     RaisingSession,
     ResetSession,
     SwappedMomentsSession,
-    UpsideDown,
     planted,
 )
 from spincheck.reference.solve import ExactMotion
