@@ -128,11 +128,11 @@ def test_a_scene_that_does_not_load_has_no_cost(clock: Clock) -> None:
 
 @pytest.mark.processes
 def test_a_method_that_takes_its_process_with_it_costs_its_own_figure() -> None:
-    kinds = [HeunSession, SegfaultSession, HeunSession]
+    kinds = [SegfaultSession, HeunSession]
     pairs = [(planted(kind), METHOD_OF_PLANTED) for kind in kinds]
     with LocalWorkers(jobs=1) as workers:
         costs, complaints = measure(workers, SCENE, pairs)
-    assert [measured is not None for measured in costs] == [True, False, True]
+    assert [measured is not None for measured in costs] == [False, True]
     (complaint,) = complaints
     assert complaint.startswith("Segfault Heun could not be timed: ")
 
