@@ -19,7 +19,8 @@ TABLE = re.compile(
 )
 OF_A_CONSTRAINT = "## A constraint: the table"
 #: Where "table" is another's.
-OTHER_TABLES = {f"reports/pages/{name}.py" for name in ("render", "templating", "overview/spread")}
+OTHERS = ("render", "templating", "overview/first_screen", "overview/spread")
+OTHER_TABLES = {f"reports/pages/{name}.py" for name in OTHERS}
 OTHER_TABLES.add("scenarios/format_page.py")
 #: Of a constraint with a force and an end of its own: measured.
 MOST_OF_A_CONSTRAINT = 13

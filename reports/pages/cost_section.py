@@ -1,12 +1,22 @@
 """The report's sections on cost: of accuracy, on both kinds of page, and of what is left out."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from statistics import median
 from typing import Any
 
 from ...scenarios import SIGNALS
 from ..results.cost_records import EffectsCost, PassCosts
 from ..results.records import Key
-from .analysis.cost_to_reach import LEVELS, Reach, SceneCurves, order_ratios, profile, reach, tally
+from .analysis.cost_to_reach import (
+    LEVELS,
+    Reach,
+    SceneCurves,
+    Tally,
+    order_ratios,
+    profile,
+    reach,
+    tally,
+)
 from .analysis.report_data import MethodRuns, ReportData, SceneRuns
 from .analysis.trace_style import trace_styles
 from .analysis.wording import NOTHING, number
@@ -40,19 +50,22 @@ def reach_table(scene: SceneRuns, signal: str) -> Table:
 
 def reached_table(gathered: ReportData, scenes: Sequence[SceneCurves]) -> Table:
     """Table of the number of scenes on which each method reaches each error."""
-    rows = []
-    for pair in gathered.pairs:
-        tallies = [tally(scenes, pair, level) for level in LEVELS]
-        rows.append([*named(pair), *(figure(f"{t.reached} ({t.extrapolated})") for t in tallies)])
-    return table(("engine", "method", *_level_headings()), rows)
+    return _by_level(gathered, scenes, lambda one: f"{one.reached} ({one.extrapolated})")
 
 
 def median_table(gathered: ReportData, scenes: Sequence[SceneCurves]) -> Table:
     """Table of the median cost of each error, over the scenes that a method can simulate."""
-    rows = []
-    for pair in gathered.pairs:
-        costs = [tally(scenes, pair, level).median_cost for level in LEVELS]
-        rows.append([*named(pair), *(figure(number(cost)) for cost in costs)])
+    return _by_level(gathered, scenes, lambda one: number(one.median_cost))
+
+
+def _by_level(
+    gathered: ReportData, scenes: Sequence[SceneCurves], said: Callable[[Tally], str]
+) -> Table:
+    """What is said of each method at each error."""
+    rows = (
+        [*named(pair), *(figure(said(tally(scenes, pair, level))) for level in LEVELS)]
+        for pair in gathered.pairs
+    )
     return table(("engine", "method", *_level_headings()), rows)
 
 
@@ -60,9 +73,9 @@ def ratio_table(scenes: Sequence[SceneCurves]) -> Table:
     """Table of the cost of the cheapest first-order method over that of the cheapest of order 4."""
     ratios = [order_ratios(scenes, level) for level in LEVELS]
     rows: list[list[Cell | str]] = [
-        ["scenes where both reach it", *(figure(str(ratio.scenes)) for ratio in ratios)],
-        ["median ratio", *(figure(number(ratio.median)) for ratio in ratios)],
-        ["largest ratio", *(figure(number(ratio.largest)) for ratio in ratios)],
+        ["scenes where both reach it", *(figure(str(len(of_level))) for of_level in ratios)],
+        ["median ratio", *(figure(number(median(r) if r else None)) for r in ratios)],
+        ["largest ratio", *(figure(number(max(r, default=None))) for r in ratios)],
     ]
     return table(("first order over fourth", *_level_headings()), rows)
 

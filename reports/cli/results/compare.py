@@ -25,12 +25,9 @@ def changes_between_versions(results: Results, names: Sequence[str]) -> list[Cha
     return [
         change
         for older, newer in pairwise(names)
-        for change in _changes(results, older, newer, f"{older} → {newer.partition('@')[2]}")
+        for name in [f"{older} → {newer.partition('@')[2]}"]
+        for change in changes(_alone(results, older, name), _alone(results, newer, name))
     ]
-
-
-def _changes(results: Results, older: str, newer: str, name: str) -> list[Change]:
-    return changes(*(_alone(results, engine, name) for engine in (older, newer)))
 
 
 def _alone(results: Results, engine: str, name: str) -> Results:

@@ -2,8 +2,8 @@
 
 import csv
 import io
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from typing import Any
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
 
 import typer
 
@@ -56,14 +56,7 @@ def rows(results: Stored = RESULT_FILE, as_csv: AsCsv = False, as_json: AsJson =
 
     The table is cut to 80 columns; --csv and --json have every number in full.
     """
-    from ..run import running
-    from ..run.summary import row_record, run_lines
-
-    stored = running.read(results).rows
-    if as_csv or as_json:
-        _print_records([row_record(row) for row in stored], as_csv, as_json)
-    else:
-        _print_lines(run_lines(stored))
+    _print_all("rows", results, as_csv, as_json)
 
 
 @app.command(epilog="Example: spincheck verdicts spincheck.sqlite --json")
@@ -72,14 +65,7 @@ def verdicts(results: Stored = RESULT_FILE, as_csv: AsCsv = False, as_json: AsJs
 
     The table is cut to 80 columns; --csv and --json have every number in full.
     """
-    from ..run import running
-    from ..run.summary import verdict_lines, verdict_records
-
-    stored = running.read(results)
-    if as_csv or as_json:
-        _print_records(verdict_records(stored), as_csv, as_json)
-    else:
-        _print_lines(verdict_lines(stored.verdicts))
+    _print_all("verdicts", results, as_csv, as_json)
 
 
 @app.command(epilog="Example: spincheck points spincheck.sqlite --csv")
@@ -88,15 +74,25 @@ def points(results: Stored = RESULT_FILE, as_csv: AsCsv = False, as_json: AsJson
 
     The table is cut to 80 columns; --csv and --json have every number in full.
     """
-    from ..run import running
-    from ..run.summary import point_lines
-    from ..sweeps.sweep_running import flat_records
+    _print_all("points", results, as_csv, as_json)
 
-    records = [one for sweep in running.read(results).sweeps for one in flat_records(sweep)]
-    if as_csv or as_json:
-        _print_records(records, as_csv, as_json)
+
+def _print_all(name: str, file: Path, as_csv: bool, as_json: bool) -> None:
+    """Print the records of one of `PRINTED`."""
+    from ....scenarios import printable
+    from ..run import running
+    from ..run.summary import PRINTED
+
+    records, lines = PRINTED[name](running.read(file))
+    if as_csv and as_json:
+        raise Complaint("takes '--csv' or '--json', not both")
+    if as_csv:
+        print(csv_text(records), end="")
+    elif as_json:
+        print(to_json(records))
     else:
-        _print_lines(point_lines(records))
+        for line in lines:
+            print(printable(line))
 
 
 @app.command(epilog="Example: spincheck tidy spincheck.sqlite")
@@ -115,19 +111,3 @@ def tidy(results: Stored = RESULT_FILE) -> None:
             deleted = store.tidy()
     freed = before - results.stat().st_size
     print(f"{deleted} records deleted, {freed / MEGABYTE:.1f} MB freed")
-
-
-def _print_lines(lines: Iterable[str]) -> None:
-    from ....scenarios import printable
-
-    for line in lines:
-        print(printable(line))
-
-
-def _print_records(records: list[dict[str, Any]], as_csv: bool, as_json: bool) -> None:
-    if as_csv and as_json:
-        raise Complaint("takes '--csv' or '--json', not both")
-    if as_csv:
-        print(csv_text(records), end="")
-    else:
-        print(to_json(records))

@@ -3,7 +3,7 @@
 import json
 import math
 import textwrap
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from itertools import groupby
 from typing import Any
 
@@ -14,6 +14,7 @@ from ...results.as_json import as_json
 from ...results.records import Key, Row, Verdict
 from ...results.store import Results
 from ...results.verdict_words import VERDICT
+from ..sweeps.sweep_running import flat_records
 
 WIDTH = 80
 #: Columns of names in a line of a verdict.
@@ -153,3 +154,19 @@ def verdict_record(verdict: Verdict) -> dict[str, Any]:
     """A verdict with the names that scripts rely on; its signals by their names."""
     record = as_json(verdict)
     return record | {"signals": {one.pop("signal"): one for one in record["signals"]} or None}
+
+
+Printed = tuple[list[dict[str, Any]], Iterator[str]]
+
+
+def _points(results: Results) -> Printed:
+    records = [one for sweep in results.sweeps for one in flat_records(sweep)]
+    return records, point_lines(records)
+
+
+#: By the name of a command, the records of a result file in full, and as lines.
+PRINTED: dict[str, Callable[[Results], Printed]] = {
+    "rows": lambda results: ([row_record(row) for row in results.rows], run_lines(results.rows)),
+    "verdicts": lambda results: (verdict_records(results), verdict_lines(results.verdicts)),
+    "points": _points,
+}

@@ -4,7 +4,6 @@ import json
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict
-from pathlib import Path
 from textwrap import wrap
 from typing import Any
 
@@ -22,7 +21,6 @@ from ....scenarios import (
     energy,
     printable,
 )
-from ....scenarios.regular_files import write_new
 from ..choosing import compile_first
 from ..terminal import NOT_RUN, Complaint, as_complaint, table
 
@@ -49,14 +47,8 @@ def solved(scenario: Scenario, times: FloatArray) -> Solution:
         return solve(scenario, times)
 
 
-def write_truth(scenario: Scenario, folder: Path) -> list[Path]:
-    """Write truth.csv, truth.json and truth.h; returns their paths.
-
-    Raises
-    ------
-    OSError
-        If the folder cannot be written.
-    """
+def truth_files(scenario: Scenario) -> dict[str, str]:
+    """The texts of truth.csv, truth.json and truth.h."""
     solution = solved(scenario, scenario.times)
     motion = solution.trajectory
     columns = {
@@ -68,15 +60,8 @@ def write_truth(scenario: Scenario, folder: Path) -> list[Path]:
         "L_world": angular_momentum_world(scenario, motion),
         "energy": energy(scenario, motion),
     }
-    texts = {
-        "truth.csv": _csv(scenario, solution, columns),
-        "truth.json": _json(scenario, solution, columns),
-        "truth.h": _c_header(scenario, solution, columns),
-    }
-    folder.mkdir(parents=True, exist_ok=True)
-    for name, text in texts.items():
-        write_new(folder / name, text)
-    return [folder / name for name in texts]
+    formats = {"truth.csv": _csv, "truth.json": _json, "truth.h": _c_header}
+    return {name: text_of(scenario, solution, columns) for name, text_of in formats.items()}
 
 
 def _header_lines(scenario: Scenario, solution: Solution) -> Iterator[str]:

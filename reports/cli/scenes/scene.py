@@ -94,21 +94,11 @@ def scene_as_json(scenario: Scenario) -> dict[str, Any]:
     }
 
 
-def export_scene(scenario: Scenario, folder: Path) -> list[Path]:
-    """Write scene.xml (MJCF) and scene.urdf; returns their paths.
-
-    Raises
-    ------
-    OSError
-        If the folder cannot be written.
-    """
+def model_files(scenario: Scenario) -> dict[str, str]:
+    """The texts of scene.xml (MJCF) and scene.urdf."""
     speed = float((scenario.start.omega_body**2).sum() ** 0.5)
     timestep = EXPORTED_TURN / speed if speed else EXPORTED_TIMESTEP
-    texts = {
+    return {
         "scene.xml": mjcf(scenario, timestep, EXPORTED_INTEGRATOR),
         "scene.urdf": urdf(scenario),
     }
-    folder.mkdir(parents=True, exist_ok=True)
-    for name, text in texts.items():
-        write_new(folder / name, text)
-    return [folder / name for name in texts]

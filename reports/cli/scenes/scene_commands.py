@@ -94,15 +94,17 @@ def export(
     ] = False,
 ) -> None:
     """Write a scene as scene.xml (MJCF) and scene.urdf, or its exact motion."""
-    from .exact_motion import write_truth
-    from .scene import export_scene
+    from ....scenarios.regular_files import write_new
+    from .exact_motion import truth_files
+    from .scene import model_files
 
-    write = write_truth if truth else export_scene
-    scene = _scenario(scenario)
+    texts = (truth_files if truth else model_files)(_scenario(scenario))
     with written(folder):
-        paths = write(scene, folder)
-    for path in paths:
-        print(path)
+        folder.mkdir(parents=True, exist_ok=True)
+        for name, text in texts.items():
+            write_new(folder / name, text)
+    for name in texts:
+        print(folder / name)
 
 
 def _inline(value: object) -> str:

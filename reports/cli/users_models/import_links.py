@@ -26,7 +26,7 @@ from ....scenarios.users_models import (
     rigid_bodies,
 )
 from ....scenarios.write import to_toml
-from ...harness.users_models import listed
+from ...harness.users_models.findings import listed
 from ..terminal import Complaint, as_complaint, written
 
 #: rad/s along the principal axes, ascending moments: a turn a second about the middle axis, which

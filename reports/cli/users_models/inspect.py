@@ -9,9 +9,7 @@ from ....engines.checks.read_back import BodyReading
 from ....scenarios import printable
 from ....scenarios.users_models import ModelFile, ModelFileError, Stated, read_model
 from ...harness.executors import LocalWorkers
-from ...harness.users_models import (
-    READ_LIMIT,
-    CannotInspectError,
+from ...harness.users_models.findings import (
     InspectedLink,
     Inspection,
     LinkReading,
@@ -19,13 +17,17 @@ from ...harness.users_models import (
     cell_text,
     composed_bodies,
     differences,
-    inspect_model,
     problems_of,
-    reader_engines,
-    remedies,
     stated_mass,
     weight_in_words,
 )
+from ...harness.users_models.inspect import (
+    READ_LIMIT,
+    CannotInspectError,
+    inspect_model,
+    reader_engines,
+)
+from ...harness.users_models.remedy import remedies
 from ...pages.analysis.wording import plural
 from ..terminal import NOT_RUN, Complaint, as_complaint, table, terminal_width, written
 
@@ -49,7 +51,7 @@ def record(inspection: Inspection) -> dict[str, Any]:
                     for reading in link.readings
                     if (reading.engine, reading.configuration) == (engine, configuration)
                 )
-                for engine, configuration in columns(inspection)
+                for engine, configuration in inspection.columns
             },
             "mass": {"stated": stated_mass(inspection), "added": added_masses(inspection)},
             "refused": {" ".join(who): reason for who, reason in inspection.refusals.items()},
@@ -100,11 +102,6 @@ def _body_record(body: Stated | BodyReading | None) -> dict[str, Any] | None:
     return {"mass": body.mass, "com": body.com.tolist(), "inertia": inertia.tolist()}
 
 
-def columns(inspection: Inspection) -> list[tuple[str, str]]:
-    """Engine and configuration of each reading of the file."""
-    return [(reading.engine, reading.configuration) for reading in inspection.links[0].readings]
-
-
 def is_stated(link: InspectedLink) -> bool:
     """Whether the file gives a link a mass and a tensor."""
     return link.link.stated is not None and link.link.stated.is_physical
@@ -144,7 +141,7 @@ def inspections(models: Sequence[ModelFile], engines: Sequence[str]) -> Iterator
 
 def write_pages(inspected: Sequence[Inspection], out: Path) -> Iterator[Path]:
     """Write a page for each model."""
-    from ...pages.users_models import page_names, write_model_page
+    from ...pages.users_models.model_page import page_names, write_model_page
 
     names = page_names([one.model.path for one in inspected])
     with written(out):
@@ -163,7 +160,7 @@ def print_inspection(inspection: Inspection) -> None:
     if weight := weight_in_words(inspection):
         _print(weight)
     shown = [link for link in inspection.links if _has_something(link)]
-    table([_row(link, columns(inspection)) for link in shown])
+    table([_row(link, inspection.columns) for link in shown])
     if idle := len(inspection.links) - len(shown):
         _print(f"Not in the table: {plural(idle, 'link')} of which the file states no inertia.")
     if not inspection.is_well:

@@ -210,7 +210,7 @@ def _error(scenario: Scenario, exact: Trajectory, reading: Reading) -> float:
         shifted = _exact(scenario, tuple(times + reading.late * reading.unit))
         if len(shifted.t) < len(times):
             return np.inf
-        exact = Trajectory(times, **{name: getattr(shifted, name) for name in _STATE})
+        exact = replace(shifted, t=times)
         arrays = reading.recording.arrays
         kept = {name: rows[is_after] for name, rows in arrays.items()}
         reading = reading.with_arrays(**kept | {"t": times})
@@ -228,9 +228,6 @@ def _exact(scenario: Scenario, times: tuple[float, ...]) -> Trajectory:
 
 def _recorded(scenario: Scenario, reading: Reading, exact: Trajectory) -> RecordedMotion:
     return recorded_motion(scenario, reading.recording, exact, reading.quaternion, reading.omega)
-
-
-_STATE = ("q_world_body_wxyz", "omega_body", "com_world", "velocity_world", "spins")
 
 
 def early_error(scenario: Scenario, recorded: RecordedMotion, exact: Trajectory) -> float:

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.lib import format as npy
 
 from ....scenarios import FloatArray, printable
-from .recording import QUANTITIES, ColumnError, Recording, RecordingError, check_motion, columns_of
+from .recording import QUANTITIES, ColumnError, Recording, RecordingError, check_motion
 from .text_formats import (
     LONGEST_LINE,
     SETTINGS,
@@ -104,13 +104,11 @@ def read_parquet(path: Path) -> Recording:
     try:
         with parquet.ParquetFile(path) as file:
             check_count(file.metadata.num_rows)
-            heads = [str(name) for name in file.schema_arrow.names]
-            columns = columns_of(heads)
+            table = Table([str(name) for name in file.schema_arrow.names])
             settings: dict[str, str] = {}
             for name, value in (file.schema_arrow.metadata or {}).items():
                 if name.decode(errors="replace") in SETTINGS:
                     settings |= setting(name.decode(), value.decode(errors="replace"), None)
-            table = Table(columns)
             for batch in file.iter_batches():
                 for k, row in enumerate(batch.to_pylist()):
                     table.add(list(row.values()), f"row {k + 1}")
@@ -118,8 +116,7 @@ def read_parquet(path: Path) -> Recording:
         raise RecordingError(
             f"is no Parquet file that can be read: {printable(str(error))}"
         ) from None
-    ignored = tuple(h for h, column in zip(heads, columns, strict=True) if column is None)
-    return Recording(path, table.arrays(), settings, ignored)
+    return Recording(path, table.arrays(), settings, table.ignored)
 
 
 #: By the ending of a file's name, what reads it.

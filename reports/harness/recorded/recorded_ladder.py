@@ -8,7 +8,6 @@ from typing import final
 import numpy as np
 
 from ....engines import Engine, EngineError, Method, Run, Session
-from ....reference import Solution
 from ....scenarios import FloatArray, Scenario, Trajectory
 from ...results.store import Results, SceneResult
 from ..convergence_study import ConvergenceStudy
@@ -70,7 +69,8 @@ def study_of_files(
     solution = exact_at(scenario, times)
     rungs = [Rung(dt, np.rint(times / dt).astype(np.int64)) for dt in timesteps]
     engine = RecordedEngine(order, any(one.is_single for one in motions))
-    study = _study(scenario, engine, solution, rungs)
+    ladder = Ladder(tuple(rungs), (), times, float(rungs[0].steps))
+    study = ConvergenceStudy(scenario, engine, engine.methods[0], solution, ladder)
     _take(study, dict(zip(timesteps, recorded, strict=True)), times)
     return study
 
@@ -95,14 +95,6 @@ def results_of(study: ConvergenceStudy, explained_by: Sequence[str]) -> Results:
         [verdict],
         methods={pair: replace(study.method, as_shipped=True)},
     )
-
-
-def _study(
-    scenario: Scenario, engine: RecordedEngine, solution: Solution, rungs: Sequence[Rung]
-) -> ConvergenceStudy:
-    times = solution.trajectory.t
-    ladder = Ladder(tuple(rungs), (), times, float(rungs[0].steps))
-    return ConvergenceStudy(scenario, engine, engine.methods[0], solution, ladder)
 
 
 def _take(study: ConvergenceStudy, recorded: dict[float, Trajectory], times: FloatArray) -> None:
@@ -148,6 +140,4 @@ def _shared(motions: Sequence[Trajectory]) -> FloatArray:
 def _at(motion: Trajectory, times: FloatArray) -> Trajectory:
     """The samples at these times, which are those of another file."""
     slack = SAME_TIME * float(times[-1])
-    chosen = motion.at(np.searchsorted(motion.t, times - slack))
-    states = {name: getattr(chosen, name) for name in Trajectory.__dataclass_fields__}
-    return Trajectory(**states | {"t": times})
+    return replace(motion.at(np.searchsorted(motion.t, times - slack)), t=times)

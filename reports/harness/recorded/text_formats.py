@@ -11,7 +11,7 @@ import numpy as np
 
 from ....scenarios import FloatArray, printable
 from ....scenarios.document import MAX_SAMPLES
-from .recording import QUANTITIES, Column, Quantity, Recording, RecordingError, columns_of
+from .recording import QUANTITIES, Quantity, Recording, RecordingError, columns_of
 
 #: Characters of a line, at most.
 LONGEST_LINE = 1 << 14
@@ -26,10 +26,21 @@ _SHORTEST, _LONGEST = 1e-150, 1e150
 
 
 class Table:
-    """Rows of numbers as they come, by quantity; never more than a motion may have."""
+    """Rows of numbers as they come, by quantity; never more than a motion may have.
 
-    def __init__(self, columns: Sequence[Column | None]) -> None:
-        self._columns = columns
+    Attributes
+    ----------
+    ignored : headings that mean nothing here
+
+    Raises
+    ------
+    ColumnError
+        As `columns_of`.
+    """
+
+    def __init__(self, heads: Sequence[str]) -> None:
+        self._columns = columns_of(heads)
+        self.ignored = tuple(h for h, c in zip(heads, self._columns, strict=True) if c is None)
         self._rows: list[list[float]] = []
 
     def add(self, cells: Sequence[Any], where: str) -> None:
@@ -127,13 +138,10 @@ def read_csv(path: Path) -> Recording:
         else:
             raise RecordingError("is empty; its first line must name the columns: t,qw,qx,qy,qz")
         delimiter = next((mark for mark in ",;\t" if mark in line), " ")
-        heads = _cells(line, delimiter)
-        columns = columns_of(heads)
-        table = Table(columns)
+        table = Table(_cells(line, delimiter))
         for number, line in lines:
             table.add(_cells(line, delimiter), f"line {number}")
-    ignored = tuple(h for h, column in zip(heads, columns, strict=True) if column is None)
-    return Recording(path, table.arrays(), settings, ignored)
+    return Recording(path, table.arrays(), settings, table.ignored)
 
 
 def _cells(line: str, delimiter: str) -> list[str]:
@@ -151,28 +159,26 @@ def read_json_lines(path: Path) -> Recording:
         If the file holds no such motion.
     """
     settings: dict[str, str] = {}
-    columns: list[Column | None] = []
-    table = Table([])
+    table: Table | None = None
     names: list[str] = []
     with path.open(encoding="utf-8-sig") as file:
         for number, line in _lines(file):
             record = _object(line, number)
-            if not names and "t" not in record:
+            if table is None and "t" not in record:
                 for name, value in record.items():
                     settings |= setting(name, str(value), number)
                 continue
             flat = dict(_flat(record, number))
-            if not names:
-                names, columns = list(flat), columns_of(list(flat))
-                table = Table(columns)
+            if table is None:
+                names = list(flat)
+                table = Table(names)
             if list(flat) != names:
                 wanted = f"must have the keys of the first: {', '.join(names)}"
                 raise RecordingError(f"line {number} {wanted}")
             table.add(list(flat.values()), f"line {number}")
-    if not names:
+    if table is None:
         raise RecordingError('is empty; a line is {"t": 0.0, "q": [1, 0, 0, 0], …}')
-    ignored = tuple(n for n, column in zip(names, columns, strict=True) if column is None)
-    return Recording(path, table.arrays(), settings, ignored)
+    return Recording(path, table.arrays(), settings, table.ignored)
 
 
 def _object(line: str, number: int) -> dict[str, Any]:

@@ -46,6 +46,11 @@ class LinkReading:
     difference: BodyDifference | None = None
     attitude_apart_deg: dict[float, float] | None = None
 
+    @property
+    def who(self) -> str:
+        """Engine and configuration."""
+        return f"{self.engine} {self.configuration}"
+
 
 @dataclass(frozen=True, eq=False)
 class InspectedLink:
@@ -76,6 +81,11 @@ class Inspection:
     links: tuple[InspectedLink, ...]
     refusals: dict[tuple[str, str], str]
     composed: tuple[RigidBody, ...] = ()
+
+    @property
+    def columns(self) -> list[tuple[str, str]]:
+        """Engine and configuration of each reading of the file."""
+        return [(reading.engine, reading.configuration) for reading in self.links[0].readings]
 
     @property
     def is_well(self) -> bool:
@@ -128,8 +138,7 @@ def differences(inspection: Inspection) -> list[Finding]:
     ]
     wrong.sort(key=lambda one: badness(one[0]), reverse=True)
     return refused + _grouped(
-        (f"{reading.engine} {reading.configuration}", f"{reading.cause}{_apart(reading)}", name)
-        for reading, name in wrong
+        (reading.who, f"{reading.cause}{_apart(reading)}", name) for reading, name in wrong
     )
 
 
@@ -145,8 +154,7 @@ def added_masses(inspection: Inspection) -> dict[str, float]:
     for link in inspection.links:
         for reading in link.readings:
             if reading.kind == "nothing stated" and reading.body is not None and reading.body.mass:
-                who = f"{reading.engine} {reading.configuration}"
-                added[who] = added.get(who, 0.0) + reading.body.mass
+                added[reading.who] = added.get(reading.who, 0.0) + reading.body.mass
     return added
 
 

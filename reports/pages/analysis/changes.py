@@ -11,8 +11,9 @@ from typing import Any, Literal
 from ....engines import Outcome
 from ...harness.measuring.asymptotic import ASYMPTOTIC
 from ...results.records import Key, Row, Verdict
-from ...results.store import Results, SceneResult
+from ...results.store import Results
 from ...results.verdict_words import RANKS
+from .report_data import MethodRuns, SceneRuns, report_data
 
 #: An error has changed if it did by this factor: at the same timestep, an engine that computes the
 #: same makes the same error, to rounding.
@@ -64,33 +65,22 @@ def changes(old: Results, new: Results) -> list[Change]:
     before, after = _by_key(old), _by_key(new)
     same_machine = old.environment.get("processor") == new.environment.get("processor")
     for key in sorted(before.keys() & after.keys(), key=str):
-        differences += _verdict(key, before[key].verdict, after[key].verdict)
-        differences += _order(key, before[key].verdict, after[key].verdict)
-        differences += _expectations(key, before[key].verdict, after[key].verdict)
+        verdicts = before[key][1].verdict, after[key][1].verdict
+        for of_verdicts in (_verdict, _order, _expectations):
+            differences += of_verdicts(key, *verdicts)
         if key.scenario not in edited:
             differences += _runs(key, before[key], after[key])
             differences += _cost(key, before[key], after[key], same_machine)
     return differences
 
 
-@dataclass(frozen=True, eq=False)
-class _OfKey:
-    """The results of a method on a scene in one file."""
-
-    verdict: Verdict | None
-    rows: Mapping[float, Row]
-    scene: SceneResult | None
+#: The results of a method on a scene in one file, and the scene.
+_OfKey = tuple[SceneRuns, MethodRuns]
 
 
 def _by_key(results: Results) -> dict[Key, _OfKey]:
-    verdicts = {verdict.key: verdict for verdict in results.verdicts}
-    rows: dict[Key, dict[float, Row]] = {key: {} for key in verdicts}
-    for row in results.rows:
-        rows.setdefault(row.key, {})[row.timestep] = row
-    return {
-        key: _OfKey(verdicts.get(key), of_key, results.scenes.get(key.scenario))
-        for key, of_key in rows.items()
-    }
+    scenes = report_data(results).scenes
+    return {Key(one.name, *runs.pair): (one, runs) for one in scenes for runs in one.methods}
 
 
 def _environment(old: Mapping[str, str], new: Mapping[str, str]) -> Iterator[Change]:
@@ -156,13 +146,13 @@ def _expectations(key: Key, old: Verdict | None, new: Verdict | None) -> Iterato
 
 def _runs(key: Key, old: _OfKey, new: _OfKey) -> Iterator[Change]:
     """Outcomes and errors of the timesteps that are in both files."""
-    for timestep in sorted(old.rows.keys() & new.rows.keys(), reverse=True):
-        before, after = old.rows[timestep], new.rows[timestep]
+    old_rows, new_rows = ({row.timestep: row for row in runs.rows} for _, runs in (old, new))
+    for timestep in sorted(old_rows.keys() & new_rows.keys(), reverse=True):
+        before, after = old_rows[timestep], new_rows[timestep]
         if before.outcome != after.outcome:
             yield _in_words(key, "outcome", before.outcome, after.outcome, OUTCOMES, timestep)
-        elif before.outcome == "ok" and old.scene and new.scene:
-            noise = _noise(old.scene, before), _noise(new.scene, after)
-            yield from _errors(before, after, *noise)
+        elif before.outcome == "ok" and old[0].solved and new[0].solved:
+            yield from _errors(before, after, _noise(old[0], before), _noise(new[0], after))
 
 
 def _errors(
@@ -176,11 +166,10 @@ def _errors(
             yield Change("error", signal, *sizes, direction, direction == "worse", **where)
 
 
-def _noise(scene: SceneResult, row: Row) -> dict[str, float]:
+def _noise(scene: SceneRuns, row: Row) -> dict[str, float]:
     """The uncertainty of an error: the reference's, plus an ulp a step times its growth."""
-    uncertainty, conditioning = dict(scene.solution.uncertainty), dict(scene.solution.conditioning)
-    uncertainty["omega"] = max(uncertainty["omega"], row.reference_uncertainty)
-    return {name: bound + row.steps * conditioning[name] for name, bound in uncertainty.items()}
+    growth = scene.exact.solution.conditioning
+    return {name: bound + row.steps * growth[name] for name, bound in scene.uncertainty(row)}
 
 
 def _grown(old: float, new: float, noise: float) -> Direction | None:
@@ -193,7 +182,7 @@ def _grown(old: float, new: float, noise: float) -> Direction | None:
 
 
 def _cost(key: Key, old: _OfKey, new: _OfKey, same_machine: bool) -> Iterator[Change]:
-    before, after = _seconds(old.rows.values()), _seconds(new.rows.values())
+    before, after = _seconds(old[1].rows), _seconds(new[1].rows)
     if before is None or after is None:
         return
     (was, spread), (now, scatter) = before, after

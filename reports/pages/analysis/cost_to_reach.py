@@ -10,7 +10,7 @@ it does not reach counts as one of infinite cost.
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from statistics import median, median_high
+from statistics import median_high
 from typing import Literal
 
 from ...harness.judging.observed_order import SETTLING_ORDER
@@ -59,18 +59,6 @@ class Tally:
     median_cost: float | None
 
 
-@dataclass(frozen=True)
-class OrderRatio:
-    """How many times more the cheapest first-order method costs than the cheapest of order four.
-
-    Over the scenes where both reach the error; None where there are none.
-    """
-
-    scenes: int
-    median: float | None
-    largest: float | None
-
-
 def profile(scenes: Sequence[SceneCurves], signal: str, level: float) -> Profile:
     """Profiles of every method that was tried on any of the scenes."""
     ratios: dict[Pair, list[float]] = {_pair(curve): [] for curves in scenes for curve in curves}
@@ -98,14 +86,9 @@ def tally(scenes: Sequence[SceneCurves], pair: Pair, level: float) -> Tally:
     return Tally(within, extrapolated, median_high(costs) if costs else None)
 
 
-def order_ratios(scenes: Sequence[SceneCurves], level: float) -> OrderRatio:
-    """The ratio of the cheapest of the two orders, scene by scene."""
-    ratios = [ratio for curves in scenes if (ratio := order_ratio(curves, level)) is not None]
-    return OrderRatio(
-        len(ratios),
-        median(ratios) if ratios else None,
-        max(ratios, default=None),
-    )
+def order_ratios(scenes: Sequence[SceneCurves], level: float) -> list[float]:
+    """The ratio of the cheapest of the two orders, of each scene where both reach the error."""
+    return [ratio for curves in scenes if (ratio := order_ratio(curves, level)) is not None]
 
 
 def _pair(curve: Curve) -> Pair:

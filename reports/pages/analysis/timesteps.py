@@ -112,18 +112,21 @@ def _declared(gathered: ReportData, is_one: Callable[[Method], bool]) -> list[Pa
     return [pair for pair in gathered.pairs if pair in found]
 
 
-def attitudes_at(gathered: ReportData, pair: Pair, timestep: float) -> dict[str, float]:
-    """The attitude error at a stock timestep in rad by scene, of the runs that were made.
+def made_at(gathered: ReportData, pair: Pair, timestep: float) -> dict[str, Row]:
+    """A method's runs at a stock timestep, s, by scene, of those that were made."""
+    return {
+        scene.name: row
+        for scene in gathered.scenes
+        if (runs := scene.by_pair.get(pair))
+        and (row := row_at(runs, "stock", timestep)) is not None
+        and row.simulated
+    }
 
-    Infinite where one did not end ok.
-    """
-    errors: dict[str, float] = {}
-    for scene in gathered.scenes:
-        runs = scene.by_pair.get(pair)
-        row = row_at(runs, "stock", timestep) if runs else None
-        if row is not None and row.simulated:
-            errors[scene.name] = row.errors.attitude if row.errors else math.inf
-    return errors
+
+def attitudes_at(gathered: ReportData, pair: Pair, timestep: float) -> dict[str, float]:
+    """Their attitude errors in rad; infinite where one did not end ok."""
+    rows = made_at(gathered, pair, timestep)
+    return {name: row.errors.attitude if row.errors else math.inf for name, row in rows.items()}
 
 
 def leading(gathered: ReportData) -> list[Pair]:

@@ -1,9 +1,10 @@
 """Formats numbers for the report: three significant digits, powers of ten, limited errors."""
 
 import math
+from collections.abc import Sequence
 from decimal import ROUND_DOWN, Decimal
 
-from ....scenarios import SIGNALS, Errors
+from ....scenarios import SIGNAL, Errors
 from ...results.records import Row
 
 #: Printed where there is no number.
@@ -93,14 +94,12 @@ def limited(error: float | None, uncertainty: float) -> str:
     return f"≤ {number(uncertainty)}"
 
 
-def limited_errors(errors: Errors | None, uncertainty: Errors) -> tuple[str, ...]:
-    """The errors of a run, in the order of `SIGNALS`, angles in degrees."""
-    if errors is None:
-        return (NOTHING,) * len(SIGNALS)
-    return tuple(
-        limited(errors[signal.name] * signal.shown, uncertainty[signal.name] * signal.shown)
-        for signal in SIGNALS
-    )
+def limited_errors(
+    errors: Errors, uncertainty: Errors, names: Sequence[str] = tuple(SIGNAL)
+) -> list[str]:
+    """The errors of a run in these signals, angles in degrees."""
+    shown = {name: SIGNAL[name].shown for name in names}
+    return [limited(errors[name] * n, uncertainty[name] * n) for name, n in shown.items()]
 
 
 def ended(row: Row) -> str:

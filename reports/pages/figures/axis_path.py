@@ -1,13 +1,27 @@
-"""The path of a top's axis on the unit sphere; curves on ellipsoids, to be turned by the mouse."""
+"""Paths in space: of a top's axis on the unit sphere, of the tip of ω by Poinsot's construction."""
 
 from typing import Any
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
-from ....scenarios import FloatArray, Scenario
+from ....reference.rotational_problem import rotational_problem
+from ....scenarios import FloatArray, Trajectory
 from ..analysis.report_data import SceneRuns
 from .drawn_body import axis_body, dense_motion
-from .plot import INK, WIRE, Figure, Panel, Range, Trace, drawing, packed, padded, start_dot
+from .plot import (
+    INK,
+    WIRE,
+    Figure,
+    Panel,
+    Range,
+    Trace,
+    drawing,
+    packed,
+    padded,
+    square,
+    start_dot,
+)
 
 #: Lines that show a surface: circles of latitude, half circles of longitude, points on each.
 LATITUDES, LONGITUDES, POINTS = 5, 8, 25
@@ -20,7 +34,7 @@ EYE_DISTANCE = 1.25
 LEAST_HEIGHT = 0.45
 
 
-def surface(semi_axes: FloatArray, names: tuple[str, str, str]) -> list[Trace]:
+def _surface(semi_axes: FloatArray, names: tuple[str, str, str]) -> list[Trace]:
     """A wire frame with its three axes named; semi-axes along x, y, z, (3,)."""
     wires = [*_latitudes(), *_longitudes()]
     gap = np.full((1, 3), np.nan)
@@ -53,15 +67,28 @@ def curve(points: FloatArray, style: dict[str, Any]) -> Trace:
     return _trace(points, **style)
 
 
-def dot(point: FloatArray) -> Trace:
-    """The point where the motion starts."""
-    return _trace(point[None, :], mode="markers", marker={"color": INK, "size": 5})
+def _on_surface(
+    semi_axes: FloatArray,
+    names: tuple[str, str, str],
+    points: FloatArray,
+    height: int,
+    overlay: dict[str, Any],
+) -> Figure:
+    """A figure of a surface that points, (n, 3), are on: the script draws the line through them."""
+    start = _trace(points[:1], mode="markers", marker={"color": INK, "size": 5})
+    shown = {"height": height, "scene": _view(semi_axes, points.mean(axis=0))}
+    traces = [*_surface(semi_axes, names), start]
+    return {"data": traces, "layout": shown, "overlays": [overlay]}
 
 
-def view(semi_axes: FloatArray, towards: FloatArray) -> dict[str, Any]:
+def _overlay(kind: str, matrix: FloatArray, **panel: int) -> dict[str, Any]:
+    """What the page's script draws of a motion: its beginning, seen in other axes."""
+    return {"kind": kind, "exact": "beginning"} | panel | {"matrix": matrix.tolist()}
+
+
+def _view(semi_axes: FloatArray, towards: FloatArray) -> dict[str, Any]:
     """Plotly's 3-D scene without a box around it, the eye on the side where the curve is."""
-    size = float(np.linalg.norm(towards))
-    direction = towards / size if size else np.array([1.0, 1.0, 1.0])
+    direction = _unit(towards, np.ones(3))
     # Askew, so that no axis points straight at the eye.
     direction = direction + np.array([0.35, 0.5, 0.0])
     direction[2] = max(direction[2], LEAST_HEIGHT)
@@ -109,12 +136,13 @@ def _longitudes() -> list[FloatArray]:
     ]
 
 
+UP = np.array([0.0, 0.0, 1.0])
 HEIGHT = 400
 #: Degrees of azimuth shown at first; the rest can be dragged into view.
 ONE_TURN = 360.0
 #: Room around the path as seen from above, as a factor.
 MARGIN = 1.1
-#: rad; a smaller path is drawn as a point.
+#: rad, or relative to the largest ω; a smaller path is drawn as a point.
 NARROWEST = 1e-6
 #: Degrees; a tilt that changes less counts as steady, with this margin on both sides.
 STEADY, STEADY_ROOM = 1e-6, 0.5
@@ -123,44 +151,23 @@ STEADY, STEADY_ROOM = 1e-6, 0.5
 def axis_path(scene: SceneRuns) -> list[Figure]:
     """The path on the sphere, from above, and unrolled into azimuth and tilt."""
     scenario, motion = scene.exact.scenario, dense_motion(scene)
-    R_upright_world = _upright(scenario)
+    # World components to two level components and up; up is −g, or z without gravity, (3, 3).
+    R_upright_world = _frame_about(_unit(-scenario.gravity_world, UP))
     # Where the axis points, (n, 3): two level components and up.
     exact = np.asarray(motion.to_world(axis_body(scenario)) @ R_upright_world.T)
+    overlay = _overlay("axis", R_upright_world)
     return [
-        _on_sphere(exact, R_upright_world),
+        _on_surface(np.ones(3), ("x", "y", "up"), exact, HEIGHT, overlay),
         _from_above(exact, R_upright_world),
         _unrolled_figure(exact, R_upright_world),
     ]
 
 
-def _on_sphere(exact: FloatArray, R_upright_world: FloatArray) -> Figure:
-    traces = [
-        *surface(np.ones(3), ("x", "y", "up")),
-        dot(exact[0]),
-    ]
-    overlay = {"kind": "axis", "exact": "beginning", "matrix": R_upright_world.tolist()}
-    shown = view(np.ones(3), exact.mean(axis=0))
-    return {"data": traces, "layout": {"height": HEIGHT, "scene": shown}, "overlays": [overlay]}
-
-
 def _from_above(exact: FloatArray, R_upright_world: FloatArray) -> Figure:
     widest = MARGIN * max(float(np.abs(exact[:, :2]).max()), NARROWEST)
-    panel = Panel(
-        x_title="level component, x",
-        y_title="level component, y",
-        heading="From above",
-        x_range=(-widest, widest),
-        y_range=(-widest, widest),
-        equal_scales=True,
-    )
+    panel = square(("level component, x", "level component, y", "From above"), widest)
     traces = [start_dot(exact[0, 0], exact[0, 1], 1)]
-    overlay = {
-        "kind": "axis",
-        "exact": "beginning",
-        "panel": 1,
-        "matrix": R_upright_world[:2].tolist(),
-    }
-    return drawing(traces, [panel], HEIGHT, overlay)
+    return drawing(traces, [panel], HEIGHT, _overlay("axis", R_upright_world[:2], panel=1))
 
 
 def _unrolled_figure(exact: FloatArray, R_upright_world: FloatArray) -> Figure:
@@ -178,13 +185,7 @@ def _unrolled_figure(exact: FloatArray, R_upright_world: FloatArray) -> Figure:
         y_range=(high, low),
     )
     traces = [start_dot(azimuth[0], tilt[0], 1)]
-    overlay = {
-        "kind": "axis_unrolled",
-        "exact": "beginning",
-        "panel": 1,
-        "matrix": R_upright_world.tolist(),
-    }
-    return drawing(traces, [panel], HEIGHT, overlay)
+    return drawing(traces, [panel], HEIGHT, _overlay("axis_unrolled", R_upright_world, panel=1))
 
 
 def _first_turn(azimuth: FloatArray) -> Range:
@@ -195,15 +196,13 @@ def _first_turn(azimuth: FloatArray) -> Range:
     return padded(azimuth[0] + np.array([0.0, onwards * ONE_TURN]))
 
 
-def _upright(scenario: Scenario) -> FloatArray:
-    """World components to two level components and up; up is −g, or z without gravity, (3, 3)."""
-    gravity_world = scenario.gravity_world
-    size = float(np.linalg.norm(gravity_world))
-    up = -gravity_world / size if size else np.array([0.0, 0.0, 1.0])
-    return frame_about(up)
+def _unit(vector: FloatArray, otherwise: FloatArray) -> FloatArray:
+    """The direction of a vector, (3,); another vector if it is zero."""
+    size = float(np.linalg.norm(vector))
+    return vector / size if size else otherwise
 
 
-def frame_about(third: FloatArray) -> FloatArray:
+def _frame_about(third: FloatArray) -> FloatArray:
     """Rows e1, e2, e3 of a right-handed frame with e3 given; x and y themselves for z, (3, 3)."""
     first = np.eye(3)[np.argmin(np.abs(third))]
     first = first - (first @ third) * third
@@ -216,3 +215,48 @@ def _unrolled(tips: FloatArray) -> tuple[FloatArray, FloatArray]:
     azimuth = np.unwrap(np.arctan2(tips[:, 1], tips[:, 0]))
     tilt = np.arctan2(np.hypot(tips[:, 0], tips[:, 1]), tips[:, 2])
     return np.degrees(azimuth), np.degrees(tilt)
+
+
+POLHODE_HEIGHT = 460
+#: Room around the herpolhode, as a factor.
+HERPOLHODE_MARGIN = 1.15
+#: A run is drawn up to this distance from the ellipsoid's centre, in longest semi-axes.
+OFF_THE_ELLIPSOID = 1.5
+
+
+def polhode(scene: SceneRuns) -> list[Figure]:
+    """The polhode on its ellipsoid, and the herpolhode; none for a body that never turns.
+
+    The ellipsoid is Σ Iₖ ωₖ² = 2T in principal axes, T the largest rotational energy of the exact
+    motion: ω/√2T is on one of semi-axes 1/√Iₖ. The herpolhode is seen along the exact L at the
+    start (Landau & Lifshitz, Mechanics, §37; Goldstein §5.6).
+    """
+    exact = dense_motion(scene)
+    problem = rotational_problem(scene.exact.scenario)
+    moments = np.array(problem.moments, dtype=float)
+    R_axes_body = Rotation.from_quat(np.array(problem.q_axes_body, dtype=float), scalar_first=True)
+    omega_axes = R_axes_body.apply(np.array(exact.omega_body))
+    root_energy = float(np.sqrt((omega_axes**2 @ moments).max()))
+    if root_energy == 0:
+        return []
+    semi_axes = 1 / np.sqrt(moments)
+    overlay = _overlay("omega_body", R_axes_body.as_matrix() / root_energy)
+    overlay["within"] = OFF_THE_ELLIPSOID * float(semi_axes.max())
+    L_body = R_axes_body.inv().apply(omega_axes[0] * moments)
+    along = _unit(exact.R_world_body[0].apply(L_body), UP)
+    tips = omega_axes / root_energy
+    return [
+        _on_surface(semi_axes, ("1", "2", "3"), tips, POLHODE_HEIGHT, overlay),
+        _herpolhode(exact, _frame_about(along)),
+    ]
+
+
+def _herpolhode(exact: Trajectory, R_level_world: FloatArray) -> Figure:
+    """The tip of ω across L; the frame is of axes of which the third is along L."""
+    flat = (exact.to_world(exact.omega_body) @ R_level_world.T)[:, :2]
+    fastest = float(np.linalg.norm(exact.omega_body, axis=1).max())
+    widest = HERPOLHODE_MARGIN * max(float(np.abs(flat).max()), NARROWEST * fastest)
+    title = "ω across the initial L, rad/s"
+    panel = square((title, title, "Herpolhode"), widest)
+    overlay = _overlay("omega_world", R_level_world[:2], panel=1)
+    return drawing([start_dot(flat[0, 0], flat[0, 1], 1)], [panel], POLHODE_HEIGHT, overlay)

@@ -17,11 +17,10 @@ from ....reference.heavy_symmetric_top import (
 from ....reference.rotational_problem import rotational_problem
 from ....scenarios import FloatArray, Scenario
 from ..analysis.report_data import SceneRuns
-from .axis_path import axis_path
+from .axis_path import axis_path, polhode
 from .drawn_body import drawn_body
 from .ladder_figures import convergence, work_precision
 from .plot import INK, REFERENCE_WIDTH, Figure, Panel, Range, drawing, line
-from .polhode import polhode
 from .signal_figures import defect_figure, omega_figures, tilt_figure
 
 #: The well is drawn this far beyond the turning points, in its widths; smallest width drawn.

@@ -25,7 +25,8 @@ WIDTH = 1216
 def panels(grid: Grid, entries: int) -> dict[str, Any]:
     """Layout with a panel for each method, above a legend of so many entries."""
     count = len(grid.methods)
-    columns, below = columns_of(count), below_panels(entries)
+    columns = columns_of(count)
+    below = BELOW + LEGEND_LINE * math.ceil(entries / LEGEND_ACROSS)
     panel_titles = list(titles(grid, count, columns))
     made = layout(
         [
@@ -34,7 +35,7 @@ def panels(grid: Grid, entries: int) -> dict[str, Any]:
                 grid.methods, domains(count, columns), panel_titles, strict=True
             )
         ],
-        height_of(count, columns, below),
+        ABOVE + below + _inside(count, columns),
     )
     for k, outer in enumerate(panel_titles, start=1):
         for letter, axis, title in zip("xy", grid.axes, outer, strict=True):
@@ -59,17 +60,6 @@ def columns_of(count: int) -> int:
     return min(ACROSS, count)
 
 
-def height_of(count: int, columns: int, below: int) -> int:
-    """Height of a figure of that many panels, px."""
-    rows = math.ceil(count / columns)
-    return ABOVE + below + rows * PANEL_HEIGHT + (rows - 1) * GAP_DOWN
-
-
-def below_panels(entries: int) -> int:
-    """Room for the titles of the axes and a legend of so many entries, px."""
-    return BELOW + LEGEND_LINE * math.ceil(entries / LEGEND_ACROSS)
-
-
 def cell_side(shape: tuple[int, int], columns: int) -> float:
     """The smaller side of a cell, px, of a map of so many rows and columns of cells."""
     rows, across = shape
@@ -77,11 +67,16 @@ def cell_side(shape: tuple[int, int], columns: int) -> float:
     return min(panel / across, PANEL_HEIGHT / rows)
 
 
+def _inside(count: int, columns: int) -> int:
+    """Height of that many panels with the gaps between them, px."""
+    rows = math.ceil(count / columns)
+    return rows * PANEL_HEIGHT + (rows - 1) * GAP_DOWN
+
+
 def domains(count: int, columns: int) -> Iterator[tuple[tuple[float, float], tuple[float, float]]]:
     """Left and right, bottom and top of each panel, in fractions of the figure."""
-    rows = math.ceil(count / columns)
     wide = (1 - GAP_ACROSS * (columns - 1)) / columns
-    inside = rows * PANEL_HEIGHT + (rows - 1) * GAP_DOWN
+    inside = _inside(count, columns)
     for k in range(count):
         row, column = divmod(k, columns)
         left = column * (wide + GAP_ACROSS)

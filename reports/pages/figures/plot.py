@@ -65,6 +65,12 @@ def drawing(
     return figure | {"overlays": list(overlays)} if overlays else figure
 
 
+def square(titles: tuple[str, str, str], widest: float) -> Panel:
+    """A panel with zero in its middle; titles of x, y and the panel."""
+    reach = (-widest, widest)
+    return Panel(*titles, x_range=reach, y_range=reach, equal_scales=True)
+
+
 def layout(panels: Sequence[Panel], height: int) -> dict[str, Any]:
     """Axes of panels; the k-th has axes x{k} and y{k}."""
     made: dict[str, Any] = {"height": height, "shapes": [], "annotations": []}

@@ -5,7 +5,7 @@ from html import escape
 
 import numpy as np
 
-from ....scenarios import SIGNAL
+from ....scenarios import SIGNAL, FloatArray
 from ...results.records import Pair
 from ..analysis.cost_to_reach import Profile
 from ..analysis.measures import Measure, Members
@@ -40,12 +40,9 @@ def distribution(
         exact = len(of_method.finished) - len(errors)
         risen = 100 * (exact + np.arange(len(errors) + 1)) / len(of_method.points)
         label = " ".join(of_method.pair)
-        hover = f"{escape(label)}<br>%{{y:.3g}} % within %{{x:.2e}}<extra></extra>"
         x = np.concatenate([errors[:1], errors])
-        # By steps: the error of a member is where the curve rises.
-        style = method_style(label, trace_styles[of_method.pair])
-        style |= {"hovertemplate": hover, "line": style["line"] | {"shape": "hv"}}
-        traces.append(line(x, risen, 1, **style))
+        said = "%{y:.3g} % within %{x:.2e}"
+        traces.append(_steps(x, risen, label, trace_styles[of_method.pair], said))
         outermost += [float(errors[0]), float(errors[-1])]
     x_range = min(outermost) / BESIDE_ERRORS, min(max(outermost), LARGEST) * BESIDE_ERRORS
     panel = Panel(
@@ -77,23 +74,17 @@ def _figure(profile: Profile, drawn: Mapping[Pair, TraceStyle], x_range: Range) 
     heading = f"{SIGNAL[profile.signal]}: error up to {number(profile.level, 1)}"
     x_title = "cost over the cheapest method's, τ"
     panel = Panel(x_title, "fraction of scenes", heading, True, FRACTIONS, x_range)
-    return drawing(_steps(profile, drawn, x_range[1]), [panel], 460)
-
-
-def _steps(profile: Profile, drawn: Mapping[Pair, TraceStyle], end: float) -> list[Trace]:
+    said = "within %{x:.3g} times the cheapest<br>on %{y:.0%} of scenes"
     traces = []
     for pair, ratios in profile.ratios.items():
-        factors = sorted({1.0, *ratios, end})
-        label = " ".join(pair)
-        style = method_style(label, drawn[pair])
-        style["line"] = style["line"] | {"shape": "hv"}
-        hover = f"{label}<br>within %{{x:.3g}} times the cheapest<br>on %{{y:.0%}} of scenes"
-        traces.append(
-            line(
-                np.array(factors),
-                np.array([profile.fraction(pair, factor) for factor in factors]),
-                1,
-                **style | {"hovertemplate": f"{hover}<extra></extra>"},
-            )
-        )
-    return traces
+        factors = sorted({1.0, *ratios, x_range[1]})
+        risen = np.array([profile.fraction(pair, factor) for factor in factors])
+        traces.append(_steps(np.array(factors), risen, " ".join(pair), drawn[pair], said))
+    return drawing(traces, [panel], 460)
+
+
+def _steps(x: FloatArray, y: FloatArray, label: str, style: TraceStyle, said: str) -> Trace:
+    """A curve that rises by steps, at each of which a member or a scene is."""
+    drawn = method_style(label, style)
+    drawn["line"] = drawn["line"] | {"shape": "hv"}
+    return line(x, y, 1, **drawn, hovertemplate=f"{escape(label)}<br>{said}<extra></extra>")

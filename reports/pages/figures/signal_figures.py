@@ -79,18 +79,10 @@ def _tilt(motion: Trajectory, _: dict[str, Any], body: DrawnBody) -> FloatArray:
     return np.asarray(np.degrees(np.arctan2(across, tips @ body.up_world)))
 
 
-def _omega_component(motion: Trajectory, overlay: dict[str, Any], _: DrawnBody) -> FloatArray:
-    return np.asarray(motion.omega_body[:, overlay["component"]])
-
-
 def _on_ellipsoid(motion: Trajectory, overlay: dict[str, Any], _: DrawnBody) -> FloatArray:
     points = motion.omega_body @ np.array(overlay["matrix"]).T
     near = np.linalg.norm(points, axis=1) <= overlay["within"]
     return np.where(near[:, None], points, np.nan)
-
-
-def _omega_world(motion: Trajectory, overlay: dict[str, Any], _: DrawnBody) -> FloatArray:
-    return np.asarray(motion.to_world(motion.omega_body) @ np.array(overlay["matrix"]).T)
 
 
 def _axis(motion: Trajectory, overlay: dict[str, Any], body: DrawnBody) -> FloatArray:
@@ -106,9 +98,11 @@ def _unrolled(motion: Trajectory, overlay: dict[str, Any], body: DrawnBody) -> F
 
 MOTIONS: dict[str, Lines] = {
     "tilt": _tilt,
-    "omega": _omega_component,
+    "omega": lambda motion, overlay, _: motion.omega_body[:, overlay["component"]],
     "omega_body": _on_ellipsoid,
-    "omega_world": _omega_world,
+    "omega_world": lambda motion, overlay, _: (
+        motion.to_world(motion.omega_body) @ np.array(overlay["matrix"]).T
+    ),
     "axis": _axis,
     "axis_unrolled": _unrolled,
 }

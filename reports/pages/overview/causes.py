@@ -6,7 +6,6 @@ tumbles. A damping shortens ω but does not turn it either.
 
 from collections import Counter
 from collections.abc import Collection, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -22,26 +21,11 @@ TELLING = 0.2
 STEADY = 0.02
 
 
-@dataclass(frozen=True)
-class NoGyroscopicTorque:
-    """An engine as shipped whose ω keeps its direction in space though the exact ω does not.
+def without_gyroscopic_torque(gathered: ReportData) -> tuple[dict[str, dict[str, float]], int]:
+    """The engines as shipped that lack it on every scene used, and the number of engines.
 
-    Attributes
-    ----------
-    scenes : names of the scenes where that is so
-    worst_scene, omega_error : the scene with the largest relative error of ω, and that error
+    Of each the largest relative error of ω, by scene: ω keeps its direction, the exact ω does not.
     """
-
-    engine: str
-    scenes: tuple[str, ...]
-    worst_scene: str
-    omega_error: float
-
-
-def without_gyroscopic_torque(
-    gathered: ReportData,
-) -> tuple[tuple[NoGyroscopicTorque, ...], int]:
-    """The engines as shipped that lack it on every scene used, and the number of engines."""
     lacking: dict[Pair, dict[str, float]] = {}
     has_it: set[Pair] = set()
     for scene in gathered.scenes:
@@ -57,8 +41,7 @@ def without_gyroscopic_torque(
                 has_it.add(run.runs.pair)
     engines = {engine for engine, _ in {*lacking, *has_it}}
     first = {pair[0]: errors for pair, errors in lacking.items() if pair not in has_it}
-    findings = tuple(_of_engine(engine, errors) for engine, errors in sorted(first.items()))
-    return findings, len(engines)
+    return dict(sorted(first.items())), len(engines)
 
 
 def turned_in_space(motion: Trajectory) -> float:
@@ -67,11 +50,6 @@ def turned_in_space(motion: Trajectory) -> float:
     start = omega_world[0]
     across = np.linalg.norm(np.cross(omega_world, start), axis=1)
     return float(np.arctan2(across, omega_world @ start).max())
-
-
-def _of_engine(engine: str, errors: dict[str, float]) -> NoGyroscopicTorque:
-    worst = max(errors, key=lambda name: errors[name])
-    return NoGyroscopicTorque(engine, tuple(errors), worst, errors[worst])
 
 
 #: A cause is given for a default if it holds on at least this fraction of the scenes it gets wrong.
@@ -142,11 +120,11 @@ def no_gyroscopic_torque(gathered: ReportData) -> list[str]:
     lacking, tried = without_gyroscopic_torque(gathered)
     if not lacking:
         return []
-    worst = max(lacking, key=lambda one: one.omega_error)
-    names = ", ".join(one.engine for one in lacking)
+    errors = {(engine, scene): e for engine in lacking for scene, e in lacking[engine].items()}
+    worst, on = max(errors, key=lambda one: errors[one])
     leave = "leaves" if len(lacking) == 1 else "leave"
     return [
         f"{len(lacking)} of {plural(tried, 'engine')} {leave} out the gyroscopic torque as shipped "
-        f"({names}): no free body tumbles, and ω is up to {worst.omega_error:.0%} off, "
-        f"with {worst.engine} on {worst.worst_scene}"
+        f"({', '.join(lacking)}): no free body tumbles, and ω is up to "
+        f"{errors[worst, on]:.0%} off, with {worst} on {on}"
     ]

@@ -4,6 +4,7 @@ import math
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from statistics import median, median_high
+from typing import Any
 
 import numpy as np
 
@@ -11,9 +12,9 @@ from ...results.cost_records import EffectsCost
 from ...results.records import Pair, Row
 from ..analysis.measures import A_TURN, TURNS, Measure
 from ..analysis.report_data import ReportData
-from ..analysis.timesteps import as_shipped, row_at, stock_timesteps
+from ..analysis.timesteps import as_shipped, made_at, stock_timesteps
 from ..analysis.wording import NOTHING, duration, plural, readable
-from ..tables import Cell, Table, figure, table
+from ..tables import Cell, figure, table
 from .causes import no_gyroscopic_torque, why
 
 #: A method is recommended instead of a default if it can simulate this fraction of the scenes.
@@ -39,24 +40,6 @@ COST = (
     " CPU time as a multiple of the default's, with quartiles: if only the method is changed, and "
     "pruned of what scenes do not call for."
 )
-
-
-@dataclass(frozen=True)
-class Answer:
-    """What stands first.
-
-    Attributes
-    ----------
-    lead : the size of the defaults' errors, and of the methods' that are recommended instead
-    table : a column for each default, and for what is recommended instead
-    about : what the table's numbers are
-    why : the reasons of the defaults' errors
-    """
-
-    lead: str
-    table: Table
-    about: str
-    why: str
 
 
 @dataclass(frozen=True, eq=False)
@@ -121,8 +104,11 @@ class _AtStock:
         return [v for row in self.rows.values() if (v := measure.of(row)) is not None]
 
 
-def answer(gathered: ReportData, left_out: Collection[EffectsCost] = ()) -> Answer | None:
+def answer(gathered: ReportData, left_out: Collection[EffectsCost] = ()) -> dict[str, Any] | None:
     """The answer, from the plain scenes alone; None where no default was run.
+
+    `lead` has the size of the defaults' errors, and of the methods' that are recommended instead;
+    `table` a column for each of them, `about` what its numbers are; `why` the errors' reasons.
 
     Parameters
     ----------
@@ -130,7 +116,11 @@ def answer(gathered: ReportData, left_out: Collection[EffectsCost] = ()) -> Answ
     """
     plain = gathered.plain
     steps = stock_timesteps(plain)
-    tried = [_at_stock(plain, pair, steps[pair[0]]) for pair in plain.pairs if pair[0] in steps]
+    tried = [
+        _AtStock(pair, dt, made_at(plain, pair, dt))
+        for pair in plain.pairs
+        if (dt := steps.get(pair[0]))
+    ]
     there = {one.pair: one for one in tried if one.rows}
     # The first of each engine: further methods as shipped lack some of the defaults.
     first = {pair[0]: there[pair] for pair in reversed(as_shipped(plain)) if pair in there}
@@ -156,13 +146,13 @@ def answer(gathered: ReportData, left_out: Collection[EffectsCost] = ()) -> Answ
         if any(cell.text not in ("", OWN_RATIO) for cell in line[1:])
     ]
     scenes = plural(max(len(one.rows) for one in shipped), "scene")
-    return Answer(
-        _lead(listed, list(instead.values())),
-        table(headings, lines),
-        f"Attitude at stock timesteps, medians of {scenes}; the error a turn while a body moves."
-        + (COST if lines[-1][0].text in MEASURES[-2:] else ""),
-        _sentences([*_others(others), *reasons, *no_gyroscopic_torque(plain)]),
-    )
+    return {
+        "lead": _lead(listed, list(instead.values())),
+        "table": table(headings, lines),
+        "about": f"Attitude at stock timesteps, medians of {scenes}; the error a turn while a "
+        "body moves." + (COST if lines[-1][0].text in MEASURES[-2:] else ""),
+        "why": _sentences([*_others(others), *reasons, *no_gyroscopic_torque(plain)]),
+    }
 
 
 def _lead(shipped: Sequence[_AtStock], instead: Sequence[_AtStock]) -> str:
@@ -207,17 +197,6 @@ def _others(shipped: Sequence[_AtStock]) -> list[str]:
     if unfinished:
         sentences.append(f"Those of {', '.join(unfinished)} do not come to the end of most scenes")
     return sentences
-
-
-def _at_stock(gathered: ReportData, pair: Pair, timestep: float) -> _AtStock:
-    rows = {
-        scene.name: row
-        for scene in gathered.scenes
-        if (runs := scene.by_pair.get(pair))
-        and (row := row_at(runs, "stock", timestep)) is not None
-        and row.simulated
-    }
-    return _AtStock(pair, timestep, rows)
 
 
 def _instead(shipped: _AtStock, clean: Sequence[_AtStock]) -> _AtStock | None:

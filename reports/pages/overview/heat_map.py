@@ -1,6 +1,5 @@
 """The first screen's table: errors of methods on scenes, for its script and as Markdown."""
 
-import math
 from typing import Any
 
 import numpy as np
@@ -11,7 +10,7 @@ from ...results.verdict_words import LISTED, RANKS, VERDICT
 from ..analysis.best_choice import BestChoice, best_choice, best_choices, nothing_because
 from ..analysis.report_data import MethodRuns, ReportData, SceneRuns
 from ..analysis.timesteps import AT, as_shipped, leading, row_at, stock_timesteps
-from ..analysis.wording import NOTHING, duration, limited
+from ..analysis.wording import NOTHING, duration, limited_errors
 from ..analysis.work_precision import cost
 from ..tables import Cell, Table, figure, method_anchor, scene_page, table
 from .overview import GROUPS, group_of
@@ -60,8 +59,7 @@ def _attitude(scene: SceneRuns, row: Row) -> str:
     if row.errors is None:
         when = f" at {duration(row.stopped_at)}" if row.stopped_at else ""
         return f"{row.outcome}{when}" if row.made else "not run"
-    limit = math.degrees(scene.uncertainty(row).attitude)
-    return f"{limited(math.degrees(row.errors.attitude), limit)}°"
+    return f"{limited_errors(row.errors, scene.uncertainty(row), ('attitude',))[0]}°"
 
 
 #: Significant digits that are carried; cells show two, their details three.

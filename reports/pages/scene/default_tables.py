@@ -6,7 +6,7 @@ from ....scenarios import Errors
 from ...results.default_records import DefaultEffects
 from ...results.encoding_records import PHRASES, EncodedRuns, encoding_sentence
 from ..analysis.report_data import SceneRuns
-from ..analysis.wording import NOTHING, duration, limited
+from ..analysis.wording import NOTHING, duration, limited_errors
 from ..tables import Captioned, Cell, Table, figure, table
 
 
@@ -112,8 +112,4 @@ def _errors(scene: SceneRuns, errors: Errors | None) -> list[Cell]:
     if errors is None:
         return [Cell("diverged", "diverged"), figure(NOTHING), figure(NOTHING)]
     uncertainty = scene.exact.solution.uncertainty
-    return [
-        figure(limited(math.degrees(errors.attitude), math.degrees(uncertainty.attitude))),
-        figure(limited(errors.omega, uncertainty.omega)),
-        figure(limited(errors.energy, uncertainty.energy)),
-    ]
+    return [*map(figure, limited_errors(errors, uncertainty, ("attitude", "omega", "energy")))]

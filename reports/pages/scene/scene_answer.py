@@ -16,7 +16,7 @@ from ..analysis.best_choice import (
     within_in_words,
 )
 from ..analysis.report_data import Compared, MethodRuns, SceneRuns
-from ..analysis.wording import NOTHING, duration, ended, limited, number, plural, typed
+from ..analysis.wording import NOTHING, duration, ended, limited_errors, number, plural, typed
 from ..analysis.work_precision import cost
 from ..tables import Cell, figure, table
 from .motion_data import noticeable_from
@@ -83,8 +83,7 @@ def attitude_in_degrees(scene: SceneRuns, row: Row) -> str:
     """The attitude error of a run, at least the uncertainty; `NOTHING` if it has none."""
     if row.errors is None:
         return NOTHING
-    limit = math.degrees(scene.uncertainty(row).attitude)
-    return limited(math.degrees(row.errors.attitude), limit)
+    return limited_errors(row.errors, scene.uncertainty(row), ("attitude",))[0]
 
 
 def _sentence(scene: SceneRuns, best: BestChoice | None) -> str:
@@ -147,8 +146,9 @@ def _use(scene: SceneRuns, choice: BestChoice) -> dict[str, Any]:
 
 
 def _facts(scene: SceneRuns, best: BestChoice) -> list[tuple[str, str]]:
-    errors, limits = best.row.errors, scene.uncertainty(best.row)
-    assert errors is not None, "only a run with errors is recommended"
+    assert best.row.errors is not None, "only a run with errors is recommended"
+    limits = scene.uncertainty(best.row)
+    attitude, omega = limited_errors(best.row.errors, limits, ("attitude", "omega"))
     run, timestep = best.row.timestep, f"{typed(best.timestep)} s"
     if run != best.timestep:
         timestep += f" (measured at {number(run, 4)} s)"
@@ -156,8 +156,8 @@ def _facts(scene: SceneRuns, best: BestChoice) -> list[tuple[str, str]]:
         ("engine", f"{best.runs.engine} {best.row.engine_version}"),
         ("integrator", best.runs.method),
         ("timestep", timestep),
-        ("attitude error", f"{attitude_in_degrees(scene, best.row)}°"),
-        ("ω error", limited(errors.omega, limits.omega)),
+        ("attitude error", f"{attitude}°"),
+        ("ω error", omega),
     ]
     if best.cost is not None:
         facts.append(("cost", f"{number(best.cost)} CPU s a simulated s"))
@@ -187,14 +187,13 @@ def _errors(scene: SceneRuns, row: Row, noticed: float | None) -> list[Cell]:
         word = ended(row) if row.made else "not run"
         kind = row.outcome if row.made else "unsupported"
         return [Cell(word, kind, note=row.reason), *[figure(NOTHING)] * 3]
-    limits = scene.uncertainty(row)
-    of_signal = [
-        figure(limited(row.errors[signal], limits[signal])) for signal in ("omega", "energy")
-    ]
+    attitude, *others = limited_errors(
+        row.errors, scene.uncertainty(row), ("attitude", "omega", "energy")
+    )
     begins = f"{number(noticed)} s" if noticed is not None else "never"
     if row.errors.attitude > math.radians(1) and noticed is None:
         begins = NOTHING
-    return [figure(attitude_in_degrees(scene, row)), figure(begins), *of_signal]
+    return [*map(figure, (attitude, begins, *others))]
 
 
 def _capital(text: str) -> str:

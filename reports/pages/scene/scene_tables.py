@@ -255,7 +255,7 @@ def _observables_row(
 
 
 def _run_row(scene: SceneRuns, row: Row) -> list[Cell | str]:
-    errors = (NOTHING,) * len(SIGNALS)
+    errors = [NOTHING] * len(SIGNALS)
     if row.errors is not None:
         errors = limited_errors(row.errors, scene.uncertainty(row))
     when = f" at {number(row.stopped_at)} s" if row.stopped_at is not None else ""
@@ -268,7 +268,7 @@ def _run_row(scene: SceneRuns, row: Row) -> list[Cell | str]:
             "stock" if row.stock else "",
         ),
         figure(count(row.steps)),
-        *(figure(error) for error in errors),
+        *map(figure, errors),
         figure(_largest_drift(row)),
         figure(number(cost(row))),
         Cell(outcome, row.outcome, note=row.reason),

@@ -72,11 +72,7 @@ TURNS = (0.01, 0.03, 0.1, 0.3, 1.0, 3.0)
 
 def survival_table(grid: Grid) -> Table:
     """Percentage of the runs that finished, by the angle that ω(0) turns the body in a step."""
-
-    def survived(points: list[PlacedRow]) -> str:
-        return percent(sum(map(is_coloured, points)), len(points))
-
-    return _by_turn(grid, survived)
+    return _by_turn(grid, lambda runs: percent(sum(map(is_coloured, runs)), len(runs)))
 
 
 def medians_table(grid: Grid, measure: Measure) -> Table:

@@ -87,40 +87,6 @@ class Solid:
     squares: FloatArray | None
 
 
-@dataclass(frozen=True)
-class Ellipse:
-    """An ellipse in the units of a view, y downwards; `turn` in degrees, clockwise."""
-
-    name: str
-    colour: str
-    dash: str
-    x: float
-    y: float
-    rx: float
-    ry: float
-    turn: float
-
-
-@dataclass(frozen=True)
-class View:
-    """One of three views of a link.
-
-    Attributes
-    ----------
-    right, up : names of the axes
-    origin : of the link's frame
-    ellipses : the file's first; an impossible tensor is a point, with no radius
-    bar, bar_text : length of the scale bar in the picture, and the length it represents
-    """
-
-    right: str
-    up: str
-    origin: tuple[float, float]
-    ellipses: tuple[Ellipse, ...]
-    bar: float
-    bar_text: str
-
-
 def solid_squares(mass: float, inertia: FloatArray) -> FloatArray | None:
     """The squares of the ellipsoid's semi-axes as a matrix, m², (3, 3); None if there is none."""
     if not mass > 0:
@@ -131,42 +97,56 @@ def solid_squares(mass: float, inertia: FloatArray) -> FloatArray | None:
     return second if moments[-1] > 0 and moments[0] >= -rounding else None
 
 
-def views(solids: Sequence[Solid]) -> tuple[View, ...]:
-    """Three views at one scale, which all solids and the frame's origin fit."""
+def views(solids: Sequence[Solid]) -> list[dict[str, Any]]:
+    """Three views at one scale, which all solids and the frame's origin fit.
+
+    Each has the names of the axes to the `right` and `up`, the place of the `origin`, `ellipses`,
+    the file's first, and `bar`, the length that `bar_text` has in the picture.
+    """
     reaches = [np.zeros(3) if s.squares is None else _reach(s.squares) for s in solids]
     low = np.min([np.zeros(3), *(s.com - r for s, r in zip(solids, reaches, strict=True))], axis=0)
     high = np.max([np.zeros(3), *(s.com + r for s, r in zip(solids, reaches, strict=True))], axis=0)
     width = float((high - low).max()) or 1.0
     scale, middle = (SIZE - 2 * MARGIN) / width, (low + high) / 2
-    return tuple(_view(solids, right, up, scale, middle) for right, up in VIEWS)
+    return [_view(solids, right, up, scale, middle) for right, up in VIEWS]
 
 
-def _view(solids: Sequence[Solid], right: int, up: int, scale: float, middle: FloatArray) -> View:
+def _view(
+    solids: Sequence[Solid], right: int, up: int, scale: float, middle: FloatArray
+) -> dict[str, Any]:
     def place(point: FloatArray) -> tuple[float, float]:
         x, y = (point - middle)[[right, up]] * scale
         return float(SIZE / 2 + x), float(SIZE / 2 - y)
 
     length = _round_length(BAR * SIZE / scale)
-    return View(
-        AXES[right],
-        AXES[up],
-        place(np.zeros(3)),
-        tuple(_ellipse(solid, place(solid.com), (right, up), scale) for solid in solids),
-        length * scale,
-        f"{length:g} m" if length >= 0.1 else f"{1000 * length:g} mm",
-    )
+    return {
+        "right": AXES[right],
+        "up": AXES[up],
+        "origin": place(np.zeros(3)),
+        "ellipses": [_ellipse(solid, place(solid.com), (right, up), scale) for solid in solids],
+        "bar": length * scale,
+        "bar_text": f"{length:g} m" if length >= 0.1 else f"{1000 * length:g} mm",
+    }
 
 
 def _ellipse(
     solid: Solid, centre: tuple[float, float], plane: tuple[int, int], scale: float
-) -> Ellipse:
-    who = (solid.name, solid.colour, solid.dash)
+) -> dict[str, Any]:
+    """An ellipse, y downwards, `turn` in degrees, clockwise; without radii, a tensor of no body."""
+    x, y = centre
+    drawn: dict[str, Any] = {
+        "name": solid.name,
+        "colour": solid.colour,
+        "dash": solid.dash,
+        "x": x,
+        "y": y,
+    }
     if solid.squares is None:
-        return Ellipse(*who, *centre, 0.0, 0.0, 0.0)
+        return drawn | {"rx": 0.0}
     squares, axes = np.linalg.eigh(solid.squares[np.ix_(plane, plane)])
     ry, rx = np.maximum(np.sqrt(np.maximum(squares, 0.0)) * scale, LEAST)
     turn = -float(np.degrees(np.arctan2(axes[1, 1], axes[0, 1])))
-    return Ellipse(*who, *centre, float(rx), float(ry), turn)
+    return drawn | {"rx": float(rx), "ry": float(ry), "turn": turn}
 
 
 def _reach(squares: FloatArray) -> FloatArray:

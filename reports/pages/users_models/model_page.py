@@ -6,25 +6,23 @@ from typing import Any
 
 import numpy as np
 
-from ....engines.checks.read_back import BodyReading
 from ....engines.users_models import model_readers
 from ....scenarios import FloatArray, printable
 from ....scenarios.regular_files import file_name
 from ....scenarios.users_models import Stated, principal_moments
-from ...harness.users_models import (
+from ...harness.users_models.findings import (
     InspectedLink,
     Inspection,
     LinkReading,
-    attitude_apart,
     cell_text,
     composed_bodies,
     differences,
-    line_without_rotation,
     problems_of,
-    remedies,
     weight_in_words,
     worst_links,
 )
+from ...harness.users_models.inspect import attitude_apart
+from ...harness.users_models.remedy import line_without_rotation, remedies
 from ..analysis.trace_style import TraceStyle, trace_styles
 from ..tables import Cell, Table, figure, table
 from ..templating import ReportFolder, templates, write_assets
@@ -64,7 +62,7 @@ def page_names(paths: Sequence[Path]) -> list[str]:
 
 def _content(inspection: Inspection) -> dict[str, object]:
     model = inspection.model
-    who = [(reading.engine, reading.configuration) for reading in inspection.links[0].readings]
+    who = inspection.columns
     drawn = trace_styles(who)
     worst = worst_links(inspection)
     wrong = [link for link in inspection.links if not link.is_well]
@@ -144,8 +142,8 @@ def _card(link: InspectedLink, drawn: dict[Who, TraceStyle]) -> dict[str, object
         "where": printable(link.link.where),
         "problems": tuple(problem.text for problem in link.problems),
         "numbers": _numbers(stated, link.readings),
-        "views": views(solids) if any(s.squares is not None for s in solids) else (),
-        "keys": tuple(_keys(stated, otherwise, drawn)),
+        "views": views(solids) if any(s.squares is not None for s in solids) else [],
+        "solids": solids,
         "curves": _curves(otherwise, drawn),
         "line": next(filter(None, lines), ""),
     }
@@ -161,17 +159,7 @@ def _solids(
         assert reading.body is not None, "only what holds a body holds another one"
         style = drawn[reading.engine, reading.configuration]
         squares = solid_squares(reading.body.mass, reading.body.inertia_com)
-        yield Solid(_who(reading), style.colour, style.dash, reading.body.com, squares)
-
-
-def _keys(
-    stated: Stated | None, otherwise: Sequence[LinkReading], drawn: dict[Who, TraceStyle]
-) -> Iterator[tuple[str, TraceStyle | None]]:
-    """Entries of the key to the pictures of a link; None for the file's own style."""
-    if stated is not None:
-        yield FILES_OWN, None
-    for reading in otherwise:
-        yield _who(reading), drawn[reading.engine, reading.configuration]
+        yield Solid(reading.who, style.colour, style.dash, reading.body.com, squares)
 
 
 def _curves(
@@ -185,17 +173,19 @@ def _curves(
         apart = attitude_apart(reading.expected.inertia, reading.body.inertia_com, TIMES)
         if apart is not None:
             style = drawn[reading.engine, reading.configuration]
-            curves.append((_who(reading), style, np.degrees(apart)))
+            curves.append((reading.who, style, np.degrees(apart)))
     return time_curves(TIMES, curves) if curves else None
 
 
 def _numbers(stated: Stated | None, readings: Sequence[LinkReading]) -> Table:
-    rows = []
+    rows, nothing = [], [Cell("")] * 3
     if stated is not None:
         rows.append([Cell(FILES_OWN, "name"), *_body(stated.mass, stated.com, stated.inertia)])
-        rows[-1] += [Cell("")] * 3
+        rows[-1] += nothing
     for one in readings:
-        rows.append([Cell(_who(one), "name"), *_held_body(one.body), *_verdict(one)])
+        got = one.body
+        body = _body(got.mass, got.com, got.inertia_com) if got else nothing
+        rows.append([Cell(one.who, "name"), *body, *_verdict(one)])
     heads = (
         "",
         "kg",
@@ -206,10 +196,6 @@ def _numbers(stated: Stated | None, readings: Sequence[LinkReading]) -> Table:
         "",
     )
     return table(heads, rows)
-
-
-def _held_body(body: BodyReading | None) -> list[Cell]:
-    return [Cell("")] * 3 if body is None else _body(body.mass, body.com, body.inertia_com)
 
 
 def _body(mass: float, com: FloatArray, inertia: FloatArray) -> list[Cell]:
@@ -230,7 +216,3 @@ def _verdict(reading: LinkReading) -> list[Cell]:
     if reading.kind == "refused":
         verdict = "refuses the file"
     return [figure(turned), figure(angles), Cell(printable(verdict))]
-
-
-def _who(reading: LinkReading) -> str:
-    return f"{reading.engine} {reading.configuration}"

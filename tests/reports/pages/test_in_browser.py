@@ -13,7 +13,7 @@ from spincheck.reports.harness.choice import Choice
 from spincheck.reports.harness.executors import InProcess
 from spincheck.reports.harness.plan import plan
 from spincheck.reports.harness.study import run_study
-from spincheck.reports.harness.users_models import inspect_model, reader_engines
+from spincheck.reports.harness.users_models.inspect import inspect_model, reader_engines
 from spincheck.reports.pages.render import render
 from spincheck.reports.pages.users_models.model_page import write_model_page
 from spincheck.reports.results.store import open_store

@@ -14,14 +14,13 @@ from pathlib import Path
 import psutil
 from spincheck.engines.users_models import AGREES
 from spincheck.reports.harness.executors import LocalWorkers
-from spincheck.reports.harness.users_models import (
-    Inspection,
-    LinkReading,
+from spincheck.reports.harness.users_models.findings import Inspection, LinkReading
+from spincheck.reports.harness.users_models.inspect import (
+    READ_LIMIT,
     ReaderEngine,
     inspect_model,
     reader_engines,
 )
-from spincheck.reports.harness.users_models.inspect import READ_LIMIT
 from spincheck.scenarios.users_models import ModelFileError, read_model
 
 #: Distributions, and which of their files are models.

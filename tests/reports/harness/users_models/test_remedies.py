@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from spincheck.engines.users_models.model_reader import Advice, RefusalAdvice
 from spincheck.reports.harness.executors import InProcess
-from spincheck.reports.harness.users_models import inspect_model, reader_engines
 from spincheck.reports.harness.users_models import remedy as remedy_module
 from spincheck.reports.harness.users_models.findings import Inspection
+from spincheck.reports.harness.users_models.inspect import inspect_model, reader_engines
 from spincheck.reports.harness.users_models.remedy import inertial_line, remedies
 from spincheck.scenarios.users_models import read_model
 from users_models import (

@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from spincheck.reports.harness.executors import InProcess
-from spincheck.reports.harness.users_models import inspect_model, reader_engines
+from spincheck.reports.harness.users_models.inspect import inspect_model, reader_engines
 from spincheck.scenarios.users_models import read_model
 
 pybullet_data = pytest.importorskip("pybullet_data")

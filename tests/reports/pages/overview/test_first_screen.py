@@ -77,16 +77,16 @@ def cell(gathered: ReportData, method: str, engine: str = "mujoco") -> list:
 
 def shown(found, method: str) -> dict[str, str]:
     """A column of the answer's table, by measure."""
-    column = found.table.headings.index(method)
-    return {row[0].text: f"{row[column].text} {row[column].detail}" for row in found.table.rows}
+    column = found["table"].headings.index(method)
+    return {row[0].text: f"{row[column].text} {row[column].detail}" for row in found["table"].rows}
 
 
 def test_the_defaults_are_reported_with_their_size_in_degrees(gathered):
     # An error of first order, halved once.
     degrees = f"{math.degrees(SIZE[1] / 2):.1f}°"
     found = answer(gathered)
-    assert f"mujoco default {degrees}" in found.lead
-    assert "medians of 2 scenes" in found.about
+    assert f"mujoco default {degrees}" in found["lead"]
+    assert "medians of 2 scenes" in found["about"]
     default = shown(found, "mujoco default")
     assert default["timestep"].strip() == "10 ms"
     assert default["off at the end"].strip() == degrees
@@ -94,7 +94,7 @@ def test_the_defaults_are_reported_with_their_size_in_degrees(gathered):
 
 def test_a_default_that_blows_up_has_no_size(gathered):
     found = answer(gathered)
-    assert "pybullet default lost on 2 of 2 scenes" in found.lead
+    assert "pybullet default lost on 2 of 2 scenes" in found["lead"]
     assert shown(found, "pybullet default")["at worst"] == "∞ 2 runs blew up"
 
 
@@ -109,7 +109,7 @@ def test_without_times_nothing_is_said_of_cost():
     stored = stocked()
     rows = [replace(row, seconds_per_step=None) for row in stored.rows]
     found = answer(report_data(replace(stored, rows=rows)))
-    assert "CPU" not in found.about
+    assert "CPU" not in found["about"]
     assert not {"CPU time of a step", "pruned"} & shown(found, "use mujoco RK4").keys()
 
 
@@ -124,7 +124,7 @@ def test_a_method_is_offered_if_its_errors_are_half_the_defaults(factor, is_offe
         return replace(row, errors=replace(row.errors, attitude=size))
 
     found = answer(report_data(replace(stored, rows=list(map(errs, stored.rows)))))
-    assert ("use mujoco RK4" in found.table.headings) == is_offered
+    assert ("use mujoco RK4" in found["table"].headings) == is_offered
 
 
 def left_out(*names: str, unpruned: float = SECONDS_PER_STEP) -> EffectsCost:
@@ -168,7 +168,7 @@ def test_what_an_engine_cannot_simulate_did_not_blow_up():
 
     found = answer(report_data(replace(stored, rows=list(map(cannot, stored.rows)))))
     assert "blew up" not in shown(found, "mujoco default")["at worst"]
-    assert "medians of 1 scene;" in found.about
+    assert "medians of 1 scene;" in found["about"]
 
 
 def test_the_price_is_that_of_the_steps():
@@ -184,7 +184,7 @@ def test_the_price_is_that_of_the_steps():
 
 
 def test_why_a_default_is_wrong_is_reported_by_name_and_count(gathered):
-    why = answer(gathered).why
+    why = answer(gathered)["why"]
     assert "mujoco default converges to the exact motion on 2 of 2 scenes" in why
     assert "pybullet default converges at no timestep on 2 of 2 scenes" in why
     assert "on 2 of 2 scenes: damping (2), joint motor (2)." in why
@@ -193,14 +193,14 @@ def test_why_a_default_is_wrong_is_reported_by_name_and_count(gathered):
 @pytest.mark.parametrize("acts", [True, False, None])
 def test_a_default_that_alters_the_equations_of_motion_is_a_reason(acts):
     measured = stocked(defaults=[taken_away("joint motor", acts)])
-    why = answer(report_data(measured)).why
+    why = answer(report_data(measured))["why"]
     assert ("equations of motion are altered by its joint motor on 1, each alone" in why) == bool(
         acts
     )
 
 
 def test_what_changes_no_motion_is_no_reason(gathered):
-    assert "joint motor" not in answer(gathered, [left_out("joint motor")]).why
+    assert "joint motor" not in answer(gathered, [left_out("joint motor")])["why"]
 
 
 def test_without_engines_as_shipped_there_is_nothing_to_answer():
@@ -267,7 +267,7 @@ def test_markdown_says_the_same_answer_first(gathered, tmp_path):
     path = tmp_path / "report.md"
     beginning = path.read_text(encoding="utf-8").partition("## ")[0]
     found = answer(gathered)
-    for words in (found.lead, found.about, found.why):
+    for words in (found["lead"], found["about"], found["why"]):
         assert plain(words) in plain(beginning)
     of_answer, first = markdown_tables(path)[:2]
     assert "use mujoco RK4" in [heading.strip() for heading in of_answer[0]]

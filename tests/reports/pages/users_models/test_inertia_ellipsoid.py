@@ -48,10 +48,10 @@ def test_a_flat_body_has_one_without_thickness():
 
 def test_each_view_shows_the_two_axes_that_it_names():
     for view in views([drawn(tensor(AXES))]):
-        (ellipse,) = view.ellipses
-        right, up = (AXES["xyz".index(name)] for name in (view.right, view.up))
-        across = ellipse.rx if round(ellipse.turn) % 180 == 0 else ellipse.ry
-        other = ellipse.ry if across == ellipse.rx else ellipse.rx
+        (ellipse,) = view["ellipses"]
+        right, up = (AXES["xyz".index(name)] for name in (view["right"], view["up"]))
+        across = ellipse["rx"] if round(ellipse["turn"]) % 180 == 0 else ellipse["ry"]
+        other = ellipse["ry"] if across == ellipse["rx"] else ellipse["rx"]
         assert across / other == pytest.approx(right / up)
 
 
@@ -59,13 +59,13 @@ def test_a_turn_about_the_axis_looked_along_is_the_ellipses_turn():
     R = Rotation.from_euler("z", 25, degrees=True).as_matrix()
     above = views([drawn(R @ tensor(AXES) @ R.T)])[0]
     # Pictures count downwards: what turns to the left has a negative angle.
-    assert above.ellipses[0].turn % 180 == pytest.approx(-25 % 180)
+    assert above["ellipses"][0]["turn"] % 180 == pytest.approx(-25 % 180)
 
 
 def test_solids_and_the_frames_origin_fit_every_view():
     solids = [drawn(TURN @ tensor(AXES) @ TURN.T, (1.0, -2.0, 0.5)), drawn(tensor(AXES / 50))]
     for view in views(solids):
-        points = [view.origin, *((e.x, e.y) for e in view.ellipses)]
+        points = [view["origin"], *((e["x"], e["y"]) for e in view["ellipses"])]
         assert all(
             MARGIN - 1 <= number <= SIZE - MARGIN + 1 for point in points for number in point
         )
@@ -74,5 +74,5 @@ def test_solids_and_the_frames_origin_fit_every_view():
 def test_the_scale_bar_is_as_long_as_it_says():
     view = views([drawn(tensor(AXES))])[0]
     # 0.6 m wide.
-    assert view.bar_text == "0.2 m"
-    assert view.bar == pytest.approx((SIZE - 2 * MARGIN) * 0.2 / 0.6)
+    assert view["bar_text"] == "0.2 m"
+    assert view["bar"] == pytest.approx((SIZE - 2 * MARGIN) * 0.2 / 0.6)

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 from spincheck.reports.harness.executors import InProcess
-from spincheck.reports.harness.users_models import inspect_model, reader_engines
+from spincheck.reports.harness.users_models.inspect import inspect_model, reader_engines
 from spincheck.reports.pages.users_models.model_page import page_names, write_model_page
 from spincheck.scenarios.errors import is_control
 from spincheck.scenarios.users_models import read_model
