@@ -121,7 +121,10 @@ def _bound(signal: "Signal") -> Any:
 def _angle(text: str) -> float:
     """An angle, rad, of a number; of one that ends in "deg", its degrees in rad."""
     number = text.removesuffix("deg")
-    return float(number) if number == text else math.radians(float(number))
+    try:
+        return float(number) if number == text else math.radians(float(number))
+    except ValueError:
+        raise ValueError(f"must be such as 1e-3 (rad) or 0.1deg, got '{text}'") from None
 
 
 def _keep(

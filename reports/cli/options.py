@@ -12,6 +12,14 @@ REPORT_FOLDER = Path("spincheck-report")
 MEMBERS = 200
 CORES = os.cpu_count() or 1
 
+
+def _seconds(text: str) -> float:
+    try:
+        return float(text)
+    except ValueError:
+        raise ValueError(f"must be a number of seconds, such as 0.002, got '{text}'") from None
+
+
 Scenes = Annotated[
     list[str] | None,
     typer.Argument(
@@ -51,6 +59,7 @@ Timesteps = Annotated[
     list[float] | None,
     typer.Option(
         "--timestep",
+        parser=_seconds,
         metavar="S",
         help="Run at this timestep, s, and not at halved ones; may be repeated.",
     ),

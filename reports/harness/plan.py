@@ -52,9 +52,9 @@ class Plan:
     def __str__(self) -> str:
         """How many stored results are used again, in words; empty if none."""
         verdicts = self.there + sum(len(scene.to_run) for scene in self.scenes)
-        counts = [f"{self.there} of {verdicts} results are stored already"] if self.there else []
+        counts = [f"{self.there} of {verdicts} verdicts are stored already"] if self.there else []
         if self.outdated:
-            counts.append(f"{self.outdated} of another scene, engine or spincheck do not count")
+            counts.append(f"{self.outdated} do not count: scene, engine or spincheck changed since")
         return "; ".join(counts)
 
 

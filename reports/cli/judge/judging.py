@@ -79,16 +79,15 @@ def judged_files(
             f"'--timestep' must be given once for each file, got {len(timesteps)} for {len(files)}"
         )
     wanted = dict(_bound(bound) for bound in bounds)
+    # Before what takes half a minute the first time.
+    with as_complaint(RecordingError):
+        recordings = [read_recording(file) for file in files]
     compile_first()
     motions = {}
-    for k, file in enumerate(files):
+    for k, (file, recording) in enumerate(zip(files, recordings, strict=True)):
         timestep = timesteps[k] if timesteps else None
-        try:
-            recording = read_recording(file)
+        with as_complaint(RecordingError, before=f"{file}: "):
             motions[str(file)] = judged_motion(scenario, recording, components, frame, timestep)
-        except RecordingError as error:
-            where = "" if str(error).startswith(printable(str(file))) else f"{file}: "
-            raise Complaint(f"{where}{error}") from None
     beyond = [
         f"{name}: {sentence}"
         for name, motion in motions.items()
