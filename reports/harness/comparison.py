@@ -6,12 +6,7 @@ import numpy as np
 
 from ...engines import Engine, Run
 from ...reference import Solution, drifts
-from ...scenarios import (
-    SIGNAL,
-    Expect,
-    Scenario,
-    error_series,
-)
+from ...scenarios import SIGNAL, Expect, Scenario, error_series
 from ..results.evidence import LocalEvidence
 from ..results.records import Key, Row
 from .defects import turns_made, with_defects
