@@ -50,8 +50,8 @@ class ChildSession(Session):
             HeldRotor(one.mass, np.array(one.com), one.inertia_com, np.array(one.axis))
             for one in body.parts
         ]
-        held = WorldBody(body.mass, body.com, body.inertia_com, body.arm, parts)
-        return self._frame.body(held)
+        reading = WorldBody(body.mass, body.com, body.inertia_com, body.arm, parts)
+        return self._frame.body(reading)
 
     def _count(self, what: str, values: Sequence[object]) -> None:
         if len(values) != self._parts:

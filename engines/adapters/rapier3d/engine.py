@@ -51,11 +51,11 @@ class Rapier3DSession(WorldSession):
 
     def _rotor(self, body: Any, joint: Any) -> HeldRotor:
         """A rotor, which starts along the body's axes."""
-        (mass, com, inertia), held, xyz = self._mass_of(body), joint.data, self.module.xyz
-        place = xyz(held.local_anchor1) + com - xyz(held.local_anchor2)
-        turns = self.module.count(held.locked_axes) < EVERY
+        (mass, com, inertia), hinge, xyz = self._mass_of(body), joint.data, self.module.xyz
+        place = xyz(hinge.local_anchor1) + com - xyz(hinge.local_anchor2)
+        turns = self.module.count(hinge.locked_axes) < EVERY
         # Its `local_axis1` adds the anchor.
-        axis = matrix(self.module.wxyz(held.local_frame1.rotation))[:, 0] * turns
+        axis = matrix(self.module.wxyz(hinge.local_frame1.rotation))[:, 0] * turns
         return HeldRotor(mass, place, inertia, axis)
 
     def advance(self, steps: int) -> None:
@@ -78,16 +78,16 @@ class Rapier3DSession(WorldSession):
         torque = np.linalg.norm(got - wanted) <= SLACK * np.linalg.norm(got)
         gravity = self.module.xyz(world.gravity) * body.gravity_scale
         right = np.allclose(gravity, scenario.gravity_world, rtol=SLACK, atol=0)
-        held = self.world.joint and self.module.count(self.world.joint.data.locked_axes)
+        locked = self.world.joint and self.module.count(self.world.joint.data.locked_axes)
         rotors = self.world.rotors
         bodies = [body, *(rotor for rotor, _ in rotors)]
         named = {
             "gravity" if right else f"a gravity of {gravity.tolist()} m/s²": gravity.any(),
-            "pivot": held == 3,
-            "table": held == 1,
+            "pivot": locked == 3,
+            "table": locked == 1,
             "rotors": bool(rotors),
             **dict.fromkeys(self._wrong_hinges(), True),
-            "joints": len(world.impulse_joints) != len(rotors) + bool(held),
+            "joints": len(world.impulse_joints) != len(rotors) + bool(locked),
             "multibody joints": len(world.multibody_joints) > 0,
             f"a torque of {got.tolist()} N m": not torque,
             "damping": any(one.linear_damping or one.angular_damping for one in bodies),
