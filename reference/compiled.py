@@ -57,9 +57,8 @@ def compile_flow() -> None:
 
 def compile_kernels() -> None:
     """Call every kernel once, as the solvers do; what is kept is loaded."""
-    for scenario in _scenes():
-        exact = ExactMotion(scenario).solve(scenario.times).trajectory
-        flow(scenario, exact, np.zeros(len(exact.t)))
+    compile_march()
+    compile_flow()
     if FOLDER is not None:
         # On a full disk the next process compiles again.
         with suppress(OSError):

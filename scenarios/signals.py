@@ -133,37 +133,30 @@ def _speed(scene: Scene, exact: Trajectory) -> float:
 def _moved(scene: Scene, exact: Trajectory, growth: Errors) -> tuple[float, float]:
     """Change of a free body's place, m, and velocity, m/s, by one ulp in state and arm."""
     arm = float(np.linalg.norm(scene.body.com))
-    fast, speed = _largest_norm(exact.velocity_world), _largest_norm(exact.omega_body)
-    lengths = _largest_norm(exact.com_world) + arm + fast * float(exact.t[-1])
+    fast, speed = _longest(exact.velocity_world), _longest(exact.omega_body)
+    lengths = _longest(exact.com_world) + arm + fast * float(exact.t[-1])
     metres = EPS * lengths + growth.attitude * arm
     return metres, EPS * fast + (growth.attitude + growth.omega) * arm * speed
 
 
 def _energy_in_flight(scene: Scene, exact: Trajectory, growth: Errors) -> float:
     metres, metres_a_second = _moved(scene, exact, growth)
-    momentum = scene.body.mass * _largest_norm(exact.velocity_world)
+    momentum = scene.body.mass * _longest(exact.velocity_world)
     weight = scene.body.mass * float(np.linalg.norm(scene.gravity_world))
     joules = momentum * metres_a_second + weight * metres
     return max(growth.energy, _relative(joules, energy_base(scene, exact)))
 
 
 def _com_in_flight(scene: Scene, exact: Trajectory, growth: Errors) -> float:
-    way = _largest_norm(exact.com_world - exact.com_world[0])
-    return _relative(_moved(scene, exact, growth)[0], max(way, radius_of_gyration(scene)))
+    return _relative(_moved(scene, exact, growth)[0], _way(scene, exact))
 
 
 def _velocity_in_flight(scene: Scene, exact: Trajectory, growth: Errors) -> float:
-    turning = radius_of_gyration(scene) * _largest_norm(exact.omega_body)
-    base = max(_largest_norm(exact.velocity_world), turning)
-    return max(EPS, _relative(_moved(scene, exact, growth)[1], base))
+    return max(EPS, _relative(_moved(scene, exact, growth)[1], _speed(scene, exact)))
 
 
 def _longest(vectors: FloatArray) -> float:
     return float(norms(vectors).max())
-
-
-def _largest_norm(vectors: FloatArray) -> float:
-    return float(np.linalg.norm(vectors, axis=1).max())
 
 
 def _relative(change: float, base: float) -> float:
