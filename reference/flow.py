@@ -35,7 +35,7 @@ def flow(scenario: Scenario, states: Trajectory, spans: FloatArray) -> Trajector
     Parameters
     ----------
     states : n or more of them, at whatever times
-    spans : (n,) s, not negative
+    spans : (n,) s; to earlier states where they are negative
 
     Returns
     -------
@@ -104,7 +104,7 @@ def flow_each(
             series[0, i] = states[k, i]
         if terms.momentum:
             constants[MOMENTUM] = momenta[k]
-        left = spans[k]
+        left, direction = abs(spans[k]), math.copysign(1.0, spans[k])
         taken = 0
         while left > 0.0:
             start_from_state(series, constants, terms)
@@ -116,7 +116,7 @@ def flow_each(
                     h = step_size(series, order) * math.exp(2.0 - DIGITS / order)
             if not h > 0.0 or taken == steps:
                 return k
-            _advance(series, order, min(h, left))
+            _advance(series, order, direction * min(h, left))
             left -= h
             taken += 1
         for i in range(STATE):

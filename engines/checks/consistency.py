@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...scenarios import FloatArray, Scenario
+from ...scenarios.fastest_rate import decay_rate
 from ...scenarios.rotation import matrices, norms, rotation_vectors, turned
 from ...scenarios.scenario import started_at
 from ..session import Session
@@ -142,8 +143,9 @@ def single_steps(
 
     Parameters
     ----------
-    settle : steps before that one, from each state
+    settle : steps before that one, from where the exact motion was so long before each state
     """
+    equations = Equations(scenario)
     before, later = [], []
 
     def take(session: Session) -> None:
@@ -154,18 +156,35 @@ def single_steps(
         later.append(session.snapshot())
 
     with open_at(scenario, float(timesteps[0])) as first:
-        each = [states.rows(k) for k in range(_count(states))]
-        starts = [] if first.can_restart else [started_at(scenario, **vars(one)) for one in each]
         for timestep in map(float, timesteps):
-            for state in each if first.can_restart else ():
-                first.restart(state, timestep)
-                take(first)
-            for start in starts:
-                with open_at(start, timestep) as session:
+            earlier = _earlier(equations, states, after, settle * timestep)
+            for k in range(_count(states)):
+                if first.can_restart:
+                    first.restart(earlier.rows(k), timestep)
+                    take(first)
+                    continue
+                with open_at(started_at(scenario, **vars(earlier.rows(k))), timestep) as session:
                     take(session)
         befores, ends = first.states(before), first.states(later)
     exact = after(befores, np.repeat(timesteps, _count(states)))
     return Steps(timesteps, befores, ends, exact, repeats)
+
+
+def _earlier(equations: Equations, states: State, after: After, span: float) -> State:
+    """Where the exact motion was a time before each of n states, so that a run gets there.
+
+    Runs with all timesteps then end in states that differ by the error of their steps alone. A
+    motion that is slowed came from beyond all bounds, and is followed back for a time of decay at
+    most; from where nothing can hold the body a run does not start.
+    """
+    decay = decay_rate(equations.scenario)
+    span = min(span, 1 / decay) if decay else span
+    if not span:
+        return states
+    earlier = after(states, np.full(_count(states), -span))
+    bears = equations.bears(earlier)[:, None]
+    pairs = zip(vars(earlier).values(), vars(states).values(), strict=True)
+    return State(*(np.where(bears, came, column) for came, column in pairs))
 
 
 def excess(

@@ -12,7 +12,7 @@ skipped.
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -27,7 +27,7 @@ from .precision import single_precision
 from .read_back import State, stacked, start_state
 
 #: Steps until a constraint has settled. Bullet removes a fifth of its error in a step: 0.8^128 =
-#: 4e-13 of it is left.
+#: 4e-13 of it is left, and 6e-7 after half of them, which is enough in single precision.
 SETTLING = 128
 #: Directions of ω in the body, beside the scene's own: askew to every axis of a body that is drawn
 #: along its axes, so that no torque vanishes by symmetry.
@@ -71,9 +71,15 @@ def equation_residuals(
         turns = turns[turns >= LEAST_TURN_SINGLE]
     timesteps = np.asarray(turns / equations.rate)
     others = np.asarray(timesteps[COARSER : COARSER + 1] / 2**0.5)
-    after = equations.after_each
-    slack = max(slack, NEGLIGIBLE / ABOVE)
-    steps, found = settled(open_at, scenario, states, (timesteps, others), after, slack, is_single)
+    steps, found = settled(
+        open_at,
+        scenario,
+        lambda _: states,
+        (timesteps, others),
+        equations.after_each,
+        max(slack, NEGLIGIBLE / ABOVE),
+        is_single=is_single,
+    )
     when = ["at the start", *["turned askew at the start"] * (len(states.omega_body) - 1)]
     return leap(found, steps) or differing(equations, steps, found, when)
 
@@ -88,40 +94,47 @@ def starting_with(scenario: Scenario, omega_body: FloatArray) -> Scenario:
 def settled(
     open_at: Open,
     scenario: Scenario,
-    states: State,
+    repeated: Callable[[int], State],
     timesteps: tuple[FloatArray, FloatArray],
     after: After,
     slack: float,
+    *,
     is_single: bool,
-    repeats: int = 1,
+    repeats: Sequence[int] = (1,),
+    goal: float = np.inf,
 ) -> tuple[Steps, Excess]:
     """Steps from exact states, and what they gain; once settled where a constraint holds them.
 
     Parameters
     ----------
+    repeated : the states so many times over, each time a little otherwise
     timesteps : s, each half of the one before; and others, which these are to predict
     after : the exact motion
     slack, is_single : as of `equation_residuals`
-    repeats : of each state, with small changes, all of them in `states`
+    repeats : of each state; where there are several, the first shows whether a constraint holds the
+        body, and the next ones are taken until steps are known well enough, or to be wrong
+    goal : relative to the largest terms, to which it is well enough to know steps
     """
-    equations = Equations(scenario)
+    equations, together = Equations(scenario), np.concatenate(timesteps)
+    settling = 0
 
-    def steps_after(settling: int) -> tuple[Steps, Steps]:
-        together = np.concatenate(timesteps)
-        steps = single_steps(open_at, scenario, states, together, after, settling, repeats)
+    def found_with(count: int) -> tuple[Steps, Excess]:
+        states = repeated(count)
+        steps = single_steps(open_at, scenario, states, together, after, settling, count)
         halved = len(timesteps[0])
-        return steps.part(0, halved), steps.part(halved, len(together))
+        steps, others = steps.part(0, halved), steps.part(halved, len(together))
+        epsilon = rounding_of(steps.before, is_single)
+        return steps, excess(equations, steps, others, epsilon, slack)
 
-    steps, others = steps_after(0)
-    epsilon = rounding_of(steps.before, is_single)
-    found = excess(equations, steps, others, epsilon, slack)
-    if found.is_constrained:
-        # From an exact state a constraint takes some steps to settle. By then repeats are apart.
-        states, repeats = states.rows(slice(found.limit.shape[0])), 1
-        steps, others = steps_after(SETTLING)
-        slack = max(slack, NEGLIGIBLE / ABOVE)
-        found = replace(excess(equations, steps, others, epsilon, slack), is_constrained=True)
-    return steps, found
+    steps, found = found_with(repeats[0])
+    is_constrained = found.is_constrained
+    if is_constrained:
+        settling, slack = SETTLING // (1 + is_single), max(slack, NEGLIGIBLE / ABOVE)
+    for count in repeats[1:] or repeats[: int(is_constrained)]:
+        steps, found = found_with(count)
+        if found.at_most <= goal or found.by_tolerance.max() > 1:
+            break
+    return steps, replace(found, is_constrained=is_constrained)
 
 
 def rounding_of(states: State, is_single: bool) -> float:

@@ -93,7 +93,7 @@ class Equations:
 
     def after(self, state: State, span: float) -> State:
         """The state a time `span` later, s."""
-        turn = span * max(self.rate, float(np.linalg.norm(state.omega_body)))
+        turn = abs(span) * max(self.rate, float(np.linalg.norm(state.omega_body)))
         steps = max(2, int(np.ceil(turn / FINE_TURN)))
         q, omega = (
             state.q_world_body_wxyz / np.linalg.norm(state.q_world_body_wxyz),

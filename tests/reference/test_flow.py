@@ -110,6 +110,16 @@ def test_from_sample_to_sample_the_exact_motion_is_its_own_flow_in_all_signals(n
     assert (late > ULPS_A_RADIAN * EPS).any()
 
 
+@pytest.mark.parametrize("name", SCENES)
+def test_the_motion_is_followed_back_to_where_it_came_from(name: str) -> None:
+    scenario = library_scene(name)
+    motion = ExactMotion(scenario).outline(scenario.times[:41])
+    before, after = motion.until(40), motion.at(np.arange(1, 41))
+    spans = -np.diff(motion.t)
+    assert (distances(scenario, after, spans, before) < ULPS_A_RADIAN * EPS).all()
+    assert (distances(scenario, after, spans * (1 + 1e-9), before) > ULPS_A_RADIAN * EPS).any()
+
+
 def test_every_effect_is_flowed_with() -> None:
     assert set().union(*(library_scene(name).called_for for name in SCENES)) == set(EFFECTS)
 

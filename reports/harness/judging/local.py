@@ -9,10 +9,12 @@ from dataclasses import dataclass
 from functools import cached_property, lru_cache
 
 from ...results.evidence import JudgedLadder, LocalEvidence
+from .best_window import SHARP
 from .ladder import RUNGS_OF_A_LIMIT, LadderJudgement
 
-#: Steps must be known to be consistent to this, relative to the largest terms.
-CONSISTENT = 1e-4
+#: Steps must be known to be consistent to this, relative to the largest terms: over ten radians
+#: that comes to what a limit has to be known to.
+CONSISTENT = SHARP / 10
 #: Rungs of the pieces, and the uncertainty of their limits that is enough.
 PIECE_RUNGS, PIECE_GOAL = 7, 1e-4
 

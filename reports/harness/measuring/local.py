@@ -34,7 +34,7 @@ FINER = 3
 #: Gains have no limit that become larger by such a factor at each of two halvings of the timestep.
 GROWTH = 1.5
 #: Times that each state is repeated in single precision: no more than it takes.
-REPEATS = (16, 64)
+REPEATS = (1, 16, 64)
 
 
 def examine(
@@ -111,25 +111,18 @@ def acts_at_any_timestep(open_at: Open, engine: Engine, scenario: Scenario, at: 
 def _consistency(
     open_at: Open, engine: Engine, scenario: Scenario, at: Places
 ) -> tuple[Steps, Excess]:
-    """Steps from exact states, and what they gain; once settled where a constraint holds them.
-
-    In single precision each state is repeated until steps are known well enough, or to be wrong.
-    """
-    for repeats in REPEATS if engine.single_precision else (1,):
-        steps, found = settled(
-            open_at,
-            scenario,
-            at.repeated(scenario, repeats),
-            (_halved(engine, at), np.array(_others(engine, at))),
-            lambda states, spans: flowed(scenario, states, spans),
-            _slack(engine, at),
-            engine.single_precision,
-            repeats,
-        )
-        is_decided = found.at_most <= CONSISTENT or found.by_tolerance.max() > 1
-        if is_decided or found.is_constrained:
-            break
-    return steps, found
+    """Steps from exact states, and what they gain; in single precision from many near them."""
+    return settled(
+        open_at,
+        scenario,
+        lambda repeats: at.repeated(scenario, repeats),
+        (_halved(engine, at), np.array(_others(engine, at))),
+        lambda states, spans: flowed(scenario, states, spans),
+        _slack(engine, at),
+        is_single=engine.single_precision,
+        repeats=REPEATS if engine.single_precision else REPEATS[:1],
+        goal=CONSISTENT,
+    )
 
 
 def _slack(engine: Engine, at: Places) -> float:

@@ -6,10 +6,11 @@ Verified is what single steps and pieces show; what ladders show is in `test_fal
 import pytest
 import stepped_faults as planted
 from faulty_mujoco import FaultyMuJoCo, PlantedFault, applies
+from held_by_impulses import HeldByImpulses, ReadsOmegaOffWhereHeld
 from kinds_of_engines import why_missing
 from library_scenes import library_scene
 from spincheck.engines import engines
-from spincheck.engines.checks import equation_residuals
+from spincheck.engines.checks import consistency, equation_residuals
 from spincheck.reports.cli.run.summary import verdict_record
 from spincheck.reports.harness.judging import judge
 from spincheck.reports.harness.judging.local import LocalJudgement
@@ -111,6 +112,25 @@ def test_a_fault_at_one_timestep_alone_is_told_in_24_bits(name, method):
     kind = planted.in_single(planted.AtExactlyTwoMilliseconds)
     engine = SteppedEngine(kind, 1e-3, stock_timestep=2e-3, single_precision=True)
     assert "with a timestep of 0.002 s" in examined(engine, method, name).finding
+
+
+@pytest.mark.parametrize("name", ["fast-top", PLAIN])
+def test_a_body_that_impulses_hold_in_24_bits_settles_in_the_same_states_at_each_timestep(
+    name, monkeypatch
+):
+    engine = SteppedEngine(planted.in_single(HeldByImpulses), single_precision=True)
+    local = examined(engine, "Euler", name)
+    assert LocalJudgement(local).converges
+    monkeypatch.setattr(consistency, "_earlier", lambda equations, states, *_: states)
+    assert examined(engine, "Euler", name).tolerance > 2 * local.tolerance
+
+
+@pytest.mark.parametrize("size", [1e-3, -3e-4])
+@pytest.mark.parametrize("name", ["fast-top", PLAIN])
+def test_a_small_misreading_of_omega_is_told_in_24_bits_where_impulses_hold_the_body(name, size):
+    kind = planted.in_single(ReadsOmegaOffWhereHeld)
+    finding = examined(SteppedEngine(kind, size, single_precision=True), "Euler", name).finding
+    assert f"as if ω were read {1 + size:.4g}"[:-1] in finding
 
 
 def test_steps_that_are_computed_otherwise_below_some_length_are_a_remark():
