@@ -26,7 +26,7 @@ from ..session import Session
 from .equations import Equations
 from .extrapolation import ABOVE, COARSER, Gains, extrapolated, noise_of, surprises
 from .read_back import State
-from .terms import rates, roundings, term_sizes
+from .terms import rates, roundings, term_sizes, weakest_effects
 
 #: Roundings of a step's gain, in ulp of the state.
 ROUNDINGS = 16.0
@@ -85,6 +85,7 @@ class Excess:
     known_to : the uncertainty of that, (K, 4)
     tolerance : the largest that the limit may be, (K, 4)
     sizes : the largest terms that the gains are sums of, (4,)
+    weakest : the least of them that an effect adds at most, infinite where none does, (4,)
     by_timestep : the largest gain before extrapolation, relative to these sizes, (J, 4)
     unsmooth : how far the gain with each timestep is from what the others predict of it, likewise,
         in units of what reading a state explains, (J, 4)
@@ -101,6 +102,7 @@ class Excess:
     known_to: FloatArray
     tolerance: FloatArray
     sizes: FloatArray
+    weakest: FloatArray
     by_timestep: FloatArray
     unsmooth: FloatArray
     unsmooth_others: FloatArray
@@ -117,8 +119,16 @@ class Excess:
     @property
     def at_most(self) -> float:
         """What steps may gain in the limit, all uncertainties included, relative to the sizes."""
-        most = np.abs(self.limit).max(axis=2) + self.known_to + self.slack * self.sizes
-        return float((most / np.maximum(self.sizes, NO_SIZE)).max())
+        return float((self._most / np.maximum(self.sizes, NO_SIZE)).max())
+
+    @property
+    def of_an_effect(self) -> float:
+        """The same, relative to the weakest effect of the scene."""
+        return float((self._most / self.weakest).max())
+
+    @property
+    def _most(self) -> FloatArray:
+        return np.asarray(np.abs(self.limit).max(axis=2) + self.known_to + self.slack * self.sizes)
 
     @property
     def is_open(self) -> bool:
@@ -220,6 +230,7 @@ def excess(
         known_to,
         known_to + rounded + slack_of_terms,
         sizes,
+        weakest_effects(equations, steps.before, NEGLIGIBLE * sizes),
         (np.abs(nodes.values.mean(axis=1)).max(axis=3) / sizes).max(axis=1),
         unsmooth.max(axis=1),
         unsmooth_others.max(axis=1),

@@ -101,7 +101,7 @@ def settled(
     *,
     is_single: bool,
     repeats: Sequence[int] = (1,),
-    goal: float = np.inf,
+    is_enough: Callable[[float, float], bool] = lambda *_: True,
 ) -> tuple[Steps, Excess]:
     """Steps from exact states, and what they gain; once settled where a constraint holds them.
 
@@ -113,7 +113,8 @@ def settled(
     slack, is_single : as of `equation_residuals`
     repeats : of each state; where there are several, the first shows whether a constraint holds the
         body, and the next ones are taken until steps are known well enough, or to be wrong
-    goal : relative to the largest terms, to which it is well enough to know steps
+    is_enough : whether steps are known well enough: relative to the largest terms, and to the
+        weakest effect
     """
     equations, together = Equations(scenario), np.concatenate(timesteps)
     settling = 0
@@ -130,9 +131,11 @@ def settled(
     is_constrained = found.is_constrained
     if is_constrained:
         settling, slack = SETTLING // (1 + is_single), max(slack, NEGLIGIBLE / ABOVE)
+    elif found.by_tolerance.max() > 1:
+        return steps, found
     for count in repeats[1:] or repeats[: int(is_constrained)]:
         steps, found = found_with(count)
-        if found.at_most <= goal or found.by_tolerance.max() > 1:
+        if is_enough(found.at_most, found.of_an_effect) or found.by_tolerance.max() > 1:
             break
     return steps, replace(found, is_constrained=is_constrained)
 

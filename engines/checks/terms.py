@@ -13,20 +13,44 @@ def term_sizes(equations: Equations, states: State) -> FloatArray:
     scenario, reach = equations.scenario, equations.reach
     speeds = norms(states.omega_body)
     g = float(np.linalg.norm(scenario.gravity_world))
-    still, pushed = (
-        push(scenario.pushed, np.eye(3), omega)
-        for omega in (np.zeros(3), np.array(states.omega_body))
-    )
-    outer = np.linalg.norm(still) + norms(pushed - still)
-    if not scenario.constraint.is_free:
-        outer = outer + scenario.body.mass * g * equations.arm
     if scenario.constraint.is_pivot:
         velocity, place = speeds * reach, np.full_like(speeds, reach)
     else:
         velocity, place = g + reach * speeds**2, norms(states.velocity_world) + reach * speeds
     torque = _largest_moment(equations) * speeds**2 + norms(equations.kept_body(states)) * speeds
-    torque += outer
+    torque += _torques(equations, states).sum(axis=1)
     return np.stack([speeds, torque, velocity, place], axis=1)
+
+
+def _torques(equations: Equations, states: State) -> FloatArray:
+    """Sizes of the torques of what pushes always, of drag, and of weight, N m, (n, 3)."""
+    scenario = equations.scenario
+    still, pushed = (
+        push(scenario.pushed, np.eye(3), omega)
+        for omega in (np.zeros(3), np.array(states.omega_body))
+    )
+    g = 0.0 if scenario.constraint.is_free else float(np.linalg.norm(scenario.gravity_world))
+    weight = scenario.body.mass * g * equations.arm
+    sizes = np.linalg.norm(still), norms(pushed - still), weight
+    return np.stack(np.broadcast_arrays(*sizes), axis=1)
+
+
+def weakest_effects(equations: Equations, states: State, nothing: FloatArray) -> FloatArray:
+    """Of each term that gains are sums of, the least that an effect adds at most, (4,).
+
+    Infinite where no effect adds any. Effects that hold or push alike count as one.
+
+    Parameters
+    ----------
+    nothing : what is as good as nothing, (4,)
+    """
+    torques = _torques(equations, states).max(axis=0)
+    least = np.full(4, np.inf)
+    least[1] = torques[torques > nothing[1]].min(initial=np.inf)
+    g = float(np.linalg.norm(equations.scenario.gravity_world))
+    if g > nothing[2] and not equations.scenario.constraint.is_pivot:
+        least[2] = g
+    return least
 
 
 def roundings(equations: Equations, states: State, after: State, spans: FloatArray) -> FloatArray:

@@ -132,6 +132,7 @@ class LocalEvidence:
     starts : of these, number of those that pieces start from
     pieces : the short runs from there; None where steps are inconsistent
     remark : what its steps do that vanishes with the timestep, in words; empty if nothing
+    of_an_effect : as `tolerance`, relative to the weakest effect of the scene
     """
 
     finding: str
@@ -142,6 +143,7 @@ class LocalEvidence:
     starts: int = 0
     pieces: JudgedLadder | None = None
     remark: str = ""
+    of_an_effect: float = 0.0
 
 
 @dataclass(frozen=True, eq=False)

@@ -15,6 +15,8 @@ from .ladder import RUNGS_OF_A_LIMIT, LadderJudgement
 #: Steps must be known to be consistent to this, relative to the largest terms: over ten radians
 #: that comes to what a limit has to be known to.
 CONSISTENT = SHARP / 10
+#: And to this, relative to the weakest effect of the scene: a missing one must be seen.
+SEEN = 0.1
 #: Rungs of the pieces, and the uncertainty of their limits that is enough.
 PIECE_RUNGS, PIECE_GOAL = 7, 1e-4
 
@@ -35,12 +37,18 @@ class LocalJudgement:
     def is_consistent(self) -> bool:
         """Whether steps are known to be consistent."""
         found = self.evidence
-        return not (found.finding or found.is_open) and found.tolerance <= CONSISTENT
+        is_sound = not (found.finding or found.is_open)
+        return is_sound and is_known(found.tolerance, found.of_an_effect)
 
     @property
     def converges(self) -> bool:
         """Whether steps are known to be consistent, and all pieces converge."""
         return self.is_consistent and self.pieces.converges_to(float("inf"))
+
+
+def is_known(tolerance: float, of_an_effect: float) -> bool:
+    """Whether it is enough to know steps so well."""
+    return tolerance <= CONSISTENT and of_an_effect <= SEEN
 
 
 @lru_cache(maxsize=4)

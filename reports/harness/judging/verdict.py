@@ -5,6 +5,7 @@ from math import degrees
 from typing import Any
 
 from ....scenarios.signals import SIGNAL
+from ...results.evidence import LocalEvidence
 from ...results.records import Row, Verdict
 from ...results.verdict_words import RANKS
 from ..ladder import COARSEST_TURN
@@ -12,7 +13,7 @@ from .contradictions import contradictions
 from .expected_failures import compared_with_expected_failures
 from .ladder import RUNGS_OF_A_LIMIT
 from .ladder_end import cut_short
-from .local import CONSISTENT, LocalJudgement
+from .local import CONSISTENT, SEEN, LocalJudgement
 from .records import Records
 
 
@@ -72,11 +73,18 @@ def _by_pieces(
     if is_decided or not local.converges or records.remembers:
         return None
     reason = (
-        f"steps from {found.states} exact states are consistent to {found.tolerance:.1e}; "
-        f"{where}; over the whole window: {_over_all(records)}"
+        f"steps from {found.states} exact states are consistent to {found.tolerance:.1e} of the "
+        f"largest terms{_of_an_effect(found)}; {where}; over the whole window: {_over_all(records)}"
     )
     ground = f"in {found.states} steps and {found.starts} pieces"
     return Verdict(key, "converges", reason, *numbers, ground=ground, **attributes)
+
+
+def _of_an_effect(found: LocalEvidence) -> str:
+    """To which steps are known relative to the weakest effect, in words, where that says more."""
+    if found.of_an_effect <= found.tolerance:
+        return ""
+    return f", to {found.of_an_effect:.1e} of the weakest effect"
 
 
 def _over_all(records: Records) -> str:
@@ -140,6 +148,11 @@ def _undecided_by_pieces(records: Records) -> str:
         return (
             f"pieces do not decide: steps are known to be consistent to {found.tolerance:.1e} of "
             f"the largest terms only, and {CONSISTENT:g} is needed"
+        )
+    if found.of_an_effect > SEEN:
+        return (
+            f"pieces do not decide: steps are known to be consistent to {found.of_an_effect:.1e} "
+            f"of the weakest effect only, and {SEEN:g} is needed"
         )
     return "pieces do not decide: over 115° from exact states it is unresolved, too"
 

@@ -17,7 +17,7 @@ from ....scenarios import FloatArray, Scenario, Trajectory
 from ....scenarios.scenario import started_at
 from ...results.evidence import JudgedLadder, LocalEvidence
 from ..judging.ladder import LadderJudgement
-from ..judging.local import CONSISTENT, PIECE_GOAL, PIECE_RUNGS
+from ..judging.local import CONSISTENT, PIECE_GOAL, PIECE_RUNGS, is_known
 from ..stock import stock_timesteps
 from .places import (
     PIECE_STEPS,
@@ -34,7 +34,7 @@ FINER = 3
 #: Gains have no limit that become larger by such a factor at each of two halvings of the timestep.
 GROWTH = 1.5
 #: Times that each state is repeated in single precision: no more than it takes.
-REPEATS = (1, 16, 64)
+REPEATS = (1, 4, 16, 64)
 
 
 def examine(
@@ -88,6 +88,7 @@ def _examined(engine: Engine, scenario: Scenario, method: Method, at: Places) ->
         starts=len(at.starts),
         pieces=pieces,
         remark="" if wrong else _branch(engine, found, at, is_smooth=is_smooth),
+        of_an_effect=found.of_an_effect,
     )
 
 
@@ -121,7 +122,7 @@ def _consistency(
         _slack(engine, at),
         is_single=engine.single_precision,
         repeats=REPEATS if engine.single_precision else REPEATS[:1],
-        goal=CONSISTENT,
+        is_enough=is_known,
     )
 
 
