@@ -172,13 +172,12 @@ def weight_in_words(inspection: Inspection) -> str:
 
 def problems_of(inspection: Inspection, *, impossible: bool) -> list[Finding]:
     """Findings about the file: impossible or doubtful numbers."""
-    linked_problems = [
-        (problem, link)
+    return _grouped(
+        ("", problem.text, f"{link.link.name} (line {link.link.where.rpartition(':')[2]})")
         for link in inspection.links
         for problem in link.problems
         if problem.impossible == impossible
-    ]
-    return _grouped(("", problem.text, _place(link)) for problem, link in linked_problems)
+    )
 
 
 def composed_bodies(inspection: Inspection) -> list[Finding]:
@@ -219,10 +218,6 @@ def badness(reading: LinkReading) -> tuple[float, float]:
     apart = reading.attitude_apart_deg
     worst = reading.difference.worst if reading.difference is not None else 0.0
     return (max(apart.values()) if apart else 0.0, worst)
-
-
-def _place(link: InspectedLink) -> str:
-    return f"{link.link.name} (line {link.link.where.rpartition(':')[2]})"
 
 
 def _grouped(entries: Iterable[tuple[str, str, str]]) -> list[Finding]:

@@ -61,11 +61,6 @@ def _claimed(point: PlacedRow) -> float:
     return max(point.errors.omega, point.reference_uncertainty)
 
 
-def _measured(point: PlacedRow) -> list[str]:
-    values = [(measure, measure.of(point)) for measure in FIRST]
-    return [f"{one.title}: {number(value)}" for one, value in values if value is not None]
-
-
 def _colour_axis(low: float) -> dict[str, Any]:
     high = math.log10(NOTHING_RIGHT)
     low = min(low, high - 1)
@@ -152,9 +147,10 @@ def _hover_text(grid: Grid, point: PlacedRow) -> str:
         return f"ω error {_claimed(point):.0e}" if is_coloured(point) else escape(_ended(point))
     at = (with_unit(axis, value) for axis, value in zip(grid.axes, point.at, strict=True))
     chosen = not any(axis.path == TIMESTEP for axis in grid.axes) and point.timestep
+    said = FIRST if point.errors else ()
     lines = [
         ", ".join(at) + (f", timestep {point.timestep:.4g} s" if chosen else ""),
-        *(_measured(point) if point.errors else []),
+        *(f"{one.title}: {number(n)}" for one in said if (n := one.of(point)) is not None),
         "the reference is known no further" if grid.is_cut(point) else "",
         "" if point.outcome == "ok" else _ended(point),
         point.reason,

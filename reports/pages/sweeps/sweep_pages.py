@@ -127,7 +127,9 @@ def _page(name: str, result: SweepResult, results: Results) -> SweepPage:
     if isinstance(sweep, Map):
         title = f"{sweep.scenario}: {sweep.axes[0].path} × {sweep.axes[1].path}"
         grid = Grid(result, methods, results.stock_timesteps)
-        drawn, tables = (_map_figure(name, grid), ()), _map_tables(grid)
+        across, up = (axis_title(axis) for axis in grid.axes)
+        shown = Titled(f"map-{name}", f"{up} against {across}", CELLS, [map_figure(grid)])
+        drawn, tables = (shown, ()), _map_tables(grid)
     else:
         title = f"{count(sweep.members)} members like {sweep.scenario}, seed {sweep.seed}"
         members = members_of(result.points, methods)
@@ -135,11 +137,6 @@ def _page(name: str, result: SweepResult, results: Results) -> SweepPage:
         drawn, tables = _distributions(name, members), _ensemble_tables(sweep, members, ends)
     command = shlex.join([*_words(sweep), *_method_options(methods, results)])
     return SweepPage(result, name, title, command, _timestep_in_words(sweep), *drawn, tables)
-
-
-def _map_figure(name: str, grid: Grid) -> Titled:
-    across, up = (axis_title(axis) for axis in grid.axes)
-    return Titled(f"map-{name}", f"{up} against {across}", CELLS, [map_figure(grid)])
 
 
 def _map_tables(grid: Grid) -> tuple[Captioned, ...]:
