@@ -8,8 +8,11 @@ import xml.etree.ElementTree as ET
 from collections.abc import Iterable
 from dataclasses import replace
 
+import numpy as np
+from mpmath import mp, mpf
+
 from ...scenarios import Body, Scenario
-from ...scenarios.exact import ZERO
+from ...scenarios.exact import DIGITS, ZERO, Vector
 from ...scenarios.gyrostat import Rotor
 from .description import PLAIN, Description, parts_of
 from .principal_frame import principal_frame, roll_pitch_yaw_of
@@ -21,6 +24,12 @@ BODY_LINK = "top"
 #: The name that both readers take for the fixed world.
 WORLD_LINK = "world"
 PIVOT_JOINT = "pivot"
+#: Without mass, and said to be so: readers take links that say nothing for 1 kg.
+WEIGHTLESS = "0"
+#: Of a slide, whose limits URDF demands: PyBullet has none where the lower one is the larger.
+UNLIMITED = {"lower": "1", "upper": "-1", "effort": "0", "velocity": "0"}
+#: Entries of a tensor.
+MOMENTS = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
 #: m, and rad: where a joint is that is at its link's origin.
 NOWHERE = (0.0, 0.0, 0.0)
 #: A ball joint has no axis, but readers warn if none is given.
@@ -34,11 +43,13 @@ def urdf(
     has_box: bool = False,
     description: Description = PLAIN,
 ) -> str:
-    """The scene's body, and its pivot where there is one, as a URDF document.
+    """The scene's body, and what holds it where it is held, as a URDF document.
 
     A pivoted body hangs by a ``spherical`` joint at its own origin on a fixed link at the world's
-    origin. A free body is the only link. (PyBullet would turn a ``floating`` joint into a fixed
-    one; MuJoCo welds a single link to the world unless it is given a free joint.)
+    origin; on a table, by one at its tip on links without mass that slide. A link's frame is at its
+    joint, so a held body's is at that point. A free body is the only link. (PyBullet would turn a
+    ``floating`` joint into a fixed one; MuJoCo welds a single link to the world unless it is given
+    a free joint.)
 
     The tensor is written as principal moments in a turned inertial frame: PyBullet diagonalises
     a full tensor itself, and only to 1e-10.
@@ -51,9 +62,10 @@ def urdf(
     description : how the body is written: its parts, and whether tensors are whole
     """
     robot = ET.Element("robot", name=scenario.name)
-    if scenario.constraint.is_pivot:
-        ET.SubElement(robot, "link", name=WORLD_LINK)
-    for index, part in enumerate(parts_of(scenario.carrier, description.parts)):
+    is_held, point = not scenario.constraint.is_free, _held_at(scenario)
+    onto = _add_slides(robot, scenario) if is_held else ""
+    carrier = replace(scenario.carrier, com_exact=_from(point, scenario.carrier.com_exact))
+    for index, part in enumerate(parts_of(carrier, description.parts)):
         name = f"{BODY_LINK}-{index}" if index else BODY_LINK
         _add_link(robot, name, part.body, thickness, whole=description.full_tensor)
         if part.onto is not None:
@@ -62,25 +74,59 @@ def urdf(
             _add_joint(robot, f"to-{name}", "fixed", (parent, name), part.position, rpy=rpy)
     if sphere:
         centre, radius = sphere
-        _add_shape(robot, centre, (0.0, 0.0, 0.0), "sphere", radius=[radius])
+        _add_shape(robot, _from(point, centre), (0.0, 0.0, 0.0), "sphere", radius=[radius])
     if has_box:
-        _add_box(robot, scenario.carrier, thickness)
-    if scenario.constraint.is_pivot:
-        _add_joint(robot, PIVOT_JOINT, "spherical", (WORLD_LINK, BODY_LINK))
+        _add_box(robot, carrier, thickness)
+    if is_held:
+        place = NOWHERE if scenario.constraint.is_pivot else scenario.constraint.place_exact
+        _add_joint(robot, PIVOT_JOINT, "spherical", (onto, BODY_LINK), place)
     for number, rotor in enumerate(scenario.rotors.each, start=1):
-        _add_rotor(robot, number, rotor, thickness, has_box)
+        place = _from(point, rotor.position)
+        _add_rotor(robot, number, rotor, place, thickness, has_box)
     return xml_text(robot)
 
 
+def _held_at(scenario: Scenario) -> Vector:
+    """The point of the body that is held, or else its origin, m, body axes."""
+    constraint = scenario.constraint
+    return ZERO if constraint.is_free else _from(constraint.lever_exact, scenario.body.com_exact)
+
+
+def _from(origin: Vector, place: Iterable[mpf]) -> Vector:
+    with mp.workdps(DIGITS):
+        x, y, z = (of - at for of, at in zip(place, origin, strict=True))
+    return (x, y, z)
+
+
+def _add_slides(robot: ET.Element, scenario: Scenario) -> str:
+    """The fixed world, and links without mass that slide on it; the name of the last."""
+    ET.SubElement(robot, "link", name=WORLD_LINK)
+    onto = WORLD_LINK
+    for axis in np.flatnonzero(np.logical_not(scenario.constraint.is_held)):
+        name = f"slide{axis}"
+        inertial = ET.SubElement(ET.SubElement(robot, "link", name=name), "inertial")
+        ET.SubElement(inertial, "mass", value=WEIGHTLESS)
+        ET.SubElement(inertial, "inertia", dict.fromkeys(MOMENTS, WEIGHTLESS))
+        _add_joint(robot, f"to-{name}", "prismatic", (onto, name), axis=np.eye(3)[axis])
+        ET.SubElement(robot.findall("joint")[-1], "limit", UNLIMITED)
+        onto = name
+    return onto
+
+
 def _add_rotor(
-    robot: ET.Element, number: int, rotor: Rotor, thickness: float, has_box: bool
+    robot: ET.Element,
+    number: int,
+    rotor: Rotor,
+    place: Vector,
+    thickness: float,
+    has_box: bool,
 ) -> None:
     """A link whose frame is at the rotor's centre of mass, and its hinge."""
     name, body = f"rotor{number}", replace(rotor.body, com_exact=ZERO)
     _add_link(robot, name, body, thickness)
     kind = "fixed" if rotor.hinge == "locked" else "continuous"
     axis = [float(component) for component in rotor.axis]
-    _add_joint(robot, f"hinge{number}", kind, (BODY_LINK, name), rotor.body.com, axis)
+    _add_joint(robot, f"hinge{number}", kind, (BODY_LINK, name), place, axis)
     if has_box:
         _add_box(robot, body, thickness)
 

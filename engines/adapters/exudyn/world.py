@@ -1,12 +1,13 @@
-"""An Exudyn system of one body, which needs `exudyn` and numpy alone."""
+"""An Exudyn system of one body and its rotors, which needs `exudyn` and numpy alone."""
 
+from collections import namedtuple
 from functools import reduce
 
 import exudyn
 import exudyn.itemInterface
 import numpy as np
 
-from ...world_parts import matrix, quaternion, rotation_vector
+from ...world_parts import matrix, quaternion, rotation_vector, rotor_tensor
 
 items = exudyn.itemInterface
 AS_SHIPPED = "GeneralizedAlpha"
@@ -22,9 +23,19 @@ OF_TRAPEZOIDAL_RULE = {
     "newton.relativeTolerance": NEWTON_TOLERANCE,
     "newton.absoluteTolerance": NEWTON_TOLERANCE,
     "newton.useModifiedNewton": False,
+    # A rotor that turns by a radian a step takes more than the default, 25.
+    "newton.maxIterations": 100,
 }
+#: Of a residual, which a body's torque in its own axes, ω x I ω, and a joint's force add up to.
+ROUNDING = 64 * float(np.finfo(float).eps)
 #: The body's axes in another order, and in a third.
 TURNED = [np.roll(np.eye(3), k, axis=0) for k in range(3)]
+#: Entries of a tensor, in the order in which objects take them.
+ENTRIES = ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))
+
+#: A rotor's node, object, joint and drive by their numbers, and its place from the com and axis,
+#: axes of the record; the drive is None of a hinge that is free or locked.
+Rotor = namedtuple("Rotor", "node body joint drive place axis")
 
 
 def settings(solver):
@@ -42,28 +53,46 @@ def settings(solver):
 
 
 class World:
-    """One body on a Lie-group node, its pivot three constrained coordinates.
+    """One body on a Lie-group node, its pivot three constrained coordinates; rotors on joints.
 
     Explicit solvers eliminate constraints wrongly if the com is not at the node. So the node is at
     the pivot, the tensor is taken about the pivot, and gravity is a force on a marker at the com.
     """
 
     def __init__(self, scene, method, timestep):
-        solver = AS_SHIPPED if method == "default" else method
-        self.is_free = scene["arm"] is None
+        self.as_shipped = method == "default"
+        solver = AS_SHIPPED if self.as_shipped else method
+        self.is_free, self.gravity = scene["arm"] is None, np.array(scene["gravity"])
+        self.scene, self.R_axes_node = scene, None
         self.container = exudyn.SystemContainer()
-        self.system = self.container.AddSystem()
-        # Exudyn composes rotation vectors with an arc cosine, which loses half the digits of a
-        # small one: from a start along the world's axes, rotations of less than 1.5e-8 rad a step
-        # were lost. So the node's axes are the body's in the order that starts furthest from there.
-        starts = [np.trace(matrix(scene["q"]) @ turned) for turned in TURNED]
-        self.R_axes_node = TURNED[int(np.argmin(np.abs(starts)))]
-        self.assemble(scene)
         self.settings = settings(solver)
-        kind = "ImplicitSecondOrder" if solver in IMPLICIT else "Explicit"
-        self.solver = getattr(exudyn, f"MainSolver{kind}")()
-        self.system.Assemble()
+        self.kind = "ImplicitSecondOrder" if solver in IMPLICIT else "Explicit"
         self.restart(scene, timestep)
+
+    def face(self, R_world_axes):
+        """Build the system on a node whose axes suit an attitude, unless it is on such a node.
+
+        Exudyn composes rotation vectors with an arc cosine, which loses half the digits of a small
+        one: from a start along the world's axes, rotations of less than 1.5e-8 rad a step were
+        lost. So the node's axes are the body's in the order that starts furthest from there. Its
+        errors with joints depend on them: so a restart is on the axes of a system built there.
+        """
+        starts = [np.trace(R_world_axes @ turned) for turned in TURNED]
+        best = TURNED[int(np.argmin(np.abs(starts)))]
+        if best is self.R_axes_node:
+            return
+        if self.R_axes_node is not None:
+            self.close()
+        self.R_axes_node = best
+        self.system = self.container.AddSystem()
+        self.assemble(self.scene)
+        self.solver = getattr(exudyn, f"MainSolver{self.kind}")()
+        self.system.Assemble()
+
+    def close(self):
+        """Drop the system."""
+        self.solver.FinalizeSolver(self.system, self.settings)
+        self.container.Reset()
 
     def assemble(self, scene):
         """Build the body, and what holds it and acts on it."""
@@ -71,21 +100,9 @@ class World:
         lever = -np.array(scene["arm"] or (0.0, 0.0, 0.0))  # from the node to the com
         about_node = scene["mass"] * (lever @ lever * np.eye(3) - np.outer(lever, lever))
         of_node = R.T @ (np.diag(scene["moments"]) + about_node) @ R
-        self.node = system.AddNode(items.NodeRigidBodyRotVecLG())
-        entries = ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))
-        self.body = system.AddObject(
-            items.ObjectRigidBody(
-                mass=scene["mass"], inertia=[of_node[at] for at in entries], nodeNumber=self.node
-            )
-        )
-        self.com = system.AddMarker(
-            items.MarkerBodyPosition(bodyNumber=self.body, localPosition=[*(R.T @ lever)])
-        )
+        self.node, self.body, self.com = self.add_body(scene, of_node, R.T @ lever)
         if not self.is_free:
             self.hold()
-        if np.any(scene["gravity"]):
-            weight = scene["mass"] * np.array(scene["gravity"])
-            system.AddLoad(items.LoadForceVector(markerNumber=self.com, loadVector=[*weight]))
         whole = system.AddMarker(items.MarkerBodyRigid(bodyNumber=self.body))
         torque_node = R.T @ np.array(scene["torque_body"])
         for torque, turns in ((torque_node, True), (scene["torque_world"], False)):
@@ -105,45 +122,136 @@ class World:
                     markerNumbers=[still, whole], damping=damping
                 )
             )
+        self.rotors = [self.add_rotor(rotor, lever) for rotor in scene.get("rotors", [])]
+
+    def add_body(self, part, tensor, com):
+        """Add a body and its weight; the numbers of its node, object and marker at its com."""
+        system, mass = self.system, part["mass"]
+        node = system.AddNode(items.NodeRigidBodyRotVecLG())
+        entries = [tensor[at] for at in ENTRIES]
+        body = system.AddObject(items.ObjectRigidBody(mass=mass, inertia=entries, nodeNumber=node))
+        at_com = items.MarkerBodyPosition(bodyNumber=body, localPosition=[*com])
+        marker = system.AddMarker(at_com)
+        if np.any(self.gravity):
+            weight = [*(mass * self.gravity)]
+            system.AddLoad(items.LoadForceVector(markerNumber=marker, loadVector=weight))
+        return node, body, marker
+
+    def add_rotor(self, rotor, lever):
+        """Add a rotor, its axes those of the body, on a hinge; a drive keeps its spin."""
+        system, R = self.system, self.R_axes_node
+        node, body, _ = self.add_body(rotor, R.T @ rotor_tensor(rotor) @ R, np.zeros(3))
+        axis, place = np.array(rotor["axis"]), R.T @ (lever + rotor["place"])
+        # The joint's axes: it turns about z.
+        across = np.cross(axis, np.eye(3)[np.argmin(np.abs(axis))])
+        across /= np.linalg.norm(across)
+        frame = np.eye(4)
+        frame[:3, :3] = R.T @ np.column_stack([across, np.cross(axis, across), axis])
+        ends = []
+        for number, at in ((self.body, place), (body, np.zeros(3))):
+            frame[:3, 3] = at
+            end = items.MarkerBodyRigid(bodyNumber=number, localHT=frame.copy())
+            ends.append(system.AddMarker(end))
+        if rotor["hinge"] == "locked":
+            hinge = items.ObjectJointGeneric(markerNumbers=ends, constrainedAxes=[1] * 6)
+        else:
+            hinge = items.ObjectJointRevoluteZ(markerNumbers=ends)
+        drive = self.drive(body, place, R.T @ axis) if rotor["hinge"] == "driven" else None
+        joint = system.AddObject(hinge)
+        return Rotor(node, body, joint, drive, np.array(rotor["place"]), axis)
+
+    def drive(self, rotor, place, axis):
+        """Constrain the angular velocity of a rotor relative to the body; the object's number."""
+        system = self.system
+        turn = items.MarkerBodiesRelativeRotationCoordinate(
+            bodyNumbers=[self.body, rotor], localPosition0=[*place], axis0=[*axis]
+        )
+        pair = [self.still(), system.AddMarker(turn)]
+        return system.AddObject(
+            items.ObjectConnectorCoordinate(markerNumbers=pair, velocityLevel=True)
+        )
+
+    def still(self):
+        """Add a marker of a coordinate that stays 0."""
+        ground = self.system.AddNode(items.NodePointGround())
+        return self.system.AddMarker(items.MarkerNodeCoordinate(nodeNumber=ground, coordinate=0))
 
     def hold(self):
         """Constrain the node's position."""
-        ground = self.system.AddNode(items.NodePointGround())
-        still = self.system.AddMarker(items.MarkerNodeCoordinate(nodeNumber=ground, coordinate=0))
+        still = self.still()
         for k in range(3):
             pinned = items.MarkerNodeCoordinate(nodeNumber=self.node, coordinate=k)
             pair = [still, self.system.AddMarker(pinned)]
             self.system.AddObject(items.ObjectConnectorCoordinate(markerNumbers=pair))
 
     def restart(self, motion, timestep):
-        """Set another motion and timestep: a new start of the node, and a new run of the solver."""
+        """Set another motion and timestep: a new start of nodes, and a new run of the solver."""
         self.timestep = timestep
-        R_world_axes = matrix(motion["q"])
-        omega_node = self.R_axes_node.T @ R_world_axes.T @ np.array(motion["omega"])
-        attitude = rotation_vector(quaternion(R_world_axes @ self.R_axes_node))
-        still = [0.0, 0.0, 0.0]
-        place = [*(motion["com"] if self.is_free else still), *attitude]
-        velocity = [*(motion["velocity"] if self.is_free else still), *omega_node]
-        self.system.SetNodeParameter(self.node, "referenceCoordinates", place)
-        self.system.SetNodeParameter(self.node, "initialVelocities", velocity)
+        R_world_axes, omega = matrix(motion["q"]), np.array(motion["omega"])
+        self.face(R_world_axes)
+        R_world_node = R_world_axes @ self.R_axes_node
+        place, velocity = (
+            np.array(motion[key]) if self.is_free else np.zeros(3) for key in ("com", "velocity")
+        )
+        self.start(self.node, R_world_node, omega, place, velocity)
+        self.spins_set, rounding = motion.get("spins", []), 0.0
+        for rotor, spin in zip(self.rotors, self.spins_set, strict=True):
+            arm = R_world_axes @ rotor.place
+            velocity = motion["velocity"] + np.cross(omega, arm)
+            turning = omega + spin * R_world_axes @ rotor.axis
+            self.start(rotor.node, R_world_node, turning, motion["com"] + arm, velocity)
+            rounding += self.rounding(rotor, turning, omega)
+            if rotor.drive is not None:
+                self.system.SetObjectParameter(rotor.drive, "offset", spin)
         self.system.Assemble()
         # The generalised-α solver begins with the accelerations that are there.
         accelerations = self.system.systemData.GetODE2Coordinates_tt()
         self.system.systemData.SetODE2Coordinates_tt(0 * accelerations)
         self.settings.timeIntegration.endTime = timestep
+        if self.rotors and not self.as_shipped:
+            newton = self.settings.timeIntegration.newton
+            newton.absoluteTolerance = NEWTON_TOLERANCE + rounding
         self.solver.InitializeSolver(self.system, self.settings)
 
+    def rounding(self, rotor, turning, omega):
+        """Rounding of what a rotor adds to the residual, N and N m.
+
+        Its torque has terms in I ω² of its whole turning, which cancel about its axis.
+        """
+        found = self.system.GetObject(rotor.body)
+        swing = np.linalg.norm(rotor.place) * (omega @ omega) + np.linalg.norm(self.gravity)
+        torque = np.max(found["inertia"]) * (turning @ turning)
+        return ROUNDING * (torque + found["mass"] * swing)
+
+    def start(self, node, R_world_node, omega, place, velocity):
+        """Set the start of a node; ω, place and velocity along world axes."""
+        start = {
+            "referenceCoordinates": [*place, *rotation_vector(quaternion(R_world_node))],
+            "initialVelocities": [*velocity, *(R_world_node.T @ omega)],
+        }
+        for name, coordinates in start.items():
+            self.system.SetNodeParameter(node, name, coordinates)
+
+    def spins(self, omega, R_world_axes):
+        """Angular velocities of all rotors about their axes, relative to the body, rad/s."""
+        turning = exudyn.OutputVariableType.AngularVelocity
+        each = ((rotor, self.system.GetNodeOutput(rotor.node, turning)) for rotor in self.rotors)
+        return [(R_world_axes @ rotor.axis) @ (of_rotor - omega) for rotor, of_rotor in each]
+
     def motion(self):
-        """Attitude, w x y z, ω, com and its velocity, world axes."""
+        """Attitude, w x y z, ω, com and its velocity, world axes; spins."""
         of_node, of_marker = self.system.GetNodeOutput, self.system.GetMarkerOutput
         names = exudyn.OutputVariableType
         R_world_node = np.array(of_node(self.node, names.RotationMatrix)).reshape(3, 3)
+        R_world_axes = R_world_node @ self.R_axes_node.T
+        omega = of_node(self.node, names.AngularVelocity)
         return np.concatenate(
             [
-                quaternion(R_world_node @ self.R_axes_node.T),
-                of_node(self.node, names.AngularVelocity),
+                quaternion(R_world_axes),
+                omega,
                 of_marker(self.com, names.Position),
                 of_marker(self.com, names.Velocity),
+                self.spins(omega, R_world_axes),
             ]
         )
 

@@ -84,7 +84,11 @@ class PyBullet(Engine):
     stock_timestep = 1 / 240
     describes = frozenset({"parts", "full tensor", "shape"})
     methods = (
-        _method("multibody", "joint coordinates, a pivot as a spherical joint"),
+        _method(
+            "multibody",
+            "joint coordinates, a pivot as a spherical joint, a table as one on two slides",
+            JOINTED | ON_TABLE,
+        ),
         _method(
             "multibody-p2p",
             "joint coordinates, the pivot as a point-to-point constraint",

@@ -39,12 +39,13 @@ class OwnURDF:
 
 @dataclass(frozen=True)
 class BodyRepresentation:
-    """How a method represents the body, and its pivot where there is one.
+    """How a method represents the body, and what holds it where it is held.
 
     Attributes
     ----------
     maximal : six coordinates a body (btRigidBody) instead of joint coordinates (btMultiBody)
-    hung : whether the pivot is a spherical joint; otherwise a point-to-point constraint
+    hung : whether a pivot is a spherical joint, and a table one on slides; otherwise a pivot is a
+        point-to-point constraint
     defaults : those of `DEFAULTS` that are kept
     own : the file that is loaded; the scene's URDF if None
     by_contact : whether a table is a contact of a sphere and a plane
@@ -63,12 +64,16 @@ class BodyRepresentation:
         """Whether it is loaded as a user would, apart from defaults removed one by one."""
         return bool(self.defaults)
 
+    def hangs(self, scenario: Scenario) -> bool:
+        """Whether the scene's body hangs by a joint."""
+        return self.hung and not scenario.constraint.is_free
+
 
 def left_out(scenario: Scenario, representation: BodyRepresentation) -> tuple[str, ...]:
     """Parts left out of the body that would change no motion."""
     if representation.as_shipped or representation.own or representation.by_contact:
         return ()
-    return (SHAPE, MOTOR) if representation.hung and scenario.constraint.is_pivot else (SHAPE,)
+    return (SHAPE, MOTOR) if representation.hangs(scenario) else (SHAPE,)
 
 
 def load(
@@ -109,15 +114,16 @@ def _record(
 ) -> dict[str, Any]:
     """The scene as a world takes it, but for what is along the body's principal axes."""
     start, is_pivot = scenario.start, scenario.constraint.is_pivot
+    hung = representation.hangs(scenario)
     world_from_body = Rotation.from_quat(start.q_world_body_wxyz, scalar_first=True)
-    hung = representation.hung and is_pivot
     position, attitude = np.zeros(3), Rotation.identity() if hung else world_from_body
-    if not is_pivot:
+    if not (is_pivot or hung):
         position = start.position_world - world_from_body.apply(np.array(scenario.body.com))
     drives = scenario.rotors and not representation.as_shipped
     return {
         "maximal": representation.maximal,
         "hung": hung,
+        "slides": 3 - sum(scenario.constraint.is_held) if hung else 0,
         "defaults": [name for name in DEFAULTS if name in representation.defaults],
         "position": position.tolist(),
         "attitude": attitude.as_quat().tolist(),
@@ -136,7 +142,7 @@ def scenes_own(
     scenario: Scenario, representation: BodyRepresentation, left_in: Collection[str] = ()
 ) -> OwnURDF:
     """The scene as URDF; what holds a body that does not hang by a joint is no part of it."""
-    hung = representation.hung and scenario.constraint.is_pivot
+    hung = representation.hangs(scenario)
     sphere: tuple[Iterable[float], float] | None = None
     if representation.by_contact:
         table = scenario.effects.table
@@ -197,9 +203,11 @@ def _folder() -> str:
     return folder.name
 
 
-def _model_of_link(world: World, _: Scenario) -> Model:
+def _model_of_link(world: World, scenario: Scenario) -> Model:
     of_link = p.getDynamicsInfo(world.body, world.link, world.client)
-    return Model(world, Rotation.from_quat(of_link[4]), np.array(of_link[3]))
+    # A link's frame is at its joint.
+    at = scenario.body.com - scenario.constraint.lever if world.scene["hung"] else np.zeros(3)
+    return Model(world, Rotation.from_quat(of_link[4]), at + of_link[3], at)
 
 
 def _model_of_rigid_body(world: World, scenario: Scenario) -> Model:
@@ -212,7 +220,7 @@ def _model_of_rigid_body(world: World, scenario: Scenario) -> Model:
     body_from_world = Rotation.from_quat(q_world_body_wxyz, scalar_first=True).inv()
     body_from_principal = body_from_world * Rotation.from_quat(q_world_principal_xyzw)
     com = body_from_world.apply(np.array(com_world) - world.scene["position"])
-    return Model(world, body_from_principal, com)
+    return Model(world, body_from_principal, com, np.zeros(3))
 
 
 def _gyration_radius(scenario: Scenario) -> float:

@@ -12,7 +12,7 @@ from scipy.spatial.transform import Rotation
 from ....scenarios import FloatArray, Scenario
 from ....scenarios.rotation import across, cross, matrices, matrix, times, turned, turned_back
 from ...checks.read_back import BodyReading, State, composed
-from .world import BASE, HUNG, World
+from .world import BASE, World
 
 #: What a world's `move` takes.
 Move = tuple[Sequence[float] | None, FloatArray, FloatArray]
@@ -25,14 +25,16 @@ class Placed:
     Attributes
     ----------
     q_xyzw, omega : of a base, world axes; of a body that hangs, its joint's, principal axes
-    arm_world : from the body's origin to the com, m, (3,)
+    arm_world : from the joint, or of a base from the body's origin, to the com, m, (3,)
     link_world : from the com of the link that is set to that of all, m, (3,)
+    swing_world : ω × `arm_world`, m/s, (3,)
     """
 
     q_xyzw: Sequence[float] | FloatArray
     omega: FloatArray
     arm_world: FloatArray
     link_world: FloatArray
+    swing_world: FloatArray
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,11 +45,13 @@ class Model:
     ----------
     body_from_principal : takes components along the engine's axes (principal) to body components
     link_com : of its base or hung link alone, as the engine holds it, m, body axes, (3,)
+    joint_body : the point that it hangs by, m, body axes, (3,); of a base, its origin
     """
 
     world: World
     body_from_principal: Rotation
     link_com: FloatArray
+    joint_body: FloatArray
 
     def read_body(self) -> BodyReading:
         """Mass, com and tensor, with what is welded to the link, and its rotors."""
@@ -108,6 +112,11 @@ class Model:
         """The com of the whole from the link's, m, body axes, (3,)."""
         return self.com - self.link_com
 
+    @cached_property
+    def _lever(self) -> FloatArray:
+        """The com of the whole from the joint, m, body axes, (3,)."""
+        return self.com - self.joint_body
+
     def read_state(self) -> State:
         """The state now."""
         rows = np.concatenate([*self.world.motion(), self.world.spins()])[None]
@@ -134,11 +143,14 @@ class Model:
 
     def coordinates(self, states: State) -> FloatArray:
         """The velocity coordinates that PyBullet clamps, rad/s and m/s, a row of each state."""
-        if self.world.link == HUNG:
-            turning = states.omega_body @ self.body_from_principal.as_matrix()
-            return np.hstack([turning, states.spins])
-        omega_world = turned(matrices(states.q_world_body_wxyz), states.omega_body)
-        return np.hstack([omega_world, states.velocity_world, states.spins])
+        R_world_body = matrices(states.q_world_body_wxyz)
+        if self.world.link == BASE:
+            omega_world = turned(R_world_body, states.omega_body)
+            return np.hstack([omega_world, states.velocity_world, states.spins])
+        turning = states.omega_body @ self.body_from_principal.as_matrix()
+        swing_world = turned(R_world_body, cross(states.omega_body, self._lever))
+        sliding = (states.velocity_world - swing_world)[:, : self.world.link]
+        return np.hstack([sliding, turning, states.spins])
 
     def R_world_body(self) -> FloatArray:
         """The body's attitude now, (3, 3)."""
@@ -154,8 +166,9 @@ class Model:
     def placed(self, state: State) -> Placed:
         """A state in PyBullet's coordinates; a body that hangs by a joint is turned there."""
         world_from_body = Rotation.from_quat(state.q_world_body_wxyz, scalar_first=True)
-        arms = world_from_body.apply(self.com), world_from_body.apply(self._arm)
+        arm_world, link_world = map(world_from_body.apply, (self._lever, self._arm))
         omega_world = world_from_body.apply(np.array(state.omega_body))
+        arms = arm_world, link_world, cross(omega_world, arm_world)
         if self.world.link == BASE:
             q_xyzw = (world_from_body * self.body_from_principal).as_quat()
             return Placed(q_xyzw, omega_world, *arms)
@@ -165,23 +178,29 @@ class Model:
         return Placed(q_joint_xyzw, omega_principal, *arms)
 
     def place(self, placed: Placed, com_world: FloatArray, velocity_world: FloatArray) -> None:
-        """Set the body to a state; the com of one that hangs by a joint stays where it hangs."""
+        """Set the body to a state; the joint of one that hangs stays at its height."""
         world = self.world
-        if world.link == BASE:
+        if world.link != BASE:
+            world.slide(com_world - placed.arm_world, velocity_world - placed.swing_world)
+        else:
             of_link = com_world - placed.link_world
             p.resetBasePositionAndOrientation(world.body, of_link, placed.q_xyzw, world.client)
             velocity_world = velocity_world - cross(placed.omega, placed.link_world)
         world.move(placed.q_xyzw, velocity_world, placed.omega)
 
     def set_velocity(self, omega_world: FloatArray, velocity_world: FloatArray) -> None:
-        """Set ω (3,) and, unless it hangs by a joint, the com's velocity (3,); the pose stays."""
+        """Set ω (3,) and the com's velocity (3,) as far as a joint lets it; the pose stays."""
+        if self.world.link != BASE:
+            arm_world = self.R_world_body() @ self._lever
+            place = self.read_state().com_world - arm_world
+            self.world.slide(place, velocity_world - cross(omega_world, arm_world))
         self.world.move(*self._move(omega_world, velocity_world))
 
     def in_its_axes(self, scenario: Scenario) -> dict[str, Any]:
         """What a world's `set_up` needs besides: the start and torque, along principal axes."""
         world_from_body = Rotation.from_quat(scenario.start.q_world_body_wxyz, scalar_first=True)
         principal_from_body = self.body_from_principal.inv()
-        if self.world.link == HUNG:
+        if self.world.link != BASE:
             self._turn(world_from_body)
         omega_world = world_from_body.apply(np.array(scenario.start.omega_body))
         velocity_world = scenario.start.velocity_world
@@ -190,11 +209,14 @@ class Model:
                 omega_world, world_from_body.apply(np.array(scenario.body.com))
             )
         joint, velocity, omega = self._move(omega_world, velocity_world)
+        arm_world = world_from_body.apply(self._lever)
         is_tied = scenario.constraint.is_pivot and self.world.link == BASE
         torque = principal_from_body.apply(np.array(scenario.pushed["torque_body"]))
         return {
             "axes": self.body_from_principal.as_quat(scalar_first=True).tolist(),
             "pivot": principal_from_body.apply(-self.link_com).tolist() if is_tied else None,
+            "place": (scenario.start.position_world - arm_world).tolist(),
+            "speed": (velocity_world - np.cross(omega_world, arm_world)).tolist(),
             "joint": joint,
             "velocity": velocity.tolist(),
             "omega": omega.tolist(),
@@ -209,7 +231,7 @@ class Model:
                 arm_world = self.R_world_body() @ self._arm
                 velocity_world = velocity_world - cross(omega_world, arm_world)
             return None, velocity_world, omega_world
-        q_joint_xyzw, *_ = p.getJointStateMultiDof(world.body, HUNG, world.client)
+        q_joint_xyzw, *_ = p.getJointStateMultiDof(world.body, world.link, world.client)
         world_from_principal = Rotation.from_quat(world.motion()[1])
         return q_joint_xyzw, velocity_world, world_from_principal.inv().apply(omega_world)
 

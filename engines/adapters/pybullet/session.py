@@ -20,7 +20,7 @@ from .audit import what_acts
 from .load import BodyRepresentation, load
 from .model import Model, Placed
 from .pivot_limit import check_borne
-from .world import BASE, CLAMP, HUNG, UNREACHED
+from .world import BASE, CLAMP, UNREACHED
 from .worlds import give_back, take_world
 
 #: rad/s and m/s: every velocity coordinate of a multibody is clamped at this. (Source:
@@ -82,7 +82,7 @@ class PyBulletSession(Session):
     @property
     def restarts_to_the_last_bit(self) -> bool:
         """Whether the body is on a joint; any other pose is composed as it is loaded."""
-        return bool(self.world.link == HUNG)
+        return bool(self.world.link != BASE)
 
     def restart(self, state: State, timestep: float | None = None) -> None:
         """Set pose and velocities; a body held by a constraint is set off its pivot, too."""

@@ -9,8 +9,6 @@ import pybullet as p
 
 #: PyBullet's index of a body's base; its links count from 0.
 BASE = -1
-#: The one link of a body that hangs by a joint.
-HUNG = 0
 #: Defaults of PyBullet that alter motions; the third is of bodies on a joint.
 INERTIA, DAMPING = "inertia of the shape", "damping"
 JOINT_MOTOR, CLAMP = "joint motor", "velocity clamp"
@@ -18,12 +16,9 @@ DEFAULTS = (INERTIA, DAMPING, JOINT_MOTOR, CLAMP)
 #: rad/s and m/s; N; N m: larger than any velocity, force or torque of a run.
 UNREACHED = 1e100
 #: Of a contact.
-FRICTIONLESS = {
-    "lateralFriction": 0,
-    "spinningFriction": 0,
-    "rollingFriction": 0,
-    "restitution": 0,
-}
+FRICTIONLESS = dict.fromkeys(
+    ("lateralFriction", "spinningFriction", "rollingFriction", "restitution"), 0
+)
 #: Largest number of steps in a native call, some 20 ms, as a call cannot be interrupted.
 MOST_STEPS_A_CALL = 2**14
 
@@ -50,20 +45,21 @@ class World:
     Parameters
     ----------
     scene : `maximal`, whether it has six coordinates and not a joint's; `hung`, whether it hangs by
-        a spherical joint; `defaults` that are left; `position`, m, and `attitude`, x y z w, that it
-        is loaded at; `gravity`, m/s²; `drag`, N m s; `torque_world`, N m; `plane`, the height of
-        the plane that it lies on, m, or None; `rotors`, the hinge of each, and their `spins`,
-        rad/s; `motor`, the gain of the joint's motor; `is_exact`, whether constraints are solved
-        directly. Along the principal axes that PyBullet has found, and needed by `set_up` only:
-        `axes`, w x y z, in the body's; `pivot`, m, where it is tied to the world's origin, or None;
-        `torque_body`, N m; `joint`, x y z w, and its `omega`, rad/s; of a base, `omega` and
-        `velocity`, m/s, are along the world's.
+        a spherical joint, on `slides` along so many axes; `defaults` that are left; `position`, m,
+        and `attitude`, x y z w, that it is loaded at; `gravity`, m/s²; `drag`, N m s;
+        `torque_world`, N m; `plane`, the height of the plane that it lies on, m, or None; `rotors`,
+        the hinge of each, and their `spins`, rad/s; `motor`, the gain of the joint's motor;
+        `is_exact`, whether constraints are solved directly. Along the principal axes that PyBullet
+        has found, and needed by `set_up` only: `axes`, w x y z, in the body's; `pivot`, m, where it
+        is tied to the world's origin, or None; `torque_body`, N m; `joint`, x y z w, and its
+        `omega`, rad/s; `place` and `speed` of slides, m and m/s; of a base, `omega` and `velocity`,
+        m/s, are along the world's.
     client, file : PyBullet's number of an empty world, and a URDF
     """
 
     def __init__(self, scene, client, file):
         self.scene, self.client = scene, client
-        self.link = HUNG if scene["hung"] else BASE
+        self.link = scene["slides"] if scene["hung"] else BASE
         self.body = p.loadURDF(
             file,
             scene["position"],
@@ -93,6 +89,7 @@ class World:
             self.tie()
         if scene["plane"] is not None:
             self.lay_under()
+        self.slide(scene["place"], scene["speed"])
         self.move(scene["joint"], scene["velocity"], scene["omega"])
         if JOINT_MOTOR not in scene["defaults"]:
             self.take_away_motors()
@@ -119,7 +116,7 @@ class World:
         """
         p.setJointMotorControlMultiDof(
             self.body,
-            HUNG,
+            self.link,
             p.POSITION_CONTROL,
             targetPosition=(0, 0, 0, 1),
             positionGain=gain,
@@ -176,10 +173,17 @@ class World:
 
     def move(self, joint, velocity, omega):
         """Set the velocities of a base, or a joint's attitude and ω along the principal axes."""
-        if self.link == HUNG:
-            p.resetJointStateMultiDof(self.body, HUNG, joint, omega, physicsClientId=self.client)
-        else:
+        if self.link == BASE:
             p.resetBaseVelocity(self.body, velocity, omega, self.client)
+        else:
+            p.resetJointStateMultiDof(
+                self.body, self.link, joint, omega, physicsClientId=self.client
+            )
+
+    def slide(self, place, speed):
+        """Set the slides, m and m/s, of a body that hangs on any."""
+        for link in range(self.link):
+            p.resetJointState(self.body, link, place[link], speed[link], self.client)
 
     def set_spins(self, spins):
         """Set the spins of all rotors, rad/s, at the angles of the model, and the drives."""
@@ -190,8 +194,8 @@ class World:
                     self.drive(link, float(spin), UNREACHED)
 
     def take_away_motors(self):
-        """Remove PyBullet's motors, which brake every hinge."""
-        for link in self.hinges:
+        """Remove PyBullet's motors, which brake every hinge and slide."""
+        for link in (*range(self.link), *self.hinges):
             self.drive(link, 0.0, 0.0)
 
     def drive(self, link, spin, torque):
@@ -227,7 +231,7 @@ class World:
                 self.pushes.append(self.drag)
             else:
                 p.changeDynamics(
-                    self.body, HUNG, jointDamping=scene["drag"], physicsClientId=self.client
+                    self.body, self.link, jointDamping=scene["drag"], physicsClientId=self.client
                 )
 
     def push(self, torque, frame):
@@ -238,7 +242,7 @@ class World:
         """Apply the torque that turns with the body to its joint."""
         p.setJointMotorControlMultiDof(
             self.body,
-            HUNG,
+            self.link,
             p.TORQUE_CONTROL,
             force=self.scene["torque_body"],
             physicsClientId=self.client,

@@ -38,9 +38,10 @@ METHODS = {
     "rapier3d-js": "impulse",
     "jolt": "gyroscopic",
     "physx": "pgs",
+    "exudyn": "TrapezoidalIndex2",
 }
 #: Engines of which a rotor is a body of its own: its step has to resolve how far that turns.
-BY_IMPULSES = ("rapier3d", "rapier3d-js", "jolt", "physx", "havok", "cannon-es")
+OWN_BODIES = ("exudyn", "rapier3d", "rapier3d-js", "jolt", "physx", "havok", "cannon-es")
 #: The fastest rate times the step, of the coarser of two runs; and how many steps it takes.
 TURN, STEPS = 0.1, 64
 #: How far an order may fall short of the declared one, as in the contract.
@@ -72,7 +73,7 @@ def test_rotors_of_the_library_converge_with_the_declared_order(name: str) -> No
     order = engine.method(METHODS[name]).order
     for scene in map(library_scene, ROTORS):
         rate = fastest_rate(scene, scene.start.omega_body)
-        if name in BY_IMPULSES:
+        if name in OWN_BODIES:
             rate = max(rate, float(np.abs(scene.rotors.start_spins).max()))
         coarse, fine = (errors_at(engine, scene, TURN / rate / k, k * STEPS) for k in (1, 2))
         # Of a driven rotor the spin stays, but for rounding; in single precision, of all.
@@ -129,6 +130,30 @@ def damped_rapier(world: Any) -> None:
     world.rotors[0][0].angular_damping = 0.1
 
 
+def undriven_exudyn(world: Any) -> None:
+    world.system.SetObjectParameter(world.rotors[2].drive, "activeConnector", False)
+
+
+def elsewhere_driven_exudyn(world: Any) -> None:
+    world.system.SetObjectParameter(world.rotors[2].drive, "offset", -5.001)
+
+
+def loose_exudyn(world: Any) -> None:
+    axes = [1, 1, 1, 1, 1, 0]
+    world.system.SetObjectParameter(world.rotors[1].joint, "constrainedAxes", axes)
+
+
+def weightless_exudyn(world: Any) -> None:
+    world.system.SetLoadParameter(1, "loadVector", [0.0, 0.0, 0.0])
+
+
+def off_exudyn(world: Any) -> None:
+    _, end = world.system.GetObject(world.rotors[0].joint)["markerNumbers"]
+    at = np.array(world.system.GetMarker(end)["localHT"])
+    at[0, 3] = 0.01
+    world.system.SetMarkerParameter(end, "localHT", at)
+
+
 FAULTS: dict[tuple[str, Callable[[Any], None]], str] = {
     ("pin", undriven_pin): "armature",
     ("pin", damped_pin): "joint friction",
@@ -140,6 +165,11 @@ FAULTS: dict[tuple[str, Callable[[Any], None]], str] = {
     ("rapier3d", locked_rapier): "'axial moment of rotor 1' must read back",
     ("rapier3d", damped_rapier): "damping",
     ("rapier3d", off_rapier): "'com' must read back",
+    ("exudyn", undriven_exudyn): "rotor 3 driven to another spin than -5 rad/s",
+    ("exudyn", elsewhere_driven_exudyn): "rotor 3 driven to another spin than -5 rad/s",
+    ("exudyn", loose_exudyn): "rotor 2 on another joint than that of a locked hinge",
+    ("exudyn", weightless_exudyn): "a load of [0.0, 0.0, 0.0]",
+    ("exudyn", off_exudyn): "must read back",
 }
 
 
@@ -221,7 +251,7 @@ def test_a_fault_planted_in_the_hinges_of_an_engine_under_node_fails_the_run(
     assert words in run.reason, run.reason
 
 
-@each_case("name", BY_IMPULSES)
+@each_case("name", OWN_BODIES)
 def test_a_restart_with_rotors_is_the_scene_opened_there(name: str) -> None:
     engine, scene = installed(name), SCENES["pivot-rotors"]
     method, elsewhere = engine.methods[0], from_elsewhere(scene)
