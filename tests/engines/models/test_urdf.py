@@ -16,7 +16,8 @@ ROUNDOFF = 16 * EPS
 #: Models of rotors are read back by the contract.
 RIGID = {name: scene for name, scene in SCENES.items() if not scene.rotors}
 PIVOTED = [name for name, scene in RIGID.items() if scene.constraint.is_pivot]
-FREE = [name for name, scene in RIGID.items() if not scene.constraint.is_pivot]
+FREE = [name for name, scene in RIGID.items() if scene.constraint.is_free]
+ON_A_TABLE = [name for name in RIGID if name not in {*PIVOTED, *FREE}]
 
 
 def numbers(element: ET.Element | None, key: str) -> np.ndarray:
@@ -45,9 +46,10 @@ def relative_misfit(scene: Scenario, inertia_com: np.ndarray) -> float:
 
 @each_case("name", [*RIGID])
 def test_mass_and_com_are_there_bit_for_bit(name: str) -> None:
-    body, held = SCENES[name].body, read(urdf(SCENES[name]))
-    assert held.mass == body.mass
-    assert held.com.tolist() == body.com.tolist()
+    """The com from where the body is held, or else from its origin."""
+    scene, held = SCENES[name], read(urdf(SCENES[name]))
+    assert held.mass == scene.body.mass
+    assert held.com.tolist() == scene.constraint.lever.tolist()
 
 
 @each_case("name", [*RIGID])
@@ -76,6 +78,20 @@ def test_a_pivoted_body_hangs_on_the_world_by_a_ball_at_its_origin(name: str) ->
     assert joint.find("axis") is not None
 
 
+@each_case("name", ON_A_TABLE)
+def test_a_body_on_a_table_hangs_by_a_ball_at_its_tip_on_slides_without_mass(name: str) -> None:
+    root = ET.fromstring(urdf(SCENES[name]))
+    joints = [
+        (joint.attrib["type"], numbers(joint.find("axis"), "xyz")) for joint in root.iter("joint")
+    ]
+    assert [kind for kind, _ in joints] == ["prismatic", "prismatic", "spherical"]
+    assert np.array_equal([axis for _, axis in joints[:2]], np.eye(3)[:2])
+    place = numbers(root.find("joint[@name='pivot']/origin"), "xyz")
+    assert place.tolist() == [float(part) for part in SCENES[name].constraint.place_exact]
+    slides = root.findall("link")[1:3]
+    assert [numbers(link.find("inertial/mass"), "value").item() for link in slides] == [0.0, 0.0]
+
+
 @each_case("name", FREE)
 def test_a_free_body_is_the_only_link(name: str) -> None:
     assert [child.tag for child in ET.fromstring(urdf(SCENES[name]))] == ["link"]
@@ -84,5 +100,6 @@ def test_a_free_body_is_the_only_link(name: str) -> None:
 @each_case("name", [*RIGID])
 def test_nothing_but_bodies_and_the_pivot_is_written(name: str) -> None:
     tags = {element.tag for element in ET.fromstring(urdf(SCENES[name])).iter()}
-    pivot = {"joint", "parent", "child", "axis"} if SCENES[name].constraint.is_pivot else set()
-    assert tags == {"robot", "link", "inertial", "origin", "mass", "inertia"} | pivot
+    held = set() if SCENES[name].constraint.is_free else {"joint", "parent", "child", "axis"}
+    held |= {"limit"} if name in ON_A_TABLE else set()
+    assert tags == {"robot", "link", "inertial", "origin", "mass", "inertia"} | held
