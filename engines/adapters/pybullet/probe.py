@@ -7,6 +7,7 @@ import numpy as np
 import pybullet as p
 
 from ....scenarios import FloatArray, Scenario
+from ....scenarios.effects.push import push
 from ....scenarios.rotation import cross, matrix
 from ...checks.read_back import BodyReading, State
 from .model import Model
@@ -31,6 +32,7 @@ class Probe:
     reading : the body as PyBullet holds it, already compared with the scene by the read-back
     push_world : N m, the scene's torques at the attitude of all probes, (3,)
     spin_world : rad/s, slow, (3,)
+    dragged_world : N m, what the scene's torques change by at that spin, (3,)
     """
 
     advance: Callable[[int], None]
@@ -39,6 +41,7 @@ class Probe:
     reading: BodyReading
     push_world: FloatArray
     spin_world: FloatArray
+    dragged_world: FloatArray
 
     @classmethod
     def of(cls, advance: Callable[[int], None], model: Model, scenario: Scenario) -> "Probe":
@@ -50,9 +53,10 @@ class Probe:
             model.put_on_pivot()
         world.set_spins(np.full(len(scenario.rotors.each), PROBE_SPIN))
         R_world_body = model.R_world_body()
-        push_world = R_world_body @ scenario.pushed["torque_body"] + scenario.pushed["torque_world"]
         spin_world = R_world_body @ np.full(3, PROBE_SPIN)
-        return cls(advance, model, scenario, model.read_body(), push_world, spin_world)
+        push_world = push(scenario.pushed, R_world_body, np.zeros(3))
+        dragged = push(scenario.pushed, R_world_body, spin_world) - push_world
+        return cls(advance, model, scenario, model.read_body(), push_world, spin_world, dragged)
 
     def after(self, omega_world: FloatArray) -> tuple[State, State]:
         """The states before and after a step from this ω.
@@ -98,8 +102,7 @@ class Probe:
         slow = size(self.spin_world)
         if not near(at_rest, self.push_world, self.noise):
             torque = f"a torque of {size(at_rest)} N m at rest"
-        dragged = -self.scenario.pushed["drag"] * self.spin_world
-        if not near(spinning - at_rest, dragged, self.noise):
+        if not near(spinning - at_rest, self.dragged_world, self.noise):
             resistance = f"a resistance of {size(spinning - at_rest)} N m at {slow} rad/s"
         faint = SLACK * PROBE_SPIN * self.reading.mass
         if self._slides:
@@ -127,11 +130,11 @@ class Probe:
         if self._slides:
             # A com that flies at 1 m/s a rad/s has an angular momentum about the joint.
             largest_moment += self.reading.mass * arm
-        push = float(np.linalg.norm(self.push_world))
+        pushed = float(np.linalg.norm(self.push_world))
         # What a torque adds to ω in the step also turns the body, and with it L.
-        dragged = float(self.scenario.pushed["drag"]) * PROBE_SPIN
-        turned = (push + dragged) * largest_moment / float(moments[0])
-        return SLACK * (PROBE_SPIN * (largest_moment + turned) + push)
+        dragged = float(np.linalg.norm(self.dragged_world))
+        turned = (pushed + dragged) * largest_moment / float(moments[0])
+        return SLACK * (PROBE_SPIN * (largest_moment + turned) + pushed)
 
     @property
     def _slides(self) -> bool:

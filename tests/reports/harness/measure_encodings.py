@@ -1,7 +1,7 @@
 """Counts false alarms of encodings: random bodies, each described in every way, in real engines.
 
-`make encodings COUNT=1000`; with `FROM=700` it goes on after the first 700. An encoding that an engine is known to answer otherwise
-(docs/how-to/encodings.md) is counted, but is no false alarm.
+`make encodings COUNT=1000`; with `FROM=700` it goes on after the first 700. An encoding that an
+engine is known to answer otherwise (docs/how-to/encodings.md) is counted, but is no false alarm.
 """
 
 import sys
