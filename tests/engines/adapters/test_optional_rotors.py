@@ -40,8 +40,9 @@ METHODS = {
     "physx": "pgs",
     "exudyn": "TrapezoidalIndex2",
 }
+BY_IMPULSES = ("rapier3d", "rapier3d-js", "jolt", "physx", "havok", "cannon-es")
 #: Engines of which a rotor is a body of its own: its step has to resolve how far that turns.
-OWN_BODIES = ("exudyn", "rapier3d", "rapier3d-js", "jolt", "physx", "havok", "cannon-es")
+OWN_BODIES = ("exudyn", *BY_IMPULSES)
 #: The fastest rate times the step, of the coarser of two runs; and how many steps it takes.
 TURN, STEPS = 0.1, 64
 #: How far an order may fall short of the declared one, as in the contract.
@@ -251,7 +252,7 @@ def test_a_fault_planted_in_the_hinges_of_an_engine_under_node_fails_the_run(
     assert words in run.reason, run.reason
 
 
-@each_case("name", OWN_BODIES)
+@each_case("name", BY_IMPULSES)
 def test_a_restart_with_rotors_is_the_scene_opened_there(name: str) -> None:
     engine, scene = installed(name), SCENES["pivot-rotors"]
     method, elsewhere = engine.methods[0], from_elsewhere(scene)
