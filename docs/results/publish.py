@@ -41,9 +41,9 @@ HEAD = """# Results by date and version
 
 Each page shows what one version of an engine did: its known issues with what to do about them, the
 verdicts and errors of each method, and each scene. The engines that are installed with spincheck
-are run on the whole library, as `spincheck run` does; older versions of them and optional engines
-on as many scenes as the table says, with the fewer timesteps of `spincheck run --quick`, which
-leave more `unresolved`.
+are run on the whole library, as `spincheck run` does; older versions of them on the free and the
+heavy tops, and optional engines on a scene of each kind of motion, both with the fewer timesteps
+of `spincheck run --quick`, which leave more `unresolved`.
 
 *Error* is that of the attitude at the timestep that users of the engine get who set none. The
 method `default` is the engine as shipped; in the others everything that a scene does not call for

@@ -104,7 +104,7 @@ def opened(
             yield file
     except sqlite3.DatabaseError as error:
         code = getattr(error, "sqlite_errorcode", 0)
-        other = f"not a usable result file: {printable(str(error))}"
+        other = f"not a usable result file ({printable(str(error))}); 'spincheck run' writes one"
         words = _IN_WORDS.get(code) or _IN_WORDS.get(code & _KIND, other)
         raise ResultFileError(f"{printable(str(path))}: {words}") from error
     except ResultFileError as error:

@@ -85,8 +85,9 @@ def columns_of(heads: Sequence[str]) -> list[Column | None]:
         if len(found) != len(set(found)):
             raise ColumnError(f"{_names(quantity)} must be one column each, got one twice")
         if len(found) != len(quantity.columns) and (found or quantity.name in REQUIRED):
+            what = "columns" if len(quantity.columns) > 1 else "a column"
             raise ColumnError(
-                f"{_names(quantity)} must be columns of the file, got {', '.join(heads) or 'none'}"
+                f"{_names(quantity)} must be {what} of the file, got {', '.join(heads) or 'none'}"
             )
     return columns
 

@@ -82,7 +82,7 @@ def test_parquet_is_read(tmp_path):
 
 WRONG = {
     "empty": ("", "is empty"),
-    "no time": ("qw,qx,qy,qz\n1,0,0,0\n", "'t' must be columns of the file, got qw, qx, qy, qz"),
+    "no time": ("qw,qx,qy,qz\n1,0,0,0\n", "'t' must be a column of the file, got qw, qx, qy, qz"),
     "part of omega": ("t,qw,qx,qy,qz,wx\n0,1,0,0,0,1\n", "'wx', 'wy', 'wz' must be columns"),
     "a column twice": ("t,t,qw,qx,qy,qz\n0,0,1,0,0,0\n", "'t' must be one column each"),
     "unknown unit": (GOOD.replace("wx", "wx [furlong]"), "must be one of rad/s, deg/s, rpm"),
