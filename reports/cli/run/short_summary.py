@@ -98,7 +98,7 @@ def _at_stock(report: ReportData) -> Iterator[str]:
     shown = [*defaults, *others[: METHODS_SHOWN - len(defaults)]]
     if not shown:
         return
-    yield f"{'Attitude error at stock timesteps (* as shipped)':45}{'median':>8}  worst"
+    yield f"{'Attitude error, stock timestep (*as shipped)':45}{'median':>8}  worst"
     for engine, method in shown[:METHODS_SHOWN]:
         errors = errors_of[engine, method]
         worst = max(errors, key=lambda name: errors[name])
