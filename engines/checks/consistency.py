@@ -223,8 +223,12 @@ def excess(
         for (apart, _), at in zip(found, (nodes, added), strict=True)
     )
     branched = np.concatenate([one for _, one in found])
-    # A limit that is extrapolated across such a change is known no better than that.
-    known_to = known_to + ABOVE * branched.max(axis=(0, 1))
+    # A limit that is extrapolated across such a change is known no better than that. Nor is one of
+    # a constraint, whose solver may leave off small corrections; elsewhere that would be a fault.
+    # By how much the com is off: a body that is another keeps that, a constraint does not.
+    is_constrained = bool(np.ptp(off, axis=0).max() > ABOVE * slack * equations.reach)
+    surprise = found[0][0].max(axis=0).clip(0) * is_constrained
+    known_to = known_to + ABOVE * (branched.max(axis=(0, 1)) + surprise)
     return Excess(
         limit,
         known_to,
@@ -237,8 +241,7 @@ def excess(
         branched.max(axis=1) / sizes,
         slack,
         _is_idle(equations, steps, sizes),
-        # By how much the com is off: a body that is another keeps that, a constraint does not.
-        bool(np.ptp(off, axis=0).max() > ABOVE * slack * equations.reach),
+        is_constrained,
     )
 
 
