@@ -224,10 +224,10 @@ def excess(
     )
     branched = np.concatenate([one for _, one in found])
     # A limit that is extrapolated across such a change is known no better than that. Nor is one of
-    # a constraint, whose solver may leave off small corrections; elsewhere that would be a fault.
+    # a constraint in single precision, whose solver may leave off small corrections.
     # By how much the com is off: a body that is another keeps that, a constraint does not.
     is_constrained = bool(np.ptp(off, axis=0).max() > ABOVE * slack * equations.reach)
-    surprise = found[0][0].max(axis=0).clip(0) * is_constrained
+    surprise = found[0][0].max(axis=0).clip(0) * (is_constrained and is_averaged)
     known_to = known_to + ABOVE * (branched.max(axis=(0, 1)) + surprise)
     return Excess(
         limit,
