@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..scenarios import Scenario, Trajectory
-from ..scenarios.fastest_rate import decay_rate
+from ..scenarios.fastest_rate import decay_rate, parts_rate
 from .checks.audit import audit
 from .checks.bounds import Bounds
 from .checks.equation_residuals import equation_residuals
@@ -269,7 +269,7 @@ class Engine(ABC):
             timestep,
             method.max_rotation_per_step,
             self.slack,
-            decay_rate(scenario) + method.damping,
+            decay_rate(scenario) + parts_rate(scenario) + method.damping,
             body.com if scenario.constraint.is_pivot else None,
             self.steps_angles(scenario, method),
         )

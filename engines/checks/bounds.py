@@ -14,7 +14,8 @@ class Bounds:
     timestep : s
     most_turn : rad a step, beyond which the engine clamps the rotation
     round_off : relative, of a state that is read; of an attitude, rad
-    decay : 1/s, the fastest rate at which effects and the engine's own damping slow the body
+    decay : 1/s, the fastest rate at which effects and the engine's own damping slow the body, and
+        its parts turn ω
     arm : m, body axes, from the pivot to the com, (3,); None where nothing holds the body
     by_angles : whether the attitude is stepped as roll, pitch and yaw
     """
