@@ -70,7 +70,7 @@ class ErrorNorm:
         if self._bases.all():
             return distances / self._bases
         with np.errstate(divide="ignore", invalid="ignore"):
-            return np.where(distances > 0, distances / self._bases, 0.0)
+            return np.where(distances == 0, 0.0, distances / self._bases)
 
     def extrapolated(
         self, coarse: FloatArray, fine: FloatArray, orders: FloatArray | list[int]

@@ -65,9 +65,11 @@ def _with_effects(
     total: FloatArray,
     term_of: Callable[[Effect], Along | None],
 ) -> FloatArray:
-    for effect in scenario.acting:
-        if (term := term_of(effect)) is not None:
-            total = total + term(scenario, motion)
+    # Of what has blown up, terms may be too large for a double.
+    with np.errstate(over="ignore", invalid="ignore"):
+        for effect in scenario.acting:
+            if (term := term_of(effect)) is not None:
+                total = total + term(scenario, motion)
     return total
 
 

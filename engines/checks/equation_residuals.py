@@ -19,12 +19,13 @@ import numpy as np
 
 from ...scenarios import FloatArray, Scenario
 from ...scenarios.scenario import started_at
-from .consistency import NEGLIGIBLE, After, Excess, Open, Steps, excess, single_steps
+from .consistency import NEGLIGIBLE, Excess, excess
 from .equations import Equations, Gain, gains_of
 from .explanations import explanation
 from .extrapolation import ABOVE, COARSER
 from .precision import single_precision
 from .read_back import State, stacked, start_state
+from .steps import After, Open, Steps, single_steps
 
 #: Steps until a constraint has settled. Bullet removes a fifth of its error in a step: 0.8^128 =
 #: 4e-13 of it is left, and 6e-7 after half of them, which is enough in single precision.

@@ -36,7 +36,7 @@ def _torques(equations: Equations, states: State) -> FloatArray:
 
 
 def weakest_effects(equations: Equations, states: State, nothing: FloatArray) -> FloatArray:
-    """Of each term that gains are sums of, the least that an effect adds at most, (4,).
+    """The least that an effect adds at most to each term that gains are sums of, (4,).
 
     Infinite where no effect adds any. Effects that hold or push alike count as one.
 

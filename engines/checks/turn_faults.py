@@ -4,13 +4,13 @@ Both are read before and after single steps. However coarse the step, a correct 
 at a rate between the ω before and the ω after the step, with a margin of their difference: explicit
 and implicit rules use one or the other, rules of higher order a value in between, a multistep rule
 exceeds one of them by half their difference. If an effect or the engine slows it, or a rotor turns
-it, the ω in between may differ further, by as much as that changes it. If ω is constant, the remaining error is
-that of a rotation about a fixed axis: the coarsest rules, q (1, hω/2) normalised and Cayley's, turn
-by 2 atan(h|ω|/2), less than h|ω| by at most (h|ω|)³/12. A rule that steps roll, pitch β and yaw
-errs by at most (h|ω|/cos β)²/2 about any axis, by the second derivative of the rotation, as no
-angle changes faster than |ω|/cos β. A constraint that is the pivot and corrects a drift of the com
-within a step turns the body besides, and ω does not include it: by at most the drifts before and
-after the step over the distance of the com.
+it, the ω in between may differ further, by as much as that changes it. If ω is constant, the
+remaining error is that of a rotation about a fixed axis: the coarsest rules, q (1, hω/2) normalised
+and Cayley's, turn by 2 atan(h|ω|/2), less than h|ω| by at most (h|ω|)³/12. A rule that steps roll,
+pitch β and yaw errs by at most (h|ω|/cos β)²/2 about any axis, by the second derivative of the
+rotation, as no angle changes faster than |ω|/cos β. A constraint that is the pivot and corrects a
+drift of the com within a step turns the body besides, and ω does not include it: by at most the
+drifts before and after the step over the distance of the com.
 """
 
 import math

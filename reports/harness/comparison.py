@@ -49,7 +49,8 @@ def row_of(
         return row
     exact = solution.trajectory.until(len(motion.t))
     series = error_series(scenario, motion, exact)
-    absurd = np.flatnonzero(series["energy"] > ABSURD_ENERGY)
+    # An energy that is no number, of terms too large for a double, is absurd as well.
+    absurd = np.flatnonzero(~(series["energy"] <= ABSURD_ENERGY))
     if len(absurd):
         # The run's own reason is kept too: it may tell the cause.
         reasons = (f"the energy exceeds {ABSURD_ENERGY:g} times its base", row.reason)

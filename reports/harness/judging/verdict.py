@@ -81,7 +81,7 @@ def _by_pieces(
 
 
 def _of_an_effect(found: LocalEvidence) -> str:
-    """To which steps are known relative to the weakest effect, in words, where that says more."""
+    """How well steps are known relative to the weakest effect, in words, where that says more."""
     if found.of_an_effect <= found.tolerance:
         return ""
     return f", to {found.of_an_effect:.1e} of the weakest effect"

@@ -7,11 +7,12 @@ from dataclasses import replace
 import numpy as np
 
 from ....engines import Engine, EngineError, Method, UnsupportedError
-from ....engines.checks.consistency import Excess, Open, Steps
+from ....engines.checks.consistency import Excess
 from ....engines.checks.equation_residuals import differing, leap, rounding_of, settled
 from ....engines.checks.equations import Equations
 from ....engines.checks.extrapolation import ABOVE, COARSER
 from ....engines.checks.read_back import State, stacked
+from ....engines.checks.steps import Open, Steps
 from ....engines.session import Session
 from ....scenarios import FloatArray, Scenario, Trajectory
 from ....scenarios.scenario import started_at

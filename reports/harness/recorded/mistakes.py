@@ -14,10 +14,10 @@ from math import pi
 
 import numpy as np
 
-from ....engines.checks.consistency import Steps, step_gains
 from ....engines.checks.equations import Equations, gains_of
 from ....engines.checks.explanations import explanation
 from ....engines.checks.read_back import State
+from ....engines.checks.steps import Steps, step_gains
 from ....engines.checks.terms import term_sizes
 from ....reference import ExactMotion, IntegrationError
 from ....scenarios import FloatArray, Scenario, Trajectory, error_series

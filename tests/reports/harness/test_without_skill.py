@@ -119,3 +119,18 @@ def test_an_implicit_rule_that_is_stable_and_lost_has_not_survived():
 def test_the_same_rule_with_small_steps_survives():
     calm = row("implicit", 1e-4)
     assert (calm.outcome, calm.cause, calm.survived) == ("ok", "", True)
+
+
+def test_an_energy_of_terms_too_large_for_a_double_is_absurd():
+    """And no warning of numpy reaches the user."""
+    scene = library_scene("gyroscope-in-its-frame")
+    mujoco, rung = engines()["mujoco"], single(1e-3, scene.times)
+    run = mujoco.run(scene, mujoco.method("RK4"), 1e-3, rung.sample_steps)
+    solution = solve(scene, rung.sample_steps * 1e-3)
+    spins = np.array(run.trajectory.spins)
+    spins[-1] = -1e200
+    blown_up = replace(run, trajectory=replace(run.trajectory, spins=spins))
+    key = Key(scene.name, "mujoco", "RK4")
+    assert row_of(scene, key, "1", rung, run, solution).outcome == "ok"
+    blown = row_of(scene, key, "1", rung, blown_up, solution)
+    assert (blown.outcome, blown.cause) == ("diverged", "energy")
