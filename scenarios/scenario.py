@@ -126,6 +126,11 @@ class Scenario:
         return _constraint(self.document, self.body)
 
     @property
+    def is_jointed(self) -> bool:
+        """Whether joints hold the body, or parts of it."""
+        return not self.constraint.is_free or any(effect.is_part for effect in self.acting)
+
+    @property
     def about(self) -> str:
         """The point that L and the moments of inertia are about: "pivot" or "com"."""
         return "pivot" if self.constraint.is_pivot else "com"

@@ -130,8 +130,7 @@ def settled(
 
     steps, found = found_with(repeats[0])
     # An impulse is of the step before: in single precision that hides where joints are off.
-    is_jointed = bool(scenario.rotors) or not scenario.constraint.is_free
-    is_constrained = found.is_constrained or (is_single and is_jointed)
+    is_constrained = found.is_constrained or (is_single and scenario.is_jointed)
     if is_constrained:
         settling, slack = SETTLING // (1 + is_single), max(slack, NEGLIGIBLE / ABOVE)
     elif found.by_tolerance.max() > 1:

@@ -23,7 +23,7 @@ def term_sizes(equations: Equations, states: State) -> FloatArray:
 
 
 def _torques(equations: Equations, states: State) -> FloatArray:
-    """Sizes of the torques of what pushes always, of drag, and of weight, N m, (n, 3)."""
+    """Sizes of the torques of what always pushes, of what ω adds, and of weight, N m, (n, 3)."""
     scenario = equations.scenario
     still, pushed = (
         push(scenario.pushed, np.eye(3), omega)

@@ -3,7 +3,7 @@
 Both are read before and after single steps. However coarse the step, a correct rule turns the body
 at a rate between the ω before and the ω after the step, with a margin of their difference: explicit
 and implicit rules use one or the other, rules of higher order a value in between, a multistep rule
-exceeds one of them by half their difference. If an effect or the engine slows it, or a rotor turns
+exceeds one of them by half their difference. If an effect or the engine slows it, or its parts turn
 it, the ω in between may differ further, by as much as that changes it. If ω is constant, the
 remaining error is that of a rotation about a fixed axis: the coarsest rules, q (1, hω/2) normalised
 and Cayley's, turn by 2 atan(h|ω|/2), less than h|ω| by at most (h|ω|)³/12. A rule that steps roll,

@@ -174,6 +174,8 @@ def _sizes(extent: Extent) -> Iterator[Size]:
     yield (*WHERE, "radius"), "the tip's radius", mpf(table.radius), "m"
     lever = length(extent.scenario.constraint.lever_exact)
     yield (*WHERE, "tip"), "the com's distance from the tip", lever, "m"
+    turning = lever**2 / extent.moments[0]
+    yield (*WHERE, "tip"), "its square over the least moment of inertia", turning, "1/kg"
 
 
 EFFECT = Effect(

@@ -26,6 +26,7 @@ from spincheck.reference.invariants import drifts
 from spincheck.reference.rotational_problem import rotational_problem
 from spincheck.scenarios import LIBRARY, Scenario, errors_between, load
 from spincheck.scenarios.effects.table import EFFECT, force
+from spincheck.scenarios.fastest_rate import parts_rate
 from spincheck.scenarios.rotation import matrices
 from spincheck.scenarios.vary import varied
 from spincheck.suite.contract_scenes import SCENES as CONTRACT
@@ -43,6 +44,7 @@ PLANTED = 1e-12
 BY_COSINE = float(np.sqrt(EPS))
 SCENES = [load(path) for path in sorted(LIBRARY.glob("table/*.toml"))]
 SCENES += [load(LIBRARY / "hard/dental-top-on-glass.toml"), CONTRACT["table-rotors"]]
+SCENES += [load(LIBRARY / "rotors/gyroscope-on-glass.toml")]
 each_scene = each_case("scene", SCENES)
 UP = mp.matrix([0, 0, 1])
 
@@ -126,7 +128,8 @@ def largest_error(scene: Scenario, told: Scenario) -> mpf:
     """Of the exact motion of one scene from that of another by the second derivation, relative."""
     speed = float(np.linalg.norm(scene.start.omega_body))
     swing = float(np.sqrt(9.81 / (np.linalg.norm(scene.constraint.lever) + 1e-3)))
-    span = min(STEP_TURN / max(speed, swing), scene.window.duration / STEPS)
+    fastest = max(speed, swing, parts_rate(scene))
+    span = min(STEP_TURN / fastest, scene.window.duration / STEPS)
     times = span * np.arange(STEPS + 1)
     solution = solve(scene, times)
     motion = solution.trajectory
