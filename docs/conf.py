@@ -11,7 +11,6 @@ from importlib.metadata import version as version_of
 from pathlib import Path
 
 from jupyter_cache import get_cache
-from jupyter_client.connect import ConnectionFileMixin
 from sphinx.application import Sphinx
 
 DOCS = Path(__file__).parent
@@ -59,8 +58,6 @@ nb_execution_in_temp = True
 nb_execution_raise_on_error = True
 nb_execution_timeout = 900
 nb_merge_streams = True
-# A free port may be somebody else's by the time a kernel takes it; a socket's file is not.
-ConnectionFileMixin.transport.default_value = "ipc"
 # Commands in cells are those of this Python, and print lines as wide as a page.
 os.environ["PATH"] = f"{Path(sys.executable).parent}:{os.environ['PATH']}"
 os.environ["COLUMNS"] = "88"
