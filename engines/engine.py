@@ -43,6 +43,7 @@ class Engine(ABC):
     name : as users type it
     methods : what it can simulate with
     single_precision : whether it holds its state in 24 bits
+    least_turn : rad, below which its solver leaves out how a constraint turns a body in a step
     stock_timestep : s, the default timestep; None where users have to set one
     step_seconds : CPU time of a step, roughly; what the estimate of a run's time rests on
     package : of an optional engine, the package that it needs, imported when a scene is opened
@@ -58,6 +59,7 @@ class Engine(ABC):
     name: str
     methods: tuple[Method, ...]
     single_precision: bool = False
+    least_turn: float = 0.0
     stock_timestep: float | None = None
     step_seconds: float = 1e-6
     package: str = ""
@@ -208,6 +210,7 @@ class Engine(ABC):
                 scenario,
                 self.slack if self.of_file else 0.0,
                 is_single=self.single_precision,
+                least_turn=self.least_turn,
             )
         except EngineError as error:
             if error.cause in ENVIRONMENTAL:

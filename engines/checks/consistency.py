@@ -101,7 +101,12 @@ class Excess:
 
 
 def excess(
-    equations: Equations, steps: Steps, others: Steps, epsilon: float, slack: float
+    equations: Equations,
+    steps: Steps,
+    others: Steps,
+    epsilon: float,
+    slack: float,
+    least_turn: float = 0.0,
 ) -> Excess:
     """Extrapolate what the steps gain to vanishing timesteps.
 
@@ -110,13 +115,14 @@ def excess(
     others : with timesteps of their own, coarse to fine, which the first are to predict
     epsilon : relative rounding of the engine's floating-point numbers
     slack : relative to the largest terms, what a body that an engine holds so exactly leaves
+    least_turn : rad, turns that a constraint's solver leaves out
     """
     sizes = np.maximum(term_sizes(equations, steps.before).max(axis=0), NO_SIZE)
     is_averaged = steps.repeats > 1
     # Of a mean, what a reading is off by always; else by chance as well.
     read = (ROUNDINGS * epsilon if is_averaged else ABOVE * slack) * rates(equations, sizes)
     noise = np.minimum(noise_of(steps.timesteps, step_gains(equations, steps)), read)
-    nodes, added = (_gains(equations, one, epsilon, noise) for one in (steps, others))
+    nodes, added = (_gains(equations, one, epsilon, noise, least_turn) for one in (steps, others))
     limit, known_to, rounded = extrapolated(nodes)
     slack_of_terms = _slack_of_terms(equations, steps, sizes, epsilon, slack)
     off = norms(off_the_constraint(equations, steps.after)[1]).reshape(len(steps.timesteps), -1)
@@ -148,7 +154,9 @@ def excess(
     )
 
 
-def _gains(equations: Equations, steps: Steps, epsilon: float, noise: FloatArray) -> Gains:
+def _gains(
+    equations: Equations, steps: Steps, epsilon: float, noise: FloatArray, least_turn: float
+) -> Gains:
     """What steps gain, and what rounding and noise may make of it."""
     shape = len(steps.timesteps), steps.repeats, -1, 4
     values = step_gains(equations, steps).reshape(*shape, 3)
@@ -156,6 +164,7 @@ def _gains(equations: Equations, steps: Steps, epsilon: float, noise: FloatArray
     rounded = epsilon * ulps.reshape(shape).max(axis=1)
     if steps.repeats == 1:
         rounded = ROUNDINGS * rounded + noise / steps.timesteps[:, None, None]
+    rounded[:, :, 0] += least_turn / steps.timesteps[:, None]
     return Gains(steps.timesteps, values, rounded)
 
 

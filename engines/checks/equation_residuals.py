@@ -39,6 +39,8 @@ LONGEST_TURN, HALVINGS = 0.1, 10
 #: rad in the shortest step in single precision. Where a constraint holds a body, its place's
 #: rounding is an acceleration as 1/h².
 LEAST_TURN_SINGLE = float(np.cbrt(np.finfo(np.float32).eps))
+#: Four times the repeats halve what chance leaves. Where more than this is left, it is no chance.
+STILL_GAINING = 0.75
 #: So many of the shortest steps have to show that an error does not depend on their length.
 LEAPS = 4
 #: rad at the fastest rate, in a step that an explanation is looked for of.
@@ -48,7 +50,12 @@ DIGITS = 3
 
 
 def equation_residuals(
-    open_at: Open, scenario: Scenario, slack: float = 0.0, *, is_single: bool = False
+    open_at: Open,
+    scenario: Scenario,
+    slack: float = 0.0,
+    *,
+    is_single: bool = False,
+    least_turn: float = 0.0,
 ) -> str:
     """What an engine's steps from the start gain beyond the scene's equations of motion, in words.
 
@@ -57,6 +64,7 @@ def equation_residuals(
     open_at : opens a scene with a timestep, s
     slack : relative to the largest terms, what a body that an engine holds so exactly leaves
     is_single : whether it declares single precision
+    least_turn : rad, below which its solver leaves out how a constraint turns a body in a step
 
     Returns
     -------
@@ -80,6 +88,7 @@ def equation_residuals(
         equations.after_each,
         max(slack, NEGLIGIBLE / ABOVE),
         is_single=is_single,
+        least_turn=least_turn,
     )
     when = ["at the start", *["turned askew at the start"] * (len(states.omega_body) - 1)]
     return leap(found, steps) or differing(equations, steps, found, when)
@@ -101,6 +110,7 @@ def settled(
     slack: float,
     *,
     is_single: bool,
+    least_turn: float = 0.0,
     repeats: Sequence[int] = (1,),
     is_enough: Callable[[float, float], bool] = lambda *_: True,
 ) -> tuple[Steps, Excess]:
@@ -111,7 +121,7 @@ def settled(
     repeated : the states so many times over, each time a little otherwise
     timesteps : s, each half of the one before; and others, which these are to predict
     after : the exact motion
-    slack, is_single : as of `equation_residuals`
+    slack, is_single, least_turn : as of `equation_residuals`
     repeats : of each state; where there are several, the first shows whether a constraint holds the
         body, and the next ones are taken until steps are known well enough, or to be wrong
     is_enough : whether steps are known well enough: relative to the largest terms, and to the
@@ -126,19 +136,25 @@ def settled(
         halved = len(timesteps[0])
         steps, others = steps.part(0, halved), steps.part(halved, len(together))
         epsilon = rounding_of(steps.before, is_single)
-        return steps, excess(equations, steps, others, epsilon, slack)
+        return steps, excess(equations, steps, others, epsilon, slack, least_turn * bool(settling))
 
     steps, found = found_with(repeats[0])
-    # An impulse is of the step before: in single precision that hides where joints are off.
-    is_constrained = found.is_constrained or (is_single and scenario.is_jointed)
+    is_wrong = bool(found.by_tolerance.max() > 1)
+    # An impulse begins as that of the step before, of which an exact state has none. In single
+    # precision rounding hides that the com is off then.
+    is_constrained = found.is_constrained or (is_wrong and is_single and scenario.is_jointed)
     if is_constrained:
         settling, slack = SETTLING // (1 + is_single), max(slack, NEGLIGIBLE / ABOVE)
-    elif found.by_tolerance.max() > 1:
+    elif is_wrong:
         return steps, found
+    known_to = math.inf
     for count in repeats[1:] or repeats[: int(is_constrained)]:
         steps, found = found_with(count)
         if is_enough(found.at_most, found.of_an_effect) or found.by_tolerance.max() > 1:
             break
+        if found.at_most > STILL_GAINING * known_to:
+            break
+        known_to = found.at_most
     return steps, replace(found, is_constrained=is_constrained)
 
 

@@ -40,7 +40,7 @@ class ChildEngine(Engine):
         self.name = hello.name
         self.methods = tuple(table.method() for table in hello.methods)
         self.single_precision = hello.precision == "single"
-        self.stock_timestep = hello.stock_timestep
+        self.stock_timestep, self.least_turn = hello.stock_timestep, hello.least_turn
         self._sources, self._script = sources, script
 
     @property

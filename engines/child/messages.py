@@ -40,6 +40,8 @@ Known = Number | None
 Vector = tuple[Number, Number, Number]
 Quaternion = tuple[Number, Number, Number, Number]
 Order = Annotated[int, Field(ge=1, le=12)]
+#: rad, the largest of turns that an engine may leave out.
+MOST_LEAST_TURN = 1e-4
 #: Tolerance of a quaternion's norm, wide enough for single precision.
 UNIT_SLACK = 1e-3
 
@@ -99,6 +101,7 @@ class Hello(ChildAnswer):
     stock_timestep: Positive | None
     methods: Annotated[list[ChildMethod], Field(min_length=1, max_length=MOST_NAMES)]
     restart: bool = False
+    least_turn: Annotated[float, Field(ge=0, le=MOST_LEAST_TURN)] = 0.0
 
     @model_validator(mode="after")
     def _named_once(self) -> Self:

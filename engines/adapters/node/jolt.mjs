@@ -58,6 +58,7 @@ function open(scene, name, timestep) {
 }
 
 serve({ name: 'jolt', version: version('jolt-physics'), precision: 'single', stock_timestep: 1 / 60, open,
+  least_turn: 1e-6,                               // Body::AddRotationStep, and SubRotationStep for constraints
   body: (body) => { const motion = body.GetMotionProperties(); return { mass: 1 / motion.GetInverseMass(), com: [0, 0, 0],
     moments: list(motion.GetInverseInertiaDiagonal()).map((i) => 1 / i), frame: quaternion(motion.GetInertiaRotation()) }; },
   joint: (joint) => ({ at: list(joint.GetConstraintToBody1Matrix().GetTranslation()), here: list(joint.GetConstraintToBody2Matrix().GetTranslation()),

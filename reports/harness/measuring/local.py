@@ -122,6 +122,7 @@ def _consistency(
         lambda states, spans: flowed(scenario, states, spans),
         _slack(engine, at),
         is_single=engine.single_precision,
+        least_turn=engine.least_turn,
         repeats=REPEATS if engine.single_precision else REPEATS[:1],
         is_enough=is_known,
     )

@@ -10,7 +10,7 @@ from held_by_impulses import HeldByImpulses, ReadsOmegaOffWhereHeld
 from kinds_of_engines import why_missing
 from library_scenes import library_scene
 from spincheck.engines import engines
-from spincheck.engines.checks import consistency, equation_residuals
+from spincheck.engines.checks import equation_residuals, steps
 from spincheck.reports.cli.run.summary import verdict_record
 from spincheck.reports.harness.judging import judge
 from spincheck.reports.harness.judging.local import CONSISTENT, SEEN, LocalJudgement
@@ -121,7 +121,7 @@ def test_a_body_that_impulses_hold_in_24_bits_settles_in_the_same_states_at_each
     engine = SteppedEngine(planted.in_single(HeldByImpulses), single_precision=True)
     local = examined(engine, "Euler", name)
     assert LocalJudgement(local).converges
-    monkeypatch.setattr(consistency, "_earlier", lambda equations, states, *_: states)
+    monkeypatch.setattr(steps, "_earlier", lambda equations, states, *_: states)
     assert examined(engine, "Euler", name).tolerance > local.tolerance
 
 
