@@ -51,10 +51,13 @@ def encoding_lines(encodings: Sequence[EncodedRuns]) -> Iterator[str]:
         of_scene = list(group)
         alike = sum(one.word == "same" for runs in of_scene for one in runs.each)
         compared = sum(one.word != "left out" for runs in of_scene for one in runs.each)
+        wrong = sum(one.word in WRONG for runs in of_scene for one in runs.each)
         yield (
             f"{scene}, its body described otherwise, at {timestep:.3g} s: "
-            f"{alike} of {compared} runs are the same to round-off"
+            f"{alike} of {compared} runs are the same to round-off, {wrong} wrong"
         )
+        if wrong:
+            yield "  Describe the body as the scene does, or take a method that is not wrong below."
         for runs in of_scene:
             if runs.plain:
                 yield f"  {runs.key.label}: not compared, the scene as it is {runs.plain}"
@@ -62,9 +65,9 @@ def encoding_lines(encodings: Sequence[EncodedRuns]) -> Iterator[str]:
 
 
 def _lines(of_scene: Sequence[EncodedRuns]) -> Iterator[str]:
-    """One line for each engine, encoding and word, with the first method's reason.
+    """One line for each engine, encoding and word, with the numbers of the method furthest off.
 
-    And one for each reason that encodings are left out for.
+    What is wrong comes first; last, a line for each reason that encodings are left out for.
     """
     alike: dict[tuple[str, str, str, str], list[tuple[str, EncodedRun]]] = {}
     for runs in of_scene:
@@ -72,9 +75,13 @@ def _lines(of_scene: Sequence[EncodedRuns]) -> Iterator[str]:
             if one.word in PHRASES:
                 what = (runs.key.engine, one.encoding, one.word, one.moves_as)
                 alike.setdefault(what, []).append((runs.key.method, one))
-    for (engine, encoding, *_), made in alike.items():
+    for (engine, encoding, *_), made in sorted(
+        alike.items(), key=lambda one: one[0][2] not in WRONG
+    ):
         methods = ", ".join(method for method, _ in made)
-        yield f"{engine} {methods}, {encoding}: {encoding_sentence(made[0][1])}"
+        method, furthest = max(made, key=lambda one: _distance(one[1]))
+        most = f"; most with {method}" if len({one.reason for _, one in made}) > 1 else ""
+        yield f"{engine} {methods}, {encoding}: {encoding_sentence(furthest)}{most}"
     left_out: dict[str, dict[str, None]] = {}
     for runs in of_scene:
         for one in runs.each:
@@ -82,6 +89,11 @@ def _lines(of_scene: Sequence[EncodedRuns]) -> Iterator[str]:
                 left_out.setdefault(one.reason, {})[one.encoding] = None
     for reason, names in left_out.items():
         yield f"left out: {', '.join(names)}: {reason}"
+
+
+def _distance(one: EncodedRun) -> float:
+    """The largest distance of a run from that of the scene as it is, of all signals."""
+    return max(error for _, error in one.apart) if one.apart else float("inf")
 
 
 def are_alike(encodings: Sequence[EncodedRuns]) -> bool:
