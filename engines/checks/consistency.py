@@ -74,21 +74,27 @@ class Excess:
     @property
     def by_tolerance(self) -> FloatArray:
         """The limits, in tolerances, (K, 4)."""
-        return np.asarray(np.abs(self.limit).max(axis=2) / self.tolerance)
+        return np.asarray(self.off / self.tolerance)
+
+    @property
+    def off(self) -> FloatArray:
+        """The sizes of the limits, (K, 4)."""
+        return np.asarray(np.abs(self.limit).max(axis=2))
 
     @property
     def at_most(self) -> float:
-        """What steps may gain in the limit, all uncertainties included, relative to the sizes."""
-        return float((self._most / np.maximum(self.sizes, NO_SIZE)).max())
+        """The largest of `most`, relative to the sizes."""
+        return float((self.most / np.maximum(self.sizes, NO_SIZE)).max())
 
     @property
     def of_an_effect(self) -> float:
         """The same, relative to the weakest effect of the scene."""
-        return float((self._most / self.weakest).max())
+        return float((self.most / self.weakest).max())
 
     @property
-    def _most(self) -> FloatArray:
-        return np.asarray(np.abs(self.limit).max(axis=2) + self.known_to + self.slack * self.sizes)
+    def most(self) -> FloatArray:
+        """What steps may gain in the limit, all uncertainties included, (K, 4)."""
+        return np.asarray(self.off + self.known_to + self.slack * self.sizes)
 
     @property
     def is_open(self) -> bool:
@@ -97,7 +103,7 @@ class Excess:
         Over a long time it may add up.
         """
         elsewhere = self.tolerance - NEGLIGIBLE * self.sizes
-        return bool((np.abs(self.limit).max(axis=2) > elsewhere)[self.is_idle].any())
+        return bool((self.off > elsewhere)[self.is_idle].any())
 
 
 def excess(

@@ -138,7 +138,7 @@ def settled(
         epsilon = rounding_of(steps.before, is_single)
         return steps, excess(equations, steps, others, epsilon, slack, least_turn * bool(settling))
 
-    steps, found = found_with(repeats[0])
+    first = steps, found = found_with(repeats[0])
     is_wrong = bool(found.by_tolerance.max() > 1)
     # An impulse begins as that of the step before, of which an exact state has none. In single
     # precision rounding hides that the com is off then.
@@ -155,6 +155,10 @@ def settled(
         if found.at_most > STILL_GAINING * known_to:
             break
         known_to = found.at_most
+    # Where the first are furthest off, settled steps must be known better than that to acquit them.
+    worst = int(np.argmax(first[1].by_tolerance))
+    if is_wrong and found.by_tolerance.max() <= 1 and (found.most >= first[1].off).flat[worst]:
+        return first
     return steps, replace(found, is_constrained=is_constrained)
 
 
