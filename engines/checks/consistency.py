@@ -129,10 +129,11 @@ def excess(
     read = (ROUNDINGS * epsilon if is_averaged else ABOVE * slack) * rates(equations, sizes)
     noise = np.minimum(noise_of(steps.timesteps, step_gains(equations, steps)), read)
     nodes, added = (_gains(equations, one, epsilon, noise, least_turn) for one in (steps, others))
-    limit, known_to, rounded = extrapolated(nodes)
+    limit, known_to = extrapolated(nodes)
     slack_of_terms = _slack_of_terms(equations, steps, sizes, epsilon, slack)
     off = norms(off_the_constraint(equations, steps.after)[1]).reshape(len(steps.timesteps), -1)
-    found = [surprises(nodes, at, least) for at, least in ((nodes, COARSER), (added, 1))]
+    both = (nodes, COARSER), (added, 1)
+    found = [surprises(nodes, at, least, NEGLIGIBLE * sizes) for at, least in both]
     unsmooth, unsmooth_others = (
         apart / (slack_of_terms + read / at.timesteps[:, None, None])
         for (apart, _), at in zip(found, (nodes, added), strict=True)
@@ -147,7 +148,7 @@ def excess(
     return Excess(
         limit,
         known_to,
-        known_to + rounded + slack_of_terms,
+        known_to + slack_of_terms,
         sizes,
         weakest_effects(equations, steps.before, NEGLIGIBLE * sizes),
         (np.abs(nodes.values.mean(axis=1)).max(axis=3) / sizes).max(axis=1),

@@ -63,16 +63,20 @@ def noise_of(timesteps: FloatArray, gains: FloatArray) -> FloatArray:
     return np.asarray(ABOVE * noise)
 
 
-def surprises(nodes: Gains, at: Gains, least: int) -> tuple[FloatArray, FloatArray]:
+def surprises(
+    nodes: Gains, at: Gains, least: int, negligible: FloatArray
+) -> tuple[FloatArray, FloatArray]:
     """How far each gain is from what those with neighbouring timesteps predict, (J, K, 4) twice.
 
     The second is of those that timesteps on one side alone do predict: an engine computes steps
     below or above some length otherwise, and what it does there vanishes with the timestep, too.
-    That counts where it is less than half of a step's own gain, and known better than it is large.
+    That counts where it is less than half of a step's own gain, and known better than it is large
+    or as good as nothing.
 
     Parameters
     ----------
     least : coarser ones that there must be to predict it
+    negligible : what is as good as nothing, (4,)
     """
     apart, branched = np.zeros((2, *at.rounding.shape))
     for j, timestep in enumerate(at.timesteps):
@@ -87,7 +91,8 @@ def surprises(nodes: Gains, at: Gains, least: int) -> tuple[FloatArray, FloatArr
         for side in (coarser[-COARSER:], finer[:ONE_SIDED]):
             if len(side) >= COARSER:
                 off_side, error_side = _beyond(nodes, [*side], here)
-                is_branch |= (off_side <= error_side) & (error_side <= off) & (off <= size / 2)
+                is_clear = (error_side <= off) | (off <= negligible)
+                is_branch |= (off_side <= error_side) & is_clear & (off <= size / 2)
         apart[j] = np.where(is_branch, 0.0, off - error)
         branched[j] = np.where(is_branch & (off > error), off, 0.0)
     return apart, branched
@@ -138,17 +143,17 @@ def _alike(values: FloatArray, rounding: FloatArray) -> FloatArray:
     return rounding if values.shape[-4] > 1 else np.zeros_like(rounding)
 
 
-def extrapolated(gains: Gains) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Limits of the gains, (K, 4, 3), what they are known to, and what is rounding, (K, 4) each.
+def extrapolated(gains: Gains) -> tuple[FloatArray, FloatArray]:
+    """Limits of the gains, (K, 4, 3), and what they are known to, (K, 4).
 
     Of each state and quantity the entry of Neville's table that is known best is taken: it differs
-    from its neighbour of one order less by more than its own error. By accident that difference may
-    be small, so it counts as the median of all states at least.
+    from its neighbour of one order less by more than its own error, and rounding adds to that. By
+    accident that difference may be small, so it counts as the median of all states at least.
     """
     h = gains.timesteps[:, None, None]
     table, rounded = gains.values, gains.rounding
     limit, best = table[-1].mean(axis=0), np.full(rounded.shape[1:], np.inf)
-    accident, alike = np.zeros_like(best), np.zeros_like(best)
+    accident = np.zeros_like(best)
     for order in range(1, len(h)):
         coarse, fine = h[:-order], h[order:]
         finer = table[1:]
@@ -157,16 +162,14 @@ def extrapolated(gains: Gains) -> tuple[FloatArray, FloatArray, FloatArray]:
         rounded = rounded[1:] * weights[0] + rounded[:-1] * weights[1]
         entries = table.mean(axis=1)
         change = np.abs(entries - finer.mean(axis=1)).max(axis=3)
-        unsure = _uncertainty(table, rounded)
+        unsure = _uncertainty(table, rounded) + _alike(table, rounded)
         known = ABOVE * np.maximum(change, np.median(change, axis=1, keepdims=True)) + unsure
         # A finer entry of the same order that is further away shows that this is by accident.
         finer_off = np.zeros_like(known)
         finer_off[:-1] = np.abs(np.diff(entries, axis=0)).max(axis=3) - unsure[1:]
-        bounds = _alike(table, rounded)
-        for entry, known_to, off, bound in zip(entries, known, finer_off, bounds, strict=True):
+        for entry, known_to, off in zip(entries, known, finer_off, strict=True):
             is_better = known_to < best
             best = np.where(is_better, known_to, best)
             accident = np.where(is_better, ABOVE * off, accident)
-            alike = np.where(is_better, bound, alike)
             limit = np.where(is_better[..., None], entry, limit)
-    return limit, np.maximum(best, accident), alike
+    return limit, np.maximum(best, accident)

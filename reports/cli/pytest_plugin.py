@@ -256,10 +256,9 @@ class EngineItem(SceneItem):
         Raises
         ------
         Disagreement
-            If it disagrees, or is unresolved though engines hold the body.
+            If it disagrees, or is unresolved.
         """
         from ..harness.judging import judge
-        from ..harness.judging.local import not_held
         from ..harness.study import convergence_study_of, run_rungs
 
         scenario = self.parent.scenario
@@ -268,8 +267,6 @@ class EngineItem(SceneItem):
             pass
         verdict = judge(study.records)
         is_open = verdict.verdict == "unresolved" and verdict.is_unproven
-        if is_open and (reason := not_held(self.parent.prepared.rounding)):
-            return f"{_UNSUPPORTED}{reason}"
         if not verdict.agrees or is_open:
             raise Disagreement(
                 "\n".join(

@@ -14,8 +14,9 @@ from .comparison import compared, unmet_expectations
 from .executors import Answer
 from .judging import Records
 from .judging.ladder_end import cut_short, is_down
+from .judging.local import not_held
 from .ladder import Ladder, Rung
-from .measuring.places import Places
+from .measuring.places import Places, rounding_of_body
 from .measuring.richardson import RichardsonLadder
 from .stock import StockRun
 
@@ -100,7 +101,8 @@ class ConvergenceStudy:
     def records(self) -> Records:
         """All that the method is judged by, so far."""
         scenario, times, ladder = self.scenario, self.solution.trajectory.t, self.ladder
-        rounding = self.places.rounding if self.places else 0.0
+        ulp = self.engine.ulp
+        rounding = rounding_of_body(self.places.condition, ulp) if self.places else 0.0
         return Records(
             self.evidence,
             self.rows,
@@ -115,6 +117,7 @@ class ConvergenceStudy:
             max(self.engine.slack, rounding),
             float(times[-1]) / max(1, len(times) - 1),
             self.engine.unsupported(scenario, self.method),
+            not_held(rounding, is_single=self.engine.single_precision),
             self.solution.ending,
             tuple(self.unmet),
             scenario.expected_failures,

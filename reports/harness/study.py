@@ -158,11 +158,6 @@ class Prepared:
     stock: list[StockRun] = field(default_factory=list)
     places: Places | None = None
 
-    @property
-    def rounding(self) -> float:
-        """As of `Places`; 0 where nothing is tested from exact states."""
-        return self.places.rounding if self.places else 0.0
-
 
 class SceneReference:
     """A scene's exact motion, solved once for all its methods, by the first that asks.

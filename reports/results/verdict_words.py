@@ -65,7 +65,8 @@ VERDICTS = (
         "unsupported",
         sign="–",
         phrases=("cannot be simulated", "cannot be simulated"),
-        meaning="the engine cannot simulate one of the scene's effects",
+        meaning="the engine cannot simulate one of the scene's effects, or its precision does not "
+        "hold the body",
         light=("#eceef1", "#4a525c"),
         dark=("#262b31", "#aab3bd"),
     ),

@@ -66,8 +66,8 @@ def is_long_enough(pieces: JudgedLadder) -> bool:
     return len(pieces.rungs) >= PIECE_RUNGS or judged_pieces(pieces).converges_to(PIECE_GOAL)
 
 
-def not_held(rounding: float) -> str:
-    """Why no engine holds a body in double precision, in words; empty if engines can.
+def not_held(rounding: float, *, is_single: bool) -> str:
+    """Why no engine of a precision holds a body, in words; empty if engines can.
 
     Parameters
     ----------
@@ -76,6 +76,6 @@ def not_held(rounding: float) -> str:
     if rounding <= CONSISTENT:
         return ""
     return (
-        "no engine holds the body in double precision: rounding of its moments changes its angular "
-        f"acceleration by {rounding:.1e}, relative"
+        f"no engine holds the body in {'single' if is_single else 'double'} precision: rounding of "
+        f"its moments changes its angular acceleration by {rounding:.1e}, relative"
     )

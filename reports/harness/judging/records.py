@@ -27,6 +27,7 @@ class Records:
     slack : relative, to which the engine holds a state
     interval : s, between two samples
     lacking : why the engine cannot simulate the scene, in words; else empty
+    not_held : why no engine of that precision holds the body, in words; else empty
     ending : why the exact motion ends before its window, in words; else empty
     unmet : expectations of the scene that were not met, in words
     known : the expected failures of the scene's file
@@ -44,6 +45,7 @@ class Records:
     slack: float = 0.0
     interval: float = 0.0
     lacking: str = ""
+    not_held: str = ""
     ending: str = ""
     unmet: tuple[str, ...] = ()
     known: Sequence[Known] = ()

@@ -20,10 +20,19 @@ from .records import Records
 def judge(records: Records) -> Verdict:
     """Judge a method by what is stored of it, and compare with the scene's expected failures."""
     verdict = _judged(records)
+    is_open = verdict.verdict == "unresolved" and records.least_steps is not None
+    if records.not_held and (is_open or _by_ladder_alone(verdict, records)):
+        verdict = replace(verdict, verdict="unsupported", reason=records.not_held)
     if verdict.verdict == "converges" and records.local and records.local.evidence.remark:
         reason = f"{verdict.reason}; {records.local.evidence.remark}"
         verdict = replace(verdict, reason=reason)
     return compared_with_expected_failures(records.known, verdict, cut_short=cut_short(records))
+
+
+def _by_ladder_alone(verdict: Verdict, records: Records) -> bool:
+    """Whether only the ladder says that a clean method disagrees, and steps do not."""
+    has_finding = records.local is None or bool(records.local.evidence.finding)
+    return verdict.verdict == "disagrees" and not (records.as_shipped or has_finding)
 
 
 def _judged(records: Records) -> Verdict:

@@ -16,8 +16,8 @@ from .places import apart, rounding_of_body
 INTERVALS, MOST_STEPS = 5, 1 << 12
 #: Stretches that a run of few steps is gone through in, from end to end.
 STRETCHES, FEW_STEPS = 64, 1 << 12
-#: Relative change of a state that shows what rounding does to an interval.
-NUDGE = 2.0**-46
+#: Relative change of a state that shows what rounding does to an interval, in ulp.
+NUDGE = 64
 
 
 def restarted(
@@ -61,9 +61,9 @@ def restarted(
             again = [gone_on(*stretch) for stretch in stretches]
             off = apart(stacked([states.rows(last) for _, last in stretches]), stacked(again))
             worst = np.argsort(off)[-INTERVALS:]
-            nudged = [gone_on(*stretches[int(k)], nudge=1.0 + NUDGE) for k in worst]
+            nudged = [gone_on(*stretches[int(k)], nudge=1.0 + NUDGE * engine.ulp) for k in worst]
     except EngineError:
         return None
     by_nudge = apart(stacked(nudged), stacked([again[k] for k in worst]))
-    tolerance = ABOVE * (max(engine.slack, rounding_of_body(condition)) + by_nudge)
+    tolerance = ABOVE * (max(engine.slack, rounding_of_body(condition, engine.ulp)) + by_nudge)
     return float((off[worst] / tolerance).max())

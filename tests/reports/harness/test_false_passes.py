@@ -86,6 +86,7 @@ MAY_STAY_OPEN = {
     planted.Jumps,
     planted.JumpsOnceByChance,
     planted.EveryThousandthStep,
+    planted.AMomentAtFineSteps,
 }
 
 #: Of an engine as shipped, on a motion that no ladder follows: steps and pieces decide.
@@ -101,6 +102,8 @@ OF_AN_ENGINE_AS_SHIPPED = [
 ]
 
 HONEST_SCENES = [BOOK, TOP, CHAOS, "drag-until-rest", "flying-disc"]
+#: Its moments differ by a factor of 2 500.
+UNHELD_IN_24_BITS = "pendulum-over-by-a-millionth"
 #: With the methods that each is stepped by: noise and rounding are alike in all.
 HONEST = [
     (Stepped, 0.0, {}, ("Euler", "Heun", "RK4")),
@@ -157,6 +160,19 @@ def test_no_honest_engine_is_called_wrong(
 ) -> None:
     verdict = judged(name, kind, size, method, **as_if)
     assert verdict.verdict in ("converges", "unresolved"), verdict.reason
+
+
+@pytest.mark.parametrize(
+    ("kind", "size", "verdict"),
+    [(planted.HonestSingle, 0.0, "unsupported"), (planted.AnotherMoment, 0.5, "disagrees")],
+    ids=kind_of,
+)
+def test_a_body_that_single_precision_does_not_hold_is_no_reason_to_accuse_an_engine(
+    kind: type[Stepped], size: float, verdict: str
+) -> None:
+    found = judged(UNHELD_IN_24_BITS, kind, size, "Euler", single_precision=True)
+    assert found.verdict == verdict, found.reason
+    assert ("in single precision" in found.reason) == (verdict == "unsupported")
 
 
 def as_shipped(kind: type[Stepped], size: float) -> Verdict:
