@@ -164,7 +164,10 @@ def test_no_honest_engine_is_called_wrong(
 
 @pytest.mark.parametrize(
     ("kind", "size", "verdict"),
-    [(planted.HonestSingle, 0.0, "unsupported"), (planted.AnotherMoment, 0.5, "disagrees")],
+    [
+        (planted.HonestSingle, 0.0, "unsupported"),
+        (planted.LeavesOneGyroscopicTermOut, 1.0, "disagrees"),
+    ],
     ids=kind_of,
 )
 def test_a_body_that_single_precision_does_not_hold_is_no_reason_to_accuse_an_engine(
