@@ -43,8 +43,8 @@ def rounding_bounds(
       torques are added that cancel in coordinates which turn with them, at places that are rounded
       relative to their distance from the origin, and I₁ is the least moment that is left where they
       turn freely.
-    - The flight, for place and velocity of a free body: an ulp of either scene's own numbers, and of
-      forces that cancel in coordinates which turn with parts.
+    - The flight, for place and velocity of a free body: an ulp of either scene's own numbers, and
+      of forces that cancel in coordinates which turn with parts.
     """
     change, exact = encoding.change(scenario), solution.trajectory
     changed, moved = _farthest(encoding.scene(scenario), encoding), _moved(change, exact)

@@ -115,7 +115,7 @@ class Judge:
         return ("differs" if falls else "open"), left
 
     def _nearer(self, errors: Errors, pair: Pair, beyond: list[str]) -> str:
-        """Whether the scene as it is has the larger errors, in words; empty if not in all signals."""
+        """That the scene as it is has the larger errors, in words; empty if not in all signals."""
         own = {name: size for name, (_, size) in self._sizes(pair, beyond).items()}
         if not all(errors[name] < own[name] for name in beyond):
             return ""
