@@ -66,12 +66,14 @@ class EncodedEngine(Engine):
         state: State,  # noqa: ARG002
     ) -> list[Difference]:
         """The body's differences; of the start, the motion tells."""
-        own = scenario.body
-        shift = np.array(self.encoding.change(scenario).shift, dtype=float)
+        own, change = scenario.body, self.encoding.change(scenario)
+        shift = np.array(change.shift, dtype=float)
         # About a point that far away the tensor is larger, and its rounding.
         far = float(shift @ shift + own.com @ own.com)
         moment = float(own.principal_moments[-1]) + own.mass * far
-        sizes = {"mass": own.mass, "com": np.sqrt(moment / own.mass)}
+        # PyBullet's places of links in maximal coordinates are from the world's origin.
+        reach = np.sqrt(moment / own.mass) + abs(change.place) / change.length
+        sizes = {"mass": own.mass, "com": reach}
         return [
             _Off(what, wanted, got, largest / size)
             for what, got, wanted in body_pairs(scenario, body)

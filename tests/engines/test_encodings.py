@@ -164,6 +164,8 @@ def test_engines_move_alike_in_all_descriptions_that_mean_the_same(name):
         ("pybullet", "multibody", "welded", "failed", "No inertial data for link, using mass=1"),
         ("pybullet", "maximal", "halves", "ok", "'mass' is off by 5.0e-01"),
         ("mujoco", "RK4", "halves", "ok", ""),
+        # Its com is read to an ulp of 100 km.
+        ("pybullet", "maximal", "far", "ok", ""),
     ],
 )
 def test_what_an_engine_makes_of_welded_bodies(engine, method, encoding, outcome, words):

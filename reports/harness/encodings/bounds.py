@@ -43,8 +43,8 @@ def rounding_bounds(
       torques are added that cancel in coordinates which turn with them, at places that are rounded
       relative to their distance from the origin, and I₁ is the least moment that is left where they
       turn freely.
-    - The flight, for place and velocity of a free body: an ulp of the changed scene's own numbers,
-      and of forces that cancel in coordinates which turn with parts.
+    - The flight, for place and velocity of a free body: an ulp of either scene's own numbers, and
+      of forces that cancel in coordinates which turn with parts.
     """
     change, exact = encoding.change(scenario), solution.trajectory
     changed, moved = _farthest(encoding.scene(scenario), encoding), _moved(change, exact)
@@ -62,12 +62,15 @@ def rounding_bounds(
     bounds = {}
     for name in JUDGED:
         signal, ulp = SIGNAL[name], solution.conditioning[name]
+        # Where nothing moves, distances are 0 or infinite, whatever they are relative to.
+        base = signal.base(scenario, exact) or 1.0
         if name in units and not scenario.constraint.is_pivot:
             absolute = signal.growth(changed, moved, solution.conditioning)
             absolute *= signal.base(changed, moved)
             absolute += swing if name == "velocity" else 0.0
-            ulp = absolute / units[name] / signal.base(scenario, exact)
-        bounds[name] = ulp * ulps + flown.get(name, 0.0) / signal.base(scenario, exact)
+            own = signal.growth(scenario, exact, solution.conditioning)
+            ulp = max(absolute / units[name] / base, own)
+        bounds[name] = ulp * ulps + flown.get(name, 0.0) / base
     return bounds
 
 

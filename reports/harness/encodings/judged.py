@@ -64,6 +64,7 @@ class Judge:
             return EncodedRun(encoding.name, "same", "", errors, apart)
         moves_as = self._moves_as(encoding, run)
         found, reason = self._with_the_timestep(encoding, pair, beyond)
+        reason += self._nearer(errors, pair, beyond)
         return EncodedRun(encoding.name, found, reason, errors, apart, moves_as)
 
     def _apart(self, motion: Trajectory, own: Trajectory) -> Errors:
@@ -112,6 +113,15 @@ class Judge:
         # It does not go away: does the method's own error, of the scene as it is?
         falls = all(now[name][1] <= FALLS * before[name][1] for name in beyond)
         return ("differs" if falls else "open"), left
+
+    def _nearer(self, errors: Errors, pair: Pair, beyond: list[str]) -> str:
+        """That the scene as it is has the larger errors, in words; empty if not in all signals."""
+        own = {name: size for name, (_, size) in self._sizes(pair, beyond).items()}
+        if not all(errors[name] < own[name] for name in beyond):
+            return ""
+        worst = SIGNAL[max(beyond, key=lambda name: own[name])]
+        here, there = worst.words(errors[worst.name]), worst.words(own[worst.name])
+        return f"; nearer to the exact motion, {here} off in {worst.label} and not {there}"
 
     def _sizes(self, pair: Pair, names: list[str]) -> dict[str, tuple[float, float]]:
         """How far the motions are apart, and the error of the scene as it is, by signal."""

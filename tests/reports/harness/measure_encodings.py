@@ -21,6 +21,8 @@ from spincheck.scenarios import Scenario, loads
 #: Engine and encoding: what is known of it.
 KNOWN = {
     ("mujoco", "offset"): {"coarser"},
+    # The scene as it is drifts, where its com is off its frame.
+    ("mujoco", "aligned"): {"coarser"},
     ("mujoco", "slides-ball"): {"coarser"},
     ("mujoco", "hinges"): {"coarser", "ends early", "open"},
     # Below 0.001 rad a unit of time it takes the first terms of the exponential.
@@ -33,8 +35,8 @@ KNOWN = {
     ("pybullet", "halves"): {"coarser", "other body", "ends early"},
     ("pybullet", "thirds"): {"coarser", "other body", "ends early"},
 }
-#: Of so many bodies, one has rotors.
-WITH_ROTORS = 3
+#: Of so many bodies, one has rotors; one has its com off its frame.
+WITH_ROTORS, OFF_ITS_FRAME = 3, 2
 METHODS = ("RK4", "implicitfast", "multibody", "maximal")
 
 
@@ -46,7 +48,10 @@ class Nowhere:
 
 
 def random_scene(seed: int) -> Scenario:
-    """A free body of 0.1 to 10 kg and 5 to 50 cm, that tumbles for 1 s; some have rotors."""
+    """A free body of 0.1 to 10 kg and 5 to 50 cm, that tumbles for 1 s.
+
+    Some have rotors, some a com off their frame.
+    """
     rng = np.random.default_rng(seed)
     mass, size = 10 ** rng.uniform(-1, 1), 10 ** rng.uniform(-1.3, -0.3)
     spread = mass * size**2 * 10 ** rng.uniform(-2, 0, 3)
@@ -56,6 +61,7 @@ def random_scene(seed: int) -> Scenario:
     numbers["velocity"] = rng.normal(size=3)
     inertia, turn, omega, velocity = (values.tolist() for values in numbers.values())
     rotors = "".join(random_rotors(rng, mass, size)) if seed % WITH_ROTORS == 0 else ""
+    com = (rng.normal(size=3) * size * (seed % OFF_ITS_FRAME == 0)).tolist()
     return loads(
         f"""spincheck = 1
 title = "A random body"
@@ -63,6 +69,7 @@ source = "measure_encodings.py"
 [body]
 mass = {mass}
 inertia = {inertia}
+com = {com}
 [start]
 rotation_vector_deg = {turn}
 omega_body = {omega}

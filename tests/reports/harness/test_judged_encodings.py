@@ -1,0 +1,83 @@
+"""What is said of a body that is described otherwise: which description is the nearer, and of rest.
+
+Not verified here: that encodings mean the same (`tests/engines/test_encodings.py`).
+"""
+
+from dataclasses import replace
+
+import numpy as np
+from case_loops import each_case
+from spincheck.engines import engines
+from spincheck.engines.checks.read_back import State
+from spincheck.engines.encodings import ENCODINGS, SceneChange
+from spincheck.reports.harness.choice import Choice
+from spincheck.reports.harness.encodings import run_encodings
+from spincheck.reports.harness.executors import InProcess
+from spincheck.reports.results.encoding_records import EncodedRun
+from spincheck.scenarios import FloatArray, Scenario, loads
+
+EPS = float(np.finfo(float).eps)
+#: s.
+TIMESTEP = 2.0**-9
+NEARER = "nearer to the exact motion"
+#: With its com off the frame's origin: MuJoCo moves the origin, and the com drifts.
+SCENE = """spincheck = 1
+title = "A body, its frame off the com"
+source = "made up"
+[body]
+mass = 0.5
+inertia = [1e-3, 2e-3, 2.5e-3]
+com = [0.0, 0.02, 0.0]
+[start]
+rotation_vector_deg = [24.0, 0.0, 32.0]
+omega_body = {omega}
+[window]
+duration = 0.5
+samples = 5
+"""
+
+
+class Nowhere:
+    """A result file that keeps nothing."""
+
+    def put(self, *_: object) -> None:
+        """Drop the records."""
+
+
+def scene(omega: list[float]) -> Scenario:
+    return loads(SCENE.format(omega=omega), "off-its-com")
+
+
+def answers(scenario: Scenario, method: str, *names: str) -> dict[str, EncodedRun]:
+    choice = Choice((engines()["mujoco"],), methods=(method,), timesteps=(TIMESTEP,))
+    with InProcess() as executor:
+        (runs,) = run_encodings([scenario], choice, names, Nowhere(), executor)
+    return {one.encoding: one for one in runs.each}
+
+
+@each_case("method", ["RK4", "Euler"])
+def test_where_the_scenes_own_description_drifts_that_is_said(method: str) -> None:
+    made = answers(scene([0.3, 12.0, 0.5]), method, "aligned", "offset")
+    aligned, offset = made["aligned"], made["offset"]
+    assert (aligned.word, offset.word) == ("coarser", "coarser")
+    assert aligned.errors.com < aligned.apart.com / 100
+    assert NEARER in aligned.reason
+    # Planted: a frame that is farther off drifts more.
+    assert offset.errors.com > aligned.apart.com
+    assert NEARER not in offset.reason
+
+
+def test_a_body_at_rest_is_the_same_however_it_is_described(monkeypatch) -> None:
+    """No velocity to be relative to: distances are 0, or infinite. Boosted, it is not at rest."""
+    at_rest, right = scene([0.0, 0.0, 0.0]), SceneChange.state_back
+    names = [name for name in ENCODINGS if name not in ("plain", "boosted")]
+    made = answers(at_rest, "Euler", *names)
+    assert {name for name, one in made.items() if one.word != "same"} == set()
+
+    def creeping(change: SceneChange, states: State, times: FloatArray) -> State:
+        back = right(change, states, times)
+        moved = change.q_body_new != SceneChange().q_body_new
+        return replace(back, velocity_world=back.velocity_world + moved * EPS)
+
+    monkeypatch.setattr(SceneChange, "state_back", creeping)
+    assert answers(at_rest, "Euler", "turned")["turned"].word != "same"
