@@ -97,7 +97,7 @@ def places(scenario: Scenario, motion: Trajectory, coarsest: float | None) -> Pl
     timestep = coarsest or COARSEST_TURN / rate
     along = motion.at(chosen)
     speed = float(norms(motion.omega_body).max()) or rate
-    parts = [_state(along), *(_askew(scenario, along, speed * np.array(d)) for d in ASKEW)]
+    parts = [states_of(along), *(_askew(scenario, along, speed * np.array(d)) for d in ASKEW)]
     states = State(*(np.vstack(columns) for columns in zip(*map(_columns, parts), strict=True)))
     bears = Equations(scenario).bears(states)
     states, times = states.rows(bears), np.append(along.t, [np.nan] * len(ASKEW))[bears]
@@ -150,7 +150,7 @@ def flowed(scenario: Scenario, states: State, spans: FloatArray) -> State:
     lengths = norms(states.q_world_body_wxyz)[:, None]
     q = states.q_world_body_wxyz / lengths
     start = Trajectory(np.arange(float(len(spans))), q, *_columns(states)[1:])
-    return _state(flow(scenario, start, spans))
+    return states_of(flow(scenario, start, spans))
 
 
 def _chosen(scenario: Scenario, motion: Trajectory) -> NDArray[np.intp]:
@@ -195,7 +195,8 @@ def _pieces(scenario: Scenario, starts: State, timestep: float, condition: float
     )
 
 
-def _state(motion: Trajectory) -> State:
+def states_of(motion: Trajectory) -> State:
+    """The states of a motion's samples."""
     return State(*(getattr(motion, name) for name in State.__dataclass_fields__))
 
 
