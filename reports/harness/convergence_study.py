@@ -117,7 +117,7 @@ class ConvergenceStudy:
             self.engine.unsupported(scenario, self.method),
             self.solution.ending,
             tuple(self.unmet),
-            scenario.expected_failures,
+            scenario.document.known,
         )
 
     @property
