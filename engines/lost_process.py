@@ -8,10 +8,12 @@ is not counted.
 import signal
 import sys
 import time
-from typing import NamedTuple, Protocol
+from collections.abc import Callable
+from typing import NamedTuple
 
 import psutil
 
+from ..scenarios import printable
 from .fault import Cause
 
 #: Signals caused by faults of the process itself; any other signal comes from outside.
@@ -20,6 +22,8 @@ _OWN_SIGNALS = frozenset(
     for name in ("SIGSEGV", "SIGABRT", "SIGFPE", "SIGILL", "SIGBUS", "SIGTRAP", "SIGSYS")
     if hasattr(signal, name)
 )
+#: Characters of what a process printed last that go into the reason of its death.
+LAST_LINE = 200
 #: Words for a process that was killed by another.
 KILLED = "was killed from outside"
 #: s between two readings of the CPU time of a call.
@@ -29,19 +33,6 @@ POLL = 0.5
 IDLE = 0.01
 #: Wall time that a call may take, in multiples of its limit, however busy the machine is.
 MOST_WALL = 20.0
-
-
-class Watched(Protocol):
-    """A process whose answer is waited for."""
-
-    def has_answered(self, seconds: float) -> bool:
-        """Wait, at most so many seconds, until it has answered or ended."""
-
-    def cpu_seconds(self) -> float:
-        """CPU time it has used so far, s; 0 once it is gone."""
-
-    def is_stopped(self) -> bool:
-        """Whether it is stopped (SIGSTOP)."""
 
 
 class Overdue(NamedTuple):
@@ -56,11 +47,14 @@ class Overdue(NamedTuple):
     cause: Cause
 
 
-def wait_for_answer(process: Watched, limit: float) -> Overdue | None:
+def wait_for_answer(
+    has_answered: Callable[[float], bool], process: psutil.Process, limit: float
+) -> Overdue | None:
     """Wait until a process has answered or ended; returns None, or why waiting was given up.
 
     Parameters
     ----------
+    has_answered : waits, at most so many seconds, and returns whether it has answered or ended
     limit : CPU seconds that it may take
     """
     wall, begun = 0.0, None
@@ -69,10 +63,10 @@ def wait_for_answer(process: Watched, limit: float) -> Overdue | None:
     poll = min(POLL, limit)
     while True:
         before = time.monotonic()
-        if process.has_answered(poll):
+        if has_answered(poll):
             return None
         wall += min(time.monotonic() - before, 2 * poll)
-        used = process.cpu_seconds()
+        used = _cpu_seconds(process)
         # Not before the first wait: reading CPU times takes longer than most calls.
         begun = used if begun is None else begun
         used -= begun
@@ -87,8 +81,8 @@ def wait_for_answer(process: Watched, limit: float) -> Overdue | None:
             return Overdue(words, "environment")
 
 
-def _idle(process: Watched, limit: float, used: float) -> Overdue:
-    if process.is_stopped():
+def _idle(process: psutil.Process, limit: float, used: float) -> Overdue:
+    if _is_stopped(process):
         return Overdue(f"{limit:g} s: it was stopped from outside", "environment")
     return Overdue(f"{limit:g} s: it hangs, and used {used:.2g} s of CPU time", "time-out")
 
@@ -112,7 +106,13 @@ def death(exit_code: int) -> tuple[str, Cause]:
     return f"{KILLED} by {name}", "killed"
 
 
-def cpu_seconds(process: psutil.Process) -> float:
+def last_line(printed: str) -> str:
+    """The last line that a process printed, to be added to the reason of its death."""
+    lines = printed.strip().splitlines()
+    return f"; it last printed: {printable(lines[-1][-LAST_LINE:])}" if lines else ""
+
+
+def _cpu_seconds(process: psutil.Process) -> float:
     """CPU time that a process has used so far, s, with its children; 0 once it is gone."""
     try:
         return sum(sum(one.cpu_times()[:2]) for one in [process, *process.children()])
@@ -120,7 +120,7 @@ def cpu_seconds(process: psutil.Process) -> float:
         return 0.0
 
 
-def is_stopped(process: psutil.Process) -> bool:
+def _is_stopped(process: psutil.Process) -> bool:
     """Whether a process is stopped (SIGSTOP)."""
     try:
         return bool(process.status() == psutil.STATUS_STOPPED)

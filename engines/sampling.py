@@ -1,15 +1,15 @@
 """The loop of every run: step, read, and check the states that were read."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .checks.bounds import Bounds
-from .checks.faults import columns, faults
-from .checks.read_back import EngineError, State
+from .checks.faults import faults
+from .checks.read_back import EngineError, State, stacked
 from .checks.turn_faults import Reading
 from .fault import WRONG_AT_ANY_TIMESTEP, Cause, Fault
 from .run import Outcome
@@ -22,6 +22,8 @@ from .session import Session
 FIRST_BLOCK = 1 << 4
 BLOCK_STEPS = 1 << 14
 BLOCK = 1 << 11
+#: States of which there are none.
+NOTHING = State(np.empty((0, 4)), *(np.empty((0, 3)) for _ in range(3)))
 #: A run of no more steps is read at every step: coarse timesteps are those that fail.
 READ_THROUGHOUT = 1 << 10
 #: In longer runs, so many samples, the first included, are read once more one step later.
@@ -30,33 +32,23 @@ READ_IN_PAIRS = 64
 
 @dataclass(frozen=True, eq=False)
 class Sampled:
-    """The valid samples of a run, and how it ended.
+    """The valid samples of a run, or states of a block of it, and how it ended.
 
     Attributes
     ----------
-    states : one a row; no rows if the first sample was bad
+    states : one a row; no rows if the first was bad
     reason, cause : why there are no more, in words and in a word; empty if the outcome is ok
     """
-
-    states: State
-    outcome: Outcome
-    reason: str
-    cause: Cause
-
-    @property
-    def count(self) -> int:
-        """Number of valid samples."""
-        return len(self.states.omega_body)
-
-
-@dataclass(frozen=True, eq=False)
-class _Block:
-    """The valid states of a block, samples or not, and how it ended."""
 
     states: State
     outcome: Outcome = "ok"
     reason: str = ""
     cause: Cause = ""
+
+    @property
+    def count(self) -> int:
+        """Number of valid ones."""
+        return len(self.states.omega_body)
 
 
 def sample(session: Session, sample_steps: NDArray[np.int64], bounds: Bounds) -> Sampled:
@@ -70,8 +62,8 @@ def sample(session: Session, sample_steps: NDArray[np.int64], bounds: Bounds) ->
     is_sample = np.zeros(len(steps), dtype=bool)
     is_sample[np.searchsorted(steps, sample_steps)] = True
     parts: list[State] = []
-    start = _stacked([])
-    end = _Block(start)
+    start = NOTHING
+    end = Sampled(start)
     last: list[Any] = []
     for first, beyond in _blocks(steps):
         taken = int(steps[first - 1]) if first else 0
@@ -85,13 +77,13 @@ def sample(session: Session, sample_steps: NDArray[np.int64], bounds: Bounds) ->
                 start = start if first else states.rows(slice(2))
                 reading = Reading(states, steps[first : first + len(snapshots)], start)
                 end = _checked(session, snapshots, reading, end, bounds)
-        kept = is_sample[first : first + len(end.states.omega_body)].copy()
+        kept = is_sample[first : first + end.count].copy()
         kept[: len(last)] = False
         parts.append(end.states.rows(kept))
         if end.outcome != "ok":
             break
         last = snapshots[-1:]
-    return Sampled(_stacked(parts), end.outcome, end.reason, end.cause)
+    return replace(end, states=stacked(parts))
 
 
 def _blocks(steps: NDArray[np.int64]) -> Iterator[tuple[int, int]]:
@@ -114,23 +106,22 @@ def steps_to_read(sample_steps: NDArray[np.int64]) -> NDArray[np.int64]:
     return np.union1d(sample_steps, sample_steps[:-1:every] + 1)
 
 
-def _read(session: Session, strides: Sequence[int]) -> tuple[list[Any], _Block]:
+def _read(session: Session, strides: Sequence[int]) -> tuple[list[Any], Sampled]:
     """Snapshots of a block, fewer if the engine stopped; and how it ended."""
     snapshots: list[Any] = []
-    nothing = _stacked([])
     try:
         session.record(strides, snapshots.append)
     except EngineError as error:
         blown_up = _blown_up(session)
         if blown_up and error.cause not in WRONG_AT_ANY_TIMESTEP:
-            return snapshots, _Block(nothing, "diverged", str(error), error.cause or blown_up)
-        return snapshots, _Block(nothing, "failed", str(error), error.cause or "refused")
+            return snapshots, Sampled(NOTHING, "diverged", str(error), error.cause or blown_up)
+        return snapshots, Sampled(NOTHING, "failed", str(error), error.cause or "refused")
     except (OSError, MemoryError):
         # Possibly the machine's fault: decided by the caller.
         raise
     except Exception as error:  # After a bug in an adapter the samples so far are kept.
-        return snapshots, _Block(nothing, "failed", f"{type(error).__name__}: {error}", "bug")
-    return snapshots, _Block(nothing)
+        return snapshots, Sampled(NOTHING, "failed", f"{type(error).__name__}: {error}", "bug")
+    return snapshots, Sampled(NOTHING)
 
 
 def _blown_up(session: Session) -> Cause:
@@ -144,8 +135,8 @@ def _blown_up(session: Session) -> Cause:
 
 
 def _checked(
-    session: Session, snapshots: list[Any], reading: Reading, end: _Block, bounds: Bounds
-) -> _Block:
+    session: Session, snapshots: list[Any], reading: Reading, end: Sampled, bounds: Bounds
+) -> Sampled:
     """A block's states up to the first that is bad."""
     block_faults = list(faults(reading, bounds))
     if fault := session.first_fault(snapshots, reading.states):
@@ -157,15 +148,7 @@ def _checked(
             # At a step of the block that is not known.
             block_faults.insert(0, Fault(0, error.cause or "warning", str(error)))
     if not block_faults:
-        return _Block(reading.states, end.outcome, end.reason, end.cause)
+        return replace(end, states=reading.states)
     worst = min(block_faults, key=lambda fault: fault.index)
     outcome: Outcome = "failed" if worst.cause in WRONG_AT_ANY_TIMESTEP else "diverged"
-    return _Block(reading.states.rows(slice(worst.index)), outcome, worst.reason, worst.cause)
-
-
-def _stacked(parts: Sequence[State]) -> State:
-    """The rows of all parts, stacked."""
-    if not parts:
-        return State(np.empty((0, 4)), *(np.empty((0, 3)) for _ in range(3)))
-    together = zip(*(columns(part) for part in parts), strict=True)
-    return State(*(np.concatenate(column) for column in together))
+    return Sampled(reading.states.rows(slice(worst.index)), outcome, worst.reason, worst.cause)

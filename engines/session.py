@@ -6,9 +6,7 @@ from collections.abc import Callable, Sequence
 from types import TracebackType
 from typing import Any, Self
 
-import numpy as np
-
-from .checks.read_back import BodyReading, State
+from .checks.read_back import BodyReading, State, stacked
 from .fault import Fault
 
 
@@ -110,7 +108,7 @@ class Session(ABC):
 
     def states(self, snapshots: Sequence[Any]) -> State:
         """The states of n snapshots, one a row of each column."""
-        return State(**{name: np.array([getattr(s, name) for s in snapshots]) for name in _COLUMNS})
+        return stacked(snapshots)
 
     def first_fault(self, snapshots: Sequence[Any], states: State) -> Fault | None:  # noqa: ARG002
         """The first snapshot with a fault; None if there is none.
@@ -129,6 +127,3 @@ class Session(ABC):
         traceback: TracebackType | None,
     ) -> None:
         self.close()
-
-
-_COLUMNS = tuple(State.__dataclass_fields__)

@@ -5,6 +5,7 @@ All are of the exact motion; those that change along it are of t = 0 and say so.
 
 import math
 from collections.abc import Iterator
+from functools import lru_cache
 
 import numpy as np
 from mpmath import mp
@@ -17,6 +18,7 @@ from ..scenarios import (
     potential_energy,
 )
 from ..scenarios.exact import DIGITS, dot
+from ..scenarios.mechanics import RECENT
 from . import heavy_symmetric_top as lagrangian
 from . import stability
 from .conservation_laws import LAWS, InvariantScales
@@ -35,6 +37,7 @@ from .symmetry import (
 )
 
 
+@lru_cache(maxsize=RECENT)
 def facts(scenario: Scenario) -> list[Fact]:
     """Everything that applies to a scene, in the order to be read."""
     problem = rotational_problem(scenario)

@@ -7,7 +7,7 @@ left out.
 """
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,23 +15,14 @@ from mpmath import mp
 from scipy.interpolate import CubicHermiteSpline, PPoly
 
 from ..scenarios import FloatArray, Scenario, Trajectory
-from ..scenarios.exact import DIGITS, dot, rotate
-from . import stability
-from .effect_terms import is_free, nutates
-from .heavy_symmetric_top import (
-    HeavySymmetricTop,
-    heavy_symmetric_top,
-    mean_precession_rate,
-    nutation_bounds,
-    nutation_period,
-)
+from ..scenarios.exact import DIGITS, rotate
+from .facts import facts
 from .problem import Problem
 from .rotational_problem import rotational_problem
 from .symmetry import (
     UNIT_VECTORS,
     across,
     angular_momentum_axes,
-    moments_across_and_along,
     norm,
     scaled,
     symmetry_axis,
@@ -43,6 +34,11 @@ from .symmetry import (
 SAMPLES_PER_PERIOD = 16
 #: Relative to ω, or in rad: what changes by less than √ulp is taken for steady, or for rounding.
 NO_CHANGE = float(np.sqrt(np.finfo(float).eps))
+
+
+#: By the names of facts: exact values, and measured ones.
+Exact = Mapping[str, float]
+Measured = Iterator[tuple[str, float]]
 
 
 @dataclass(frozen=True)
@@ -57,15 +53,19 @@ class Observable:
 
 def observables(scenario: Scenario, motion: Trajectory) -> list[Observable]:
     """What can be read off a motion of the scene."""
-    problem = rotational_problem(scenario)
-    top = heavy_symmetric_top(problem)
-    if top is not None and nutates(problem):
-        return list(_of_a_heavy_top(problem, top, motion))
-    if not is_free(problem):
-        return []
-    if symmetry_axis(problem) is not None:
-        return list(_of_a_free_top(problem, motion))
-    return list(_of_a_free_body(problem, motion))
+    problem, known = rotational_problem(scenario), {fact.name: fact for fact in facts(scenario)}
+    exact = {name: fact.value for name, fact in known.items()}
+    kinds = {
+        "nutation period": _of_a_heavy_top,
+        "body cone rate": _of_a_free_top,
+        "tumbling period": _of_a_free_body,
+    }
+    return [
+        Observable(name, value, exact[name], known[name].unit)
+        for kind, measured in kinds.items()
+        if kind in exact
+        for name, value in measured(problem, exact, motion)
+    ]
 
 
 @dataclass(frozen=True, eq=False)
@@ -112,61 +112,52 @@ def axis_motion(motion: Trajectory, axis_body: FloatArray, direction: FloatArray
     R_world_body = motion.R_world_body
     axis = R_world_body.apply(axis_body)
     velocity = np.cross(R_world_body.apply(np.array(motion.omega_body)), axis)
-    first = np.eye(3)[np.argmin(np.abs(direction))]
-    first = first - (first @ direction) * direction
-    first /= np.linalg.norm(first)
-    frame = np.array([first, np.cross(direction, first), direction])
+    frame = frame_about(direction)
     return AxisMotion(motion.t, CubicHermiteSpline(motion.t, axis @ frame.T, velocity @ frame.T))
 
 
-def _of_a_heavy_top(
-    problem: Problem, top: HeavySymmetricTop, motion: Trajectory
-) -> Iterator[Observable]:
+def frame_about(third: FloatArray) -> FloatArray:
+    """Rows e1, e2, e3 of a right-handed frame with e3 given; x and y themselves for z, (3, 3)."""
+    first = np.eye(3)[np.argmin(np.abs(third))]
+    first = first - (first @ third) * third
+    first /= np.linalg.norm(first)
+    return np.array([first, np.cross(third, first), third])
+
+
+def _of_a_heavy_top(problem: Problem, exact: Exact, motion: Trajectory) -> Measured:
     axis = symmetry_axis(problem)
     assert axis is not None
-    period = nutation_period(top)
+    period = exact["nutation period"]
     if not _resolves(motion, period) or motion.t[-1] < period:
         return
     moving = axis_motion(motion, np.array(to_body(problem, axis), float), up_world(problem))
-    low, high = nutation_bounds(top)
-    steady = high - low < NO_CHANGE
+    steady = math.radians(exact["nutation to"] - exact["nutation from"]) < NO_CHANGE
     highest, lowest = moving.turns()
     beta = moving.angle(motion.t if steady else np.concatenate([motion.t, highest, lowest]))
-    yield Observable("nutation from", math.degrees(beta.min()), math.degrees(low), "deg")
-    yield Observable("nutation to", math.degrees(beta.max()), math.degrees(high), "deg")
-    if steady:
-        yield from _precession(moving, top, motion.t)
-    elif len(lowest) >= 2:
-        measured = float(lowest[-1] - lowest[0]) / (len(lowest) - 1)
-        yield Observable("nutation period", measured, period, "s")
-        yield from _precession(moving, top, lowest)
+    yield "nutation from", math.degrees(beta.min())
+    yield "nutation to", math.degrees(beta.max())
+    if not steady and len(lowest) >= 2:
+        yield "nutation period", float(lowest[-1] - lowest[0]) / (len(lowest) - 1)
+    if "precession rate" in exact and (steady or len(lowest) >= 2):
+        yield from _precession(moving, motion.t if steady else lowest)
 
 
-def _precession(
-    moving: AxisMotion, top: HeavySymmetricTop, phases: FloatArray
-) -> Iterator[Observable]:
+def _precession(moving: AxisMotion, phases: FloatArray) -> Measured:
     """Mean rate of precession between the first and the last of times of equal phase."""
-    exact = mean_precession_rate(top)
-    if exact is None:
-        return
     fastest = float(np.abs(moving.azimuth_rate()).max())
     if not fastest or _resolves(moving, math.tau / fastest):
         azimuth = moving.azimuth()
         first, last = float(phases[0]), float(phases[-1])
-        rate = float(azimuth(last) - azimuth(first)) / (last - first)
-        yield Observable("precession rate", rate, exact, "rad/s")
+        yield "precession rate", float(azimuth(last) - azimuth(first)) / (last - first)
 
 
-def _of_a_free_top(problem: Problem, motion: Trajectory) -> Iterator[Observable]:
+def _of_a_free_top(problem: Problem, exact: Exact, motion: Trajectory) -> Measured:
     axis = symmetry_axis(problem)
     assert axis is not None
     with mp.workdps(DIGITS):
-        I1, I3 = moments_across_and_along(problem, axis)
         L = angular_momentum_axes(problem)
-        omega3 = dot(problem.omega_axes, axis)
         direction = scaled(rotate(problem.q_world_axes, L), 1 / norm(L))
-        precession = float(norm(L) / I1)
-    cone = stability.body_cone_rate(I1, I3, omega3)
+    cone = exact["body cone rate"]
     frame_body = np.array([to_body(problem, e) for e in (*across(axis), axis)], dtype=float)
     omega = motion.omega_body @ frame_body.T
     aside = np.hypot(omega[:, 0], omega[:, 1])
@@ -174,18 +165,15 @@ def _of_a_free_top(problem: Problem, motion: Trajectory) -> Iterator[Observable]
         return
     if cone and _resolves(motion, math.tau / abs(cone)):
         phase = np.unwrap(np.arctan2(omega[:, 1], omega[:, 0]))
-        yield Observable("body cone rate", _mean_rate(motion, phase), cone, "rad/s")
-    if _resolves(motion, math.tau / precession):
+        yield "body cone rate", _mean_rate(motion, phase)
+    if _resolves(motion, math.tau / exact["precession rate"]):
         moving = axis_motion(motion, frame_body[2], np.array(direction, dtype=float))
-        turned = moving.azimuth()(motion.t)
-        measured = _mean_rate(motion, turned)
-        yield Observable("precession rate", measured, precession, "rad/s")
+        yield "precession rate", _mean_rate(motion, moving.azimuth()(motion.t))
 
 
-def _of_a_free_body(problem: Problem, motion: Trajectory) -> Iterator[Observable]:
+def _of_a_free_body(problem: Problem, exact: Exact, motion: Trajectory) -> Measured:
     """Twice the mean time between sign changes of ω about the middle axis."""
-    period = stability.tumbling_period(problem.moments, problem.omega_axes)
-    if period is None or not _resolves(motion, period):
+    if not _resolves(motion, exact["tumbling period"]):
         return
     axes_body = np.array([to_body(problem, e) for e in UNIT_VECTORS], dtype=float)
     moments = np.array(problem.moments, dtype=float)
@@ -196,8 +184,7 @@ def _of_a_free_body(problem: Problem, motion: Trajectory) -> Iterator[Observable
         return
     flips = _roots(CubicHermiteSpline(motion.t, omega[:, k], rate[:, k]))
     if len(flips) >= 2:
-        measured = 2 * float(flips[-1] - flips[0]) / (len(flips) - 1)
-        yield Observable("tumbling period", measured, period, "s")
+        yield "tumbling period", 2 * float(flips[-1] - flips[0]) / (len(flips) - 1)
 
 
 def _resolves(motion: Trajectory | AxisMotion, period: float) -> bool:

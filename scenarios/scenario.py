@@ -13,7 +13,7 @@ import numpy as np
 from . import exact
 from .body import Body
 from .constraint import Constraint
-from .document import Document, Expect, Known, Published, Window
+from .document import Document, Expect, Window
 from .effects import EFFECTS, Effect, Effects, EffectTable, rotors_of
 from .effects.effect import Answer
 from .float_array import FloatArray, read_only
@@ -86,19 +86,9 @@ class Scenario:
         return self.document.window
 
     @property
-    def published(self) -> tuple[Published, ...]:
-        """Values printed elsewhere."""
-        return self.document.published
-
-    @property
     def expect(self) -> tuple[Expect, ...]:
         """Bounds on errors, or outcomes, expected of engines."""
         return self.document.expect
-
-    @property
-    def expected_failures(self) -> tuple[Known, ...]:
-        """The expected failures (`[[known]]`)."""
-        return self.document.known
 
     @property
     def hard(self) -> bool:

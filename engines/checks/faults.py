@@ -1,7 +1,6 @@
 """Checks on the states of a run that hold for any engine and scene."""
 
 from collections.abc import Iterator
-from dataclasses import fields
 from typing import Any
 
 import numpy as np
@@ -21,8 +20,8 @@ def faults(reading: Reading, bounds: Bounds) -> Iterator[Fault]:
     """The first bad state for each kind of fault."""
     states, timestep = reading.states, bounds.timestep
     # The sum is not finite if any number is not, and much faster than a search.
-    if not np.isfinite(sum(float(column.sum()) for column in columns(states))):
-        finite = np.hstack([np.isfinite(column) for column in columns(states)])
+    if not np.isfinite(sum(float(column.sum()) for column in states.columns)):
+        finite = np.hstack([np.isfinite(column) for column in states.columns])
         if not finite.all():
             yield Fault(_first(~finite.all(axis=1)), "not-finite", "the state is no longer finite")
     sizes = norms(states.q_world_body_wxyz)
@@ -55,11 +54,6 @@ def clamped_turn(speed: float, timestep: float, most: float) -> str:
         f"the rotation a step, {np.degrees(speed * timestep):.3g}°, is beyond "
         f"{np.degrees(most):.3g}°, where the engine clamps it"
     )
-
-
-def columns(states: State) -> list[FloatArray]:
-    """The arrays of a state, one for each quantity."""
-    return [getattr(states, field.name) for field in fields(State)]
 
 
 def _pivot_faults(states: State, arm_body: FloatArray) -> Iterator[Fault]:

@@ -87,15 +87,19 @@ class State:
         if not self.spins.size:
             object.__setattr__(self, "spins", np.empty((*self.omega_body.shape[:-1], 0)))
 
+    @property
+    def columns(self) -> list[FloatArray]:
+        """Its arrays, one for each quantity."""
+        return list(vars(self).values())
+
     def rows(self, kept: int | slice | NDArray[np.bool_]) -> "State":
         """One of n states by its index, or several by a slice or a mask, (n,)."""
-        return State(*(column[kept] for column in vars(self).values()))
+        return State(*(column[kept] for column in self.columns))
 
 
 def stacked(states: Sequence[State]) -> State:
-    """One state after the other, as rows."""
-    columns = zip(*(vars(state).values() for state in states), strict=True)
-    return State(*(np.array(column) for column in columns))
+    """One state after the other, or several states after others, as rows."""
+    return State(*map(np.vstack, zip(*(state.columns for state in states), strict=True)))
 
 
 @dataclass(frozen=True, eq=False)

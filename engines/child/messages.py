@@ -77,18 +77,8 @@ class ChildMethod(ChildAnswer):
 
     def method(self) -> Method:
         """The method as the harness uses it."""
-        return Method(
-            self.name,
-            self.order,
-            self.attitude_order,
-            self.summary,
-            frozenset(self.effects),
-            frozenset(self.requires),
-            self.max_rotation_per_step or float("inf"),
-            self.clamps_parts,
-            self.as_shipped,
-            damping=self.damping or 0.0,
-        )
+        sets = {"effects": frozenset(self.effects), "requires": frozenset(self.requires)}
+        return Method(**self.model_dump(exclude_none=True) | sets)
 
 
 class Hello(ChildAnswer):

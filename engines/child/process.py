@@ -19,7 +19,7 @@ import psutil
 
 from ...scenarios import printable
 from ..checks.read_back import EngineError
-from ..lost_process import cpu_seconds, death, is_stopped, wait_for_answer
+from ..lost_process import death, last_line, wait_for_answer
 from ..start_process import kill, start
 from .messages import ChildAnswer, Hello, Misanswer, Refusal, parse
 
@@ -33,8 +33,6 @@ END_LIMIT = 1.0
 LONGEST_ANSWER = 1 << 20
 #: Bytes read at once, as many as a pipe holds (pipe(7), Linux).
 PIPE_SIZE = 1 << 16
-#: Characters of what a child printed last that go into a reason.
-LAST_LINE = 200
 #: Bytes kept of what it printed, counted from the end.
 KEPT_OUTPUT = 4096
 
@@ -162,12 +160,12 @@ class ChildProcess:
     def _line(self, do: str) -> bytes:
         """The next line of the answers; output that the child prints is read too."""
         self._request = do
-        if overdue := wait_for_answer(self, self._limit):
+        if overdue := wait_for_answer(self._has_answered, self._of_system, self._limit):
             raise ProtocolError(f"it did not answer '{do}' within {overdue.words}", overdue.cause)
         line, _, self._received = self._received.partition(b"\n")
         return line
 
-    def has_answered(self, seconds: float) -> bool:
+    def _has_answered(self, seconds: float) -> bool:
         """Wait for a line, at most so many seconds, and read what the child prints.
 
         Raises
@@ -187,17 +185,9 @@ class ChildProcess:
                 self._take(key.fd, self._request)
         return True
 
-    def cpu_seconds(self) -> float:
-        """CPU time it has used so far, s, with its children; 0 once it is gone."""
-        return cpu_seconds(self._of_system)
-
     def is_running(self) -> bool:
         """Whether it has not ended: an idle child may be killed from outside."""
         return self._process.poll() is None
-
-    def is_stopped(self) -> bool:
-        """Whether it is stopped (SIGSTOP)."""
-        return is_stopped(self._of_system)
 
     def _take(self, descriptor: int, do: str) -> None:
         part = os.read(descriptor, PIPE_SIZE)
@@ -225,8 +215,7 @@ class ChildProcess:
             os.set_blocking(self._output.fileno(), False)
             self._printed += os.read(self._output.fileno(), PIPE_SIZE)
         how, cause = death(code)
-        lines = self._printed.decode(errors="replace").strip().splitlines()
-        last = f"; it last printed: {printable(lines[-1][-LAST_LINE:])}" if lines else ""
+        last = last_line(self._printed.decode(errors="replace"))
         return ProtocolError(f"it {how} instead of answering '{do}'{last}", cause)
 
     def end(self) -> bool:

@@ -12,7 +12,7 @@ from ...scenarios.principal import from_matrix, principal_axes
 from ..engine import Engine
 from ..method import COMMON_EFFECTS
 from ..models.description import PLAIN, TURN, Description, away_from
-from ..models.shape import box_of
+from ..models.shape import box_sides
 from .changed_scene import SceneChange
 
 #: Number of changed scenes kept: every method runs them, at several timesteps.
@@ -72,7 +72,7 @@ class Encoding:
             return "it is of free bodies"
         body = scenario.carrier
         moments = [float(m) for m in principal_axes(body.inertia_com_exact)[0]]
-        if self.description.shape and not min(box_of(body.mass, moments).sides):
+        if self.description.shape and not min(box_sides(body.mass, moments)):
             return "the body is flat: no box has its inertia"
         return ""
 

@@ -7,6 +7,7 @@ default for contacts, constraints, sensors and the like is switched off.
 import xml.etree.ElementTree as ET
 from collections.abc import Collection, Iterable, Iterator
 from functools import lru_cache
+from math import prod
 
 import numpy as np
 from mpmath import mp
@@ -26,7 +27,7 @@ from .description import (
 )
 from .hinged import hinged
 from .principal_frame import principal_frame
-from .shape import box_of
+from .shape import box_sides
 from .text import decimals, xml_text
 
 BODY = "top"
@@ -174,9 +175,9 @@ def _add_inertia(element: ET.Element, body: Body, description: Description = PLA
         # Such a body's axes are the principal ones: MuJoCo moves its frame there.
         pos, quat = decimals(away_from(body)), decimals(TURN)
     if description.shape:
-        box = box_of(body.mass, frame.moments)
-        geom = {"type": "box", "size": decimals(side / 2 for side in box.sides)}
-        density = decimals([box.density])
+        sides = box_sides(body.mass, frame.moments)
+        geom = {"type": "box", "size": decimals(side / 2 for side in sides)}
+        density = decimals([body.mass / prod(sides)])
         unseen = {"contype": "0", "conaffinity": "0"}
         ET.SubElement(
             element, "geom", {**geom, **unseen, "density": density, "pos": pos, "quat": quat}

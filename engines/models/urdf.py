@@ -16,7 +16,7 @@ from ...scenarios.exact import DIGITS, ZERO, Vector
 from ...scenarios.gyrostat import Rotor
 from .description import PLAIN, Description, parts_of
 from .principal_frame import principal_frame, roll_pitch_yaw_of
-from .shape import box_of
+from .shape import box_sides
 from .text import decimals, xml_text
 
 #: Name of the body's link; its frame is the scene's body frame.
@@ -154,7 +154,7 @@ def _add_link(
 def _add_box(robot: ET.Element, body: Body, thickness: float) -> None:
     """The uniform box with a body's tensor, as the last link's collision shape."""
     frame = principal_frame(body, thickness)
-    sides = box_of(body.mass, frame.moments).sides
+    sides = box_sides(body.mass, frame.moments)
     _add_shape(robot, body.com, frame.rpy_body_axes, "box", size=sides)
 
 

@@ -49,6 +49,8 @@ class GroupedCommands(TyperGroup):
 
 
 _ENSEMBLE = "--ensemble"
+#: By the unit behind an angle, what it is multiplied by to be in rad.
+ANGLES = {"deg": math.pi / 180, "°": math.pi / 180, "rad": 1.0}
 
 
 class EnsembleCommand(TyperCommand):
@@ -109,7 +111,7 @@ def _bound(signal: "Signal") -> Any:
         float | None,
         typer.Option(
             option(signal.name),
-            parser=_angle if signal.unit else float,
+            parser=angle if signal.unit else float,
             metavar="RAD|…deg" if signal.unit else "E",
             help=f"Largest error allowed in {signal}.",
             callback=_keep,
@@ -118,11 +120,11 @@ def _bound(signal: "Signal") -> Any:
     ]
 
 
-def _angle(text: str) -> float:
-    """An angle, rad, of a number; of one that ends in "deg", its degrees in rad."""
-    number = text.removesuffix("deg")
+def angle(text: str) -> float:
+    """An angle, rad, of a number with its unit behind it, rad where there is none."""
+    unit = next((unit for unit in ANGLES if text.endswith(unit)), "rad")
     try:
-        return float(number) if number == text else math.radians(float(number))
+        return float(text.removesuffix(unit)) * ANGLES[unit]
     except ValueError:
         raise ValueError(f"must be such as 1e-3 (rad) or 0.1deg, got '{text}'") from None
 

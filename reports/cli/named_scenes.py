@@ -94,7 +94,7 @@ def checked(names: Iterable[str]) -> Checked:
                 result.wrong.extend(unknown)
                 continue
             result.lines.append(f"{printable(str(scenario.path))}: ok: {scenario.title}")
-            if scenario.published or scenario.acting:
+            if scenario.document.published or scenario.acting:
                 _check_motion(scenario, result)
     return result
 

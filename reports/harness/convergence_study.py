@@ -22,15 +22,6 @@ from .stock import StockRun
 
 
 @dataclass(frozen=True, eq=False)
-class SingleRun:
-    """A single timestep: asked for by a user, or named in an expectation of the scene."""
-
-    rung: Rung
-    solution: Solution
-    expectations: tuple[Expect, ...] = ()
-
-
-@dataclass(frozen=True, eq=False)
 class PlannedRun:
     """A run that a study asks for.
 
@@ -39,12 +30,14 @@ class PlannedRun:
     solution : the exact motion at the samples of the rung
     use : what it is for
     judged : whether it was judged before, so that its samples are not needed
+    expectations : of the scene, that name a single timestep
     """
 
     rung: Rung
     solution: Solution
     use: Literal["single", "ladder", "above", "stock"]
     judged: bool = False
+    expectations: tuple[Expect, ...] = ()
 
     def is_answered_by(self, row: Row) -> bool:
         """Whether a stored row will do: what is judged or drawn needs a motion at the samples."""
@@ -61,6 +54,7 @@ class ConvergenceStudy:
     ----------
     solution : the exact motion at the ladder's sample times
     ladder : None if only single timesteps are asked for
+    singles : asked for by a user, or named in an expectation of the scene
     stock : runs at stock timesteps
     before : what the method was judged by before
     rows, single_rows, above_rows, stock_rows : the runs so far
@@ -75,7 +69,7 @@ class ConvergenceStudy:
     method: Method
     solution: Solution
     ladder: Ladder | None
-    singles: list[SingleRun] = field(default_factory=list)
+    singles: list[PlannedRun] = field(default_factory=list)
     stock: list[StockRun] = field(default_factory=list)
     before: Evidence | None = None
     rows: list[Row] = field(default_factory=list)
@@ -120,7 +114,7 @@ class ConvergenceStudy:
             not_held(rounding, is_single=self.engine.single_precision),
             self.solution.ending,
             tuple(self.unmet),
-            scenario.expected_failures,
+            scenario.document.known,
         )
 
     @property
@@ -135,7 +129,7 @@ class ConvergenceStudy:
         above it as long as they survive, then stock timesteps.
         """
         for single in self.singles:
-            row = yield PlannedRun(single.rung, single.solution, "single")
+            row = yield single
             self.single_rows.append(row)
             for expectation in single.expectations:
                 self.unmet += unmet_expectations(expectation, row)

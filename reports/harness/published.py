@@ -45,7 +45,7 @@ class PublishedValue:
 
 def published_values(scenario: Scenario) -> Iterator[PublishedValue]:
     """Every quantity of a scene's `[[published]]`, beside the reference's at that time."""
-    for published in scenario.published:
+    for published in scenario.document.published:
         exact = ExactMotion(scenario)
         times = np.array([0.0, published.t]) if published.t > 0 else np.array([0.0])
         at_time = exact.outline(times)

@@ -22,7 +22,7 @@ from ..results.evidence import Evidence
 from ..results.records import UNSOLVED, Key, Row, Verdict
 from ..results.store import Store
 from .choice import Choice
-from .convergence_study import ConvergenceStudy, SingleRun
+from .convergence_study import ConvergenceStudy, PlannedRun
 from .default_effects import take_defaults_away
 from .executors import CallFailed, Executor, cause_of_unsolved, may_succeed_if_repeated
 from .executors.compiling import compile_side_by_side
@@ -243,7 +243,7 @@ def convergence_study_of(
         run = (engine.name, method.name, rung.timestep)
         expectations = tuple(e for e in scenario.expect if (e.engine, e.method, e.timestep) == run)
         if expectations or rung.timestep in timesteps:
-            singles.append(SingleRun(rung, solution, expectations))
+            singles.append(PlannedRun(rung, solution, "single", expectations=expectations))
     own = stock_timesteps(engine)
     return ConvergenceStudy(
         scenario,

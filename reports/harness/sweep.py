@@ -101,12 +101,19 @@ def study_point(left: PointLeft, base: Scenario, store: Store, executor: Executo
     return left.point
 
 
-def _rows(left: PointLeft, base: Scenario, executor: Executor) -> list[PlacedRow]:
-    """The results at a point; where the call that is to run all methods fails, of one by one."""
+def _rows(
+    left: PointLeft, base: Scenario, executor: Executor, *, is_solved: bool = False
+) -> list[PlacedRow]:
+    """The results at a point; where the call that is to run all methods fails, of one by one.
+
+    Parameters
+    ----------
+    is_solved : whether it is known that the exact motion is not to blame
+    """
     rows = executor.call(run_point, base, left.point, left.to_run).value
     if not isinstance(rows, CallFailed):
         return rows
-    solved = executor.call(run_point, base, left.point, ()).value
+    solved = () if is_solved else executor.call(run_point, base, left.point, ()).value
     if isinstance(solved, CallFailed):
         reason = f"the exact motion could not be found: {solved.reason}"
         unsolved = CallFailed(reason, cause_of_unsolved(solved))
@@ -114,15 +121,7 @@ def _rows(left: PointLeft, base: Scenario, executor: Executor) -> list[PlacedRow
     if len(left.to_run) == 1:
         return [_failed(left, base, left.to_run[0], rows)]
     alone = [PointLeft(left.point, [pair]) for pair in left.to_run]
-    return [row for one in alone for row in _alone(one, base, executor)]
-
-
-def _alone(left: PointLeft, base: Scenario, executor: Executor) -> list[PlacedRow]:
-    """The result of the one method that is left at a point."""
-    rows = executor.call(run_point, base, left.point, left.to_run).value
-    if isinstance(rows, CallFailed):
-        return [_failed(left, base, left.to_run[0], rows)]
-    return rows
+    return [row for one in alone for row in _rows(one, base, executor, is_solved=True)]
 
 
 def _failed(left: PointLeft, base: Scenario, pair: EngineMethod, failure: CallFailed) -> PlacedRow:

@@ -23,10 +23,12 @@ from .analysis.wording import NOTHING, number
 from .analysis.work_precision import curve_of, curves
 from .figures.figures import Titled
 from .figures.profile_figure import profile_figures
-from .tables import Cell, Table, figure, named, table
+from .tables import Cell, Table, figure, named, records, table
 
 #: Microseconds in a second.
 MICROSECONDS = 1e6
+#: The errors of the columns by their headings.
+TO_LEVEL = {f"to {number(level, 1).removeprefix('1×')}": level for level in LEVELS}
 #: Signs before a cost that is not interpolated between two runs.
 MARKS = {"measured": "", "at most": "≤ ", "extrapolated": "≈ "}
 
@@ -36,16 +38,14 @@ def reach_table(scene: SceneRuns, signal: str) -> Table:
 
     Second lines, shown in HTML only: the timestep, or the error that rounding may cause at it.
     """
-    counts = [_instructions(runs) for runs in scene.methods]
-    counted = ("instructions a step",) if any(counts) else ()
-    step = ("CPU a step, µs", "wall a step, µs", *counted)
+    counts = {runs.pair: _instructions(runs) for runs in scene.methods}
     rows = []
-    for runs, count in zip(scene.methods, counts, strict=True):
-        curve = curve_of(scene, runs, signal)
-        costs = [*_step_costs(runs), *(figure(count or NOTHING) for _ in counted)]
-        cells = [_reach_cell(reach(curve, level)) for level in LEVELS]
-        rows.append([*named(runs.pair), *costs, *cells])
-    return table(("engine", "method", *step, *_level_headings()), rows)
+    for runs in scene.methods:
+        curve, count = curve_of(scene, runs, signal), counts[runs.pair] or NOTHING
+        counted = {"instructions a step": figure(count)} if any(counts.values()) else {}
+        cells = {to: _reach_cell(reach(curve, level)) for to, level in TO_LEVEL.items()}
+        rows.append(named(runs.pair) | _step_costs(runs) | counted | cells)
+    return records(rows)
 
 
 def reached_table(gathered: ReportData, scenes: Sequence[SceneCurves]) -> Table:
@@ -62,11 +62,11 @@ def _by_level(
     gathered: ReportData, scenes: Sequence[SceneCurves], said: Callable[[Tally], str]
 ) -> Table:
     """What is said of each method at each error."""
-    rows = (
-        [*named(pair), *(figure(said(tally(scenes, pair, level))) for level in LEVELS)]
+    return records(
+        named(pair)
+        | {to: figure(said(tally(scenes, pair, level))) for to, level in TO_LEVEL.items()}
         for pair in gathered.pairs
     )
-    return table(("engine", "method", *_level_headings()), rows)
 
 
 def ratio_table(scenes: Sequence[SceneCurves]) -> Table:
@@ -77,11 +77,7 @@ def ratio_table(scenes: Sequence[SceneCurves]) -> Table:
         ["median ratio", *(figure(number(median(r) if r else None)) for r in ratios)],
         ["largest ratio", *(figure(number(max(r, default=None))) for r in ratios)],
     ]
-    return table(("first order over fourth", *_level_headings()), rows)
-
-
-def _level_headings() -> list[str]:
-    return [f"to {number(level, 1).removeprefix('1×')}" for level in LEVELS]
+    return table(("first order over fourth", *TO_LEVEL), rows)
 
 
 def _reach_cell(reached: Reach) -> Cell:
@@ -94,16 +90,16 @@ def _reach_cell(reached: Reach) -> Cell:
     return Cell(text, kind, "\n".join(part for part in parts if part))
 
 
-def _step_costs(runs: MethodRuns) -> tuple[Cell, Cell]:
+def _step_costs(runs: MethodRuns) -> dict[str, Cell]:
     """Cells of the times a step: least CPU time, spread over the repeats, least wall time."""
     timed = [row for row in runs.rows if row.seconds_per_step is not None]
-    if not timed:
-        return figure(NOTHING), figure(NOTHING)
-    row = timed[-1]
-    spread = _microseconds(row.seconds_spread)
-    above = f"+ {spread}" if row.seconds_spread is not None else ""
-    cpu = Cell(_microseconds(row.seconds_per_step), "number", above)
-    return cpu, figure(_microseconds(row.wall_seconds_per_step))
+    cpu = wall = figure(NOTHING)
+    if timed:
+        row = timed[-1]
+        above = f"+ {_microseconds(row.seconds_spread)}" if row.seconds_spread is not None else ""
+        cpu = Cell(_microseconds(row.seconds_per_step), "number", above)
+        wall = figure(_microseconds(row.wall_seconds_per_step))
+    return {"CPU a step, µs": cpu, "wall a step, µs": wall}
 
 
 def _instructions(runs: MethodRuns) -> str:

@@ -1,6 +1,6 @@
 """Tables that HTML and Markdown share: headings with units, cells of text, and links."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from urllib.parse import quote
 
@@ -77,14 +77,20 @@ def table(headings: Iterable[str], rows: Iterable[Iterable[Cell | str]]) -> Tabl
     )
 
 
+def records(rows: Iterable[Mapping[str, Cell | str]]) -> Table:
+    """A table of records with their keys as headings; without any where there are none."""
+    rows = list(rows)
+    return table(rows[0] if rows else (), (row.values() for row in rows))
+
+
 def figure(text: str) -> Cell:
     """A cell with a number."""
     return Cell(text, "number")
 
 
-def named(pair: tuple[str, str]) -> tuple[Cell, Cell]:
+def named(pair: tuple[str, str]) -> dict[str, Cell]:
     """Cells of an engine and a method."""
-    return Cell(pair[0], "name"), Cell(pair[1], "name")
+    return {"engine": Cell(pair[0], "name"), "method": Cell(pair[1], "name")}
 
 
 def verdict_cell(word: VerdictWord, detail: str = "", link: str = "") -> Cell:

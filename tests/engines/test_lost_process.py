@@ -2,9 +2,10 @@
 
 import signal
 
+import psutil
 import pytest
 from spincheck.engines import lost_process
-from spincheck.engines.lost_process import IDLE, MOST_WALL, POLL, death, wait_for_answer
+from spincheck.engines.lost_process import IDLE, MOST_WALL, POLL, Overdue, death, wait_for_answer
 
 #: s.
 LIMIT = 10.0
@@ -59,49 +60,56 @@ class Process:
         self._sleeps = 0.0
         return self._clock.now >= self._answers_at
 
-    def cpu_seconds(self) -> float:
-        return self._share * self._clock.now
+    def cpu_times(self) -> tuple[float, float]:
+        return self._share * self._clock.now, 0.0
 
-    def is_stopped(self) -> bool:
-        return self._stopped
+    def children(self) -> list["Process"]:
+        return []
+
+    def status(self) -> str:
+        return psutil.STATUS_STOPPED if self._stopped else psutil.STATUS_RUNNING
+
+
+def waited(process: Process) -> Overdue | None:
+    return wait_for_answer(process.has_answered, process, LIMIT)
 
 
 def test_an_answer_that_comes_in_time_is_waited_for(clock: Clock) -> None:
-    assert wait_for_answer(Process(clock, 1.0, LIMIT / 2), LIMIT) is None
+    assert waited(Process(clock, 1.0, LIMIT / 2)) is None
 
 
 def test_one_that_computes_for_longer_than_the_limit_is_given_up(clock: Clock) -> None:
-    assert wait_for_answer(Process(clock, 1.0), LIMIT) == ("10 s of CPU time", "time-out")
+    assert waited(Process(clock, 1.0)) == ("10 s of CPU time", "time-out")
     # The first reading is after one wait.
     assert LIMIT <= clock.now <= LIMIT + 3 * POLL
 
 
 def test_one_that_does_nothing_hangs(clock: Clock) -> None:
-    words, cause = wait_for_answer(Process(clock, 0.0), LIMIT)
+    words, cause = waited(Process(clock, 0.0))
     assert (words, cause) == ("10 s: it hangs, and used 0 s of CPU time", "time-out")
     assert clock.now <= LIMIT + 2 * POLL
 
 
 def test_one_that_hangs_after_it_has_computed_is_not_waited_for_longer(clock: Clock) -> None:
     process = Process(clock, 0.0)
-    process.cpu_seconds = lambda: min(clock.now, LIMIT / 2)
-    assert wait_for_answer(process, LIMIT).cause == "time-out"
+    process.cpu_times = lambda: (min(clock.now, LIMIT / 2), 0.0)
+    assert waited(process).cause == "time-out"
     assert clock.now <= 1.5 * LIMIT + 3 * POLL
 
 
 def test_one_that_gets_little_of_a_busy_machine_is_waited_for(clock: Clock) -> None:
-    assert wait_for_answer(Process(clock, 2 * IDLE, MOST_WALL * LIMIT / 2), LIMIT) is None
+    assert waited(Process(clock, 2 * IDLE, MOST_WALL * LIMIT / 2)) is None
 
 
 def test_one_that_gets_too_little_of_it_for_too_long_is_not_to_blame(clock: Clock) -> None:
-    words, cause = wait_for_answer(Process(clock, 2 * IDLE), LIMIT)
+    words, cause = waited(Process(clock, 2 * IDLE))
     assert cause == "environment"
     assert "s went by" in words
 
 
 def test_one_that_somebody_stopped_is_not_to_blame(clock: Clock) -> None:
     """Its process group by SIGSTOP, for longer than the limit."""
-    words, cause = wait_for_answer(Process(clock, 0.0, stopped=True), LIMIT)
+    words, cause = waited(Process(clock, 0.0, stopped=True))
     assert (words, cause) == ("10 s: it was stopped from outside", "environment")
 
 
@@ -109,7 +117,7 @@ def test_one_that_somebody_stopped_is_not_to_blame(clock: Clock) -> None:
 def test_time_in_which_this_process_was_stopped_is_not_counted(clock: Clock, share: float) -> None:
     """Ctrl-Z, or a laptop that was closed: one look takes a night."""
     process = Process(clock, 0.0, NIGHT + LIMIT / 2, sleeps=NIGHT)
-    assert wait_for_answer(process, LIMIT) is None
+    assert waited(process) is None
 
 
 @pytest.mark.parametrize(

@@ -272,5 +272,7 @@ def test_expected_bounds_are_those_given_of_any_signals():
 
 
 def test_published_values_are_those_given():
-    (value,) = scene(more=published("t = 0.5", "energy = 2", "L_world = [1, 2, 3]")).published
+    (value,) = scene(
+        more=published("t = 0.5", "energy = 2", "L_world = [1, 2, 3]")
+    ).document.published
     assert value.values() == {"energy": 2.0, "L_world": (1.0, 2.0, 3.0)}

@@ -121,7 +121,7 @@ def test_scene_expects_nothing_of_engines_but_known_blow_ups(scenario: Scenario)
 def test_published_tolerances_are_coarser_than_doubles_and_finer_than_the_values(
     scenario: Scenario,
 ) -> None:
-    for published in scenario.published:
+    for published in scenario.document.published:
         for value in published.values().values():
             largest = np.abs(value).max()
             assert EPS * largest < published.tolerance < largest

@@ -162,7 +162,7 @@ def test_the_book_in_skew_axes_is_the_book_of_the_middle_axis() -> None:
 
 def test_detest_values_are_jacobis_functions() -> None:
     scenario = scene("detest-b5")
-    (published,) = scenario.published
+    (published,) = scenario.document.published
     size = np.array([1.8, 0.75, 2.5])
     jacobi = [ellipfun(name, mpf(published.t), m=mpf("0.51")) for name in ("sn", "cn", "dn")]
     expected = size * np.array(jacobi, dtype=float)
@@ -197,7 +197,7 @@ def worst_printed(scenario: Scenario, spin_factor: float = 1.0) -> float:
     }
     return max(
         float(np.abs(mine[key] - value).max() / published.tolerance)
-        for published in scenario.published
+        for published in scenario.document.published
         for key, value in published.values().items()
         if key in mine
     )

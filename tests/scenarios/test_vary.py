@@ -179,7 +179,7 @@ def test_a_varied_scene_says_so_and_keeps_its_name():
 
 def test_what_holds_of_the_scene_alone_is_left_out():
     scene = varied(TOP, {"window.duration": 0.5})
-    assert (scene.published, scene.expect) == ((), ())
+    assert (scene.document.published, scene.expect) == ((), ())
 
 
 def test_a_varied_scene_is_judged_like_a_file():

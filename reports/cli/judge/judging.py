@@ -4,7 +4,6 @@ import textwrap
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass
 from functools import cached_property
-from math import pi
 from pathlib import Path
 from typing import Any, get_args
 
@@ -18,12 +17,11 @@ from ...harness.recorded.recorded_ladder import results_of, study_of_files
 from ...harness.recorded.recording import RecordingError
 from ...results.records import Verdict
 from ..choosing import compile_first
+from ..grouped import angle
 from ..terminal import AGREES, DISAGREES, Complaint, as_complaint, table, written
 
 #: Columns that reasons are wrapped at.
 WIDTH = 80
-#: By the unit behind a bound on the attitude, what it is multiplied by to be in rad.
-ANGLES = {"deg": pi / 180, "°": pi / 180, "rad": 1.0}
 
 
 @dataclass(frozen=True, eq=False)
@@ -125,12 +123,8 @@ def _bound(text: str) -> tuple[str, float]:
         hint = did_you_mean(name, SIGNAL)
         known = ", ".join(SIGNAL)
         raise Complaint(f"'--fail-above' must begin with one of {known}, got '{name}'{hint}")
-    factor = 1.0
-    if SIGNAL[name].unit == "rad":
-        unit = next((unit for unit in ANGLES if number.endswith(unit)), "rad")
-        number, factor = number.removesuffix(unit), ANGLES[unit]
     try:
-        bound = float(number) * factor
+        bound = angle(number) if SIGNAL[name].unit else float(number)
     except ValueError:
         bound = -1.0
     if not 0 <= bound < float("inf"):

@@ -1,7 +1,6 @@
 """Runs, verdicts and points: lines of at most 80 columns, and JSON with all columns."""
 
 import json
-import math
 import textwrap
 from collections.abc import Callable, Iterator, Sequence
 from itertools import groupby
@@ -10,6 +9,7 @@ from typing import Any
 from ....scenarios import SIGNALS
 from ....scenarios.fastest_rate import fastest_rate
 from ...pages.analysis.timesteps import Survival, survival
+from ...pages.analysis.work_precision import cost
 from ...results.as_json import as_json
 from ...results.records import Key, Row, Verdict
 from ...results.store import Results
@@ -99,15 +99,8 @@ def _run(row: Row) -> str:
     if row.errors is None:
         when = f" at {row.stopped_at:.3g} s" if row.stopped_at is not None else ""
         return f"{begun}{row.outcome if row.made else 'not run'}{when}: {row.reason}"
-    numbers = (*(error for _, error in row.errors), _cost(row))
+    numbers = (*(error for _, error in row.errors), cost(row))
     return begun + "".join(f"{number:9.1e}" if number is not None else "" for number in numbers)
-
-
-def _cost(row: Row) -> float | None:
-    """CPU seconds a simulated second."""
-    if row.seconds_per_step is None or not row.timestep or math.isinf(row.seconds_per_step):
-        return None
-    return row.seconds_per_step / row.timestep
 
 
 def results_as_json(results: Results) -> dict[str, Any]:

@@ -89,7 +89,7 @@ def scene_as_json(scenario: Scenario) -> dict[str, Any]:
         "velocity": start.velocity_world.tolist(),
         "duration": scenario.window.duration,
         "samples": scenario.window.samples,
-        "published": len(scenario.published),
+        "published": len(scenario.document.published),
         "expect": len(scenario.expect),
     }
 

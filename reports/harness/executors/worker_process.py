@@ -20,7 +20,7 @@ from typing import IO, Any
 import psutil
 
 from ....engines import Cause
-from ....engines.lost_process import cpu_seconds, is_stopped
+from ....engines.lost_process import Overdue, wait_for_answer
 from ....engines.start_process import kill, start
 from ....engines.versions.folders import interpreter_of
 from . import worker_main
@@ -99,8 +99,11 @@ class WorkerProcess:
         self._printed_all.clear()
         send(_raw(self._process.stdin), call)
 
-    def has_answered(self, seconds: float) -> bool:
-        """Wait, at most so many seconds, until it has answered or ended."""
+    def wait(self, limit: float) -> Overdue | None:
+        """As `wait_for_answer`."""
+        return wait_for_answer(self._has_answered, self._of_system, limit)
+
+    def _has_answered(self, seconds: float) -> bool:
         try:
             self._answer = self._answers.get(timeout=seconds)
         except Empty:
@@ -124,14 +127,6 @@ class WorkerProcess:
     def printed(self) -> str:
         """What the call has printed; only the end if it is long."""
         return self._printed.replace(self._mark, b"").decode(errors="replace")
-
-    def cpu_seconds(self) -> float:
-        """CPU time it has used so far, s, with its children; 0 once it is gone."""
-        return cpu_seconds(self._of_system)
-
-    def is_stopped(self) -> bool:
-        """Whether it is stopped (SIGSTOP)."""
-        return is_stopped(self._of_system)
 
     def kill(self) -> None:
         """Kill the process, from any thread; `end` must still be called."""

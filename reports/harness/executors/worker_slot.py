@@ -7,8 +7,7 @@ from collections.abc import Callable
 from typing import Any
 
 from ....engines.fault import ENVIRONMENTAL, Cause
-from ....engines.lost_process import Overdue, death, wait_for_answer
-from ....scenarios import printable
+from ....engines.lost_process import Overdue, death, last_line
 from .executor import Answer, CallFailed, ExecutorStopped
 from .worker_process import WorkerProcess
 
@@ -16,8 +15,6 @@ from .worker_process import WorkerProcess
 TIME_LIMIT = 120.0
 #: Times that a call is tried whose worker is killed from outside.
 ATTEMPTS = 2
-#: Characters of a worker's last line that go into the reason of its death.
-LAST_LINE = 200
 #: First words of the reason of a call whose worker has died.
 _WORKER = "the worker process"
 #: First words of the reason of a call that exceeded its time limit, which follows.
@@ -84,7 +81,7 @@ class WorkerSlot:
             return Answer(CallFailed(f"no worker process could be started: {error}", "environment"))
         try:
             worker.give(request)
-            if overdue := wait_for_answer(worker, self._time_limit):
+            if overdue := worker.wait(self._time_limit):
                 return self._given_up(worker, overdue)
             returned, value, cause = worker.take()
         except (EOFError, OSError):
@@ -106,13 +103,13 @@ class WorkerSlot:
     def _given_up(self, worker: WorkerProcess, overdue: Overdue) -> Answer[Any]:
         self._forget(worker)
         printed = worker.printed()
-        reason = f"{_OVERDUE}{overdue.words}{_last_line(printed)}"
+        reason = f"{_OVERDUE}{overdue.words}{last_line(printed)}"
         return Answer(CallFailed(reason, overdue.cause), printed)
 
     def _died(self, worker: WorkerProcess) -> Answer[Any]:
         how, cause = death(self._forget(worker))
         printed = worker.printed()
-        return Answer(CallFailed(f"{_WORKER} {how}{_last_line(printed)}", cause), printed)
+        return Answer(CallFailed(f"{_WORKER} {how}{last_line(printed)}", cause), printed)
 
     def _forget(self, worker: WorkerProcess) -> int:
         with self._changing:
@@ -145,9 +142,3 @@ def may_succeed_if_repeated(cause: str, reason: str, time_limit: float | None) -
         return True
     stopped = re.search(f"{_OVERDUE}([^ ]+) s", reason)
     return stopped is not None and time_limit is not None and float(stopped[1]) < time_limit
-
-
-def _last_line(printed: str) -> str:
-    """The last line that a worker printed, to be added to the reason of its death."""
-    lines = printed.strip().splitlines()
-    return f"; it last printed: {printable(lines[-1][-LAST_LINE:])}" if lines else ""

@@ -10,7 +10,7 @@ from itertools import chain, islice
 
 import numpy as np
 
-from ....scenarios import SIGNALS, FloatArray, Signal
+from ....scenarios import SIGNALS, FloatArray
 from ...results.records import Row
 from ..measuring.asymptotic import ASYMPTOTIC, DISTINCT, ORDER_SLACK, WHOLE
 from .observed_order import FITTED_RUNGS, SETTLING_ORDER
@@ -27,18 +27,15 @@ class _Series:
 
     Attributes
     ----------
+    of : the ladder
     times : s, by which it is reached; None where it is of the whole run
-    rate : rad/s, the fastest of the motion
     defects : the largest by signal, (n, signals)
     """
 
-    signal: Signal
+    of: SignalSequence
     name: str
-    timesteps: FloatArray
     values: FloatArray
     floors: FloatArray
-    order: int
-    rate: float
     defects: FloatArray
     times: FloatArray | None = None
 
@@ -70,29 +67,16 @@ def _all(
     for sequence in sequences:
         floors = sequence.roundoff_bounds + sequence.uncertainty
         largest = np.array([_largest_defects(row) for row in rows[-len(sequence) :]])
-        yield from _worse(
-            _Series(
-                sequence.signal,
-                f"{sequence.signal.label}: the error",
-                sequence.timesteps,
-                sequence.errors,
-                floors,
-                sequence.declared_order,
-                sequence.rate,
-                largest,
-            )
-        )
+        name = f"{sequence.signal.label}: the error"
+        yield from _worse(_Series(sequence, name, sequence.errors, floors, largest))
         if len(rows) == len(sequence) and all(row.defects for row in rows):
             found = [row.defects[sequence.signal.name] for row in rows if row.defects]
             floors = np.array([max(one.floor, slack) for one in found])
             defects = _Series(
-                sequence.signal,
+                sequence,
                 f"{sequence.signal.label}: the largest defect between two samples",
-                sequence.timesteps,
                 np.array([one.max for one in found]),
                 np.where(sequence.errors < ASYMPTOTIC, floors, floors + _own(sequence, interval)),
-                sequence.declared_order,
-                sequence.rate,
                 largest,
                 np.array([one.at for one in found]),
             )
@@ -144,7 +128,8 @@ def _worse(series: _Series) -> Iterator[str]:
 
 
 def _worse_than(series: _Series, rungs: int, factor: float, off_order: float) -> Iterator[str]:
-    values, floors, words = series.values, series.floors, series.signal.words
+    values, floors, words = series.values, series.floors, series.of.signal.words
+    steps = series.of.timesteps
     for end in range(rungs - 1, len(values) - 1):
         window = slice(end - rungs + 1, end + 1)
         if not ((values < ASYMPTOTIC) & (values > floors))[window].all():
@@ -152,7 +137,7 @@ def _worse_than(series: _Series, rungs: int, factor: float, off_order: float) ->
         slopes = -np.diff(np.log2(values[window]))
         if np.ptp(slopes) > 2 * ORDER_SLACK or slopes.min() < SETTLING_ORDER:
             continue
-        if np.abs(slopes - series.order).max() > off_order:
+        if np.abs(slopes - series.of.declared_order).max() > off_order:
             continue
         # Where no interval is worse, errors of another sign have added up, or noise has.
         larger = series.defects > DISTINCT * series.defects[end]
@@ -161,9 +146,9 @@ def _worse_than(series: _Series, rungs: int, factor: float, off_order: float) ->
         if len(worse) and worse[-1] > end:
             k = int(worse[-1])
             yield (
-                f"{series.name} is {words(values[k])} at a timestep of {series.timesteps[k]:.1e} s"
+                f"{series.name} is {words(values[k])} at a timestep of {steps[k]:.1e} s"
                 f"{series.when(k)}, though it has come down to {words(values[end])} at "
-                f"{series.timesteps[end]:.1e} s, at order {slopes.mean():.2f}"
+                f"{steps[end]:.1e} s, at order {slopes.mean():.2f}"
             )
 
 
@@ -182,17 +167,17 @@ def _level(series: _Series, *, follows: bool) -> Iterator[str]:
     is_used = (values < ASYMPTOTIC) & (values > DISTINCT * floors)
     if len(values) < SHOWN_OVER or not is_used.all() or series.times is None:
         return
-    turn = series.rate * series.timesteps[-SHOWN_OVER]
-    committed = series.rate * series.times[-SHOWN_OVER:] * turn**series.order
+    turn = series.of.rate * series.of.timesteps[-SHOWN_OVER]
+    committed = series.of.rate * series.times[-SHOWN_OVER:] * turn**series.of.declared_order
     follows = follows and bool((committed <= WHOLE).all())
     slopes = -np.diff(np.log2(values))
-    is_clean = np.ptp(slopes) <= ORDER_SLACK and slopes.max() < series.order - SHORTFALL
-    words = series.signal.words
+    is_clean = np.ptp(slopes) <= ORDER_SLACK and slopes.max() < series.of.declared_order - SHORTFALL
+    words = series.of.signal.words
     is_level = slopes.max() < (SETTLING_ORDER if follows else SETTLING_ORDER / 2)
     if is_level or (is_clean and follows):
         yield (
             f"{series.name} shrinks at order {slopes.mean() + 0.0:.2f} over {SHOWN_OVER} rungs, "
-            f"though {series.order} is declared: {words(values[0])} at "
-            f"{series.timesteps[-SHOWN_OVER]:.1e} s, {words(values[-1])} at "
-            f"{series.timesteps[-1]:.1e} s{series.when(-1)}"
+            f"though {series.of.declared_order} is declared: {words(values[0])} at "
+            f"{series.of.timesteps[-SHOWN_OVER]:.1e} s, {words(values[-1])} at "
+            f"{series.of.timesteps[-1]:.1e} s{series.when(-1)}"
         )

@@ -1,6 +1,5 @@
 """Judges a method's ladder: each signal by itself; the worst counts."""
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -8,35 +7,12 @@ from functools import cached_property
 from ....scenarios import SIGNAL
 from ...results.evidence import Evidence, JudgedLadder
 from ...results.records import Row, SignalVerdict
-from ...results.verdict_words import RANKS
 from ..measuring.asymptotic import ASYMPTOTIC
-from .sequences import SignalSequence, sequence
+from .sequences import sequence
 from .signal_ladder import Judgement, judge_signal
 
 #: Rungs needed for an extrapolated limit with an error estimate.
 RUNGS_OF_A_LIMIT = 3
-
-
-@dataclass(frozen=True, eq=False)
-class SignalJudgement:
-    """A ladder in one signal, and its judgement."""
-
-    sequence: SignalSequence
-    judgement: Judgement
-
-    @property
-    def severity(self) -> tuple[int, float, float]:
-        """Sort key, worst last.
-
-        Of two unresolved ones, the one that no timestep would resolve, or that needs the finer one;
-        of two that no timestep would resolve, the one with the larger tolerance.
-        """
-        judgement = self.judgement
-        rank = RANKS[judgement.word]
-        if judgement.word == "unresolved":
-            return rank, -(judgement.needed_timestep or 0.0), judgement.tolerance or 0.0
-        excess = (judgement.limit_error or 0.0) / (judgement.tolerance or math.inf)
-        return rank, 0.0, excess
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,38 +22,36 @@ class LadderJudgement:
     ladder: JudgedLadder | None
 
     @cached_property
-    def signals(self) -> list[SignalJudgement]:
+    def signals(self) -> list[Judgement]:
         """The judgements, in the order of `SIGNAL`."""
         if self.ladder is None or len(self.ladder.rungs) < RUNGS_OF_A_LIMIT:
             return []
-        sequences = [sequence(self.ladder, name) for name in SIGNAL]
-        return [SignalJudgement(one, judge_signal(one)) for one in sequences]
+        return [judge_signal(sequence(self.ladder, name)) for name in SIGNAL]
 
     @property
-    def worst(self) -> SignalJudgement:
+    def worst(self) -> Judgement:
         """The judgement that the verdict is based on; there must be enough rungs."""
         return max(self.signals, key=lambda one: one.severity)
 
     def records(self) -> tuple[SignalVerdict, ...]:
         """The judgements to store."""
-        return tuple(one.judgement.of(one.sequence) for one in self.signals)
+        return tuple(one.record for one in self.signals)
 
     def converges_to(self, goal: float) -> bool:
         """Whether every signal converges, its limit known to the goal, relative or in rad."""
         return bool(self.signals) and all(
-            one.judgement.converges and one.judgement.extrapolation_tolerance <= goal
-            for one in self.signals
+            one.converges and one.extrapolation_tolerance <= goal for one in self.signals
         )
 
     def is_known(self, goal: float) -> bool:
         """Whether some signal disagrees, or every signal's limit is known to the goal."""
         if not self.signals:
             return False
-        words = {one.judgement.word for one in self.signals}
+        words = {one.word for one in self.signals}
         if "disagrees" in words:
             return True
         return "unresolved" not in words and all(
-            one.judgement.extrapolation_tolerance <= max(goal, (one.judgement.tolerance or 0) / 2)
+            one.extrapolation_tolerance <= max(goal, (one.tolerance or 0) / 2)
             for one in self.signals
         )
 
@@ -87,7 +61,7 @@ class LadderJudgement:
         Only the error of the runs is used: the extrapolated limit becomes reliable later than that.
         """
         return any(
-            one.judgement.word == "unresolved"
+            one.word == "unresolved"
             and one.sequence.errors[-1]
             * (finest / one.sequence.timesteps[-1]) ** one.sequence.declared_order
             > ASYMPTOTIC

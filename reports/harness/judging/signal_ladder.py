@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...results.records import SignalVerdict
-from ...results.verdict_words import VerdictWord
+from ...results.verdict_words import RANKS, VerdictWord
 from ..measuring.asymptotic import ASYMPTOTIC, CAUTIOUS, DISTINCT, ORDER_SLACK, WHOLE
 from .best_window import SHARP, BestWindow, best_window
 from .observed_order import ABOVE_UNCERTAINTY, FITTED_RUNGS, SETTLING_ORDER
@@ -26,9 +26,9 @@ SHOWN_OVER = 4
 GROWTH = 2**0.5
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Judgement:
-    """What a ladder shows of one signal.
+    """A ladder in one signal, and what it shows.
 
     Attributes
     ----------
@@ -43,6 +43,7 @@ class Judgement:
         prevents it
     """
 
+    sequence: SignalSequence
     word: VerdictWord
     reason: str
     order: float | None = None
@@ -56,17 +57,28 @@ class Judgement:
         """Whether its word says so."""
         return self.word == "converges"
 
-    def of(self, sequence: SignalSequence) -> SignalVerdict:
-        """The judgement as a record to store."""
-        return SignalVerdict(
-            sequence.signal.name,
-            self.word,
-            self.reason,
-            sequence.declared_order,
-            self.order,
-            self.limit_error,
-            self.tolerance,
-        )
+    @property
+    def severity(self) -> tuple[int, float, float]:
+        """Sort key, worst last.
+
+        Of two unresolved ones, the one that no timestep would resolve, or that needs the finer one;
+        of two that no timestep would resolve, the one with the larger tolerance.
+        """
+        rank = RANKS[self.word]
+        if self.word == "unresolved":
+            return rank, -(self.needed_timestep or 0.0), self.tolerance or 0.0
+        return rank, 0.0, (self.limit_error or 0.0) / (self.tolerance or math.inf)
+
+    @property
+    def numbers(self) -> tuple[float | None, float | None, float | None]:
+        """Order, limit error and tolerance."""
+        return self.order, self.limit_error, self.tolerance
+
+    @property
+    def record(self) -> SignalVerdict:
+        """As it is stored."""
+        name, declared = self.sequence.signal.name, self.sequence.declared_order
+        return SignalVerdict(name, self.word, self.reason, declared, *self.numbers)
 
 
 def judge_signal(sequence: SignalSequence) -> Judgement:
@@ -77,12 +89,13 @@ def judge_signal(sequence: SignalSequence) -> Judgement:
         words = sequence.signal.words
         reason = f"errors are at round-off throughout: {words(errors.max())}, bound "
         reason += words(tolerance)
-        return Judgement("converges", reason, None, float(errors[-1]), tolerance)
+        return Judgement(sequence, "converges", reason, None, float(errors[-1]), tolerance)
     window = best_window(sequence)
     if found := _elsewhere(window):
         return found
     word, reason, needed = _weigh(window)
     return Judgement(
+        sequence,
         word,
         reason,
         window.order,
@@ -120,6 +133,7 @@ def _elsewhere(window: BestWindow) -> Judgement | None:
         f"Richardson-extrapolated error is {words(found.error)}, tolerance {words(found.tolerance)}"
     )
     return Judgement(
+        window.sequence,
         "disagrees",
         reason,
         window.order,

@@ -68,7 +68,7 @@ def _by_pieces(
 ) -> Verdict | None:
     """The verdict where the whole window does not decide; None where it does, or nothing does."""
     ladder, key, found = records.ladder, records.evidence.key, local.evidence
-    word = ladder.worst.judgement.word if ladder.signals else "unresolved"
+    word = ladder.worst.word if ladder.signals else "unresolved"
     pieces = local.pieces.records()
     if not pieces:
         return None
@@ -101,9 +101,9 @@ def _over_all(records: Records) -> str:
     if not records.ladder.signals:
         return _no_verdict(records)
     worst = records.ladder.worst
-    if worst.judgement.needed_timestep is None:
+    if worst.needed_timestep is None:
         return "round-off or the uncertainty of the exact motion hides it at every timestep"
-    return f"{worst.sequence.duration / worst.judgement.needed_timestep:.1e} steps would show it"
+    return f"{worst.sequence.duration / worst.needed_timestep:.1e} steps would show it"
 
 
 def _of_signals(records: Records, remark: str, *, is_wrong: bool, **attributes: Any) -> Verdict:
@@ -114,8 +114,7 @@ def _of_signals(records: Records, remark: str, *, is_wrong: bool, **attributes: 
         reason = "; ".join(part for part in (*open_ended, remark) if part)
         return Verdict(key, "disagrees" if is_wrong else "unresolved", reason, **attributes)
     worst = records.ladder.worst
-    judgement = worst.judgement
-    word, reason = judgement.word, f"{worst.sequence.signal.label}: {judgement.reason}"
+    word, reason = worst.word, f"{worst.sequence.signal.label}: {worst.reason}"
     if word == "unresolved" and not is_wrong:
         reason = "; ".join(filter(None, (reason, _undecided_by_pieces(records))))
     # What single steps show, and the body that an engine holds of a user's file, explain the
@@ -130,9 +129,7 @@ def _of_signals(records: Records, remark: str, *, is_wrong: bool, **attributes: 
         "disagrees" if is_wrong else word,
         "; ".join(part for part in parts if part),
         worst.sequence.signal.name,
-        judgement.order,
-        judgement.limit_error,
-        judgement.tolerance,
+        *worst.numbers,
         records.ladder.records(),
         ground="over the whole window" if word == "converges" and not is_wrong else "",
         **attributes,

@@ -10,7 +10,7 @@ from ....engines.checks.extrapolation import ABOVE
 from ....engines.checks.read_back import State, stacked
 from ....scenarios import Scenario, Trajectory
 from ..ladder import Rung
-from .places import apart, rounding_of_body
+from .places import apart, rounding_of_body, states_of
 
 #: Intervals of a run that are gone through again, and the most steps of one.
 INTERVALS, MOST_STEPS = 5, 1 << 12
@@ -38,7 +38,7 @@ def restarted(
     steps = np.diff(rung.sample_steps)
     if not intervals or steps.max() > MOST_STEPS:
         return None
-    states = State(*(getattr(motion, name) for name in State.__dataclass_fields__))
+    states = states_of(motion)
     if rung.steps <= FEW_STEPS:
         edges = np.unique(np.linspace(0, intervals, STRETCHES + 1).astype(int)).tolist()
         stretches: list[tuple[int, int]] = list(pairwise(edges))

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from ....engines.checks.equation_residuals import ASKEW
 from ....engines.checks.equations import Equations
-from ....engines.checks.read_back import State
+from ....engines.checks.read_back import State, stacked
 from ....reference import Solution, flow
 from ....scenarios import (
     SIGNAL,
@@ -82,7 +82,7 @@ class Places:
             return self.states
         chance = np.random.default_rng(repeats)
         copies = [_nudged(scenario, self.states, chance) for _ in range(repeats)]
-        return State(*map(np.vstack, zip(*map(_columns, copies), strict=True)))
+        return stacked(copies)
 
 
 def places(scenario: Scenario, motion: Trajectory, coarsest: float | None) -> Places:
@@ -97,8 +97,8 @@ def places(scenario: Scenario, motion: Trajectory, coarsest: float | None) -> Pl
     timestep = coarsest or COARSEST_TURN / rate
     along = motion.at(chosen)
     speed = float(norms(motion.omega_body).max()) or rate
-    parts = [_state(along), *(_askew(scenario, along, speed * np.array(d)) for d in ASKEW)]
-    states = State(*(np.vstack(columns) for columns in zip(*map(_columns, parts), strict=True)))
+    parts = [states_of(along), *(_askew(scenario, along, speed * np.array(d)) for d in ASKEW)]
+    states = stacked(parts)
     bears = Equations(scenario).bears(states)
     states, times = states.rows(bears), np.append(along.t, [np.nan] * len(ASKEW))[bears]
     starts = np.unique(np.linspace(0, len(chosen) - 1, PIECES).astype(int))
@@ -123,7 +123,7 @@ def _nudged(scenario: Scenario, states: State, chance: np.random.Generator) -> S
         states.spins,
     )
     bears = Equations(scenario).bears(nudged)[:, None]
-    pairs = zip(_columns(nudged), _columns(states), strict=True)
+    pairs = zip(nudged.columns, states.columns, strict=True)
     return State(*(np.where(bears, changed, column) for changed, column in pairs))
 
 
@@ -149,8 +149,8 @@ def flowed(scenario: Scenario, states: State, spans: FloatArray) -> State:
     """The exact states a time after each of n states, s, (n,)."""
     lengths = norms(states.q_world_body_wxyz)[:, None]
     q = states.q_world_body_wxyz / lengths
-    start = Trajectory(np.arange(float(len(spans))), q, *_columns(states)[1:])
-    return _state(flow(scenario, start, spans))
+    start = Trajectory(np.arange(float(len(spans))), q, *states.columns[1:])
+    return states_of(flow(scenario, start, spans))
 
 
 def _chosen(scenario: Scenario, motion: Trajectory) -> NDArray[np.intp]:
@@ -183,24 +183,21 @@ def _pieces(scenario: Scenario, starts: State, timestep: float, condition: float
     """The exact motion from each start, sampled at every few coarsest steps."""
     spans = timestep * np.arange(0, PIECE_STEPS + 1, SAMPLE_EVERY)
     count, each = len(starts.omega_body), len(spans)
-    from_starts = State(*(np.repeat(column, each, axis=0) for column in _columns(starts)))
+    from_starts = State(*(np.repeat(column, each, axis=0) for column in starts.columns))
     states = flowed(scenario, from_starts, np.tile(spans, count))
     times = np.asarray(np.arange(count * each) * (timestep * SAMPLE_EVERY), dtype=float)
     growth = PIECE_GROWTH * condition * float(np.finfo(float).eps)
     return Solution(
-        Trajectory(times, *_columns(states)),
+        Trajectory(times, *states.columns),
         "the exact flow",
         uncertainty=Errors(**dict.fromkeys(SIGNAL, FLOW_ROUNDING)),
         conditioning=Errors(**dict.fromkeys(SIGNAL, growth)),
     )
 
 
-def _state(motion: Trajectory) -> State:
+def states_of(motion: Trajectory) -> State:
+    """The states of a motion's samples."""
     return State(*(getattr(motion, name) for name in State.__dataclass_fields__))
-
-
-def _columns(states: State) -> list[FloatArray]:
-    return list(vars(states).values())
 
 
 def apart(states: State, others: State) -> FloatArray:

@@ -16,7 +16,6 @@ import numpy as np
 
 from ....engines.checks.equations import Equations, gains_of
 from ....engines.checks.explanations import explanation
-from ....engines.checks.read_back import State
 from ....engines.checks.steps import Steps, step_gains
 from ....engines.checks.terms import term_sizes
 from ....reference import ExactMotion, IntegrationError
@@ -24,7 +23,7 @@ from ....scenarios import FloatArray, Scenario, Trajectory, error_series
 from ....scenarios.fastest_rate import fastest_rate
 from ....scenarios.mechanics import RECENT
 from ....scenarios.rotation import norms
-from ..measuring.places import flowed
+from ..measuring.places import flowed, states_of
 from .motion import OmegaFrame, QuaternionOrder, RecordedMotion, recorded_motion
 from .recording import Recording, RecordingError
 
@@ -89,7 +88,7 @@ def _change(scenario: Scenario, motion: Trajectory, timestep: float | None) -> l
     if len(near) < FEWEST_INTERVALS or not motion.omega_body.any():
         return []
     kept = near[np.unique(np.linspace(0, len(near) - 1, MOST_INTERVALS).astype(int))]
-    before, after = (_states(motion, at) for at in (kept, kept + 1))
+    before, after = (states_of(motion.at(at)) for at in (kept, kept + 1))
     try:
         right = flowed(scenario, before, spans[kept])
     except IntegrationError:
@@ -106,10 +105,6 @@ def _change(scenario: Scenario, motion: Trajectory, timestep: float | None) -> l
     of_rotation[:, ROTATION.stop :] = np.inf
     words = explanation(equations, gains, noise) or explanation(equations, gains, of_rotation)
     return [f"it moves as if {words}"] if words else []
-
-
-def _states(motion: Trajectory, at: FloatArray) -> State:
-    return State(*(getattr(motion, name)[at] for name in State.__dataclass_fields__))
 
 
 #: rad that the exact motion turns in the beginning that is compared, and samples of it at least.

@@ -61,7 +61,7 @@ class Tally:
 
 def profile(scenes: Sequence[SceneCurves], signal: str, level: float) -> Profile:
     """Profiles of every method that was tried on any of the scenes."""
-    ratios: dict[Pair, list[float]] = {_pair(curve): [] for curves in scenes for curve in curves}
+    ratios: dict[Pair, list[float]] = {curve.pair: [] for curves in scenes for curve in curves}
     for curves in scenes:
         best = cheapest(curves, level)
         if best is None or not best[1].cost:
@@ -69,7 +69,7 @@ def profile(scenes: Sequence[SceneCurves], signal: str, level: float) -> Profile
         for curve in curves:
             cost = reach(curve, level).cost
             if cost is not None:
-                ratios[_pair(curve)].append(cost / best[1].cost)
+                ratios[curve.pair].append(cost / best[1].cost)
     ordered = {pair: tuple(sorted(of_pair)) for pair, of_pair in ratios.items()}
     return Profile(signal, level, len(scenes), ordered)
 
@@ -78,7 +78,7 @@ def tally(scenes: Sequence[SceneCurves], pair: Pair, level: float) -> Tally:
     """The number of scenes on which a method reaches an error, and what that costs it."""
     reached: list[Reach] = []
     for curves in scenes:
-        reached += [reach(curve, level) for curve in curves if _pair(curve) == pair]
+        reached += [reach(curve, level) for curve in curves if curve.pair == pair]
     extrapolated = sum(one.word == "extrapolated" for one in reached)
     costs = [one.cost or math.inf for one in reached if one.word != "unsupported"]
     within = sum(cost < math.inf for cost in costs)
@@ -89,10 +89,6 @@ def tally(scenes: Sequence[SceneCurves], pair: Pair, level: float) -> Tally:
 def order_ratios(scenes: Sequence[SceneCurves], level: float) -> list[float]:
     """The ratio of the cheapest of the two orders, of each scene where both reach the error."""
     return [ratio for curves in scenes if (ratio := order_ratio(curves, level)) is not None]
-
-
-def _pair(curve: Curve) -> Pair:
-    return curve.engine, curve.method
 
 
 #: Errors at which methods are compared, relative (attitude: rad): useful to excellent.

@@ -1,5 +1,6 @@
 """A result file sorted for the report: scenes, and in each its methods with their runs."""
 
+import math
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -105,6 +106,20 @@ class SceneRuns:
     def fastest_rate(self) -> float:
         """The scene's fastest rate, rad/s."""
         return fastest_rate(self.exact.scenario, self.exact.solution.trajectory.omega_body)
+
+    @property
+    def end(self) -> float:
+        """The end of the exact motion, s."""
+        return float(self.exact.solution.trajectory.t[-1])
+
+    @property
+    def turns(self) -> float:
+        """Turns until then at the fastest rate."""
+        return self.fastest_rate * self.end / (2 * math.pi)
+
+    def outline(self, end: float, samples: int) -> Trajectory:
+        """The exact motion up to a time, s, at evenly spread ones."""
+        return ExactMotion(self.exact.scenario).outline(np.linspace(0.0, end, samples))
 
     @cached_property
     def compared(self) -> tuple["Compared", ...]:

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...harness.judging.observed_order import observed_order as observed_order_of
-from ...results.records import Row
+from ...results.records import OfMethod, Row
 from ...results.verdict_words import VerdictWord
 from .report_data import MethodRuns, SceneRuns
 
@@ -33,7 +33,7 @@ class CurvePoint:
 
 
 @dataclass(frozen=True)
-class Curve:
+class Curve(OfMethod):
     """One method on one scene, in the errors of one signal.
 
     Attributes
@@ -59,11 +59,6 @@ class Curve:
     verdict: VerdictWord | None
     reason: str
     order: float | None
-
-    @property
-    def label(self) -> str:
-        """As users type it."""
-        return f"{self.engine} {self.method}"
 
     def floor(self, timestep: float) -> float:
         """The error of a run due to rounding: one ulp a step, times its growth."""

@@ -1,12 +1,10 @@
 """How a scene's body and its exact motion are drawn: a solid of its inertia, axis, what is up."""
 
-import math
 from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
 
-from ....reference import ExactMotion
 from ....reference.rotational_problem import rotational_problem
 from ....reference.symmetry import symmetry_axis
 from ....scenarios import FloatArray, Scenario, Trajectory, angular_momentum_world
@@ -20,10 +18,8 @@ MOST, A_TURN = 500, 24
 
 def dense_motion(scene: SceneRuns) -> Trajectory:
     """The exact motion of the window; if it has more than `MOST / A_TURN` turns, only that many."""
-    end = float(scene.exact.solution.trajectory.t[-1])
-    turns = scene.fastest_rate * end / (2 * math.pi)
-    shown = min(1.0, MOST / A_TURN / turns) if turns else 1.0
-    return ExactMotion(scene.exact.scenario).outline(np.linspace(0.0, shown * end, MOST))
+    shown = min(1.0, MOST / A_TURN / scene.turns) if scene.turns else 1.0
+    return scene.outline(shown * scene.end, MOST)
 
 
 #: Moments of a box of half sides h: I₁ = m (h₂² + h₃²)/3; of an ellipsoid: I₁ = m (h₂² + h₃²)/5.

@@ -10,7 +10,6 @@ from typing import Any
 
 import numpy as np
 
-from ....reference import ExactMotion
 from ....scenarios import FloatArray, Trajectory
 from ...harness.defects import LEAST_ROUNDING
 from ...results.store import SceneResult
@@ -47,7 +46,8 @@ def with_runs(figure: Figure, scene: SceneRuns, runs: Iterable[Compared]) -> Fig
 
 def _drawn(overlay: dict[str, Any], scene: SceneRuns, runs: list[Compared]) -> Iterator[Trace]:
     if "exact" in overlay:
-        exact = _exact(scene) if overlay["exact"] == "exact" else dense_motion(scene)
+        is_whole = overlay["exact"] == "exact"
+        exact = scene.outline(scene.end, SAMPLES) if is_whole else dense_motion(scene)
         yield _line(overlay, scene, exact, exact_look())
     for run in runs:
         style = method_style(run.runs.label, run.runs.style)
@@ -66,11 +66,6 @@ def _line(
         return curve(values, style)
     x, y = (motion.t, values) if values.ndim == 1 else values.T
     return line(x, y, overlay["panel"], **style)
-
-
-def _exact(scene: SceneRuns) -> Trajectory:
-    end = float(scene.exact.solution.trajectory.t[-1])
-    return ExactMotion(scene.exact.scenario).outline(np.linspace(0.0, end, SAMPLES))
 
 
 def _tilt(motion: Trajectory, _: dict[str, Any], body: DrawnBody) -> FloatArray:

@@ -13,7 +13,7 @@ from ...results.verdict_words import LISTED, VerdictKind
 from ..analysis.report_data import MethodRuns, ReportData, SceneRuns
 from ..analysis.timesteps import row_at, stock_timesteps, survival
 from ..analysis.wording import NOTHING, number, order, plural
-from ..tables import Cell, Table, figure, method_anchor, named, scene_page, table, verdict_cell
+from ..tables import Cell, Table, figure, method_anchor, named, records, scene_page, verdict_cell
 
 #: rad; a run is counted as close if it never is further off.
 CLOSE = math.radians(1.0)
@@ -129,15 +129,7 @@ def group_of(scene: SceneRuns) -> str:
 
 def methods_table(gathered: ReportData) -> Table:
     """Table of the methods, with their results over all scenes."""
-    headings = (
-        "engine",
-        "version",
-        "method",
-        "declared order",
-        *WORDS,
-        "CPU a step, µs (median)",
-    )
-    return table(headings, [_method_row(pair, gathered) for pair in gathered.pairs])
+    return records(_method_row(pair, gathered) for pair in gathered.pairs)
 
 
 def complaints(
@@ -156,7 +148,7 @@ def complaints(
                     continue
                 if is_listed(kind) or verdict.unmet:
                     rows.append(_complaint(scene, runs, verdict))
-    return table(("scene", "engine", "method", "verdict", "reason"), rows)
+    return records(rows)
 
 
 def _matrix_row(
@@ -193,7 +185,7 @@ def _order_detail(scene: SceneRuns, runs: MethodRuns) -> str:  # noqa: ARG001
     return "to round-off" if verdict.verdict == "converges" else ""
 
 
-def _method_row(pair: tuple[str, str], gathered: ReportData) -> list[Cell | str]:
+def _method_row(pair: tuple[str, str], gathered: ReportData) -> dict[str, Cell | str]:
     engine, method = pair
     entries = [runs for scene in gathered.scenes if (runs := scene.by_pair.get(pair))]
     declared = entries[0].declared
@@ -201,14 +193,14 @@ def _method_row(pair: tuple[str, str], gathered: ReportData) -> list[Cell | str]
     counts = Counter(runs.verdict.verdict for runs in entries if runs.verdict)
     last = [row.seconds_per_step for runs in entries for row in runs.rows[-1:]]
     timed = [seconds for seconds in last if seconds is not None]
-    return [
-        Cell(engine, "name"),
-        ", ".join(versions),
-        Cell(method, "name", declared.summary if declared else ""),
-        figure(_declared_orders(declared)),
-        *(Cell(str(counts[word]), f"number {word if counts[word] else 'none'}") for word in WORDS),
-        figure(number(1e6 * median(timed)) if timed else NOTHING),
-    ]
+    return {
+        "engine": Cell(engine, "name"),
+        "version": ", ".join(versions),
+        "method": Cell(method, "name", declared.summary if declared else ""),
+        "declared order": figure(_declared_orders(declared)),
+        **{w: Cell(str(counts[w]), f"number {w if counts[w] else 'none'}") for w in WORDS},
+        "CPU a step, µs (median)": figure(number(1e6 * median(timed)) if timed else NOTHING),
+    }
 
 
 def _declared_orders(declared: Method | None) -> str:
@@ -219,15 +211,16 @@ def _declared_orders(declared: Method | None) -> str:
     return f"ω {declared.order}, attitude {declared.attitude_order}"
 
 
-def _complaint(scene: SceneRuns, runs: MethodRuns, verdict: Verdict) -> list[Cell | str]:
+def _complaint(scene: SceneRuns, runs: MethodRuns, verdict: Verdict) -> dict[str, Cell | str]:
     page = scene_page(scene.name)
     link = f"{page}#{method_anchor(runs.engine, runs.method)}"
-    return [
-        Cell(scene.name, "scene", "", page),
-        *named(runs.pair),
-        verdict_cell(verdict.verdict, "expectation unmet" if verdict.unmet else "", link),
-        reason_of(verdict),
-    ]
+    unmet = "expectation unmet" if verdict.unmet else ""
+    return {
+        "scene": Cell(scene.name, "scene", "", page),
+        **named(runs.pair),
+        "verdict": verdict_cell(verdict.verdict, unmet, link),
+        "reason": reason_of(verdict),
+    }
 
 
 def reason_of(verdict: Verdict) -> str:
@@ -255,17 +248,8 @@ def survivors(gathered: ReportData) -> VerdictMatrix:
 
 def survivors_table(gathered: ReportData) -> Table:
     """Table of how many hard scenes each method survives, and at which timestep."""
-    headings = (
-        "engine",
-        "method",
-        "hard scenes it was run on",
-        "converges",
-        "survives at its finest timestep",
-        *(f"survives at {turn:g} rad a step" for turn in TURNS),
-        "largest turn a step it survives, rad (median)",
-    )
     scenes = hard_scenes(gathered)
-    return table(headings, [_line(pair, scenes) for pair in gathered.pairs])
+    return records(_line(pair, scenes) for pair in gathered.pairs)
 
 
 def _detail(scene: SceneRuns, runs: MethodRuns) -> str:
@@ -275,7 +259,7 @@ def _detail(scene: SceneRuns, runs: MethodRuns) -> str:
     return str(survived) if survived else ""
 
 
-def _line(pair: Pair, scenes: tuple[SceneRuns, ...]) -> list[Cell | str]:
+def _line(pair: Pair, scenes: tuple[SceneRuns, ...]) -> dict[str, Cell]:
     tried = [
         (runs, survival(runs.rows, scene.fastest_rate))
         for scene in scenes
@@ -284,11 +268,12 @@ def _line(pair: Pair, scenes: tuple[SceneRuns, ...]) -> list[Cell | str]:
     can = [(runs, survived) for runs, survived in tried if survived is not None]
     converging = [runs.verdict and runs.verdict.verdict == "converges" for runs, _ in can]
     turns = [survived.turn or 0.0 for _, survived in can]
-    return [
-        *named(pair),
-        figure(str(len(can))),
-        figure(str(sum(map(bool, converging)))),
-        figure(str(sum(survived.timestep is not None for _, survived in can))),
-        *(figure(str(sum(survived.reaches(turn) for _, survived in can))) for turn in TURNS),
-        figure(number(median(turns)) if turns else NOTHING),
-    ]
+    counts = {
+        "hard scenes it was run on": len(can),
+        "converges": sum(map(bool, converging)),
+        "survives at its finest timestep": sum(one.timestep is not None for _, one in can),
+        **{f"survives at {t:g} rad a step": sum(one.reaches(t) for _, one in can) for t in TURNS},
+    }
+    middle = figure(number(median(turns)) if turns else NOTHING)
+    cells = {heading: figure(str(count)) for heading, count in counts.items()}
+    return named(pair) | cells | {"largest turn a step it survives, rad (median)": middle}

@@ -11,7 +11,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ....reference import ExactMotion
 from ....scenarios import FloatArray, Trajectory
 from ...results.records import Row
 from ...results.store import SceneResult
@@ -49,8 +48,8 @@ def motion_data(scene: SceneRuns) -> dict[str, Any] | None:
     solved = scene.solved
     if solved is None:
         return None
-    end = float(solved.solution.trajectory.t[-1])
-    exact = _exact(scene, end, _samples_for(scene, EXACT_SAMPLES, EXACT_A_TURN))
+    end, turns = scene.end, scene.turns
+    exact = scene.outline(end, _samples_for(scene, EXACT_SAMPLES, EXACT_A_TURN))
     fastest = float(np.linalg.norm(exact.omega_body, axis=1).max()) or 1.0
     data = {
         "body": _body(solved),
@@ -61,15 +60,10 @@ def motion_data(scene: SceneRuns) -> dict[str, Any] | None:
         "runs": [_run(run, scene, fastest) for run in scene.compared],
         "first": _first(scene),
     }
-    turns = _turns(scene)
     if turns * EXACT_A_TURN > EXACT_SAMPLES:
-        first = _exact(scene, end * FIRST_TURNS / turns, FIRST_TURNS * EXACT_A_TURN + 1)
+        first = scene.outline(end * FIRST_TURNS / turns, FIRST_TURNS * EXACT_A_TURN + 1)
         data["beginning"] = _exact_states(first, fastest)
     return data
-
-
-def _exact(scene: SceneRuns, end: float, samples: int) -> Trajectory:
-    return ExactMotion(scene.exact.scenario).outline(np.linspace(0.0, end, samples))
 
 
 def _first(scene: SceneRuns) -> int:
@@ -154,14 +148,9 @@ def _largest_since(values: FloatArray, kept: NDArray[np.intp]) -> FloatArray:
     return np.append(np.nan, largest)
 
 
-def _turns(scene: SceneRuns) -> float:
-    """Turns in the window at the fastest rate."""
-    return scene.fastest_rate * float(scene.exact.solution.trajectory.t[-1]) / (2 * math.pi)
-
-
 def _samples_for(scene: SceneRuns, most: int, a_turn: int) -> int:
     """As many as the turns in the window take."""
-    return int(min(most, max(LEAST_SAMPLES, math.ceil(a_turn * _turns(scene)))))
+    return int(min(most, max(LEAST_SAMPLES, math.ceil(a_turn * scene.turns))))
 
 
 def _exact_states(motion: Trajectory, fastest: float) -> dict[str, Any]:

@@ -4,7 +4,7 @@ from collections import Counter
 
 from ....reference import facts, invariants
 from ....reference.observables import observables
-from ....scenarios import EFFECTS, SIGNAL, SIGNALS, FloatArray, Scenario, Trajectory
+from ....scenarios import EFFECTS, SIGNAL, SIGNALS, FloatArray, Scenario
 from ...harness.published import published_values
 from ...results.records import Row, Verdict
 from ...results.store import SceneResult
@@ -22,7 +22,17 @@ from ..analysis.wording import (
 )
 from ..analysis.work_precision import cost
 from ..overview.overview import reason_of
-from ..tables import Captioned, Cell, Table, figure, method_anchor, named, table, verdict_cell
+from ..tables import (
+    Captioned,
+    Cell,
+    Table,
+    figure,
+    method_anchor,
+    named,
+    records,
+    table,
+    verdict_cell,
+)
 
 
 def effects_table(scenario: Scenario) -> Table:
@@ -39,15 +49,15 @@ def effects_table(scenario: Scenario) -> Table:
 
 def exact_motion_table(solved: SceneResult) -> Table:
     """Table of the reference's uncertainty and conditioning."""
-    rows = [
-        (
-            Cell(signal.error_title, "name"),
-            figure(number(signal.shown * solved.solution.uncertainty[signal.name])),
-            figure(number(signal.shown * solved.solution.conditioning[signal.name])),
-        )
+    known = {
+        "uncertainty": solved.solution.uncertainty,
+        "what one ulp in the start does": solved.solution.conditioning,
+    }
+    return records(
+        {"signal": Cell(signal.error_title, "name")}
+        | {what: figure(number(signal.shown * of[signal.name])) for what, of in known.items()}
         for signal in SIGNALS
-    ]
-    return table(("signal", "uncertainty", "what one ulp in the start does"), rows)
+    )
 
 
 def facts_table(solved: SceneResult) -> Table:
@@ -61,46 +71,26 @@ def facts_table(solved: SceneResult) -> Table:
 
 def verdict_table(scene: SceneRuns) -> Table:
     """Table of verdicts; each row is an anchor."""
-    headings = (
-        "engine",
-        "method",
-        "verdict",
-        "observed order",
-        "Richardson-extrapolated error",
-        "stable up to, s",
-        "why",
-    )
-    made = table(headings, [_verdict_row(scene, runs) for runs in scene.methods])
+    made = records(_verdict_row(scene, runs) for runs in scene.methods)
     anchors = tuple(method_anchor(runs.engine, runs.method) for runs in scene.methods)
     return Table(made.headings, made.rows, anchors)
 
 
 def signals_table(scene: SceneRuns) -> Table:
     """Table of verdicts by method and signal."""
-    headings = (
-        "engine",
-        "method",
-        "signal",
-        "verdict",
-        "order found",
-        "declared",
-        "Richardson-extrapolated error",
-        "tolerance",
-    )
-    rows: list[list[Cell | str]] = [
-        [
-            *named(runs.pair),
-            SIGNAL[signal.signal].error_title,
-            verdict_cell(signal.verdict),
-            figure(order(signal.order)),
-            figure(str(signal.declared_order)),
-            figure(_shown(signal.limit_error, signal.signal)),
-            figure(_shown(signal.tolerance, signal.signal)),
-        ]
+    return records(
+        {
+            **named(runs.pair),
+            "signal": SIGNAL[signal.signal].error_title,
+            "verdict": verdict_cell(signal.verdict),
+            "order found": figure(order(signal.order)),
+            "declared": figure(str(signal.declared_order)),
+            "Richardson-extrapolated error": figure(_shown(signal.limit_error, signal.signal)),
+            "tolerance": figure(_shown(signal.tolerance, signal.signal)),
+        }
         for runs in scene.methods
         for signal in (runs.verdict.signals if runs.verdict else ())
-    ]
-    return table(headings, rows)
+    )
 
 
 def _shown(error: float | None, signal: str) -> str:
@@ -110,39 +100,37 @@ def _shown(error: float | None, signal: str) -> str:
 
 def published_table(scenario: Scenario) -> Table | None:
     """Table of published values beside the reference's; None without any."""
-    rows: list[list[Cell | str]] = [
-        [
-            Cell(value.quantity, "name"),
-            figure(f"{value.published.t:g}"),
-            figure(_components(value.printed)),
-            figure(_components(value.ours)),
-            figure(number(value.difference)),
-            figure(number(value.published.tolerance)),
-            Cell("✓ holds", "converges") if value.holds else Cell("✗ does not hold", "disagrees"),
-            value.published.source,
-        ]
+    holds = {True: Cell("✓ holds", "converges"), False: Cell("✗ does not hold", "disagrees")}
+    made = records(
+        {
+            "quantity": Cell(value.quantity, "name"),
+            "t, s": figure(f"{value.published.t:g}"),
+            "printed": figure(_components(value.printed)),
+            "ours": figure(_components(value.ours)),
+            "difference": figure(number(value.difference)),
+            "tolerance": figure(number(value.published.tolerance)),
+            "": holds[value.holds],
+            "source": value.published.source,
+        }
         for value in published_values(scenario)
-    ]
-    headings = ("quantity", "t, s", "printed", "ours", "difference", "tolerance", "", "source")
-    return table(headings, rows) if rows else None
+    )
+    return made if made.rows else None
 
 
 def drifts_table(scene: SceneRuns) -> Table | None:
     """Table of the drifts of each method's finest run; None without any."""
     laws = [invariant.law for invariant in invariants(scene.exact.scenario)]
     shown = [(runs, runs.finest) for runs in scene.methods]
-    rows = [
-        (
-            *named(runs.pair),
-            figure(number(row.timestep)),
-            *(figure(number(row.drifts.get(law.name))) for law in laws),
-        )
+    made = records(
+        {
+            **named(runs.pair),
+            "timestep, s": figure(number(row.timestep)),
+            **{law.formula: figure(number(row.drifts.get(law.name))) for law in laws},
+        }
         for runs, row in shown
         if row is not None and row.drifts is not None
-    ]
-    if not laws or not rows:
-        return None
-    return table(("engine", "method", "timestep, s", *(law.formula for law in laws)), rows)
+    )
+    return made if laws and made.rows else None
 
 
 def observables_table(scene: SceneRuns) -> Table | None:
@@ -151,18 +139,16 @@ def observables_table(scene: SceneRuns) -> Table | None:
     exact = observables(scenario, exact_motion)
     if not exact:
         return None
-    names = [seen.name for seen in exact]
-    headings = ("engine", "method", *(f"{seen.name}, {seen.unit}" for seen in exact))
     rows: list[list[Cell | str]] = [
-        ["exact value", "", *(figure(observed(seen.exact)) for seen in exact)],
-        ["exact motion", "read alike", *(figure(observed(seen.value)) for seen in exact)],
+        ["exact value", "", *(figure(observed(one.exact)) for one in exact)],
+        ["exact motion", "read alike", *(figure(observed(one.value)) for one in exact)],
     ]
-    rows += [
-        _observables_row(scenario, runs, runs.finest.motion, names)
-        for runs in scene.methods
-        if runs.finest and runs.finest.motion
-    ]
-    return table(headings, rows)
+    for runs in scene.methods:
+        if runs.finest and runs.finest.motion:
+            seen = {one.name: one.value for one in observables(scenario, runs.finest.motion)}
+            values = (observed(seen[one.name]) if one.name in seen else NOTHING for one in exact)
+            rows.append([*named(runs.pair).values(), *map(figure, values)])
+    return table(("engine", "method", *(f"{one.name}, {one.unit}" for one in exact)), rows)
 
 
 def runs_tables(scene: SceneRuns) -> list[Captioned]:
@@ -191,11 +177,17 @@ def printed(scene: SceneRuns) -> list[tuple[str, str]]:
     return list(dict.fromkeys((label, text) for label, text in outputs if text.strip()))
 
 
-def _verdict_row(scene: SceneRuns, runs: MethodRuns) -> list[Cell | str]:
+def _verdict_row(scene: SceneRuns, runs: MethodRuns) -> dict[str, Cell | str]:
     verdict = runs.verdict
     if verdict is None:
-        nothing = [figure(NOTHING)] * 3
-        return [*named(runs.pair), Cell("no verdict", "absent"), *nothing, "stopped early"]
+        return {
+            **named(runs.pair),
+            "verdict": Cell("no verdict", "absent"),
+            "observed order": figure(NOTHING),
+            "Richardson-extrapolated error": figure(NOTHING),
+            "stable up to, s": figure(NOTHING),
+            "why": "stopped early",
+        }
     survives, turn = in_words(survival(runs.rows, scene.fastest_rate if scene.solved else None))
     stable = Cell(survives, "number", f"{turn} rad a step" if turn != NOTHING else "")
     uncertainty = 0.0
@@ -206,18 +198,18 @@ def _verdict_row(scene: SceneRuns, runs: MethodRuns) -> list[Cell | str]:
         tolerance = _shown(verdict.tolerance, verdict.signal)
         decided = f"{SIGNAL[verdict.signal].error_title}; tolerance {tolerance}"
     declared = ""
-    if runs.declared is not None:
+    if runs.declared is not None and verdict.order is not None:
         attitude = verdict.signal == "attitude"
         expected = runs.declared.attitude_order if attitude else runs.declared.order
         declared = f"declared {expected}"
-    return [
-        *named(runs.pair),
-        verdict_cell(verdict.verdict, verdict.ground),
-        Cell(order(verdict.order), "number", declared if verdict.order is not None else ""),
-        Cell(_limit(verdict, uncertainty), "number", decided),
-        stable,
-        Cell(reason_of(verdict), note=_besides(runs)),
-    ]
+    return {
+        **named(runs.pair),
+        "verdict": verdict_cell(verdict.verdict, verdict.ground),
+        "observed order": Cell(order(verdict.order), "number", declared),
+        "Richardson-extrapolated error": Cell(_limit(verdict, uncertainty), "number", decided),
+        "stable up to, s": stable,
+        "why": Cell(reason_of(verdict), note=_besides(runs)),
+    }
 
 
 def _limit(verdict: Verdict, uncertainty: float) -> str:
@@ -244,14 +236,6 @@ def _summary(runs: MethodRuns) -> str:
 
 def _components(values: FloatArray) -> str:
     return ", ".join(f"{value:.9g}" for value in values)
-
-
-def _observables_row(
-    scenario: Scenario, runs: MethodRuns, motion: Trajectory, names: list[str]
-) -> list[Cell | str]:
-    seen = {observable.name: observable.value for observable in observables(scenario, motion)}
-    cells = [figure(observed(seen[name]) if name in seen else NOTHING) for name in names]
-    return [*named(runs.pair), *cells]
 
 
 def _run_row(scene: SceneRuns, row: Row) -> list[Cell | str]:

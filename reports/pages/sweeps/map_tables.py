@@ -11,7 +11,7 @@ from ..analysis.map_grid import Grid
 from ..analysis.measures import OMEGA, QUANTILES, Measure, Members, is_coloured, marks
 from ..analysis.wording import NOTHING, ended, limited, number
 from ..figures.map_figure import legend_of_bounds
-from ..tables import Cell, Table, figure, named, table
+from ..tables import Cell, Table, figure, named, records, table
 
 #: Number of worst members shown of each method.
 WORST = 3
@@ -31,7 +31,7 @@ def quantile_table(members: Sequence[Members], measure: Measure) -> Table:
 def worst_table(ensemble: Ensemble, members: Sequence[Members]) -> Table:
     """The worst members of each method, with the commands that write them as scene files."""
     rows = (
-        [*named(of_method.pair), *_member(ensemble, point)]
+        [*named(of_method.pair).values(), *_member(ensemble, point)]
         for of_method in members
         for point in of_method.worst(WORST)
     )
@@ -47,7 +47,7 @@ def member_command(ensemble: Ensemble, number_of_member: int) -> str:
 
 def _quantile_row(of_method: Members, measure: Measure) -> Iterator[Cell]:
     run, finished = len(of_method.points), len(of_method.finished)
-    yield from named(of_method.pair)
+    yield from named(of_method.pair).values()
     yield figure(str(run))
     yield figure(percent(finished, run) if run else NOTHING)
     for value in of_method.quantiles(measure) or (None,) * len(QUANTILES):
@@ -94,9 +94,8 @@ def ends_table(points: Iterable[PlacedRow], pairs: Iterable[Pair]) -> Table:
         mark = None if is_coloured(point) else marks_by_end[point.outcome, point.cause]
         counts[point.pair][mark.label if mark else "finished"] += 1
     labels = ["finished", *dict.fromkeys(mark.label for mark in marks_by_end.values())]
-    return table(
-        ("engine", "method", *labels),
-        ([*named(pair), *(_count(counts[pair][label]) for label in labels)] for pair in counts),
+    return records(
+        named(pair) | {label: _count(counts[pair][label]) for label in labels} for pair in counts
     )
 
 
@@ -114,11 +113,10 @@ def _by_turn(grid: Grid, said: Callable[[list[PlacedRow]], str]) -> Table:
     """What is said of the runs of each method in each range of turns that has any."""
     by_turn = {pair: _runs_by_turn(grid, pair) for pair in grid.methods}
     shown = [k for k in range(len(TURNS) + 1) if any(by_turn[pair][k] for pair in by_turn)]
-    rows = (
-        [*named(pair), *(figure(said(runs[k]) if runs[k] else NOTHING) for k in shown)]
+    return records(
+        named(pair) | {_range(k): figure(said(runs[k]) if runs[k] else NOTHING) for k in shown}
         for pair, runs in by_turn.items()
     )
-    return table(("engine", "method", *(_range(k) for k in shown)), rows)
 
 
 def _runs_by_turn(grid: Grid, pair: Pair) -> list[list[PlacedRow]]:

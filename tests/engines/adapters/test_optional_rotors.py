@@ -16,7 +16,6 @@ from kinds_of_engines import why_missing
 from library_scenes import library_scene
 from spincheck.engines import Engine, engines
 from spincheck.engines.adapters.node.discovered import HERE, modules_folder
-from spincheck.engines.checks.faults import columns
 from spincheck.engines.checks.read_back import start_state
 from spincheck.engines.child import child_engine
 from spincheck.engines.child.process import end_idle
@@ -266,5 +265,5 @@ def test_a_restart_with_rotors_is_the_scene_opened_there(name: str) -> None:
         session.restart(start_state(elsewhere), 1e-3)
         for one in (session, opened):
             one.advance(5)
-        pairs = zip(columns(session.read_state()), columns(opened.read_state()), strict=True)
+        pairs = zip(session.read_state().columns, opened.read_state().columns, strict=True)
         assert all(np.array_equal(one, other) for one, other in pairs), name

@@ -47,11 +47,11 @@ def test_others_are_not_excused(other):
 
 
 def test_what_the_library_knows_of_engines_is_so():
-    knowing = [scene for scene in map(load, find(["hard"])) if scene.expected_failures]
+    knowing = [scene for scene in map(load, find(["hard"])) if scene.document.known]
     assert knowing
     for scene in knowing:
         prepared = prepare(scene, [], MAX_STEPS)
-        for fault in scene.expected_failures:
+        for fault in scene.document.known:
             engine = engines()[fault.engine]
             study = convergence_study_of(scene, engine, engine.method(fault.method), prepared)
             assert verdict_of(study).expected_failure

@@ -9,7 +9,6 @@ from scene_texts import sphere_text
 from scipy.spatial.transform import Rotation
 from spincheck.reference import Solution
 from spincheck.reports.harness.judging.best_window import SHARP
-from spincheck.reports.harness.judging.ladder import SignalJudgement
 from spincheck.reports.harness.judging.observed_order import observed_order
 from spincheck.reports.harness.judging.sequences import sequence
 from spincheck.reports.harness.judging.signal_ladder import Judgement, judge_signal
@@ -227,7 +226,10 @@ def test_rungs_added_one_by_one_are_judged_as_all_at_once(signal):
         judge_in(sequences, signal)
         dt = COARSEST / 2**k
         sequences.add(dt, turning(error(dt)), round(TIMES[-1] / dt))
-    assert judge_in(sequences, signal) == judge_in(whole, signal)
+    one_by_one, at_once = (judge_in(rungs, signal) for rungs in (sequences, whole))
+    assert one_by_one.record == at_once.record
+    assert one_by_one.extrapolation_tolerance == at_once.extrapolation_tolerance
+    assert one_by_one.needed_timestep == at_once.needed_timestep
 
 
 @pytest.mark.parametrize(
@@ -309,19 +311,18 @@ def test_the_order_of_errors_that_grow_is_negative():
 def test_a_judgement_is_stored_with_its_numbers():
     steady = sequence(ladder(lambda dt: dt * np.sin(TIMES), 1).judged, "omega")
     judgement = judge_signal(steady)
-    record = judgement.of(steady)
+    record = judgement.record
     assert (record.signal, record.verdict, record.declared_order) == ("omega", "converges", 1)
     assert (record.limit_error, record.tolerance) == (judgement.limit_error, judgement.tolerance)
 
 
 def test_of_unresolved_signals_the_one_that_no_timestep_would_resolve_decides():
     steady = sequence(ladder(lambda dt: dt * np.sin(TIMES), 1).judged, "omega")
-    judgements = [
-        Judgement("unresolved", "never", tolerance=1.0),
-        Judgement("unresolved", "never", tolerance=0.1),
-        Judgement("unresolved", "late", tolerance=2.0, needed_timestep=1e-6),
-        Judgement("unresolved", "soon", tolerance=2.0, needed_timestep=1e-3),
-        Judgement("converges", "", tolerance=1e-3),
+    signals = [
+        Judgement(steady, "unresolved", "never", tolerance=1.0),
+        Judgement(steady, "unresolved", "never", tolerance=0.1),
+        Judgement(steady, "unresolved", "late", tolerance=2.0, needed_timestep=1e-6),
+        Judgement(steady, "unresolved", "soon", tolerance=2.0, needed_timestep=1e-3),
+        Judgement(steady, "converges", "", tolerance=1e-3),
     ]
-    signals = [SignalJudgement(steady, judgement) for judgement in judgements]
     assert sorted(signals, key=lambda one: one.severity, reverse=True) == signals

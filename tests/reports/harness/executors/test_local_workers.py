@@ -11,6 +11,7 @@ from contextlib import suppress
 import calls
 import psutil
 import pytest
+from spincheck.engines.lost_process import LAST_LINE
 from spincheck.reports.harness.executors import (
     Answer,
     CallFailed,
@@ -19,7 +20,6 @@ from spincheck.reports.harness.executors import (
 )
 from spincheck.reports.harness.executors.worker_main import MEMORY_SHARE
 from spincheck.reports.harness.executors.worker_process import KEPT_OUTPUT
-from spincheck.reports.harness.executors.worker_slot import LAST_LINE
 
 pytestmark = pytest.mark.processes
 
