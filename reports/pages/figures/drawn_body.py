@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Literal
 
 import numpy as np
@@ -18,6 +19,7 @@ from ..analysis.report_data import SceneRuns
 MOST, A_TURN = 500, 24
 
 
+@lru_cache(maxsize=1)
 def dense_motion(scene: SceneRuns) -> Trajectory:
     """The exact motion of the window; if it has more than `MOST / A_TURN` turns, only that many."""
     end = float(scene.exact.solution.trajectory.t[-1])
