@@ -16,6 +16,8 @@ def matrices(q_wxyz: FloatArray) -> FloatArray:
     -------
     (n, 3, 3), taking components along the turned axes to those along the fixed ones
     """
+    if len(q_wxyz) == 1:
+        return matrix(q_wxyz[0])[None]
     w, x, y, z = q_wxyz.T
     R = np.empty((len(q_wxyz), 3, 3))
     R[:, 0, 0], R[:, 1, 1], R[:, 2, 2] = (

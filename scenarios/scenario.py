@@ -263,19 +263,19 @@ def started_at(
     numbers = {"quaternion_wxyz": q_world_body_wxyz, "omega_body": omega_body}
     if not scenario.constraint.is_pivot:
         numbers |= {"position": com_world, "velocity": velocity_world}
+    constraint = scenario.constraint
     start = {key: tuple(float(value) for value in values) for key, values in numbers.items()}
+    if not (constraint.is_free or constraint.is_pivot):
+        on_plane = start_of(StartTable.model_validate(start), constraint)
+        start["position"] = tuple(on_plane.position_world.tolist())
+        start["velocity"] = tuple(on_plane.velocity_world.tolist())
     tables: dict[str, Any] = {"start": StartTable.model_validate(start)}
     if scenario.rotors and spins is not None:
         tables["rotors"] = tuple(
             table.model_copy(update={"spin": float(spin)})
             for table, spin in zip(scenario.document.rotors or (), spins, strict=True)
         )
-    moved = with_tables(scenario, **tables)
-    if scenario.constraint.is_free or scenario.constraint.is_pivot:
-        return moved
-    on_plane = {"position": moved.start.position_world, "velocity": moved.start.velocity_world}
-    start |= {key: tuple(values.tolist()) for key, values in on_plane.items()}
-    return with_tables(moved, start=StartTable.model_validate(start))
+    return with_tables(scenario, **tables)
 
 
 def _start(document: Document, carrier: Body, rotors: Rotors) -> Start:

@@ -84,8 +84,9 @@ class State:
     spins: FloatArray = field(default_factory=lambda: np.empty(0))
 
     def __post_init__(self) -> None:
-        if not self.spins.size:
-            object.__setattr__(self, "spins", np.empty((*self.omega_body.shape[:-1], 0)))
+        shape = (*self.omega_body.shape[:-1], 0)
+        if not self.spins.size and self.spins.shape != shape:
+            object.__setattr__(self, "spins", np.empty(shape))
 
     @property
     def columns(self) -> list[FloatArray]:
@@ -94,7 +95,13 @@ class State:
 
     def rows(self, kept: int | slice | NDArray[np.bool_]) -> "State":
         """One of n states by its index, or several by a slice or a mask, (n,)."""
-        return State(*(column[kept] for column in self.columns))
+        return State(
+            self.q_world_body_wxyz[kept],
+            self.omega_body[kept],
+            self.com_world[kept],
+            self.velocity_world[kept],
+            self.spins[kept],
+        )
 
 
 def stacked(states: Sequence[State]) -> State:

@@ -7,6 +7,7 @@ the adapters that load it.
 import xml.etree.ElementTree as ET
 from collections.abc import Iterable
 from dataclasses import replace
+from functools import lru_cache
 
 import numpy as np
 from mpmath import mp, mpf
@@ -30,18 +31,22 @@ WEIGHTLESS = "0"
 UNLIMITED = {"lower": "1", "upper": "-1", "effort": "0", "velocity": "0"}
 #: Entries of a tensor.
 MOMENTS = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
+#: Number of documents kept: a scene's is the same at every timestep.
+KEPT = 16
 #: m, and rad: where a joint is that is at its link's origin.
 NOWHERE = (0.0, 0.0, 0.0)
 #: A ball joint has no axis, but readers warn if none is given.
 ANY_AXIS = (0.0, 0.0, 1.0)
 
 
+@lru_cache(maxsize=KEPT)
 def urdf(
     scenario: Scenario,
     thickness: float = 0.0,
-    sphere: tuple[Iterable[float], float] | None = None,
+    sphere: tuple[tuple[float, ...], float] | None = None,
     has_box: bool = False,
     description: Description = PLAIN,
+    is_loose: bool = False,
 ) -> str:
     """The scene's body, and what holds it where it is held, as a URDF document.
 
@@ -60,9 +65,11 @@ def urdf(
     sphere : centre and radius of a collision sphere, m, body axes
     has_box : whether to add a collision box: the uniform box with the body's tensor
     description : how the body is written: its parts, and whether tensors are whole
+    is_loose : whether a held body is the only link, too: the adapter holds it otherwise
     """
     robot = ET.Element("robot", name=scenario.name)
-    is_held, point = not scenario.constraint.is_free, _held_at(scenario)
+    is_held = not (scenario.constraint.is_free or is_loose)
+    point = _held_at(scenario) if is_held else ZERO
     onto = _add_slides(robot, scenario) if is_held else ""
     carrier = replace(scenario.carrier, com_exact=_from(point, scenario.carrier.com_exact))
     for index, part in enumerate(parts_of(carrier, description.parts)):
@@ -87,9 +94,8 @@ def urdf(
 
 
 def _held_at(scenario: Scenario) -> Vector:
-    """The point of the body that is held, or else its origin, m, body axes."""
-    constraint = scenario.constraint
-    return ZERO if constraint.is_free else _from(constraint.lever_exact, scenario.body.com_exact)
+    """The point of the body that is held, m, body axes."""
+    return _from(scenario.constraint.lever_exact, scenario.body.com_exact)
 
 
 def _from(origin: Vector, place: Iterable[mpf]) -> Vector:

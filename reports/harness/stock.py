@@ -4,16 +4,18 @@ They are made and stored in addition to a method's ladder, and take no part in i
 """
 
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 from ...engines import Engine
 from ...reference import Solution
-from ...scenarios import FloatArray
-from .ladder import LARGEST_TURN, LEAST_STEPS, Rung, single
+from ...scenarios import FloatArray, Scenario
+from .ladder import LARGEST_TURN, LEAST_STEPS, QUICK_STEPS, Rung, single
 
 #: s; every engine is run at this timestep too, so that all can be compared at one.
 COMMON_TIMESTEP = 1e-3
-#: A run of more steps is not made: it would take about 1 s in MuJoCo, a few in PyBullet.
+#: A run of more steps is not made: it would take about 1 s in MuJoCo, a few in PyBullet. For hard
+#: scenes see `stock_runs_of`.
 STEP_BUDGET = 1 << 17
 
 
@@ -41,6 +43,32 @@ def stock_timestep(engine: Engine) -> float:
 def stock_timesteps(engine: Engine) -> tuple[float, ...]:
     """The timesteps, s, at which an engine is run on every scene, the coarsest first."""
     return tuple(sorted({stock_timestep(engine), COMMON_TIMESTEP}, reverse=True))
+
+
+def stock_runs_of(
+    engine: Engine, scenario: Scenario, at_stock: Iterable[StockRun]
+) -> list[StockRun]:
+    """An engine's runs at stock timesteps: its own, and the one that is the same for all engines.
+
+    On a hard scene the latter is not made if it would take more steps than a quick study's ladder.
+    """
+    own, common = stock_timestep(engine), COMMON_TIMESTEP
+    return [
+        _refused_if_long(run) if scenario.hard and run.timestep != own else run
+        for run in at_stock
+        if run.timestep in (own, common)
+    ]
+
+
+def _refused_if_long(run: StockRun) -> StockRun:
+    if run.rung is None or run.rung.steps <= QUICK_STEPS:
+        return run
+    return StockRun(
+        run.timestep,
+        refusal=f"at {run.timestep:.4g} s the motion takes {run.rung.steps} steps; on hard scenes "
+        f"at most {QUICK_STEPS} are made at the timestep that all engines share ('--timestep' "
+        "makes more)",
+    )
 
 
 def stock_rung(times: FloatArray, timestep: float, rate: float) -> Rung | str:

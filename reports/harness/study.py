@@ -33,7 +33,7 @@ from .measuring.local import examine
 from .measuring.memory import FEW_STEPS, restarted
 from .measuring.places import Places, places
 from .plan import Plan, SceneLeft
-from .stock import StockRun, stock_rung, stock_timesteps
+from .stock import StockRun, stock_rung, stock_runs_of, stock_timesteps
 from .timing import time_scene
 
 Progress = Callable[[str], None]
@@ -244,7 +244,6 @@ def convergence_study_of(
         expectations = tuple(e for e in scenario.expect if (e.engine, e.method, e.timestep) == run)
         if expectations or rung.timestep in timesteps:
             singles.append(PlannedRun(rung, solution, "single", expectations=expectations))
-    own = stock_timesteps(engine)
     return ConvergenceStudy(
         scenario,
         engine,
@@ -252,7 +251,7 @@ def convergence_study_of(
         prepared.solution,
         None if timesteps else prepared.ladder,
         singles,
-        [run for run in prepared.stock if run.timestep in own and not timesteps],
+        [] if timesteps else stock_runs_of(engine, scenario, prepared.stock),
         before,
         places=prepared.places,
         local=before.local if before else None,

@@ -180,7 +180,7 @@ class Table(Generic[R]):
         values = {field.name: getattr(record, field.name) for field in fields(self.record)}
         motions = {name: values.pop(name) for name in self.motions}
         plain = to_jsonable_python(values, inf_nan_mode="constants", fallback=np.ndarray.tolist)
-        content = _shown(plain)
+        content = plain if _is_shown(json.dumps(plain, ensure_ascii=False)) else _shown(plain)
         content |= content.pop("key", {})
         identity = {name: content.pop(name) for name in self.key}
         identity |= {n: json.dumps(value) for n, value in identity.items() if n in _AS_JSON}
@@ -235,12 +235,17 @@ def from_json(text: Any) -> dict[str, Any]:
     content = json.loads(text)
     if not isinstance(content, dict):
         raise ValueError(f"must be a JSON object, got {content!r}")
-    shown_content: dict[str, Any] = _shown(content)
+    shown_content: dict[str, Any] = content if _is_shown(text) else _shown(content)
     return shown_content
 
 
+def _is_shown(text: str) -> bool:
+    """Whether JSON has no control characters: neither plain nor in escapes, which hide them."""
+    return text.isprintable() and "\\" not in text
+
+
 def _shown(value: Any) -> Any:
-    """The value with control characters of its texts escaped, which JSON's own escapes hide."""
+    """The value with control characters of its texts escaped."""
     if isinstance(value, str):
         return shown(value)
     if isinstance(value, dict):

@@ -41,7 +41,6 @@ CASES = [
     ("mujoco", "Euler", "fast-top"),
     ("mujoco", "RK4", "tennis-racket"),
     ("mujoco", "RK4", "fast-top"),
-    ("mujoco", "urdf-RK4", "fast-top"),
     ("pybullet", "multibody", "tennis-racket"),
     ("pybullet", "maximal", "tennis-racket"),
     ("pybullet", "multibody", "fast-top"),

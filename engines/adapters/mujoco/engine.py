@@ -1,4 +1,4 @@
-"""MuJoCo, from the scene as MJCF: every integrator it has is a method; one also from URDF."""
+"""MuJoCo, from the scene as MJCF: every integrator it has is a method."""
 
 from collections.abc import Collection
 from copy import copy
@@ -66,7 +66,6 @@ WAYS = {
     "contact-Euler": Way("Euler", by_contact=True, tied=STIFFEST),
     "contact-RK4": Way("RK4", by_contact=True, tied=STIFFEST),
     "contact-default": Way(None, by_contact=True),
-    "urdf-RK4": Way("RK4", description=Description(urdf=True)),
 }
 #: Of a table by contact.
 BY_CONTACT = COMMON_EFFECTS | {"table"}
@@ -131,15 +130,6 @@ class MuJoCo(Engine):
             requires=ON_TABLE,
             as_shipped=True,
         ),
-        # Faults of the reader show with any integrator, best with the most accurate one.
-        Method(
-            "urdf-RK4",
-            4,
-            4,
-            "RK4, on the body as MuJoCo's URDF reader has it",
-            frozenset({"gravity", "pivot"}),
-            reader=True,
-        ),
     )
 
     @property
@@ -181,8 +171,6 @@ class MuJoCo(Engine):
 
     def script(self, scenario: Scenario, method: Method, timestep: float) -> str:
         """The MJCF, and the few calls that step it."""
-        if method.reader:
-            return ""
         way, off = _way(method), () if method.as_shipped else _switched_off(scenario, method)
         moving = 3 if way.by_contact else 3 - sum(scenario.constraint.is_held)
         return script(_text(scenario, timestep, way), off, way.tied, moving)
@@ -204,7 +192,6 @@ class MuJoCo(Engine):
 def release(version: str, methods: tuple[Method, ...]) -> Release:
     """A version of MuJoCo: until 4.0.0, RK4 averaged the stages' rotations."""
     number = numbers_of(version)
-    methods = tuple(method for method in methods if not method.reader)
     if number < (4,):
         methods = tuple(
             replace(method, order=2, attitude_order=2) if method.name == "RK4" else method

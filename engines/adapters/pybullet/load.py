@@ -3,7 +3,7 @@
 import atexit
 import shutil
 import tempfile
-from collections.abc import Collection, Iterable
+from collections.abc import Collection
 from dataclasses import dataclass
 from functools import cache
 from itertools import count
@@ -14,8 +14,7 @@ import numpy as np
 import pybullet as p
 from scipy.spatial.transform import Rotation
 
-from ....scenarios import Effects, Scenario
-from ....scenarios.scenario import with_tables
+from ....scenarios import Scenario
 from ...checks.read_back import EngineError, UnsupportedError
 from ...models.description import PLAIN, Description
 from ...models.mjcf_contact import sphere_and_plane
@@ -143,18 +142,19 @@ def scenes_own(
 ) -> OwnURDF:
     """The scene as URDF; what holds a body that does not hang by a joint is no part of it."""
     hung = representation.hangs(scenario)
-    sphere: tuple[Iterable[float], float] | None = None
+    sphere: tuple[tuple[float, ...], float] | None = None
     if representation.by_contact:
         table = scenario.effects.table
         assert table is not None
         sphere = table.tip, sphere_and_plane(scenario)[0]
     elif SHAPE in left_in:
-        sphere = scenario.body.com, _gyration_radius(scenario)
+        sphere = tuple(scenario.body.com), _gyration_radius(scenario)
     text = urdf(
-        scenario if hung else with_tables(scenario, effects=Effects()),
+        scenario,
         sphere=sphere,
         has_box=representation.as_shipped,
         description=representation.description,
+        is_loose=not hung,
     )
     return OwnURDF(text.encode(), ())
 

@@ -163,7 +163,7 @@ def reproduction(scenario: Scenario, engine: Engine, method: Method, timestep: f
     with as_complaint(EngineError, before=f"{engine.name} {method.name}: ", exit_code=NOT_RUN):
         script = engine.script(scenario, method, timestep)
     if not script:
-        raise Complaint(_without_script(scenario, engine, method))
+        raise Complaint(_without_script(scenario, engine))
     with as_complaint(ValueError, before="'--timestep': "):
         steps = single(timestep, scenario.times).sample_steps
     solution = solved(scenario, np.asarray(steps * timestep, dtype=float))
@@ -180,20 +180,16 @@ def reproduction(scenario: Scenario, engine: Engine, method: Method, timestep: f
     return head + script + _tail(frame, solution, steps)
 
 
-def _without_script(scenario: Scenario, engine: Engine, method: Method) -> str:
-    """That a method or an engine has none, and which have."""
-    offered = engine.methods_for(scenario)
-    if of_it := [one.name for one in offered if _writes(engine, scenario, one)]:
-        words = f"{', '.join(of_it)}, which {engine.name} writes scripts of"
-        return f"'--method' must be one of {words}, got '{method.name}'"
-    able = [one.name for one in engines().values() if _writes(one, scenario, one.methods[0])]
+def _without_script(scenario: Scenario, engine: Engine) -> str:
+    """That an engine has none, and which have."""
+    able = [one.name for one in engines().values() if _writes(one, scenario)]
     return f"'--engine' must be one of {', '.join(able)}, which write scripts, got '{engine.name}'"
 
 
-def _writes(engine: Engine, scenario: Scenario, method: Method) -> bool:
+def _writes(engine: Engine, scenario: Scenario) -> bool:
     """Whether it has scripts, if not of this scene."""
     try:
-        return bool(engine.script(scenario, method, 1.0))
+        return bool(engine.script(scenario, engine.methods[0], 1.0))
     except EngineError:
         return True
 

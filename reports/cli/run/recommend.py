@@ -132,7 +132,7 @@ def _methods(scenario: Scenario, engine_names: Sequence[str]) -> list[str]:
     if not offered:
         raise Complaint(
             f"{', '.join(engine_names)}: has no method that is recommended: those as shipped are "
-            "not, nor other readers of an engine's models, such as mujoco's urdf-RK4",
+            "not, nor readers of users' models, such as mujoco-file",
             NOT_RUN,
         )
     return list(dict.fromkeys(offered))

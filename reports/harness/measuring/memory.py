@@ -50,9 +50,8 @@ def restarted(
             if not session.can_restart:
                 return None
 
-            def gone_on(first: int, last: int, nudge: float = 1.0) -> State:
-                state = states.rows(first)
-                session.restart(replace(state, omega_body=nudge * state.omega_body))
+            def gone_on(first: int, last: int, states: State = states) -> State:
+                session.restart(states.rows(first))
                 count = int(rung.sample_steps[last] - rung.sample_steps[first])
                 session.advance(count // 2)
                 session.advance(count - count // 2)
@@ -61,7 +60,9 @@ def restarted(
             again = [gone_on(*stretch) for stretch in stretches]
             off = apart(stacked([states.rows(last) for _, last in stretches]), stacked(again))
             worst = np.argsort(off)[-INTERVALS:]
-            nudged = [gone_on(*stretches[int(k)], nudge=1.0 + NUDGE * engine.ulp) for k in worst]
+            factor = 1.0 + NUDGE * engine.ulp
+            others = replace(states, omega_body=factor * states.omega_body)
+            nudged = [gone_on(*stretches[int(k)], others) for k in worst]
     except EngineError:
         return None
     by_nudge = apart(stacked(nudged), stacked([again[k] for k in worst]))

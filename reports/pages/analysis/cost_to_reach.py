@@ -16,7 +16,7 @@ from typing import Literal
 from ...harness.judging.observed_order import SETTLING_ORDER
 from ...results.records import Pair
 from ...results.verdict_words import VerdictWord
-from .work_precision import Curve, CurvePoint, observed_order, slope
+from .work_precision import Curve, CurvePoint, slope
 
 #: One scene's curves, in one error, one a method.
 SceneCurves = Sequence[Curve]
@@ -213,7 +213,7 @@ def _below_the_ladder(curve: Curve, level: float) -> Reach:
         least = min(curve.stable, key=lambda point: point.error)
         reason = f"errors are at round-off, {least.error:.1e} at the least"
         return Reach(level, "round-off", reason, floor=curve.floor(least.timestep))
-    order = observed_order(curve)
+    order = curve.observed_order
     if order is None or order < SETTLING_ORDER:
         return Reach(level, "no order", "no run is within it, and the errors show no order")
     # The slope tends to a whole number as dt → 0; if from above, that number is the smaller.

@@ -4,13 +4,12 @@ A run survives if it comes to its end and is better than no motion (`Row.survive
 """
 
 import math
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from dataclasses import dataclass
 from itertools import takewhile
 from statistics import median_high
 from typing import Literal
 
-from ....engines import Method
 from ...harness.stock import COMMON_TIMESTEP
 from ...results.records import Pair, Row
 from .report_data import MethodRuns, ReportData
@@ -98,18 +97,13 @@ def row_at(runs: MethodRuns, at: At, stock_timestep: float) -> Row | None:
 
 def as_shipped(gathered: ReportData) -> list[Pair]:
     """Engines with all their defaults."""
-    return _declared(gathered, lambda method: method.as_shipped)
-
-
-def _declared(gathered: ReportData, is_one: Callable[[Method], bool]) -> list[Pair]:
-    """The pairs of which this was declared."""
-    found = {
+    shipped = {
         runs.pair
         for scene in gathered.scenes
         for runs in scene.methods
-        if runs.declared and is_one(runs.declared)
+        if runs.declared and runs.declared.as_shipped
     }
-    return [pair for pair in gathered.pairs if pair in found]
+    return [pair for pair in gathered.pairs if pair in shipped]
 
 
 def made_at(gathered: ReportData, pair: Pair, timestep: float) -> dict[str, Row]:
@@ -130,15 +124,11 @@ def attitudes_at(gathered: ReportData, pair: Pair, timestep: float) -> dict[str,
 
 
 def leading(gathered: ReportData) -> list[Pair]:
-    """Each engine's first method as shipped, and the most accurate, in median, of the others.
-
-    Another reader of its models is the last of these.
-    """
+    """Each engine's first method as shipped, and the most accurate, in median, of the others."""
     steps, shipped = stock_timesteps(gathered), as_shipped(gathered)
-    readers = _declared(gathered, lambda method: method.reader)
     first = {engine: (engine, method) for engine, method in reversed(shipped)}
     middles = {
-        pair: (pair in readers, -len(errors), median_high(errors.values()))
+        pair: (-len(errors), median_high(errors.values()))
         for pair in gathered.pairs
         if pair not in shipped
         if (errors := attitudes_at(gathered, pair, steps.get(pair[0], COMMON_TIMESTEP)))

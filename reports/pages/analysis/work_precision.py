@@ -8,10 +8,11 @@ sets each: docs/explanation/cost.md.
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
-from ...harness.judging.observed_order import observed_order as observed_order_of
+from ...harness.judging.observed_order import observed_order
 from ...results.records import OfMethod, Row
 from ...results.verdict_words import VerdictWord
 from .report_data import MethodRuns, SceneRuns
@@ -64,6 +65,20 @@ class Curve(OfMethod):
         """The error of a run due to rounding: one ulp a step, times its growth."""
         return self.uncertainty + self.rounding / timestep
 
+    @cached_property
+    def observed_order(self) -> float | None:
+        """Least-squares slope of log error against log timestep over the finest usable runs.
+
+        Usable runs are those used for the verdict's order: in the asymptotic range, and above
+        round-off and the reference's uncertainty. With too few of them, the order is that of the
+        verdict.
+        """
+        timesteps = np.array([point.timestep for point in self.stable])
+        errors = np.array([point.error for point in self.stable])
+        floors = np.array([self.floor(timestep) for timestep in timesteps])
+        order = observed_order(timesteps, errors, floors, self.uncertainty)
+        return self.order if order is None else order
+
 
 def curves(scene: SceneRuns, signal: str) -> list[Curve]:
     """Every method's curve on a scene; none where the scene could not be solved."""
@@ -108,19 +123,6 @@ def cost(row: Row) -> float | None:
 def slope(coarse: CurvePoint, fine: CurvePoint) -> float:
     """The order of accuracy between two runs."""
     return math.log(coarse.error / fine.error) / math.log(coarse.timestep / fine.timestep)
-
-
-def observed_order(curve: Curve) -> float | None:
-    """Least-squares slope of log error against log timestep over the finest usable runs.
-
-    Usable runs are those used for the verdict's order: in the asymptotic range, and above round-off
-    and the reference's uncertainty. With too few of them, the order is that of the verdict.
-    """
-    timesteps = np.array([point.timestep for point in curve.stable])
-    errors = np.array([point.error for point in curve.stable])
-    floors = np.array([curve.floor(timestep) for timestep in timesteps])
-    order = observed_order_of(timesteps, errors, floors, curve.uncertainty)
-    return curve.order if order is None else order
 
 
 def front(drawn: Iterable[Curve]) -> list[tuple[Curve, CurvePoint]]:

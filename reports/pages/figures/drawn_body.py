@@ -1,6 +1,7 @@
 """How a scene's body and its exact motion are drawn: a solid of its inertia, axis, what is up."""
 
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Literal
 
 import numpy as np
@@ -16,6 +17,7 @@ from ..analysis.report_data import SceneRuns
 MOST, A_TURN = 500, 24
 
 
+@lru_cache(maxsize=1)
 def dense_motion(scene: SceneRuns) -> Trajectory:
     """The exact motion of the window; if it has more than `MOST / A_TURN` turns, only that many."""
     shown = min(1.0, MOST / A_TURN / scene.turns) if scene.turns else 1.0

@@ -1,23 +1,32 @@
 """MuJoCo, by MJCF and by URDF, beyond the contract: one body either way, honest failures."""
 
+from contextlib import suppress
+
 import mujoco
 import numpy as np
 import pytest
+from library_scenes import library
+from mujoco_sessions import read_back
 from scenes import SCENES, SPUN_UP, scene
-from spincheck.engines import EngineError, Method, Run
+from spincheck.engines import Engine, EngineError, Run
 from spincheck.engines.adapters.mujoco.engine import MuJoCo
 from spincheck.engines.adapters.mujoco.session import compiled
+from spincheck.engines.checks.read_back import UnsupportedError
+from spincheck.engines.encodings import ENCODINGS, EncodedEngine
+from spincheck.engines.models.description import Description
+from spincheck.scenarios import Scenario
 
 EPS = np.finfo(float).eps
 MUJOCO = MuJoCo()
-BY_MJCF, BY_URDF = (MUJOCO.method(name) for name in ("RK4", "urdf-RK4"))
-READERS = pytest.mark.parametrize("method", [BY_MJCF, BY_URDF], ids=lambda method: method.name)
+RK4 = MUJOCO.method("RK4")
+BY_URDF = EncodedEngine(MUJOCO, "urdf")
+READERS = pytest.mark.parametrize("engine", [MUJOCO, BY_URDF], ids=["MJCF", "URDF"])
 TIMESTEP = 1e-3
 STEPS = np.arange(0, 101, 20)
 
 
-def run(method: Method, name: str, timestep: float = TIMESTEP) -> Run:
-    return MUJOCO.run(SCENES[name], method, timestep, STEPS)
+def run(engine: Engine, name: str, timestep: float = TIMESTEP) -> Run:
+    return engine.run(SCENES[name], RK4, timestep, STEPS)
 
 
 def columns(run: Run) -> np.ndarray:
@@ -31,12 +40,12 @@ def columns(run: Run) -> np.ndarray:
 
 @pytest.mark.parametrize("name", ["free-tilted", "free-falling", "pivot-plate", "heavy-tilted"])
 def test_urdf_and_mjcf_are_one_body(name: str) -> None:
-    by_mjcf = columns(run(BY_MJCF, name))
+    by_mjcf = columns(run(MUJOCO, name))
     difference = np.abs(columns(run(BY_URDF, name)) - by_mjcf).max()
     # Each step repeats the round-off of the tensor, which the URDF reader diagonalises again.
     roundoff = STEPS[-1] * 16 * EPS * np.abs(by_mjcf).max()
     assert difference < roundoff
-    other_scene = columns(run(BY_MJCF, "free"))
+    other_scene = columns(run(MUJOCO, "free"))
     assert np.abs(other_scene - by_mjcf).max() > 1e9 * roundoff
 
 
@@ -46,8 +55,8 @@ def test_urdf_and_mjcf_are_one_body(name: str) -> None:
     ["\nmass = 1.0\ninertia = [1e-18, 1e-18, 1e-18]\n", "\nmass = 1e-18\ninertia = [1, 1, 1]\n"],
     ids=["inertia", "mass"],
 )
-def test_a_body_too_small_for_the_compiler_is_unsupported(method: Method, body: str) -> None:
-    done = MUJOCO.run(scene("tiny", body=body), method, TIMESTEP, STEPS)
+def test_a_body_too_small_for_the_compiler_is_unsupported(engine: Engine, body: str) -> None:
+    done = engine.run(scene("tiny", body=body), RK4, TIMESTEP, STEPS)
     assert (done.outcome, done.cause) == ("unsupported", "body")
     assert "scale the scene up" in done.reason
 
@@ -58,6 +67,20 @@ def test_what_the_compiler_refuses_is_reported_in_its_words() -> None:
     text = f"<mujoco><worldbody><body><freejoint/>{inertial}</body></worldbody></mujoco>"
     with pytest.raises(EngineError, match=r"MuJoCo's compiler: .*inertia"):
         compiled(lambda: mujoco.MjModel.from_xml_string(text))
+
+
+def read_as_urdf(scenario: Scenario) -> None:
+    with MUJOCO.open_with(scenario, RK4, TIMESTEP, description=Description(urdf=True)) as session:
+        read_back(scenario, session)
+
+
+def test_urdf_is_read_as_every_scene_of_the_library_states_its_body() -> None:
+    able = [one for one in library() if not ENCODINGS["urdf"].why_not(MUJOCO, one)]
+    assert len(able) > len(library()) / 2
+    for scenario in able:
+        # Of a body below what MuJoCo's compiler takes.
+        with suppress(UnsupportedError):
+            read_as_urdf(scenario)
 
 
 def test_a_start_beyond_what_mujoco_allows_diverges_in_its_words() -> None:
@@ -74,9 +97,9 @@ def test_the_version_is_the_librarys() -> None:
 
 
 @READERS
-def test_a_compiler_that_only_warns_fails_the_run_too(method: Method) -> None:
+def test_a_compiler_that_only_warns_fails_the_run_too(engine: Engine) -> None:
     # About its origin the body's mass matrix is singular in double precision.
     far = "\nmass = 1e8\ninertia = [1e-9, 1e-9, 1e-9]\ncom = [3.0, 4.0, 5.0]\n"
-    done = MUJOCO.run(scene("far", body=far), method, TIMESTEP, STEPS)
+    done = engine.run(scene("far", body=far), RK4, TIMESTEP, STEPS)
     assert done.outcome == "failed"
     assert "Inertia matrix is too close to singular" in done.reason

@@ -97,7 +97,7 @@ def test_without_a_fault_nothing_is_said() -> None:
 
 def test_a_method_that_cannot_says_so() -> None:
     engine = engines()["mujoco"]
-    reason = engine.unsupported(library_scene(BOX), engine.method("urdf-RK4"))
+    reason = engine.unsupported(library_scene(BOX), engine.method("contact-RK4"))
     assert "cannot simulate rotors" in reason
 
 

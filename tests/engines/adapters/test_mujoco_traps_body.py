@@ -11,6 +11,7 @@ from scipy.spatial.transform import Rotation
 from spincheck.engines import EngineError
 from spincheck.engines.adapters.mujoco.engine import MuJoCo
 from spincheck.engines.adapters.mujoco.session import MuJoCoSession
+from spincheck.engines.models.description import PLAIN, Description
 from spincheck.engines.models.mjcf import mjcf
 from spincheck.engines.models.urdf import BODY_LINK, urdf
 from spincheck.scenarios import Scenario
@@ -19,6 +20,8 @@ EPS = np.finfo(float).eps
 #: A dozen products of rotations and vectors.
 ROUNDOFF = 64 * EPS
 MUJOCO = MuJoCo()
+RK4 = MUJOCO.method("RK4")
+BY_URDF = Description(urdf=True)
 
 
 def test_moments_read_without_their_frame_are_another_tensor() -> None:
@@ -70,11 +73,11 @@ def with_full_tensor(R: np.ndarray, compiler: str) -> mujoco.MjModel:
     return mujoco.MjModel.from_xml_string(ET.tostring(root, encoding="unicode"))
 
 
-@pytest.mark.parametrize("method", ["RK4", "urdf-RK4"])
-def test_flat_bodies_are_accepted_in_any_frame(method: str) -> None:
+@pytest.mark.parametrize("description", [PLAIN, BY_URDF], ids=["MJCF", "URDF"])
+def test_flat_bodies_are_accepted_in_any_frame(description: Description) -> None:
     for R in FLAT_FRAMES:
         flat = flat_scene(R)
-        with MUJOCO.open(flat, MUJOCO.method(method), TIMESTEP) as session:
+        with MUJOCO.open_with(flat, RK4, TIMESTEP, description=description) as session:
             read_back(flat, session)
 
 
@@ -114,9 +117,10 @@ def test_an_inertial_frame_lost_on_the_way_through_urdf_does_not_read_back() -> 
 
 def test_an_only_link_of_a_urdf_is_welded_to_the_world_unless_told_otherwise() -> None:
     assert mujoco.MjModel.from_xml_string(urdf(SCENES["free"])).nv == 0
-    with MUJOCO.open(SCENES["free"], MUJOCO.method("urdf-RK4"), TIMESTEP) as session:
+    free = SCENES["free"]
+    with MUJOCO.open_with(free, RK4, TIMESTEP, description=BY_URDF) as session:
         session.advance(10)
-        moved = session.read_state().q_world_body_wxyz - SCENES["free"].start.q_world_body_wxyz
+        moved = session.read_state().q_world_body_wxyz - free.start.q_world_body_wxyz
     assert np.abs(moved).max() > TIMESTEP
 
 

@@ -9,8 +9,15 @@ from planted import ExplodingSession, HeunSession, RaisingSession, planted
 from spincheck.engines import Engine
 from spincheck.reports.harness.choice import Choice
 from spincheck.reports.harness.executors import InProcess
+from spincheck.reports.harness.ladder import QUICK_STEPS, single
 from spincheck.reports.harness.plan import plan
-from spincheck.reports.harness.stock import COMMON_TIMESTEP, STEP_BUDGET, stock_rung
+from spincheck.reports.harness.stock import (
+    COMMON_TIMESTEP,
+    STEP_BUDGET,
+    StockRun,
+    stock_rung,
+    stock_runs_of,
+)
 from spincheck.reports.harness.study import run_study
 from spincheck.reports.results.records import Record, Row
 from spincheck.reports.results.store import Results, Store, open_store
@@ -139,3 +146,28 @@ def test_where_the_motion_is_too_fast_for_it_a_row_says_so_and_nothing_is_run(tm
 )
 def test_what_makes_no_sense_is_reported_with_its_numbers(timestep, rate, horizon, words):
     assert words in str(stock_rung(np.array([0.0, horizon]), timestep, rate))
+
+
+HARD = f'tags = ["hard"]\n{BOX}'
+
+
+@pytest.mark.parametrize(
+    ("text", "stock_timestep", "steps", "is_made"),
+    [
+        (BOX, STOCK, 2 * QUICK_STEPS, True),
+        (HARD, STOCK, 2 * QUICK_STEPS, False),
+        (HARD, STOCK, QUICK_STEPS, True),
+        (HARD, COMMON_TIMESTEP, 2 * QUICK_STEPS, True),
+        (HARD, None, 2 * QUICK_STEPS, True),
+    ],
+    ids=["plain", "hard", "short", "its own", "its users set one"],
+)
+def test_of_a_hard_scene_a_long_run_is_made_at_the_engines_own_timestep_alone(
+    text, stock_timestep, steps, is_made, monkeypatch
+):
+    monkeypatch.setattr(HeunAsSold, "stock_timestep", stock_timestep)
+    times = np.array([0.0, steps * COMMON_TIMESTEP])
+    prepared = [StockRun(COMMON_TIMESTEP, single(COMMON_TIMESTEP, times))]
+    (run,) = stock_runs_of(HeunAsSold(), loads(text, "box"), prepared)
+    assert (run.rung is not None) == is_made
+    assert is_made or f"takes {steps} steps; on hard scenes at most 16384" in run.refusal

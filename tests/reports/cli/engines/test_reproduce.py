@@ -85,12 +85,6 @@ def test_an_engine_without_a_script_is_reported() -> None:
         reproduction(scenario, engine, engine.methods[0], TIMESTEP)
 
 
-def test_a_method_without_a_script_is_reported() -> None:
-    scenario, engine = library_scene("fast-top"), engines()["mujoco"]
-    with pytest.raises(Complaint, match=r"'--method' must be .*RK4, .*, got 'urdf-RK4'"):
-        reproduction(scenario, engine, engine.method("urdf-RK4"), TIMESTEP)
-
-
 @pytest.mark.needs_pybullet
 def test_a_method_that_cannot_simulate_the_scene_is_reported() -> None:
     scenario, engine = library_scene("tennis-racket"), engines()["pybullet"]

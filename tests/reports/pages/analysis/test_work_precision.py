@@ -15,7 +15,6 @@ from spincheck.reports.pages.analysis.work_precision import (
     cost,
     curves,
     front,
-    observed_order,
 )
 from spincheck.scenarios import SIGNAL
 
@@ -66,17 +65,17 @@ def test_stable_runs_are_those_below_the_last_that_did_not_end_well(top: SceneRu
 
 @pytest.mark.parametrize("order", [1, 2, 4])
 def test_the_order_of_a_law_is_found(order: int) -> None:
-    assert observed_order(curve_of_law(law(order))) == pytest.approx(order, rel=ROUNDING)
+    assert curve_of_law(law(order)).observed_order == pytest.approx(order, rel=ROUNDING)
 
 
 def test_the_order_of_growing_errors_is_negative() -> None:
-    assert observed_order(curve_of_law(law(-1, 1e-3))) == pytest.approx(-1, rel=ROUNDING)
+    assert curve_of_law(law(-1, 1e-3)).observed_order == pytest.approx(-1, rel=ROUNDING)
 
 
 def test_an_order_is_not_read_off_saturated_errors() -> None:
     """Too few of them are asymptotic: the order is the verdict's."""
     saturated = curve_of_law(law(1, ASYMPTOTIC * 2 ** (RUNGS - 1)), order=1.5)
-    assert observed_order(saturated) == 1.5
+    assert saturated.observed_order == 1.5
 
 
 def test_every_point_of_the_front_is_better_than_all_cheaper_ones(top: SceneRuns) -> None:
