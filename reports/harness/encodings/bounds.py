@@ -42,7 +42,7 @@ def rounding_bounds(
       state is rounded once. Steps add up as if all had one sign. With parts that turn L is not I ω,
       torques are added that cancel in coordinates which turn with them, at places that are rounded
       relative to their distance from the origin, and I₁ is the least moment that is left where they
-      turn freely.
+      turn freely. The arm r to a free body's com is rounded so too, in the torque m r × ω² r.
     - The flight, for place and velocity of a free body: an ulp of either scene's own numbers, and
       of forces that cancel in coordinates which turn with parts.
     """
@@ -111,6 +111,10 @@ def _ulps_a_step(scenario: Scenario, exact: Trajectory, steps: int, far: float) 
     turning = np.abs(exact.spins) + speed
     _, torque = scenario.cancelling(turning, far)
     torque = torque + norms(angular_momentum_world(scenario, exact)) * speed
+    if scenario.constraint.is_free:
+        torque = (
+            torque + scenario.body.mass * float(np.linalg.norm(scenario.body.com)) * far * speed**2
+        )
     rate = torque.max() / (scenario.body.principal_moments[-1] * speed)
     return max(1.0, OPERATIONS * float(rate * exact.t[-1]) / steps)
 
