@@ -163,7 +163,8 @@ class ChildProcess:
         """The next line of the answers; output that the child prints is read too."""
         self._request = do
         if overdue := wait_for_answer(self, self._limit):
-            raise ProtocolError(f"it did not answer '{do}' within {overdue.words}", overdue.cause)
+            words = f"it did not answer '{do}' within {overdue.words}{self._last_printed()}"
+            raise ProtocolError(words, overdue.cause)
         line, _, self._received = self._received.partition(b"\n")
         return line
 
@@ -225,9 +226,16 @@ class ChildProcess:
             os.set_blocking(self._output.fileno(), False)
             self._printed += os.read(self._output.fileno(), PIPE_SIZE)
         how, cause = death(code)
+        return ProtocolError(f"it {how} instead of answering '{do}'{self._last_printed()}", cause)
+
+    def _last_printed(self) -> str:
+        """The last line that it printed, to be appended to a message; empty if there is none."""
         lines = self._printed.decode(errors="replace").strip().splitlines()
-        last = f"; it last printed: {printable(lines[-1][-LAST_LINE:])}" if lines else ""
-        return ProtocolError(f"it {how} instead of answering '{do}'{last}", cause)
+        if not lines:
+            return ""
+        # An answer that went the wrong way.
+        where = f" (answers go to the descriptor in {ANSWERS})" if lines[-1][:1] == "{" else ""
+        return f"; it last printed{where}: {printable(lines[-1][-LAST_LINE:])}"
 
     def end(self) -> bool:
         """Close its input, and kill what does not end; returns whether it ended by itself."""

@@ -83,6 +83,11 @@ REFUSED = {
         (INERTIA[0], 'inertia = [[1, 0, 0], [0, "x", 0], [0, 0, 1]]'),
         r":6: \[body\] inertia\[1\]\[1\]: .* number, got 'x'",
     ),
+    "decimal commas": (
+        (ATTITUDE, "euler_zyz_deg = [0,0, 30,0, 0,0]"),
+        r":9: \[start\] euler_zyz_deg: must have 3 entries, got 6: \[0, 0, 30, 0, 0, 0\]",
+    ),
+    "half a sample": (("samples = 5", "samples = 5.5"), r":13: .* a whole number, got 5.5"),
     # keys
     "misspelt": (
         (MASS[0], "mas = 2"),
@@ -161,6 +166,14 @@ def rotor(line: str) -> str:
 
 
 REFUSED_TABLES = {
+    "an effect outside effects": (
+        "[gravity]\nacceleration = [0, 0, -9.81]\n",
+        r":15: gravity: unknown key; did you mean '\[effects.gravity\]'\?$",
+    ),
+    "misspelt effects": (
+        "[effect.gravity]\nacceleration = [0, 0, -9.81]\n",
+        r":15: effect: unknown key; did you mean 'effects'\?",
+    ),
     "unknown effect": (
         "[effects.wind]\n",
         r"\[effects\] wind: unknown key; known keys: drag, gravity",

@@ -66,7 +66,7 @@ def test_check_names_file_line_and_key_and_exits_with_2(spincheck, sphere):
     line = SPHERE.splitlines().index("mass = 1.0") + 1
     code, _, err = spincheck("check", sphere)
     assert code == 2
-    assert f"{sphere}:{line}: [body] mass: input should be greater than 0, got -1.0" in err
+    assert f"{sphere}:{line}: [body] mass: must be greater than 0, got -1.0" in err
 
 
 def test_show_gives_the_body_as_it_was_understood(spincheck, sphere):
