@@ -114,7 +114,8 @@ def problems(link: Link) -> tuple[FileProblem, ...]:
         return ()
     reported = [*_of_mass(stated), *_of_tensor(stated)]
     if not reported and stated.is_physical:
-        reported = [*_placeholder(stated), *_outside_its_shapes(link, stated), *_dense(link, stated)]
+        reported = [*_placeholder(stated), *_outside_its_shapes(link, stated)]
+        reported += _dense(link, stated)
     return tuple(reported)
 
 

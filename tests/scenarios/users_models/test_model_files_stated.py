@@ -191,7 +191,7 @@ def test_mass_at_the_shapes_corners_is_not(tmp_path, shape):
 
 
 def heavy(kilograms, shape=BOX):
-    """A robot whose one link has that mass, spread over the box 0.2 × 0.4 × 0.6 m as far as it can."""
+    """A robot whose one link has that mass, spread as far as BOX allows."""
     moments = (kilograms / 2 * moment for moment in MOST)
     return shaped(moments, shape).replace('value="2"', f'value="{kilograms!r}"')
 

@@ -43,7 +43,10 @@ PLANTED = {
     ),
     "world": (lambda a, later: {"omega": a["omega_world"]}, [WORLD]),
     "sign": (lambda a, later: {"omega": -a["omega"]}, ["ω has the opposite sign"]),
-    "degrees": (lambda a, later: {"omega": np.degrees(a["omega"])}, ["ω is in degrees a second; wx [deg/s] says so"]),
+    "degrees": (
+        lambda a, later: {"omega": np.degrees(a["omega"])},
+        ["ω is in degrees a second; wx [deg/s] says so"],
+    ),
     "turns": (lambda a, later: {"omega": a["omega"] / 2 / np.pi}, ["ω is in turns a second"]),
     "late": (
         lambda a, later: {"q": later(1)["q"], "omega": later(1)["omega"]},
