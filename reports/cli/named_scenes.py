@@ -108,8 +108,8 @@ def _in_short(scenario: Scenario) -> str:
     """The numbers that show a wrong unit at a glance: mass, tilt and speeds."""
     w, x, y, z = scenario.start.q_world_body_wxyz.tolist()
     tilt = math.degrees(2 * math.atan2(math.hypot(x, y), math.hypot(w, z)))
-    speeds = [math.hypot(*scenario.start.omega_body), *map(float, scenario.rotors.start_spins)]
-    words = ", a rotor at ".join(f"{one:.4g} rad/s ({one * RPM:.4g} rpm)" for one in speeds)
+    speeds = [math.hypot(*scenario.start.omega_body), *map(float, scenario.start_spins)]
+    words = ", a part at ".join(f"{one:.4g} rad/s ({one * RPM:.4g} rpm)" for one in speeds)
     return f"{scenario.body.mass:g} kg, z axis {tilt:.3g}° from the world's, {words}"
 
 

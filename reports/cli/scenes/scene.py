@@ -75,6 +75,8 @@ EXPORTED_TIMESTEP = 0.002
 def scene_as_json(scenario: Scenario) -> dict[str, Any]:
     """A scene as it was read: SI units; names tell body and world axes."""
     body, start = scenario.body, scenario.start
+    written = scenario.document.model_dump(exclude_none=True)
+    tables = written | written["effects"]
     return {
         "scene": scenario.name,
         "source": scenario.document.source,
@@ -88,7 +90,7 @@ def scene_as_json(scenario: Scenario) -> dict[str, Any]:
         "omega_body": start.omega_body.tolist(),
         "position": start.position_world.tolist(),
         "velocity": start.velocity_world.tolist(),
-        "rotors": [rotor.model_dump() for rotor in scenario.document.rotors or ()],
+        **{effect.table: tables[effect.table] for effect in scenario.acting},
         "duration": scenario.window.duration,
         "samples": scenario.window.samples,
         "published": len(scenario.published),
