@@ -124,7 +124,7 @@ def _angle(text: str) -> float:
     try:
         return float(number) if number == text else math.radians(float(number))
     except ValueError:
-        raise ValueError(f"must be such as 1e-3 (rad) or 0.1deg, got '{text}'") from None
+        raise typer.BadParameter(f"must be such as 1e-3 (rad) or 0.1deg, got '{text}'") from None
 
 
 def _keep(

@@ -195,7 +195,9 @@ def _others(shipped: Sequence[_AtStock]) -> list[str]:
         ranged = low if low == high else f"{low} to {high}"
         sentences.append(f"The defaults of {names} are {ranged} off")
     if unfinished:
-        sentences.append(f"Runs with the defaults of {', '.join(unfinished)} blow up or fail on most scenes")
+        sentences.append(
+            f"Runs with the defaults of {', '.join(unfinished)} blow up or fail on most scenes"
+        )
     return sentences
 
 
