@@ -36,8 +36,8 @@ def spread(results: Results) -> dict[str, Any] | None:
         return None
     return {
         "heading": "Random starts and bodies of each kind of motion",
-        "text": f"{ATTITUDE.title}, at stock timesteps; ∞: a run did not finish; {NOTHING}: p99 of fewer "
-        "than 100 members, where it is the largest.",
+        "text": f"{ATTITUDE.title}, at stock timesteps; ∞: a run did not finish; {NOTHING}: p99 of "
+        "fewer than 100 members, where it is the largest.",
         "kinds": kinds,
     }
 
