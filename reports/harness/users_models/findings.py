@@ -238,7 +238,8 @@ def _apart(reading: LinkReading) -> str:
 #: What the cells of `cell_text` mean.
 LEGEND = (
     "ok: as in the file. Other cells: the largest relative difference of mass, com and tensor, and "
-    "how far the attitude is off after tumbling for 1 s. fused: part of the body it is welded to."
+    "how far the attitude is off after tumbling for 1 s. fused: part of the body, or of the world, "
+    "that it is fixed to."
 )
 
 
