@@ -113,6 +113,7 @@ def test_an_exported_timestep_resolves_the_fastest_rate(spincheck, tmp_path):
 
 
 def test_what_a_method_cannot_simulate_it_cannot_at_any_timestep(spincheck):
+    pytest.importorskip("pybullet")
     words = ("--engine", "pybullet", "--method", "maximal", "--timestep", 0.01, "--json")
     _, out, _ = spincheck("run", "wheel-in-a-box", *words)
     (verdict,) = json.loads(out)["verdicts"]
