@@ -22,7 +22,14 @@ _UNION_ARMS = (
     *((name, arm) for name in _PUBLISHED for arm in ("all", "some")),
 )
 #: Where pydantic would speak of Python's types, by its name for the error.
-_IN_TOML = {"model_type": "must be a table", "tuple_type": "must be an array"}
+_IN_TOML = {
+    "model_type": "must be a table",
+    "tuple_type": "must be an array",
+    "float_type": "must be a number",
+    "int_type": "must be a whole number",
+    "int_from_float": "must be a whole number",
+    "string_type": "must be text",
+}
 
 
 def validation_message(details: list[ErrorDetails], text: str, where: str) -> str:
@@ -91,7 +98,10 @@ def _spell(keys: Keys) -> str:
 
 def _rule(detail: ErrorDetails, keys: Keys) -> str:
     if detail["type"] == "extra_forbidden":
-        return _unknown_key(str(keys[-1]), _known_keys(keys[:-1]))
+        key = str(keys[-1])
+        if len(keys) == 1 and key in _known_keys(("effects",)):
+            return f"unknown key; did you mean '[effects.{key}]'?"
+        return _unknown_key(key, _known_keys(keys[:-1]))
     if detail["type"] == "missing":
         return "is missing"
     if detail["type"] == "value_error":
@@ -99,7 +109,10 @@ def _rule(detail: ErrorDetails, keys: Keys) -> str:
     if detail["type"] == "too_short":
         least = detail["ctx"]["min_length"]
         return f"must have at least {least} entries, got {_shown(detail['input'])}"
-    message = _IN_TOML.get(detail["type"]) or detail["msg"][0].lower() + detail["msg"][1:]
+    if detail["type"] == "too_long":
+        most, got = detail["ctx"]["max_length"], detail["ctx"]["actual_length"]
+        return f"must have {most} entries, got {got}: {_shown(detail['input'])}"
+    message = _IN_TOML.get(detail["type"]) or detail["msg"].replace("Input should", "must")
     return f"{message}, got {_shown(detail['input'])}"
 
 

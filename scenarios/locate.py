@@ -36,7 +36,8 @@ def _key_lines(text: str) -> dict[Keys, int]:
         if quote is None:
             if header := _HEADER.match(line):
                 table = _table_path(header[1], header[2], seen)
-                lines.setdefault(table, number)
+                for length in range(1, len(table) + 1):
+                    lines.setdefault(table[:length], number)
             elif key := _KEY.match(line):
                 lines.setdefault((*table, *key[1].split(".")), number)
         quote = _open_quote(line, quote)

@@ -132,7 +132,12 @@ class Scenario:
     @cached_property
     def kept_at_start(self) -> FloatArray:
         """The same at t = 0, (parts,)."""
-        return self.kept(self.start.omega_body, self.rotors.start_spins)
+        return self.kept(self.start.omega_body, self.start_spins)
+
+    @property
+    def start_spins(self) -> FloatArray:
+        """The spins of parts at t = 0, relative to the body, rad/s, (parts,)."""
+        return self.rotors.start_spins
 
     @cached_property
     def kept_sizes(self) -> tuple[FloatArray, float]:

@@ -90,7 +90,8 @@ def equation_residuals(
         is_single=is_single,
         least_turn=least_turn,
     )
-    when = ["at the start", *["turned askew at the start"] * (len(states.omega_body) - 1)]
+    askew = "at the start with ω along a skew axis"
+    when = ["at the start", *[askew] * (len(states.omega_body) - 1)]
     return leap(found, steps) or differing(equations, steps, found, when)
 
 

@@ -120,11 +120,11 @@ def _changes(equations: Equations, gains: Sequence[Gain]) -> Iterator[_Change]:
         )
     yield _Change(effect(lambda s: s.gain.wanted * s.is_rate), _step)
     yield _Change(
-        effect(_Start.scaled_omega), lambda t: f"ω were read {_factor(t[0])} times too large"
+        effect(_Start.scaled_omega), lambda t: f"ω were read multiplied by {_factor(t[0])}"
     )
     yield _Change(
         effect(lambda s: s.scaled_velocity()),
-        lambda t: f"the velocity were read {_factor(t[0])} times too large",
+        lambda t: f"the velocity were read multiplied by {_factor(t[0])}",
     )
     yield from _body_changes(equations, effect)
 

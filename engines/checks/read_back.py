@@ -153,7 +153,9 @@ def differences(
     for what, got, wanted, size in _pairs(scenario, reading, state):
         largest = float(np.abs(np.subtract(got, wanted)).max())
         if not largest <= slack * size:
-            differing.append(Difference(what, wanted, got, largest / size if size else np.inf))
+            relative = largest / size if size else np.inf
+            why = _turned(scenario, got, slack * size) if what == "omega_body" else ""
+            differing.append(Difference(what, wanted, got, relative, why))
     wanted_q, got_q = scenario.start.q_world_body_wxyz, state.q_world_body_wxyz
     angle = float(norms(rotation_vectors(got_q[None], wanted_q[None]))[0])
     if not angle <= slack:
@@ -178,6 +180,15 @@ def _misread(wanted_q: FloatArray, got_q: FloatArray, slack: float) -> str:
     for mistaken, words in mistakes:
         if float(norms(rotation_vectors(got_q[None], mistaken[None]))[0]) <= slack:
             return words
+    return ""
+
+
+def _turned(scenario: Scenario, got: FloatArray, slack: float) -> str:
+    """The words that ω was given in the other axes; empty if it was not."""
+    R_world_body, omega_body = matrix(scenario.start.q_world_body_wxyz), scenario.start.omega_body
+    for turned in (R_world_body @ omega_body, omega_body @ R_world_body):
+        if np.abs(got - turned).max() <= slack:
+            return "its components are along the other axes, the world's for the body's or reverse"
     return ""
 
 

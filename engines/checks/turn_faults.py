@@ -89,8 +89,8 @@ def _turns(reading: Reading, pairs: NDArray[np.int64], bounds: Bounds) -> Iterat
     makes = float(np.degrees(speeds[k] * timestep))
     digits = _digits(angle, makes) if cause == "clock" else DIGITS
     reason = (
-        f"in a step the attitude turns by {angle:.{digits}g}°{_WAYS[cause]}, "
-        f"where ω makes {makes:.{digits}g}°"
+        f"in a step the attitude turns by {angle:.{digits}g}°, and ω makes "
+        f"{makes:.{digits}g}°{_WAYS[cause]}"
     )
     if cause == "frames" and _were_of_one_frame(
         mean_omega_body[:k], q_world_body[pairs[:k]], (off + allowed)[:k]
@@ -165,10 +165,10 @@ _OTHER_AXES = [
 
 _WAYS: dict[Cause, str] = {
     "frozen": ": the state stands still",
-    "late": " at first and then more: what is read is a step old",
+    "late": "; later it turns more: what is read is a step old",
     "lag": "",
     "clock": ": the step is of another length",
-    "frames": " about another axis: its frame or order of components is not that of ω",
+    "frames": ", about another axis: its frame or order of components is not that of ω",
 }
 
 

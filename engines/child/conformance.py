@@ -72,7 +72,7 @@ def conformance(
     finally:
         ended = child.end()
     yield ConformanceCheck(
-        "ends when its standard input does", "" if ended else "it did not, and was killed"
+        "ends with its standard input", "" if ended else "it did not, and was killed"
     )
     if not ended:
         return
@@ -87,7 +87,7 @@ def conformance(
 
 
 def _repeats_itself(child: ChildProcess, hello: Hello) -> ConformanceCheck:
-    what = "hello again"
+    what = "hello a second time"
     try:
         same = child.ask(Hello, "hello") == hello
     except EngineError as error:
@@ -96,7 +96,7 @@ def _repeats_itself(child: ChildProcess, hello: Hello) -> ConformanceCheck:
 
 
 def _answers_nonsense(child: ChildProcess) -> ConformanceCheck:
-    what = "a call that there is not"
+    what = "an unknown call"
     try:
         child.ask(Done, "nonsense")
     except ProtocolError as error:

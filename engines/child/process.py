@@ -161,7 +161,8 @@ class ChildProcess:
         """The next line of the answers; output that the child prints is read too."""
         self._request = do
         if overdue := wait_for_answer(self._has_answered, self._of_system, self._limit):
-            raise ProtocolError(f"it did not answer '{do}' within {overdue.words}", overdue.cause)
+            words = f"it did not answer '{do}' within {overdue.words}{self._last_printed()}"
+            raise ProtocolError(words, overdue.cause)
         line, _, self._received = self._received.partition(b"\n")
         return line
 
@@ -215,8 +216,14 @@ class ChildProcess:
             os.set_blocking(self._output.fileno(), False)
             self._printed += os.read(self._output.fileno(), PIPE_SIZE)
         how, cause = death(code)
+        return ProtocolError(f"it {how} instead of answering '{do}'{self._last_printed()}", cause)
+
+    def _last_printed(self) -> str:
+        """The last line that it printed, to be appended to a message; empty if there is none."""
         last = last_line(self._printed.decode(errors="replace"))
-        return ProtocolError(f"it {how} instead of answering '{do}'{last}", cause)
+        # An answer that went the wrong way.
+        is_answer = last.partition(": ")[2].startswith("{")
+        return f"{last} (answers go to the descriptor in {ANSWERS})" if is_answer else last
 
     def end(self) -> bool:
         """Close its input, and kill what does not end; returns whether it ended by itself."""

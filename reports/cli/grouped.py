@@ -126,7 +126,7 @@ def angle(text: str) -> float:
     try:
         return float(text.removesuffix(unit)) * ANGLES[unit]
     except ValueError:
-        raise ValueError(f"must be such as 1e-3 (rad) or 0.1deg, got '{text}'") from None
+        raise typer.BadParameter(f"must be such as 1e-3 (rad) or 0.1deg, got '{text}'") from None
 
 
 def _keep(

@@ -1,5 +1,6 @@
 """Finds and reads the scenes that a user named, and collects what is wrong with them."""
 
+import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -14,6 +15,9 @@ from ...scenarios import (
     printable,
 )
 from .terminal import Complaint, as_complaint, say
+
+#: Turns a minute, of 1 rad/s.
+RPM = 30 / math.pi
 
 
 def one_scene(name: str) -> Scenario:
@@ -93,10 +97,20 @@ def checked(names: Iterable[str]) -> Checked:
             if unknown := unknown_expectations([scenario]):
                 result.wrong.extend(unknown)
                 continue
-            result.lines.append(f"{printable(str(scenario.path))}: ok: {scenario.title}")
+            path = printable(str(scenario.path))
+            result.lines.append(f"{path}: ok: {scenario.title}: {_in_short(scenario)}")
             if scenario.document.published or scenario.acting:
                 _check_motion(scenario, result)
     return result
+
+
+def _in_short(scenario: Scenario) -> str:
+    """The numbers that show a wrong unit at a glance: mass, tilt and speeds."""
+    w, x, y, z = scenario.start.q_world_body_wxyz.tolist()
+    tilt = math.degrees(2 * math.atan2(math.hypot(x, y), math.hypot(w, z)))
+    speeds = [math.hypot(*scenario.start.omega_body), *map(float, scenario.start_spins)]
+    words = ", a part at ".join(f"{one:.4g} rad/s ({one * RPM:.4g} rpm)" for one in speeds)
+    return f"{scenario.body.mass:g} kg, z axis {tilt:.3g}° from the world's, {words}"
 
 
 def _check_motion(scenario: Scenario, result: Checked) -> None:

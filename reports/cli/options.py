@@ -17,7 +17,8 @@ def _seconds(text: str) -> float:
     try:
         return float(text)
     except ValueError:
-        raise ValueError(f"must be a number of seconds, such as 0.002, got '{text}'") from None
+        words = f"must be a number of seconds, such as 0.002, got '{text}'"
+        raise typer.BadParameter(words) from None
 
 
 Scenes = Annotated[
@@ -38,9 +39,9 @@ Engines = Annotated[
     typer.Option(
         "--engine",
         metavar="ENGINE",
-        help="Only this engine; may be repeated. 'all' is every one that is installed, 'node' is "
-        "those under node, 'mujoco@3.1.6' a version, 'child:COMMAND' one in another language. If "
-        "left out, all but the optional ones of 'spincheck engines'.",
+        help="Only this engine; may be repeated. 'all': every installed one, 'node': those under "
+        "node, 'mujoco@3.1.6': a version, 'child:COMMAND': one in another language. If left out, "
+        "MuJoCo, PyBullet, and others that 'spincheck engines' does not list as optional.",
     ),
 ]
 Python = Annotated[

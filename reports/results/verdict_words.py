@@ -55,7 +55,7 @@ VERDICTS = (
         "unresolved",
         sign="?",
         phrases=("is unresolved", "are unresolved"),
-        meaning="the timesteps were too coarse to decide, and its reason says which one would; or "
+        meaning="the timesteps were too long to decide, and the reason says which one would; or "
         "round-off hides the answer at every timestep",
         light=("#fbf0b4", "#4f4000"),
         dark=("#4b4212", "#fbeeb0"),
@@ -74,7 +74,8 @@ VERDICTS = (
         "diverges",
         sign="↗",
         phrases=("blows up", "blow up"),
-        meaning="the finest run still blew up: not a number, a reset, a clamp, or an absurd energy",
+        meaning="the finest run still blew up: it has a number that is not finite, a reset, a "
+        "clamp, or an energy far beyond its scale",
         light=("#f8c99c", "#5a2800"),
         dark=("#6b3a10", "#ffdcb8"),
         is_unproven=True,

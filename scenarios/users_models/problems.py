@@ -79,6 +79,7 @@ Kind = Literal[
     "triangle inequality",
     "placeholder",
     "radius of gyration",
+    "density",
 ]
 #: What no body can have; the other kinds are doubtful.
 IMPOSSIBLE: frozenset[Kind] = frozenset(
@@ -89,6 +90,8 @@ ROUNDING = 16 * float(np.finfo(float).eps)
 #: A link's mass may lie outside the shapes that it is drawn with by so much of their size: shapes
 #: are drawn for looks and for speed, and a doubtful tensor is rarely off by less.
 SHAPE_SLACK = 1.1
+#: kg/m³, of osmium, the densest element (CRC Handbook of Chemistry and Physics, 97th ed., §4).
+DENSEST = 22590.0
 
 
 @dataclass(frozen=True)
@@ -112,6 +115,7 @@ def problems(link: Link) -> tuple[FileProblem, ...]:
     reported = [*_of_mass(stated), *_of_tensor(stated)]
     if not reported and stated.is_physical:
         reported = [*_placeholder(stated), *_outside_its_shapes(link, stated)]
+        reported += _dense(link, stated)
     return tuple(reported)
 
 
@@ -175,15 +179,14 @@ def _outside_its_shapes(link: Link, stated: Stated) -> list[FileProblem]:
     A mass within a width w varies along it by no more than (w/2)² (T. Popoviciu 1935); along x
     that is (Iyy + Izz − Ixx) / 2m.
     """
-    if not link.shapes or any(s.low is None or s.high is None for s in link.shapes):
+    extent = _extent(link)
+    if extent is None:
         return []
-    low = np.min([s.low for s in link.shapes if s.low is not None], axis=0)
-    high = np.max([s.high for s in link.shapes if s.high is not None], axis=0)
     diagonal = np.diag(stated.inertia)
     # Of next to no mass it is infinite.
     with np.errstate(over="ignore"):
         spread = np.sqrt((diagonal.sum() / 2 - diagonal) / stated.mass)
-    most = SHAPE_SLACK * (high - low) / 2
+    most = SHAPE_SLACK * extent / 2
     axis = int(np.argmax(spread / np.maximum(most, np.finfo(float).tiny)))
     if spread[axis] <= most[axis]:
         return []
@@ -191,7 +194,33 @@ def _outside_its_shapes(link: Link, stated: Stated) -> list[FileProblem]:
         FileProblem(
             "radius of gyration",
             f"its radius of gyration along {'xyz'[axis]} is {spread[axis]:.3g} m; within its "
-            f"shapes, {high[axis] - low[axis]:.3g} m wide, at most "
-            f"{(high - low)[axis] / 2:.3g} m are possible",
+            f"shapes, {extent[axis]:.3g} m wide, at most {extent[axis] / 2:.3g} m are possible",
         )
     ]
+
+
+def _dense(link: Link, stated: Stated) -> list[FileProblem]:
+    """A mass that would be denser than any element if it filled the box about the link's shapes."""
+    extent = _extent(link)
+    if extent is None:
+        return []
+    # Of a flat shape, whose box has no volume, nothing is known.
+    if not 0 < DENSEST * float(np.prod(SHAPE_SLACK * extent)) < stated.mass:
+        return []
+    sides = " × ".join(f"{side:.3g}" for side in extent)
+    return [
+        FileProblem(
+            "density",
+            f"{stated.mass:g} kg within shapes of {sides} m are denser than any element, osmium's "
+            f"{DENSEST:.0f} kg/m³: is the mass in grams?",
+        )
+    ]
+
+
+def _extent(link: Link) -> FloatArray | None:
+    """Sides of the box about a link's shapes, m, along its axes; None where one is not known."""
+    if not link.shapes or any(s.low is None or s.high is None for s in link.shapes):
+        return None
+    low = np.min([s.low for s in link.shapes if s.low is not None], axis=0)
+    high = np.max([s.high for s in link.shapes if s.high is not None], axis=0)
+    return np.asarray(high - low)

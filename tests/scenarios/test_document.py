@@ -70,7 +70,7 @@ REFUSED = {
         r":13: \[window\] samples: .* equal to 2, got 1",
     ),
     "too many": (("samples = 5", "samples = 1_000_001"), r"samples: .* equal to 1000000, got"),
-    "half a sample": (("samples = 5", "samples = 5.5"), r"samples: .* integer, got 5\.5"),
+    "half a sample": (("samples = 5", "samples = 5.5"), r"samples: .* whole number, got 5\.5"),
     # shapes
     "two moments": ((INERTIA[0], "inertia = [1.0, 2.0]"), r":6: \[body\] inertia\[2\]: is missing"),
     "one moment": ((INERTIA[0], "inertia = 1.0"), r":6: \[body\] inertia: must be an array, got 1"),
@@ -82,6 +82,10 @@ REFUSED = {
     "an entry of a matrix": (
         (INERTIA[0], 'inertia = [[1, 0, 0], [0, "x", 0], [0, 0, 1]]'),
         r":6: \[body\] inertia\[1\]\[1\]: .* number, got 'x'",
+    ),
+    "decimal commas": (
+        (ATTITUDE, "euler_zyz_deg = [0,0, 30,0, 0,0]"),
+        r":9: \[start\] euler_zyz_deg: must have 3 entries, got 6: \[0, 0, 30, 0, 0, 0\]",
     ),
     # keys
     "misspelt": (
@@ -161,6 +165,14 @@ def rotor(line: str) -> str:
 
 
 REFUSED_TABLES = {
+    "an effect outside effects": (
+        "[gravity]\nacceleration = [0, 0, -9.81]\n",
+        r":14: gravity: unknown key; did you mean '\[effects.gravity\]'\?$",
+    ),
+    "misspelt effects": (
+        "[effect.gravity]\nacceleration = [0, 0, -9.81]\n",
+        r":14: effect: unknown key; did you mean 'effects'\?",
+    ),
     "unknown effect": (
         "[effects.wind]\n",
         r"\[effects\] wind: unknown key; known keys: drag, gravity",

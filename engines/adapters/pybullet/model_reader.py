@@ -42,9 +42,7 @@ class PyBulletModelReader(ModelReader):
         ),
         Configuration(FROM_FILE, "loadURDF with URDF_USE_INERTIA_FROM_FILE"),
     )
-    advice = MappingProxyType(
-        {"nothing stated": Advice("PyBullet holds a root without mass still")}
-    )
+    advice = MappingProxyType({"nothing stated": Advice("PyBullet then fixes a root in the world")})
 
     @property
     def version(self) -> str:

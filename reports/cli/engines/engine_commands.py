@@ -240,8 +240,6 @@ def versions(
 ) -> None:
     """Compare versions of an engine: verdicts, outcomes, errors, cost.
 
-    Example: spincheck versions mujoco 3.1.6 3.6.0 3.10.0 4.0.0 tennis-racket fast-top
-
     Each version is installed once, into a folder of its own, and run as 'spincheck run --engine
     ENGINE@VERSION' does; neighbours are compared as 'spincheck compare' compares result files.
 

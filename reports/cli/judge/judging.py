@@ -198,7 +198,7 @@ def _rows(motion: JudgedMotion) -> list[dict[str, object]]:
                     "signal": f"{signal.label}, {signal.shown_unit}",
                     "largest error": error * signal.shown,
                     "defect, median": defect and defect.p50 * signal.shown,
-                    "largest": defect and defect.max * signal.shown,
+                    "largest defect": defect and defect.max * signal.shown,
                     "at, s": defect and defect.at,
                 }
             )

@@ -19,10 +19,7 @@ def view(
     jobs: Jobs = CORES,
     out: Annotated[Path, typer.Option(help="The folder to write.")] = VIEW_FOLDER,
 ) -> None:
-    """Run one scene at a few timesteps, without timing, and write its page.
-
-    Example: spincheck view my-top.toml
-    """
+    """Run one scene at a few timesteps, without timing, and write its page."""
     from .pictures import view as make_page
 
     print(make_page(scenario, jobs, out))
@@ -46,8 +43,6 @@ def plot(
 
     It shows the exact motion, and the engines and methods that are named if the result file has
     runs of them; convergence and work-precision show every method.
-
-    Example: spincheck plot fast-top --what theta --engine mujoco --method default -o tilt.png
     """
     from .pictures import plot as draw
 

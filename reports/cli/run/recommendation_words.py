@@ -49,7 +49,8 @@ def print_recommendation(recommendation: Recommendation) -> None:
     table([_line(candidate) for candidate in recommendation.candidates])
     for candidate in recommendation.candidates:
         if candidate.timestep is None:
-            print(f"{candidate.label}: {candidate.word}: {candidate.reason}")
+            words = candidate.reason.removeprefix(f"{candidate.label} ")
+            print(f"{candidate.label}: {candidate.word}: {words}")
     best = recommendation.best
     if best is None:
         print(f"Nothing is recommended: {recommendation.nothing}.")

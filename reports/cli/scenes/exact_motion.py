@@ -145,7 +145,9 @@ def describe(scenario: Scenario, at: Sequence[float]) -> dict[str, Any]:
         check_scales(scenario, until=max(scenario.window.duration, float(wanted[-1])))
     solution = solved(scenario, wanted)
     motion = solution.trajectory
-    angles = euler_zyz_from_quaternion(motion.q_world_body_wxyz)
+    angles = euler_zyz_from_quaternion(
+        _upright(motion.q_world_body_wxyz, solution.uncertainty.attitude)
+    )
     columns = {
         "t": motion.t,
         "quaternion_wxyz": motion.q_world_body_wxyz,
@@ -179,6 +181,19 @@ def describe(scenario: Scenario, at: Sequence[float]) -> dict[str, Any]:
     }
 
 
+def _upright(q_world_body_wxyz: FloatArray, uncertainty: float) -> FloatArray:
+    """Attitudes, (n, 4), those whose tilt is 0 or π to within an uncertainty, rad, made exactly so.
+
+    Azimuth and turn of the others would be those of rounding.
+    """
+    w_and_z = np.array([True, False, False, True])
+    # Sines of half the tilt, and of half of what it lacks to π.
+    tilted = np.linalg.norm(q_world_body_wxyz[:, ~w_and_z], axis=1) > uncertainty / 2
+    upright = np.linalg.norm(q_world_body_wxyz[:, w_and_z], axis=1) > uncertainty / 2
+    kept = np.where(w_and_z, upright[:, None], tilted[:, None])
+    return np.where(kept, q_world_body_wxyz, 0.0)
+
+
 def print_truth(truth: dict[str, Any]) -> None:
     """Print a description as tables."""
     print(f"{truth['scenario']}: {truth['method']}")
@@ -200,7 +215,9 @@ def _state(state: dict[str, Any]) -> Iterator[str]:
     for name, value in state.items():
         if name != "t":
             numbers = value if isinstance(value, list) else [value]
-            yield f" {name:16} {'  '.join(f'{number:.8g}' for number in numbers)}"
+            words = "  ".join(f"{number:.8g}" for number in numbers)
+            # Rates of Euler angles alone are ever NaN.
+            yield f" {name:16} {'undefined where β is 0° or 180°' if 'nan' in words else words}"
 
 
 def _shown(value: Any) -> str:

@@ -6,6 +6,7 @@ from typing import Any
 from ....engines.models.mjcf import mjcf
 from ....engines.models.urdf import urdf
 from ....scenarios import EFFECTS, Scenario, is_scene_name, loads, printable
+from ....scenarios.fastest_rate import fastest_rate
 from ....scenarios.regular_files import write_new
 from ..terminal import Complaint
 
@@ -67,13 +68,15 @@ def new_scene(name: str) -> Path:
 #: resolves to a few digits.
 EXPORTED_INTEGRATOR = "RK4"
 EXPORTED_TURN = 0.05
-#: s; MuJoCo's own default, for a scene that starts at rest.
+#: s; MuJoCo's own default, for a scene in which nothing moves.
 EXPORTED_TIMESTEP = 0.002
 
 
 def scene_as_json(scenario: Scenario) -> dict[str, Any]:
     """A scene as it was read: SI units; names tell body and world axes."""
     body, start = scenario.body, scenario.start
+    written = scenario.document.model_dump(exclude_none=True)
+    tables = written | written["effects"]
     return {
         "scene": scenario.name,
         "source": scenario.document.source,
@@ -87,6 +90,7 @@ def scene_as_json(scenario: Scenario) -> dict[str, Any]:
         "omega_body": start.omega_body.tolist(),
         "position": start.position_world.tolist(),
         "velocity": start.velocity_world.tolist(),
+        **{effect.table: tables[effect.table] for effect in scenario.acting},
         "duration": scenario.window.duration,
         "samples": scenario.window.samples,
         "published": len(scenario.document.published),
@@ -96,8 +100,8 @@ def scene_as_json(scenario: Scenario) -> dict[str, Any]:
 
 def model_files(scenario: Scenario) -> dict[str, str]:
     """The texts of scene.xml (MJCF) and scene.urdf."""
-    speed = float((scenario.start.omega_body**2).sum() ** 0.5)
-    timestep = EXPORTED_TURN / speed if speed else EXPORTED_TIMESTEP
+    rate = fastest_rate(scenario, scenario.start.omega_body)
+    timestep = EXPORTED_TURN / rate if rate else EXPORTED_TIMESTEP
     return {
         "scene.xml": mjcf(scenario, timestep, EXPORTED_INTEGRATOR),
         "scene.urdf": urdf(scenario),

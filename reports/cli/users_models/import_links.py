@@ -169,4 +169,4 @@ def _left_out(scenes: Sequence[LinkScene]) -> Iterator[str]:
         if scene.left_out:
             by_reason.setdefault(scene.left_out, []).append(scene.link)
     for reason, links in by_reason.items():
-        yield f"left out, {reason}: {', '.join(links)}"
+        yield f"left out: {', '.join(links)}: {reason}"

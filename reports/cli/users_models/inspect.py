@@ -10,6 +10,7 @@ from ....scenarios import printable
 from ....scenarios.users_models import ModelFile, ModelFileError, Stated, read_model
 from ...harness.executors import LocalWorkers
 from ...harness.users_models.findings import (
+    LEGEND,
     InspectedLink,
     Inspection,
     LinkReading,
@@ -109,10 +110,6 @@ def is_stated(link: InspectedLink) -> bool:
 
 #: Lines of a list that are printed; '--json' has all.
 MOST_LINES = 20
-LEGEND = (
-    "ok: held as the file states it. Else: how far mass, com or tensor is off, the largest of the "
-    "three, and the attitude that tumbling for 1 s loses by it."
-)
 
 
 def models(

@@ -41,7 +41,9 @@ def _judged(records: Records) -> Verdict:
     if last is None and records.lacking:
         return Verdict(key, "unsupported", records.lacking, **attributes)
     if last and last.outcome in ("failed", "unsupported"):
-        return Verdict(key, last.outcome, _with_time(last), **attributes)
+        # What a method cannot simulate it cannot at any timestep.
+        reason = last.reason if last.cause == "effects" else _with_time(last)
+        return Verdict(key, last.outcome, reason, **attributes)
     is_clean = not records.as_shipped
     if is_clean and local and local.evidence.finding and not (last and last.cause == "law"):
         return _of_signals(records, local.evidence.finding, is_wrong=True, **attributes)
@@ -170,7 +172,7 @@ def _no_verdict(records: Records) -> str:
     if not records.finest:
         return _no_ladder(records.least_steps, records.ending)
     finished = len(records.judged_rows)
-    return f"only {finished} timesteps ran to the end; {RUNGS_OF_A_LIMIT} make a verdict"
+    return f"a verdict needs {RUNGS_OF_A_LIMIT} timesteps that run to the end, got {finished}"
 
 
 def _no_ladder(least_steps: float, ending: str) -> str:

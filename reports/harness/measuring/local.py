@@ -229,7 +229,7 @@ QUANTITY_NAMES = ("dR/dt", "I dω/dt", "the com's velocity", "the com's place")
 
 
 def _when(time: float) -> str:
-    return "turned askew at the start" if np.isnan(time) else f"at t = {time:.3g} s"
+    return "at the start with ω along a skew axis" if np.isnan(time) else f"at t = {time:.3g} s"
 
 
 def _pieces(

@@ -240,7 +240,10 @@ def _undone(reading: Reading) -> Iterator[tuple[str, Reading]]:
     order = " ".join(other_order)
     conjugated = arrays["q"] * np.where(_scalar(reading.quaternion), 1.0, -1.0)
     swapped = arrays["q"] * np.where(_scalar(other_order), 1.0, -1.0)
-    yield f"the quaternion's order is {order}", replace(reading, quaternion=other_order)
+    yield (
+        f"the quaternion's order is {order} (state 'quaternion = {other_order}')",
+        replace(reading, quaternion=other_order),
+    )
     yield (
         "the quaternion takes world to body components (it is conjugated)",
         reading.with_arrays(q=conjugated),
@@ -254,11 +257,11 @@ def _undone(reading: Reading) -> Iterator[tuple[str, Reading]]:
     step = float(np.diff(arrays["t"]).min())
     for samples, words in ((1.0, "one sample"), (0.5, "half a sample")):
         yield (
-            f"the states are {words} later than their times",
+            f"each state is that of {words} after its time",
             replace(reading, late=samples * step),
         )
         yield (
-            f"the states are {words} earlier than their times",
+            f"each state is that of {words} before its time",
             replace(reading, late=-samples * step),
         )
     if "omega" in arrays:
@@ -267,9 +270,15 @@ def _undone(reading: Reading) -> Iterator[tuple[str, Reading]]:
 
 def _of_omega(reading: Reading, omega: FloatArray) -> Iterator[tuple[str, Reading]]:
     other_frame: OmegaFrame = "world" if reading.omega == "body" else "body"
-    yield f"ω is in {other_frame} axes", replace(reading, omega=other_frame)
+    yield (
+        f"ω is in {other_frame} axes (state 'omega = {other_frame}')",
+        replace(reading, omega=other_frame),
+    )
     yield "ω has the opposite sign", reading.with_arrays(omega=-omega)
-    yield "ω is in degrees a second", reading.with_arrays(omega=omega * pi / 180)
+    yield (
+        "ω is in degrees a second; wx [deg/s] says so",
+        reading.with_arrays(omega=omega * pi / 180),
+    )
     yield "ω is in turns a second", reading.with_arrays(omega=omega * 2 * pi)
     # Undone by pairing each attitude with the ω that goes with it, of which one end has none.
     earlier, later = slice(None, -1), slice(1, None)

@@ -235,6 +235,14 @@ def _apart(reading: LinkReading) -> str:
     return f"; attitude off by {angles} of tumbling"
 
 
+#: What the cells of `cell_text` mean.
+LEGEND = (
+    "ok: as in the file. Other cells: the largest relative difference of mass, com and tensor, and "
+    "how far the attitude is off after tumbling for 1 s. fused: part of the body, or of the world, "
+    "that it is fixed to."
+)
+
+
 def cell_text(reading: LinkReading) -> str:
     """The text of a cell: how one configuration holds one link."""
     if reading.kind == "refused":

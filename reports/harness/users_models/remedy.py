@@ -88,7 +88,8 @@ def _of_kind(engine: str, configuration: str, kind: Kind) -> Iterator[tuple[str,
             if configured.name == configuration and configured.remedy:
                 yield configured.remedy, ""
     elif kind == "nothing stated":
-        yield f"state that they have no mass{f'; {own.text}' if own else ''}", NO_INERTIA
+        massless = f"no mass; {own.text}" if own else "no mass"
+        yield f"state their inertia, or that they have {massless}", NO_INERTIA
     elif kind == "no tensor":
         yield "state their tensors: the file has a mass alone", ""
     elif kind == "zero":

@@ -73,17 +73,17 @@ def why(
     name = " ".join(pair)
     good = sum(word == "converges" for word in verdicts.values())
     if not wrong and not good:
-        return f"The timesteps of {name} were too coarse to tell on all its scenes"
+        return f"{name} was run at timesteps too long for a verdict on all its scenes"
     if not wrong:
         open_ = len(verdicts) - good
-        left = f" (on {open_} its timesteps were too coarse to tell)" if open_ else ""
+        left = f" (on {open_} its timesteps were too long for a verdict)" if open_ else ""
         scenes_tried = plural(len(verdicts), "scene")
         return (
             f"{name} converges to the exact motion on {good} of {scenes_tried} as its "
-            f"timestep shrinks{left}: its errors are its integrator's"
+            f"timestep shrinks{left}: its errors are those of its integrator"
         )
     scenes_tried = plural(len(verdicts), "scene")
-    text = f"{name} converges at no timestep on {len(wrong)} of {scenes_tried}"
+    text = f"{name} does not converge on {len(wrong)} of {scenes_tried}, however short the timestep"
     wrong_scenes = [scene for scene in scenes if scene.name in wrong]
     causes = _by_each_default(pair, wrong_scenes) or _acting(rows, wrong, harmless)
     return text + (f": {causes}" if causes else "")

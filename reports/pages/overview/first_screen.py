@@ -37,8 +37,8 @@ MEASURES = (
 OWN_RATIO = "1"
 #: What is said of CPU times where there are any.
 COST = (
-    " CPU time as a multiple of the default's, with quartiles: if only the method is changed, and "
-    "pruned of what scenes do not call for."
+    " CPU time: of a step, as a multiple of the default's, with quartiles; pruned: with everything "
+    "switched off that the scenes do not call for."
 )
 
 
@@ -149,8 +149,8 @@ def answer(gathered: ReportData, left_out: Collection[EffectsCost] = ()) -> dict
     return {
         "lead": _lead(listed, list(instead.values())),
         "table": table(headings, lines),
-        "about": f"Attitude at stock timesteps, medians of {scenes}; the error a turn while a "
-        "body moves." + (COST if lines[-1][0].text in MEASURES[-2:] else ""),
+        "about": f"Attitude at stock timesteps, medians of {scenes}; the error a turn is taken "
+        "while the body moves." + (COST if lines[-1][0].text in MEASURES[-2:] else ""),
         "why": _sentences([*_others(others), *reasons, *no_gyroscopic_torque(plain)]),
     }
 
@@ -161,7 +161,7 @@ def _lead(shipped: Sequence[_AtStock], instead: Sequence[_AtStock]) -> str:
     def sizes(these: Sequence[_AtStock]) -> str:
         return ", ".join(f"{' '.join(one.pair)} {one.median}" for one in these)
 
-    sentences = [f"At stock timesteps defaults end with the attitude off by: {sizes(shipped)}"]
+    sentences = [f"With defaults and stock timesteps the attitude ends off by: {sizes(shipped)}"]
     if instead:
         sentences.append(f"Use another method, at the same timestep: {sizes(instead)}")
     return _sentences(sentences)
@@ -195,7 +195,9 @@ def _others(shipped: Sequence[_AtStock]) -> list[str]:
         ranged = low if low == high else f"{low} to {high}"
         sentences.append(f"The defaults of {names} are {ranged} off")
     if unfinished:
-        sentences.append(f"Those of {', '.join(unfinished)} do not come to the end of most scenes")
+        sentences.append(
+            f"Runs with the defaults of {', '.join(unfinished)} blow up or fail on most scenes"
+        )
     return sentences
 
 

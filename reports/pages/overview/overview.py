@@ -82,9 +82,9 @@ def at_stock(gathered: ReportData) -> str:
     if not errors:
         return ""
     return (
-        f"Where a method converges, the model is right, and a timestep that is short enough gives "
-        f"the exact motion. Stock timesteps often are not: at them {close} of these {len(errors)} "
-        "runs are within 1° of attitude."
+        "Where a method converges, the model is right, and a short enough timestep gives the exact "
+        f"motion. Stock timesteps are often too long: at them {close} of these {len(errors)} runs "
+        "keep the attitude within 1°."
     )
 
 

@@ -35,9 +35,9 @@ def spread(results: Results) -> dict[str, Any] | None:
     if not kinds:
         return None
     return {
-        "heading": "Over starts and bodies of each kind of motion",
-        "text": f"{ATTITUDE.title}, at stock timesteps; ∞ where a run did not finish, "
-        f"{NOTHING} for p99 of less than 100 members, which is the largest.",
+        "heading": "Random starts and bodies of each kind of motion",
+        "text": f"{ATTITUDE.title}, at stock timesteps; ∞: a run did not finish; {NOTHING}: p99 of "
+        "fewer than 100 members, where it is the largest.",
         "kinds": kinds,
     }
 

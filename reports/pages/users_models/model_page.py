@@ -11,6 +11,7 @@ from ....scenarios import FloatArray, printable
 from ....scenarios.regular_files import file_name
 from ....scenarios.users_models import Stated, principal_moments
 from ...harness.users_models.findings import (
+    LEGEND,
     InspectedLink,
     Inspection,
     LinkReading,
@@ -83,6 +84,7 @@ def _content(inspection: Inspection) -> dict[str, object]:
         "impossible": problems_of(inspection, impossible=True),
         "doubtful": problems_of(inspection, impossible=False),
         "composed": composed_bodies(inspection),
+        "legend": LEGEND,
         "all_links": _all_links(inspection, who),
         "notes": model.notes,
     }

@@ -5,6 +5,7 @@ import pytest
 from scene_texts import scene
 from spincheck.engines import BodyReading, State
 from spincheck.engines.checks.read_back import READ_BACK_SLACK, differences
+from spincheck.scenarios.rotation import matrix
 
 #: m; beside it the tensor about the origin is that of the arm: m r² is 500 times the tensor's.
 ARM = 25.0
@@ -57,3 +58,23 @@ def test_a_quaternion_that_is_permuted_or_conjugated_is_told_so_first(misread, w
     assert (next(iter(named)) == "q_world_body_wxyz") == bool(words)
     assert named["q_world_body_wxyz"].why == words
     assert named["q_world_body_wxyz"].complaint.endswith(f": {words}" if words else "]")
+
+
+@pytest.mark.parametrize(
+    ("misread", "is_turned"),
+    [
+        (lambda omega, R_world_body: R_world_body @ omega, True),
+        (lambda omega, R_world_body: R_world_body.T @ omega, True),
+        (lambda omega, R_world_body: R_world_body @ R_world_body @ omega, False),
+        (lambda omega, R_world_body: -omega, False),
+    ],
+)
+def test_omega_along_the_other_axes_is_told_so(misread, is_turned):
+    tilted = scene()
+    body, start = tilted.body, tilted.start
+    held = BodyReading(body.mass, body.com, body.inertia_com)
+    omega_body = misread(start.omega_body, matrix(start.q_world_body_wxyz))
+    moving = omega_body, start.position_world, start.velocity_world
+    state = State(start.q_world_body_wxyz, *moving)
+    (off,) = differences(tilted, held, state, READ_BACK_SLACK)
+    assert ("along the other axes" in off.complaint) == is_turned

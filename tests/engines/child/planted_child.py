@@ -136,6 +136,9 @@ for line in sys.stdin:
             os.kill(os.getpid(), getattr(signal, FAULT.removeprefix("killed by ")))
         if FAULT == "hangs":
             time.sleep(600)
+        if FAULT == "answers to standard output":
+            print(json.dumps({"id": call["id"]}), flush=True)
+            continue
         if FAULT == "prints garbage":
             answers.write("Hello from the physics engine\n")
             continue

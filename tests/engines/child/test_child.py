@@ -60,6 +60,7 @@ FAULTS = {
     "dies": ("crash", "ended with exit code 3 instead of answering 'run'; it last printed: assert"),
     "crashes": ("crash", "was killed by SIGSEGV"),
     "hangs": ("time-out", "did not answer 'run' within 2 s"),
+    "answers to standard output": ("time-out", "answers go to the descriptor in SPINCHECK_ANSWERS"),
     "prints garbage": ("protocol", "its answer to 'run' is not JSON: 'Hello from the physics"),
     "never ends a line": ("protocol", "is longer than 1048576 bytes"),
     "closes its pipe": ("protocol", "closed its pipe"),

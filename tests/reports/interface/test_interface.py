@@ -123,7 +123,7 @@ def test_the_assertion_fails_with_signal_size_and_explanation(exact):
         )
     assert "ω is off by 0.6" in str(failed.value)
     assert "attitude" not in str(failed.value)
-    assert "Explained by: ω is in world axes." in str(failed.value)
+    assert "Explained by: ω is in world axes (state 'omega = world')." in str(failed.value)
 
 
 @pytest.mark.parametrize(

@@ -190,6 +190,29 @@ def test_mass_at_the_shapes_corners_is_not(tmp_path, shape):
     assert problems(read_model(written(tmp_path, shaped(MOST, shape))).links[0]) == ()
 
 
+def heavy(kilograms, shape=BOX):
+    """A robot whose one link has that mass, spread as far as BOX allows."""
+    moments = (kilograms / 2 * moment for moment in MOST)
+    return shaped(moments, shape).replace('value="2"', f'value="{kilograms!r}"')
+
+
+#: kg, of the box BOX made of osmium, with the slack that shapes have.
+OSMIUM = 22590.0 * 0.2 * 0.4 * 0.6 * 1.1**3
+
+
+def test_a_mass_denser_than_any_element_is_doubted(tmp_path):
+    (problem,) = problems(read_model(written(tmp_path, heavy(1.001 * OSMIUM))).links[0])
+    assert (problem.kind, problem.impossible) == ("density", False)
+    assert problem.text.endswith("is the mass in grams?")
+    assert problems(read_model(written(tmp_path, heavy(0.999 * OSMIUM))).links[0]) == ()
+
+
+def test_the_density_of_a_flat_shape_is_not_judged(tmp_path):
+    flat = BOX.replace("0.6", "0")
+    (problem,) = problems(read_model(written(tmp_path, heavy(1e9, flat))).links[0])
+    assert problem.kind == "radius of gyration"
+
+
 def test_a_mesh_may_be_of_any_size(tmp_path):
     mesh = '<visual><geometry><mesh filename="a.stl"/></geometry></visual>'
     assert problems(read_model(written(tmp_path, shaped((9, 9, 9), BOX + mesh))).links[0]) == ()

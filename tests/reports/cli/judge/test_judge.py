@@ -47,7 +47,7 @@ def test_frames_are_read_from_the_file_or_a_flag(recorded, arguments):
 
 def test_a_mistake_is_named_and_fails(recorded):
     code, out, _ = recorded("world.csv")
-    assert (code, "Explained by: ω is in world axes." in out) == (1, True)
+    assert (code, "Explained by: ω is in world axes (state 'omega = world')." in out) == (1, True)
 
 
 @pytest.mark.parametrize(("bound", "code"), [("omega=1e-3", 0), ("attitude=1e-20deg", 1)])
@@ -63,7 +63,8 @@ def test_a_page_shows_the_files_as_the_runs_of_one_method(recorded, tmp_path):
     assert "The recorded motion at 5 ms is off by " in page
     assert "What the files show" in page
     assert "recommended" not in page
-    assert "ω is in world axes; only 1 timesteps ran to the end" in page
+    assert "ω is in world axes" in page
+    assert "a verdict needs 3 timesteps that run to the end, got 1" in page
 
 
 def test_files_of_one_timestep_are_no_ladder(recorded):

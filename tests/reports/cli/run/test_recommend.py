@@ -248,7 +248,9 @@ def test_an_angle_that_is_none_is_one_message(
     code, _, err = spincheck("recommend", "box.toml", "--attitude", "fivedeg")
     assert code == 2
     assert "'--attitude'" in err
-    assert "must be such as 1e-3 (rad) or 0.1deg, got 'fivedeg'" in " ".join(err.split())
+    assert "'--attitude': must be such as 1e-3 (rad) or 0.1deg, got 'fivedeg'" in " ".join(
+        err.split()
+    )
 
 
 def test_a_timestep_that_is_no_number_is_told_its_unit(
@@ -256,7 +258,9 @@ def test_a_timestep_that_is_no_number_is_told_its_unit(
 ) -> None:
     code, _, err = spincheck("run", "box.toml", "--timestep", "2ms")
     assert code == 2
-    assert "must be a number of seconds, such as 0.002, got '2ms'" in " ".join(err.split())
+    assert "'--timestep': must be a number of seconds, such as 0.002, got '2ms'" in " ".join(
+        err.split()
+    )
 
 
 def test_from_outside_bad_input_is_one_message_and_exit_code_2(

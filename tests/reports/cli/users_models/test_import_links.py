@@ -39,7 +39,7 @@ def test_a_link_becomes_a_scene_with_the_files_numbers(tmp_path):
     assert (scene.body.inertia_com == stated.inertia).all()
     assert scene.title == "arm of robot.urdf: tumbles"
     assert scene.document.body.model == "../robots/robot.urdf"
-    assert unmade == "left out, the file states no inertia of it: base"
+    assert unmade == "left out: base: the file states no inertia of it"
 
 
 def test_it_turns_about_its_middle_axis(tmp_path):
@@ -57,7 +57,7 @@ def test_names_are_made_such_as_files_may_have_and_differ(tmp_path):
 
 
 def test_what_no_body_has_is_left_out_with_the_reason(tmp_path):
-    assert "left out, 0.1 + 0.3 < 0.9: no body has it: bad" in imported(tmp_path)[1]
+    assert "left out: bad: 0.1 + 0.3 < 0.9: no body has it" in imported(tmp_path)[1]
 
 
 def test_welded_links_are_one_scene_with_the_sum_of_their_numbers(tmp_path):

@@ -130,7 +130,7 @@ def test_a_body_that_impulses_hold_in_24_bits_settles_in_the_same_states_at_each
 def test_a_small_misreading_of_omega_is_told_in_24_bits_where_impulses_hold_the_body(name, size):
     kind = planted.in_single(ReadsOmegaOffWhereHeld)
     finding = examined(SteppedEngine(kind, size, single_precision=True), "Euler", name).finding
-    assert f"as if ω were read {1 + size:.4g}"[:-1] in finding
+    assert f"as if ω were read multiplied by {1 + size:.4g}"[:-1] in finding
 
 
 @pytest.mark.parametrize("size", [1e-3, 1.0])

@@ -31,25 +31,30 @@ def rolled(q_wxyz):
 
 
 CONJUGATE = np.array([1.0, -1.0, -1.0, -1.0])
+XYZW = "the quaternion's order is x y z w (state 'quaternion = xyzw')"
+WORLD = "ω is in world axes (state 'omega = world')"
 PLANTED = {
     "none": (lambda a, later: {}, []),
-    "order": (lambda a, later: {"q": rolled(a["q"])}, ["the quaternion's order is x y z w"]),
+    "order": (lambda a, later: {"q": rolled(a["q"])}, [XYZW]),
     "conjugate": (lambda a, later: {"q": a["q"] * CONJUGATE}, [f"{TO_WORLD} (it is conjugated)"]),
     "both": (
         lambda a, later: {"q": rolled(a["q"] * CONJUGATE)},
         ["the quaternion's order is x y z w, and it takes world to body components"],
     ),
-    "world": (lambda a, later: {"omega": a["omega_world"]}, ["ω is in world axes"]),
+    "world": (lambda a, later: {"omega": a["omega_world"]}, [WORLD]),
     "sign": (lambda a, later: {"omega": -a["omega"]}, ["ω has the opposite sign"]),
-    "degrees": (lambda a, later: {"omega": np.degrees(a["omega"])}, ["ω is in degrees a second"]),
+    "degrees": (
+        lambda a, later: {"omega": np.degrees(a["omega"])},
+        ["ω is in degrees a second; wx [deg/s] says so"],
+    ),
     "turns": (lambda a, later: {"omega": a["omega"] / 2 / np.pi}, ["ω is in turns a second"]),
     "late": (
         lambda a, later: {"q": later(1)["q"], "omega": later(1)["omega"]},
-        ["the states are one sample later than their times"],
+        ["each state is that of one sample after its time"],
     ),
     "half a sample": (
         lambda a, later: {"q": later(0.5)["q"], "omega": later(0.5)["omega"]},
-        ["the states are half a sample later than their times"],
+        ["each state is that of half a sample after its time"],
     ),
     "stale": (
         lambda a, later: {"q": later(1)["q"], "omega": a["omega"], "t": a["t"] + a["t"][1]},
@@ -59,7 +64,7 @@ PLANTED = {
     "min": (lambda a, later: {"t": a["t"] / 60}, ["the times are in min; t [min] says so"]),
     "two at once": (
         lambda a, later: {"q": rolled(a["q"]), "omega": a["omega_world"]},
-        ["the quaternion's order is x y z w", "ω is in world axes"],
+        [XYZW, WORLD],
     ),
 }
 
