@@ -110,7 +110,7 @@ def _changes(equations: Equations, gains: Sequence[Gain]) -> Iterator[_Change]:
     yield _Change(effect(lambda s: s.torque(-s.L)), _decay)
     yield _Change(
         effect(lambda s: s.torque(-s.L), lambda s: s.torque(-s.L * np.linalg.norm(s.omega))),
-        lambda theta: f"L were slowed by {theta[0]:.3g} + {theta[1]:.3g} ‖ω‖ /s",
+        lambda theta: f"L were slowed by {theta[0]:.3g} {theta[1]:+.3g} ‖ω‖ /s",
     )
     acting = equations.scenario.acting
     if words := next((one.wrong_momentum for one in acting if one.wrong_momentum), ""):

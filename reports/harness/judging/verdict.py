@@ -154,12 +154,12 @@ def _undecided_by_pieces(records: Records) -> str:
         return "pieces do not decide: where next to nothing acts, steps leave what may add up"
     if found.tolerance > CONSISTENT:
         return (
-            f"pieces do not decide: steps are known to be consistent to {found.tolerance:.1e} of "
+            f"pieces do not decide: steps are known to be consistent to {found.tolerance:.2e} of "
             f"the largest terms only, and {CONSISTENT:g} is needed"
         )
     if found.of_an_effect > SEEN:
         return (
-            f"pieces do not decide: steps are known to be consistent to {found.of_an_effect:.1e} "
+            f"pieces do not decide: steps are known to be consistent to {found.of_an_effect:.2e} "
             f"of the weakest effect only, and {SEEN:g} is needed"
         )
     return "pieces do not decide: over 115° from exact states it is unresolved, too"
