@@ -77,13 +77,13 @@ def sample(session: Session, sample_steps: NDArray[np.int64], bounds: Bounds) ->
                 start = start if first else states.rows(slice(2))
                 reading = Reading(states, steps[first : first + len(snapshots)], start)
                 end = _checked(session, snapshots, reading, end, bounds)
-        kept = is_sample[first : first + end.count].copy()
-        kept[: len(last)] = False
-        parts.append(end.states.rows(kept))
+            kept = is_sample[first : first + end.count].copy()
+            kept[: len(last)] = False
+            parts.append(end.states.rows(kept))
         if end.outcome != "ok":
             break
         last = snapshots[-1:]
-    return replace(end, states=stacked(parts))
+    return replace(end, states=stacked(parts or [NOTHING]))
 
 
 def _blocks(steps: NDArray[np.int64]) -> Iterator[tuple[int, int]]:

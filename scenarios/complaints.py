@@ -29,6 +29,7 @@ _IN_TOML = {
     "int_type": "must be a whole number",
     "int_from_float": "must be a whole number",
     "string_type": "must be text",
+    "string_too_short": "must not be empty",
 }
 
 
@@ -111,7 +112,8 @@ def _rule(detail: ErrorDetails, keys: Keys) -> str:
         return f"must have at least {least} entries, got {_shown(detail['input'])}"
     if detail["type"] == "too_long":
         most, got = detail["ctx"]["max_length"], detail["ctx"]["actual_length"]
-        return f"must have {most} entries, got {got}: {_shown(detail['input'])}"
+        at_most = "at most " if keys[-1] in _TABLE_ARRAYS else ""
+        return f"must have {at_most}{most} entries, got {got}: {_shown(detail['input'])}"
     message = _IN_TOML.get(detail["type"]) or detail["msg"].replace("Input should", "must")
     return f"{message}, got {_shown(detail['input'])}"
 

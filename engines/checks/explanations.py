@@ -110,7 +110,7 @@ def _changes(equations: Equations, gains: Sequence[Gain]) -> Iterator[_Change]:
     yield _Change(effect(lambda s: s.torque(-s.L)), _decay)
     yield _Change(
         effect(lambda s: s.torque(-s.L), lambda s: s.torque(-s.L * np.linalg.norm(s.omega))),
-        lambda theta: f"L were slowed by {theta[0]:.3g} {theta[1]:+.3g} ‖ω‖ /s",
+        _decays,
     )
     acting = equations.scenario.acting
     if words := next((one.wrong_momentum for one in acting if one.wrong_momentum), ""):
@@ -231,6 +231,11 @@ def _resistance(theta: FloatArray) -> str:
 
 def _decay(theta: FloatArray) -> str:
     return f"L were {'slowed' if theta[0] > 0 else 'sped up'} by {abs(theta[0]):.3g} /s"
+
+
+def _decays(theta: FloatArray) -> str:
+    sign = "-" if theta[1] < 0 else "+"
+    return f"L were slowed by {theta[0]:.3g} {sign} {abs(theta[1]):.3g} ‖ω‖ /s"
 
 
 def _step(theta: FloatArray) -> str:

@@ -75,7 +75,7 @@ def surprises(
     The second is of those that timesteps on one side alone do predict: an engine computes steps
     below or above some length otherwise, and what it does there vanishes with the timestep, too.
     That counts where it is less than half of a step's own gain, and known better than it is large
-    or as good as nothing.
+    or to as good as nothing.
 
     Parameters
     ----------
@@ -95,7 +95,7 @@ def surprises(
         for side in (coarser[-COARSER:], finer[:ONE_SIDED]):
             if len(side) >= COARSER:
                 off_side, error_side = _beyond(nodes, [*side], here)
-                is_clear = (error_side <= off) | (off <= negligible)
+                is_clear = error_side <= np.maximum(off, negligible)
                 is_branch |= (off_side <= error_side) & is_clear & (off <= size / 2)
         apart[j] = np.where(is_branch, 0.0, off - error)
         branched[j] = np.where(is_branch & (off > error), off, 0.0)

@@ -168,7 +168,7 @@ _WAYS: dict[Cause, str] = {
     "late": "; later it turns more: what is read is a step old",
     "lag": "",
     "clock": ": the step is of another length",
-    "frames": ", about another axis: its frame or order of components is not that of ω",
+    "frames": ", about another axis: the attitude's frame or order of components is not that of ω",
 }
 
 

@@ -220,10 +220,11 @@ class ChildProcess:
 
     def _last_printed(self) -> str:
         """The last line that it printed, to be appended to a message; empty if there is none."""
-        last = last_line(self._printed.decode(errors="replace"))
+        printed = self._printed.decode(errors="replace").strip()
         # An answer that went the wrong way.
-        is_answer = last.partition(": ")[2].startswith("{")
-        return f"{last} (answers go to the descriptor in {ANSWERS})" if is_answer else last
+        is_answer = printed.rpartition("\n")[2].startswith("{")
+        where = f" (answers go to the descriptor in {ANSWERS})" if is_answer else ""
+        return f"{last_line(printed)}{where}"
 
     def end(self) -> bool:
         """Close its input, and kill what does not end; returns whether it ended by itself."""

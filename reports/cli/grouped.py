@@ -111,13 +111,21 @@ def _bound(signal: "Signal") -> Any:
         float | None,
         typer.Option(
             option(signal.name),
-            parser=angle if signal.unit else float,
+            parser=angle if signal.unit else number,
             metavar="RAD|…deg" if signal.unit else "E",
             help=f"Largest error allowed in {signal}.",
             callback=_keep,
             expose_value=False,
         ),
     ]
+
+
+def number(text: str) -> float:
+    """A number."""
+    try:
+        return float(text)
+    except ValueError:
+        raise typer.BadParameter(f"must be a number, such as 1e-3, got '{text}'") from None
 
 
 def angle(text: str) -> float:

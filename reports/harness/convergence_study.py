@@ -14,7 +14,6 @@ from .comparison import compared, unmet_expectations
 from .executors import Answer
 from .judging import Records
 from .judging.ladder_end import cut_short, is_down
-from .judging.local import not_held
 from .ladder import Ladder, Rung
 from .measuring.places import Places, rounding_of_body
 from .measuring.richardson import RichardsonLadder
@@ -111,7 +110,8 @@ class ConvergenceStudy:
             max(self.engine.slack, rounding),
             float(times[-1]) / max(1, len(times) - 1),
             self.engine.unsupported(scenario, self.method),
-            not_held(rounding, is_single=self.engine.single_precision),
+            self.engine.single_precision,
+            rounding,
             self.solution.ending,
             tuple(self.unmet),
             scenario.document.known,

@@ -3,12 +3,15 @@
 The engines here are made up: a body that spins about z at one radian a second, and a fault.
 """
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from quiet_session import QuietSession
 from scenes import scene
 from spincheck.engines import BodyReading, Engine, EngineError, Fault, Method, Run, State
-from spincheck.engines.sampling import BLOCK, BLOCK_STEPS, FIRST_BLOCK, steps_to_read
+from spincheck.engines.checks.bounds import Bounds
+from spincheck.engines.sampling import BLOCK, BLOCK_STEPS, FIRST_BLOCK, sample, steps_to_read
 from spincheck.scenarios import Scenario
 
 TIMESTEP = 0.125
@@ -110,6 +113,13 @@ class GaveUpInAStep(Turning):
             raise EngineError("out of memory")
 
 
+class GaveUpWithASpin(GaveUpInAStep):
+    """The same, with a part that turns."""
+
+    def read_state(self) -> State:
+        return replace(super().read_state(), spins=np.ones(1))
+
+
 class Buggy(Turning):
     def advance(self, steps: int) -> None:
         super().advance(steps)
@@ -194,6 +204,15 @@ def test_an_engine_that_stops_is_not_stepped_on(kind: type[Turning]) -> None:
     engine = Spinner(kind, EARLY)
     engine.run(SCENE, METHOD, TIMESTEP, SAMPLES)
     assert engine.session.steps == READ[np.searchsorted(READ, EARLY)]
+
+
+def test_an_engine_with_parts_may_stop_at_any_step() -> None:
+    # So far apart that blocks begin among them, of which there is no state then.
+    samples = np.arange(0, 2 * FIRST_BLOCK * BLOCK_STEPS, BLOCK_STEPS)
+    bounds = Bounds(TIMESTEP, MOST_TURN, 0.0, 0.0)
+    for stops_at in samples[1:]:
+        sampled = sample(GaveUpWithASpin(int(stops_at)), samples, bounds)
+        assert (sampled.outcome, sampled.reason) == ("failed", "out of memory")
 
 
 def test_what_goes_wrong_unnoticed_is_stepped_on_no_longer_than_it_has_gone() -> None:

@@ -98,7 +98,7 @@ REFUSED = {
     ),
     "no title": (('title = "t"\n', ""), r"made: title: is missing"),
     "no source": (('source = "s"\n', ""), r"made: source: is missing"),
-    "empty title": (('title = "t"', 'title = ""'), r":2: title: .* at least 1 character"),
+    "empty title": (('title = "t"', 'title = ""'), r":2: title: must not be empty, got ''"),
     "another version": (("spincheck = 1", "spincheck = 2"), r":1: spincheck: .* be 1, got 2"),
     "true for a version": (("spincheck = 1", "spincheck = true"), r":1: .* whole number, got True"),
     "no window": (("[window]\nduration = 1.0\nsamples = 5\n", ""), r"made: \[window\]: is missing"),

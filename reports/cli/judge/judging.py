@@ -7,6 +7,8 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any, get_args
 
+import typer
+
 from ....scenarios import SIGNAL, Scenario, did_you_mean, printable
 from ...harness.convergence_study import ConvergenceStudy
 from ...harness.judging import judge
@@ -17,7 +19,7 @@ from ...harness.recorded.recorded_ladder import results_of, study_of_files
 from ...harness.recorded.recording import RecordingError
 from ...results.records import Verdict
 from ..choosing import compile_first
-from ..grouped import angle
+from ..grouped import angle, number
 from ..terminal import AGREES, DISAGREES, Complaint, as_complaint, table, written
 
 #: Columns that reasons are wrapped at.
@@ -118,14 +120,14 @@ def _one_of(option: str, value: str | None, words: Any) -> Any:
 
 def _bound(text: str) -> tuple[str, float]:
     """A signal and the largest error allowed, relative or in rad."""
-    name, _, number = text.partition("=")
+    name, _, size = text.partition("=")
     if name not in SIGNAL:
         hint = did_you_mean(name, SIGNAL)
         known = ", ".join(SIGNAL)
         raise Complaint(f"'--fail-above' must begin with one of {known}, got '{name}'{hint}")
     try:
-        bound = angle(number) if SIGNAL[name].unit else float(number)
-    except ValueError:
+        bound = angle(size) if SIGNAL[name].unit else number(size)
+    except typer.BadParameter:
         bound = -1.0
     if not 0 <= bound < float("inf"):
         raise Complaint(f"'--fail-above' must be SIGNAL=BOUND, such as {name}=1e-3, got '{text}'")

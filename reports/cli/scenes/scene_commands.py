@@ -98,8 +98,8 @@ def export(
 ) -> None:
     """Write a scene as scene.xml (MJCF) and scene.urdf, or its exact motion.
 
-    The MJCF has RK4, and a timestep in which the fastest rate of the start makes 0.05 rad. A
-    hinge whose motor keeps its speed has an armature by which that cannot change.
+    The MJCF uses RK4; its timestep is 0.05 rad over the fastest rate at the start. A driven hinge
+    has an armature so large that its speed does not change.
     """
     from ....scenarios.regular_files import write_new
     from .exact_motion import truth_files

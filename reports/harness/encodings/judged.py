@@ -121,7 +121,10 @@ class Judge:
             return ""
         worst = SIGNAL[max(beyond, key=lambda name: own[name])]
         here, there = worst.words(errors[worst.name]), worst.words(own[worst.name])
-        return f"; nearer to the exact motion, {here} off in {worst.label} and not {there}"
+        return (
+            f"; this description is nearer to the exact motion: off by {here} in {worst.label}, "
+            f"the scene's own by {there}"
+        )
 
     def _sizes(self, pair: Pair, names: list[str]) -> dict[str, tuple[float, float]]:
         """How far the motions are apart, and the error of the scene as it is, by signal."""

@@ -64,18 +64,3 @@ def judged_pieces(pieces: JudgedLadder) -> LadderJudgement:
 def is_long_enough(pieces: JudgedLadder) -> bool:
     """Whether pieces need no finer rung."""
     return len(pieces.rungs) >= PIECE_RUNGS or judged_pieces(pieces).converges_to(PIECE_GOAL)
-
-
-def not_held(rounding: float, *, is_single: bool) -> str:
-    """Why no engine of a precision holds a body, in words; empty if engines can.
-
-    Parameters
-    ----------
-    rounding : what rounding of its moments changes of its angular acceleration, relative
-    """
-    if rounding <= CONSISTENT:
-        return ""
-    return (
-        f"no engine holds the body in {'single' if is_single else 'double'} precision: rounding of "
-        f"its moments changes its angular acceleration by {rounding:.1e}, relative"
-    )

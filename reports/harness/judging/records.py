@@ -27,7 +27,9 @@ class Records:
     slack : relative, to which the engine holds a state
     interval : s, between two samples
     lacking : why the engine cannot simulate the scene, in words; else empty
-    not_held : why no engine of that precision holds the body, in words; else empty
+    is_single : whether the engine computes in single precision
+    rounding : what rounding of the body's moments to that precision changes of its angular
+        acceleration, relative
     ending : why the exact motion ends before its window, in words; else empty
     unmet : expectations of the scene that were not met, in words
     known : the expected failures of the scene's file
@@ -45,7 +47,8 @@ class Records:
     slack: float = 0.0
     interval: float = 0.0
     lacking: str = ""
-    not_held: str = ""
+    is_single: bool = False
+    rounding: float = 0.0
     ending: str = ""
     unmet: tuple[str, ...] = ()
     known: Sequence[Known] = ()

@@ -20,19 +20,38 @@ from .records import Records
 def judge(records: Records) -> Verdict:
     """Judge a method by what is stored of it, and compare with the scene's expected failures."""
     verdict = _judged(records)
-    is_open = verdict.verdict == "unresolved" and records.least_steps is not None
-    if records.not_held and (is_open or _by_ladder_alone(verdict, records)):
-        verdict = replace(verdict, verdict="unsupported", reason=records.not_held)
+    if records.rounding > CONSISTENT and _may_be_rounding(verdict, records):
+        precision = "single" if records.is_single else "double"
+        reason = (
+            f"the body cannot be held in {precision} precision: rounding of its moments changes "
+            f"its angular acceleration by {records.rounding:.1e}, relative"
+        )
+        reason = "; ".join(filter(None, (reason, verdict.reason)))
+        attributes: dict[str, Any] = {"unmet": verdict.unmet, "as_shipped": verdict.as_shipped}
+        verdict = Verdict(verdict.key, "unsupported", reason, **attributes)
     if verdict.verdict == "converges" and records.local and records.local.evidence.remark:
         reason = f"{verdict.reason}; {records.local.evidence.remark}"
         verdict = replace(verdict, reason=reason)
     return compared_with_expected_failures(records.known, verdict, cut_short=cut_short(records))
 
 
-def _by_ladder_alone(verdict: Verdict, records: Records) -> bool:
-    """Whether only the ladder says that a clean method disagrees, and steps do not."""
+def _may_be_rounding(verdict: Verdict, records: Records) -> bool:
+    """Whether nothing is decided, or only that the ladder's limit is off by what rounding may make.
+
+    Over the window an angular acceleration that is off by ε, relative, turns a body that turns by φ
+    further by about ε φ.
+    """
+    if verdict.verdict == "unresolved":
+        return records.least_steps is not None
     has_finding = records.local is None or bool(records.local.evidence.finding)
-    return verdict.verdict == "disagrees" and not (records.as_shipped or has_finding)
+    if verdict.verdict != "disagrees" or records.as_shipped or has_finding:
+        return False
+    if not records.ladder.signals or verdict.limit_error is None:
+        return False
+    worst = records.ladder.worst
+    turned = worst.sequence.rate * worst.sequence.duration
+    is_limit = worst.word == "disagrees"
+    return is_limit and verdict.limit_error <= records.rounding * turned
 
 
 def _judged(records: Records) -> Verdict:

@@ -130,10 +130,9 @@ def _consistency(
 
 def _slack(engine: Engine, at: Places) -> float:
     """Relative to the largest terms, what the body as an engine holds it leaves."""
-    if engine.single_precision:
-        # What it may be off when it is read back is far more than rounding of its moments does.
-        return rounding_of_body(at.condition, engine.ulp)
-    return max(engine.slack, at.rounding)
+    rounding = rounding_of_body(at.condition, engine.ulp)
+    # In single precision what is read back may be off by far more than rounding of moments does.
+    return rounding if engine.single_precision else max(engine.slack, rounding)
 
 
 def _halved(engine: Engine, at: Places) -> FloatArray:
@@ -176,7 +175,7 @@ def _misread(
         with _started(engine, scenario, method, session, at.states.rows(k), timestep) as one:
             starts.append(one.read_state())
     off = apart(at.states, stacked(starts))
-    if off.max() <= ABOVE * max(engine.slack, at.rounding):
+    if off.max() <= ABOVE * max(engine.slack, rounding_of_body(at.condition)):
         return ""
     k = int(np.argmax(off))
     return (

@@ -71,11 +71,6 @@ class Places:
     condition: float
     finer: int = 0
 
-    @property
-    def rounding(self) -> float:
-        """What rounding of its moments changes of the body's angular acceleration, relative."""
-        return rounding_of_body(self.condition)
-
     def repeated(self, scenario: Scenario, repeats: int) -> State:
         """All states so many times over, each time with every number a little otherwise."""
         if repeats == 1:

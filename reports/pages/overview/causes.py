@@ -59,17 +59,20 @@ COMMON = 0.1
 def why(
     pair: Pair, rows: Mapping[str, Row], scenes: Sequence[SceneRuns], harmless: Collection[str]
 ) -> str:
-    """The reason of the errors: the timestep, or defaults of the engine."""
+    """The reason of the errors: the timestep, or defaults of the engine; empty if none is known."""
     verdicts = {
         scene.name: runs.verdict.verdict
         for scene in scenes
         if (runs := scene.by_pair.get(pair)) and runs.verdict
+        if (kind := VERDICT[runs.verdict.verdict]).needs_reason or kind.word == "converges"
     }
     wrong = [
         name
         for name, word in verdicts.items()
         if VERDICT[word].needs_reason and word != "unresolved"
     ]
+    if not verdicts:
+        return ""
     name = " ".join(pair)
     good = sum(word == "converges" for word in verdicts.values())
     if not wrong and not good:

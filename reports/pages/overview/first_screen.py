@@ -151,7 +151,7 @@ def answer(gathered: ReportData, left_out: Collection[EffectsCost] = ()) -> dict
         "table": table(headings, lines),
         "about": f"Attitude at stock timesteps, medians of {scenes}; the error a turn is taken "
         "while the body moves." + (COST if lines[-1][0].text in MEASURES[-2:] else ""),
-        "why": _sentences([*_others(others), *reasons, *no_gyroscopic_torque(plain)]),
+        "why": _sentences([*_others(others), *filter(None, reasons), *no_gyroscopic_torque(plain)]),
     }
 
 

@@ -67,7 +67,9 @@ def test_a_body_that_no_engine_holds_is_a_skip_that_says_so(run):
     rod = library_scene("rod-1e-12").text
     result = run("-k", "mujoco-Euler", rod=rod)
     result.assert_outcomes(skipped=1)
-    result.stdout.fnmatch_lines(["SKIPPED*unsupported: no engine holds the body*"])
+    result.stdout.fnmatch_lines(
+        ["SKIPPED*unsupported: the body cannot be held in double precision*"]
+    )
     result.stdout.fnmatch_lines(["spincheck: scenes: 1;*fail: 0, do not support the scene: 1,*"])
 
 

@@ -79,6 +79,10 @@ def test_files_of_one_timestep_are_no_ladder(recorded):
         (("exact.csv", "--omega", "wrld"), "'--omega' must be body or world, got 'wrld'"),
         (("exact.csv", "--fail-above", "tilt=1"), "must begin with one of omega, attitude"),
         (("exact.csv", "--fail-above", "omega"), "must be SIGNAL=BOUND, such as omega=1e-3"),
+        (
+            ("exact.csv", "--fail-above", "attitude=five"),
+            "such as attitude=1e-3, got 'attitude=five'",
+        ),
         (("exact.csv", "--timestep", "1", "--timestep", "2"), "once for each file, got 2 for 1"),
     ],
 )
