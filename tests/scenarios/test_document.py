@@ -194,6 +194,10 @@ REFUSED_TABLES = {
         rotor("mass = -1.0"),
         r":17: \[\[rotors\]\] number 1 mass: .* greater than 0, got -1",
     ),
+    "too many rotors": (
+        17 * rotor("spin = 3.0"),
+        r":14: rotors: must have at most 16 entries, got 17",
+    ),
     "an axis of no length": (
         rotor("axis = [0.0, 0.0, 0.0]"),
         r":15: \[\[rotors\]\] number 1 axis: must have a length, got \[0, 0, 0\]",

@@ -242,15 +242,19 @@ def test_a_bound_of_an_angle_may_be_in_degrees(
     assert found == [{"attitude": bound}]
 
 
-def test_an_angle_that_is_none_is_one_message(
-    spincheck: Callable[..., tuple[int, str, str]],
+@pytest.mark.parametrize(
+    ("option", "bound", "rule"),
+    [
+        ("--attitude", "fivedeg", "must be such as 1e-3 (rad) or 0.1deg"),
+        ("--omega", "3deg", "must be a number, such as 1e-3"),
+    ],
+)
+def test_a_bound_that_is_no_number_is_one_message(
+    spincheck: Callable[..., tuple[int, str, str]], option: str, bound: str, rule: str
 ) -> None:
-    code, _, err = spincheck("recommend", "box.toml", "--attitude", "fivedeg")
+    code, _, err = spincheck("recommend", "box.toml", option, bound)
     assert code == 2
-    assert "'--attitude'" in err
-    assert "'--attitude': must be such as 1e-3 (rad) or 0.1deg, got 'fivedeg'" in " ".join(
-        err.split()
-    )
+    assert f"'{option}': {rule}, got '{bound}'" in " ".join(err.split())
 
 
 def test_a_timestep_that_is_no_number_is_told_its_unit(
