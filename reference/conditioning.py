@@ -86,8 +86,11 @@ def conditioning(
     nudge : the problem with its numbers changed by a relative size, with the k-th choice of signs
     """
     responses = [_response(scenario, problem, exact_motion, solved, nudge, k) for k in range(COUNT)]
-    squares = zip(*([value**2 for _, value in response] for response in responses), strict=True)
-    return Errors(*(max(float(np.sqrt(np.mean(column))), EPS) for column in squares))
+    sizes = {
+        name: float(np.sqrt(np.mean([response[name] ** 2 for response in responses])))
+        for name, _ in responses[0]
+    }
+    return Errors(**{name: max(size, EPS) for name, size in sizes.items()})
 
 
 def _response(

@@ -8,7 +8,6 @@ from typing import NamedTuple, final
 import numpy as np
 
 from ..scenarios import (
-    SIGNAL,
     Errors,
     FloatArray,
     Scenario,
@@ -210,7 +209,7 @@ def _conditioning_of_closed(
     if trajectory.t[-1] <= within_reach.t[-1]:
         return near
     far = conditioning(scenario, problem, trajectory, by_form)
-    return Errors(*(max(one, other) for (_, one), (_, other) in zip(near, far, strict=True)))
+    return Errors(**{name: max(size, far[name]) for name, size in near})
 
 
 def _solve_ode(scenario: Scenario, problem: Problem, times: FloatArray) -> Solution:
@@ -231,7 +230,7 @@ def _by_series(scenario: Scenario, problem: Problem, times: FloatArray) -> Solut
         trajectory=known.trajectory,
         method="Taylor series of the equations of motion, low orders in double-double",
         uncertainty=_at_least(apart, ROUNDING),
-        conditioning=Errors(**dict.fromkeys(SIGNAL, np.nan)),
+        conditioning=Errors(**{name: np.nan for name, _ in apart}),
         horizon=known.horizon,
         lifts_off=known.lifts_off,
     )

@@ -12,6 +12,7 @@ from .mechanics import angular_momentum_world, energy, energy_base, kinetic_ener
 from .scales import check_scales
 from .scenario import Scenario
 from .signals import (
+    EVERYWHERE,
     SIGNAL,
     SIGNALS,
     Errors,
@@ -19,6 +20,7 @@ from .signals import (
     SignalName,
     errors_by_key,
     radius_of_gyration,
+    signals_of,
 )
 from .start import Start
 from .trajectory import Trajectory

@@ -9,27 +9,26 @@ from .float_array import FloatArray
 from .mechanics import RECENT
 from .rotation import norms
 from .scenario import Scenario
-from .signals import SIGNAL, SIGNALS, Errors, Signal
+from .signals import Errors, Signal, signals_of
 from .trajectory import Trajectory
-
-#: Columns of each signal in a table of them all.
-_COLUMNS = [signal.columns for signal in SIGNALS]
-_FIRST_COLUMNS = np.cumsum([0, *_COLUMNS])[:-1]
 
 
 @dataclass(frozen=True, eq=False)
 class ErrorSeries:
     """Distances from the exact motion sample by sample, (n, signals); by a signal's name, (n,)."""
 
+    signals: tuple[Signal, ...]
     distances: FloatArray
 
     def __getitem__(self, name: str) -> FloatArray:
-        column: FloatArray = self.distances[:, list(SIGNAL).index(name)]
+        names = [signal.name for signal in self.signals]
+        column: FloatArray = self.distances[:, names.index(name)]
         return column
 
     def worst(self) -> Errors:
         """The largest of each over the samples."""
-        return Errors(*map(float, self.distances.max(axis=0)))
+        largest = map(float, self.distances.max(axis=0))
+        return Errors(**{s.name: size for s, size in zip(self.signals, largest, strict=True)})
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,7 +40,12 @@ class ErrorNorm:
 
     def table(self, motion: Trajectory) -> FloatArray:
         """All signals of a motion side by side, SI, (n, columns of all)."""
-        return np.column_stack([self._values(signal, motion) for signal in SIGNALS])
+        return np.column_stack([self._values(signal, motion) for signal in self.signals])
+
+    @cached_property
+    def signals(self) -> tuple[Signal, ...]:
+        """Those that the scene has."""
+        return signals_of(self.scenario)
 
     @cached_property
     def true_table(self) -> FloatArray:
@@ -54,15 +58,14 @@ class ErrorNorm:
         Over a base of zero they are 0 where equal and inf elsewhere.
         """
         apart = table - other
+        first = [columns.start for columns in self._columns]
         # Of what has blown up the square may be too large for a double.
         with np.errstate(over="ignore"):
-            distances: FloatArray = np.sqrt(np.add.reduceat(apart * apart, _FIRST_COLUMNS, axis=1))
-        for k, signal in enumerate(SIGNALS):
-            first = _FIRST_COLUMNS[k]
+            distances: FloatArray = np.sqrt(np.add.reduceat(apart * apart, first, axis=1))
+        for k, (signal, columns) in enumerate(zip(self.signals, self._columns, strict=True)):
             if signal.kind == "scalar":
-                distances[:, k] = np.abs(apart[:, first])
+                distances[:, k] = np.abs(apart[:, columns.start])
             elif signal.kind == "quaternion":
-                columns = slice(first, first + signal.columns)
                 opposite = norms(table[:, columns] + other[:, columns])
                 distances[:, k] = np.minimum(distances[:, k], opposite)
                 # The chord between unit quaternions is 2 sin of a quarter of the angle.
@@ -81,11 +84,11 @@ class ErrorNorm:
         ----------
         orders : of accuracy, by signal, (signals,)
         """
-        weights = np.repeat(1 / (2.0 ** np.asarray(orders) - 1), _COLUMNS)
+        widths = [columns.stop - columns.start for columns in self._columns]
+        weights = np.repeat(1 / (2.0 ** np.asarray(orders) - 1), widths)
         limit: FloatArray = fine + weights * (fine - coarse)
-        for signal, first in zip(SIGNALS, _FIRST_COLUMNS, strict=True):
+        for signal, columns in zip(self.signals, self._columns, strict=True):
             if signal.kind == "quaternion":
-                columns = slice(first, first + signal.columns)
                 limit[:, columns] = _normalised(limit[:, columns])
         return limit
 
@@ -101,7 +104,17 @@ class ErrorNorm:
     @cached_property
     def _bases(self) -> FloatArray:
         """What distances are relative to, (signals,)."""
-        return np.array([signal.base(self.scenario, self.exact) for signal in SIGNALS])
+        return np.array([signal.base(self.scenario, self.exact) for signal in self.signals])
+
+    @cached_property
+    def _columns(self) -> list[slice]:
+        """The columns of each signal in a table of them all."""
+        columns, end = [], 0
+        for signal in self.signals:
+            values = signal.values(self.scenario, self.exact)
+            begin, end = end, end + (values.shape[1] if values.ndim > 1 else 1)
+            columns.append(slice(begin, end))
+        return columns
 
 
 def error_series(scenario: Scenario, motion: Trajectory, exact: Trajectory) -> ErrorSeries:
@@ -115,7 +128,7 @@ def error_series(scenario: Scenario, motion: Trajectory, exact: Trajectory) -> E
     if not np.array_equal(motion.t, exact.t):
         raise ValueError("'motion' and 'exact' must be sampled at the same times.")
     norm = norm_of(scenario, exact)
-    return ErrorSeries(norm.distances(norm.table(motion), norm.true_table))
+    return ErrorSeries(norm.signals, norm.distances(norm.table(motion), norm.true_table))
 
 
 def errors_between(scenario: Scenario, motion: Trajectory, exact: Trajectory) -> Errors:

@@ -16,6 +16,7 @@ from .errors import Misfit, ScenarioError, printable
 from .read_text import first_key, is_nested_too_deeply, read_text
 from .scales import check_scales
 from .scenario import Scenario, build
+from .signals import SIGNAL
 from .write import to_toml
 
 MARKER = "spincheck"
@@ -128,6 +129,10 @@ def _parsed(text: str, where: str) -> dict[str, Any]:
 def _scenario(tables: dict[str, Any], name: str, text: str, path: Path | None) -> Scenario:
     scenario = build(Document.model_validate(tables), name=name, text=text, path=path)
     check_scales(scenario)
+    for k, expected in enumerate(scenario.document.expect):
+        for name in expected.bounds():
+            if not SIGNAL[name].exists(scenario):
+                raise Misfit(f"the scene has no {SIGNAL[name].quantity}", "expect", k, name)
     for effect in scenario.acting:
         effect.check(scenario, scenario.document.start)
     if scenario.document.body.model is not None:

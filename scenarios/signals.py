@@ -6,7 +6,7 @@ an entry there and a field of `Errors`.
 
 import math
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, fields
+from dataclasses import MISSING, dataclass, fields
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
@@ -24,7 +24,8 @@ EPS = float(np.finfo(float).eps)
 class Errors:
     """One number a signal: the largest distance over the samples of a motion, or a bound on it.
 
-    Iterates over pairs of name and number, in the order of `SIGNALS`.
+    Iterates over pairs of name and number of the signals that the scene has, in the order of
+    `SIGNALS`; by name the others are NaN.
     """
 
     omega: float
@@ -33,12 +34,14 @@ class Errors:
     energy: float
     com: float
     velocity: float
+    spins: float | None = None
 
     def __iter__(self) -> Iterator[tuple[str, float]]:
-        return ((signal.name, self[signal.name]) for signal in SIGNALS)
+        return ((name, self[name]) for name in SIGNAL if getattr(self, name) is not None)
 
     def __getitem__(self, name: str) -> float:
-        return float(getattr(self, name))
+        value = getattr(self, name)
+        return math.nan if value is None else float(value)
 
 
 @dataclass(frozen=True)
@@ -56,6 +59,7 @@ class Signal:
     values : along a motion, SI, (n, columns), of a scalar (n,)
     base : what distances are relative to, in the signal's unit
     depends_on : of rotation, "omega" and "attitude": whose orders of accuracy bound its own
+    exists : whether a scene has it
     in_flight : what one ulp in each number of a free body's state changes it by, relative, if not
         what it does to the rotation (the `Errors`); engines may integrate the flight for an origin
         other than the com
@@ -70,12 +74,8 @@ class Signal:
     base: Callable[[Scene, Trajectory], float]
     unit: str = ""
     depends_on: tuple[str, ...] = ("omega", "attitude")
+    exists: Callable[[Scene], bool] = lambda _: True
     in_flight: Callable[[Scene, Trajectory, Errors], float] | None = None
-
-    @property
-    def columns(self) -> int:
-        """Numbers a sample."""
-        return {"vector": 3, "quaternion": 4, "scalar": 1}[self.kind]
 
     @property
     def key(self) -> str:
@@ -155,6 +155,10 @@ def _velocity_in_flight(scene: Scene, exact: Trajectory, growth: Errors) -> floa
     return max(EPS, _relative(_moved(scene, exact, growth)[1], _speed(scene, exact)))
 
 
+def _fastest(_: Scene, exact: Trajectory) -> float:
+    return max(_longest(exact.spins), _longest(exact.omega_body))
+
+
 def _longest(vectors: FloatArray) -> float:
     return float(norms(vectors).max())
 
@@ -224,17 +228,36 @@ SIGNALS = (
         base=_speed,
         in_flight=_velocity_in_flight,
     ),
+    Signal(
+        name="spins",
+        label="spins",
+        quantity="spins of the rotors",
+        formula="max |s_e − s_r| / max(max |s_r|, max |ω_r|), relative to the body",
+        kind="vector",
+        values=lambda _, motion: motion.spins,
+        base=_fastest,
+        depends_on=("omega",),
+        exists=lambda scene: bool(scene.rotors),
+    ),
 )
 
 
 def errors_by_key(errors: Errors | None) -> dict[str, float | None]:
-    """The errors with their names in JSON and CSV; all None where a run has none."""
-    return {signal.key: errors[signal.name] if errors else None for signal in SIGNALS}
+    """The errors with their names in JSON and CSV; None where a run or its scene has none."""
+    known = dict(errors or ())
+    return {signal.key: known.get(signal.name) for signal in SIGNALS}
+
+
+def signals_of(scene: Scene) -> tuple[Signal, ...]:
+    """The signals that a scene has, in the order of `SIGNALS`."""
+    return tuple(signal for signal in SIGNALS if signal.exists(scene))
 
 
 #: The signals by their names.
 SIGNAL = {signal.name: signal for signal in SIGNALS}
 assert tuple(SIGNAL) == tuple(field.name for field in fields(Errors)), "one field a signal"
+#: The names of those that every scene has.
+EVERYWHERE = tuple(field.name for field in fields(Errors) if field.default is MISSING)
 
 if TYPE_CHECKING:
     SignalName = str

@@ -20,10 +20,10 @@ from spincheck.scenarios import SIGNAL
 
 ROOT = Path(__file__).parents[1]
 TOPS = ("scenarios", "reference", "engines", "reports")
-#: What spells so many names of a table in one place lists them. The com and its velocity are of a
-#: body's state too, so they are not counted.
+#: What spells so many names of a table in one place lists them. The com, its velocity and spins are
+#: of a body's state too, so they are not counted.
 LISTS = 3
-NAMES = {"signal": set(SIGNAL) - {"com", "velocity"}, "word": set(RANKS)}
+NAMES = {"signal": set(SIGNAL) - {"com", "velocity", "spins"}, "word": set(RANKS)}
 #: Where a new name is added.
 TABLES = {"signal": "scenarios/signals.py", "word": "reports/results/verdict_words.py"}
 #: Files that spell names for a reason of their own: a new name leaves them as they are.
@@ -106,9 +106,9 @@ def test_a_list_that_is_planted_is_found(kind, name, text):
 
 
 #: Where an entry is put, and the entry.
-SEVENTH_SIGNAL = {
+NEW_SIGNAL = {
     "    velocity: float\n": "    velocity: float\n    upright: float\n",
-    ")\n\n\ndef errors_by_key": """    Signal(
+    '    Signal(\n        name="spins",\n': """    Signal(
         name="upright",
         label="Lz",
         quantity="vertical angular momentum",
@@ -117,12 +117,11 @@ SEVENTH_SIGNAL = {
         values=lambda scene, motion: angular_momentum_world(scene, motion)[:, 2],
         base=energy_base,
     ),
-)
-
-
-def errors_by_key""",
+    Signal(
+        name="spins",
+""",
 }
-SEVENTH_WORD = {
+NEW_WORD = {
     '"disagrees", "failed"]': '"disagrees", "failed", "hopeless"]',
     ")\n#: The kinds by their words": """    VerdictKind(
         "hopeless",
@@ -159,9 +158,9 @@ def with_one_more(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
     The scene expects what no run keeps of the new signal.
     """
-    folder = tmp_path_factory.mktemp("seventh")
+    folder = tmp_path_factory.mktemp("one-more")
     files = {}
-    for kind, entries in (("signal", SEVENTH_SIGNAL), ("word", SEVENTH_WORD)):
+    for kind, entries in (("signal", NEW_SIGNAL), ("word", NEW_WORD)):
         text = SOURCES[TABLES[kind]]
         for old, new in entries.items():
             assert text.count(old) == 1, old

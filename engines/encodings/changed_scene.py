@@ -25,11 +25,17 @@ from ...scenarios.rotation import matrix, times
 from ...scenarios.scenario import with_tables
 from ...scenarios.start import Start
 from ..checks.read_back import BodyReading, State
+from ..method import COMMON_EFFECTS
 
 #: What the mirror leaves and reverses: of vectors, of axial ones, of quaternions.
 _POLAR, _AXIAL = np.array([-1.0, 1.0, 1.0]), np.array([1.0, -1.0, -1.0])
 _MIRRORED_Q = np.array([1.0, 1.0, -1.0, -1.0])
 _X = np.array([1.0, 0.0, 0.0])
+
+#: Effects of a scene that a change of its body keeps, of one on a table, and of one in free fall.
+OF_BODIES = COMMON_EFFECTS | {"rotors"}
+ON_A_TABLE = OF_BODIES | {"table"}
+FREE_FALL = frozenset({"gravity", "rotors"})
 
 
 @dataclass(frozen=True)

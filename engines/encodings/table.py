@@ -13,7 +13,7 @@ from ..engine import Engine
 from ..method import COMMON_EFFECTS
 from ..models.description import PLAIN, TURN, Description, away_from
 from ..models.shape import box_sides
-from .changed_scene import SceneChange
+from .changed_scene import FREE_FALL, OF_BODIES, ON_A_TABLE, SceneChange
 
 #: Number of changed scenes kept: every method runs them, at several timesteps.
 KEPT = 64
@@ -21,12 +21,6 @@ KEPT = 64
 CYCLE = (mpf("0.5"), mpf("0.5"), mpf("0.5"), mpf("0.5"))
 #: By 161°, in which a tensor's products of inertia are large.
 FAR_TURN = normalised((1, 3, 1, 5))
-
-
-#: What most of them keep the meaning of.
-_OF_BODIES = COMMON_EFFECTS | {"rotors"}
-_ON_A_TABLE = _OF_BODIES | {"table"}
-_FREE_FALL = frozenset({"gravity", "rotors"})
 
 
 def _none(scenario: Scenario) -> SceneChange:  # noqa: ARG001
@@ -55,7 +49,7 @@ class Encoding:
     summary: str
     change: Callable[[Scenario], SceneChange] = _none
     description: Description = PLAIN
-    effects: frozenset[str] = _OF_BODIES
+    effects: frozenset[str] = OF_BODIES
     needs_free: bool = False
 
     def scene(self, scenario: Scenario) -> Scenario:
@@ -99,20 +93,20 @@ ENCODINGS: dict[str, Encoding] = {
             "turned",
             "body frame turned by 74°, about none of its axes",
             lambda _: SceneChange(q_body_new=TURN),
-            effects=_ON_A_TABLE,
+            effects=ON_A_TABLE,
         ),
         Encoding(
             "permuted",
             "body axes x, y, z named y, z, x",
             lambda _: SceneChange(q_body_new=CYCLE),
-            effects=_ON_A_TABLE,
+            effects=ON_A_TABLE,
         ),
         Encoding(
             "full-tensor",
             "body frame turned by 161°, and the tensor written whole, with its products of inertia",
             lambda _: SceneChange(q_body_new=FAR_TURN),
             Description(full_tensor=True),
-            _ON_A_TABLE,
+            ON_A_TABLE,
         ),
         Encoding(
             "shape",
@@ -148,15 +142,15 @@ ENCODINGS: dict[str, Encoding] = {
             "mirrored",
             "world and body mirrored, x reversed",
             lambda _: SceneChange(is_mirrored=True),
-            effects=_ON_A_TABLE,
+            effects=ON_A_TABLE,
         ),
         Encoding(
             "mm-g",
             "in millimetres and grams",
             lambda _: SceneChange(length=1e3, mass=1e3),
-            effects=_ON_A_TABLE,
+            effects=ON_A_TABLE,
         ),
-        Encoding("ms", "in milliseconds", lambda _: SceneChange(time=1e3), effects=_ON_A_TABLE),
+        Encoding("ms", "in milliseconds", lambda _: SceneChange(time=1e3), effects=ON_A_TABLE),
         Encoding(
             "boosted",
             "seen from a frame that moves at 1 km/s",
@@ -170,13 +164,13 @@ ENCODINGS: dict[str, Encoding] = {
             "compensated",
             "gravity, and its compensation",
             description=Description(compensated=True),
-            effects=_OF_BODIES - {"gravity"},
+            effects=OF_BODIES - {"gravity"},
         ),
         Encoding(
             "slides-ball",
             "three slides and a ball joint, not a free joint",
             description=Description(joint="slides and ball"),
-            effects=_FREE_FALL,
+            effects=FREE_FALL,
             needs_free=True,
         ),
         Encoding(
@@ -189,7 +183,7 @@ ENCODINGS: dict[str, Encoding] = {
             "urdf",
             "the model as URDF, not in the engine's own language",
             description=Description(urdf=True),
-            effects=_FREE_FALL | {"pivot"},
+            effects=FREE_FALL | {"pivot"},
         ),
     )
 }

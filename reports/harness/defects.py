@@ -134,4 +134,5 @@ def _rounding(scenario: Scenario, exact: Trajectory) -> Errors:
 def _series(scenario: Scenario, motion: Trajectory, exact: Trajectory) -> ErrorSeries:
     flowed = flow(scenario, motion, np.diff(motion.t))
     made, right = (ErrorNorm(scenario, one).true_table for one in (motion, flowed))
-    return ErrorSeries(norm_of(scenario, exact).distances(made[1:], right))
+    norm = norm_of(scenario, exact)
+    return ErrorSeries(norm.signals, norm.distances(made[1:], right))

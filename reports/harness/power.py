@@ -1,12 +1,12 @@
 """Finds what a scene cannot test: effects without which no signal would change, and its end."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
 
 import numpy as np
 
 from ...reference import ExactMotion, IntegrationError, solve
-from ...scenarios import Errors, Scenario, errors_between
+from ...scenarios import Errors, Scenario, Signal, errors_between, signals_of
 from ...scenarios.effects import Effect
 from ...scenarios.scenario import with_tables
 
@@ -28,7 +28,8 @@ def powerless(scenario: Scenario) -> Iterator[str]:
         yield f"{scenario.name}: {too_long}"
     for effect in present:
         try:
-            other = ExactMotion(_without(scenario, effect)).outline(exact.t)
+            without_it = _without(scenario, effect)
+            other = ExactMotion(without_it).outline(exact.t)
         except IntegrationError:
             continue
         until = min(len(other.t), len(exact.t))
@@ -36,7 +37,7 @@ def powerless(scenario: Scenario) -> Iterator[str]:
         # Parts that are not there do not turn.
         without = replace(other.until(until), spins=np.zeros_like(kept.spins))
         moved = errors_between(scenario, without, kept)
-        if _is_nothing(moved, solution.uncertainty):
+        if _is_nothing(moved, solution.uncertainty, signals_of(without_it)):
             yield (
                 f"{scenario.name}: cannot tell whether there is {effect.table}: without it no "
                 f"signal changes by more than the reference's uncertainty"
@@ -49,6 +50,5 @@ def _without(scenario: Scenario, effect: Effect) -> Scenario:
     return with_tables(scenario, effects=scenario.effects.model_copy(update={effect.table: None}))
 
 
-def _is_nothing(moved: Errors, uncertainty: Errors) -> bool:
-    bounds = dict(uncertainty)
-    return all(change <= 2 * bounds[signal] for signal, change in moved)
+def _is_nothing(moved: Errors, uncertainty: Errors, signals: Iterable[Signal]) -> bool:
+    return all(moved[signal.name] <= 2 * uncertainty[signal.name] for signal in signals)

@@ -4,7 +4,6 @@ from collections.abc import Callable, Sequence
 from statistics import median
 from typing import Any
 
-from ...scenarios import SIGNALS
 from ..results.cost_records import EffectsCost, PassCosts
 from ..results.records import Key
 from .analysis.cost_to_reach import (
@@ -195,4 +194,4 @@ def cost_section(gathered: ReportData) -> dict[str, Any]:
 
 def scene_costs(scene: SceneRuns) -> list[tuple[str, Table]]:
     """A table for the errors of each signal, with its name."""
-    return [(str(signal), reach_table(scene, signal.name)) for signal in SIGNALS]
+    return [(str(signal), reach_table(scene, signal.name)) for signal in scene.signals]

@@ -1,34 +1,29 @@
 """What a ladder is judged by: a few numbers a rung. It can be judged again without a run."""
 
-from dataclasses import dataclass
+from collections.abc import Iterator
+from dataclasses import dataclass, fields, is_dataclass
 from typing import Annotated, Any
 
 import numpy as np
 from numpy.typing import NDArray
 from pydantic import PlainValidator, TypeAdapter
 
-from ...scenarios import SIGNALS, FloatArray
+from ...scenarios import EVERYWHERE, FloatArray, SignalName
 from .records import MethodKey, Record
 
 _NUMBERS = TypeAdapter(list[float])
 _FLAGS = TypeAdapter(list[bool])
 
 
-def _one_a_signal(values: Any) -> Any:
-    if len(values) != len(SIGNALS):
-        raise ValueError(f"must be {len(SIGNALS)} values, one a signal")
-    return values
-
-
 def _numbers(values: Any) -> FloatArray:
-    return np.array(_one_a_signal(_NUMBERS.validate_python(values, strict=True)))
+    return np.array(_NUMBERS.validate_python(values, strict=True))
 
 
 def _flags(values: Any) -> NDArray[np.bool_]:
-    return np.array(_one_a_signal(_FLAGS.validate_python(values, strict=True)), dtype=bool)
+    return np.array(_FLAGS.validate_python(values, strict=True), dtype=bool)
 
 
-#: (6,), one entry a signal.
+#: (signals,), one entry a signal that the scene has.
 Numbers = Annotated[FloatArray, PlainValidator(_numbers)]
 Flags = Annotated[NDArray[np.bool_], PlainValidator(_flags)]
 
@@ -52,7 +47,7 @@ class Deviation:
 
 @dataclass(frozen=True, eq=False)
 class Refinement:
-    """What two neighbouring rungs, and the one before, show; arrays (6,), one entry a signal.
+    """What two neighbouring rungs, and the one before, show; arrays (signals,).
 
     Attributes
     ----------
@@ -74,7 +69,7 @@ class Refinement:
 
 @dataclass(frozen=True, eq=False)
 class JudgedRung:
-    """A rung of a ladder, and what it shows beside the two coarser ones; arrays (6,).
+    """A rung of a ladder, and what it shows beside the two coarser ones; arrays (signals,).
 
     Attributes
     ----------
@@ -94,7 +89,7 @@ class JudgedRung:
 
 @dataclass(frozen=True, eq=False)
 class LadderBasis:
-    """What all rungs of a ladder are judged by; arrays (6,).
+    """What all rungs of a ladder are judged by; arrays (signals,).
 
     Attributes
     ----------
@@ -102,12 +97,14 @@ class LadderBasis:
     uncertainty : of the reference, plus that of start and body as the engine holds them
     duration : s, of the window
     rate : rad/s, the fastest of the motion
+    signals : their names, in order; older files have those of every scene
     """
 
     declared_orders: Numbers
     uncertainty: Numbers
     duration: float
     rate: float
+    signals: tuple[SignalName, ...] = EVERYWHERE
 
 
 @dataclass(frozen=True, eq=False)
@@ -164,3 +161,20 @@ class Evidence(Record):
     basis: LadderBasis | None = None
     local: LocalEvidence | None = None
     memory: float | None = None
+
+    def __post_init__(self) -> None:
+        pieces = self.local.pieces if self.local else None
+        if any(len(set(_widths(of))) > 1 for of in ((self.basis, self.rungs), pieces)):
+            raise ValueError("must have one value a signal throughout")
+
+
+def _widths(part: Any) -> Iterator[int]:
+    """How many values each field of a part of a ladder has that has one a signal."""
+    if isinstance(part, tuple):
+        for one in part:
+            yield from _widths(one)
+    elif is_dataclass(part):
+        for field in fields(part):
+            value = getattr(part, field.name)
+            is_by_signal = isinstance(value, np.ndarray) or field.name in ("signals", "deviations")
+            yield from (len(value),) if is_by_signal else _widths(value)

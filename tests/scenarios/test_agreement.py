@@ -134,6 +134,25 @@ def test_other_sample_times_are_refused():
         errors_between(MADE, spinning(t=T * 1.0000001), EXACT)
 
 
+def test_spins_are_compared_where_there_are_any_beside_the_fastest_turn():
+    assert "spins" not in dict(errors_between(MADE, EXACT, EXACT))
+    rotor = """
+[[rotors]]
+axis = [0.0, 0.0, 1.0]
+position = [0.0, 0.0, 0.0]
+mass = 0.1
+inertia = [2e-5, 4e-5]
+spin = 1.0
+hinge = "free"
+"""
+    gyrostat = scene(more=rotor + rotor)
+    exact, off = (spinning(spins=always(1.0, spin)) for spin in (6.0, 6.3))
+    errors = errors_between(gyrostat, off, exact)
+    # Both spins, (1, 6), are one vector.
+    assert errors["spins"] == pytest.approx(0.3 / np.hypot(1.0, 6.0), abs=ROUNDED)
+    assert errors.omega == errors.attitude == 0.0
+
+
 @pytest.mark.parametrize("signal", ["com", "velocity"])
 def test_a_com_that_should_stay_is_measured_against_the_radius_of_gyration(signal):
     scene_of = MADE

@@ -3,7 +3,7 @@
 import pytest
 from case_loops import each_case
 from scene_texts import TEXT, changed, scene
-from spincheck.scenarios import SIGNAL, ScenarioError, loads
+from spincheck.scenarios import EVERYWHERE, ScenarioError, loads
 
 MASS = ("mass = 2.0", "mass = {}")
 INERTIA = ("inertia = [1.0, 2.0, 2.5]", "inertia = {}")
@@ -236,6 +236,10 @@ REFUSED_TABLES = {
         expect("omega = 1.0", 'outcome = "diverges"'),
         r"\[\[expect\]\] number 1: takes bounds .*, or 'outcome'",
     ),
+    "a bound on what the scene lacks": (
+        expect("spins = 1e-3"),
+        r":18: \[\[expect\]\] number 1 spins: the scene has no spins of the rotors",
+    ),
     "another outcome": (
         expect('outcome = "ok"'),
         r"\[\[expect\]\] number 1 outcome: .* 'diverges'",
@@ -278,7 +282,7 @@ def test_a_document_cannot_be_changed(text):
 
 
 def test_expected_bounds_are_those_given_of_any_signals():
-    bounds = {name: 1e-6 * k for k, name in enumerate(SIGNAL, start=1)}
+    bounds = {name: 1e-6 * k for k, name in enumerate(EVERYWHERE, start=1)}
     (expectation,) = scene(
         more=expect(*(f"{name} = {bound}" for name, bound in bounds.items()))
     ).expect

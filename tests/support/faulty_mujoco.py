@@ -104,6 +104,7 @@ READINGS: dict[str, Callable[[State, float, Scenario, float], State]] = {
         s, velocity_world=(1 + size) * s.velocity_world
     ),
     "reading of the com": lambda s, _t, c, size: _sagged(s, size * radius_of_gyration(c)),
+    "reading of the spins": lambda s, _t, _c, size: replace(s, spins=(1 + size) * s.spins),
     "drift": lambda s, t, c, size: _drifted(s, t, size * radius_of_gyration(c) / c.window.duration),
     "sample late": lambda s, _t, c, size: _late(
         s, size / max(float(np.linalg.norm(c.start.omega_body)), 1 / c.window.duration)
@@ -122,6 +123,8 @@ def applies(fault: PlantedFault, scenario: Scenario) -> bool:
         return scenario.constraint.is_pivot and scenario.effects.gravity is not None
     if fault.kind == "reading of the velocity":
         return bool(scenario.called_for or scenario.start.velocity_world.any())
+    if fault.kind == "reading of the spins":
+        return bool(scenario.rotors)
     return fault.kind != "moment" or bool(np.ptp(scenario.body.principal_moments) > 0)
 
 

@@ -88,11 +88,10 @@ def judged_files(
         timestep = timesteps[k] if timesteps else None
         with as_complaint(RecordingError, before=f"{file}: "):
             motions[str(file)] = judged_motion(scenario, recording, components, frame, timestep)
-    beyond = [
-        f"{name}: {sentence}"
-        for name, motion in motions.items()
-        for sentence in motion.beyond(wanted)
-    ]
+    beyond = []
+    for name, motion in motions.items():
+        with as_complaint(RecordingError, before=f"{name}: "):
+            beyond += [f"{name}: {sentence}" for sentence in motion.beyond(wanted)]
     return Judgement(scenario, motions, order, beyond)
 
 

@@ -15,7 +15,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from ....engines import engines
-from ....scenarios import Scenario
+from ....scenarios import SIGNAL, Scenario
 from ...harness.choice import Choice
 from ...harness.executors import TIME_LIMIT, LocalWorkers
 from ...harness.judging.ladder import RUNGS_OF_A_LIMIT
@@ -92,8 +92,9 @@ def recommend(
     stored : a result file; where it has no timed runs of the scene its ladders are run
     """
     bounds = bounds or BOUNDS
-    _check_bounds(bounds)
-    methods = _methods(one_scene(scene), engine_names)
+    scenario = one_scene(scene)
+    _check_bounds(bounds, scenario)
+    methods = _methods(scenario, engine_names)
     check_temporary_folder()
     with saying("nothing is kept"), TemporaryDirectory() as folder:
         if timed_runs := _timed_runs(scene, engine_names, stored):
@@ -118,10 +119,12 @@ def exit_code(recommendation: Recommendation) -> int:
     return AGREES if recommendation.verified else DISAGREES
 
 
-def _check_bounds(bounds: ErrorBounds) -> None:
+def _check_bounds(bounds: ErrorBounds, scenario: Scenario) -> None:
     for signal, bound in bounds.items():
         if not 0 < bound < math.inf:
             raise Complaint(f"'{option(signal)}' must be positive, got {bound:g}")
+        if not SIGNAL[signal].exists(scenario):
+            raise Complaint(f"'{option(signal)}': {scenario.name} has no {SIGNAL[signal].quantity}")
 
 
 def _methods(scenario: Scenario, engine_names: Sequence[str]) -> list[str]:

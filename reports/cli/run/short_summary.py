@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 from statistics import median_high
 
 from ....engines.fault import ENVIRONMENTAL
-from ....scenarios import SIGNALS, Signal
+from ....scenarios import Signal
 from ...pages.analysis.best_choice import BOUNDS, best_choice, within_in_words
 from ...pages.analysis.report_data import ReportData, report_data
 from ...pages.analysis.timesteps import as_shipped, attitudes_at, leading, stock_timesteps
@@ -15,6 +15,7 @@ from ...pages.analysis.wording import duration, plural
 from ...results.records import Row, Verdict
 from ...results.store import Results
 from ...results.verdict_words import LISTED
+from .summary import aligned, of_signals
 
 WIDTH = 80
 #: Lines that one reason may take, and scenes whose best choice is printed one by one.
@@ -22,8 +23,6 @@ REASON_LINES, SCENES_PRINTED = 3, 3
 #: Methods whose errors are printed, at most: engines as shipped, smallest errors first, then each
 #: engine's most accurate method, at least `OTHERS` of them.
 METHODS_SHOWN, OTHERS = 8, 3
-#: Columns of scene, method and timestep beside the errors of a run.
-NAMES = 34
 #: degrees; larger angles are printed as whole numbers.
 LEAST_WHOLE = 9.5
 
@@ -142,31 +141,25 @@ def _counted(report: ReportData) -> Iterator[str]:
 
 def _asked_for(rows: Sequence[Row], timesteps: Sequence[float]) -> Iterator[str]:
     """The errors measured at timesteps that were asked for."""
-    headings = "".join(f"{signal.label:>{_width(signal)}}" for signal in SIGNALS)
-    yield f"{'scene, method, timestep':{NAMES}}{headings}"
-    for row in rows:
-        if row.timestep not in timesteps:
-            continue
-        name = _named_run(row)
-        if row.errors is None:
-            yield f"{name} {row.outcome}: {row.cause or row.reason}"[:WIDTH]
-            continue
-        yield name + "".join(
-            f"{_degrees(error) if signal.unit == 'rad' else f'{error:.0e}':>{_width(signal)}}"
-            for signal, (_, error) in zip(SIGNALS, row.errors, strict=True)
-        )
+    shown = [row for row in rows if row.timestep in timesteps]
+    errors = (dict(row.errors) for row in shown if row.errors)
+    headings, *numbers = aligned(of_signals(errors, _brief)) or [""]
+    width = WIDTH - len(headings)
+    yield f"{'scene, method, timestep':{width}}{headings}"
+    for row in shown:
+        ended = f" {row.outcome}: {row.cause or row.reason}"
+        yield (_named_run(row, width) + (numbers.pop(0) if row.errors else ended))[:WIDTH]
 
 
-def _width(signal: Signal) -> int:
-    """Columns of a signal's errors."""
-    return max(len(signal.label), len(f"{1e-100:.0e}")) + 1
+def _brief(signal: Signal, error: float) -> str:
+    return _degrees(error) if signal.unit == "rad" else f"{error:.0e}"
 
 
-def _named_run(row: Row) -> str:
-    """Scene, method and timestep in `NAMES` columns; of a long name the timestep is kept."""
+def _named_run(row: Row, width: int) -> str:
+    """Scene, method and timestep in so many columns; of a long name the timestep is kept."""
     timestep = f" {duration(row.timestep)}"
-    name, room = f"{row.key.scenario} {row.key.label}", NAMES - len(timestep) - 1
-    return f"{name if len(name) <= room else f'{name[: room - 1]}…'}{timestep}".ljust(NAMES)
+    name, room = f"{row.key.scenario} {row.key.label}", width - len(timestep) - 1
+    return f"{name if len(name) <= room else f'{name[: room - 1]}…'}{timestep}".ljust(width)
 
 
 def _degrees(error: float) -> str:

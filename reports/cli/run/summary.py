@@ -1,12 +1,12 @@
-"""Runs, verdicts and points: lines of at most 80 columns, and JSON with all columns."""
+"""Runs, verdicts and points: lines of 80 columns where numbers allow, and JSON of everything."""
 
 import json
 import textwrap
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from itertools import groupby
 from typing import Any
 
-from ....scenarios import SIGNALS
+from ....scenarios import SIGNALS, Signal
 from ....scenarios.fastest_rate import fastest_rate
 from ...pages.analysis.timesteps import Survival, survival
 from ...pages.analysis.work_precision import cost
@@ -23,16 +23,41 @@ SCENE, METHOD = 25, 25
 REASON_LINES = 3
 #: Columns of the coordinates of a point.
 PLACE = 23
-_HEADINGS = "".join(f"{signal.label:>9}" for signal in SIGNALS)
 
 
 def run_lines(rows: Sequence[Row]) -> Iterator[str]:
     """The runs of each method below its name, coarse to fine; a star marks a stock timestep."""
     for key, runs in groupby(rows, key=lambda row: row.key):
         yield cut(f"{key.scenario}: {key.label}", WIDTH)
-        yield f"  {'timestep, s':>11} {_HEADINGS}{'CPU s/s':>9}"
-        for row in runs:
-            yield cut(_run(row), WIDTH)
+        group = list(runs)
+        finished = [row for row in group if row.errors]
+        costs = ["CPU s/s", *("" if (n := cost(row)) is None else f"{n:.1e}" for row in finished)]
+        errors = (dict(row.errors) for row in finished if row.errors)
+        headings, *numbers = aligned([*of_signals(errors), costs])
+        yield f"  {'timestep, s':>11} {headings}"
+        for row in group:
+            yield cut(_begun(row) + (numbers.pop(0) if row.errors else _ended(row)), WIDTH)
+
+
+def of_signals(
+    errors: Iterable[Mapping[str, float]],
+    words: Callable[[Signal, float], str] = lambda _, error: f"{error:.1e}",
+) -> list[list[str]]:
+    """A column for each signal in which any run has an error: its label, and the errors."""
+    known = list(errors)
+    shown = [signal for signal in SIGNALS if any(signal.name in one for one in known)]
+    return [
+        [s.label, *(words(s, one[s.name]) if s.name in one else "" for one in known)] for s in shown
+    ]
+
+
+def aligned(columns: Sequence[Sequence[str]]) -> list[str]:
+    """The lines of columns of texts, which end below each other."""
+    widths = [max(map(len, column)) + 1 for column in columns]
+    return [
+        "".join(text.rjust(width) for text, width in zip(line, widths, strict=True))
+        for line in zip(*columns, strict=True)
+    ]
 
 
 def verdict_lines(verdicts: Sequence[Verdict]) -> Iterator[str]:
@@ -68,19 +93,25 @@ def point_lines(records: Sequence[dict[str, Any]]) -> Iterator[str]:
         method = f"{record['engine']} {record['method']}"
         return f"{record['scenario']}: {method}; {record['sweep']} of {', '.join(_at(record))}"
 
-    for title, points in groupby(records, key=sweep_of):
+    for title, grouped in groupby(records, key=sweep_of):
         yield cut(title, WIDTH)
-        yield f"  {'at':{PLACE}} {_HEADINGS}"
+        points = list(grouped)
+        headings, *numbers = aligned(of_signals(map(_errors, filter(_errors, points)))) or [""]
+        yield f"  {'at':{PLACE}} {headings}"
         for point in points:
             place = "  ".join(f"{value:<11.6g}" for value in _at(point).values())
             begun = f"  {cut(place.rstrip(), PLACE):{PLACE}} "
-            if point[SIGNALS[0].key] is None:
+            if not _errors(point):
                 stopped = point["stopped_at"]
                 when = f" at {stopped:.3g} s" if stopped is not None else ""
                 why = f": {point['reason']}" if point["reason"] else ""
                 yield cut(f"{begun}{point['outcome']}{when}{why}", WIDTH)
             else:
-                yield begun + "".join(f"{point[signal.key]:9.1e}" for signal in SIGNALS)
+                yield begun + numbers.pop(0)
+
+
+def _errors(point: dict[str, Any]) -> dict[str, float]:
+    return {s.name: point[s.key] for s in SIGNALS if point[s.key] is not None}
 
 
 def _at(point: dict[str, Any]) -> dict[str, float]:
@@ -93,14 +124,13 @@ def cut(text: str, width: int) -> str:
     return text if len(text) <= width else f"{text[: width - 1]}…"
 
 
-def _run(row: Row) -> str:
-    mark = "*" if row.stock else " "
-    begun = f"{mark} {row.timestep:11.5g} "
-    if row.errors is None:
-        when = f" at {row.stopped_at:.3g} s" if row.stopped_at is not None else ""
-        return f"{begun}{row.outcome if row.made else 'not run'}{when}: {row.reason}"
-    numbers = (*(error for _, error in row.errors), cost(row))
-    return begun + "".join(f"{number:9.1e}" if number is not None else "" for number in numbers)
+def _begun(row: Row) -> str:
+    return f"{'*' if row.stock else ' '} {row.timestep:11.5g} "
+
+
+def _ended(row: Row) -> str:
+    when = f" at {row.stopped_at:.3g} s" if row.stopped_at is not None else ""
+    return f"{row.outcome if row.made else 'not run'}{when}: {row.reason}"
 
 
 def results_as_json(results: Results) -> dict[str, Any]:

@@ -12,7 +12,7 @@ import numpy as np
 from ....reference import IntegrationError, Solution, drifts, facts, solve
 from ....reference.euler_angles import euler_zyz_from_quaternion, rates_from_omega_body
 from ....scenarios import (
-    SIGNALS,
+    SIGNAL,
     FloatArray,
     Misfit,
     Scenario,
@@ -67,9 +67,7 @@ def truth_files(scenario: Scenario) -> dict[str, str]:
 def _header_lines(scenario: Scenario, solution: Solution) -> Iterator[str]:
     yield f"{printable(scenario.name)}: {printable(scenario.title)}"
     yield f"Exact motion by spincheck: {solution.method}."
-    uncertainty = ", ".join(
-        f"{name} {value:.1e}" for name, value in asdict(solution.uncertainty).items()
-    )
+    uncertainty = ", ".join(f"{name} {value:.1e}" for name, value in solution.uncertainty)
     yield f"Uncertainty, relative (attitude: rad): {uncertainty}."
     for name, meaning in COLUMNS.items():
         yield f"{name}: {meaning}"
@@ -90,7 +88,7 @@ def _json(scenario: Scenario, solution: Solution, columns: dict[str, FloatArray]
         "scenario": scenario.name,
         "title": scenario.title,
         "method": solution.method,
-        "uncertainty": asdict(solution.uncertainty),
+        "uncertainty": dict(solution.uncertainty),
         "units_and_frames": COLUMNS,
         "columns": {name: values.tolist() for name, values in columns.items()},
     }
@@ -108,7 +106,7 @@ def _c_header(scenario: Scenario, solution: Solution, columns: dict[str, FloatAr
         f"enum {{ {name}_samples = {len(columns['t'])} }};",
         *(
             f"static const double {name}_{what}_uncertainty = {value!r};"
-            for what, value in asdict(solution.uncertainty).items()
+            for what, value in solution.uncertainty
         ),
         *(_c_array(f"{name}_{what}", values) for what, values in columns.items()),
         "#endif",
@@ -168,8 +166,8 @@ def describe(scenario: Scenario, at: Sequence[float]) -> dict[str, Any]:
     return {
         "scenario": scenario.name,
         "method": solution.method,
-        "uncertainty": asdict(solution.uncertainty),
-        "conditioning": asdict(solution.conditioning),
+        "uncertainty": dict(solution.uncertainty),
+        "conditioning": dict(solution.conditioning),
         "horizon": solution.horizon,
         "ending": solution.ending,
         "states": [
@@ -201,7 +199,12 @@ def print_truth(truth: dict[str, Any]) -> None:
         print("\n".join(_state(state)))
     if truth["ending"]:
         print(f"The motion is known no longer: {truth['ending']}.\n")
-    table([{"": what} | {s.label: truth[what][s.name] for s in SIGNALS} for what in _ERRORS])
+    table(
+        [
+            {"": what} | {SIGNAL[name].label: size for name, size in truth[what].items()}
+            for what in _ERRORS
+        ]
+    )
     table([{"conserved": name, "drift": drift} for name, drift in truth["drifts"].items()])
     table([{**fact, "value": _shown(fact["value"])} for fact in truth["facts"]])
 

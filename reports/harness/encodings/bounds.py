@@ -10,13 +10,13 @@ from ....engines.checks.read_back import State
 from ....engines.encodings import KEPT, SAME_BODY, Encoding, SceneChange
 from ....engines.models.description import away_from
 from ....reference import Solution
-from ....scenarios import SIGNAL, Scenario, Trajectory
+from ....scenarios import SIGNAL, Scenario, Trajectory, signals_of
 from ....scenarios.mechanics import angular_momentum_world
 from ....scenarios.rotation import norms
 from ..measuring.rounding import roundings_in_flight
 
 #: The signals that make up a state; the others follow from them.
-JUDGED = ("omega", "attitude", "com", "velocity")
+JUDGED = ("omega", "attitude", "com", "velocity", "spins")
 #: Both motions are rounded.
 BOTH = 2
 #: Numbers that a motion follows from, each of which rounding may change: of ω and attitude three
@@ -60,8 +60,10 @@ def rounding_bounds(
     flung = _flung(scenario, exact, far) * engine.ulp * float(exact.t[-1])
     flown = {"com": flung * float(exact.t[-1]) / 2, "velocity": flung}
     bounds = {}
-    for name in JUDGED:
-        signal, ulp = SIGNAL[name], solution.conditioning[name]
+    for signal in signals_of(scenario):
+        if (name := signal.name) not in JUDGED:
+            continue
+        ulp = solution.conditioning[name]
         # Where nothing moves, distances are 0 or infinite, whatever they are relative to.
         base = signal.base(scenario, exact) or 1.0
         if name in units and not scenario.constraint.is_pivot:
@@ -84,6 +86,7 @@ def _moved(change: SceneChange, exact: Trajectory) -> Trajectory:
         omega_body=exact.omega_body / change.time,
         com_world=place,
         velocity_world=velocity,
+        spins=exact.spins / change.time,
     )
 
 

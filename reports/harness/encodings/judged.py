@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from ....engines import Engine, Run
 from ....engines.encodings import Encoding
 from ....reference import Solution
-from ....scenarios import SIGNAL, Errors, Scenario, Trajectory, errors_between
+from ....scenarios import SIGNAL, Errors, ErrorSeries, Scenario, Trajectory, errors_between
 from ....scenarios.agreement import ErrorNorm
 from ...results.encoding_records import EncodedRun, EncodingWord
 from .bounds import rounding_bounds
@@ -70,7 +70,7 @@ class Judge:
     def _apart(self, motion: Trajectory, own: Trajectory) -> Errors:
         norm = ErrorNorm(self.scenario, self.solution.trajectory)
         distances = norm.distances(norm.table(motion), norm.table(own))
-        return Errors(*map(float, distances.max(axis=0)))
+        return ErrorSeries(norm.signals, distances).worst()
 
     def _beyond(self, encoding: Encoding, apart: Errors, steps: int) -> list[str]:
         """The signals in which motions are farther apart than rounding explains."""

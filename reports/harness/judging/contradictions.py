@@ -10,7 +10,7 @@ from itertools import chain, islice
 
 import numpy as np
 
-from ....scenarios import SIGNALS, FloatArray
+from ....scenarios import FloatArray
 from ...results.records import Row
 from ..measuring.asymptotic import ASYMPTOTIC, DISTINCT, ORDER_SLACK, WHOLE
 from .observed_order import FITTED_RUNGS, SETTLING_ORDER
@@ -66,7 +66,8 @@ def _all(
     yield from _lost(rows, sequences)
     for sequence in sequences:
         floors = sequence.roundoff_bounds + sequence.uncertainty
-        largest = np.array([_largest_defects(row) for row in rows[-len(sequence) :]])
+        names = [one.signal.name for one in sequences]
+        largest = np.array([_largest_defects(row, names) for row in rows[-len(sequence) :]])
         name = f"{sequence.signal.label}: the error"
         yield from _worse(_Series(sequence, name, sequence.errors, floors, largest))
         if len(rows) == len(sequence) and all(row.defects for row in rows):
@@ -94,10 +95,10 @@ def _own(sequence: SignalSequence, interval: float) -> FloatArray:
     return rate * interval * (rate * sequence.timesteps) ** sequence.declared_order
 
 
-def _largest_defects(row: Row) -> list[float]:
+def _largest_defects(row: Row, names: Sequence[str]) -> list[float]:
     """The largest defects by signal; infinite in a run that cannot be followed."""
     found = row.defects or {}
-    return [found[signal.name].max if found else np.inf for signal in SIGNALS]
+    return [found[name].max if found else np.inf for name in names]
 
 
 def _lost(rows: Sequence[Row], sequences: Sequence[SignalSequence]) -> Iterator[str]:

@@ -4,7 +4,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
-from ....scenarios import SIGNAL
 from ...results.evidence import Evidence, JudgedLadder
 from ...results.records import Row, SignalVerdict
 from ..measuring.asymptotic import ASYMPTOTIC
@@ -23,10 +22,10 @@ class LadderJudgement:
 
     @cached_property
     def signals(self) -> list[Judgement]:
-        """The judgements, in the order of `SIGNAL`."""
+        """The judgements, in the order of the ladder's signals."""
         if self.ladder is None or len(self.ladder.rungs) < RUNGS_OF_A_LIMIT:
             return []
-        return [judge_signal(sequence(self.ladder, name)) for name in SIGNAL]
+        return [judge_signal(sequence(self.ladder, name)) for name in self.ladder.basis.signals]
 
     @property
     def worst(self) -> Judgement:

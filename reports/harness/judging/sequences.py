@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ....scenarios import SIGNAL, SIGNALS, FloatArray, Signal
+from ....scenarios import SIGNAL, FloatArray, Signal
 from ...results.evidence import Deviation, JudgedLadder
 
 
@@ -49,15 +49,15 @@ class SignalSequence:
 
 def sequence(ladder: JudgedLadder, name: str) -> SignalSequence:
     """A ladder in one signal."""
-    k = list(SIGNAL).index(name)
     rungs, basis = ladder.rungs, ladder.basis
+    k = basis.signals.index(name)
     refinements = [rung.refinement for rung in rungs if rung.refinement]
 
     def column(rows: Iterable[FloatArray | None]) -> FloatArray:
         return np.array([row[k] for row in rows if row is not None])
 
     return SignalSequence(
-        SIGNALS[k],
+        SIGNAL[name],
         np.array([rung.timestep for rung in rungs]),
         column(rung.errors for rung in rungs),
         column(rung.roundoff_bounds for rung in rungs),

@@ -74,7 +74,8 @@ def _judged(records: Records) -> Verdict:
     remark = last.reason if last else ""
     is_wrong = last is not None and last.cause in ("law", "precision")
     if not is_wrong:
-        sequences = [one.sequence for one in records.ladder.signals]
+        worst_first = sorted(records.ladder.signals, key=lambda one: one.severity, reverse=True)
+        sequences = [one.sequence for one in worst_first]
         found = contradictions(records.judged_rows, sequences, records.slack, records.interval)
         wrong = next(found, "")
         if wrong and is_clean:

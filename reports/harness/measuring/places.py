@@ -10,12 +10,12 @@ from ....engines.checks.equations import Equations
 from ....engines.checks.read_back import State, stacked
 from ....reference import Solution, flow
 from ....scenarios import (
-    SIGNAL,
     Errors,
     FloatArray,
     Scenario,
     Trajectory,
     angular_momentum_world,
+    signals_of,
 )
 from ....scenarios.fastest_rate import fastest_rate
 from ....scenarios.rotation import (
@@ -181,12 +181,13 @@ def _pieces(scenario: Scenario, starts: State, timestep: float, condition: float
     from_starts = State(*(np.repeat(column, each, axis=0) for column in starts.columns))
     states = flowed(scenario, from_starts, np.tile(spans, count))
     times = np.asarray(np.arange(count * each) * (timestep * SAMPLE_EVERY), dtype=float)
+    names = [signal.name for signal in signals_of(scenario)]
     growth = PIECE_GROWTH * condition * float(np.finfo(float).eps)
     return Solution(
         Trajectory(times, *states.columns),
         "the exact flow",
-        uncertainty=Errors(**dict.fromkeys(SIGNAL, FLOW_ROUNDING)),
-        conditioning=Errors(**dict.fromkeys(SIGNAL, growth)),
+        uncertainty=Errors(**dict.fromkeys(names, FLOW_ROUNDING)),
+        conditioning=Errors(**dict.fromkeys(names, growth)),
     )
 
 

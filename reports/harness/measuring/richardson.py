@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ....reference import Solution
-from ....scenarios import SIGNALS, ErrorNorm, FloatArray, Scenario, Trajectory
+from ....scenarios import ErrorNorm, FloatArray, Scenario, Trajectory
 from ....scenarios.effects.gravity import swing_rate
 from ....scenarios.fastest_rate import fastest_rate
 from ...results.evidence import Deviation, JudgedLadder, JudgedRung, LadderBasis, Refinement
@@ -41,15 +41,22 @@ class RichardsonLadder:
         ulp: float = EPS,
     ) -> None:
         exact = solution.trajectory
-        declared = [signal.declared_order(order, attitude_order) for signal in SIGNALS]
+        self._norm = ErrorNorm(scenario, exact)
+        signals = self._norm.signals
+        declared = [signal.declared_order(order, attitude_order) for signal in signals]
         self.declared = np.array(declared, dtype=float)
         growth = np.array([value for _, value in ulp_growth(scenario, solution)]) / EPS
         self._roundoff_a_step = growth * ulp
         uncertainty = np.array([value for _, value in solution.uncertainty])
         self._uncertainty = uncertainty + growth * precision
         rate = fastest_rate(scenario, exact.omega_body)
-        self.basis = LadderBasis(self.declared, self._uncertainty, float(exact.t[-1]), rate)
-        self._norm = ErrorNorm(scenario, exact)
+        self.basis = LadderBasis(
+            self.declared,
+            self._uncertainty,
+            float(exact.t[-1]),
+            rate,
+            tuple(signal.name for signal in signals),
+        )
         self._scenario, self._solution, self._exact = scenario, solution, exact
         self._p = float(self.declared.min())
         rates = np.maximum(np.linalg.norm(exact.omega_body, axis=1), swing_rate(scenario))
@@ -131,7 +138,7 @@ class RichardsonLadder:
         return np.where(is_clean, np.minimum(bound, CAUTIOUS * changes), bound)
 
     def _deviations(self, errors: FloatArray, allowed: FloatArray) -> tuple[Deviation | None, ...]:
-        """The deviations of every signal; both are running maxima, (n, 6)."""
+        """The deviations of every signal; both are running maxima, (n, signals)."""
         is_wrong = (errors > DISTINCT * allowed) & (allowed <= ASYMPTOTIC)
         samples = [np.flatnonzero(one) for one in is_wrong[: self._samples_in_range()].T]
         times = self._exact.t

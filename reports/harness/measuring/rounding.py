@@ -3,7 +3,7 @@
 import numpy as np
 
 from ....reference import Solution
-from ....scenarios import SIGNALS, Errors, Scenario
+from ....scenarios import Errors, Scenario, signals_of
 
 
 def ulp_growth(scenario: Scenario, solution: Solution) -> Errors:
@@ -15,7 +15,7 @@ def ulp_growth(scenario: Scenario, solution: Solution) -> Errors:
     if scenario.constraint.is_pivot:
         return growth
     exact = solution.trajectory
-    return Errors(*(signal.growth(scenario, exact, growth) for signal in SIGNALS))
+    return Errors(**{s.name: s.growth(scenario, exact, growth) for s in signals_of(scenario)})
 
 
 def roundings_in_flight(scenario: Scenario, solution: Solution, steps: int) -> float:

@@ -28,8 +28,8 @@ DEGREE = pi / 180
 #: Times that go on for more windows of the scene are in another unit than s, and would take long to
 #: solve; those of one window in ms, which are explained, go on for 1000.
 MOST_WINDOWS = 2000
-#: The signals that a recording without a quantity says nothing of.
-WITHOUT = {"com": ("com",), "velocity": ("velocity",)}
+#: What a recording may lack of a free body.
+OPTIONAL = ("com", "velocity")
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,7 +67,14 @@ class JudgedMotion:
         Parameters
         ----------
         bounds : largest error allowed, by signal, relative or in rad
+
+        Raises
+        ------
+        RecordingError
+            If a bound is of a signal that was not recorded.
         """
+        if unrecorded := [name for name in bounds if self.errors[name] is None]:
+            raise RecordingError(f"'{unrecorded[0]}' cannot be checked: it was not given")
         return [
             f"{SIGNAL[name].label} is off by {error:.3g} {SIGNAL[name].unit or '(relative)'}, "
             f"more than {bound:.3g}"
@@ -105,12 +112,11 @@ def judged_motion(
     exact = solution.trajectory
     recorded = recorded_motion(scenario, recording, exact, order, frame)
     series = error_series(scenario, recorded.trajectory, exact)
-    errors: dict[str, float | None] = dict(series.worst())
-    for name, signals in WITHOUT.items():
-        if name not in recording.arrays and not scenario.constraint.is_pivot:
-            errors |= dict.fromkeys(signals)
-    if not recorded.has_omega:
-        errors["omega"] = None
+    # No recording has spins.
+    lacks = [name for name in OPTIONAL if name not in recording.arrays]
+    absent = [*(lacks if not scenario.constraint.is_pivot else ()), "spins"]
+    absent += ["omega"] * (not recorded.has_omega)
+    errors = dict(series.worst()) | dict.fromkeys(absent)
     of_steps = defects(scenario, recorded.trajectory, exact)
     beyond = np.flatnonzero(series["attitude"] > DEGREE)
     timestep = timestep or (float(stated["timestep"]) if "timestep" in stated else None)

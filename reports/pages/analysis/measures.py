@@ -36,7 +36,8 @@ def _error_in(signal: Signal) -> Measure:
         if row.errors is None:
             return math.inf
         least = row.reference_uncertainty if signal.name == "omega" else 0.0
-        return max(row.errors[signal.name], least) * signal.shown
+        size = row.errors[signal.name]
+        return None if math.isnan(size) else max(size, least) * signal.shown
 
     return Measure(signal.name, signal.error_title, error)
 

@@ -8,7 +8,16 @@ import numpy as np
 
 from ....engines import Method
 from ....reference import ExactMotion
-from ....scenarios import Errors, ErrorSeries, FloatArray, Scenario, Trajectory, error_series
+from ....scenarios import (
+    Errors,
+    ErrorSeries,
+    FloatArray,
+    Scenario,
+    Signal,
+    Trajectory,
+    error_series,
+    signals_of,
+)
 from ....scenarios.fastest_rate import fastest_rate
 from ...harness.defects import defects
 from ...results.default_records import DefaultEffects
@@ -95,6 +104,11 @@ class SceneRuns:
     def by_pair(self) -> dict[Pair, MethodRuns]:
         """The methods by engine and name."""
         return {runs.pair: runs for runs in self.methods}
+
+    @property
+    def signals(self) -> tuple[Signal, ...]:
+        """The signals of the scene; none of one that could not be solved."""
+        return signals_of(self.solved.scenario) if self.solved else ()
 
     @property
     def exact(self) -> SceneResult:

@@ -94,9 +94,7 @@ def limited(error: float | None, uncertainty: float) -> str:
     return f"≤ {number(uncertainty)}"
 
 
-def limited_errors(
-    errors: Errors, uncertainty: Errors, names: Sequence[str] = tuple(SIGNAL)
-) -> list[str]:
+def limited_errors(errors: Errors, uncertainty: Errors, names: Sequence[str]) -> list[str]:
     """The errors of a run in these signals, angles in degrees."""
     shown = {name: SIGNAL[name].shown for name in names}
     return [limited(errors[name] * n, uncertainty[name] * n) for name, n in shown.items()]

@@ -5,7 +5,7 @@ from html import escape
 
 import numpy as np
 
-from ....scenarios import SIGNALS, FloatArray, Signal
+from ....scenarios import FloatArray, Signal
 from ...harness.judging.observed_order import ABOVE_UNCERTAINTY
 from ...harness.measuring.asymptotic import ASYMPTOTIC
 from ...results.records import Row
@@ -70,7 +70,7 @@ def _against(scene: SceneRuns, abscissa: Abscissa, x_title: str) -> Iterator[tup
     """A figure for each signal."""
     x_range = _x_range(scene, abscissa)
     ended = list(_ended(scene, abscissa))
-    for signal in SIGNALS:
+    for signal in scene.signals:
         floor = scene.exact.solution.uncertainty[signal.name] * signal.shown
         traces = [
             trace for runs in scene.methods for trace in _curves(runs, scene, signal, abscissa)

@@ -105,7 +105,8 @@ def heat_map(gathered: ReportData) -> dict[str, Any]:
         }
         for kind in LISTED
     }
-    signals = [{"name": s.name, "label": s.label, "unit": s.unit} for s in SIGNALS]
+    present = {signal for scene in gathered.scenes for signal in scene.signals}
+    signals = [{"name": s.name, "label": s.label, "unit": s.unit} for s in SIGNALS if s in present]
     return {
         "columns": columns,
         "scenes": scenes,

@@ -47,7 +47,8 @@
   // What a run shows: its number, whether it is a bound, and null where it has none.
   function valueOf(run) {
     if (!run?.errors) return null;
-    const value = quantity() === COST ? run.cost : run.errors[state.signal];
+    // Without an error in what its scene lacks, such as spins.
+    const value = quantity() === COST ? run.cost : run.errors[state.signal] ?? null;
     return value === null ? null : Math.abs(value) * (quantity().factor ?? 1);
   }
   function isBound(run) {
@@ -72,7 +73,7 @@
       const when = run.when === null ? "" : ` at ${number(run.when, 3)} s`;
       return `${number(run.timestep, 3)} s: ${run.outcome}${when}: ${run.why}`;
     }
-    const errors = SIGNALS.map((signal) => {
+    const errors = SIGNALS.filter((signal) => signal.name in run.errors).map((signal) => {
       if (run.errors[signal.name] === null) return `${signal.label} ∞`;
       const value = Math.abs(run.errors[signal.name]) * (signal.factor ?? 1);
       const bound = run.errors[signal.name] < 0 ? "≤ " : "";

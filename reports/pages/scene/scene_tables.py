@@ -4,7 +4,7 @@ from collections import Counter
 
 from ....reference import facts, invariants
 from ....reference.observables import observables
-from ....scenarios import EFFECTS, SIGNAL, SIGNALS, FloatArray, Scenario
+from ....scenarios import EFFECTS, SIGNAL, FloatArray, Scenario, signals_of
 from ...harness.published import published_values
 from ...results.records import Row, Verdict
 from ...results.store import SceneResult
@@ -56,7 +56,7 @@ def exact_motion_table(solved: SceneResult) -> Table:
     return records(
         {"signal": Cell(signal.error_title, "name")}
         | {what: figure(number(signal.shown * of[signal.name])) for what, of in known.items()}
-        for signal in SIGNALS
+        for signal in signals_of(solved.scenario)
     )
 
 
@@ -156,7 +156,7 @@ def runs_tables(scene: SceneRuns) -> list[Captioned]:
     headings = (
         "timestep, s",
         "steps",
-        *(signal.error_title for signal in SIGNALS),
+        *(signal.error_title for signal in scene.signals),
         "largest drift, relative",
         "CPU s a simulated s",
         "outcome",
@@ -239,9 +239,10 @@ def _components(values: FloatArray) -> str:
 
 
 def _run_row(scene: SceneRuns, row: Row) -> list[Cell | str]:
-    errors = [NOTHING] * len(SIGNALS)
+    errors = [NOTHING] * len(scene.signals)
     if row.errors is not None:
-        errors = limited_errors(row.errors, scene.uncertainty(row))
+        names = [signal.name for signal in scene.signals]
+        errors = limited_errors(row.errors, scene.uncertainty(row), names)
     when = f" at {number(row.stopped_at)} s" if row.stopped_at is not None else ""
     cause = f" ({row.cause})" if row.cause else ""
     outcome = f"{row.outcome}{cause}{when}" if row.made else "not run"

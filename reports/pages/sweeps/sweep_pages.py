@@ -177,6 +177,7 @@ def _ensemble_tables(
         *(
             Captioned(one.title, UNFINISHED, quantile_table(members, one), one not in FIRST)
             for one in MEASURES
+            if one in FIRST or any(of_method.errors(one).size for of_method in members)
         ),
         Captioned("The worst members", WORST_FIRST, worst),
     )

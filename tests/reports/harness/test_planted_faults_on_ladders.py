@@ -62,6 +62,7 @@ FAULTS = [
         PlantedFault("reading of ω", 1e-3),
         {"omega", "angular_momentum", "energy"},
     ),
+    ("wheel-in-a-box", PlantedFault("reading of the spins", 1e-3), {"spins"}),
     ("nutation-loops", PlantedFault("gravity", 0.1), None),
     ("lopsided-body", PlantedFault("gravity", 0.1), None),
     ("book-middle-axis", PlantedFault("clock", 1e-3), None),

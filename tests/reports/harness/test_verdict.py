@@ -14,7 +14,7 @@ from spincheck.reports.harness.judging.sequences import sequence
 from spincheck.reports.harness.judging.signal_ladder import Judgement, judge_signal
 from spincheck.reports.harness.measuring.asymptotic import DISTINCT
 from spincheck.reports.harness.measuring.richardson import RichardsonLadder
-from spincheck.scenarios import SIGNAL, Errors, Trajectory, loads
+from spincheck.scenarios import EVERYWHERE, SIGNAL, Errors, Trajectory, loads
 
 SCENE = loads(sphere_text((0.0, 0.0, 3.0), duration=5.0, samples=51), "sphere")
 TIMES = SCENE.times
@@ -193,7 +193,7 @@ def test_a_blurred_limit_is_no_convergence():
     assert judged(lambda dt: 0.5 * dt**0.3, order=1).word == "unresolved"
 
 
-@pytest.mark.parametrize("signal", SIGNAL)
+@pytest.mark.parametrize("signal", EVERYWHERE)
 def test_every_signal_is_judged_by_itself(signal):
     sequences = ladder(lambda dt: dt * np.sin(TIMES), 1)
     assert judge_in(sequences, signal).word == "converges"
@@ -208,7 +208,7 @@ def test_a_path_that_is_another_one_disagrees_in_that_signal_alone(signal):
         drift = np.outer(TIMES * (1 + dt), [1e-3, 0, 0])
         run = turning(dt * np.sin(TIMES), **{f"{signal}_world": drift})
         sequences.add(dt, run, round(TIMES[-1] / dt))
-    words = {one: judge_in(sequences, one).word for one in SIGNAL}
+    words = {one: judge_in(sequences, one).word for one in EVERYWHERE}
     assert words[signal] == "disagrees"
     # What moves has energy too.
     disagreeing = {one for one, word in words.items() if word == "disagrees"}

@@ -16,7 +16,7 @@ from spincheck.reports.pages.analysis.wording import number
 from spincheck.reports.pages.analysis.work_precision import curves, front
 from spincheck.reports.pages.cost_section import PROFILED, cost_section
 from spincheck.reports.pages.figures.ladder_figures import work_precision
-from spincheck.scenarios import SIGNAL, SIGNALS
+from spincheck.scenarios import EVERYWHERE, SIGNAL
 
 TOP = "made-up-top"
 LABELS = [f"{method.engine} {method.method}" for method in METHODS]
@@ -73,8 +73,10 @@ def test_the_first_page_has_reach_medians_and_ratios(first: Page, folder: Path) 
 
 def test_a_scene_has_a_table_an_error(folder: Path) -> None:
     page = read_page(folder / "scenes" / f"{TOP}.html")
-    assert len(columns_of_levels(page.tables())) == len(SIGNALS)
-    assert len(columns_of_levels(markdown_tables(folder / "scenes" / f"{TOP}.md"))) == len(SIGNALS)
+    assert len(columns_of_levels(page.tables())) == len(EVERYWHERE)
+    assert len(columns_of_levels(markdown_tables(folder / "scenes" / f"{TOP}.md"))) == len(
+        EVERYWHERE
+    )
 
 
 def test_the_time_of_a_step_is_reported_in_cpu_time_and_on_the_wall(folder: Path) -> None:
@@ -87,7 +89,7 @@ def test_the_time_of_a_step_is_reported_in_cpu_time_and_on_the_wall(folder: Path
         assert [cell.replace("(", "+").partition("+")[0].strip() for cell in row[2:4]] == expected
 
 
-@pytest.mark.parametrize(("part", "signal"), [*enumerate(SIGNAL)])
+@pytest.mark.parametrize(("part", "signal"), [*enumerate(EVERYWHERE)])
 def test_the_front_is_drawn_behind_the_curves(part: int, signal: str) -> None:
     scene = next(scene for scene in report_data(results()).scenes if scene.name == TOP)
     traces = work_precision(scene)[part]["data"]

@@ -78,6 +78,10 @@ def test_files_of_one_timestep_are_no_ladder(recorded):
         (("none.csv",), "none.csv: cannot be read: No such file or directory"),
         (("exact.csv", "--omega", "wrld"), "'--omega' must be body or world, got 'wrld'"),
         (("exact.csv", "--fail-above", "tilt=1"), "must begin with one of omega, attitude"),
+        (
+            ("exact.csv", "--fail-above", "spins=1"),
+            "exact.csv: 'spins' cannot be checked: it was not",
+        ),
         (("exact.csv", "--fail-above", "omega"), "must be SIGNAL=BOUND, such as omega=1e-3"),
         (
             ("exact.csv", "--fail-above", "attitude=five"),

@@ -9,7 +9,7 @@ from spincheck.reports.results.records import Key, Row
 from spincheck.scenarios import SIGNALS, Errors
 
 LONG = "a-scene-with-a-name-of-more-than-the-columns-there-are-for-one"
-TINY = Errors(*(k * 1.1e-300 for k in range(1, len(SIGNALS) + 1)))
+TINY = Errors(*(k * 1.1e-99 for k in range(1, len(SIGNALS) + 1)))
 ROW = Row(Key(LONG, "an-engine", "a-method"), "1", 1.2345e-300, "ok", errors=TINY)
 
 

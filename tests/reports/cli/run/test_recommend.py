@@ -176,6 +176,7 @@ def test_a_bound_broken_by_any_error_is_broken() -> None:
         ({"omega": 0.0}, "'--omega' must be positive, got 0"),
         ({"angular_momentum": -1.0}, "'--angular-momentum' must be positive, got -1"),
         ({"energy": math.nan}, "'--energy' must be positive, got nan"),
+        ({"spins": 1e-3}, "'--spins': .* has no spins of the rotors"),
     ],
 )
 def test_bad_bounds_are_refused_before_anything_runs(

@@ -16,7 +16,7 @@ from spincheck.reports.pages.analysis.work_precision import (
     curves,
     front,
 )
-from spincheck.scenarios import SIGNAL
+from spincheck.scenarios import EVERYWHERE
 
 
 def test_cost_is_seconds_a_simulated_second(top: SceneRuns) -> None:
@@ -33,7 +33,7 @@ def test_every_run_that_ended_well_is_a_point_and_no_other_is(top: SceneRuns) ->
     assert points_of == wanted
 
 
-@pytest.mark.parametrize("signal", SIGNAL)
+@pytest.mark.parametrize("signal", EVERYWHERE)
 def test_no_error_is_below_what_the_reference_is_good_for(top: SceneRuns, signal: str) -> None:
     limit = getattr(UNCERTAINTY, signal)
     assert all(p.error >= limit for curve in curves(top, signal) for p in curve.points)

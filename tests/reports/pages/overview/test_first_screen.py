@@ -17,7 +17,7 @@ from spincheck.reports.results.cost_records import EffectsCost, Ratio
 from spincheck.reports.results.default_records import DefaultEffect, DefaultEffects
 from spincheck.reports.results.records import Key, Row
 from spincheck.reports.results.store import Results
-from spincheck.scenarios import SIGNAL, Errors
+from spincheck.scenarios import EVERYWHERE, Errors
 
 STOCK = TIMESTEPS[1]
 SHIPPED = MadeUp("mujoco", "default", 1)
@@ -221,7 +221,7 @@ def test_a_run_that_ended_ok_has_its_cost_and_an_error_in_every_signal(gathered)
     assert at_stock["timestep"] == STOCK
     assert at_stock["cost"] == pytest.approx(SECONDS_PER_STEP / STOCK, rel=1e-2)
     assert at_stock["errors"]["attitude"] == pytest.approx(SIZE[1] / 2, rel=1e-2)
-    assert list(at_stock["errors"]) == list(SIGNAL)
+    assert list(at_stock["errors"]) == list(EVERYWHERE)
     assert runs["common"] is None
     assert runs["finest"]["timestep"] == pytest.approx(TIMESTEPS[-1], rel=1e-2)
 
