@@ -21,7 +21,7 @@ from ...world_session import WorldSession
 #: Types of the objects that a scene needs besides joints of rotors.
 KINDS = frozenset({"RigidBody", "Ground", "ConnectorCoordinate", "ConnectorRigidBodySpringDamper"})
 #: Explicit solvers refuse joints between bodies; they take constrained coordinates alone.
-IMPLICIT_EFFECTS = COMMON_EFFECTS | {"rotors"}
+IMPLICIT_EFFECTS = COMMON_EFFECTS | {"rotors", "table"}
 #: rad a step: an iteration leaves half the turn of the last error (0.36 at 0.73 rad, measured), so
 #: that the 100 that `world` allows leave 1e-13 of it.
 MOST_TURN = 1.5
@@ -132,8 +132,7 @@ class ExudynSession(WorldSession):
             for found in objects
             if found["objectType"] == "ConnectorRigidBodySpringDamper"
         }
-        if kinds.count("ConnectorCoordinate") == 3:
-            acting.add("pivot")
+        acting |= self._held(objects)
         if self.world.rotors:
             acting |= {"rotors", *self._wrong_hinges(objects)}
         return frozenset(acting | {f"an object of type {kind}" for kind in {*kinds} - KINDS})
@@ -152,6 +151,19 @@ class ExudynSession(WorldSession):
                 drive = objects[int(rotor.drive)]
                 if not drive["activeConnector"] or drive["offset"] != spin:
                     yield f"rotor {number} driven to another spin than {spin:g} rad/s"
+
+    def _held(self, objects: Sequence[Any]) -> set[str]:
+        """Pivot or table, by the coordinates of the node that are constrained; others in words."""
+        constrained = []
+        for found in objects:
+            if found["objectType"] == "ConnectorCoordinate" and not found["velocityLevel"]:
+                _, held = map(self.world.system.GetMarker, found["markerNumbers"])
+                is_kept = found["activeConnector"] and int(held["nodeNumber"]) == int(
+                    self.world.node
+                )
+                constrained.append(int(held["coordinate"]) if is_kept else -1)
+        kinds = {(): set(), (0, 1, 2): {"pivot"}, (2,): {"table"}}
+        return kinds.get((*constrained,), {f"other constrained coordinates: {constrained}"})
 
     def _of_load(self, found: Any) -> str:
         vector, scene, system = np.array(found["loadVector"]), self.scene, self.world.system
