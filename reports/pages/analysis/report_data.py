@@ -9,6 +9,7 @@ import numpy as np
 from ....engines import Method
 from ....reference import ExactMotion
 from ....scenarios import (
+    SIGNALS,
     Errors,
     ErrorSeries,
     FloatArray,
@@ -16,7 +17,6 @@ from ....scenarios import (
     Signal,
     Trajectory,
     error_series,
-    signals_of,
 )
 from ....scenarios.fastest_rate import fastest_rate
 from ...harness.defects import defects
@@ -105,10 +105,13 @@ class SceneRuns:
         """The methods by engine and name."""
         return {runs.pair: runs for runs in self.methods}
 
-    @property
+    @cached_property
     def signals(self) -> tuple[Signal, ...]:
-        """The signals of the scene; none of one that could not be solved."""
-        return signals_of(self.solved.scenario) if self.solved else ()
+        """The signals in which all errors are known; none of a scene that could not be solved."""
+        solution = [self.solved.solution.uncertainty] if self.solved else []
+        errors = [row.errors for runs in self.methods for row in runs.rows if row.errors]
+        known = [dict(one).keys() for one in (*solution, *errors)]
+        return tuple(s for s in SIGNALS if solution and all(s.name in names for names in known))
 
     @property
     def exact(self) -> SceneResult:

@@ -4,7 +4,7 @@ from collections import Counter
 
 from ....reference import facts, invariants
 from ....reference.observables import observables
-from ....scenarios import EFFECTS, SIGNAL, FloatArray, Scenario, signals_of
+from ....scenarios import EFFECTS, SIGNAL, SIGNALS, FloatArray, Scenario
 from ...harness.published import published_values
 from ...results.records import Row, Verdict
 from ...results.store import SceneResult
@@ -56,7 +56,8 @@ def exact_motion_table(solved: SceneResult) -> Table:
     return records(
         {"signal": Cell(signal.error_title, "name")}
         | {what: figure(number(signal.shown * of[signal.name])) for what, of in known.items()}
-        for signal in signals_of(solved.scenario)
+        for signal in SIGNALS
+        if signal.name in dict(solved.solution.uncertainty)
     )
 
 

@@ -47,6 +47,14 @@ def test_some_runs_would_claim_less_than_the_reference_is_good_for(top: SceneRun
     assert min(p.error for curve in curves(top, "attitude") for p in curve.points) < tight.attitude
 
 
+def test_errors_are_shown_in_signals_that_the_reference_and_every_run_have(top: SceneRuns) -> None:
+    """Results from before spins were a signal have none of a scene with rotors."""
+    with_spins = replace(UNCERTAINTY, spins=1e-13)
+    solution = replace(top.solved.solution, uncertainty=with_spins)
+    known = replace(top, solved=replace(top.solved, solution=solution))
+    assert [signal.name for signal in known.signals] == list(EVERYWHERE)
+
+
 def test_a_scene_without_an_exact_motion_has_no_curves() -> None:
     unsolved = next(scene for scene in report_data(results()).scenes if scene.solved is None)
     assert curves(unsolved, "omega") == []
