@@ -65,7 +65,7 @@ def test_such_a_run_has_errors_and_keeps_its_samples(stock_results):
 
 
 def test_the_verdict_is_that_of_the_ladder_alone(stock_results, tmp_path, monkeypatch):
-    monkeypatch.setattr("spincheck.reports.harness.study.stock_timesteps", lambda _: ())
+    monkeypatch.setattr("spincheck.reports.harness.prepared.stock_timesteps", lambda _: ())
     without = study(tmp_path / "r.sqlite", HeunAsSold())
     assert not stock_rows(without)
     assert without.verdicts == stock_results.verdicts
