@@ -10,7 +10,8 @@ from spincheck.reports.harness.plan import plan
 from spincheck.reports.harness.study import run_and_judge, run_study
 from spincheck.reports.harness.sweep import plan_sweep, run_sweep
 from spincheck.reports.results.records import Verdict
-from spincheck.reports.results.store import Results, open_store
+from spincheck.reports.results.results import Results
+from spincheck.reports.results.store import open_store
 from spincheck.reports.results.sweep_records import Ensemble, Map, PlacedRow, points_of
 from spincheck.scenarios import Scenario
 

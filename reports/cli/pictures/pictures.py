@@ -12,7 +12,7 @@ from ...pages.figures.figures import figures
 from ...pages.figures.plot import Figure
 from ...pages.figures.signal_figures import with_runs
 from ...pages.render import render
-from ...results.store import Results, SceneResult
+from ...results.results import Results, SceneResult
 from ..choosing import Where
 from ..named_scenes import one_scene
 from ..run import running

@@ -17,7 +17,8 @@ from ...harness.study import run_study
 from ...pages.analysis.wording import plural
 from ...results.records import UNSOLVED, Key, Row
 from ...results.result_file import ResultFileError
-from ...results.store import Results, open_store
+from ...results.results import Results
+from ...results.store import open_store
 from ...results.verdict_words import UNPROVEN
 from ..choosing import (
     Where,

@@ -12,7 +12,7 @@ from ...pages.analysis.timesteps import Survival, survival
 from ...pages.analysis.work_precision import cost
 from ...results.as_json import as_json
 from ...results.records import Key, Row, Verdict
-from ...results.store import Results
+from ...results.results import Results
 from ...results.verdict_words import VERDICT
 from ..sweeps.sweep_running import flat_records
 

@@ -21,7 +21,8 @@ from spincheck.reports.harness.prepared import prepare
 from spincheck.reports.harness.study import simulate
 from spincheck.reports.results import fingerprints as fingerprints
 from spincheck.reports.results.records import Record, Row
-from spincheck.reports.results.store import Results, Store, open_store
+from spincheck.reports.results.results import Results
+from spincheck.reports.results.store import Store, open_store
 from spincheck.scenarios import loads
 from studies import study as study_of
 

@@ -20,7 +20,8 @@ from spincheck.reports.harness.stock import (
 )
 from spincheck.reports.harness.study import run_study
 from spincheck.reports.results.records import Record, Row
-from spincheck.reports.results.store import Results, Store, open_store
+from spincheck.reports.results.results import Results
+from spincheck.reports.results.store import Store, open_store
 from spincheck.scenarios import loads
 
 pytestmark = pytest.mark.slow

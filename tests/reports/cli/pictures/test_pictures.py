@@ -9,7 +9,7 @@ from spincheck.reports.cli.pictures import pictures
 from spincheck.reports.cli.pictures.pictures import WHAT, plot, view
 from spincheck.reports.cli.run import running
 from spincheck.reports.cli.terminal import BAD_INPUT, Complaint
-from spincheck.reports.results.store import Results
+from spincheck.reports.results.results import Results
 
 pytestmark = pytest.mark.slow
 
