@@ -75,7 +75,7 @@ SweepTimesteps = Annotated[
     typer.Option(
         "--timestep",
         metavar="S",
-        help="s; may be repeated; chosen from each point's spin if left out.",
+        help="Of all points, s; not to be repeated; chosen from each point's spin if left out.",
     ),
 ]
 From = Annotated[
@@ -99,7 +99,10 @@ AsEncoded = Annotated[
         "'spincheck encodings' with commas between.",
     ),
 ]
-Seed = Annotated[int, typer.Option("--seed", min=0, help="The seed of the random numbers.")]
+Seed = Annotated[
+    int | None,
+    typer.Option("--seed", metavar="N", min=0, help="The seed of an ensemble's random numbers: 0."),
+]
 Again = Annotated[
     bool, typer.Option("--again", help="Run what the result file holds already, too.")
 ]

@@ -184,6 +184,8 @@ def reproduce(
     scene = one_scene(scenario)
     choice = choose([engine], [method], [timestep])
     check_timesteps([scene], choice)
+    if len(choice.pairs()) > 1:
+        raise Complaint(f"'--engine' must name one engine, got '{engine}'")
     ((chosen, by),) = choice.pairs()
     text = reproduction(scene, chosen, by, timestep)
     suffix = FRAMES[chosen.script_language].suffix

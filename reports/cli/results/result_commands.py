@@ -23,9 +23,13 @@ def csv_text(records: Sequence[Mapping[str, object]]) -> str:
     (https://owasp.org/www-community/attacks/CSV_Injection).
     """
     flat = [dict(_flattened(record)) for record in records]
-    names = list(dict.fromkeys(name for record in flat for name in record))
+    names = dict.fromkeys(name for record in flat for name in record)
+    for name in [*names]:
+        # A table that some records do not have.
+        while name := name.rpartition(".")[0]:
+            names.pop(name, None)
     text = io.StringIO()
-    writer = csv.DictWriter(text, names, restval="", lineterminator="\n")
+    writer = csv.DictWriter(text, names, extrasaction="ignore", lineterminator="\n")
     writer.writeheader()
     writer.writerows(flat)
     return text.getvalue()

@@ -68,7 +68,7 @@ def point_lines(records: Sequence[dict[str, Any]]) -> Iterator[str]:
         method = f"{record['engine']} {record['method']}"
         return f"{record['scenario']}: {method}; {record['sweep']} of {', '.join(_at(record))}"
 
-    for title, points in groupby(records, key=sweep_of):
+    for title, points in groupby(sorted(records, key=sweep_of), key=sweep_of):
         yield cut(title, WIDTH)
         yield f"  {'at':{PLACE}} {_HEADINGS}"
         for point in points:

@@ -154,6 +154,10 @@ def test_an_unmet_expectation_exits_with_1(spincheck, sphere):
         (["run", "--no-such-flag"], "No such option: --no-such-flag"),
         (["reference", "sphere", "--at", "-3"], "'--at' must be a time from 0 on"),
         (["report", "none.sqlite"], "no such result file"),
+        (
+            ["reproduce", "sphere", "--engine", "all", "--method", "default", "--timestep", "1e-3"],
+            "'--engine' must name one engine, got 'all'",
+        ),
         (["check", "nowhere.toml"], "neither a file, a folder, nor a scene of the library"),
         (["export", "sphere", "/proc/nowhere"], "cannot be written"),
     ],

@@ -68,6 +68,11 @@ def test_an_error_without_a_base_is_infinite():
     assert float(record["energy_error"]) == math.inf
 
 
+def test_a_table_that_some_records_lack_has_no_column_of_its_own():
+    text = csv_text([{"drifts": {"energy": {"p50": 1.0}}}, {"drifts": None}, {"drifts": {}}])
+    assert text == 'drifts.energy.p50\n1.0\n""\n""\n'
+
+
 def test_what_is_not_there_is_empty():
     unsolved = next(row for row in RESULTS.rows if row.key.scenario == "unsolved")
     (record,) = records(csv_text([row_record(unsolved)]))
