@@ -101,9 +101,9 @@ def _print_all(name: str, file: Path, as_csv: bool, as_json: bool) -> None:
 
 @app.command(epilog="Example: spincheck tidy spincheck.sqlite")
 def tidy(results: Stored = RESULT_FILE) -> None:
-    """Delete results whose scene, engine or spincheck has changed since.
+    """Delete results that were made again, as the scene, the engine or spincheck had changed.
 
-    'spincheck run' makes such results again, and keeps the old ones until they are deleted.
+    'spincheck run' finds that out, and keeps the old results until they are deleted.
     """
     from ...results.result_file import ResultFileError
     from ...results.store import open_store
