@@ -65,6 +65,9 @@ Timesteps = Annotated[
         help="Run at this timestep, s, and not at halved ones; may be repeated.",
     ),
 ]
+Timestep = Annotated[
+    float, typer.Option("--timestep", parser=_seconds, metavar="S", help="The timestep, s.")
+]
 Jobs = Annotated[int, typer.Option("--jobs", metavar="N", min=1, help="Worker processes.")]
 TimeLimit = Annotated[
     float | None,
@@ -74,6 +77,7 @@ SweepTimesteps = Annotated[
     list[float] | None,
     typer.Option(
         "--timestep",
+        parser=_seconds,
         metavar="S",
         help="Of all points, s; not to be repeated; chosen from each point's spin if left out.",
     ),

@@ -63,7 +63,7 @@ def map_scene(
     raise typer.Exit(print_swept(swept, f"Points are in {out}", out, as_json))
 
 
-@app.command("vary", epilog="Example: spincheck vary fast-top start.omega_body[2]=37.3")
+@app.command("vary", epilog="Example: spincheck vary fast-top 'start.omega_body[2]=37.3'")
 def print_varied(
     scenario: Scene,
     numbers: Annotated[

@@ -151,6 +151,10 @@ def test_an_unmet_expectation_exits_with_1(spincheck, sphere):
         (["run", "sphere", "--method", "RK5"], "'--method' must be one of"),
         (["run", "sphere", "--timestep", "-1"], "'--timestep' must be positive"),
         (["run", "sphere", "--timestep", "1e9"], "'--timestep' must be shorter than the window"),
+        (
+            ["reproduce", "sphere", "--engine", "mujoco", "--method", "RK4", "--timestep", "2ms"],
+            "must be a number of seconds, such as 0.002, got '2ms'",
+        ),
         (["run", "--no-such-flag"], "No such option: --no-such-flag"),
         (["reference", "sphere", "--at", "-3"], "'--at' must be a time from 0 on"),
         (["report", "none.sqlite"], "no such result file"),
