@@ -107,7 +107,7 @@ def _answers_nonsense(child: ChildProcess) -> ConformanceCheck:
 
 
 def timestep_for(scenario: Scenario) -> float:
-    """A timestep, s, in which the body and each of its rotors turn by `TURN` at the most."""
+    """A timestep, s, in which the body and each of its parts turn by `TURN` at the most."""
     fastest = max(np.linalg.norm(scenario.start.omega_body), *abs(scenario.start_spins), 0.0)
     return TURN / float(fastest) if fastest else scenario.window.duration / STEPS
 

@@ -21,6 +21,13 @@ def _seconds(text: str) -> float:
         raise typer.BadParameter(words) from None
 
 
+def _there_if_named(file: Path) -> Path:
+    """The result file; only the default one need not be there."""
+    if file != RESULT_FILE and not file.exists():
+        raise typer.BadParameter(f"there is no file '{file}'")
+    return file
+
+
 Scenes = Annotated[
     list[str] | None,
     typer.Argument(
@@ -83,7 +90,13 @@ SweepTimesteps = Annotated[
     ),
 ]
 From = Annotated[
-    Path, typer.Option("--from", metavar="RESULT FILE", help="Runs are taken from this file.")
+    Path,
+    typer.Option(
+        "--from",
+        metavar="RESULT FILE",
+        callback=_there_if_named,
+        help="Runs are taken from this file.",
+    ),
 ]
 MemberCount = Annotated[
     int | None,

@@ -38,6 +38,8 @@ OF_RUNS = ("convergence", "work-precision")
 
 def view(scene: str, jobs: int, out: Path) -> Path:
     """Run a scene down short ladders and at stock timesteps, untimed; returns its page."""
+    if out.exists() and not out.is_dir():
+        raise Complaint(f"'--out' must be a folder, got the file '{out}'")
     with saying("nothing is kept"), TemporaryDirectory() as folder:
         stored = Path(folder) / "view.sqlite"
         results = running.run([scene], [], [], [], Where(jobs), stored, quick=True)

@@ -8,7 +8,7 @@ from pathlib import Path
 import typer
 
 from ..options import RESULT_FILE, AsCsv, AsJson, Stored
-from ..terminal import Complaint, as_complaint, to_json
+from ..terminal import Complaint, as_complaint, say, to_json
 
 #: What a formula begins with, or white space that spreadsheets pass over before one.
 FORMULA = ("=", "+", "-", "@", "\t", "\n")
@@ -90,8 +90,13 @@ def _print_all(name: str, file: Path, as_csv: bool, as_json: bool) -> None:
     records, lines = PRINTED[name](running.read(file))
     if as_csv and as_json:
         raise Complaint("takes '--csv' or '--json', not both")
+    if not records:
+        command = (
+            "spincheck map' or 'spincheck run --ensemble" if name == "points" else "spincheck run"
+        )
+        say(f"{file}: holds no {name}; '{command}' fills it")
     if as_csv:
-        print(csv_text(records), end="")
+        print(csv_text(records) if records else "", end="")
     elif as_json:
         print(to_json(records))
     else:

@@ -158,6 +158,8 @@ def test_an_unmet_expectation_exits_with_1(spincheck, sphere):
         (["run", "--no-such-flag"], "No such option: --no-such-flag"),
         (["reference", "sphere", "--at", "-3"], "'--at' must be a time from 0 on"),
         (["report", "none.sqlite"], "no such result file"),
+        (["recommend", "sphere", "--from", "none.sqlite"], "there is no file 'none.sqlite'"),
+        (["plot", "sphere", "--from", "none.sqlite"], "there is no file 'none.sqlite'"),
         (
             ["reproduce", "sphere", "--engine", "all", "--method", "default", "--timestep", "1e-3"],
             "'--engine' must name one engine, got 'all'",

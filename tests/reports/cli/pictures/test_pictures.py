@@ -107,6 +107,14 @@ def test_a_file_that_cannot_be_written_is_reported(out: str, message: str, tmp_p
         draw("theta", tmp_path / out)
 
 
+def test_a_file_in_the_place_of_the_folder_is_reported_before_anything_is_run(
+    tmp_path: Path,
+) -> None:
+    (tmp_path / "a").write_text("a file", encoding="utf-8")
+    with pytest.raises(Complaint, match="'--out' must be a folder, got the file"):
+        view("nutation-loops", 1, tmp_path / "a")
+
+
 def test_view_gives_the_page_of_its_scene(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     stored = at_stock(results())
     only = {"made-up-top": stored.scenes["made-up-top"]}

@@ -124,6 +124,13 @@ def test_a_command_prints_every_run_below_its_method(path):
     assert len(printed("rows", path).splitlines()) == headings + len(rows)
 
 
+@pytest.mark.parametrize("form", [[], ["--csv"], ["--json"]])
+def test_a_file_without_points_says_so(path, form):
+    done = spincheck("points", path, *form)
+    assert done.stdout == ("[]\n" if "--json" in form else "")
+    assert done.stderr.startswith(f"{path}: holds no points; 'spincheck map' or 'spincheck run")
+
+
 def test_two_formats_at_once_are_one_message_and_exit_code_2(path):
     done = spincheck("rows", path, "--csv", "--json")
     assert (done.returncode, done.stderr) == (2, "spincheck: takes '--csv' or '--json', not both\n")
