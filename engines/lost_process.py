@@ -109,6 +109,9 @@ def death(exit_code: int) -> tuple[str, Cause]:
 def last_line(printed: str) -> str:
     """The last line that a process printed, to be added to the reason of its death."""
     lines = printed.strip().splitlines()
+    if lines and lines[-1].startswith("Node.js v"):
+        # Which node prints after the error that ends it.
+        lines = [line for line in lines if "Error" in line] or lines
     return f"; it last printed: {printable(lines[-1][-LAST_LINE:])}" if lines else ""
 
 

@@ -40,7 +40,7 @@ def pytest_runtest_setup(item: pytest.Item) -> None:
 @pytest.fixture
 def engines_in_process(monkeypatch: pytest.MonkeyPatch) -> None:
     """The items of scenario files run their engines in this process."""
-    from spincheck.reports.cli import pytest_plugin
+    from spincheck.reports.cli import scene_items
     from spincheck.reports.harness.executors import InProcess
 
-    monkeypatch.setattr(pytest_plugin, "_worker", lambda _: InProcess())
+    monkeypatch.setattr(scene_items, "_worker", lambda _: InProcess())

@@ -16,7 +16,7 @@ from .process import ChildProcess, ProtocolError
 
 #: Steps of a run, and of a timed stretch.
 STEPS = 64
-#: Angle turned in each step, rad; so small that no method blows up.
+#: Angle turned in a step, rad; so small that no method blows up.
 TURN = 1e-2
 #: Causes that are faults in any method, even of an engine as shipped.
 BROKEN: frozenset[Cause] = frozenset(
@@ -106,10 +106,15 @@ def _answers_nonsense(child: ChildProcess) -> ConformanceCheck:
     return ConformanceCheck(what, "must be answered by an 'error'")
 
 
+def timestep_for(scenario: Scenario) -> float:
+    """A timestep, s, in which the body and each of its parts turn by `TURN` at the most."""
+    fastest = max(np.linalg.norm(scenario.start.omega_body), *abs(scenario.start_spins), 0.0)
+    return TURN / float(fastest) if fastest else scenario.window.duration / STEPS
+
+
 def _runs(engine: ChildEngine, method: Method, scenario: Scenario) -> ConformanceCheck:
     what = f"{method.name} on {scenario.name}"
-    speed = float(np.linalg.norm(scenario.start.omega_body))
-    timestep = TURN / speed if speed else scenario.window.duration / STEPS
+    timestep = timestep_for(scenario)
     steps = np.arange(STEPS + 1, dtype=np.int64)
     first = engine.run(scenario, method, timestep, steps)
     if problem := _problem(first, method):

@@ -12,7 +12,7 @@ from ..discovery import engines
 from ..engine import Engine
 from ..method import Method
 from ..session import Session
-from .folders import VersionError, check_version, install, install_for
+from .folders import Say, VersionError, check_version, install, install_for
 
 #: What a worker of another Python imports of spincheck.
 PACKAGES = tuple(f"spincheck.{part}" for part in ("engines", "reference", "reports", "scenarios"))
@@ -88,12 +88,13 @@ for _name, _member in vars(Engine).items():
     setattr(VersionedEngine, _name, (_forwarded if callable(_member) else _shared)(_name))
 
 
-def versioned(name: str, python: str = "") -> VersionedEngine:
+def versioned(name: str, python: str = "", say: Say = len) -> VersionedEngine:
     """An engine@version, installed if it is not there.
 
     Parameters
     ----------
     python : the command of another interpreter that it is to run under
+    say : is given a sentence before anything is downloaded
 
     Raises
     ------
@@ -111,7 +112,7 @@ def versioned(name: str, python: str = "") -> VersionedEngine:
     installed_as = f"{release.installed_as or base}@{version}"
     if python:
         code = [Path(next(iter(import_module(name).__path__))) for name in PACKAGES]
-        site = install_for(python, installed_as, release.requirements, code, release.surplus)
+        site = install_for(python, installed_as, release.requirements, code, release.surplus, say)
     else:
-        site = install(installed_as, release.requirements, release.surplus)
+        site = install(installed_as, release.requirements, release.surplus, say)
     return VersionedEngine(base, version, release.methods, site)

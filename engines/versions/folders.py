@@ -27,6 +27,7 @@ LONGEST_VERSION = 40
 RUNS_WITH = ("numpy", "scipy", "pydantic", "mpmath", "numba", "psutil")
 #: s that pip may take.
 _PATIENCE = 600
+Say = Callable[[str], object]
 
 
 class VersionError(Exception):
@@ -73,12 +74,15 @@ def installed() -> list[Installed]:
     return installations
 
 
-def install(name: str, requirements: Sequence[str], surplus: Sequence[str] = ()) -> Path:
+def install(
+    name: str, requirements: Sequence[str], surplus: Sequence[str] = (), say: Say = len
+) -> Path:
     """Install an engine@version with pip, unless it is there: then nothing is downloaded.
 
     Parameters
     ----------
     surplus : packages of it that are not kept
+    say : is given a sentence before anything is downloaded
 
     Raises
     ------
@@ -91,7 +95,7 @@ def install(name: str, requirements: Sequence[str], surplus: Sequence[str] = ())
         _call(_not_there(name, requirements), command)
         _drop(target, surplus)
 
-    return _made(folder_of(name), fill)
+    return _made(folder_of(name), fill, say)
 
 
 def install_for(
@@ -100,6 +104,7 @@ def install_for(
     requirements: Sequence[str],
     code: Sequence[Path],
     surplus: Sequence[str] = (),
+    say: Say = len,
 ) -> Path:
     """The same for another Python: a virtual environment of it.
 
@@ -136,7 +141,7 @@ def install_for(
         for folder in code:
             (package / folder.name).symlink_to(folder)
 
-    return _made(folder_of(name, tag), fill)
+    return _made(folder_of(name, tag), fill, say)
 
 
 def interpreter_of(site: Path) -> Path:
@@ -169,10 +174,11 @@ def _drop(packages: Path, surplus: Sequence[str]) -> None:
         shutil.rmtree(packages / name, ignore_errors=True)
 
 
-def _made(folder: Path, fill: Callable[[Path], None]) -> Path:
+def _made(folder: Path, fill: Callable[[Path], None], say: Say) -> Path:
     """A folder, filled unless it is there."""
     if folder.is_dir():
         return folder
+    say(f"Installing {folder.name}, once, into {folder.parent}")
     _folders().mkdir(parents=True, exist_ok=True)
     # Beside it, and moved when complete: a folder that is there is whole.
     with tempfile.TemporaryDirectory(dir=_folders(), prefix=".new-") as made:

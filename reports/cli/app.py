@@ -141,7 +141,7 @@ def run(
     time_limit: TimeLimit = None,
     python: Python = "",
     ensemble: MemberCount = None,
-    seed: Seed = 0,
+    seed: Seed = None,
     dask: Dask = None,
     strict: Annotated[
         bool,
@@ -173,11 +173,13 @@ def run(
             raise Complaint("'--quick' is for ladders; an ensemble has none")
         if as_encoded:
             raise Complaint("'--as' is for scenes, not for members of an ensemble")
-        choice = choose_for_sweep(*named, time_limit, again=again)
-        swept = run_ensembles(scenes or [], ensemble, seed, choice, where, out)
-        member = f"spincheck member SCENE --seed {seed} --member N"
+        choice = choose_for_sweep(*named, time_limit, again=again, python=python)
+        swept = run_ensembles(scenes or [], ensemble, seed or 0, choice, where, out)
+        member = f"spincheck member SCENE --seed {seed or 0} --member N"
         said = f"Members are in {out}; '{member}' prints one"
         raise typer.Exit(print_swept(swept, said, out, as_json))
+    if seed is not None:
+        raise Complaint("'--seed' is for an ensemble; '--ensemble' scatters a scene into one")
     results = running.run(
         scenes or [],
         *named,

@@ -163,7 +163,7 @@ def _at_version(name: str, python: str) -> Engine:
     from ...engines.versions import VersionError, versioned
 
     try:
-        engine = versioned(name, python)
+        engine = versioned(name, python, say)
     except VersionError as error:
         raise Complaint(str(error), BAD_INPUT if error.is_usage else NOT_RUN) from None
     add(engine)

@@ -7,13 +7,13 @@ from collections.abc import Iterator
 from hashlib import sha256
 from importlib.util import find_spec
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import pytest
 
-if TYPE_CHECKING:
-    from ...engines import Engine, Method
-    from ...scenarios import Scenario
+from ...engines import Engine, Method
+from ...scenarios import Scenario
+from ..results.fingerprints import fingerprints
+from ..results.sources import source
 
 _FOLDER = "spincheck"
 
@@ -38,18 +38,15 @@ def _cache(item: pytest.Item) -> pytest.Cache | None:
     return getattr(item.config, "cache", None)
 
 
-def rests_on(scenario: "Scenario", engine: "Engine", method: "Method", max_steps: int) -> str:
+def rests_on(scenario: Scenario, engine: Engine, method: Method, max_steps: int) -> str:
     """The digest of scene, program, adapter, engine, method and length of the ladder."""
-    from ..results.fingerprints import fingerprints
-    from ..results.sources import source
-
-    plugin = Path(__file__).with_name("pytest_plugin.py")
+    items = Path(__file__).with_name("scene_items.py")
     parts = [one.digest for one in fingerprints(scenario, [engine]) if one.kind != "timing"]
-    parts += [method.name, str(max_steps), source(plugin).digest, *_native_files(engine)]
+    parts += [method.name, str(max_steps), source(items).digest, *_native_files(engine)]
     return sha256("\n".join(parts).encode()).hexdigest()
 
 
-def _native_files(engine: "Engine") -> Iterator[str]:
+def _native_files(engine: Engine) -> Iterator[str]:
     """Size and time of change of an engine's native files: one that was rebuilt is another."""
     package = engine.package or engine.family or engine.name
     spec = find_spec(package) if package.isidentifier() else None

@@ -21,6 +21,13 @@ def _seconds(text: str) -> float:
         raise typer.BadParameter(words) from None
 
 
+def _there_if_named(file: Path) -> Path:
+    """The result file; only the default one need not be there."""
+    if file != RESULT_FILE and not file.exists():
+        raise typer.BadParameter(f"there is no file '{file}'")
+    return file
+
+
 Scenes = Annotated[
     list[str] | None,
     typer.Argument(
@@ -65,6 +72,9 @@ Timesteps = Annotated[
         help="Run at this timestep, s, and not at halved ones; may be repeated.",
     ),
 ]
+Timestep = Annotated[
+    float, typer.Option("--timestep", parser=_seconds, metavar="S", help="The timestep, s.")
+]
 Jobs = Annotated[int, typer.Option("--jobs", metavar="N", min=1, help="Worker processes.")]
 TimeLimit = Annotated[
     float | None,
@@ -74,12 +84,19 @@ SweepTimesteps = Annotated[
     list[float] | None,
     typer.Option(
         "--timestep",
+        parser=_seconds,
         metavar="S",
-        help="s; may be repeated; chosen from each point's spin if left out.",
+        help="Of all points, s; not to be repeated; chosen from each point's spin if left out.",
     ),
 ]
 From = Annotated[
-    Path, typer.Option("--from", metavar="RESULT FILE", help="Runs are taken from this file.")
+    Path,
+    typer.Option(
+        "--from",
+        metavar="RESULT FILE",
+        callback=_there_if_named,
+        help="Runs are taken from this file.",
+    ),
 ]
 MemberCount = Annotated[
     int | None,
@@ -99,7 +116,10 @@ AsEncoded = Annotated[
         "'spincheck encodings' with commas between.",
     ),
 ]
-Seed = Annotated[int, typer.Option("--seed", min=0, help="The seed of the random numbers.")]
+Seed = Annotated[
+    int | None,
+    typer.Option("--seed", metavar="N", min=0, help="The seed of an ensemble's random numbers: 0."),
+]
 Again = Annotated[
     bool, typer.Option("--again", help="Run what the result file holds already, too.")
 ]

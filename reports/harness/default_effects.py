@@ -113,6 +113,5 @@ def _errors(
         return None
     if sampled.outcome != "ok":
         return None
-    times = np.asarray(rung.sample_steps * rung.timestep, dtype=float)
-    motion = Trajectory(t=times, **vars(sampled.states))
+    motion = Trajectory(t=rung.times, **vars(sampled.states))
     return errors_between(scenario, motion, solution.trajectory)

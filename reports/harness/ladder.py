@@ -54,6 +54,11 @@ class Rung:
         """Steps to the last sample."""
         return int(self.sample_steps[-1])
 
+    @property
+    def times(self) -> FloatArray:
+        """The times of the samples, s."""
+        return np.asarray(self.sample_steps * self.timestep, dtype=float)
+
     def until(self, samples: int) -> "Rung":
         """The rung, cut after so many samples of its ladder."""
         return replace(self, sample_steps=self.sample_steps[: math.ceil(samples / self.every)])

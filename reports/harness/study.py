@@ -1,22 +1,16 @@
 """Runs scenes × engines × methods: solve, step down the ladder, compare, judge, store.
 
 Every result is stored at once, and stored results are not made again: a study that was stopped at
-any moment continues when it is started again. `study_method` runs one method on one scene;
-everything else here prepares it or runs many of them.
+any moment continues when it is started again. `study_method` runs one method on one scene.
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from functools import partial
-from threading import Lock
-
-import numpy as np
 
 from ...engines import Engine, Method, Run
-from ...reference import ExactMotion, Solution
-from ...scenarios import FloatArray, Scenario
-from ...scenarios.fastest_rate import fastest_rate
+from ...scenarios import Scenario
 from ..results.environment import environment
 from ..results.evidence import Evidence
 from ..results.records import UNSOLVED, Key, Row, Verdict
@@ -28,12 +22,12 @@ from .executors import CallFailed, Executor, cause_of_unsolved, may_succeed_if_r
 from .executors.compiling import compile_side_by_side
 from .judging import judge
 from .judging.local import is_long_enough
-from .ladder import Ladder, Rung, ladder, single
+from .ladder import Rung
 from .measuring.local import examine
 from .measuring.memory import FEW_STEPS, restarted
-from .measuring.places import Places, places
-from .plan import Plan, SceneLeft
-from .stock import StockRun, stock_rung, stock_runs_of, stock_timesteps
+from .plan import Plan
+from .prepared import Prepared, SceneReference
+from .stock import stock_runs_of
 from .timing import time_scene
 
 Progress = Callable[[str], None]
@@ -63,17 +57,17 @@ def study_method(
     scenario: Scenario,
     engine: Engine,
     method: Method,
-    reference: "SceneReference",
+    reference: SceneReference,
     choice: Choice,
     store: Store,
     executor: Executor,
 ) -> Verdict:
     """One method on one scene, from the exact motion to the stored verdict."""
+    key = Key(scenario.name, engine.name, method.name)
     solved = reference.get(executor, store)
     if isinstance(solved, CallFailed):
-        return _unsolved(scenario, engine, method, solved, choice, store)
+        return _unsolved(key, engine, solved, choice, store)
     begin = partial(convergence_study_of, scenario, engine, method, solved, choice.timesteps)
-    key = Key(scenario.name, engine.name, method.name)
     stored = {
         row.timestep: row
         for row in store.rows_of(key)
@@ -116,6 +110,13 @@ def is_run(study: ConvergenceStudy, stored: Mapping[float, Row]) -> bool:
     return True
 
 
+def run_and_judge(study: ConvergenceStudy, executor: Executor) -> Verdict:
+    """The verdict on a method that is run now, and stored nowhere."""
+    for _ in run_rungs(study, executor):
+        pass
+    return judge(study.records)
+
+
 def run_rungs(
     study: ConvergenceStudy, executor: Executor, stored: Mapping[float, Row] | None = None
 ) -> Iterator[Row]:
@@ -146,81 +147,6 @@ def run_rungs(
         except StopIteration:
             planned = None
     _restart(study, executor)
-
-
-@dataclass(frozen=True, eq=False)
-class Prepared:
-    """A scene's exact motion on its ladder, on single timesteps, and at stock ones."""
-
-    solution: Solution
-    ladder: Ladder
-    singles: list[tuple[Rung, Solution]]
-    stock: list[StockRun] = field(default_factory=list)
-    places: Places | None = None
-
-
-class SceneReference:
-    """A scene's exact motion, solved once for all its methods, by the first that asks.
-
-    Parameters
-    ----------
-    timesteps : s, single ones, in addition to the ladder
-    max_steps : largest number of steps of a run of the ladder
-    stock : s, stock timesteps
-    """
-
-    def __init__(
-        self,
-        scenario: Scenario,
-        timesteps: Sequence[float],
-        max_steps: int,
-        stock: Sequence[float] = (),
-    ) -> None:
-        self._arguments = (scenario, timesteps, max_steps, stock)
-        self._solving = Lock()
-        self._solved: Prepared | CallFailed | None = None
-
-    def get(self, executor: Executor, store: Store) -> Prepared | CallFailed:
-        """The exact motion, which is also stored, or the reason why it could not be solved."""
-        with self._solving:
-            if self._solved is None:
-                self._solved = executor.call(prepare, *self._arguments).value
-                if isinstance(self._solved, Prepared):
-                    store.put_scene(self._arguments[0], self._solved.solution)
-            return self._solved
-
-
-def prepare(
-    scenario: Scenario, timesteps: Sequence[float], max_steps: int, stock: Sequence[float] = ()
-) -> Prepared:
-    """Solve a scene at the sample times of its ladder and of every single and stock timestep.
-
-    If the exact motion ends at a horizon, so do the runs.
-    """
-    exact = ExactMotion(scenario)
-    outline = exact.outline(scenario.times)
-    rate = fastest_rate(scenario, outline.omega_body)
-    rungs = ladder(scenario.window, rate, len(outline.t), max_steps)
-    alone = [single(timestep, outline.t) for timestep in timesteps]
-    at_stock = [stock_rung(outline.t, timestep, rate) for timestep in stock]
-    made = [rung for rung in at_stock if isinstance(rung, Rung)]
-    # One solve for all: its cost hardly depends on the number of times.
-    solution, *solutions = exact.solve_each([rungs.times, *map(_times, [*alone, *made])])
-    runs = [
-        (rung.until(len(part.trajectory.t)), part)
-        for rung, part in zip([*alone, *made], solutions, strict=True)
-    ]
-    made_at_stock = iter(runs[len(alone) :])
-    stock_runs = [
-        StockRun(timestep, *next(made_at_stock))
-        if isinstance(rung, Rung)
-        else StockRun(timestep, refusal=rung)
-        for timestep, rung in zip(stock, at_stock, strict=True)
-    ]
-    ladder_rungs = rungs.until(len(solution.trajectory.t))
-    coarsest = ladder_rungs.rungs[0].timestep if ladder_rungs.rungs else None
-    at = places(scenario, outline, coarsest)
-    return Prepared(solution, ladder_rungs, runs[: len(alone)], stock_runs, at)
 
 
 def convergence_study_of(
@@ -295,43 +221,19 @@ def _methods_left(
 ) -> Iterator[Callable[[], Verdict]]:
     """One task for each method of each scene; those of a scene share its exact motion."""
     for scene in left.scenes:
-        reference = scene_reference(scene, choice)
+        reference = SceneReference(scene.scenario, choice)
         for engine, method in scene.to_run:
             yield partial(
                 study_method, scene.scenario, engine, method, reference, choice, store, executor
             )
 
 
-def scene_reference(scene: SceneLeft, choice: Choice) -> SceneReference:
-    """The exact motion that the methods of a scene are compared with."""
-    expected = {expectation.timestep for expectation in scene.scenario.expect}
-    timesteps = sorted({*choice.timesteps, *expected})
-    stock = sorted({dt for engine in choice.engines for dt in stock_timesteps(engine)})
-    return SceneReference(
-        scene.scenario,
-        timesteps,
-        choice.max_steps_on(scene.scenario),
-        () if choice.timesteps else stock,
-    )
-
-
 def _unsolved(
-    scenario: Scenario,
-    engine: Engine,
-    method: Method,
-    failure: CallFailed,
-    choice: Choice,
-    store: Store,
+    key: Key, engine: Engine, failure: CallFailed, choice: Choice, store: Store
 ) -> Verdict:
-    """Store rows that say that the exact motion could not be found."""
-    key = Key(scenario.name, engine.name, method.name)
+    """Store a row and a verdict that say that the exact motion could not be found."""
     reason = f"the exact motion could not be found: {failure.reason}"
-    row = Row(key, engine.version, UNSOLVED, "failed", reason, cause_of_unsolved(failure))
-    store.put(row)
+    store.put(Row(key, engine.version, UNSOLVED, "failed", reason, cause_of_unsolved(failure)))
     verdict = Verdict(key, "failed", reason, timesteps=tuple(sorted(choice.timesteps)))
     store.put_verdict(verdict)
     return verdict
-
-
-def _times(rung: Rung) -> FloatArray:
-    return np.asarray(rung.sample_steps * rung.timestep, dtype=float)

@@ -67,7 +67,7 @@ def plan_sweep(sweep: Map | Ensemble, base: Scenario, choice: Choice, store: Sto
     store.put_environment(environment(choice.engines))
     store.put_methods(choice.engines)
     store.put(DefinedSweep(base.name, sweep, base.text))
-    pairs = choice.pairs()
+    pairs = list(choice.methods_on(base).values())
     stored: dict[str, set[Pair]] = {}
     for row in [] if choice.again else store.points(base.name):
         if not may_succeed_if_repeated(row.cause, row.reason, choice.time_limit):

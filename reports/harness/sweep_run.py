@@ -2,8 +2,6 @@
 
 from collections.abc import Sequence
 
-import numpy as np
-
 from ...engines import Cause, Engine, Outcome
 from ...reference import Solution, solve_cheaply
 from ...scenarios import Scenario, ScenarioError
@@ -82,9 +80,7 @@ def _within_budget(rung: Rung | str) -> Rung | str:
 
 def _solved(scenario: Scenario, rungs: Sequence[Rung]) -> Solved:
     """The exact motion at the samples of each timestep, solved once, or why it was not found."""
-    times = {
-        rung.timestep: np.asarray(rung.sample_steps * rung.timestep, dtype=float) for rung in rungs
-    }
+    times = {rung.timestep: rung.times for rung in rungs}
     if not times:
         return {}
     try:

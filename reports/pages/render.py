@@ -17,7 +17,7 @@ from ..harness.executors import worker_slot
 from ..harness.judging import best_window, ladder_end, observed_order, signal_ladder
 from ..harness.judging.ladder import RUNGS_OF_A_LIMIT
 from ..harness.measuring import asymptotic
-from ..results.store import Results
+from ..results.results import Results
 from .analysis.report_data import ReportData, SceneRuns, report_data
 from .cost_section import cost_section, effects_table, harm_in_words, passes_table, scene_costs
 from .figures.figures import figures

@@ -13,7 +13,7 @@ from pathlib import Path
 
 from ...engines import Engine
 from ...scenarios import Scenario
-from .records import Fingerprint
+from .provenance_records import Fingerprint
 from .sources import Import, source
 
 _PROGRAM = "spincheck"

@@ -10,7 +10,7 @@ from typing import Annotated, ClassVar
 
 from pydantic import AfterValidator, ConfigDict
 
-from ...engines import Cause, Engine, Method, Outcome
+from ...engines import Cause, Outcome
 from ...reference import Solution
 from ...scenarios import Errors, Scenario, SignalName, Trajectory, is_scene_name, loads, printable
 from .verdict_words import VERDICT, VerdictWord
@@ -93,38 +93,6 @@ def _named(key: Key) -> Key:
 
 #: Of a result of one method.
 MethodKey = Annotated[Key, AfterValidator(_named)]
-
-
-@dataclass(frozen=True)
-class EnvironmentEntry(Record):
-    """Name and value of something that results may depend on."""
-
-    name: str
-    value: str
-
-
-@dataclass(frozen=True)
-class DeclaredEngine(Record):
-    """What an adapter declares, so that a report needs no engine; `Engine` says what it means."""
-
-    name: Name
-    methods: tuple[Method, ...]
-    stock_timestep: Size | None = None
-
-    @staticmethod
-    def of(engine: Engine) -> "DeclaredEngine":
-        """What an engine's adapter declares."""
-        return DeclaredEngine(engine.name, tuple(engine.methods), engine.stock_timestep)
-
-
-@dataclass(frozen=True)
-class Fingerprint(Record):
-    """What results of a scene rest on (`fingerprints`); the engine is empty where all do."""
-
-    scenario: SceneName
-    engine: str
-    kind: str
-    digest: str
 
 
 @dataclass(frozen=True)

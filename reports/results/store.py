@@ -8,33 +8,21 @@ import json
 import sqlite3
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from hashlib import sha256
 from pathlib import Path
 from typing import Any, TypeVar
 
-from ...engines import Engine, Method
+from ...engines import Engine
 from ...reference import Solution
 from ...scenarios import Scenario
 from . import format_12, tables
-from .cost_records import EffectsCost, PassCosts
 from .database import Database, put
-from .default_records import DefaultEffects
-from .encoding_records import EncodedRuns
 from .evidence import Evidence
-from .records import (
-    UNSOLVED,
-    DeclaredEngine,
-    EnvironmentEntry,
-    Fingerprint,
-    Key,
-    Pair,
-    Record,
-    Row,
-    SolvedScene,
-    Verdict,
-)
+from .provenance_records import DeclaredEngine, EnvironmentEntry, Fingerprint
+from .records import UNSOLVED, Key, Record, Row, SolvedScene, Verdict
 from .result_file import FORMAT, OpenFile, ResultFileError, opened
+from .results import Results, SceneResult
 from .sweep_records import PlacedRow, SweepResult, swept
 from .tables import DIGEST, Table, as_result_file_error
 
@@ -48,37 +36,6 @@ _ONE_METHOD = "scenario = ? AND engine = ? AND method = ?"
 _SORTED = "scenario, engine, method"
 #: Earlier versions stored points that are no scene without an engine.
 _RUN_BY_AN_ENGINE = "engine <> ''"
-
-
-@dataclass(frozen=True, eq=False)
-class SceneResult:
-    """A scene as it was simulated, and its exact motion at the sample times."""
-
-    scenario: Scenario
-    solution: Solution
-
-
-@dataclass(frozen=True, eq=False)
-class Results:
-    """Everything a report is made from.
-
-    Attributes
-    ----------
-    methods : what each engine's adapter declared of its methods, in the order it lists them
-    stock_timesteps : s, of the engines that have one
-    """
-
-    environment: dict[str, str]
-    scenes: dict[str, SceneResult]
-    rows: list[Row]
-    verdicts: list[Verdict]
-    effects: list[EffectsCost] = field(default_factory=list)
-    passes: list[PassCosts] = field(default_factory=list)
-    defaults: list[DefaultEffects] = field(default_factory=list)
-    encodings: list[EncodedRuns] = field(default_factory=list)
-    methods: dict[Pair, Method] = field(default_factory=dict)
-    stock_timesteps: dict[str, float] = field(default_factory=dict)
-    sweeps: list[SweepResult] = field(default_factory=list)
 
 
 class Store:
@@ -134,26 +91,23 @@ class Store:
     def rest_on(self, fingerprints: Sequence[Fingerprint]) -> int:
         """How many verdicts on a scene no longer count, as only results of these do from now on."""
         scenario = fingerprints[0].scenario
-
-        def verdicts() -> int:
-            stored = self._database.select("verdicts", "scenario = ?", (scenario,))
-            return sum(self._counts(tables.VERDICTS, one) for one in stored)
-
-        before = verdicts()
+        verdicts = self._database.select("verdicts", "scenario = ?", (scenario,))
+        before = sum(self._counts(tables.VERDICTS, one) for one in verdicts)
         self.put(*fingerprints)
         self._take_fingerprints(fingerprints)
-        return before - verdicts()
+        return before - sum(self._counts(tables.VERDICTS, one) for one in verdicts)
 
     def tidy(self) -> int:
         """Delete the results that no longer count; returns how many records there were."""
         deleted = 0
         with self._database.transaction() as connection:
             for table in (table for table in tables.TABLES if table.rests_on):
+                key = (*table.key, DIGEST)
+                where = " AND ".join(f"{name} IS ?" for name in key)
                 for one in self._database.select(table.name):
                     if not self._counts(table, one):
-                        where = " AND ".join(f"{name} IS ?" for name in (*table.key, DIGEST))
-                        key = [one[name] for name in (*table.key, DIGEST)]
-                        connection.execute(f"DELETE FROM {table.name} WHERE {where}", key)
+                        values = [one[name] for name in key]
+                        connection.execute(f"DELETE FROM {table.name} WHERE {where}", values)
                         deleted += 1
         return deleted
 

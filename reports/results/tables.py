@@ -29,17 +29,8 @@ from .database import shown
 from .default_records import DefaultEffects
 from .encoding_records import EncodedRuns
 from .evidence import Evidence
-from .records import (
-    MOTIONS,
-    DeclaredEngine,
-    EnvironmentEntry,
-    Fingerprint,
-    Key,
-    Record,
-    Row,
-    SolvedScene,
-    Verdict,
-)
+from .provenance_records import DeclaredEngine, EnvironmentEntry, Fingerprint
+from .records import MOTIONS, Key, Record, Row, SolvedScene, Verdict
 from .result_file import ResultFileError
 from .sweep_records import DefinedSweep, PlacedRow
 

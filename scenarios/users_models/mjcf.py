@@ -1,29 +1,19 @@
 """What an MJCF file states: `body/inertial`, after includes, frames and replicates."""
 
 from dataclasses import dataclass, replace
-from pathlib import Path
 
 import numpy as np
 from scipy.spatial.transform import Rotation
 
 from ..float_array import FloatArray
+from .mjcf_bounds import check, include
 from .model_file import IDENTITY, Folders, Link, Pose, Stated
-from .xml_tree import Element, numbers, read_xml, shown, vector
+from .xml_tree import Element, numbers, shown, vector
 
 #: More bodies than any robot has; `replicate` can ask for any number.
 MAX_BODIES = 10_000
-#: Elements that counts may make together, and the elements that have counts: MuJoCo takes the
-#: square of their number in time.
-MAX_MADE = 4096
-COUNTED = ("replicate", "composite", "flexcomp")
-#: Of a number in <size>: keyframes, user data.
-MAX_SIZE = 10_000
-#: Included files, at most.
-MAX_INCLUDES = 256
 #: Elements that generate bodies.
 MAKERS = ("attach", "composite", "flexcomp", "flex")
-#: Elements whose files MuJoCo reads even with all shapes removed.
-READ = ("model", "hfield", "flexcomp")
 ZEROS = (0.0, 0.0, 0.0)
 
 
@@ -44,91 +34,14 @@ def read_mjcf(root: Element, folders: Folders) -> tuple[tuple[Link, ...], tuple[
     ModelFileError
         If a number is not one, an include lies outside the folders, or there are too many bodies.
     """
-    _include(root, folders)
-    _check_read(root, folders)
-    _check_made(root)
-    _check_sizes(root)
+    include(root, folders)
+    check(root, folders)
     reader = _Reader(_compiler(root))
     for world in root.all("worldbody"):
         reader.read(world, "", IDENTITY)
     if not reader.links:
         root.refuse("<mujoco> has no <body>: there is nothing to inspect")
     return tuple(reader.links), tuple(reader.notes)
-
-
-def _include(root: Element, folders: Folders) -> None:
-    """Put the contents of included files where they are included."""
-    seen: set[object] = set()
-    left = [root]
-    while left:
-        element = left.pop()
-        children: list[Element] = []
-        for child in element.children:
-            children += _included(child, folders, seen) if child.tag == "include" else [child]
-        element.children = children
-        if any(child.tag == "include" for child in children):
-            left.append(element)
-        left += [child for child in children if child.tag != "include"]
-
-
-def _included(include: Element, folders: Folders, seen: set[object]) -> list[Element]:
-    name = include.attributes.get("file", "")
-    path = folders.find(name)
-    if path is None:
-        include.refuse(
-            f"<include> of {shown(name)}: there is no such file inside the model's folder or one "
-            "given by '--package-path'"
-        )
-    if path in seen or len(seen) == MAX_INCLUDES:
-        include.refuse(f"<include> of {shown(name)}: a file can be included once")
-    seen.add(path)
-    return read_xml(path).root.children
-
-
-def _check_read(root: Element, folders: Folders) -> None:
-    """See that what MuJoCo reads besides meshes lies inside the model's folders."""
-    places = [""]
-    for compiler in root.all("compiler"):
-        places += [compiler.attributes.get(key, "") for key in ("meshdir", "assetdir")]
-    left = [root]
-    while left:
-        element = left.pop()
-        left += element.children
-        name = element.attributes.get("file", "")
-        if not name or element.tag not in READ:
-            continue
-        if not any(folders.find(str(Path(place, name))) for place in places):
-            element.refuse(
-                f"<{element.tag}> of {shown(name)}: there is no such file inside the model's "
-                "folder or one given by '--package-path'"
-            )
-
-
-def _check_made(root: Element) -> None:
-    """See that elements that are counted make no more than MuJoCo makes within a second."""
-    made = 0
-    left = [(root, 1)]
-    while left:
-        element, times = left.pop()
-        if element.tag in COUNTED and "count" in element.attributes:
-            counts = element.attributes["count"].split()
-            for count in numbers(element, "count", " ".join(counts), len(counts)):
-                times *= max(1, int(count))
-            made += times
-        elif times > 1:
-            made += times
-        if made > MAX_MADE:
-            element.refuse(f"<{element.tag}> makes more than {MAX_MADE} elements, nested ones too")
-        left += [(child, times) for child in element.children]
-
-
-def _check_sizes(root: Element) -> None:
-    """See that no table is asked for that fills the memory."""
-    for size in root.all("size"):
-        for key, text in size.attributes.items():
-            # The others are of motions, which are not computed here.
-            if key.startswith(("nkey", "nuser")) and numbers(size, key, text, 1)[0] > MAX_SIZE:
-                size.refuse(f"'{key}' of <size> must be at most {MAX_SIZE}, got {shown(text)}")
 
 
 def _compiler(root: Element) -> Compiler:

@@ -81,12 +81,9 @@ def read_model(path: str | Path, packages: tuple[tuple[str, Path], ...] = ()) ->
 
 def _refuse_includes(robot: Element) -> None:
     """MuJoCo follows them in a URDF too, wherever they point."""
-    left = [robot]
-    while left:
-        element = left.pop()
+    for element in robot.walk():
         if element.tag == "include":
             element.refuse("<include> has no place in a URDF; expand the file first")
-        left += element.children
 
 
 def _scaled(robot: Element) -> list[str]:

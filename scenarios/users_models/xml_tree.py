@@ -8,7 +8,7 @@ mass of `nan`.
 
 import math
 import re
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Never
@@ -78,6 +78,14 @@ class Element:
         if len(children) > 1:
             children[1].refuse(f"a second <{tag}> in {self}: engines do not take the same one")
         return children[0] if children else None
+
+    def walk(self) -> Iterator["Element"]:
+        """The element and all in it, as they are when it comes to them; nothing recurses."""
+        left = [self]
+        while left:
+            element = left.pop()
+            yield element
+            left += element.children
 
     def refuse(self, rule: str) -> Never:
         """Raise a `ModelFileError` about this element."""

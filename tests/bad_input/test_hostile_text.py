@@ -23,7 +23,7 @@ from spincheck.reports.pages.render import render
 from spincheck.reports.pages.templating import escaped, to_html
 from spincheck.reports.results.cost_records import EffectsCost, PassCost, PassCosts, Ratio
 from spincheck.reports.results.records import Key
-from spincheck.reports.results.store import SceneResult
+from spincheck.reports.results.results import SceneResult
 from spincheck.scenarios import ScenarioError, is_scene_name, load, loads
 
 #: Each would be seen as an element, an attribute or a link called "evil" if it were let through.

@@ -33,7 +33,8 @@ from spincheck.reports.harness.executors import InProcess
 from spincheck.reports.harness.judging import ladder
 from spincheck.reports.harness.measuring import richardson
 from spincheck.reports.harness.plan import plan
-from spincheck.reports.results.store import Results, Store, open_store
+from spincheck.reports.results.results import Results
+from spincheck.reports.results.store import Store, open_store
 from spincheck.scenarios import find, load
 
 OUT = Path("build/bench/whole_run.json")

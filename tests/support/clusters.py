@@ -5,14 +5,14 @@ from typing import Any
 import pytest
 
 
-def cluster_of_threads(threads: int) -> Any:
-    """A scheduler whose one worker is threads of this process: nothing is started for it.
+def cluster_of_threads(threads: int, workers: int = 1) -> Any:
+    """A scheduler whose workers are threads of this process: nothing is started for it.
 
     A context manager; the test is skipped where Dask is not installed.
     """
     distributed = pytest.importorskip("distributed")
     return distributed.LocalCluster(
-        n_workers=1,
+        n_workers=workers,
         threads_per_worker=threads,
         processes=False,
         protocol="tcp://",

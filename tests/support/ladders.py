@@ -7,7 +7,7 @@ from made_up import TIMESTEPS, MadeUp, results
 from spincheck.reports.pages.analysis.best_choice import Candidate, candidates
 from spincheck.reports.pages.analysis.report_data import SceneRuns, report_data
 from spincheck.reports.pages.analysis.work_precision import EPS
-from spincheck.reports.results.store import Results
+from spincheck.reports.results.results import Results
 from spincheck.scenarios import Errors
 
 TOP = "made-up-top"

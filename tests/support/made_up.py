@@ -8,7 +8,7 @@ from scipy.spatial.transform import Rotation
 from spincheck.engines import Method
 from spincheck.reference import Solution
 from spincheck.reports.results.records import Key, Row, Verdict
-from spincheck.reports.results.store import Results, SceneResult
+from spincheck.reports.results.results import Results, SceneResult
 from spincheck.scenarios import EFFECTS, Errors, Scenario, Trajectory, errors_between, loads
 
 #: What the made-up exact motion is good for; the finest runs of high order are below it.

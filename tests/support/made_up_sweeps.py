@@ -2,7 +2,7 @@
 
 from spincheck.engines import Method
 from spincheck.reports.results.records import Key
-from spincheck.reports.results.store import Results
+from spincheck.reports.results.results import Results
 from spincheck.reports.results.sweep_records import Ensemble, Map, PlacedRow, SweepResult
 from spincheck.scenarios import EFFECTS, Errors, Scenario, loads
 from spincheck.scenarios.vary import Axis, parse_axis

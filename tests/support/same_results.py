@@ -5,7 +5,7 @@ from dataclasses import asdict, replace
 
 import numpy as np
 from spincheck.reports.results.records import Row
-from spincheck.reports.results.store import Results
+from spincheck.reports.results.results import Results
 
 
 def differences(a: Results, b: Results) -> list[str]:

@@ -17,7 +17,8 @@ from spincheck.reports.results.cost_records import (
 )
 from spincheck.reports.results.default_records import DefaultEffect, DefaultEffects
 from spincheck.reports.results.evidence import Deviation, Evidence, JudgedRung, Refinement
-from spincheck.reports.results.records import Fingerprint, Key
+from spincheck.reports.results.provenance_records import Fingerprint
+from spincheck.reports.results.records import Key
 from spincheck.reports.results.store import open_store
 from spincheck.reports.results.sweep_records import DefinedSweep, Ensemble, Map
 from spincheck.scenarios import Errors

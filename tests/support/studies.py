@@ -1,18 +1,17 @@
 """Studies and sweeps of a result file, in this process unless a test brings an executor."""
 
-from collections import deque
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from spincheck.reports.harness.choice import Choice
 from spincheck.reports.harness.convergence_study import ConvergenceStudy
 from spincheck.reports.harness.executors import Executor, InProcess
-from spincheck.reports.harness.judging import judge
 from spincheck.reports.harness.plan import plan
-from spincheck.reports.harness.study import run_rungs, run_study
+from spincheck.reports.harness.study import run_and_judge, run_study
 from spincheck.reports.harness.sweep import plan_sweep, run_sweep
 from spincheck.reports.results.records import Verdict
-from spincheck.reports.results.store import Results, open_store
+from spincheck.reports.results.results import Results
+from spincheck.reports.results.store import open_store
 from spincheck.reports.results.sweep_records import Ensemble, Map, PlacedRow, points_of
 from spincheck.scenarios import Scenario
 
@@ -48,5 +47,4 @@ def sweep(
 
 def verdict_of(study: ConvergenceStudy) -> Verdict:
     """Run the ladder of one method to its end."""
-    deque(run_rungs(study, InProcess()), maxlen=0)
-    return judge(study.records)
+    return run_and_judge(study, InProcess())

@@ -80,7 +80,9 @@ class World:
         if DAMPING not in scene["defaults"]:
             self.take_away_damping()
         if CLAMP not in scene["defaults"]:
-            self.take_away_clamp()
+            p.changeDynamics(
+                self.body, BASE, maxJointVelocity=UNREACHED, physicsClientId=self.client
+            )
         if scene["hung"] and JOINT_MOTOR not in scene["defaults"]:
             self.set_motor(scene["motor"])
         if scene["is_exact"]:
@@ -103,10 +105,6 @@ class World:
         p.changeDynamics(
             self.body, BASE, linearDamping=0, angularDamping=0, physicsClientId=self.client
         )
-
-    def take_away_clamp(self):
-        """Raise the clamp of the velocity coordinates beyond any velocity of a run."""
-        p.changeDynamics(self.body, BASE, maxJointVelocity=UNREACHED, physicsClientId=self.client)
 
     def set_motor(self, gain):
         """Have the motor of a spherical joint, which holds the joint's velocity at zero, idle.

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from ..options import CORES, RESULT_FILE, AsEncoded, AsJson, Jobs, Methods, Python, Scene
+from ..options import CORES, RESULT_FILE, AsEncoded, AsJson, Jobs, Methods, Python, Scene, Timestep
 from ..terminal import (
     AGREES,
     DISAGREES,
@@ -168,7 +168,7 @@ def reproduce(
     scenario: Scene,
     engine: Annotated[str, typer.Option(help="One of 'spincheck engines', or mujoco@VERSION.")],
     method: Annotated[str, typer.Option(help="One of the engine's methods.")],
-    timestep: Annotated[float, typer.Option(help="The timestep, s.")],
+    timestep: Timestep,
     out: Annotated[Path | None, typer.Option(help="The file to write.")] = None,
 ) -> None:
     """Write one run as a file that needs the engine alone, for an issue.
@@ -184,6 +184,8 @@ def reproduce(
     scene = one_scene(scenario)
     choice = choose([engine], [method], [timestep])
     check_timesteps([scene], choice)
+    if len(choice.pairs()) > 1:
+        raise Complaint(f"'--engine' must name one engine, got '{engine}'")
     ((chosen, by),) = choice.pairs()
     text = reproduction(scene, chosen, by, timestep)
     suffix = FRAMES[chosen.script_language].suffix

@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from ..options import CORES, RESULT_FILE, Engines, From, Jobs, Methods, Scene
+from ..options import CORES, RESULT_FILE, From, Jobs, Scene
 
 app = typer.Typer()
 
@@ -36,13 +36,19 @@ def plot(
     ],
     out: Annotated[Path, typer.Option("--out", "-o", help="The file to write: .svg, .png, .pdf.")],
     results: From = RESULT_FILE,
-    engine: Engines = None,
-    method: Methods = None,
+    engine: Annotated[
+        list[str] | None,
+        typer.Option(metavar="ENGINE", help="Draw runs of this engine; may be repeated."),
+    ] = None,
+    method: Annotated[
+        list[str] | None,
+        typer.Option(metavar="METHOD", help="Draw runs of this method; may be repeated."),
+    ] = None,
 ) -> None:
     """Draw one figure of a scene as a file; needs matplotlib.
 
-    It shows the exact motion, and the engines and methods that are named if the result file has
-    runs of them; convergence and work-precision show every method.
+    It shows the exact motion, and of the result file the runs of engines and methods that are
+    named; convergence and work-precision show every method.
     """
     from .pictures import plot as draw
 

@@ -12,12 +12,12 @@ from ...pages.figures.figures import figures
 from ...pages.figures.plot import Figure
 from ...pages.figures.signal_figures import with_runs
 from ...pages.render import render
-from ...results.store import Results, SceneResult
+from ...results.results import Results, SceneResult
 from ..choosing import Where
 from ..named_scenes import one_scene
 from ..run import running
 from ..stopping import saying
-from ..terminal import NOT_RUN, Complaint
+from ..terminal import NOT_RUN, Complaint, written
 
 #: What can be drawn: the figure of a scene's page, and which of its parts; all of them if None.
 WHAT: dict[str, tuple[str, int | None]] = {
@@ -30,12 +30,16 @@ WHAT: dict[str, tuple[str, int | None]] = {
     "convergence": ("convergence", None),
     "work-precision": ("cost", None),
 }
+#: Of files that are written.
+ENDINGS = (".svg", ".png", ".pdf")
 #: Figures that show runs only, and not the exact motion.
 OF_RUNS = ("convergence", "work-precision")
 
 
 def view(scene: str, jobs: int, out: Path) -> Path:
     """Run a scene down short ladders and at stock timesteps, untimed; returns its page."""
+    if out.exists() and not out.is_dir():
+        raise Complaint(f"'--out' must be a folder, got the file '{out}'")
     with saying("nothing is kept"), TemporaryDirectory() as folder:
         stored = Path(folder) / "view.sqlite"
         results = running.run([scene], [], [], [], Where(jobs), stored, quick=True)
@@ -57,22 +61,28 @@ def plot(
         raise Complaint(
             f"'--what' must be one of {', '.join(WHAT)}, got '{what}'{did_you_mean(what, WHAT)}"
         )
+    if out.suffix.lower() not in ENDINGS:
+        raise Complaint(f"'--out' must end with {', '.join(ENDINGS)}, got '{out}'")
     scenario = one_scene(scene)
     scene_runs = _scene_runs(scenario, results)
     if what in OF_RUNS and not any(runs.rows for runs in scene_runs.methods):
         raise Complaint(
             f"{results}: has no runs of {scenario.name}; 'spincheck run {scene}' makes them"
         )
-    parts = _parts(scene_runs, what, _chosen(scene_runs, engine_names, methods))
+    chosen = _chosen(scene_runs, engine_names, methods)
+    if not chosen and (engine_names or methods):
+        there = ", ".join({run.runs.label: None for run in scene_runs.compared}) or "none"
+        raise Complaint(
+            f"{results}: has no motion of {scenario.name} by {' '.join([*engine_names, *methods])} "
+            f"to draw, those that it has: {there}; 'spincheck run {scene}' makes them"
+        )
+    parts = _parts(scene_runs, what, chosen)
     try:
         from ...pages.figures.picture import write_picture
-
-        with replacing(out) as new:
-            write_picture(parts, scene_runs.title, new)
     except ImportError:
         raise Complaint("needs matplotlib; 'pip install spincheck[plot]'", NOT_RUN) from None
-    except (OSError, ValueError) as error:
-        raise Complaint(f"{out}: cannot be written: {error}") from None
+    with written(out), replacing(out) as new:
+        write_picture(parts, scene_runs.title, new)
 
 
 def _scene_runs(scenario: Scenario, results: Path) -> SceneRuns:
@@ -93,12 +103,13 @@ def _chosen(
 ) -> tuple[Compared, ...]:
     """The runs of what was named, each at its engine's stock timestep; none if nothing was."""
     first = {run.runs.label: run for run in reversed(scene.compared)}
+    engines, by = ({name.lower() for name in names} for names in (engine_names, methods))
     return tuple(
         run
         for run in reversed(first.values())
-        if (engine_names or methods)
-        and (not engine_names or run.runs.engine in engine_names)
-        and (not methods or run.runs.method in methods)
+        if (engines or by)
+        and (not engines or run.runs.engine.lower() in engines)
+        and (not by or run.runs.method.lower() in by)
     )
 
 

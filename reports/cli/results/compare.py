@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from ...pages.analysis.changes import COST_FACTOR, ERROR_FACTOR, Change, changes
-from ...results.store import Results
+from ...results.results import Results
 from ..run import running
 from ..terminal import AGREES, DISAGREES, table
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import typer
 
 from ..options import RESULT_FILE, AsCsv, AsJson, Stored
-from ..terminal import Complaint, as_complaint, to_json
+from ..terminal import Complaint, as_complaint, say, to_json
 
 #: What a formula begins with, or white space that spreadsheets pass over before one.
 FORMULA = ("=", "+", "-", "@", "\t", "\n")
@@ -23,9 +23,13 @@ def csv_text(records: Sequence[Mapping[str, object]]) -> str:
     (https://owasp.org/www-community/attacks/CSV_Injection).
     """
     flat = [dict(_flattened(record)) for record in records]
-    names = list(dict.fromkeys(name for record in flat for name in record))
+    names = dict.fromkeys(name for record in flat for name in record)
+    for name in [*names]:
+        # A table that some records do not have.
+        while name := name.rpartition(".")[0]:
+            names.pop(name, None)
     text = io.StringIO()
-    writer = csv.DictWriter(text, names, restval="", lineterminator="\n")
+    writer = csv.DictWriter(text, names, extrasaction="ignore", lineterminator="\n")
     writer.writeheader()
     writer.writerows(flat)
     return text.getvalue()
@@ -86,8 +90,13 @@ def _print_all(name: str, file: Path, as_csv: bool, as_json: bool) -> None:
     records, lines = PRINTED[name](running.read(file))
     if as_csv and as_json:
         raise Complaint("takes '--csv' or '--json', not both")
+    if not records:
+        command = (
+            "spincheck map' or 'spincheck run --ensemble" if name == "points" else "spincheck run"
+        )
+        say(f"{file}: holds no {name}; '{command}' fills it")
     if as_csv:
-        print(csv_text(records), end="")
+        print(csv_text(records) if records else "", end="")
     elif as_json:
         print(to_json(records))
     else:
@@ -97,9 +106,9 @@ def _print_all(name: str, file: Path, as_csv: bool, as_json: bool) -> None:
 
 @app.command(epilog="Example: spincheck tidy spincheck.sqlite")
 def tidy(results: Stored = RESULT_FILE) -> None:
-    """Delete results whose scene, engine or spincheck has changed since.
+    """Delete results that were made again, as the scene, the engine or spincheck had changed.
 
-    'spincheck run' makes such results again, and keeps the old ones until they are deleted.
+    'spincheck run' finds that out, and keeps the old results until they are deleted.
     """
     from ...results.result_file import ResultFileError
     from ...results.store import open_store

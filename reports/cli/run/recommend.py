@@ -25,7 +25,8 @@ from ...pages.analysis.best_choice import BOUNDS, Candidate, ErrorBounds, candid
 from ...pages.analysis.report_data import SceneRuns, report_data
 from ...pages.analysis.wording import rounded_down
 from ...results.records import Key, Row
-from ...results.store import Results, open_store
+from ...results.results import Results
+from ...results.store import open_store
 from ..choosing import Where, check_temporary_folder, choose
 from ..grouped import option
 from ..named_scenes import one_scene

@@ -17,7 +17,8 @@ from ...harness.study import run_study
 from ...pages.analysis.wording import plural
 from ...results.records import UNSOLVED, Key, Row
 from ...results.result_file import ResultFileError
-from ...results.store import Results, open_store
+from ...results.results import Results
+from ...results.store import open_store
 from ...results.verdict_words import UNPROVEN
 from ..choosing import (
     Where,
@@ -45,25 +46,31 @@ STEPS_QUICK, STEPS = 35_000, 50_000
 OVERHEAD, TIMING = 0.3, 0.06
 
 
-def announcement(left: Plan, choice: Choice, jobs: int) -> str:
+def announcement(left: Plan, choice: Choice, jobs: int | None) -> str:
     """Engines, number of verdicts and timings to be made, estimated time.
 
     Empty for one verdict at most.
+
+    Parameters
+    ----------
+    jobs : worker processes; None on a cluster, of which no time is estimated
     """
     pairs = [pair for scene in left.scenes for pair in scene.to_run]
     if len(pairs) < 2:
         return ""
     names = dict.fromkeys(engine.name for engine, _ in pairs)
-    timings = sum(len(scene.to_run) for scene in left.scenes if scene.to_time)
-    seconds = _seconds((engine for engine, _ in pairs), choice) / jobs + TIMING * timings
-    seconds /= share_of_a_core(jobs)
     timed = left.total - len(pairs)
     to_time = f", and {plural(timed, 'scene')} to be timed" if timed else ""
-    return (
+    words = (
         f"{plural(len(pairs), 'verdict')} of {plural(len(names), 'engine')} ({', '.join(names)}) "
-        f"on {plural(len(left.scenes), 'scene')}{to_time}: roughly {in_words(seconds)} "
-        f"with {plural(jobs, 'worker')}{'; --engine names fewer' if len(names) > 2 else ''}"
+        f"on {plural(len(left.scenes), 'scene')}{to_time}"
     )
+    if jobs is not None:
+        timings = sum(len(scene.to_run) for scene in left.scenes if scene.to_time)
+        seconds = _seconds((engine for engine, _ in pairs), choice) / jobs + TIMING * timings
+        seconds /= share_of_a_core(jobs)
+        words += f": roughly {in_words(seconds)} with {plural(jobs, 'worker')}"
+    return words + ("; --engine names fewer" if len(names) > 2 else "")
 
 
 def _seconds(engines: Iterable[Engine], choice: Choice) -> float:
@@ -104,7 +111,7 @@ def run(
         python=python,
         time_limit=time_limit,
     )
-    _check_all_apply(choice, scenarios)
+    check_all_apply(choice, scenarios)
     choice = replace(choice, hard_in_passing=not scenes, again=again, counted=counted)
     if quick:
         choice = replace(choice, max_steps=QUICK_STEPS, timed=False)
@@ -117,7 +124,7 @@ def run(
         left = plan(scenarios, choice, store)
         if str(left):
             say(f"{out}: {left}")
-        if words := announcement(left, choice, where.jobs):
+        if words := announcement(left, choice, None if where.cluster else where.jobs):
             say(words)
         if left.scenes:
             say_if_compiling()
@@ -143,7 +150,7 @@ def gone_on_with(out: Path) -> str:
     return f"finished results are in {printable(str(out))}; the same command continues from there"
 
 
-def _check_all_apply(choice: Choice, scenarios: Sequence[Scenario]) -> None:
+def check_all_apply(choice: Choice, scenarios: Sequence[Scenario]) -> None:
     """Check that every engine asked for applies to some scene."""
     for engine in choice.engines:
         if not any(engine.applies_to(scenario) for scenario in scenarios):

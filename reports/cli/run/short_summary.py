@@ -13,7 +13,7 @@ from ...pages.analysis.report_data import ReportData, report_data
 from ...pages.analysis.timesteps import as_shipped, attitudes_at, leading, stock_timesteps
 from ...pages.analysis.wording import duration, plural
 from ...results.records import Row, Verdict
-from ...results.store import Results
+from ...results.results import Results
 from ...results.verdict_words import LISTED
 from .summary import aligned, of_signals
 

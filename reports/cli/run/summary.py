@@ -12,7 +12,7 @@ from ...pages.analysis.timesteps import Survival, survival
 from ...pages.analysis.work_precision import cost
 from ...results.as_json import as_json
 from ...results.records import Key, Row, Verdict
-from ...results.store import Results
+from ...results.results import Results
 from ...results.verdict_words import VERDICT
 from ..sweeps.sweep_running import flat_records
 
@@ -93,7 +93,7 @@ def point_lines(records: Sequence[dict[str, Any]]) -> Iterator[str]:
         method = f"{record['engine']} {record['method']}"
         return f"{record['scenario']}: {method}; {record['sweep']} of {', '.join(_at(record))}"
 
-    for title, grouped in groupby(records, key=sweep_of):
+    for title, grouped in groupby(sorted(records, key=sweep_of), key=sweep_of):
         yield cut(title, WIDTH)
         points = list(grouped)
         headings, *numbers = aligned(of_signals(map(_errors, filter(_errors, points)))) or [""]

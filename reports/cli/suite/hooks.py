@@ -17,11 +17,12 @@ from ....engines import Engine, Method, add
 from ....scenarios import Scenario, did_you_mean, load
 from ...harness.executors import InProcess
 from ...harness.judging import judge
+from ...harness.prepared import Prepared, prepare
 from ...harness.recorded.judged import judged_motion
 from ...harness.recorded.read import READERS, read_recording
 from ...harness.recorded.recorded_ladder import study_of_files
 from ...harness.recorded.recording import RecordingError
-from ...harness.study import Prepared, convergence_study_of, prepare, run_rungs
+from ...harness.study import convergence_study_of, run_and_judge
 from ...results.records import Verdict
 from ...results.verdict_words import RANKS, VERDICT
 from ..choosing import choose
@@ -90,9 +91,7 @@ class EngineSubject(Subject):
         if name not in self._verdicts:
             scenario, prepared = _scene(name), _prepared(name)
             study = convergence_study_of(scenario, self.engine, self.method, prepared)
-            for _ in run_rungs(study, InProcess()):
-                pass
-            self._verdicts[name] = judge(study.records)
+            self._verdicts[name] = run_and_judge(study, InProcess())
         return self._verdicts[name]
 
 
@@ -135,9 +134,7 @@ def _scene(name: str) -> Scenario:
 
 @cache
 def _prepared(name: str) -> Prepared:
-    prepared = prepare(_scene(name), (), MOST_STEPS)
-    # Timesteps above the ladder are for reports only.
-    return replace(prepared, ladder=replace(prepared.ladder, above=()))
+    return prepare(_scene(name), (), MOST_STEPS).for_verdicts()
 
 
 def subjects(names: list[str]) -> Iterator[Subject]:

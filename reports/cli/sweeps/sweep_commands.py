@@ -37,7 +37,8 @@ def map_scene(
         list[str] | None,
         typer.Option(
             metavar="PATH=LO:HI[:COUNT][:log]",
-            help="A number of the scene file, as start.omega_body[2], or timestep; to be repeated.",
+            help="A number of the scene file, as start.omega_body[2], or timestep; to be repeated "
+            "once.",
         ),
     ] = None,
     engine: Engines = None,
@@ -62,7 +63,7 @@ def map_scene(
     raise typer.Exit(print_swept(swept, f"Points are in {out}", out, as_json))
 
 
-@app.command("vary", epilog="Example: spincheck vary fast-top start.omega_body[2]=37.3")
+@app.command("vary", epilog="Example: spincheck vary fast-top 'start.omega_body[2]=37.3'")
 def print_varied(
     scenario: Scene,
     numbers: Annotated[
@@ -80,12 +81,12 @@ def print_varied(
 def print_member(
     scenario: Scene,
     member: Annotated[int, typer.Option(min=0, help="The member's number, from 0 on.")],
-    seed: Seed = 0,
+    seed: Seed = None,
 ) -> None:
     """Print one member of an ensemble as a scenario file, to be read and run."""
     from .sweep_running import member_text
 
-    print(member_text(scenario, seed, member), end="")
+    print(member_text(scenario, seed or 0, member), end="")
 
 
 def print_swept(swept: "list[SweepResult]", where: str, out: Path, as_json: bool) -> int:

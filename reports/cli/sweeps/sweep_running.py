@@ -27,7 +27,7 @@ from ...results.sweep_records import (
 )
 from ..choosing import Where, check_timesteps, choose, executor_for, say_if_compiling
 from ..named_scenes import one_scene, scenes_to_run
-from ..run.running import gone_on_with
+from ..run.running import check_all_apply, gone_on_with
 from ..stopping import saying
 from ..terminal import (
     AGREES,
@@ -179,6 +179,8 @@ def varied_text(scene: str, numbers: Sequence[str]) -> str:
     """
     base = one_scene(scene)
     values = dict(_number(text) for text in numbers)
+    if len(values) < len(numbers):
+        raise Complaint(f"takes each number once, got {', '.join(numbers)}")
     with as_complaint(VaryError, ScenarioError):
         for path in values:
             check_path(base, path)
@@ -194,13 +196,19 @@ def choose_for_sweep(
     time_limit: float | None = None,
     *,
     again: bool = False,
+    python: str = "",
 ) -> Choice:
-    """Engines, methods, at most one timestep, a time limit, s, and whether all is run again."""
+    """Engines, methods, at most one timestep, a time limit, s, and whether all is run again.
+
+    Parameters
+    ----------
+    python : the command of the interpreter that versions run under; this one if empty
+    """
     if len(timesteps) > 1:
         raise Complaint(
             f"'--timestep' may be given once here, got {len(timesteps)}; or vary it in a map"
         )
-    choice = choose(engine_names, methods, timesteps, time_limit=time_limit)
+    choice = choose(engine_names, methods, timesteps, time_limit=time_limit, python=python)
     return replace(choice, again=again)
 
 
@@ -217,7 +225,7 @@ def _number(text: str) -> tuple[str, float]:
     try:
         return path, float(value)
     except ValueError:
-        raise Complaint(f"takes PATH=VALUE, got '{text}'") from None
+        raise Complaint(f"takes PATH=VALUE, VALUE a number, got '{text}'") from None
 
 
 def _map(base: Scenario, ranges: Sequence[str], choice: Choice) -> Map:
@@ -243,7 +251,7 @@ def _carried_out(
     sweeps: Sequence[tuple[Map | Ensemble, Scenario]], choice: Choice, where: Where, out: Path
 ) -> list[SweepResult]:
     """Run what is missing of sweeps, and return them with the points of the methods chosen."""
-    pairs = {(engine.name, method.name) for engine, method in choice.pairs()}
+    check_all_apply(choice, [base for _, base in sweeps])
     results = []
     with (
         as_complaint(ResultFileError),
@@ -264,6 +272,7 @@ def _carried_out(
                     run_sweep(planned, base, store, executor, advance)
         for sweep, base in sweeps:
             points = points_of(sweep, store.points(base.name))
+            pairs = {key.pair for key in choice.methods_on(base)}
             chosen = tuple(row for row in points if row.pair in pairs)
             results.append(SweepResult(sweep, base, chosen))
     return results

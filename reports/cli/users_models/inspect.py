@@ -30,7 +30,7 @@ from ...harness.users_models.inspect import (
 )
 from ...harness.users_models.remedy import remedies
 from ...pages.analysis.wording import plural
-from ..terminal import NOT_RUN, Complaint, as_complaint, table, terminal_width, written
+from ..terminal import NOT_RUN, Complaint, as_complaint, say, table, terminal_width, written
 
 
 def record(inspection: Inspection) -> dict[str, Any]:
@@ -128,7 +128,7 @@ def models(
 def inspections(models: Sequence[ModelFile], engines: Sequence[str]) -> Iterator[Inspection]:
     """Inspect models one after the other; engines read them in one worker process each."""
     with as_complaint(CannotInspectError):
-        readers = reader_engines(engines)
+        readers = reader_engines(engines, say)
         if not readers:
             raise Complaint("no engine is installed that reads model files", NOT_RUN)
         with LocalWorkers(1, READ_LIMIT) as worker:

@@ -14,7 +14,7 @@ from ...results.store import Store
 from ..choice import Choice
 from ..executors import CallFailed, Executor
 from ..ladder import Rung
-from ..study import Prepared, prepare
+from ..prepared import Prepared, prepare
 from .judged import Judge, Pair
 
 #: The encoding that the others are compared with.

@@ -58,7 +58,8 @@ class DaskCluster(Executor):
     Raises
     ------
     ClusterError
-        If Dask is not installed, no scheduler answers, or a worker runs another spincheck or numpy.
+        If Dask is not installed, no scheduler answers, it has no worker, or a worker runs another
+        spincheck or numpy.
     """
 
     def __init__(self, address: str, time_limit: float | None = None) -> None:
@@ -69,9 +70,14 @@ class DaskCluster(Executor):
         #: For what is timed: times taken on several computers are not to be compared.
         self._here = LocalWorkers(1, self._time_limit)
         self._client = _connected(address)
-        self._check_alike()
         threads = sum(self._client.nthreads().values())
-        self.width = max(1, CALLS_PER_THREAD * threads)
+        if not threads:
+            self._client.close()
+            raise ClusterError(
+                f"the scheduler at {address} has no worker; 'dask worker {address}' starts one"
+            )
+        self._check_alike()
+        self.width = CALLS_PER_THREAD * threads
 
     def call(self, function: Callable[P, T], /, *args: P.args, **kwargs: P.kwargs) -> Answer[T]:
         """Call a function on the cluster; what it takes and returns is pickled.

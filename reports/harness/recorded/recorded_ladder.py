@@ -9,7 +9,7 @@ import numpy as np
 
 from ....engines import Engine, EngineError, Method, Run, Session
 from ....scenarios import FloatArray, Scenario, Trajectory
-from ...results.store import Results, SceneResult
+from ...results.results import Results, SceneResult
 from ..convergence_study import ConvergenceStudy
 from ..executors import Answer
 from ..judging import judge

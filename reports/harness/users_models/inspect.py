@@ -1,6 +1,6 @@
 """Inspects a model: engines read it in a worker, their bodies are compared with the file's."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
 
@@ -139,10 +139,12 @@ class ReaderEngine:
     reader: ModelReader
 
 
-def reader_engines(names: Sequence[str] = ()) -> list[ReaderEngine]:
+def reader_engines(
+    names: Sequence[str] = (), say: Callable[[str], object] = len
+) -> list[ReaderEngine]:
     """The engines of those names; all that are installed if no name is given.
 
-    An engine@version is installed first if necessary.
+    An engine@version is installed first if necessary; `say` is given a sentence before.
 
     Raises
     ------
@@ -160,7 +162,7 @@ def reader_engines(names: Sequence[str] = ()) -> list[ReaderEngine]:
             )
         reader = readers[base]
         try:
-            engine = versioned(name) if at else None
+            engine = versioned(name, say=say) if at else None
         except VersionError as error:
             raise CannotInspectError(f"'--engine' {error}") from None
         version, site = (engine.version, engine.site) if engine else (reader.version, "")

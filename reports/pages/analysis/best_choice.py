@@ -8,7 +8,7 @@ from scipy.spatial.transform import Rotation
 
 from ....scenarios import SIGNAL, Errors, errors_between
 from ...results.records import Key, Row
-from ...results.store import SceneResult
+from ...results.results import SceneResult
 from .cost_to_reach import Barrier, How, reach
 from .report_data import MethodRuns, SceneRuns
 from .wording import number, rounded_down

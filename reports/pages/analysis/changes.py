@@ -11,7 +11,7 @@ from typing import Any, Literal
 from ....engines import Outcome
 from ...harness.measuring.asymptotic import ASYMPTOTIC
 from ...results.records import Key, Row, Verdict
-from ...results.store import Results
+from ...results.results import Results
 from ...results.verdict_words import RANKS
 from .report_data import MethodRuns, SceneRuns, report_data
 

@@ -23,7 +23,7 @@ from ...harness.defects import defects
 from ...results.default_records import DefaultEffects
 from ...results.encoding_records import EncodedRuns
 from ...results.records import Key, OfMethod, Pair, Row, Verdict
-from ...results.store import Results, SceneResult
+from ...results.results import Results, SceneResult
 from .trace_style import TraceStyle, trace_styles
 from .wording import typed
 

@@ -10,7 +10,7 @@ from ....reference.rotational_problem import rotational_problem
 from ....reference.symmetry import symmetry_axis
 from ....scenarios import FloatArray, Scenario, Trajectory, angular_momentum_world
 from ....scenarios.principal import principal_axes
-from ...results.store import SceneResult
+from ...results.results import SceneResult
 from ..analysis.report_data import SceneRuns
 
 #: Largest number of samples of a path; samples a turn at the fastest rate.

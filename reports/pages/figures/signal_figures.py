@@ -12,7 +12,7 @@ import numpy as np
 
 from ....scenarios import FloatArray, Trajectory
 from ...harness.defects import LEAST_ROUNDING
-from ...results.store import SceneResult
+from ...results.results import SceneResult
 from ..analysis.report_data import Compared, SceneRuns
 from .axis_path import curve
 from .drawn_body import DrawnBody, dense_motion, drawn_body

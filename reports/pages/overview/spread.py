@@ -7,7 +7,7 @@ from typing import Any
 from ....engines import Method
 from ....reference.kinds import KINDS, kind_of
 from ...results.records import Pair
-from ...results.store import Results
+from ...results.results import Results
 from ...results.sweep_records import Ensemble, PlacedRow, SweepResult
 from ..analysis.measures import ATTITUDE, QUANTILES, Members, members_of
 from ..analysis.trace_style import TraceStyle, trace_styles

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from ....scenarios import FloatArray, Trajectory
 from ...results.records import Row
-from ...results.store import SceneResult
+from ...results.results import SceneResult
 from ..analysis.report_data import Compared, SceneRuns
 from ..analysis.wording import duration
 from ..figures.drawn_body import drawn_body

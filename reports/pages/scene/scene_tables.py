@@ -7,7 +7,7 @@ from ....reference.observables import observables
 from ....scenarios import EFFECTS, SIGNAL, SIGNALS, FloatArray, Scenario
 from ...harness.published import published_values
 from ...results.records import Row, Verdict
-from ...results.store import SceneResult
+from ...results.results import SceneResult
 from ..analysis.report_data import MethodRuns, SceneRuns
 from ..analysis.timesteps import in_words, survival
 from ..analysis.wording import (

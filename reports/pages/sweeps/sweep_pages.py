@@ -10,7 +10,7 @@ from jinja2 import Environment
 from ....engines import Method
 from ....scenarios.vary import TIMESTEP, Axis
 from ...results.records import Pair
-from ...results.store import Results
+from ...results.results import Results
 from ...results.sweep_records import Ensemble, Map, SweepResult
 from ..analysis.map_grid import Grid, axis_title
 from ..analysis.measures import ATTITUDE, FIRST, MEASURES, OMEGA, Members, is_coloured, members_of

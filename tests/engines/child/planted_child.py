@@ -130,6 +130,9 @@ for line in sys.stdin:
         if FAULT == "dies":
             print("assertion failed: norm(q) > 0", flush=True)
             sys.exit(3)
+        if FAULT == "dies in node":
+            print("Error: Cannot find module 'nowhere.mjs'\n}\n\nNode.js v20.20.2", flush=True)
+            sys.exit(1)
         if FAULT == "crashes":
             os.kill(os.getpid(), signal.SIGSEGV)
         if FAULT.startswith("killed by "):

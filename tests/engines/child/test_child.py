@@ -58,6 +58,7 @@ def test_an_honest_child_is_an_engine_like_any_other() -> None:
 
 FAULTS = {
     "dies": ("crash", "ended with exit code 3 instead of answering 'run'; it last printed: assert"),
+    "dies in node": ("crash", "it last printed: Error: Cannot find module 'nowhere.mjs'"),
     "crashes": ("crash", "was killed by SIGSEGV"),
     "hangs": ("time-out", "did not answer 'run' within 2 s"),
     "answers to standard output": ("time-out", "answers go to the descriptor in SPINCHECK_ANSWERS"),

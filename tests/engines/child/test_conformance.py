@@ -4,7 +4,10 @@ import shutil
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
+from library_scenes import library_scene
+from spincheck.engines.child.conformance import TURN, timestep_for
 from spincheck.reports.cli.app import app
 from typer.testing import CliRunner, Result
 
@@ -32,6 +35,14 @@ def test_one_that_keeps_the_protocol_and_turns_every_body_like_a_sphere_is_wrong
     assert "WRONG  exact on book-in-skew-axes: " in result.output
     assert "It keeps the protocol; in 1 of " in result.output
     assert "Next: spincheck run fast-top tennis-racket --engine 'child:" in result.output
+
+
+@pytest.mark.parametrize("name", ["brake-on-one-wheel", "gimbal-pushed-at-rest", "fast-top"])
+def test_neither_body_nor_rotor_turns_far_in_a_step(name: str) -> None:
+    """A clamp or a pivot that gives way at such steps would be called a broken protocol."""
+    scene = library_scene(name)
+    speeds = [np.linalg.norm(scene.start.omega_body), *abs(scene.start_spins)]
+    assert max(speeds) * timestep_for(scene) == pytest.approx(TURN)
 
 
 def test_its_command_may_be_given_as_to_run() -> None:

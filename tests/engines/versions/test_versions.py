@@ -60,7 +60,9 @@ def test_robots_that_come_along_are_not_kept(monkeypatch: pytest.MonkeyPatch) ->
         return ""
 
     monkeypatch.setattr(folders, "_call", pip)
-    site = Path(versioned("pybullet@3.2.5").site)
+    said: list[str] = []
+    site = Path(versioned("pybullet@3.2.5", say=said.append).site)
+    assert [line.split("-")[0] for line in said] == ["Installing pybullet@3.2.5"]
     assert [folder.name for folder in site.iterdir()] == ["pybullet"]
 
 

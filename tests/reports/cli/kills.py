@@ -25,7 +25,8 @@ from typing import Literal
 
 from default_signals import WITH_DEFAULT_SIGNALS
 from same_results import differences
-from spincheck.reports.results.store import Results, open_store
+from spincheck.reports.results.results import Results
+from spincheck.reports.results.store import open_store
 
 COMMAND = Path(sys.executable).with_name("spincheck")
 #: A scene of short ladders, all steps timed.

@@ -7,7 +7,7 @@ import pytest
 from kills import after, children, finish, is_gone, read, start
 from result_files import wait_for_rows
 from same_results import differences
-from spincheck.reports.results.store import Results
+from spincheck.reports.results.results import Results
 
 pytestmark = pytest.mark.processes
 

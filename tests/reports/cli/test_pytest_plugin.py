@@ -5,8 +5,7 @@ from _pytest.pytester import SysModulesSnapshot
 from library_scenes import library_scene
 from scene_texts import sphere_text
 from spincheck.engines import engines
-from spincheck.reports.cli import kept_items
-from spincheck.reports.harness import study
+from spincheck.reports.cli import kept_items, scene_items
 from spincheck.reports.harness.executors import compiling
 
 pytestmark = pytest.mark.slow
@@ -185,7 +184,7 @@ def test_what_agreed_is_run_again_when_something_it_rests_on_changes(run, pytest
         return pytester.runpytest_inprocess("-k", "mujoco-RK4", *options).parseoutcomes()
 
     assert outcomes()["passed"] == 1
-    monkeypatch.setattr(study, "run_rungs", lambda *_: pytest.fail("it is run"))
+    monkeypatch.setattr(scene_items, "run_and_judge", lambda *_: pytest.fail("it is run"))
     assert outcomes()["passed"] == 1
     assert outcomes(SPHERE, "-o", "spincheck_max_steps=8")["failed"] == 1
     assert outcomes(SPHERE.replace("[0.0, 1.0, 2.0]", "[0.0, 1.0, 2.5]"))["failed"] == 1

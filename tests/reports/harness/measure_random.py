@@ -12,14 +12,9 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 from spincheck.engines import Engine, Method, engines
 from spincheck.reports.harness.executors import InProcess
-from spincheck.reports.harness.judging import judge
 from spincheck.reports.harness.judging.best_window import SHARP
-from spincheck.reports.harness.study import (
-    Prepared,
-    convergence_study_of,
-    prepare,
-    run_rungs,
-)
+from spincheck.reports.harness.prepared import Prepared, prepare
+from spincheck.reports.harness.study import convergence_study_of, run_and_judge
 from spincheck.reports.results.records import SignalVerdict, Verdict
 from spincheck.scenarios import Scenario, loads
 
@@ -113,9 +108,7 @@ def judged(
 ) -> tuple[Verdict, bool]:
     """Run the ladder in this process."""
     study = convergence_study_of(scenario, engine, method, prepared)
-    for _ in run_rungs(study, InProcess()):
-        pass
-    return judge(study.records), any(
+    return run_and_judge(study, InProcess()), any(
         one.sequence.uncertainty > SHARP for one in study.records.ladder.signals
     )
 

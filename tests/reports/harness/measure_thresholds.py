@@ -13,14 +13,9 @@ sys.path.insert(0, str(ROOT / "tests" / "support"))
 
 from faulty_mujoco import KINDS, FaultyMuJoCo, PlantedFault, applies  # noqa: E402
 from spincheck.reports.harness.executors import InProcess  # noqa: E402
-from spincheck.reports.harness.judging import judge  # noqa: E402
 from spincheck.reports.harness.ladder import QUICK_STEPS  # noqa: E402
-from spincheck.reports.harness.study import (  # noqa: E402
-    Prepared,
-    convergence_study_of,
-    prepare,
-    run_rungs,
-)
+from spincheck.reports.harness.prepared import Prepared, prepare  # noqa: E402
+from spincheck.reports.harness.study import convergence_study_of, run_and_judge  # noqa: E402
 from spincheck.scenarios import Scenario, find, load  # noqa: E402
 
 #: Plain ones, and five on which errors saturate at first order.
@@ -45,9 +40,7 @@ def name_of_fault(scenario: Scenario, prepared: Prepared, method: str, fault: Pl
     """How a verdict names a fault; empty where it passes."""
     engine = FaultyMuJoCo(fault)
     study = convergence_study_of(scenario, engine, engine.method(method), prepared)
-    for _ in run_rungs(study, InProcess()):
-        pass
-    verdict = judge(study.records)
+    verdict = run_and_judge(study, InProcess())
     if verdict.agrees and verdict.verdict != "diverges":
         return ""
     _, is_explained, words = verdict.reason.partition("as if ")

@@ -15,7 +15,7 @@ from spincheck.reports.harness.judging import judge
 from spincheck.reports.harness.judging.ladder import RUNGS_OF_A_LIMIT
 from spincheck.reports.harness.judging.ladder_end import GOAL
 from spincheck.reports.harness.ladder import DECIDED_STEPS, MAX_STEPS, MIN_RUNGS, Rung
-from spincheck.reports.harness.study import prepare
+from spincheck.reports.harness.prepared import prepare
 from spincheck.reports.results.evidence import JudgedLadder, LocalEvidence
 from spincheck.scenarios import Scenario, Trajectory, loads
 

@@ -11,7 +11,7 @@ from spincheck.reference import solve
 from spincheck.reports.harness.choice import Choice
 from spincheck.reports.harness.default_effects import default_effects
 from spincheck.reports.harness.ladder import single
-from spincheck.reports.harness.study import prepare
+from spincheck.reports.harness.prepared import prepare
 from spincheck.reports.results.default_records import DefaultEffects
 from spincheck.scenarios import Scenario, loads
 from studies import study

@@ -6,7 +6,8 @@ import pytest
 from spincheck.engines import engines
 from spincheck.reports.harness.judging.expected_failures import compared_with_expected_failures
 from spincheck.reports.harness.ladder import MAX_STEPS
-from spincheck.reports.harness.study import convergence_study_of, prepare
+from spincheck.reports.harness.prepared import prepare
+from spincheck.reports.harness.study import convergence_study_of
 from spincheck.reports.results.records import Key, Verdict
 from spincheck.scenarios import Known, find, load
 from studies import verdict_of

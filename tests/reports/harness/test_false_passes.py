@@ -11,7 +11,8 @@ from functools import cache
 import pytest
 import stepped_faults as planted
 from library_scenes import library_scene
-from spincheck.reports.harness.study import Prepared, convergence_study_of, prepare
+from spincheck.reports.harness.prepared import Prepared, prepare
+from spincheck.reports.harness.study import convergence_study_of
 from spincheck.reports.results.records import Verdict
 from spincheck.scenarios import Scenario
 from stepped import METHODS, Stepped, SteppedEngine

@@ -5,7 +5,8 @@ import re
 from library_scenes import library_scene
 from spincheck.engines import engines
 from spincheck.reports.harness.ladder import MAX_STEPS
-from spincheck.reports.harness.study import convergence_study_of, prepare
+from spincheck.reports.harness.prepared import prepare
+from spincheck.reports.harness.study import convergence_study_of
 from studies import verdict_of
 
 

@@ -15,8 +15,8 @@ from spincheck.reports.harness.choice import Choice
 from spincheck.reports.harness.effects_cost import effects_costs
 from spincheck.reports.harness.executors import CallFailed, cause_of
 from spincheck.reports.harness.executors.worker_main import NO_THREAD
+from spincheck.reports.harness.prepared import prepare
 from spincheck.reports.harness.step_cost import step_costs
-from spincheck.reports.harness.study import prepare
 from spincheck.reports.results.store import open_store
 from spincheck.scenarios import loads
 from studies import study

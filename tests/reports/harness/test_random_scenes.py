@@ -11,7 +11,7 @@ from spincheck.reference import solve
 from spincheck.reports.harness.judging import contradictions
 from spincheck.reports.harness.measuring import richardson
 from spincheck.reports.harness.measuring.rounding import roundings_in_flight
-from spincheck.reports.harness.study import prepare
+from spincheck.reports.harness.prepared import prepare
 from spincheck.reports.results.records import Verdict
 
 pytestmark = pytest.mark.slow

@@ -17,10 +17,12 @@ from spincheck.reports.harness import study as study_module
 from spincheck.reports.harness.choice import Choice
 from spincheck.reports.harness.executors import CallFailed, Executor
 from spincheck.reports.harness.judging import ladder_end
-from spincheck.reports.harness.study import prepare, simulate
+from spincheck.reports.harness.prepared import prepare
+from spincheck.reports.harness.study import simulate
 from spincheck.reports.results import fingerprints as fingerprints
 from spincheck.reports.results.records import Record, Row
-from spincheck.reports.results.store import Results, Store, open_store
+from spincheck.reports.results.results import Results
+from spincheck.reports.results.store import Store, open_store
 from spincheck.scenarios import loads
 from studies import study as study_of
 

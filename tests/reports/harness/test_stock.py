@@ -20,7 +20,8 @@ from spincheck.reports.harness.stock import (
 )
 from spincheck.reports.harness.study import run_study
 from spincheck.reports.results.records import Record, Row
-from spincheck.reports.results.store import Results, Store, open_store
+from spincheck.reports.results.results import Results
+from spincheck.reports.results.store import Store, open_store
 from spincheck.scenarios import loads
 
 pytestmark = pytest.mark.slow
@@ -65,7 +66,7 @@ def test_such_a_run_has_errors_and_keeps_its_samples(stock_results):
 
 
 def test_the_verdict_is_that_of_the_ladder_alone(stock_results, tmp_path, monkeypatch):
-    monkeypatch.setattr("spincheck.reports.harness.study.stock_timesteps", lambda _: ())
+    monkeypatch.setattr("spincheck.reports.harness.prepared.stock_timesteps", lambda _: ())
     without = study(tmp_path / "r.sqlite", HeunAsSold())
     assert not stock_rows(without)
     assert without.verdicts == stock_results.verdicts

@@ -24,12 +24,12 @@ from planted import (
     planted,
 )
 from spincheck.reference.solve import ExactMotion
-from spincheck.reports.harness import study as study_module
+from spincheck.reports.harness import prepared as prepared_module
 from spincheck.reports.harness.choice import Choice
 from spincheck.reports.harness.comparison import unmet_expectations
 from spincheck.reports.harness.executors import LocalWorkers
 from spincheck.reports.results.records import Key, Row
-from spincheck.reports.results.store import Results
+from spincheck.reports.results.results import Results
 from spincheck.scenarios import Expect, loads
 from studies import study as study_of
 
@@ -143,8 +143,8 @@ class UpToHalfway(ExactMotion):
 
 
 def test_where_the_exact_motion_ends_at_a_horizon_so_do_all_runs(monkeypatch):
-    monkeypatch.setattr(study_module, "ExactMotion", UpToHalfway)
-    prepared = study_module.prepare(loads(BOX, "box"), [0.01], BUDGET)
+    monkeypatch.setattr(prepared_module, "ExactMotion", UpToHalfway)
+    prepared = prepared_module.prepare(loads(BOX, "box"), [0.01], BUDGET)
     ladder = [(rung, prepared.solution) for rung in prepared.ladder.rungs]
     for rung, solution in ladder + prepared.singles:
         times = rung.sample_steps * rung.timestep

@@ -14,7 +14,8 @@ from spincheck.engines.method import COMMON_EFFECTS
 from spincheck.reports.cli.terminal import BAD_INPUT
 from spincheck.reports.results.database import put
 from spincheck.reports.results.result_file import APPLICATION_ID, ResultFileError
-from spincheck.reports.results.store import Results, open_store
+from spincheck.reports.results.results import Results
+from spincheck.reports.results.store import open_store
 from spincheck.reports.results.sweep_records import PlacedRow
 
 #: What `small_result_file.write` wrote with the last program of that format, as `.dump` prints it.

@@ -9,7 +9,7 @@ from spincheck.reports.cli.pictures import pictures
 from spincheck.reports.cli.pictures.pictures import WHAT, plot, view
 from spincheck.reports.cli.run import running
 from spincheck.reports.cli.terminal import BAD_INPUT, Complaint
-from spincheck.reports.results.store import Results
+from spincheck.reports.results.results import Results
 
 pytestmark = pytest.mark.slow
 
@@ -52,9 +52,20 @@ def test_a_method_that_is_named_is_drawn_beside_the_exact_motion(
 ) -> None:
     alone, beside = tmp_path / "alone.svg", tmp_path / "beside.svg"
     plot("made-up-top", what, alone, tmp_path, [], [])
-    plot("made-up-top", what, beside, tmp_path, ["mujoco"], ["Euler"])
+    plot("made-up-top", what, beside, tmp_path, ["MuJoCo"], ["euler"])
     assert "mujoco Euler" not in alone.read_text(encoding="utf-8")
     assert "mujoco Euler" in beside.read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize(
+    ("engines", "methods"), [(["drake"], []), ([], ["RK5"]), (["pybullet"], ["Euler"])]
+)
+def test_a_run_that_is_named_and_not_there_is_reported(
+    stored_runs: Results, engines: list[str], methods: list[str], tmp_path: Path
+) -> None:
+    named = " ".join([*engines, *methods])
+    with pytest.raises(Complaint, match=f"has no motion of made-up-top by {named} .* mujoco Euler"):
+        plot("made-up-top", "theta", tmp_path / "a.svg", tmp_path, engines, methods)
 
 
 def test_the_same_figure_is_the_same_bytes(tmp_path: Path) -> None:
@@ -83,9 +94,25 @@ def test_what_cannot_be_drawn_is_reported(
     assert complaint.value.exit_code == BAD_INPUT
 
 
-def test_an_ending_that_nobody_knows_is_reported(tmp_path: Path) -> None:
-    with pytest.raises(Complaint, match=r"a\.doc: cannot be written"):
-        draw("theta", tmp_path / "a.doc")
+@pytest.mark.parametrize(
+    ("out", "message"),
+    [
+        ("a.doc", r"'--out' must end with \.svg, \.png, \.pdf, got '.*a\.doc'"),
+        ("a", "'--out' must end with"),
+        ("nowhere/a.svg", r"nowhere/a\.svg: cannot be written: No such file or directory"),
+    ],
+)
+def test_a_file_that_cannot_be_written_is_reported(out: str, message: str, tmp_path: Path) -> None:
+    with pytest.raises(Complaint, match=message):
+        draw("theta", tmp_path / out)
+
+
+def test_a_file_in_the_place_of_the_folder_is_reported_before_anything_is_run(
+    tmp_path: Path,
+) -> None:
+    (tmp_path / "a").write_text("a file", encoding="utf-8")
+    with pytest.raises(Complaint, match="'--out' must be a folder, got the file"):
+        view("nutation-loops", 1, tmp_path / "a")
 
 
 def test_view_gives_the_page_of_its_scene(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:

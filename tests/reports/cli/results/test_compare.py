@@ -16,7 +16,8 @@ from spincheck.reports.pages.analysis.changes import (
     changes,
 )
 from spincheck.reports.results.records import Key, Row, Verdict
-from spincheck.reports.results.store import Results, open_store
+from spincheck.reports.results.results import Results
+from spincheck.reports.results.store import open_store
 from spincheck.reports.results.verdict_words import RANKS
 from spincheck.scenarios import Errors, loads
 

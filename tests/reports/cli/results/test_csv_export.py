@@ -68,6 +68,11 @@ def test_an_error_without_a_base_is_infinite():
     assert float(record["energy_error"]) == math.inf
 
 
+def test_a_table_that_some_records_lack_has_no_column_of_its_own():
+    text = csv_text([{"drifts": {"energy": {"p50": 1.0}}}, {"drifts": None}, {"drifts": {}}])
+    assert text == 'drifts.energy.p50\n1.0\n""\n""\n'
+
+
 def test_what_is_not_there_is_empty():
     unsolved = next(row for row in RESULTS.rows if row.key.scenario == "unsolved")
     (record,) = records(csv_text([row_record(unsolved)]))
@@ -117,6 +122,13 @@ def test_a_command_prints_every_run_below_its_method(path):
         rows = store.read().rows
     headings = 2 * len({row.key for row in rows})
     assert len(printed("rows", path).splitlines()) == headings + len(rows)
+
+
+@pytest.mark.parametrize("form", [[], ["--csv"], ["--json"]])
+def test_a_file_without_points_says_so(path, form):
+    done = spincheck("points", path, *form)
+    assert done.stdout == ("[]\n" if "--json" in form else "")
+    assert done.stderr.startswith(f"{path}: holds no points; 'spincheck map' or 'spincheck run")
 
 
 def test_two_formats_at_once_are_one_message_and_exit_code_2(path):

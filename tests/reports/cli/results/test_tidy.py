@@ -7,7 +7,7 @@ import small_result_file
 from command_line import spincheck
 from spincheck.reports.cli.terminal import AGREES, BAD_INPUT
 from spincheck.reports.results import tables
-from spincheck.reports.results.records import Fingerprint
+from spincheck.reports.results.provenance_records import Fingerprint
 from spincheck.reports.results.store import open_store
 from spincheck.reports.results.tables import from_json
 

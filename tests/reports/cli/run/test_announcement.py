@@ -37,6 +37,13 @@ def test_it_counts_what_the_progress_counts() -> None:
     assert " on 3 scenes, and 3 scenes to be timed: roughly " in words
 
 
+def test_of_a_cluster_no_time_is_estimated() -> None:
+    assert (
+        announcement(plan(), CHOICE, None)
+        == "2 verdicts of 2 engines (mujoco, pybullet) on 1 scene"
+    )
+
+
 def test_many_scenes_are_reported_in_minutes() -> None:
     assert "min with 2 workers" in announcement(plan(2000), CHOICE, 2)
 

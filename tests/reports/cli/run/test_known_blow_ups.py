@@ -5,7 +5,8 @@ from command_line import spincheck
 from library_scenes import library
 from scene_texts import FAST_TOP
 from spincheck.engines import engines
-from spincheck.reports.harness.study import convergence_study_of, prepare
+from spincheck.reports.harness.prepared import prepare
+from spincheck.reports.harness.study import convergence_study_of
 from spincheck.reports.results.records import Verdict
 from spincheck.scenarios import Expect, Scenario, loads
 from studies import verdict_of

@@ -20,7 +20,7 @@ from spincheck.reports.cli.run import running
 from spincheck.reports.cli.run.recommend import CHECKS, Recommendation, exit_code, recommend
 from spincheck.reports.cli.terminal import NOT_RUN, Complaint
 from spincheck.reports.results.records import Key, Row
-from spincheck.reports.results.store import Results
+from spincheck.reports.results.results import Results
 from spincheck.scenarios import Errors
 
 pytestmark = pytest.mark.slow

@@ -10,13 +10,21 @@ from pathlib import Path
 import pytest
 from command_line import spincheck
 from default_signals import WITH_DEFAULT_SIGNALS
+from made_up_sweeps import map_result
+from spincheck.engines import engines
 from spincheck.reports.cli import app as commands
 from spincheck.reports.cli import choosing
 from spincheck.reports.cli.app import app
 from spincheck.reports.cli.choosing import Where
+from spincheck.reports.cli.run.summary import point_lines
 from spincheck.reports.cli.sweeps import sweep_running
 from spincheck.reports.cli.sweeps.sweep_running import choose_for_sweep as choose
-from spincheck.reports.cli.sweeps.sweep_running import exit_code, run_ensembles, run_map
+from spincheck.reports.cli.sweeps.sweep_running import (
+    exit_code,
+    flat_records,
+    run_ensembles,
+    run_map,
+)
 from spincheck.reports.cli.terminal import AGREES, BAD_INPUT, DISAGREES, NOT_RUN, Complaint
 from spincheck.reports.harness.executors import InProcess, dask_cluster
 from spincheck.reports.results.store import open_store
@@ -74,6 +82,23 @@ def test_in_words_there_is_a_line_a_method_with_the_worst_point(mapped):
     assert "fast-top: 4 points, start.omega_body[2] 10 to 40, timestep 0.001 to 0.01" in done.stdout
     (line,) = (line for line in done.stdout.splitlines() if "mujoco RK4" in line)
     assert "timestep 0.01" in line
+
+
+def test_methods_made_for_other_scenes_are_not_run(tmp_path, in_process):
+    """As in a study: `contact` is for bodies on a table, `mujoco-file` for users' files."""
+    path = tmp_path / "results.sqlite"
+    (swept,) = run_ensembles([SCENE], 1, 0, choose(["mujoco"], [], [0.5]), Where(1), path)
+    methods = {one.name for one in engines()["mujoco"].methods_for(swept.scenario)}
+    with open_store(path) as store:
+        assert {point.pair[1] for point in store.points(SCENE)} == methods
+    assert {point.pair[1] for point in swept.points} == methods
+
+
+def test_points_are_printed_below_their_method_which_is_named_once():
+    swept = map_result()
+    methods = {point.pair for point in swept.points}
+    assert len(methods) > 1
+    assert len([*point_lines(flat_records(swept))]) == 2 * len(methods) + len(swept.points)
 
 
 def test_points_are_printed_as_csv(mapped):
@@ -154,9 +179,13 @@ def run(*arguments: object) -> tuple[int, str]:
             "'--timestep' may be given once here, got 2",
         ),
         (["run", SCENE, "--ensemble", "0"], "'--ensemble'"),
+        (["run", SCENE, "--seed", "0"], "'--seed' is for an ensemble"),
+        (["run", SCENE, "--ensemble", "3", "--python", "python3"], "'--python' is for versions"),
+        (["run", SCENE, "--ensemble", "3", "--engine", "mujoco-file"], "loads links of users'"),
         (["run", SCENE, "--ensemble", "3", "--time-limit", "0"], "'--time-limit' must be positive"),
         (["member", SCENE, "--member", "-1"], "'--member'"),
-        (["vary", SCENE, "body.mass"], "takes PATH=VALUE, got 'body.mass'"),
+        (["vary", SCENE, "body.mass"], "takes PATH=VALUE, VALUE a number, got 'body.mass'"),
+        (["vary", SCENE, "body.mass=1", "body.mass=2"], "takes each number once, got body.mass=1"),
         (["vary", SCENE, "body.mas=1"], "did you mean 'body.mass'?"),
         (["vary", SCENE, "body.mass=-1"], "body"),
         (["vary", SCENE, "timestep=1"], "the timestep is no number of the scene"),

@@ -224,7 +224,7 @@ def test_an_engine_that_cannot_read_the_format_is_reported(tmp_path):
 def test_a_version_is_asked_in_its_own_folder(tmp_path, monkeypatch):
     """Without an installation: folder and version are made up."""
     engine = SimpleNamespace(version="3.3.7", site="/where/3.3.7/is")
-    monkeypatch.setattr(harness, "versioned", lambda name: engine)
+    monkeypatch.setattr(harness, "versioned", lambda name, say: engine)
     calls = []
 
     class AtSite(InProcess):

@@ -158,6 +158,14 @@ def _another() -> Callable[[], tuple[bytes, str]]:
     return lambda: (b"another", "")
 
 
+def test_a_scheduler_without_a_worker_is_reported():
+    with (
+        cluster_of_threads(1, workers=0) as started,
+        pytest.raises(ClusterError, match=r"has no worker; 'dask worker tcp://.*' starts one"),
+    ):
+        DaskCluster(started.scheduler_address)
+
+
 def test_where_no_scheduler_answers_it_is_reported(monkeypatch):
     monkeypatch.setattr(dask_cluster, "CONNECT_LIMIT", 0.1)
     with socket.socket() as free:

@@ -15,7 +15,8 @@ from spincheck.reports.cli.run.summary import verdict_record
 from spincheck.reports.harness.judging import judge
 from spincheck.reports.harness.judging.local import CONSISTENT, SEEN, LocalJudgement
 from spincheck.reports.harness.measuring.local import examine
-from spincheck.reports.harness.study import convergence_study_of, prepare
+from spincheck.reports.harness.prepared import prepare
+from spincheck.reports.harness.study import convergence_study_of
 from stepped import Stepped, SteppedEngine
 from studies import verdict_of
 

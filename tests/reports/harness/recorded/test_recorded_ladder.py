@@ -10,11 +10,12 @@ from spincheck.engines import Method
 from spincheck.reports.harness.executors import InProcess
 from spincheck.reports.harness.judging import judge
 from spincheck.reports.harness.ladder import QUICK_STEPS
+from spincheck.reports.harness.prepared import prepare
 from spincheck.reports.harness.recorded.judged import judged_motion
 from spincheck.reports.harness.recorded.read import read_recording
 from spincheck.reports.harness.recorded.recorded_ladder import study_of_files
 from spincheck.reports.harness.recorded.recording import RecordingError
-from spincheck.reports.harness.study import convergence_study_of, prepare, run_rungs
+from spincheck.reports.harness.study import convergence_study_of, run_and_judge
 
 HEADS = "t,qw,qx,qy,qz,wx,wy,wz,x,y,z,vx,vy,vz"
 
@@ -44,9 +45,7 @@ def test_the_verdict_is_the_engine_s_own(tmp_path, engine, method: Method):
         pytest.skip(engine.unsupported(scene, method))
     study = convergence_study_of(scene, engine, method, prepare(scene, (), QUICK_STEPS))
     study.places = None
-    for _ in run_rungs(study, InProcess()):
-        pass
-    own = judge(study.records)
+    own = run_and_judge(study, InProcess())
     files = [write(tmp_path, row.motion, row.timestep) for row in study.rows]
     motions = [judged_motion(scene, read_recording(path)) for path in files]
     judged = judge(study_of_files(scene, motions, min(method.order, method.attitude_order)).records)

@@ -11,7 +11,7 @@ from spincheck.reference import solve
 from spincheck.reports.pages.analysis.best_choice import BOUNDS, TELLING, best_choices, steady
 from spincheck.reports.pages.analysis.report_data import report_data
 from spincheck.reports.pages.analysis.wording import rounded_down, typed
-from spincheck.reports.results.store import Results, SceneResult
+from spincheck.reports.results.results import Results, SceneResult
 
 
 def solved(name: str) -> SceneResult:

@@ -28,7 +28,7 @@ from spincheck.reports.pages.analysis.report_data import SceneRuns
 from spincheck.reports.pages.analysis.wording import number
 from spincheck.reports.pages.cost_section import MARKS, reach_table
 from spincheck.reports.results.records import Key
-from spincheck.reports.results.store import Results, SceneResult
+from spincheck.reports.results.results import Results, SceneResult
 from spincheck.scenarios import Errors
 
 

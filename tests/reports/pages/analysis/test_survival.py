@@ -15,7 +15,7 @@ from spincheck.reports.pages.overview.overview import (
     survivors_table,
 )
 from spincheck.reports.results.records import Key, Row
-from spincheck.reports.results.store import Results
+from spincheck.reports.results.results import Results
 from spincheck.scenarios import loads
 
 PACE = 5.0

@@ -33,7 +33,7 @@ from spincheck.reports.pages.page_data import PageData
 from spincheck.reports.pages.scene.motion_data import motion_data
 from spincheck.reports.pages.templating import source
 from spincheck.reports.results.records import Key, Row
-from spincheck.reports.results.store import Results
+from spincheck.reports.results.results import Results
 from spincheck.scenarios import SIGNAL
 
 pytestmark = pytest.mark.slow

@@ -16,7 +16,7 @@ from spincheck.reports.pages.render import render
 from spincheck.reports.results.cost_records import EffectsCost, Ratio
 from spincheck.reports.results.default_records import DefaultEffect, DefaultEffects
 from spincheck.reports.results.records import Key, Row
-from spincheck.reports.results.store import Results
+from spincheck.reports.results.results import Results
 from spincheck.scenarios import EVERYWHERE, Errors
 
 STOCK = TIMESTEPS[1]

@@ -44,7 +44,8 @@ from spincheck.reports.pages.sweeps.sweep_pages import (
     vary_option,
 )
 from spincheck.reports.pages.tables import Table
-from spincheck.reports.results.store import Results, open_store
+from spincheck.reports.results.results import Results
+from spincheck.reports.results.store import open_store
 from spincheck.reports.results.sweep_records import Ensemble
 from spincheck.scenarios.vary import parse_axis
 

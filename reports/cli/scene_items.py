@@ -1,0 +1,219 @@
+"""The items of pytest of a scene: one for its reference, one for each engine and method."""
+
+from collections.abc import Iterator, Sequence
+from functools import cached_property
+from importlib.metadata import requires
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from ...engines import Engine, Method, Missing, engines, missing
+from ...scenarios import ScenarioError, did_you_mean, load
+from ..harness.executors import LocalWorkers
+from ..harness.expectations import unknown_expectations
+from ..harness.ladder import MAX_STEPS
+from ..harness.prepared import Prepared, prepare
+from ..harness.reference_checks import complaints
+from ..harness.study import convergence_study_of, run_and_judge
+from .grouped import option
+from .kept_items import keep, outcome_of, rests_on
+from .scene_summary import KEPT, UNSUPPORTED
+
+
+class SceneFile(pytest.File):
+    """One scene.
+
+    Parameters
+    ----------
+    engines, max_steps : the plugin's settings; empty and None if they are left out
+    """
+
+    def __init__(self, *, engines: list[str], max_steps: int | None, **parent: Any) -> None:
+        super().__init__(**parent)
+        self._engines = engines
+        self.max_steps = min(max_steps or MAX_STEPS, MAX_STEPS)
+
+    def collect(self) -> Iterator[pytest.Item]:
+        """Yield the items; an engine as shipped has one only where `[[expect]]` names it."""
+        self._check_engines()
+        try:
+            self.scenario = load(self.path)
+        except ScenarioError as error:
+            raise self.CollectError(str(error)) from None
+        if unknown := unknown_expectations([self.scenario]):
+            raise self.CollectError("\n".join(unknown))
+        yield ReferenceItem.from_parent(self, name="reference")
+        expected = {(expect.engine, expect.method) for expect in self.scenario.expect}
+        for engine in engines().values():
+            is_chosen = self._is_chosen(engine, by_default=not engine.is_optional)
+            if not (is_chosen and engine.applies_to(self.scenario)):
+                continue
+            made_for_it = engine.methods_for(self.scenario)
+            for method in engine.methods:
+                is_expected = (engine.name, method.name) in expected
+                if (method.as_shipped or method not in made_for_it) and not is_expected:
+                    continue
+                name = f"{engine.name}-{method.name}"
+                yield EngineItem.from_parent(self, name=name, engine=engine, method=method)
+        yield from self._not_tested()
+
+    def _check_engines(self) -> None:
+        known: list[Engine | Missing] = [*engines().values(), *missing()]
+        names = ["all", *sorted({one.name for one in known} | {one.family for one in known} - {""})]
+        for name in self._engines:
+            if name not in names:
+                raise self.CollectError(
+                    f"'spincheck_engines' must be of {', '.join(names)}, got '{name}'"
+                    + did_you_mean(name, names)
+                )
+
+    def _is_chosen(self, engine: Engine | Missing, *, by_default: bool) -> bool:
+        """Whether items are made for an engine.
+
+        Parameters
+        ----------
+        by_default : whether they are if the scene expects nothing and no setting names engines
+        """
+        if self._engines:
+            names = {"all", engine.name, engine.family or engine.name}
+            return not names.isdisjoint(self._engines)
+        expected = {expect.engine for expect in self.scenario.expect}
+        return engine.name in expected if expected else by_default
+
+    def _not_tested(self) -> Iterator[pytest.Item]:
+        """Yield an item for each engine that should be here and is not: it is skipped, not passed.
+
+        An engine that the scene has expectations of should be, though it is optional.
+        """
+        needed = [line for line in requires("spincheck") or [] if "extra ==" not in line]
+        for absent in missing():
+            required = any(line.lower().startswith(absent.name.lower()) for line in needed)
+            if self._is_chosen(absent, by_default=required):
+                yield MissingEngineItem.from_parent(self, name=absent.name, reason=absent.reason)
+
+    @cached_property
+    def prepared(self) -> Prepared:
+        """The scene's exact motion, solved once for all items."""
+        timesteps = sorted({expect.timestep for expect in self.scenario.expect})
+        return prepare(self.scenario, timesteps, self.max_steps).for_verdicts()
+
+
+class SceneItem(pytest.Item):
+    """An item whose failure is one message, not a stack trace."""
+
+    parent: SceneFile
+
+    def __init__(self, **parent_and_name: Any) -> None:
+        super().__init__(**parent_and_name)
+        self.user_properties.append((KEPT, False))
+
+    def reportinfo(self) -> tuple[Path, None, str]:
+        """File, line (none) and name of the item, for pytest's report."""
+        return self.path, None, f"{self.path.stem}::{self.name}"
+
+    def repr_failure(self, excinfo: pytest.ExceptionInfo[BaseException], style: Any = None) -> Any:
+        """Show what disagreed; only a fault of this program shows its trace."""
+        if isinstance(excinfo.value, Disagreement):
+            return str(excinfo.value)
+        return super().repr_failure(excinfo, style)
+
+
+class Disagreement(Exception):
+    """What an item found, in words."""
+
+
+class ReferenceItem(SceneItem):
+    """Checks the reference: invariants, a cross-check, published values."""
+
+    def runtest(self) -> None:
+        """Raise `Disagreement` with all complaints."""
+        wrong = list(complaints(self.parent.scenario))
+        if wrong:
+            command = f"reproduce with: spincheck reference {self.path}"
+            raise Disagreement("\n".join([*wrong, command]))
+
+
+class EngineItem(SceneItem):
+    """Runs one method of one engine down its ladder and judges it."""
+
+    def __init__(self, *, engine: Engine, method: Method, **parent_and_name: Any) -> None:
+        super().__init__(**parent_and_name)
+        self.engine = engine
+        self.method = method
+
+    def runtest(self) -> None:
+        """Skip it, or raise `Disagreement`; it is not run if nothing it rests on has changed."""
+        scenario, engine, method = self.parent.scenario, self.engine, self.method
+        if reason := engine.unsupported(scenario, method):
+            skipped: str | None = f"{UNSUPPORTED}: {reason}"
+        else:
+            digest = rests_on(scenario, engine, method, self.parent.max_steps)
+            skipped = outcome_of(self, digest)
+            if skipped is None:
+                skipped = self._skipped()
+                keep(self, digest, skipped)
+            else:
+                self.user_properties[:] = [(KEPT, True)]
+        if skipped:
+            pytest.skip(f"{scenario.name}, {engine.name} {method.name}: {skipped}")
+
+    def _skipped(self) -> str:
+        """Run it; returns why it is neither a pass nor a failure, empty if it passes.
+
+        Raises
+        ------
+        Disagreement
+            If it disagrees, or is unresolved.
+        """
+        scenario, prepared = self.parent.scenario, self.parent.prepared
+        study = convergence_study_of(scenario, self.engine, self.method, prepared)
+        verdict = run_and_judge(study, _worker(self.config))
+        is_open = verdict.verdict == "unresolved" and verdict.is_unproven
+        if not verdict.agrees or is_open:
+            raise Disagreement(
+                "\n".join(
+                    [
+                        *verdict.unmet,
+                        f"{verdict.verdict}: {verdict.reason}",
+                        f"reproduce with: spincheck run {self.path} "
+                        f"--engine {self.engine.name} --method {self.method.name}",
+                        *self._remedies(verdict.unmet),
+                    ]
+                )
+            )
+        if verdict.verdict != "converges" and not (verdict.as_shipped or verdict.expected_failure):
+            return f"{verdict.verdict}: {verdict.reason}"
+        return ""
+
+    def _remedies(self, unmet: Sequence[str]) -> Iterator[str]:
+        """The commands that find a timestep at which the bounds of unmet expectations hold."""
+        own = (self.engine.name, self.method.name)
+        for expect in self.parent.scenario.expect:
+            if unmet and expect.bounds() and (expect.engine, expect.method) == own:
+                bounds = (f"{option(name)} {bound:g}" for name, bound in expect.bounds().items())
+                words = ["spincheck recommend", str(self.path), "--engine", own[0], *bounds]
+                yield f"a method and timestep that keep it: {' '.join(words)}"
+
+
+class MissingEngineItem(SceneItem):
+    """Says that an engine was not tested, and why."""
+
+    def __init__(self, *, reason: str, **parent_and_name: Any) -> None:
+        super().__init__(**parent_and_name)
+        self.reason = reason
+
+    def runtest(self) -> None:
+        """Skip."""
+        pytest.skip(f"not tested: {self.reason}")
+
+
+_WORKER = pytest.StashKey[LocalWorkers]()
+
+
+def _worker(config: pytest.Config) -> LocalWorkers:
+    """One worker process for the session: a crash costs the item, not the run."""
+    if _WORKER not in config.stash:
+        config.stash[_WORKER] = LocalWorkers(jobs=1)
+        config.add_cleanup(config.stash[_WORKER].close)
+    return config.stash[_WORKER]

@@ -1,0 +1,39 @@
+"""The line below pytest's output on scenes: how many items agree, fail, or were not judged."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+#: The property of every item of a scene, and so of its report, wherever it was run: whether its
+#: outcome was known from before, so that it was not run.
+KEPT = "spincheck_kept"
+#: What the reason of a skipped item begins with if the engine cannot simulate the scene.
+UNSUPPORTED = "unsupported"
+
+
+def summary(stats: Mapping[str, Sequence[Any]]) -> str:
+    """The line, empty if there is no item of a scene.
+
+    Parameters
+    ----------
+    stats : pytest's reports, by outcome; other plugins may collect TOML files too
+    """
+    passed, failed, skipped = (
+        [one for one in stats.get(outcome, ()) if KEPT in _properties(one)]
+        for outcome in ("passed", "failed", "skipped")
+    )
+    own = [*passed, *failed, *skipped]
+    scenes = {report.nodeid.partition("::")[0] for report in own}
+    unsupported = sum(f"{UNSUPPORTED}: " in str(report.longrepr) for report in skipped)
+    kept = sum(_properties(report)[KEPT] for report in own)
+    if not own:
+        return ""
+    return (
+        f"spincheck: scenes: {len(scenes)}; items that agree: {len(passed)}, fail: {len(failed)}, "
+        f"do not support the scene: {unsupported}, "
+        f"skipped otherwise: {len(skipped) - unsupported}"
+        + (f"; known from before, not run ('--cache-clear' runs them): {kept}" if kept else "")
+    )
+
+
+def _properties(report: Any) -> dict[str, Any]:
+    return dict(getattr(report, "user_properties", ()))

@@ -1,0 +1,101 @@
+"""The exact motion of a scene at the sample times of all runs, solved once for all its methods."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from threading import Lock
+
+from ...reference import ExactMotion, Solution
+from ...scenarios import Scenario
+from ...scenarios.fastest_rate import fastest_rate
+from ..results.store import Store
+from .choice import Choice
+from .executors import CallFailed, Executor
+from .ladder import Ladder, Rung, ladder, single
+from .measuring.places import Places, places
+from .stock import StockRun, stock_rung, stock_timesteps
+
+
+@dataclass(frozen=True, eq=False)
+class Prepared:
+    """A scene's exact motion on its ladder, on single timesteps, and at stock ones."""
+
+    solution: Solution
+    ladder: Ladder
+    singles: list[tuple[Rung, Solution]]
+    stock: list[StockRun] = field(default_factory=list)
+    places: Places | None = None
+
+    def for_verdicts(self) -> "Prepared":
+        """Without the timesteps above the ladder, which are for reports only."""
+        return replace(self, ladder=replace(self.ladder, above=()))
+
+
+class SceneReference:
+    """A scene's exact motion for all its methods, solved by the first that asks."""
+
+    def __init__(self, scenario: Scenario, choice: Choice) -> None:
+        self._scenario, self._choice = scenario, choice
+        self._solving = Lock()
+        self._solved: Prepared | CallFailed | None = None
+
+    def get(self, executor: Executor, store: Store) -> Prepared | CallFailed:
+        """The exact motion, which is also stored, or the reason why it could not be solved."""
+        with self._solving:
+            if self._solved is None:
+                self._solved = self._solve(executor)
+                if isinstance(self._solved, Prepared):
+                    store.put_scene(self._scenario, self._solved.solution)
+            return self._solved
+
+    def _solve(self, executor: Executor) -> Prepared | CallFailed:
+        scenario, choice = self._scenario, self._choice
+        timesteps = {*choice.timesteps, *(expected.timestep for expected in scenario.expect)}
+        stock = {dt for engine in choice.engines for dt in stock_timesteps(engine)}
+        return executor.call(
+            prepare,
+            scenario,
+            sorted(timesteps),
+            choice.max_steps_on(scenario),
+            () if choice.timesteps else sorted(stock),
+        ).value
+
+
+def prepare(
+    scenario: Scenario, timesteps: Sequence[float], max_steps: int, stock: Sequence[float] = ()
+) -> Prepared:
+    """Solve a scene at the sample times of its ladder and of every single and stock timestep.
+
+    If the exact motion ends at a horizon, so do the runs.
+
+    Parameters
+    ----------
+    timesteps, stock : s
+    max_steps : largest number of steps of a run of the ladder
+    """
+    exact = ExactMotion(scenario)
+    outline = exact.outline(scenario.times)
+    rate = fastest_rate(scenario, outline.omega_body)
+    rungs = ladder(scenario.window, rate, len(outline.t), max_steps)
+    at_stock = {timestep: stock_rung(outline.t, timestep, rate) for timestep in stock}
+    made = [single(timestep, outline.t) for timestep in timesteps]
+    made += [rung for rung in at_stock.values() if isinstance(rung, Rung)]
+    # One solve for all: its cost hardly depends on the number of times.
+    solution, *solutions = exact.solve_each([rungs.times, *(rung.times for rung in made)])
+    runs = {
+        rung.timestep: (rung.until(len(part.trajectory.t)), part)
+        for rung, part in zip(made, solutions, strict=True)
+    }
+    ladder_rungs = rungs.until(len(solution.trajectory.t))
+    coarsest = ladder_rungs.rungs[0].timestep if ladder_rungs.rungs else None
+    return Prepared(
+        solution,
+        ladder_rungs,
+        [runs[timestep] for timestep in timesteps],
+        [
+            StockRun(timestep, refusal=rung)
+            if isinstance(rung, str)
+            else StockRun(timestep, *runs[timestep])
+            for timestep, rung in at_stock.items()
+        ],
+        places(scenario, outline, coarsest),
+    )

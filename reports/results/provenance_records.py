@@ -1,0 +1,38 @@
+"""The records of what results were made by: computer, engines, and what else they rest on."""
+
+from dataclasses import dataclass
+
+from ...engines import Engine, Method
+from .records import Name, Record, SceneName, Size
+
+
+@dataclass(frozen=True)
+class EnvironmentEntry(Record):
+    """Name and value of something that results may depend on."""
+
+    name: str
+    value: str
+
+
+@dataclass(frozen=True)
+class DeclaredEngine(Record):
+    """What an adapter declares, so that a report needs no engine; `Engine` says what it means."""
+
+    name: Name
+    methods: tuple[Method, ...]
+    stock_timestep: Size | None = None
+
+    @staticmethod
+    def of(engine: Engine) -> "DeclaredEngine":
+        """What an engine's adapter declares."""
+        return DeclaredEngine(engine.name, tuple(engine.methods), engine.stock_timestep)
+
+
+@dataclass(frozen=True)
+class Fingerprint(Record):
+    """What results of a scene rest on (`fingerprints`); the engine is empty where all do."""
+
+    scenario: SceneName
+    engine: str
+    kind: str
+    digest: str

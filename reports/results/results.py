@@ -1,0 +1,43 @@
+"""All that is in a result file, as reports are made from it."""
+
+from dataclasses import dataclass, field
+
+from ...engines import Method
+from ...reference import Solution
+from ...scenarios import Scenario
+from .cost_records import EffectsCost, PassCosts
+from .default_records import DefaultEffects
+from .encoding_records import EncodedRuns
+from .records import Pair, Row, Verdict
+from .sweep_records import SweepResult
+
+
+@dataclass(frozen=True, eq=False)
+class SceneResult:
+    """A scene as it was simulated, and its exact motion at the sample times."""
+
+    scenario: Scenario
+    solution: Solution
+
+
+@dataclass(frozen=True, eq=False)
+class Results:
+    """Everything a report is made from.
+
+    Attributes
+    ----------
+    methods : what each engine's adapter declared of its methods, in the order it lists them
+    stock_timesteps : s, of the engines that have one
+    """
+
+    environment: dict[str, str]
+    scenes: dict[str, SceneResult]
+    rows: list[Row]
+    verdicts: list[Verdict]
+    effects: list[EffectsCost] = field(default_factory=list)
+    passes: list[PassCosts] = field(default_factory=list)
+    defaults: list[DefaultEffects] = field(default_factory=list)
+    encodings: list[EncodedRuns] = field(default_factory=list)
+    methods: dict[Pair, Method] = field(default_factory=dict)
+    stock_timesteps: dict[str, float] = field(default_factory=dict)
+    sweeps: list[SweepResult] = field(default_factory=list)
