@@ -181,7 +181,7 @@ def extrapolated(gains: Gains) -> tuple[FloatArray, FloatArray]:
         change = np.abs(entries - finer.mean(axis=1)).max(axis=3)
         unsure = _uncertainty(table, rounded) + _alike(table, rounded)
         known = ABOVE * np.maximum(change, np.median(change, axis=1, keepdims=True)) + unsure
-        # A finer entry of the same order that is distinctly elsewhere shows that this is by accident.
+        # A finer entry of the same order that is distinctly elsewhere: this one is by accident.
         finer_off = np.zeros_like(known)
         noise = unsure[1:] * DISTINCT / ABOVE
         finer_off[:-1] = np.abs(np.diff(entries, axis=0)).max(axis=3) - noise
