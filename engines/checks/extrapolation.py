@@ -74,8 +74,8 @@ def surprises(
 
     The second is of those that timesteps on one side alone do predict: an engine computes steps
     below or above some length otherwise, and what it does there vanishes with the timestep, too.
-    That counts where it is less than half of a step's own gain, and known better than it is large
-    or to as good as nothing.
+    That counts where it is less than half of a step's own gain, or as good as nothing, and known
+    better than it is large or than that.
 
     Parameters
     ----------
@@ -90,13 +90,13 @@ def surprises(
             continue
         here = Gains(at.timesteps[j : j + 1], at.values[j], at.rounding[j])
         off, error = _beyond(nodes, [*coarser[-COARSER:], *finer[:FINER]], here)
-        size = _sizes(here.values)
+        small = np.maximum(_sizes(here.values) / 2, negligible)
         is_branch = np.zeros(off.shape, dtype=bool)
         for side in (coarser[-COARSER:], finer[:ONE_SIDED]):
             if len(side) >= COARSER:
                 off_side, error_side = _beyond(nodes, [*side], here)
                 is_clear = error_side <= np.maximum(off, negligible)
-                is_branch |= (off_side <= error_side) & is_clear & (off <= size / 2)
+                is_branch |= (off_side <= error_side) & is_clear & (off <= small)
         apart[j] = np.where(is_branch, 0.0, off - error)
         branched[j] = np.where(is_branch & (off > error), off, 0.0)
     return apart, branched

@@ -30,7 +30,7 @@ from .places import (
 )
 from .richardson import RichardsonLadder
 
-#: Halvings of all timesteps where the coarsest are refused.
+#: Halvings of all timesteps where the coarsest are refused, and of the finest where it surprises.
 FINER = 3
 #: Gains have no limit that become larger by such a factor at each of two halvings of the timestep.
 GROWTH = 1.5
@@ -76,6 +76,11 @@ def _examined(engine: Engine, scenario: Scenario, method: Method, at: Places) ->
 
         misread = _misread(engine, scenario, method, at, session)
         steps, found = _consistency(open_at, engine, scenario, at)
+        if found.unsmooth[-FINER:].max() > 1 and not engine.single_precision:
+            # Whether finer steps are computed otherwise is seen from both sides alone.
+            finer = at.timesteps[-1] / 2.0 ** np.arange(1, FINER + 1)
+            at = replace(at, timesteps=np.concatenate([at.timesteps, finer]))
+            steps, found = _consistency(open_at, engine, scenario, at)
         is_smooth = not found.is_constrained
         wrong = misread or _wrong(engine, equations, steps, found, at, is_smooth=is_smooth)
         eps = rounding_of(steps.before, engine.single_precision)
