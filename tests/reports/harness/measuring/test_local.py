@@ -11,13 +11,16 @@ from kinds_of_engines import why_missing
 from library_scenes import library_scene
 from spincheck.engines import engines
 from spincheck.engines.checks import equation_residuals, steps
+from spincheck.engines.checks.equations import Equations
 from spincheck.reports.cli.run.summary import verdict_record
 from spincheck.reports.harness.judging import judge
 from spincheck.reports.harness.judging.local import CONSISTENT, SEEN, LocalJudgement
 from spincheck.reports.harness.measuring.local import examine
+from spincheck.reports.harness.measuring.places import PIECE_STEPS, SAMPLE_EVERY, states_of
 from spincheck.reports.harness.study import convergence_study_of, prepare
 from stepped import Stepped, SteppedEngine
 from studies import verdict_of
+from top_scenes import GRAVITY, scene
 
 pytestmark = pytest.mark.slow
 
@@ -175,6 +178,19 @@ def test_an_honest_method_whose_steps_have_branches_or_poles_is_not_accused(name
     if reason := why_missing(engine):
         pytest.skip(reason)
     assert LocalJudgement(examined(engines()[engine], method, name)).converges
+
+
+def test_no_piece_goes_on_where_the_table_would_have_to_pull():
+    """An egg that jumps at 37 ms, in a window of 2 s: a contact lets it go."""
+    jumping = scene(
+        "mass = 0.3\ninertia = [0.0025, 0.0035, 0.001]\ncom = [0.01, 0.0, 0.05]",
+        "euler_zyz_deg = [0.0, 40.0, 0.0]\nomega_body = [1.0, 3.0, 60.0]",
+        f"{GRAVITY}\n[effects.table]\nheight = 0.0\ntip = [0.0, 0.0, 0.02]\nradius = 0.02",
+        "duration = 2.0\nsamples = 101",
+    )
+    at = prepare(jumping, (), FEW).places
+    assert Equations(jumping).bears(states_of(at.pieces.trajectory)).all()
+    assert len(at.starts) * (PIECE_STEPS // SAMPLE_EVERY + 1) == len(at.pieces.trajectory.t)
 
 
 def test_what_is_left_of_a_body_near_rest_may_add_up_and_decides_nothing():
