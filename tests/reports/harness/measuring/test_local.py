@@ -218,6 +218,18 @@ def test_a_verdict_by_pieces_says_so_and_does_not_contradict_itself(method):
 
 
 @pytest.mark.needs_pybullet
+@pytest.mark.parametrize("arm", [1e-16, 1e-40, 1e-160])
+@pytest.mark.parametrize("method", ["multibody-p2p", "maximal"])
+def test_a_place_that_rounding_hides_accuses_no_method(method, arm):
+    pinned = scene(
+        f"mass = 0.3\ninertia = [0.0025, 0.0035, 0.002]\ncom = [{arm}, 0.0, 0.0]",
+        "euler_zyz_deg = [0.0, 40.0, 0.0]\nomega_body = [1.0, 3.0, 6.0]",
+    )
+    engine, places = engines()["pybullet"], prepare(pinned, (), FEW).places
+    assert examine(engine, pinned, method, places).finding == ""
+
+
+@pytest.mark.needs_pybullet
 def test_where_the_coarsest_timesteps_are_refused_finer_ones_are_taken():
     local = examined(engines()["pybullet"], "maximal", "ship-stabiliser")
     assert LocalJudgement(local).converges
