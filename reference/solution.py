@@ -35,7 +35,7 @@ class Solution:
         if self.horizon is None:
             return ""
         if self.lifts_off:
-            return f"the body leaves the table at t = {self.horizon:.6g} s"
+            return f"the body leaves the table, or falls flat on it, at t = {self.horizon:.6g} s"
         return (
             f"it is chaotic, and from t = {self.horizon:.6g} s on not known to {MAX_UNCERTAINTY:g}"
         )

@@ -22,6 +22,7 @@ from .motion import motion
 from .problem import Problem
 from .rotational_problem import rotational_problem
 from .solution import MAX_UNCERTAINTY, Solution
+from .state_rounding import rounding_of
 from .taylor import (
     CHECK_ORDERS,
     FINE_ORDERS,
@@ -153,7 +154,9 @@ def _solve_closed(
     rate = fastest_rate(scenario, trajectory.omega_body)
     checked = _checked_times(times, rate)
     by_form = motion(scenario, problem, checked, closed.states(checked))
-    difference = _apart_from_ode(scenario, problem, by_form)
+    difference = _larger(
+        _apart_from_ode(scenario, problem, by_form), rounding_of(scenario, trajectory)
+    )
     turned = rate * float(times[-1])
     return Solution(
         trajectory=trajectory,
@@ -209,7 +212,7 @@ def _conditioning_of_closed(
     if trajectory.t[-1] <= within_reach.t[-1]:
         return near
     far = conditioning(scenario, problem, trajectory, by_form)
-    return Errors(**{name: max(size, far[name]) for name, size in near})
+    return _larger(near, far)
 
 
 def _solve_ode(scenario: Scenario, problem: Problem, times: FloatArray) -> Solution:
@@ -219,11 +222,18 @@ def _solve_ode(scenario: Scenario, problem: Problem, times: FloatArray) -> Solut
     def solved(neighbour: Problem) -> Trajectory:
         return motion(scenario, neighbour, within.t, integrate(neighbour, within.t, CHECK_ORDERS))
 
-    return replace(solution, conditioning=conditioning(scenario, problem, within, solved))
+    return replace(
+        solution,
+        uncertainty=_larger(solution.uncertainty, rounding_of(scenario, within)),
+        conditioning=conditioning(scenario, problem, within, solved),
+    )
 
 
 def _by_series(scenario: Scenario, problem: Problem, times: FloatArray) -> Solution:
-    """The solution without its conditioning, which takes twice as long: it is NaN."""
+    """The solution without its conditioning, which takes twice as long: it is NaN.
+
+    Nor does its uncertainty know of rounding where terms cancel, as `rounding_of` does.
+    """
     known = _integrated_to_horizon(scenario, problem, times)
     apart = errors_between(scenario, known.trajectory, known.coarser)
     return Solution(
@@ -281,6 +291,10 @@ def _checked_times(times: FloatArray, rate: float) -> FloatArray:
     end = min(CHECKED_TURN / rate, times[-1]) if rate else times[-1]
     sure = min(SURE_TURN / rate, end) if rate else end
     return np.union1d(*(np.linspace(0.0, span, CHECKED_SAMPLES) for span in (sure, end)))
+
+
+def _larger(errors: Errors, others: Errors) -> Errors:
+    return Errors(**{name: max(size, others[name]) for name, size in errors})
 
 
 def _at_least(errors: Errors, least: float) -> Errors:

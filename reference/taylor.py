@@ -53,7 +53,10 @@ class LiftOffError(IntegrationError):
     """
 
     def __init__(self, time: float) -> None:
-        super().__init__(f"The body leaves the table at {time:.6g} s. Ask for earlier times.")
+        where = f"at {time:.6g} s"
+        super().__init__(
+            f"The body leaves the table, or falls flat on it, {where}. Ask for earlier times."
+        )
         self.time = time
 
 

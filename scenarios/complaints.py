@@ -143,7 +143,10 @@ def _models_in(annotation: Any) -> Iterator[type[BaseModel]]:
 
 
 def _shown(value: Any) -> str:
-    return printable(repr(value), MAX_SHOWN)
+    try:
+        return printable(repr(value), MAX_SHOWN)
+    except ValueError:  # Python's own limit on the digits of an integer, here a hexadecimal one.
+        return "an integer of thousands of digits"
 
 
 _WITH_TABLES = {name: one.annotation for name, one in Document.model_fields.items()}

@@ -18,6 +18,8 @@ from .read_back import State, stacked
 
 #: rad, largest step of the classical Runge–Kutta rule that computes an exact gain.
 FINE_TURN = 0.05
+#: Radii of gyration; no engine places a body in double precision to less.
+NO_ARM = 1e-12
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,9 +45,10 @@ class Equations:
 
     @cached_property
     def reach(self) -> float:
-        """m, scale of the com's position: its arm, or the radius of gyration if that is zero."""
+        """m, scale of the com's position: its arm, or the radius of gyration if it has none."""
         body = self.scenario.body
-        return self.arm or float(np.sqrt(body.principal_moments[-1] / body.mass))
+        gyration = float(np.sqrt(body.principal_moments[-1] / body.mass))
+        return self.arm if self.arm > NO_ARM * gyration else gyration
 
     @cached_property
     def rate(self) -> float:

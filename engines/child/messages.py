@@ -10,6 +10,7 @@ from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationErr
 from ...scenarios import EFFECTS, FloatArray
 from ...scenarios.document import MAX_ROTORS
 from ...scenarios.rotation import matrix
+from ...scenarios.scales import LARGEST
 from ..method import Method
 
 #: Characters of an answer that a complaint quotes.
@@ -35,7 +36,7 @@ Words = Annotated[str, Field(min_length=1, max_length=200), AfterValidator(_prin
 Effect = Annotated[str, AfterValidator(_effect)]
 Effects = Annotated[list[Effect], Field(max_length=len(EFFECTS))]
 Number = Annotated[float, Field(allow_inf_nan=False)]
-Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
+Positive = Annotated[float, Field(gt=0, le=float(LARGEST))]
 Known = Number | None
 Vector = tuple[Number, Number, Number]
 Quaternion = tuple[Number, Number, Number, Number]

@@ -29,12 +29,15 @@ class ModelFileError(ValueError):
 MAX_BYTES = 1 << 25
 #: Elements within elements; robots nest one body a joint.
 MAX_DEPTH = 256
+#: Elements of a file, and attributes of an element: a file of the largest size may have millions,
+#: each hundreds of times as large in memory, and an engine compares every two of the latter.
+MAX_ELEMENTS, MAX_ATTRIBUTES = 1 << 18, 1 << 8
 #: Characters of a value that are shown.
 MAX_SHOWN = 60
 #: An XML declaration, wherever it stands.
 _DECLARATION = re.compile(rb"<\?xml\b[^>]*\?>")
 #: One tag; '>' may stand in quotes.
-_TAG = re.compile(rb"""<(?:[^<>"']|"[^"]*"|'[^']*')*>""")
+_TAG = re.compile(rb"""<(?:[^<>"']++|"[^"]*"|'[^']*')*+>""")
 #: expat's complaints about a declaration: engines read over it, other tools refuse the file.
 _OF_DECLARATIONS = frozenset(
     {
@@ -174,6 +177,7 @@ class _Builder:
     def __init__(self, where: str) -> None:
         self._where = where
         self._open: list[Element] = []
+        self._count = 0
         self._root: Element | None = None
         self._data = b""
         # Declared encodings are not asked: engines read bytes, and names are UTF-8 or ASCII.
@@ -193,6 +197,13 @@ class _Builder:
         element = Element(tag, attributes, where, self._parser.CurrentByteIndex)
         if len(self._open) == MAX_DEPTH:
             element.refuse(f"elements are nested more than {MAX_DEPTH} deep")
+        self._count += 1
+        if self._count > MAX_ELEMENTS:
+            element.refuse(f"more than {MAX_ELEMENTS} elements, which no model has")
+        if len(attributes) > MAX_ATTRIBUTES:
+            element.refuse(
+                f"<{printable(tag, MAX_SHOWN)}> has more than {MAX_ATTRIBUTES} attributes"
+            )
         if self._open:
             self._open[-1].children.append(element)
         else:

@@ -136,6 +136,13 @@ def complaint_of(path) -> str:
     return ""
 
 
+def test_a_run_that_ended_ok_and_has_no_errors_is_compared_without_them(good, path):
+    forge(path, [("rows", "record.errors")], None)
+    for old, new in ((good, path), (path, good)):
+        done = command_line.spincheck("compare", str(old), str(new))
+        assert (done.returncode, done.stderr) == (0, "")
+
+
 @pytest.mark.parametrize(("table", "column"), [("scenes", "trajectory"), ("rows", "motion")])
 def test_a_motion_that_was_changed_is_reported(path, table, column):
     with closing(sqlite3.connect(path)) as connection, connection:

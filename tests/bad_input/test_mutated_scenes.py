@@ -41,6 +41,7 @@ NEVER = {
     "an array in an array in an array": "[[[1.0]]]",
     "an integer beyond doubles": "1" + "0" * 400,
     "an integer beyond Python": "1" + "0" * 5000,
+    "one that only TOML reads": "0x" + "f" * 5000,
 }
 NOT_A_NUMBER = {"text": '"1"', "true": "true", "an empty array": "[]"}
 NOT_A_TEXT = {"a number": "1", "true": "true", "empty": '""', "blank": '" "'}

@@ -12,7 +12,12 @@ from spincheck.reference.rotational_problem import rotational_problem
 from spincheck.reference.solution import MAX_UNCERTAINTY
 from spincheck.reference.solve import ROUNDING
 from spincheck.reference.taylor import Orders, integrate
-from spincheck.scenarios import Scenario, Trajectory, errors_between
+from spincheck.scenarios import (
+    Scenario,
+    Trajectory,
+    angular_momentum_world,
+    errors_between,
+)
 from top_scenes import ASYMMETRIC, HEAVY, TOP, scene
 
 pytestmark = pytest.mark.slow
@@ -104,6 +109,22 @@ def test_the_stated_uncertainty_covers_the_true_error(scenario):
         known = true.until(len(solution.trajectory.t))
         for name, error in errors_between(scenario, solution.trajectory, known):
             assert error <= HONESTY * getattr(solution.uncertainty, name), (solution.method, name)
+
+
+@pytest.mark.parametrize("hinge", ["driven", "free"])
+def test_it_covers_rounding_where_the_momenta_of_rotors_cancel(hinge):
+    rotors = "".join(
+        "[[rotors]]\naxis = [1.0, 1.0, 1.0]\nposition = [0.0, 0.0, 0.0]\nmass = 1.0\n"
+        f'inertia = [0.01, 0.015]\nspin = {spin}\nhinge = "{hinge}"\n'
+        for spin in (1e4, -1e4)
+    )
+    start = "quaternion_wxyz = [1.0, 0.0, 0.0, 0.0]\nomega_body = [0.01, 0.003, 0.02]"
+    opposite = scene(ASYMMETRIC, start, rotors)
+    solution = solve(opposite, TIMES)
+    kept = opposite.body.inertia_com @ opposite.start.omega_body
+    L = angular_momentum_world(opposite, solution.trajectory)
+    error = np.linalg.norm(L - kept, axis=1).max() / np.linalg.norm(kept)
+    assert ROUNDING < error <= solution.uncertainty.angular_momentum
 
 
 def test_where_the_series_ends_early_the_cheap_motion_is_the_closed_form():

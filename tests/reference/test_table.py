@@ -217,6 +217,7 @@ def test_the_motion_ends_where_the_table_would_have_to_pull(spin, leaves) -> Non
     if leaves is None:
         return
     assert solution.horizon == pytest.approx(leaves, rel=1e-5)
+    assert "leaves the table, or falls flat on it, at t = 0.1" in solution.ending
     times = solution.horizon * np.array([0.0, 1 - 1e-9])
     last = solve(scene, times).trajectory
     R_world_body = matrices(last.q_world_body_wxyz)

@@ -237,6 +237,13 @@ def _check_not_lost(scenario: Scenario, representation: BodyRepresentation) -> N
             f"principal moments exceeds {TAKEN_FOR_ZERO:.2g} (kg m²)³, got {np.prod(moments):.2g}; "
             "scale the scene up, or use another method"
         )
+    is_tied = not (representation.maximal or representation.hung) and scenario.constraint.is_pivot
+    if is_tied and 1 / mass <= TAKEN_FOR_ZERO:
+        raise UnsupportedError(
+            "PyBullet drops a point-to-point constraint on a body whose inverse mass does not "
+            f"exceed {TAKEN_FOR_ZERO:.2g} /kg, got {mass:.2g} kg; scale the scene down, or use "
+            "another method"
+        )
     on_a_joint = representation.hung and scenario.constraint.is_pivot
     if not on_a_joint and min(mass, *moments) <= TAKEN_FOR_ZERO:
         raise UnsupportedError(

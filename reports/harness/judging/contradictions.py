@@ -64,6 +64,7 @@ def _all(
     rows: Sequence[Row], sequences: Sequence[SignalSequence], slack: float, interval: float
 ) -> Iterator[str]:
     yield from _lost(rows, sequences)
+    is_lost = any(sequence.errors[-1] >= WHOLE for sequence in sequences)
     for sequence in sequences:
         floors = sequence.roundoff_bounds + sequence.uncertainty
         names = [one.signal.name for one in sequences]
@@ -82,7 +83,9 @@ def _all(
                 np.array([one.at for one in found]),
             )
             yield from _worse(defects)
-            yield from _level(defects, follows=bool(sequence.errors[-1] < ASYMPTOTIC))
+            yield from _level(
+                defects, follows=bool(sequence.errors[-1] < ASYMPTOTIC), is_lost=is_lost
+            )
 
 
 def _own(sequence: SignalSequence, interval: float) -> FloatArray:
@@ -153,7 +156,7 @@ def _worse_than(series: _Series, rungs: int, factor: float, off_order: float) ->
             )
 
 
-def _level(series: _Series, *, follows: bool) -> Iterator[str]:
+def _level(series: _Series, *, follows: bool, is_lost: bool) -> Iterator[str]:
     """The finest rungs, if they do not shrink, or at a lower order than declared.
 
     At a rate Ω a method of order p commits an error of Ω (hΩ)^p a second. After that has added up
@@ -170,7 +173,10 @@ def _level(series: _Series, *, follows: bool) -> Iterator[str]:
         return
     turn = series.of.rate * series.of.timesteps[-SHOWN_OVER]
     committed = series.of.rate * series.times[-SHOWN_OVER:] * turn**series.of.declared_order
-    follows = follows and bool((committed <= WHOLE).all())
+    is_within = bool((committed <= WHOLE).all())
+    if follows and is_lost and not is_within:
+        return
+    follows = follows and is_within
     slopes = -np.diff(np.log2(values))
     is_clean = np.ptp(slopes) <= ORDER_SLACK and slopes.max() < series.of.declared_order - SHORTFALL
     words = series.of.signal.words

@@ -98,7 +98,16 @@ def places(scenario: Scenario, motion: Trajectory, coarsest: float | None) -> Pl
     states, times = states.rows(bears), np.append(along.t, [np.nan] * len(ASKEW))[bears]
     starts = np.unique(np.linspace(0, len(chosen) - 1, PIECES).astype(int))
     condition = float(np.linalg.cond(scenario.inertia)) + _of_parts(scenario, motion)
-    pieces = _pieces(scenario, states.rows(starts), timestep, condition)
+    spans: FloatArray = timestep * np.arange(0.0, PIECE_STEPS + 1, SAMPLE_EVERY)
+    followed = _followed(scenario, states.rows(starts), spans)
+    is_borne: NDArray[np.bool_] = np.all(
+        Equations(scenario).bears(followed).reshape(len(starts), -1), axis=1
+    )
+    # The window has as many steps: from its start a piece ends before the body leaves its table.
+    is_borne[0] = True
+    borne = followed.rows(np.repeat(is_borne, len(spans)))
+    pieces = _pieces(scenario, borne, timestep, condition)
+    starts = starts[is_borne]
     timesteps = timestep / 2.0 ** np.arange(HALVINGS)
     return Places(states, times, np.asarray(timesteps), pieces, starts, condition)
 
@@ -174,13 +183,16 @@ def _askew(scenario: Scenario, along: Trajectory, omega_body: FloatArray) -> Sta
     return State(*(row[None] for row in rows))
 
 
-def _pieces(scenario: Scenario, starts: State, timestep: float, condition: float) -> Solution:
-    """The exact motion from each start, sampled at every few coarsest steps."""
-    spans = timestep * np.arange(0, PIECE_STEPS + 1, SAMPLE_EVERY)
-    count, each = len(starts.omega_body), len(spans)
-    from_starts = State(*(np.repeat(column, each, axis=0) for column in starts.columns))
-    states = flowed(scenario, from_starts, np.tile(spans, count))
-    times = np.asarray(np.arange(count * each) * (timestep * SAMPLE_EVERY), dtype=float)
+def _followed(scenario: Scenario, starts: State, spans: FloatArray) -> State:
+    """The exact states of all pieces, one after the other, a time after each start, s, (n,)."""
+    from_starts = State(*(np.repeat(column, len(spans), axis=0) for column in starts.columns))
+    return flowed(scenario, from_starts, np.tile(spans, len(starts.omega_body)))
+
+
+def _pieces(scenario: Scenario, states: State, timestep: float, condition: float) -> Solution:
+    """The exact motion of all pieces, sampled at every few coarsest steps."""
+    count = len(states.omega_body)
+    times = np.asarray(np.arange(count) * (timestep * SAMPLE_EVERY), dtype=float)
     names = [signal.name for signal in signals_of(scenario)]
     growth = PIECE_GROWTH * condition * float(np.finfo(float).eps)
     return Solution(

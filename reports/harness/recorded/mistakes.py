@@ -109,6 +109,8 @@ def _change(scenario: Scenario, motion: Trajectory, timestep: float | None) -> l
 
 #: rad that the exact motion turns in the beginning that is compared, and samples of it at least.
 BEGINNING, FEWEST = 3.0, 3
+#: Samples that must be left of what is read otherwise: steps are told from two.
+FEWEST_LEFT = 2
 #: A mistake explains the motion if undoing it makes the errors smaller by this factor.
 EXPLAINS = 10.0
 #: Errors below this, relative or in rad, need no explanation.
@@ -159,7 +161,10 @@ def mistakes(scenario: Scenario, exact: Trajectory, reading: Reading) -> list[st
         if least <= FITS:
             break
         readings = [
-            ([*words, word], other) for words, one in readings for word, other in _undone(one)
+            ([*words, word], other)
+            for words, one in readings
+            if len(one.recording.arrays["t"]) >= FEWEST_LEFT
+            for word, other in _undone(one)
         ]
         errors = [_error(scenario, beginning, other) for _, other in readings]
         if min(errors) < least / EXPLAINS:
@@ -198,6 +203,8 @@ def _beginning(exact: Trajectory) -> int:
 def _error(scenario: Scenario, exact: Trajectory, reading: Reading) -> float:
     """The largest error in ω and attitude; infinite if it cannot be read this way."""
     exact = exact.at(np.flatnonzero(np.isin(exact.t, reading.recording.arrays["t"])))
+    if np.count_nonzero(exact.t + reading.late >= 0) < FEWEST_LEFT:
+        return np.inf
     if reading.late or reading.unit != 1.0:
         # A state before the start is none of the exact motion's.
         is_after = exact.t + reading.late >= 0

@@ -4,8 +4,13 @@ Files may come from anyone and be of any size: they are read in pieces, no furth
 largest number of samples, and nothing in them is executed.
 """
 
+import io
+import lzma
 import stat
+import tokenize
 import zipfile
+import zlib
+from itertools import count
 from pathlib import Path
 from typing import Any
 
@@ -23,6 +28,12 @@ from .text_formats import (
     read_json_lines,
     setting,
 )
+
+#: Bytes that are read of an array's header, which states its length itself; one of numbers has 128.
+LONGEST_HEADER = 1 << 10
+#: What archives raise that are damaged or encrypted, and headers that are.
+DAMAGED = (zipfile.BadZipFile, zlib.error, lzma.LZMAError, EOFError, RuntimeError)
+MALFORMED = (ValueError, TypeError, tokenize.TokenError, SyntaxError)
 
 
 def read_npz(path: Path) -> Recording:
@@ -47,12 +58,14 @@ def read_npz(path: Path) -> Recording:
                     settings |= setting(name, value, None)
                 elif name in quantities:
                     quantity = quantities[name]
+                    if quantity.name in arrays:
+                        raise RecordingError(f"holds '{quantity.name}' twice")
                     width = len(quantity.columns)
                     shape = (None,) if quantity.name == "t" else (None, width)
                     arrays[quantity.name] = _array(archive, entry, shape).astype(float)
                 else:
                     ignored.append(name)
-    except (zipfile.BadZipFile, ValueError, EOFError, NotImplementedError) as error:
+    except (*DAMAGED, *MALFORMED) as error:
         if isinstance(error, RecordingError):
             raise
         raise RecordingError(
@@ -63,10 +76,11 @@ def read_npz(path: Path) -> Recording:
 
 def _header(archive: zipfile.ZipFile, entry: str) -> tuple[tuple[int, ...], np.dtype[Any]]:
     """Shape and type of an array, which is not unpacked."""
-    with archive.open(entry) as file:
-        version = npy.read_magic(file)
-        read = npy.read_array_header_1_0 if version == (1, 0) else npy.read_array_header_2_0
-        shape, _, dtype = read(file)
+    with archive.open(entry) as packed:
+        file = io.BytesIO(packed.read(LONGEST_HEADER))
+    version = npy.read_magic(file)
+    read = npy.read_array_header_1_0 if version == (1, 0) else npy.read_array_header_2_0
+    shape, _, dtype = read(file)
     return shape, dtype
 
 
@@ -99,24 +113,34 @@ def read_parquet(path: Path) -> Recording:
     try:
         import pyarrow
         from pyarrow import parquet
+        from pyarrow.types import is_floating, is_integer
     except ImportError:
         raise RecordingError("needs 'pip install pyarrow' to be read; CSV does without") from None
     try:
         with parquet.ParquetFile(path) as file:
             check_count(file.metadata.num_rows)
-            table = Table([str(name) for name in file.schema_arrow.names])
+            schema = file.schema_arrow
+            ignored = Table([str(name) for name in schema.names]).ignored
+            used = [field for field in schema if field.name not in ignored]
+            for field in used:
+                if not (is_floating(field.type) or is_integer(field.type)):
+                    wanted = f"must hold numbers, got {printable(str(field.type), 40)}"
+                    raise RecordingError(f"'{field.name}' {wanted}")
+            # Others are not unpacked: a text may be large, and the same a million times.
+            names = [field.name for field in used]
+            table, row = Table(names), count(1)
             settings: dict[str, str] = {}
-            for name, value in (file.schema_arrow.metadata or {}).items():
+            for name, value in (schema.metadata or {}).items():
                 if name.decode(errors="replace") in SETTINGS:
                     settings |= setting(name.decode(), value.decode(errors="replace"), None)
-            for batch in file.iter_batches():
-                for k, row in enumerate(batch.to_pylist()):
-                    table.add(list(row.values()), f"row {k + 1}")
+            for batch in file.iter_batches(columns=names):
+                for cells in batch.to_pylist():
+                    table.add(list(cells.values()), f"row {next(row)}")
     except pyarrow.ArrowException as error:
         raise RecordingError(
             f"is no Parquet file that can be read: {printable(str(error))}"
         ) from None
-    return Recording(path, table.arrays(), settings, table.ignored)
+    return Recording(path, table.arrays(), settings, ignored)
 
 
 #: By the ending of a file's name, what reads it.
@@ -151,7 +175,9 @@ def read_recording(path: Path) -> Recording:
         # A library's own message may end with one.
         raise RecordingError(f"{where}: {str(error).rstrip('.')}.") from None
     except OSError as error:
-        raise RecordingError(f"{where}: cannot be read: {error.strerror}.") from None
+        raise RecordingError(
+            f"{where}: cannot be read: {error.strerror or printable(str(error))}."
+        ) from None
     except UnicodeDecodeError:
         raise RecordingError(f"{where}: must be text in UTF-8.") from None
     return recording

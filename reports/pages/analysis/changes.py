@@ -158,8 +158,9 @@ def _runs(key: Key, old: _OfKey, new: _OfKey) -> Iterator[Change]:
 def _errors(
     old: Row, new: Row, old_noise: Mapping[str, float], new_noise: Mapping[str, float]
 ) -> Iterator[Change]:
-    for signal, error in old.errors or ():
-        assert new.errors is not None, "a run that ended ok has errors"
+    if old.errors is None or new.errors is None:
+        return
+    for signal, error in old.errors:
         sizes = error, new.errors[signal]
         if direction := _grown(*sizes, old_noise[signal] + new_noise[signal]):
             where = _where(old.key, old.timestep)

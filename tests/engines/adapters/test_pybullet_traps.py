@@ -27,6 +27,7 @@ from spincheck.engines.adapters.pybullet import load as pybullet_load
 from spincheck.engines.adapters.pybullet import session as pybullet_session
 from spincheck.engines.adapters.pybullet import world as pybullet_world
 from spincheck.scenarios import Scenario
+from spincheck.scenarios.rotation import matrix
 
 EPS = np.finfo(float).eps
 #: A few products of rotations a step, over `STEPS`.
@@ -210,3 +211,24 @@ def test_a_body_too_small_for_its_gyroscopic_term_is_refused(
     result = run(small(moment), method)
     assert result.outcome == "failed"
     assert "a resistance of" in result.reason
+
+
+def test_a_body_too_heavy_for_a_constraint_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Bullet drops a row of mobility not above an ulp, which along the arm is the inverse mass."""
+
+    def heavy(mass: float) -> Scenario:
+        moments = [mass, 1.5 * mass, 2 * mass]
+        body = f"\nmass = {mass}\ninertia = {moments}\ncom = [0.0, 0.0, 1.0]\n"
+        return scene("heavy", body=body, effects="[effects.pivot]")
+
+    def gave_way(mass: float) -> float:
+        with opened(heavy(mass), BY_CONSTRAINT) as session:
+            session.advance(200)
+            state = session.read_state()
+        arm_world = matrix(state.q_world_body_wxyz)[:, 2]
+        return float(np.linalg.norm(state.com_world - arm_world))
+
+    assert gave_way(4.4e15) < 1e-4
+    assert "scale the scene down" in run(heavy(1e16), BY_CONSTRAINT).reason
+    monkeypatch.setattr(pybullet_load, "TAKEN_FOR_ZERO", 0.0)
+    assert gave_way(1e16) > 0.1

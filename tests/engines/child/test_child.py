@@ -10,7 +10,7 @@ import psutil
 import pytest
 from spincheck.engines import EngineError, Run
 from spincheck.engines.child import ChildEngine, ProtocolError, child_engine, process
-from spincheck.engines.child.messages import Stepped
+from spincheck.engines.child.messages import Hello, Misanswer, Stepped, parse
 from spincheck.engines.child.process import ChildProcess, end_idle
 from spincheck.reports.harness.executors import CallFailed, LocalWorkers
 from spincheck.suite import test_adapter
@@ -129,6 +129,18 @@ def test_a_child_that_is_another_each_time_is_not_opened() -> None:
     run = ran(engine)
     assert (run.outcome, run.cause) == ("failed", "protocol")
     assert "engine, version or methods are not those" in run.reason
+
+
+@pytest.mark.parametrize("seconds", ["1e300", "1e400", "0.0", "-1.0"])
+def test_a_stock_timestep_that_no_result_file_holds_breaks_the_protocol(seconds: str) -> None:
+    method = '{"name": "m", "order": 1, "attitude_order": 1, "summary": "s", "effects": []}'
+    line = (
+        '{"id": 1, "protocol": 1, "name": "n", "version": "1", "precision": "double", '
+        f'"stock_timestep": %s, "methods": [{method}]}}'
+    )
+    assert isinstance(parse((line % "0.01").encode(), 1, Hello), Hello)
+    with pytest.raises(Misanswer, match="breaks the protocol at 'stock_timestep'"):
+        parse((line % seconds).encode(), 1, Hello)
 
 
 def test_a_child_that_died_leaves_the_next_run_a_new_one() -> None:

@@ -116,19 +116,40 @@ omega_body = [0.05, 0.0, 50.0]
 duration = 400.0
 samples = 11
 """
-DISC_STEPS = 1 << 17
+#: A spinning bead at the end of a light rod, whose swing coarse rungs damp away, and finer ones do
+#: not: what each commits from one sample to the next is larger where more is left. Its error in ω
+#: is small beside the spin.
+BEAD = """spincheck = 1
+title = "a bead on a rod"
+source = "none"
+[body]
+mass = 1.0
+inertia = [1e-6, 1e-6, 1e-6]
+com = [0.0, 0.0, 1.0]
+[start]
+euler_zyz_deg = [0.0, 30.0, 0.0]
+omega_body = [0.1, 0.0, 300.0]
+[effects.gravity]
+acceleration = [0.0, 0.0, -9.81]
+[effects.pivot]
+[window]
+duration = 2.0
+samples = 101
+"""
+LONG_LADDER = 1 << 17
 
 
 @pytest.mark.parametrize(
-    ("name", "method"),
+    ("name", "method", "text"),
     [
-        ("mujoco", "implicit"),
-        pytest.param("pybullet", "maximal", marks=pytest.mark.needs_pybullet),
+        ("mujoco", "implicit", DISC),
+        pytest.param("pybullet", "maximal", DISC, marks=pytest.mark.needs_pybullet),
+        ("mujoco", "implicit", BEAD),
     ],
 )
-def test_a_wobble_that_every_rung_has_damped_away_is_no_other_motion(name, method):
-    engine, scene = engines()[name], loads(DISC, "disc")
-    prepared = prepare(scene, [], DISC_STEPS)
+def test_a_wobble_that_rungs_have_damped_away_is_no_other_motion(name, method, text):
+    engine, scene = engines()[name], loads(text, "wobble")
+    prepared = prepare(scene, [], LONG_LADDER)
     verdict = judged(convergence_study_of(scene, engine, engine.method(method), prepared))
     assert verdict.verdict == "converges"
     assert "pieces" in verdict.ground

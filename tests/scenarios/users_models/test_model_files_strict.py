@@ -5,8 +5,15 @@ import os
 import pytest
 from case_loops import each_case
 from spincheck.scenarios.users_models import ModelFileError, read_model
-from spincheck.scenarios.users_models.xml_tree import MAX_BYTES, MAX_DEPTH
+from spincheck.scenarios.users_models.xml_tree import (
+    MAX_ATTRIBUTES,
+    MAX_BYTES,
+    MAX_DEPTH,
+    MAX_ELEMENTS,
+)
 from users_models import arm, body, diagonal, inertial, joint, link, robot, written
+
+MANY_ATTRIBUTES = " ".join(f'a{k}=""' for k in range(MAX_ATTRIBUTES + 1))
 
 
 def refusal(path):
@@ -182,6 +189,14 @@ REFUSED = {
     "nested without end": (
         *(robot("<a>" * MAX_DEPTH + "</a>" * MAX_DEPTH), 2),
         f"elements are nested more than {MAX_DEPTH} deep",
+    ),
+    "a million elements": (
+        *(robot("<a/>" * MAX_ELEMENTS), 2),
+        f"more than {MAX_ELEMENTS} elements, which no model has",
+    ),
+    "thousands of attributes": (
+        *(f"<robot {MANY_ATTRIBUTES}/>", 1),
+        f"<robot> has more than {MAX_ATTRIBUTES} attributes",
     ),
     "a chain of thousands of links": (
         *(f"<robot>{CHAIN}</robot>", 1),

@@ -11,14 +11,17 @@ from kinds_of_engines import why_missing
 from library_scenes import library_scene
 from spincheck.engines import engines
 from spincheck.engines.checks import equation_residuals, steps
+from spincheck.engines.checks.equations import Equations
 from spincheck.reports.cli.run.summary import verdict_record
 from spincheck.reports.harness.judging import judge
 from spincheck.reports.harness.judging.local import CONSISTENT, SEEN, LocalJudgement
 from spincheck.reports.harness.measuring.local import examine
+from spincheck.reports.harness.measuring.places import PIECE_STEPS, SAMPLE_EVERY, states_of
 from spincheck.reports.harness.prepared import prepare
 from spincheck.reports.harness.study import convergence_study_of
 from stepped import Stepped, SteppedEngine
 from studies import verdict_of
+from top_scenes import GRAVITY, scene
 
 pytestmark = pytest.mark.slow
 
@@ -183,6 +186,19 @@ def test_an_honest_method_whose_steps_have_branches_or_poles_is_not_accused(name
     assert LocalJudgement(examined(engines()[engine], method, name)).converges
 
 
+def test_no_piece_goes_on_where_the_table_would_have_to_pull():
+    """An egg that jumps at 37 ms, in a window of 2 s: a contact lets it go."""
+    jumping = scene(
+        "mass = 0.3\ninertia = [0.0025, 0.0035, 0.001]\ncom = [0.01, 0.0, 0.05]",
+        "euler_zyz_deg = [0.0, 40.0, 0.0]\nomega_body = [1.0, 3.0, 60.0]",
+        f"{GRAVITY}\n[effects.table]\nheight = 0.0\ntip = [0.0, 0.0, 0.02]\nradius = 0.02",
+        "duration = 2.0\nsamples = 101",
+    )
+    at = prepare(jumping, (), FEW).places
+    assert Equations(jumping).bears(states_of(at.pieces.trajectory)).all()
+    assert len(at.starts) * (PIECE_STEPS // SAMPLE_EVERY + 1) == len(at.pieces.trajectory.t)
+
+
 def test_what_is_left_of_a_body_near_rest_may_add_up_and_decides_nothing():
     """MuJoCo's `discrete` creeps on at a millionth of the first speed: 2e-4 rad over the window."""
     local = examined(engines()["mujoco"], "discrete", "drag-until-rest")
@@ -205,6 +221,18 @@ def test_a_verdict_by_pieces_says_so_and_does_not_contradict_itself(method):
     assert remembering.verdict == "unresolved"
     assert not remembering.ground
     assert "otherwise than if restarted from its own states" in remembering.reason
+
+
+@pytest.mark.needs_pybullet
+@pytest.mark.parametrize("arm", [1e-16, 1e-40, 1e-160])
+@pytest.mark.parametrize("method", ["multibody-p2p", "maximal"])
+def test_a_place_that_rounding_hides_accuses_no_method(method, arm):
+    pinned = scene(
+        f"mass = 0.3\ninertia = [0.0025, 0.0035, 0.002]\ncom = [{arm}, 0.0, 0.0]",
+        "euler_zyz_deg = [0.0, 40.0, 0.0]\nomega_body = [1.0, 3.0, 6.0]",
+    )
+    engine, places = engines()["pybullet"], prepare(pinned, (), FEW).places
+    assert examine(engine, pinned, method, places).finding == ""
 
 
 @pytest.mark.needs_pybullet

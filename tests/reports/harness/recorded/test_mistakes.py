@@ -100,6 +100,15 @@ def test_an_error_that_no_mistake_explains_has_no_explanation():
     assert judged_motion(scene, Recording(Path("motion.csv"), arrays)).explained_by == ()
 
 
+@pytest.mark.parametrize("left_out", [(), ("omega",)])
+def test_two_samples_have_mistakes_too(left_out):
+    scene = library_scene("fast-top")
+    arrays = {name: rows[:2] for name, rows in exact_at(scene).items() if name not in left_out}
+    arrays["q"] = arrays["q"] * CONJUGATE
+    judged = judged_motion(scene, Recording(Path("motion.csv"), arrays, {}))
+    assert list(judged.explained_by) == PLANTED["conjugate"][1]
+
+
 def test_times_far_beyond_the_window_are_of_another_unit():
     scene = library_scene("fast-top")
     arrays = exact_at(scene)

@@ -1,6 +1,9 @@
 """Recorded motions are read as written; files that hold none are refused in a sentence."""
 
+import io
 import os
+import struct
+import zipfile
 from pathlib import Path
 
 import numpy as np
@@ -74,10 +77,18 @@ def test_parquet_is_read(tmp_path):
     pyarrow = pytest.importorskip("pyarrow")
     from pyarrow import parquet
 
-    columns = {"t": [0.0, 0.1], "qw": [1.0, 1.0], "qx": [0.0] * 2, "qy": [0.0] * 2, "qz": [0.0] * 2}
+    columns = {"t": [0.0, 0.1], "qw": [1, 1], "qx": [0.0] * 2, "qy": [0.0] * 2, "qz": [0.0] * 2}
     path = tmp_path / "motion.parquet"
-    parquet.write_table(pyarrow.table(columns), path)
-    assert read_recording(path).arrays["q"].tolist() == [[1, 0, 0, 0]] * 2
+    parquet.write_table(pyarrow.table(columns | {"note": ["a", "b"]}), path)
+    recording = read_recording(path)
+    assert recording.arrays["q"].tolist() == [[1, 0, 0, 0]] * 2
+    assert recording.ignored == ("note",)
+    parquet.write_table(pyarrow.table(columns | {"qw": ["1", "1"]}), path)
+    with pytest.raises(RecordingError, match="'qw' must hold numbers, got string"):
+        read_recording(path)
+    parquet.write_table(pyarrow.table(columns | {"t": [0.0, None]}), path)
+    with pytest.raises(RecordingError, match="row 2: 'None' must be a finite number"):
+        read_recording(path)
 
 
 WRONG = {
@@ -166,10 +177,76 @@ def test_bytes_that_are_no_text_are_refused(tmp_path):
         read_recording(tmp_path / "motion.csv")
 
 
-def test_a_damaged_archive_is_refused(tmp_path):
-    (tmp_path / "motion.npz").write_bytes(b"PK\x03\x04 and nothing else")
-    with pytest.raises(RecordingError, match="is no npz archive that can be read"):
+def archive(entry, kind=zipfile.ZIP_STORED, names=("t",)):
+    """An archive of an array's bytes."""
+    packed = io.BytesIO()
+    with zipfile.ZipFile(packed, "w", kind) as file:
+        for name in names:
+            file.writestr(f"{name}.npy", entry)
+    return packed.getvalue()
+
+
+def array(header, length=None):
+    """An array's bytes, with a header that may claim another length than it has."""
+    said = struct.pack("<I", len(header) if length is None else length)
+    return b"\x93NUMPY\x02\x00" + said + header.encode()
+
+
+def overwritten(packed):
+    return packed[:60] + bytes(20) + packed[80:]
+
+
+def encrypted(packed):
+    """Every entry marked as encrypted, in its own header and in the directory."""
+    marked = packed.replace(b"PK\x03\x04\x14\0\0", b"PK\x03\x04\x14\0\1")
+    return marked.replace(b"PK\x01\x02\x14\3\x14\0\0", b"PK\x01\x02\x14\3\x14\0\1")
+
+
+NOISE = bytes(np.random.default_rng(0).integers(0, 256, 999, dtype=np.uint8))
+DAMAGED = {
+    "nothing": (b"PK\x03\x04 and nothing else", "not a zip file"),
+    "deflate": (overwritten(archive(NOISE, kind=zipfile.ZIP_DEFLATED)), ""),
+    "bzip2": (overwritten(archive(NOISE, kind=zipfile.ZIP_BZIP2)), "Invalid data stream"),
+    "lzma": (overwritten(archive(NOISE, kind=zipfile.ZIP_LZMA)), ""),
+    "encrypted": (encrypted(archive(NOISE)), "encrypted"),
+    "a shape that is true": (
+        archive(array("{'descr': '<f8', 'fortran_order': False, 'shape': (True,)}\n") + bytes(8)),
+        "",
+    ),
+    "a header that never ends": (archive(array(" " * 99, 1 << 31)), "EOF"),
+    "a header of brackets": (archive(array("(" * 99)), ""),
+    "a header of signs": (archive(array("-" * 999 + "1")), ""),
+    "an array twice": (
+        archive(
+            array("{'descr': '<f8', 'fortran_order': False, 'shape': (0, 3)}\n"),
+            names=("omega", "omega_body"),
+        ),
+        "holds 'omega' twice",
+    ),
+}
+
+
+@pytest.mark.parametrize("case", DAMAGED)
+def test_a_damaged_archive_is_refused(tmp_path, case):
+    damaged, words = DAMAGED[case]
+    (tmp_path / "motion.npz").write_bytes(damaged)
+    with pytest.raises(RecordingError, match=r"motion\.npz: ") as refused:
         read_recording(tmp_path / "motion.npz")
+    assert words in str(refused.value)
+
+
+def test_of_a_header_no_more_is_unpacked_than_one_may_have(tmp_path, monkeypatch):
+    taken = []
+    read = zipfile.ZipExtFile.read
+    monkeypatch.setattr(
+        zipfile.ZipExtFile, "read", lambda file, n=-1: (taken.append(n), read(file, n))[1]
+    )
+    length = 1 << 20
+    bomb = archive(array(" " * length, length), kind=zipfile.ZIP_DEFLATED)
+    (tmp_path / "motion.npz").write_bytes(bomb)
+    with pytest.raises(RecordingError):
+        read_recording(tmp_path / "motion.npz")
+    assert 0 < max(taken) < length
 
 
 def test_single_precision_is_stated_or_seen_in_the_attitudes() -> None:

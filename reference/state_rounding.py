@@ -1,0 +1,72 @@
+"""What rounding a motion's states to doubles makes of the signals that are computed from them."""
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from ..scenarios import Errors, Scenario, Trajectory, errors_between, signals_of
+
+EPS = float(np.finfo(float).eps)
+#: The components are moved by as many times their error: far above rounding, and still small.
+MAGNIFIED = 2.0**20
+#: Ulp, of a component and of the products that it goes into.
+ROUNDED = 2
+#: Samples that are looked at.
+LOOKED_AT = 64
+
+
+def rounding_of(scenario: Scenario, motion: Trajectory) -> Errors:
+    """Errors by rounding: large where terms cancel, such as the momenta of two opposite rotors.
+
+    Rounding has any sign: what it does in single components is added in squares.
+    """
+    every = -(-len(motion.t) // LOOKED_AT)
+    seen = motion.every(every)
+    names = [signal.name for signal in signals_of(scenario)]
+    ulp = Errors(**dict.fromkeys(names, ROUNDED * EPS))
+    apart = [
+        [size for _, size in errors_between(scenario, moved, seen)]
+        for moved in moved_states(scenario, seen, ulp, ROUNDED)
+    ]
+    sizes = np.linalg.norm(apart, axis=0) / MAGNIFIED
+    return Errors(**dict(zip(names, map(float, sizes), strict=True)))
+
+
+def moved_states(
+    scenario: Scenario, motion: Trajectory, uncertainty: Errors, placed: float
+) -> Iterator[Trajectory]:
+    """The motion with one component of its states off by `MAGNIFIED` times its error.
+
+    Parameters
+    ----------
+    uncertainty : of ω and attitude
+    placed : ulp, of place and velocity of the com, and of spins
+    """
+    speed = float(np.linalg.norm(motion.omega_body, axis=1).max())
+    for axis in np.eye(3):
+        step = MAGNIFIED * uncertainty.omega * speed * axis
+        yield _placed(scenario, replace(motion, omega_body=motion.omega_body + step))
+        turn = Rotation.from_rotvec(MAGNIFIED * uncertainty.attitude * axis)
+        q = (motion.R_world_body * turn).as_quat(scalar_first=True)
+        yield _placed(scenario, replace(motion, q_world_body_wxyz=q))
+        for name in ("com_world", "velocity_world"):
+            vectors = getattr(motion, name)
+            size = float(np.linalg.norm(vectors, axis=1).max())
+            step = MAGNIFIED * placed * EPS * size * axis
+            yield replace(motion, **{name: vectors + step})
+    for column in np.eye(motion.spins.shape[1]):
+        fastest = float(np.abs(motion.spins @ column).max()) + speed
+        yield replace(motion, spins=motion.spins + MAGNIFIED * placed * EPS * fastest * column)
+
+
+def _placed(scenario: Scenario, motion: Trajectory) -> Trajectory:
+    """The centre of mass where attitude and ω put it."""
+    constraint = scenario.constraint
+    swing_world = motion.to_world(np.cross(motion.omega_body, constraint.lever))
+    return replace(
+        motion,
+        com_world=constraint.com_world(motion.to_world(constraint.lever), motion.com_world),
+        velocity_world=constraint.velocity_world(swing_world, motion.velocity_world),
+    )
