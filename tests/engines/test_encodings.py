@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 from case_loops import each_case
 from library_scenes import library_scene
-from scenes import SCENES
 from spincheck.engines import engines
 from spincheck.engines.checks.read_back import State
 from spincheck.engines.encodings import ENCODINGS, EncodedEngine, SceneChange
@@ -14,6 +13,7 @@ from spincheck.reference import solve
 from spincheck.reports.harness.encodings.bounds import JUDGED, rounding_bounds
 from spincheck.scenarios import errors_between, loads
 from spincheck.scenarios.scenario import with_tables
+from spincheck.suite.contract_scenes import SCENES
 
 EPS = np.finfo(float).eps
 TUMBLING = loads(

@@ -5,12 +5,12 @@ import pybullet as p
 import pytest
 from kinds_of_engines import required_engines
 from library_scenes import library
-from scenes import SCENES
 from spincheck.engines import Engine, Method, Session
 from spincheck.engines.adapters.mujoco.engine import MuJoCo
 from spincheck.engines.adapters.pybullet.engine import PyBullet
 from spincheck.engines.models.mjcf import switched_off
 from spincheck.scenarios import Scenario
+from spincheck.suite.contract_scenes import SCENES
 
 pytestmark = pytest.mark.slow
 

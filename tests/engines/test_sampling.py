@@ -8,11 +8,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from quiet_session import QuietSession
-from scenes import scene
 from spincheck.engines import BodyReading, Engine, EngineError, Fault, Method, Run, State
 from spincheck.engines.checks.bounds import Bounds
 from spincheck.engines.sampling import BLOCK, BLOCK_STEPS, FIRST_BLOCK, sample, steps_to_read
 from spincheck.scenarios import Scenario
+from spincheck.suite.contract_scenes import scene
 
 TIMESTEP = 0.125
 SPIN = "\nquaternion_wxyz = [1.0, 0.0, 0.0, 0.0]\nomega_body = [0.0, 0.0, 1.0]\n"

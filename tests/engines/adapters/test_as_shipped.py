@@ -7,11 +7,11 @@ import numpy as np
 import pybullet as p
 import pytest
 from pybullet_planted import rotor
-from scenes import SCENES, SPUN_UP, scene
 from spincheck.engines import Engine, Method, Run, engines
 from spincheck.engines.adapters.mujoco.engine import MuJoCo
 from spincheck.engines.adapters.pybullet.engine import PyBullet
 from spincheck.engines.adapters.pybullet.session import DEFAULT_CLAMP
+from spincheck.suite.contract_scenes import SCENES, SPUN_UP, scene
 
 MUJOCO, PYBULLET = MuJoCo(), PyBullet()
 FROM_FILE = PYBULLET.method("default-inertia-from-file")

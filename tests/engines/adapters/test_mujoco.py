@@ -5,7 +5,6 @@ import numpy as np
 import pytest
 from library_scenes import library
 from mujoco_sessions import read_back
-from scenes import SCENES, SPUN_UP, scene
 from spincheck.engines import Engine, EngineError, Run
 from spincheck.engines.adapters.mujoco.engine import MuJoCo
 from spincheck.engines.adapters.mujoco.session import compiled
@@ -13,6 +12,7 @@ from spincheck.engines.checks.read_back import UnsupportedError
 from spincheck.engines.encodings import ENCODINGS, EncodedEngine
 from spincheck.engines.models.description import Description
 from spincheck.scenarios import Scenario
+from spincheck.suite.contract_scenes import SCENES, SPUN_UP, scene
 
 EPS = np.finfo(float).eps
 MUJOCO = MuJoCo()

@@ -6,9 +6,9 @@ from collections.abc import Callable
 import mujoco
 import numpy as np
 import pytest
-from scenes import SCENES
 from spincheck.engines.adapters.mujoco.audit import acting, read_strengths
 from spincheck.engines.models.mjcf import mjcf, switched_off
+from spincheck.suite.contract_scenes import SCENES
 
 TIMESTEP = 1e-3
 Edit = Callable[[ET.Element], None]

@@ -11,12 +11,12 @@ import mujoco
 import numpy as np
 import pytest
 from mujoco_sessions import TIMESTEP, loaded, read_back, session_of
-from scenes import SCENES
 from scipy.spatial.transform import Rotation
 from spincheck.engines import EngineError
 from spincheck.engines.adapters.mujoco.session import MuJoCoSession
 from spincheck.engines.models.mjcf import mjcf
 from spincheck.scenarios import Trajectory, angular_momentum_world, energy
+from spincheck.suite.contract_scenes import SCENES
 
 EPS = np.finfo(float).eps
 #: A dozen products of rotations and vectors.

@@ -6,7 +6,6 @@ import mujoco
 import numpy as np
 import pytest
 from mujoco_sessions import TIMESTEP, planted, read_back, session_of
-from scenes import PIVOT, SCENES, TILTED, TUMBLE, scene
 from scipy.spatial.transform import Rotation
 from spincheck.engines import EngineError
 from spincheck.engines.adapters.mujoco.engine import MuJoCo
@@ -15,6 +14,7 @@ from spincheck.engines.models.description import PLAIN, Description
 from spincheck.engines.models.mjcf import mjcf
 from spincheck.engines.models.urdf import BODY_LINK, urdf
 from spincheck.scenarios import Scenario
+from spincheck.suite.contract_scenes import PIVOT, SCENES, TILTED, TUMBLE, scene
 
 EPS = np.finfo(float).eps
 #: A dozen products of rotations and vectors.

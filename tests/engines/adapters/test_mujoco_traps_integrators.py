@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 from mujoco_sessions import TIMESTEP, planted
-from scenes import SCENES
 from scipy.spatial.transform import Rotation
 from spincheck.engines.adapters.mujoco.engine import MuJoCo
 from spincheck.scenarios import Scenario, Trajectory, energy
+from spincheck.suite.contract_scenes import SCENES
 
 EPS = np.finfo(float).eps
 #: A dozen products of rotations and vectors.

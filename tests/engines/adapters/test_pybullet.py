@@ -2,17 +2,16 @@
 
 import subprocess
 import sys
-from pathlib import Path
 
 import numpy as np
 import pybullet as p
 import pytest
-from scenes import SCENES, scene
 from spincheck.engines import EngineError, Method, Run
 from spincheck.engines.adapters.pybullet import worlds
 from spincheck.engines.adapters.pybullet.engine import PyBullet
 from spincheck.engines.adapters.pybullet.session import PyBulletSession
 from spincheck.scenarios import Scenario
+from spincheck.suite.contract_scenes import SCENES, scene
 
 ENGINE = PyBullet()
 TIMESTEP = 1e-3
@@ -72,15 +71,9 @@ def test_a_clock_that_somebody_else_set_is_noticed() -> None:
             session.check()
 
 
-#: Where `scenes` is.
-SUPPORT = Path(__file__).parents[2] / "support"
-
 SILENT = """
-import sys
-sys.path.insert(0, {folder!r})
-{first}
 import numpy as np
-from scenes import SCENES
+from spincheck.suite.contract_scenes import SCENES
 from spincheck.engines.adapters.pybullet.engine import PyBullet
 engine = PyBullet()
 for method in engine.methods:
@@ -88,18 +81,13 @@ for method in engine.methods:
 """
 
 
-def printed(first: str) -> str:
-    """What a process that runs every method prints, C's output included."""
-    script = SILENT.format(folder=str(SUPPORT), first=first)
-    process = subprocess.run([sys.executable, "-c", script], capture_output=True, check=True)
-    return (process.stdout + process.stderr).decode()
-
-
 @pytest.mark.processes
-def test_nothing_reaches_the_terminal() -> None:
-    assert printed("") == ""
-
-
-@pytest.mark.processes
-def test_without_the_capture_it_would() -> None:
-    assert "pybullet build time" in printed("import pybullet")
+@pytest.mark.parametrize(("first", "prints"), [("", False), ("import pybullet", True)])
+def test_nothing_reaches_the_terminal_and_without_the_capture_it_would(
+    first: str, prints: bool
+) -> None:
+    """What a process prints that runs every method, C's output included."""
+    script = [sys.executable, "-c", first + SILENT]
+    process = subprocess.run(script, capture_output=True, check=True)
+    printed = (process.stdout + process.stderr).decode()
+    assert "pybullet build time" in printed if prints else printed == ""

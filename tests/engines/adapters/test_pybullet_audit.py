@@ -13,10 +13,10 @@ from pybullet_planted import (
     opened,
     run,
 )
-from scenes import SCENES
 from spincheck.engines import Method
 from spincheck.engines.adapters.pybullet import load as pybullet_load
 from spincheck.engines.adapters.pybullet import session as pybullet_session
+from spincheck.suite.contract_scenes import SCENES
 
 EPS = np.finfo(float).eps
 

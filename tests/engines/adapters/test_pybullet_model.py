@@ -20,12 +20,12 @@ from pybullet_planted import (
     run,
 )
 from read_backs import check_read_back
-from scenes import SCENES
 from scipy.spatial.transform import Rotation
 from spincheck.engines import EngineError, Method
 from spincheck.engines.adapters.pybullet import load as pybullet_load
 from spincheck.engines.adapters.pybullet import session, worlds
 from spincheck.engines.checks.read_back import READ_BACK_SLACK
+from spincheck.suite.contract_scenes import SCENES
 
 EPS = np.finfo(float).eps
 #: A few products of rotations a step, over `STEPS`.

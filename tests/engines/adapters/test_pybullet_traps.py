@@ -20,13 +20,13 @@ from pybullet_planted import (
     run,
     skip,
 )
-from scenes import SCENES, scene
 from scipy.spatial.transform import Rotation
 from spincheck.engines import EngineError, Method
 from spincheck.engines.adapters.pybullet import load as pybullet_load
 from spincheck.engines.adapters.pybullet import session as pybullet_session
 from spincheck.engines.adapters.pybullet import world as pybullet_world
 from spincheck.scenarios import Scenario
+from spincheck.suite.contract_scenes import SCENES, scene
 
 EPS = np.finfo(float).eps
 #: A few products of rotations a step, over `STEPS`.

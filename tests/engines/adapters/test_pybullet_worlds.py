@@ -4,9 +4,9 @@ import itertools
 
 import numpy as np
 import pytest
-from scenes import SCENES
 from spincheck.engines import Run
 from spincheck.engines.adapters.pybullet import PyBullet, worlds
+from spincheck.suite.contract_scenes import SCENES
 
 pytestmark = pytest.mark.slow
 

@@ -5,10 +5,10 @@ import xml.etree.ElementTree as ET
 import mujoco
 import numpy as np
 from case_loops import each_case
-from scenes import DRAG, PIVOT, SCENES, TILTED, TORQUE_BODY, scene
 from scipy.spatial.transform import Rotation
 from spincheck.engines.models.mjcf import mjcf, start_coordinates, switched_off
 from spincheck.scenarios import Scenario
+from spincheck.suite.contract_scenes import DRAG, PIVOT, SCENES, TILTED, TORQUE_BODY, scene
 
 EPS = np.finfo(float).eps
 #: A 6 × 6 solve, rotations and cross products: some hundred roundings, amplified by the spread of

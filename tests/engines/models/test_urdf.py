@@ -4,11 +4,11 @@ import xml.etree.ElementTree as ET
 
 import numpy as np
 from case_loops import each_case
-from scenes import SCENES
 from scipy.spatial.transform import Rotation
 from spincheck.engines.checks.read_back import BodyReading
 from spincheck.engines.models.urdf import BODY_LINK, urdf
 from spincheck.scenarios import Scenario
+from spincheck.suite.contract_scenes import SCENES
 
 EPS = np.finfo(float).eps
 #: Three products and two sums of rotation entries, each entry good to a few ulp.
