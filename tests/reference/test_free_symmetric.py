@@ -12,8 +12,8 @@ from spincheck.reference.closed_forms import closed_form
 from spincheck.reference.free_symmetric import free_symmetric
 from spincheck.reference.problem import Problem
 from spincheck.reference.taylor import integrate
-from spincheck.scenarios.exact import Quaternion, dot, product, rotate
 from taylor_problems import problem
+from two_turns import two_turns
 
 DIGITS = 60
 TILTED = (1.0, 0.2, -0.3, 0.4)
@@ -34,26 +34,13 @@ BODIES = {
 TIMES = np.concatenate([[0.0], *(np.linspace(0.3, 7.7, 8) + 10.0**k for k in (0, 3, 6, 9))])
 
 
-def turn(vector: tuple[mpf, ...], angle: mpf) -> Quaternion:
-    """The quaternion of a turn about a vector."""
-    length = mp.sqrt(dot(vector, vector))
-    return (mp.cos(angle / 2), *(mp.sin(angle / 2) * c / length for c in vector))
-
-
 def by_two_turns(p: Problem, odd: int, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """q(t) = exp(L t/2 I1) q(0) exp(e3 γ' t/2) and ω(t), in sixty digits."""
+    """q and ω in sixty digits, rounded."""
     with mp.workdps(DIGITS):
-        I1, I3 = p.moments[(odd + 1) % 3], p.moments[odd]
         L = tuple(i * w for i, w in zip(p.moments, p.omega_axes, strict=True))
-        L_world, size = rotate(p.q_world_axes, L), mp.sqrt(dot(L, L))
-        axis = tuple(mpf(int(k == odd)) for k in range(3))
-        spin = p.omega_axes[odd] * (1 - I3 / I1)
-        q, omega = [], []
-        for t in map(mpf, times):
-            own = turn(axis, spin * t)
-            q.append(product(product(turn(L_world, size / I1 * t), p.q_world_axes), own))
-            omega.append(rotate((own[0], *(-c for c in own[1:])), p.omega_axes))
-        return np.array(q, dtype=float), np.array(omega, dtype=float)
+        start = p.moments[(odd + 1) % 3], L, p.q_world_axes, p.omega_axes, odd
+        states = [two_turns(*start, t) for t in map(mpf, times)]
+        return tuple(np.array([s[k] for s in states], dtype=float) for k in range(2))
 
 
 def odd_axis(p: Problem) -> int:

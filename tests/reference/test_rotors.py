@@ -21,11 +21,12 @@ from scipy.spatial.transform import Rotation
 from spincheck.reference import drifts, solve
 from spincheck.reference.allowed_drift import allowed_drifts
 from spincheck.scenarios import FloatArray, Scenario, Trajectory, loads
-from spincheck.scenarios.exact import conjugate, normalised, product, rotate
+from spincheck.scenarios.exact import conjugate, rotate
 from spincheck.scenarios.fastest_rate import fastest_rate
 from spincheck.scenarios.rotation import norms, rotation_vectors
 from spincheck.scenarios.scenario import with_tables
 from spincheck.scenarios.vary import varied
+from two_turns import two_turns
 
 pytestmark = pytest.mark.slow
 
@@ -239,35 +240,25 @@ PLANTED = 1e-12
 
 
 def closed_form(scenario: Scenario) -> tuple[FloatArray, FloatArray]:
-    """ω in body axes and the attitude's quaternion of a free symmetric gyrostat, at its times.
+    """The attitude's quaternion and ω in body axes of a free symmetric gyrostat, at its times.
 
-    L₃ = I₃ ω₃ + Σ C s u₃ and, by symmetry, ω₃ stay. So ω turns about the axis at
-    L₃ / I₁ − ω₃ in the body, and the attitude is a turn about L at |L| / I₁, after the start's, and
-    that after one about the axis, back by as much (Wittenburg, §4.6; without rotors, of a free
-    symmetric top).
+    By symmetry ω₃ stays, and so does L₃ = I₃ ω₃ + Σ C s u₃.
     """
     start, inertia = scenario.start, scenario.body.inertia_com_exact
-    omega, attitude = [], []
     with mp.workdps(DIGITS):
         across, along, (w1, w2, w3) = inertia[0][0], inertia[2][2], start.omega_body_exact
         L3 = along * w3 + sum(one.along * one.spin * one.axis[2] for one in scenario.rotors.each)
-        L = rotate(start.q_exact, (across * w1, across * w2, L3))
-        size, back = mp.sqrt(sum(x * x for x in L)), L3 / across - w3
-        for t in map(mpf, scenario.times.tolist()):
-            c, s = mp.cos(back * t), mp.sin(back * t)
-            omega.append([c * w1 - s * w2, s * w1 + c * w2, w3])
-            half = size / across * t / 2
-            about_L = (mp.cos(half), *(mp.sin(half) * x / size for x in L))
-            about_axis = (mp.cos(back * t / 2), mpf(0), mpf(0), -mp.sin(back * t / 2))
-            attitude.append(normalised(product(product(about_L, start.q_exact), about_axis)))
-    return np.array(omega, dtype=float), np.array(attitude, dtype=float)
+        L = across * w1, across * w2, L3
+        begun = across, L, start.q_exact, start.omega_body_exact, 2
+        states = [two_turns(*begun, t) for t in map(mpf, scenario.times.tolist())]
+        return tuple(np.array([s[k] for s in states], dtype=float) for k in range(2))
 
 
 def off_closed_form(scenario: Scenario, told: Scenario) -> float:
     """By how much the exact motion of one scene is off another's, in what it may be off."""
     solution = solve(scenario, scenario.times)
     motion, own = solution.trajectory, solution.uncertainty
-    omega, attitude = closed_form(told)
+    attitude, omega = closed_form(told)
     turned = norms(rotation_vectors(motion.q_world_body_wxyz, attitude))
     off = norms(motion.omega_body - omega) / norms(omega).max()
     spins = np.abs(motion.spins - told.rotors.start_spins) / np.abs(motion.spins).max()

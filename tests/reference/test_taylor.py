@@ -16,6 +16,7 @@ from spincheck.reference.taylor import (
 )
 from spincheck.scenarios.exact import DIGITS, Quaternion, Vector, conjugate, product, rotate
 from taylor_problems import apart, distance, problem, q_and_omega, truncation
+from two_turns import turn, two_turns
 
 EPS = float(np.finfo(float).eps)
 BOUND = truncation(TRUTH_ORDERS)
@@ -72,13 +73,6 @@ def omega_about_axis(p: Problem, t: mpf) -> list[mpf]:
     return [across.real, across.imag, w3 + n3 * t / i3]
 
 
-def turn(axis: Vector, angle: mpf) -> Quaternion:
-    """Rotation about an axis of any length."""
-    size = mp.sqrt(sum(x * x for x in axis))
-    x, y, z = (mp.sin(angle / 2) * x / size for x in axis)
-    return mp.cos(angle / 2), x, y, z
-
-
 def q_decaying(p: Problem, t: mpf) -> Quaternion:
     rate = p.drag / p.moments[0]
     speed = mp.sqrt(sum(w * w for w in p.omega_axes))
@@ -91,12 +85,8 @@ def q_growing(p: Problem, t: mpf) -> Quaternion:
 
 
 def q_precessing(p: Problem, t: mpf) -> Quaternion:
-    """About L in the world, then about axis 3 (Landau & Lifshitz, Mechanics, §33)."""
-    i1, _, i3 = p.moments
-    L_world = rotate(p.q_world_axes, angular_momentum_axes(p, list(p.omega_axes)))
-    size = mp.sqrt(sum(x * x for x in L_world))
-    spin = turn((mpf(0), mpf(0), mpf(1)), p.omega_axes[2] * (1 - i3 / i1) * t)
-    return product(product(turn(L_world, size * t / i1), p.q_world_axes), spin)
+    L = angular_momentum_axes(p, list(p.omega_axes))
+    return two_turns(p.moments[0], L, p.q_world_axes, p.omega_axes, 2, t)[0]
 
 
 def angular_momentum_axes(p: Problem, omega: list[mpf]) -> Vector:
