@@ -8,11 +8,12 @@ import sys
 from importlib.util import find_spec, module_from_spec, spec_from_file_location
 from pathlib import Path
 from types import ModuleType
-from typing import Any
+from typing import Any, get_args
 
 import pytest
 from case_loops import each_case
 from spincheck.reports.cli.app import app
+from spincheck.reports.results.verdict_words import VerdictWord
 from typer.main import get_group
 
 ROOT = Path(__file__).parents[1]
@@ -40,7 +41,13 @@ def commands(text: str) -> list[list[str]]:
     return [shlex.split(re.split(r" \|\| | > | 2>|; ", line)[0], comments=True) for line in found]
 
 
+def make_targets(text: str) -> set[str]:
+    return set(re.findall(r"(?:^|`)make ([\w-]+)", text, flags=re.MULTILINE))
+
+
 def test_there_are_pages_links_and_commands() -> None:
+    assert {"report", "test", "docs"} <= make_targets(TEXTS["README.md"])
+    assert make_targets(TEXTS["CONTRIBUTING.md"])
     assert len(TEXTS) > 50
     assert sum(len(links(text)) for text in TEXTS.values()) > 100
     assert sum(len(commands(text)) for text in TEXTS.values()) > 50
@@ -67,6 +74,17 @@ def test_every_page_is_in_a_table_of_contents() -> None:
 @each_case("name", sorted(TEXTS))
 def test_every_command_has_the_options_that_are_shown(name: str) -> None:
     check_options(commands(TEXTS[name]))
+
+
+@each_case("name", sorted(TEXTS))
+def test_every_make_target_that_is_shown_exists(name: str) -> None:
+    makefile = (ROOT / "Makefile").read_text(encoding="utf-8")
+    assert make_targets(TEXTS[name]) <= set(re.findall(r"^([\w-]+):", makefile, flags=re.MULTILINE))
+
+
+def test_every_verdict_is_explained_to_newcomers() -> None:
+    explained = re.findall(r"^\| (\w+) \|", TEXTS["README.md"], flags=re.MULTILINE)
+    assert set(explained) - {"verdict"} == set(get_args(VerdictWord))
 
 
 def check_options(calls: list[list[str]]) -> None:
