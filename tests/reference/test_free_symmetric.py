@@ -1,7 +1,5 @@
 """Free bodies with two or three equal moments: exact turns, whichever axis is the odd one."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 from closed_form_checks import GOAL, apart, one_ulp_heavier
@@ -101,17 +99,3 @@ def test_any_body_and_start_are_two_turns(ratio, omega, q, odd):
     p = problem(moments, omega, q)
     if any(omega):
         assert apart(free_symmetric(p).states(TIMES), by_two_turns(p, odd, TIMES)) < GOAL
-
-
-@pytest.mark.parametrize(
-    "p",
-    [
-        problem((1.0, 2.0, 2.5), (1.0, 1.0, 1.0)),
-        replace(OBLATE, drag=mpf(1)),
-        replace(OBLATE, lever_axes=(0, 0, mpf(1)), gravity_world=(0, 0, mpf(-9))),
-    ],
-    ids=["asymmetric", "drag", "heavy"],
-)
-def test_what_is_not_free_and_symmetric_is_refused(p):
-    with pytest.raises(ValueError, match="must be a free body with two equal moments"):
-        free_symmetric(p)
