@@ -5,8 +5,6 @@ long times a free symmetric gyrostat has a closed form; of others conservation l
 verified there.
 """
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 from case_loops import each_case
@@ -14,8 +12,7 @@ from library_scenes import library
 from mpmath import mp, mpf
 from scipy.spatial.transform import Rotation
 from second_derivation import DIGITS, State, of_scene
-from spincheck.reference import drifts, solve
-from spincheck.reference.allowed_drift import allowed_drifts
+from spincheck.reference import solve
 from spincheck.scenarios import FloatArray, Scenario, Trajectory, loads
 from spincheck.scenarios.fastest_rate import fastest_rate
 from spincheck.scenarios.rotation import norms, rotation_vectors
@@ -81,20 +78,6 @@ def all_driven(scenario: Scenario) -> Scenario:
         for one in scenario.document.rotors or ()
     )
     return with_tables(scenario, rotors=rotors)
-
-
-@each_case("scenario", SCENES)
-def test_the_motion_keeps_what_it_conserves(scenario: Scenario) -> None:
-    solution = solve(scenario, scenario.times)
-    allowed = allowed_drifts(scenario, solution.trajectory, solution.uncertainty)
-    drifted = drifts(scenario, solution.trajectory)
-    assert "rotors_momentum" in drifted
-    assert all(drifted[name] <= allowed[name] for name in drifted), (drifted, allowed)
-    faster = replace(solution.trajectory, spins=solution.trajectory.spins * (1 + 1e-9))
-    moving = np.abs(solution.trajectory.spins).max() > 0
-    later = np.where(np.arange(len(faster.t))[:, None] > 0, faster.spins, solution.trajectory.spins)
-    wrong = drifts(scenario, replace(faster, spins=later))["rotors_momentum"]
-    assert not moving or wrong > allowed["rotors_momentum"]
 
 
 #: A symmetric body with rotors about its axis, one off it; some 600 turns.

@@ -144,12 +144,6 @@ def test_a_joint_has_a_motor_and_a_free_body_none() -> None:
     assert "joint motor" not in reason_of("free")
 
 
-@pytest.mark.parametrize("name", ["free", "pivot"])
-def test_none_of_it_is_reported_of_a_method_that_takes_it_away(name: str) -> None:
-    run = PYBULLET.run(SCENES[name], PYBULLET.method("multibody"), TIMESTEP, STEPS)
-    assert (run.reason, run.active) == ("", SCENES[name].called_for)
-
-
 def test_the_spin_decays_by_the_default_damping_and_not_without() -> None:
     """A rotor: in PyBullet's 3.2.7 there is a quadratic part, faint at slow spins."""
     spin, steps = 0.01, np.array([0, 1000])

@@ -101,11 +101,6 @@ PLANTED: dict[str, Edit] = {
 }
 
 
-@pytest.mark.parametrize("name", SCENES)
-def test_what_acts_is_what_the_scene_calls_for(name: str) -> None:
-    assert active(name) == SCENES[name].called_for
-
-
 @pytest.mark.parametrize("planted", PLANTED)
 def test_anything_planted_is_named(planted: str) -> None:
     assert planted not in active("pivot")
