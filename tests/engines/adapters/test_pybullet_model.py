@@ -1,7 +1,6 @@
 """PyBullet's model of a body: what it reads, in which frames, and what it ignores."""
 
 import itertools
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -10,7 +9,6 @@ import pybullet as p
 import pytest
 from pybullet_planted import (
     MAXIMAL,
-    METHODS,
     MULTIBODY,
     STEPS,
     TIMESTEP,
@@ -18,9 +16,8 @@ from pybullet_planted import (
     rotor,
     run,
 )
-from read_backs import check_read_back
 from scipy.spatial.transform import Rotation
-from spincheck.engines import EngineError, Method
+from spincheck.engines import Method
 from spincheck.engines.adapters.pybullet import load as pybullet_load
 from spincheck.engines.adapters.pybullet import session, worlds
 from spincheck.engines.checks.read_back import READ_BACK_SLACK
@@ -74,32 +71,6 @@ def test_a_world_that_has_read_another_of_its_name_does_not_read_it(
 
 
 # Frames
-
-
-@pytest.mark.parametrize("method", METHODS, ids=lambda method: method.name)
-@pytest.mark.parametrize("fault", ["axes", "com"])
-def test_a_body_read_in_the_engines_own_frame_is_another_body(method: Method, fault: str) -> None:
-    scenario = SCENES["heavy-tilted"]
-    with opened(scenario, method) as session:
-        model, state = session.model, session.read_state()
-        check_read_back(scenario, model.read_body(), state)
-        faults = {
-            "axes": {"body_from_principal": Rotation.identity()},
-            "com": {"link_com": np.zeros(3)},
-        }
-        misread = replace(model, **faults[fault])
-        with pytest.raises(EngineError, match="must read back as"):
-            check_read_back(scenario, misread.read_body(), state)
-
-
-@pytest.mark.parametrize("method", METHODS, ids=lambda method: method.name)
-def test_a_state_read_in_the_engines_own_axes_is_another_state(method: Method) -> None:
-    scenario = SCENES["heavy-tilted"]
-    with opened(scenario, method) as session:
-        body = session.read_body()
-        misread = replace(session.model, body_from_principal=Rotation.identity()).read_state()
-        with pytest.raises(EngineError, match="must read back as"):
-            check_read_back(scenario, body, misread)
 
 
 def test_a_spherical_joints_velocity_is_along_the_childs_principal_axes() -> None:
