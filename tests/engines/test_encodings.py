@@ -15,7 +15,6 @@ from spincheck.scenarios import errors_between, loads
 from spincheck.scenarios.scenario import with_tables
 from spincheck.suite.contract_scenes import SCENES
 
-EPS = np.finfo(float).eps
 TUMBLING = loads(
     """spincheck = 1
 title = "A body of half a kilogram tumbles as it flies"

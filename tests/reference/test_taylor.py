@@ -19,7 +19,6 @@ from spincheck.reference.taylor import (
 from taylor_problems import apart, problem, truncation
 
 EPS = float(np.finfo(float).eps)
-BOUND = truncation(TRUTH_ORDERS)
 TIMES = np.array([0.0, 0.7, 1.9, 10.0])
 
 ASYMMETRIC = problem((1.0, 1.3, 0.7), (0.5, -1.0, 3.0))

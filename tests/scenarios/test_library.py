@@ -25,10 +25,6 @@ LARGEST_TURN_RAD = 1000.0
 SAMPLES = range(100, 402)
 
 
-def scene_ids(scenario: Scenario) -> str:
-    return scenario.name
-
-
 every_scene = each_case("scenario", SCENES)
 
 

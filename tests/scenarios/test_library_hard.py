@@ -44,10 +44,6 @@ def near(computed: float | Fraction, stated: float, within: float) -> bool:
     return abs(computed - stated) <= within * abs(stated)
 
 
-def scene_ids(scenario: Scenario) -> str:
-    return scenario.name
-
-
 every_hard_scene = each_case("scenario", HARD)
 
 
