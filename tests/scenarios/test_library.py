@@ -128,14 +128,10 @@ def test_every_effect_appears() -> None:
 
 
 @each_case("effect", [*EFFECTS])
-def test_every_effect_appears_alone(effect: str) -> None:
+def test_every_effect_appears_alone_and_mixed_with_others(effect: str) -> None:
     # Without gravity nothing presses a body on a table.
     least = {"gravity", "table"} if effect == "table" else {effect}
     assert any(scenario.called_for == least for scenario in SCENES)
-
-
-@each_case("effect", [*EFFECTS])
-def test_every_effect_appears_mixed_with_others(effect: str) -> None:
     assert any(scenario.called_for > {effect} for scenario in SCENES)
 
 
