@@ -13,12 +13,15 @@ import numpy as np
 import pytest
 from case_loops import each_case
 from contract_references import (
+    SCENES,
     SIXTY_DIGITS,
     at,
     by_series,
+    every_scene,
     in_sixty_digits,
+    solved,
+    states,
 )
-from contract_scenes import SCENES, every_scene, solved, states
 from mpmath import mp, mpf
 from spincheck.reference.conditioning import (
     SIGNS_OF_LEVER,

@@ -1,13 +1,16 @@
-"""Motions of library scenes by methods independent of the one they are solved by."""
+"""The scenes of the library, each solved once a process, and by independent methods."""
 
 import importlib
 from dataclasses import fields
+from functools import cache
 
 import numpy as np
+from case_loops import each_case
 from closed_form_checks import repeated_free
 from extended_motion import ExtendedMotion
+from library_scenes import library
 from mpmath import mp, mpf
-from spincheck.reference import Solution
+from spincheck.reference import Solution, solve
 from spincheck.reference.closed_forms import closed_form
 from spincheck.reference.motion import motion
 from spincheck.reference.problem import Problem
@@ -17,6 +20,23 @@ from spincheck.scenarios import FloatArray, Scenario, Trajectory
 from spincheck.scenarios.fastest_rate import fastest_rate
 
 solving = importlib.import_module("spincheck.reference.solve")
+
+SCENES = {scenario.name: scenario for scenario in library()}
+every_scene = each_case("name", [*SCENES])
+
+
+@cache
+def solved(name: str) -> tuple[Scenario, Solution]:
+    """A scene and its exact motion at the window's times."""
+    scenario = SCENES[name]
+    return scenario, solve(scenario, scenario.times)
+
+
+def states(problem: Problem, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """q_world_axes and omega_axes as `solve` finds them."""
+    form = closed_form(problem)
+    return integrate(problem, times) if form is None else form.states(times)
+
 
 #: All terms in double-double: dearer than any series that scenes are solved by.
 DEAREST_ORDERS = Orders(40, 40)
