@@ -22,10 +22,7 @@ DOWN = (0.0, 0.0, -1.0)
 #: Each top with a time that is about a period of its nutation.
 TOPS = {
     "free, asymmetric": (problem((1, 2, 3), (0.5, 1.0, 0.7), START), 6.0),
-    "heavy, symmetric": (
-        problem((1, 1, 0.6), (0.1, 0.4, 4.0), START, (0, 0, 1), DOWN),
-        3.0,
-    ),
+    "heavy, symmetric": (problem((1, 1, 0.6), (0.1, 0.4, 4.0), START, (0, 0, 1), DOWN), 3.0),
     "heavy, asymmetric": (
         problem((1.0, 1.3, 0.7), (0.5, 1.0, 3.0), START, (0.2, 0.1, 0.9), DOWN),
         2.0,
