@@ -168,12 +168,3 @@ def test_a_scenario_has_what_the_page_says() -> None:
     names = re.findall(r"`(?:scenario\.)?([a-z_.]+)`", table)
     assert len(names) > 12
     assert all(attrgetter(name)(library_scene("fast-top")) is not None for name in names)
-
-
-def test_contributing_calls_make_targets_that_exist() -> None:
-    makefile = (ROOT / "Makefile").read_text(encoding="utf-8")
-    targets = set(re.findall(r"^([\w-]+):", makefile, flags=re.MULTILINE))
-    text = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
-    named = set(re.findall(r"(?:^|`)make ([\w-]+)", text, flags=re.MULTILINE))
-    assert named
-    assert named <= targets

@@ -8,11 +8,18 @@ import sys
 from importlib.util import find_spec, module_from_spec, spec_from_file_location
 from pathlib import Path
 from types import ModuleType
-from typing import Any
+from typing import Any, get_args
 
 import pytest
 from case_loops import each_case
+from spincheck.engines import Cause
 from spincheck.reports.cli.app import app
+from spincheck.reports.harness.executors.local_workers import TIME_LIMIT
+from spincheck.reports.harness.stock import STEP_BUDGET
+from spincheck.reports.harness.sweep_points import STEP_TURN
+from spincheck.reports.results.verdict_words import VerdictWord
+from spincheck.scenarios.scatter import SCATTER
+from spincheck.scenarios.vary import DEFAULT_COUNT
 from typer.main import get_group
 
 ROOT = Path(__file__).parents[1]
@@ -40,7 +47,13 @@ def commands(text: str) -> list[list[str]]:
     return [shlex.split(re.split(r" \|\| | > | 2>|; ", line)[0], comments=True) for line in found]
 
 
+def make_targets(text: str) -> set[str]:
+    return set(re.findall(r"(?:^|`)make ([\w-]+)", text, flags=re.MULTILINE))
+
+
 def test_there_are_pages_links_and_commands() -> None:
+    assert {"report", "test", "docs"} <= make_targets(TEXTS["README.md"])
+    assert make_targets(TEXTS["CONTRIBUTING.md"])
     assert len(TEXTS) > 50
     assert sum(len(links(text)) for text in TEXTS.values()) > 100
     assert sum(len(commands(text)) for text in TEXTS.values()) > 50
@@ -67,6 +80,53 @@ def test_every_page_is_in_a_table_of_contents() -> None:
 @each_case("name", sorted(TEXTS))
 def test_every_command_has_the_options_that_are_shown(name: str) -> None:
     check_options(commands(TEXTS[name]))
+
+
+@each_case("name", sorted(TEXTS))
+def test_every_make_target_that_is_shown_exists(name: str) -> None:
+    makefile = (ROOT / "Makefile").read_text(encoding="utf-8")
+    assert make_targets(TEXTS[name]) <= set(re.findall(r"^([\w-]+):", makefile, flags=re.MULTILINE))
+
+
+def test_every_verdict_is_explained_to_newcomers() -> None:
+    explained = re.findall(r"^\| (\w+) \|", TEXTS["README.md"], flags=re.MULTILINE)
+    assert set(explained) - {"verdict"} == set(get_args(VerdictWord))
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        f"({STEP_TURN:g} rad) in a step",
+        f"more than {STEP_BUDGET:,} steps".replace(",", " "),
+        f"{DEFAULT_COUNT} values where no count is given",
+        f"hang of more than {TIME_LIMIT:g} s",
+        f"times exp({SCATTER:g} n)",
+    ],
+)
+def test_numbers_of_sweeps_are_those_of_the_code(words):
+    assert words in " ".join(TEXTS["docs/how-to/sweeps.md"].split())
+
+
+THRESHOLDS = TEXTS["docs/measured/thresholds.md"]
+PROTOCOL = (ROOT / "reports/pages/overview/protocol.md").read_text(encoding="utf-8")
+
+
+def test_reports_say_what_the_table_of_smallest_faults_has() -> None:
+    sizes = [line.split("|")[4].strip() for line in THRESHOLDS.splitlines() if " order |" in line]
+    assert sizes.count("1e-08") > len(sizes) / 2
+    assert "most are found from a relative size of 10⁻⁸ on" in PROTOCOL
+
+
+def test_no_kind_of_fault_goes_undetected() -> None:
+    assert "| never |" not in THRESHOLDS
+    assert THRESHOLDS.count("| fourth order |") > 1
+
+
+def test_the_page_has_a_row_for_every_cause() -> None:
+    table = TEXTS["docs/explanation/outcomes.md"].split("## Causes")[1].split("\n##")[0]
+    first_cells = [line.split("|")[1] for line in table.splitlines() if line.startswith("| `")]
+    documented = {cause for cell in first_cells for cause in re.findall(r"`([^`]+)`", cell)}
+    assert documented == set(get_args(Cause)) - {""}
 
 
 def check_options(calls: list[list[str]]) -> None:

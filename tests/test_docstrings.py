@@ -2,13 +2,11 @@
 
 import ast
 import re
-from collections.abc import Iterator
-from pathlib import Path
+from collections.abc import Callable, Iterator
 
-ROOT = Path(__file__).parents[1]
-SOURCES = sorted(
-    p for d in ("scenarios", "reference", "engines", "reports") for p in (ROOT / d).rglob("*.py")
-)
+import pytest
+from sources import trees
+
 SECTION = re.compile(r"^(?:Parameters|Attributes)\n-+\n(.*?)(?:\n\n|\Z)", re.DOTALL | re.MULTILINE)
 #: At the margin of a section: names, a colon, and what they are.
 ENTRY = re.compile(r"^([\w, *]+?) : ", re.MULTILINE)
@@ -29,11 +27,11 @@ def names_of(node: ast.FunctionDef | ast.ClassDef) -> set[str]:
     return names | {part.name for part in inside if isinstance(part, ast.FunctionDef)}
 
 
-def unknown(source: str) -> list[str]:
+def unknown(tree: ast.Module) -> list[str]:
     """Names that docstrings describe and that their function or class does not have."""
     return [
         f"{node.name}: {name}"
-        for node in ast.walk(ast.parse(source))
+        for node in ast.walk(tree)
         if isinstance(node, ast.FunctionDef | ast.ClassDef)
         for name in described(ast.get_docstring(node) or "")
         if name not in names_of(node) and not inherits(node)
@@ -47,16 +45,11 @@ def inherits(node: ast.AST) -> bool:
     )
 
 
-def test_what_docstrings_describe_is_there() -> None:
-    by_file = {str(path): unknown(path.read_text(encoding="utf-8")) for path in SOURCES}
-    assert {path: names for path, names in by_file.items() if names} == {}
-
-
 def test_a_stale_name_is_noticed() -> None:
     source = (
         'def f(a):\n    """Do.\n\n    Parameters\n    ----------\n    a, b : numbers\n    """\n'
     )
-    assert unknown(source) == ["f: b"]
+    assert unknown(ast.parse(source)) == ["f: b"]
 
 
 #: A sentence that begins so has no subject.
@@ -65,19 +58,19 @@ PREPOSITIONS = {"At", "Between", "By", "For", "From", "In", "Of", "On", "So", "T
 PARTICIPLES = {"asked", "felt", "heard", "held", "told"}
 
 
-def subjectless(source: str) -> list[str]:
+def subjectless(tree: ast.Module) -> list[str]:
     """Functions and classes whose docstring begins with a preposition."""
     return [
         node.name
-        for node in ast.walk(ast.parse(source))
+        for node in ast.walk(tree)
         if isinstance(node, ast.FunctionDef | ast.ClassDef)
         and (ast.get_docstring(node) or "The").split()[0].strip(",;:") in PREPOSITIONS
     ]
 
 
-def participles(source: str) -> list[str]:
+def participles(tree: ast.Module) -> list[str]:
     """Names of classes, functions, parameters, variables and attributes that are one."""
-    nodes = list(ast.walk(ast.parse(source)))
+    nodes = list(ast.walk(tree))
     names = [node.name for node in nodes if isinstance(node, ast.FunctionDef | ast.ClassDef)]
     names += [node.arg for node in nodes if isinstance(node, ast.arg)]
     names += [n.id for n in nodes if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store)]
@@ -87,19 +80,15 @@ def participles(source: str) -> list[str]:
     return [name for name in names if name.strip("_").lower() in PARTICIPLES]
 
 
-def test_docstrings_begin_with_what_is_returned_or_done() -> None:
-    by_file = {str(path): subjectless(path.read_text(encoding="utf-8")) for path in SOURCES}
-    assert {path: names for path, names in by_file.items() if names} == {}
-
-
-def test_names_say_what_a_thing_is() -> None:
-    by_file = {str(path): participles(path.read_text(encoding="utf-8")) for path in SOURCES}
-    assert {path: names for path, names in by_file.items() if names} == {}
+@pytest.mark.parametrize("faults", [unknown, subjectless, participles])
+def test_docstrings_and_names_are_in_order(faults: Callable[[ast.Module], list[str]]) -> None:
+    by_file = {name: faults(tree) for name, tree in trees().items()}
+    assert {name: found for name, found in by_file.items() if found} == {}
 
 
 def test_a_riddle_is_noticed() -> None:
-    source = (
+    tree = ast.parse(
         'class _Told:\n    """Of rows."""\n\n    def f(self, held):\n        self.asked = held\n'
     )
-    assert subjectless(source) == ["_Told"]
-    assert sorted(participles(source)) == ["_Told", "asked", "held"]
+    assert subjectless(tree) == ["_Told"]
+    assert sorted(participles(tree)) == ["_Told", "asked", "held"]

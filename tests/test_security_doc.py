@@ -1,4 +1,4 @@
-"""Every attack listed in SECURITY.md has tests."""
+"""Every attack listed in SECURITY.md has tests, and tests that any page names are there."""
 
 import re
 from pathlib import Path
@@ -6,11 +6,19 @@ from pathlib import Path
 from case_loops import each_case
 
 ROOT = Path(__file__).parents[1]
-NAMED = sorted(set(re.findall(r"`(test_\w+)`", (ROOT / "SECURITY.md").read_text("utf-8"))))
-SOURCES = "\n".join(path.read_text("utf-8") for path in (ROOT / "tests").rglob("test_*.py"))
 
 
-@each_case("name", NAMED)
+def named_in(page: Path) -> list[str]:
+    return re.findall(r"`(test_\w+)`", page.read_text("utf-8"))
+
+
+NAMED = sorted(set(named_in(ROOT / "SECURITY.md")))
+ALL_NAMED = {name for page in (ROOT / "docs").rglob("*.md") for name in named_in(page)} | {*NAMED}
+TESTS = (ROOT / "tests", ROOT / "reports/interface/suite")
+SOURCES = "\n".join(path.read_text("utf-8") for top in TESTS for path in top.rglob("test_*.py"))
+
+
+@each_case("name", sorted(ALL_NAMED))
 def test_a_test_that_is_named_is_there(name: str) -> None:
     assert f"def {name}(" in SOURCES
 

@@ -109,11 +109,3 @@ def test_an_encoding_is_read_or_refused(folder, encoding):
 def test_lines_may_end_as_on_windows(folder):
     (folder / "bad.toml").write_bytes(GOOD.replace("\n", "\r\n").encode())
     assert CliRunner().invoke(app, DOORS["check"]).exit_code == 0
-
-
-def test_a_file_cut_at_any_byte_is_reported_in_one_line(folder):
-    for length in range(0, len(GOOD) - len("les = 5\n"), 7):
-        (folder / "bad.toml").write_text(GOOD[:length])
-        result = CliRunner().invoke(app, DOORS["check"])
-        assert isinstance(result.exception, Complaint), length
-        assert str(result.exception).startswith("bad.toml:")

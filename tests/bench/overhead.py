@@ -6,13 +6,13 @@ quartiles.
 """
 
 import json
-import time
 from collections.abc import Callable
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
 import mujoco
 import numpy as np
+from bench_timing import in_turn, ratio
 from rich.console import Console
 from rich.table import Table
 from spincheck.engines import Engine, Method, Session, engines
@@ -30,7 +30,7 @@ with native_output():
     from spincheck.engines.adapters.pybullet.session import PyBulletSession
 
 OUT = Path("build/bench/overhead.json")
-ROUNDS = 21
+ROUNDS = 20
 #: Steps a stretch: a multiple of `PER_SAMPLE`, and what PyBullet is given in one call.
 STEPS = 10 * 2**10
 PER_SAMPLE = 10
@@ -49,12 +49,8 @@ CASES = [
 ]
 
 
-@dataclass(frozen=True)
-class Ratio:
-    """CPU time over that of bare stepping."""
-
-    median: float
-    spread: float
+#: CPU time over that of bare stepping: the median, and the distance of the quartiles.
+Ratio = tuple[float, float]
 
 
 @dataclass(frozen=True)
@@ -102,7 +98,7 @@ def overhead(engine: Engine, method: Method, scene: str) -> Overhead:
             lambda: read.record([PER_SAMPLE] * (STEPS // PER_SAMPLE), [].append),
             recording_by_hand(by_hand, timestep),
         ]
-        seconds = np.array([in_turn(actions) for _ in range(ROUNDS)])[1:]
+        seconds = in_turn(ROUNDS, actions)
     ratios = [ratio(seconds[:, k] / seconds[:, 0]) for k in (1, 2, 3, 4)]
     least = float(seconds[:, 0].min())
     return Overhead(engine.name, method.name, scene, 1e6 * least / STEPS, *ratios)
@@ -155,24 +151,10 @@ def set_substeps(client: int, substeps: int, timestep: float) -> None:
     )
 
 
-def in_turn(actions: list[Callable[[], object]]) -> list[float]:
-    """CPU seconds of each."""
-    seconds = []
-    for action in actions:
-        start = time.process_time()
-        action()
-        seconds.append(time.process_time() - start)
-    return seconds
-
-
-def ratio(ratios: np.ndarray) -> Ratio:
-    low, middle, high = np.quantile(ratios, (0.25, 0.5, 0.75))
-    return Ratio(float(middle), float(high - low))
-
-
-def shown(ratio: Ratio, goal: float | None = None) -> str:
-    missed = " !" if goal is not None and ratio.median > goal else ""
-    return f"{ratio.median:.2f} ± {ratio.spread:.2f}{missed}"
+def shown(ratio: Ratio, goal: float = np.inf) -> str:
+    median, spread = ratio
+    missed = " !" if median > goal else ""
+    return f"{median:.2f} ± {spread:.2f}{missed}"
 
 
 def main() -> None:

@@ -4,41 +4,25 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+import top_scenes
 from case_loops import each_case
 from library_scenes import library_scene
-from scenes import SCENES
 from spincheck.engines import engines
 from spincheck.engines.checks.read_back import State
 from spincheck.engines.encodings import ENCODINGS, EncodedEngine, SceneChange
 from spincheck.reference import solve
 from spincheck.reports.harness.encodings.bounds import rounding_bounds
-from spincheck.scenarios import errors_between, loads
+from spincheck.scenarios import errors_between
 from spincheck.scenarios.scenario import with_tables
+from spincheck.suite.contract_scenes import SCENES
 
-EPS = np.finfo(float).eps
-TUMBLING = loads(
-    """spincheck = 1
-title = "A body of half a kilogram tumbles as it flies"
-source = "made up"
-[body]
-mass = 0.5
-inertia = [1e-3, 2e-3, 2.5e-3]
-com = [0.01, 0.02, -0.01]
-[start]
-rotation_vector_deg = [24.0, 0.0, 32.0]
-omega_body = [0.3, 12.0, 0.5]
-velocity = [0.1, 0.2, 0.3]
-[effects.gravity]
-acceleration = [0.0, 1.0, -9.81]
-[effects.drag]
-rotational = 1e-4
-[effects.torque]
-body = [1e-3, 2e-3, -1e-3]
-[window]
-duration = 0.5
-samples = 51
-""",
-    "tumbling",
+#: A body of half a kilogram tumbles as it flies.
+TUMBLING = top_scenes.scene(
+    "mass = 0.5\ninertia = [1e-3, 2e-3, 2.5e-3]\ncom = [0.01, 0.02, -0.01]",
+    "rotation_vector_deg = [24, 0, 32]\nomega_body = [0.3, 12, 0.5]\nvelocity = [0.1, 0.2, 0.3]",
+    "[effects.gravity]\nacceleration = [0.0, 1.0, -9.81]\n"
+    "[effects.drag]\nrotational = 1e-4\n[effects.torque]\nbody = [1e-3, 2e-3, -1e-3]",
+    "duration = 0.5\nsamples = 51",
 )
 TIMESTEP = 1e-3
 

@@ -8,11 +8,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from quiet_session import QuietSession
-from scenes import scene
 from spincheck.engines import BodyReading, Engine, EngineError, Fault, Method, Run, State
 from spincheck.engines.checks.bounds import Bounds
 from spincheck.engines.sampling import BLOCK, BLOCK_STEPS, FIRST_BLOCK, sample, steps_to_read
 from spincheck.scenarios import Scenario
+from spincheck.suite.contract_scenes import scene
 
 TIMESTEP = 0.125
 SPIN = "\nquaternion_wxyz = [1.0, 0.0, 0.0, 0.0]\nomega_body = [0.0, 0.0, 1.0]\n"
@@ -54,36 +54,32 @@ class Warns(Turning):
             raise EngineError("it warns")
 
 
-class NotFinite(Turning):
+class Misread(Turning):
+    """Reads a number that it should not."""
+
+    column, value = "omega_body", np.nan
+
     def read_state(self) -> State:
         state = super().read_state()
         if self.is_wrong:
-            state.omega_body[:] = np.nan
+            getattr(state, self.column)[0] = self.value
         return state
 
 
-class Infinite(Turning):
-    def read_state(self) -> State:
-        state = super().read_state()
-        if self.is_wrong:
-            state.com_world[0] = np.inf
-        return state
+class NotFinite(Misread):
+    pass
 
 
-class TooFast(Turning):
-    def read_state(self) -> State:
-        state = super().read_state()
-        if self.is_wrong:
-            state.omega_body[0] = 1.5 * MOST_TURN / TIMESTEP
-        return state
+class Infinite(Misread):
+    column, value = "com_world", np.inf
 
 
-class NoRotation(Turning):
-    def read_state(self) -> State:
-        state = super().read_state()
-        if self.is_wrong:
-            state.q_world_body_wxyz[:] *= 1.1
-        return state
+class TooFast(Misread):
+    value = 1.5 * MOST_TURN / TIMESTEP
+
+
+class NoRotation(Misread):
+    column, value = "q_world_body_wxyz", 2.0
 
 
 class BlownUpInAStep(Turning):
@@ -107,10 +103,12 @@ class BlownUpInAStep(Turning):
 class GaveUpInAStep(Turning):
     """Stops for a reason of its own: the motion is in order."""
 
+    error: Exception = EngineError("out of memory")
+
     def advance(self, steps: int) -> None:
         super().advance(steps)
         if self.is_wrong:
-            raise EngineError("out of memory")
+            raise self.error
 
 
 class GaveUpWithASpin(GaveUpInAStep):
@@ -120,11 +118,8 @@ class GaveUpWithASpin(GaveUpInAStep):
         return replace(super().read_state(), spins=np.ones(1))
 
 
-class Buggy(Turning):
-    def advance(self, steps: int) -> None:
-        super().advance(steps)
-        if self.is_wrong:
-            raise ZeroDivisionError("a bug")
+class Buggy(GaveUpInAStep):
+    error = ZeroDivisionError("a bug")
 
 
 class LateFault(Turning):
@@ -163,7 +158,7 @@ FAULTS = {
     NotFinite: ("diverged", "not-finite", "no longer finite"),
     Infinite: ("diverged", "not-finite", "no longer finite"),
     TooFast: ("diverged", "clamp", "the rotation a step, 43.6°, is beyond 28.6°"),
-    NoRotation: ("diverged", "not-unit", "quaternion is of norm 1.1"),
+    NoRotation: ("diverged", "not-unit", "quaternion is of norm 2"),
     LateFault: ("diverged", "reset", "it was reset"),
     BlownUpInAStep: ("diverged", "not-finite", "a step was not possible"),
     GaveUpInAStep: ("failed", "refused", "out of memory"),

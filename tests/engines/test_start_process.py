@@ -10,13 +10,12 @@ from pathlib import Path
 
 import psutil
 import pytest
+import sources
 from spincheck.engines import start_process
 from spincheck.engines.child import ProtocolError, child_engine
 from spincheck.engines.versions import VersionError, folders
 from spincheck.reports.harness.executors import LocalWorkers
 
-ROOT = Path(__file__).parents[2]
-FOLDERS = ("scenarios", "reference", "engines", "reports")
 PLANTED = Path(__file__).parent / "child" / "planted_child.py"
 #: What starts a process; of `os`, by the beginnings of the names.
 STARTERS = ("subprocess", "multiprocessing", "pty", "concurrent.futures.process")
@@ -49,14 +48,7 @@ def starts(node: ast.AST) -> bool:
 
 
 def test_nothing_else_starts_a_process() -> None:
-    paths = [path for folder in FOLDERS for path in (ROOT / folder).rglob("*.py")]
-    starting = {
-        path.relative_to(ROOT).as_posix()
-        for path in paths
-        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
-        if starts(node)
-    }
-    assert starting == {"engines/start_process.py"}
+    assert sources.files_with(starts) == {"engines/start_process.py"}
 
 
 #: Modules that every Python imports when it starts, that pip, venv or a worker imports.
@@ -148,7 +140,7 @@ def busy_in_a_child(file: str) -> None:
 
 CALLS = f"""
 import sys
-sys.path.insert(0, {str(Path(__file__).parent)!r})
+sys.path += {[str(Path(file).parent) for file in (__file__, sources.__file__)]!r}
 from spincheck.reports.harness.executors import LocalWorkers
 from test_start_process import busy_in_a_child
 with LocalWorkers(1) as workers:

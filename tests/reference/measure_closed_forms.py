@@ -22,8 +22,6 @@ from taylor_problems import problem
 PERIODS = (0, 1_000, 1_000_000, 1_000_000_000)
 CASES = 80
 SEED = 20
-SAMPLES = 1_000_000
-REPEATS = 3
 #: Beyond, an exact motion in sixty digits takes too long or has lost its own digits to a saddle.
 MOST_TURNS = 400.0
 LEAST_DIGITS_OF_EXACT = 1e-28
@@ -105,18 +103,6 @@ def print_errors(name: str, cases: Iterator[Case]) -> None:
     print(f"    constants in {1e3 * np.median(setups):.0f} ms, {1e3 * max(setups):.0f} at most")
 
 
-def print_speed(name: str, p: Problem) -> None:
-    closed = closed_form(p)
-    assert closed is not None
-    times = np.random.default_rng(SEED).uniform(0.0, 1e4, SAMPLES)
-    taken = []
-    for _ in range(REPEATS + 1):
-        begun = process_time()
-        closed.states(times)
-        taken.append(process_time() - begun)
-    print(f"{name}: {SAMPLES / min(taken):.1e} samples a second")
-
-
 def print_ulp(name: str, case: Case) -> None:
     p, exact_motion_of = case
     neighbour, exact = closed_form(one_ulp_heavier(p)), exact_motion_of(p)
@@ -128,8 +114,6 @@ def print_ulp(name: str, case: Case) -> None:
 if __name__ == "__main__":
     body = problem((1.0, 2.0, 3.0), (0.3, 0.5, 1.0), (1.0, 0.2, -0.3, 0.4))
     heavy = top((0.0, 0.4, 3.0), tilted(0.5))
-    print_speed("free body", body)
-    print_speed("heavy top", heavy)
     print_ulp("free body", (body, repeated_free))
     print_ulp("heavy top", (heavy, repeated_heavy))
     print_errors("free bodies", free_bodies(random.Random(SEED)))

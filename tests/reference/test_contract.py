@@ -13,14 +13,15 @@ import numpy as np
 import pytest
 from case_loops import each_case
 from contract_references import (
+    SCENES,
     SIXTY_DIGITS,
     at,
-    by_legendre,
     by_series,
-    few,
+    every_scene,
     in_sixty_digits,
+    solved,
+    states,
 )
-from contract_scenes import SCENES, every_scene, solved, states
 from mpmath import mp, mpf
 from spincheck.reference.conditioning import (
     SIGNS_OF_LEVER,
@@ -101,15 +102,6 @@ def test_it_is_finite_up_to_its_end_or_a_stated_horizon(name):
 @each_case("name", [name for name in SCENES if name not in SIXTY_DIGITS])
 def test_a_dearer_series_finds_the_same_within_the_stated_uncertainty(name):
     assert agree_within_uncertainty(name, by_series(*solved(name)))
-
-
-@every_scene
-def test_integrals_in_120_digits_find_the_same(name):
-    scenario, solution = solved(name)
-    other = by_legendre(scenario, few(solution.trajectory.t))
-    if other is None:
-        pytest.skip("Legendre's integrals are of motions with a closed form and a finite period")
-    assert agree_within_uncertainty(name, other)
 
 
 @each_case("name", SIXTY_DIGITS)

@@ -9,8 +9,7 @@ from functools import cache
 
 import numpy as np
 import pytest
-from contract_references import few
-from contract_scenes import every_scene, solved, states
+from contract_references import every_scene, few, solved, states
 from spincheck.reference.motion import motion
 from spincheck.reference.rotational_problem import rotational_problem
 from spincheck.scenarios import Scenario, Trajectory

@@ -56,16 +56,13 @@ def test_a_parameter_off_by_a_hundred_bounds_would_show():
     assert abs(jacobi_at(neighbour, "0.9")[2] - jacobi_at(exact, "0.9")[2]) > BOUND
 
 
-def test_at_parameter_zero_they_are_circular():
-    sn, cn, dn = jacobi_at(Lattice(mpf(0), mpf(1)), "0.9")
-    u = mpf("0.9")
-    assert max(abs(sn - mp.sin(u)), abs(cn - mp.cos(u)), abs(dn - 1)) < BOUND
-
-
-def test_at_parameter_one_they_are_hyperbolic():
-    sn, cn, dn = jacobi_at(Lattice(mpf(1), mpf(0)), "0.9")
-    u = mpf("0.9")
-    assert max(abs(sn - mp.tanh(u)), abs(cn - mp.sech(u)), abs(dn - mp.sech(u))) < BOUND
+@each_case(
+    ("m", "limits"),
+    [(0, (mp.sin, mp.cos, lambda u: 1)), (1, (mp.tanh, mp.sech, mp.sech))],
+)
+def test_at_parameters_zero_and_one_they_are_elementary(m, limits):
+    u, values = mpf("0.9"), jacobi_at(Lattice(mpf(m), mpf(1 - m)), "0.9")
+    assert max(abs(a - limit(u)) for a, limit in zip(values, limits, strict=True)) < BOUND
 
 
 @each_case("doubled", [False, True])

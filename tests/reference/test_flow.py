@@ -100,24 +100,18 @@ def distances(scenario: Scenario, states: Trajectory, spans: np.ndarray, after: 
     return norm.distances(norm.table(flow(scenario, states, spans)), norm.true_table).max(axis=0)
 
 
+@pytest.mark.parametrize("back", [False, True], ids=["on", "back"])
 @pytest.mark.parametrize("name", SCENES)
-def test_from_sample_to_sample_the_exact_motion_is_its_own_flow_in_all_signals(name: str) -> None:
+def test_the_exact_motion_is_its_own_flow_from_sample_to_sample(name: str, back: bool) -> None:
     scenario = library_scene(name)
     motion = ExactMotion(scenario).outline(scenario.times[:41])
-    before, after = motion.until(40), motion.at(np.arange(1, 41))
-    assert (distances(scenario, before, np.diff(motion.t), after) < ULPS_A_RADIAN * EPS).all()
-    late = distances(scenario, before, np.diff(motion.t) * (1 + 1e-9), after)
+    ends, spans = [motion.until(40), motion.at(np.arange(1, 41))], np.diff(motion.t)
+    if back:
+        ends, spans = ends[::-1], -spans
+    before, after = ends
+    assert (distances(scenario, before, spans, after) < ULPS_A_RADIAN * EPS).all()
+    late = distances(scenario, before, spans * (1 + 1e-9), after)
     assert (late > ULPS_A_RADIAN * EPS).any()
-
-
-@pytest.mark.parametrize("name", SCENES)
-def test_the_motion_is_followed_back_to_where_it_came_from(name: str) -> None:
-    scenario = library_scene(name)
-    motion = ExactMotion(scenario).outline(scenario.times[:41])
-    before, after = motion.until(40), motion.at(np.arange(1, 41))
-    spans = -np.diff(motion.t)
-    assert (distances(scenario, after, spans, before) < ULPS_A_RADIAN * EPS).all()
-    assert (distances(scenario, after, spans * (1 + 1e-9), before) > ULPS_A_RADIAN * EPS).any()
 
 
 def test_every_effect_is_flowed_with() -> None:

@@ -1,7 +1,5 @@
 """Free bodies with two or three equal moments: exact turns, whichever axis is the odd one."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 from closed_form_checks import GOAL, apart, one_ulp_heavier
@@ -12,8 +10,8 @@ from spincheck.reference.closed_forms import closed_form
 from spincheck.reference.free_symmetric import free_symmetric
 from spincheck.reference.problem import Problem
 from spincheck.reference.taylor import integrate
-from spincheck.scenarios.exact import Quaternion, dot, product, rotate
 from taylor_problems import problem
+from two_turns import two_turns
 
 DIGITS = 60
 TILTED = (1.0, 0.2, -0.3, 0.4)
@@ -34,26 +32,11 @@ BODIES = {
 TIMES = np.concatenate([[0.0], *(np.linspace(0.3, 7.7, 8) + 10.0**k for k in (0, 3, 6, 9))])
 
 
-def turn(vector: tuple[mpf, ...], angle: mpf) -> Quaternion:
-    """The quaternion of a turn about a vector."""
-    length = mp.sqrt(dot(vector, vector))
-    return (mp.cos(angle / 2), *(mp.sin(angle / 2) * c / length for c in vector))
-
-
 def by_two_turns(p: Problem, odd: int, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """q(t) = exp(L t/2 I1) q(0) exp(e3 γ' t/2) and ω(t), in sixty digits."""
+    """q and ω in sixty digits, rounded."""
     with mp.workdps(DIGITS):
-        I1, I3 = p.moments[(odd + 1) % 3], p.moments[odd]
-        L = tuple(i * w for i, w in zip(p.moments, p.omega_axes, strict=True))
-        L_world, size = rotate(p.q_world_axes, L), mp.sqrt(dot(L, L))
-        axis = tuple(mpf(int(k == odd)) for k in range(3))
-        spin = p.omega_axes[odd] * (1 - I3 / I1)
-        q, omega = [], []
-        for t in map(mpf, times):
-            own = turn(axis, spin * t)
-            q.append(product(product(turn(L_world, size / I1 * t), p.q_world_axes), own))
-            omega.append(rotate((own[0], *(-c for c in own[1:])), p.omega_axes))
-        return np.array(q, dtype=float), np.array(omega, dtype=float)
+        states = [two_turns(p, odd, t) for t in map(mpf, times)]
+        return tuple(np.array([s[k] for s in states], dtype=float) for k in range(2))
 
 
 def odd_axis(p: Problem) -> int:
@@ -114,17 +97,3 @@ def test_any_body_and_start_are_two_turns(ratio, omega, q, odd):
     p = problem(moments, omega, q)
     if any(omega):
         assert apart(free_symmetric(p).states(TIMES), by_two_turns(p, odd, TIMES)) < GOAL
-
-
-@pytest.mark.parametrize(
-    "p",
-    [
-        problem((1.0, 2.0, 2.5), (1.0, 1.0, 1.0)),
-        replace(OBLATE, drag=mpf(1)),
-        replace(OBLATE, lever_axes=(0, 0, mpf(1)), gravity_world=(0, 0, mpf(-9))),
-    ],
-    ids=["asymmetric", "drag", "heavy"],
-)
-def test_what_is_not_free_and_symmetric_is_refused(p):
-    with pytest.raises(ValueError, match="must be a free body with two equal moments"):
-        free_symmetric(p)

@@ -1,4 +1,4 @@
-"""Hard tops of the library stand exactly where they say: at poles, thresholds and separatrices.
+"""Tops of the library stand exactly where they say: at poles, thresholds and separatrices.
 
 From each file's doubles, in sixty digits; a neighbour by a billionth in the spin stands elsewhere.
 """
@@ -133,3 +133,45 @@ def test_a_chaotic_top_outlives_its_reference():
     assert solution.horizon is not None
     # By then one ulp in the start decides everything: no double says more.
     assert solution.conditioning.attitude > 1
+
+
+STEADY = {"steady-precession-slow": 0, "steady-precession-fast": 1, "conical-pendulum": 0}
+
+
+@pytest.mark.parametrize(("name", "which"), STEADY.items())
+def test_steady_scenes_start_on_a_root_of_the_quadratic(name, which):
+    _, precession, nutation, _ = zyz_start(name)
+    assert nutation == 0
+    for spun_by, is_steady in ((0, True), (NUDGE, False)):
+        top = start(name, spun_by)
+        rate = steady_precession_rates(top, top.cos_beta)[which]
+        off = rate / (precession * (1 + float(spun_by))) - 1
+        assert (abs(off) <= 8 * EPS) == is_steady
+
+
+def test_slow_and_fast_precession_are_one_top_with_one_spin():
+    slow, fast = (start(name) for name in ("steady-precession-slow", "steady-precession-fast"))
+    assert (slow.I1, slow.I3, slow.kappa) == (fast.I1, fast.I3, fast.kappa)
+    assert float(slow.p_gamma) == pytest.approx(float(fast.p_gamma), rel=8 * EPS)
+
+
+@pytest.mark.parametrize(("name", "side"), [("sleeping-top", 1), ("waking-top", -1)])
+def test_sleeping_and_waking_top_are_on_their_side_of_the_threshold(name, side):
+    assert side * to_threshold(start(name)) > 0
+
+
+@pytest.mark.parametrize(("name", "sign"), [("waves", 1), ("cusps", 0), ("loops", -1)])
+def test_the_axis_draws_what_the_title_says(name, sign):
+    """Of α̇ at the start, a turning point above, and below (Goldstein, eq. 5.57 to 5.62)."""
+    _, precession, nutation, _ = zyz_start(f"nutation-{name}")
+    assert (np.sign(precession), nutation) == (sign, 0)
+    top = start(f"nutation-{name}")
+    with mp.workdps(DIGITS):
+        assert equal(top.roots[1], top.cos_beta, 1)
+        assert top.p_alpha - top.p_gamma * top.roots[0] > 0
+
+
+def zyz_start(name: str) -> tuple[float, float, float, float]:
+    """The tilt, deg, and α̇, β̇ and γ̇, rad/s, as typed."""
+    typed = library_scene(name).document.start
+    return (typed.euler_zyz_deg[1], *typed.euler_zyz_rates)

@@ -6,11 +6,13 @@ import numpy as np
 import pytest
 from closed_form_checks import GOAL, apart
 from heavy_tops import DOWN, tilted, top
+from hypothesis import given, settings
+from hypothesis import strategies as st
 from mpmath import mp, mpf
 from spincheck.reference.closed_forms import closed_form
 from spincheck.reference.lagrange import lagrange
 from spincheck.reference.problem import Problem
-from spincheck.reference.taylor import integrate
+from spincheck.reference.taylor import FINE_ORDERS, integrate
 from spincheck.scenarios.exact import Quaternion, conjugate, normalised, product, rotate
 from taylor_problems import problem
 
@@ -104,3 +106,21 @@ def test_the_sign_of_a_quaternion_is_kept():
     minus = replace(TOP, q_world_axes=tuple(-c for c in TOP.q_world_axes))
     q, omega = lagrange(TOP).states(TIMES)
     assert apart(lagrange(minus).states(TIMES), (-q, omega)) < GOAL
+
+
+small = st.builds(lambda k, sign: sign * 10.0**k, st.floats(-9.0, -1.0), st.sampled_from((-1, 1)))
+component = st.one_of(st.integers(-30, 30).map(lambda n: n / 10), st.floats(0.5, 3.0), small)
+
+
+@settings(max_examples=60, deadline=None)
+@given(
+    I3=st.one_of(st.floats(1e-3, 2.0), small.map(lambda e: 1 + e / 2)),
+    omega=st.tuples(component, component, component),
+    q=st.tuples(*[component] * 4).filter(lambda q: max(map(abs, q)) > 0.0),
+    kappa=st.one_of(st.floats(0.01, 10.0), small.map(abs)),
+)
+def test_any_motion_is_that_of_the_ode(I3, omega, q, kappa):
+    """Over twenty radians, in which the ODE's own error of 1e-27 cannot grow to a double's."""
+    p = top(omega, q, I3, kappa)
+    times = np.linspace(0.0, 20.0 / (np.abs(omega).max() + np.sqrt(kappa)), 21)
+    assert apart(closed_form(p).states(times), integrate(p, times, FINE_ORDERS)) < GOAL

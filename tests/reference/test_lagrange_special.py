@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from closed_form_checks import GOAL, apart
-from extended_motion import DIGITS, ExtendedMotion
+from extended_motion import DIGITS
 from heavy_tops import DOWN, UP, tilted, top
 from mpmath import mp, mpf
 from spincheck.reference.lagrange import lagrange
@@ -94,47 +94,6 @@ def test_a_nudge_makes_it_nutate(p):
     nudged = Problem(**{**vars(p), "omega_axes": (w1, w2 + mpf(10) ** -5, w3)})
     q, _ = lagrange(nudged).states(np.linspace(0.0, 20.0, 200))
     assert np.ptp(np.hypot(q[:, 1], q[:, 2])) > 1e6 * GOAL
-
-
-def falling(cos_beta: mpf, spin: mpf) -> Problem:
-    """Energy and L of a top asleep at this spin, below the threshold, met on its way down."""
-    p = top((0.0, 0.0, 0.0), UP)
-    with mp.workdps(DIGITS):
-        d, delta = spin / 2, 1 - cos_beta  # I3 = 1/2, I1 = κ = 1
-        sine = mp.sqrt(1 - cos_beta**2)
-        # (L − L3 e3)·(−ĝ) = d δ and |ω⊥|² = 2 δ; −γ = (sin β, 0, −cos β) at this attitude.
-        w1 = -d * delta / sine
-        w2 = mp.sqrt(2 * delta - w1**2)
-        half = mp.acos(cos_beta) / 2
-        q = (mp.cos(half), mpf(0), mp.sin(half), mpf(0))
-        return Problem(**{**vars(p), "q_world_axes": q, "omega_axes": (w1, w2, spin)})
-
-
-SEPARATRICES = {
-    "pendulum, from below": top((0.0, 2.0, 0.0), DOWN),
-    "pendulum, the other way": top((-2.0, 0.0, 0.0), DOWN),
-    "pendulum, on its way": falling(mpf(1) / 2, mpf(0)),
-    "top, falling": falling(mpf(1) / 2, mpf(1)),
-    "top, falling fast": falling(mpf(9) / 10, mpf(3)),
-}
-
-
-@pytest.mark.parametrize("p", SEPARATRICES.values(), ids=SEPARATRICES)
-def test_the_separatrix_is_exact(p):
-    """Against sixty digits, until e^t has grown their errors to a double's."""
-    times = np.linspace(0.0, 25.0, 11)
-    with mp.workdps(DIGITS):
-        motion = ExtendedMotion(p, mpf(1), mpf(3), mpf(26))
-    states = [motion.state(mpf(t)) for t in times]
-    exact = tuple(np.array([s[k] for s in states], dtype=float) for k in range(2))
-    assert apart(lagrange(p).states(times), exact) < GOAL
-
-
-@pytest.mark.parametrize("p", SEPARATRICES.values(), ids=SEPARATRICES)
-def test_the_separatrix_ends_upright(p):
-    q, _ = lagrange(p).states(np.array([1e3, 1e9]))
-    assert np.hypot(q[:, 1], q[:, 2]).max() < GOAL
-    assert lagrange(p).period == np.inf
 
 
 def test_a_pendulum_an_ulp_faster_goes_on():

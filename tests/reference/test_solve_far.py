@@ -5,7 +5,6 @@ from importlib import import_module
 
 import numpy as np
 import pytest
-from legendre_motion import DIGITS, free_symmetric_body
 from library_scenes import library_scene
 from mpmath import mp, mpf
 from spincheck.reference import solve
@@ -16,6 +15,7 @@ from spincheck.reference.solve import CHECKED_TURN, ROUNDING
 from spincheck.reference.taylor import IntegrationError, integrate
 from taylor_problems import distance
 from top_scenes import ASYMMETRIC, HEAVY, TOP, scene
+from two_turns import two_turns
 
 pytestmark = pytest.mark.slow
 
@@ -25,6 +25,8 @@ FREE = ""
 HONESTY = 10.0
 #: s; of a top of about 1 rad/s, ten thousand times what the ODE is taken to.
 FAR = 1e4 * CHECKED_TURN
+#: Forty of them are left of a phase at `AGES`.
+DIGITS = 60
 #: s; where double-doubles no longer hold its phase to an ulp.
 AGES = 1e20
 #: Relative, of a closed form's rates: far above rounding, and small.
@@ -35,8 +37,8 @@ def test_what_is_stated_of_a_closed_form_grows_with_the_turns_it_has_made():
     scenario = scene(TOP, START, FREE)
     stated = solve(scenario, np.array([0.0, AGES]))
     q_stated = [mpf(x) for x in stated.trajectory.q_world_body_wxyz[1].tolist()]
-    q, _ = free_symmetric_body(rotational_problem(scenario)).state(AGES)
     with mp.workdps(DIGITS):
+        q, _ = two_turns(rotational_problem(scenario), 2, mpf(AGES))
         true_error = min(distance([sign * x for x in q_stated], q) for sign in (1, -1))
     assert true_error > HONESTY * ROUNDING
     assert true_error <= HONESTY * stated.uncertainty.attitude
@@ -51,39 +53,29 @@ def off_by_a_billionth(problem: Problem) -> ClosedForm | None:
     return replace(form, tables=form.tables._replace(phases=phases, clock=clock))
 
 
-@pytest.mark.parametrize("body", [TOP, ASYMMETRIC], ids=["symmetric", "asymmetric"])
-@pytest.mark.parametrize("times", [[FAR], [0.0, FAR]], ids=["alone", "after the start"])
-class TestBeyondReach:
-    def test_a_right_closed_form_is_certain(self, body, times):
-        stated = solve(scene(body, START, FREE), np.array(times))
-        assert stated.uncertainty.attitude <= 2 * ROUNDING
-
-    def test_a_wrong_one_is_not(self, body, times, monkeypatch):
-        module = import_module("spincheck.reference.solve")
-        monkeypatch.setattr(module, "closed_form", off_by_a_billionth)
-        stated = solve(scene(body, START, FREE), np.array(times))
-        assert stated.uncertainty.attitude > FAULT
-
-
 #: `TOP`, struck hanging with 2√(M g l/I1) less a part in 10¹².
 NEAR_SEPARATRIX = f"""quaternion_wxyz = [0, 1, 0, 0]
 omega_body = [{2 * np.sqrt(5.0) * (1 - 1e-12)}, 0, 0]"""
+#: Tables of a scene, and a time that the ODE does not reach, or is lost before.
+OUT_OF_REACH = {
+    "symmetric": ((TOP, START, FREE), FAR),
+    "asymmetric": ((ASYMMETRIC, START, FREE), FAR),
+    "beside a separatrix": ((TOP, NEAR_SEPARATRIX, HEAVY), 60.0),
+}
 
 
-@pytest.mark.parametrize("times", [[60.0], [0.0, 60.0]], ids=["alone", "after the start"])
-class TestBesideASeparatrix:
-    """Where the ODE is lost long before the sample that is asked for."""
-
-    def test_a_right_closed_form_is_certain(self, times):
-        stated = solve(scene(TOP, NEAR_SEPARATRIX, HEAVY), np.array(times))
-        assert stated.uncertainty.attitude <= 2 * ROUNDING
-        assert stated.conditioning.attitude > FAULT
-
-    def test_a_wrong_one_is_not(self, times, monkeypatch):
-        module = import_module("spincheck.reference.solve")
-        monkeypatch.setattr(module, "closed_form", off_by_a_billionth)
-        stated = solve(scene(TOP, NEAR_SEPARATRIX, HEAVY), np.array(times))
-        assert stated.uncertainty.attitude > FAULT
+@pytest.mark.parametrize("before", [[], [0.0]], ids=["alone", "after the start"])
+@pytest.mark.parametrize(("tables", "time"), OUT_OF_REACH.values(), ids=OUT_OF_REACH)
+def test_beyond_the_odes_reach_a_right_closed_form_is_certain_and_a_wrong_one_is_not(
+    tables, time, before, monkeypatch
+):
+    stated = solve(scene(*tables), np.array([*before, time]))
+    assert stated.uncertainty.attitude <= 2 * ROUNDING
+    assert stated.conditioning.attitude > FAULT or time == FAR
+    module = import_module("spincheck.reference.solve")
+    monkeypatch.setattr(module, "closed_form", off_by_a_billionth)
+    wrong = solve(scene(*tables), np.array([*before, time]))
+    assert wrong.uncertainty.attitude > FAULT
 
 
 def test_a_chaotic_motion_is_refused_where_none_of_it_is_known():

@@ -9,7 +9,6 @@ from scipy.special import ellipk
 from spincheck.reference.cross_check import cross_check
 from spincheck.reference.rotational_problem import rotational_problem
 from spincheck.reference.stability import (
-    body_cone_rate,
     perturbation_rate_squared,
     separatrix_distance,
     tumbling_period,
@@ -84,19 +83,6 @@ def test_the_order_of_the_axes_does_not_matter(order):
     assert tumbling_period(*turned) == pytest.approx(period, rel=ROUNDED)
 
 
-def test_the_motion_comes_back_after_the_period_and_not_before():
-    omega = (0.3, 1.0, 0.2)
-    period = tumbling_period(MOMENTS, omega)
-    window = f"duration = {period!r}\nsamples = 3"
-    start = "euler_zyz_deg = [0, 0, 0]\nomega_body = [0.3, 1.0, 0.2]"
-    scenario = scene(ASYMMETRIC, start, "", window)
-    opinion = cross_check(scenario, scenario.times)
-    _, half, whole = opinion.trajectory.omega_body
-    bound = opinion.steps * 1e-13
-    assert np.abs(whole - omega).max() < bound
-    assert np.abs(half - omega).max() > 1
-
-
 #: I1 (I2 − I1) ω1² = 3 ω1² and I3 (I3 − I2) ω3² = 12 ω3² are equal: L² = 2 E I2.
 ON_THE_SEPARATRIX = (2.0, 0.7, 1.0)
 
@@ -137,22 +123,3 @@ def test_a_body_with_equal_moments_does_not_tumble(moments):
 def test_a_body_at_rest_does_not_tumble():
     assert tumbling_period(MOMENTS, (0.0, 0.0, 0.0)) is None
     assert separatrix_distance(MOMENTS, (0.0, 0.0, 0.0)) == 0
-
-
-def test_the_earth_wobbles_in_about_ten_months():
-    """(I3 − I1)/I1 = 1/305 gives Euler's 305 days (Goldstein §5.6)."""
-    per_day = body_cone_rate(305.0, 306.0, math.tau)
-    assert math.tau / per_day == pytest.approx(305, rel=ROUNDED)
-
-
-def test_omega_circles_the_axis_at_the_body_cone_rate_and_in_its_sense():
-    """Half a radian after the start ω lies half a radian further on, counted from e1 to e2."""
-    oblate = "mass = 1.0\ninertia = [2.0, 2.0, 3.0]"
-    rate = body_cone_rate(2.0, 3.0, 4.0)
-    window = f"duration = {0.5 / rate!r}\nsamples = 2"
-    scenario = scene(oblate, "euler_zyz_deg = [0, 0, 0]\nomega_body = [1.0, 0.0, 4.0]", "", window)
-    opinion = cross_check(scenario, scenario.times)
-    end = opinion.trajectory.omega_body[-1]
-    bound = opinion.steps * 1e-13 * 4  # relative to |ω|
-    assert math.atan2(end[1], end[0]) == pytest.approx(0.5, abs=bound)
-    assert math.atan2(end[1], end[0]) != pytest.approx(-0.5, abs=1e6 * bound)

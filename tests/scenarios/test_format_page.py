@@ -1,5 +1,6 @@
-"""The page that specifies the scene file is that of the format, whole, and its example is right."""
+"""The page and the JSON Schema of the scene file are those of the format, whole."""
 
+import json
 import re
 from pathlib import Path
 from typing import Any
@@ -9,6 +10,7 @@ from spincheck.reports.harness.published import published_values
 from spincheck.scenarios import loads
 from spincheck.scenarios.document import Document, SomeComponents
 from spincheck.scenarios.format_page import EXAMPLES, format_page
+from spincheck.scenarios.schema import SCHEMA_FILE, schema_text
 
 PAGE = Path(__file__).parents[2] / "docs/reference/scene-format.md"
 FIRST = PAGE.parents[1] / "start/first-scene.md"
@@ -59,3 +61,19 @@ def test_a_published_value_that_is_off_would_not_hold() -> None:
 def test_the_first_scene_of_a_newcomer_is_right() -> None:
     (block,) = re.findall(r"```toml\n(.*?)```", FIRST.read_text(encoding="utf-8"), re.DOTALL)
     assert loads(block, "my-top").constraint.is_pivot
+
+
+def test_the_schema_is_in_step_with_the_format():
+    """If this fails: python -m spincheck.scenarios.schema."""
+    assert SCHEMA_FILE.read_text(encoding="utf-8") == schema_text()
+
+
+def test_the_schema_closes_every_table_to_unknown_keys():
+    schema = json.loads(schema_text())
+    tables = [schema, *schema["$defs"].values()]
+    assert all(table["additionalProperties"] is False for table in tables)
+
+
+def test_the_schema_asks_for_what_the_format_asks_for():
+    needed = {name for name, field in Document.model_fields.items() if field.is_required()}
+    assert set(json.loads(schema_text())["required"]) == needed

@@ -25,10 +25,6 @@ LARGEST_TURN_RAD = 1000.0
 SAMPLES = range(100, 402)
 
 
-def scene_ids(scenario: Scenario) -> str:
-    return scenario.name
-
-
 every_scene = each_case("scenario", SCENES)
 
 
@@ -132,14 +128,10 @@ def test_every_effect_appears() -> None:
 
 
 @each_case("effect", [*EFFECTS])
-def test_every_effect_appears_alone(effect: str) -> None:
+def test_every_effect_appears_alone_and_mixed_with_others(effect: str) -> None:
     # Without gravity nothing presses a body on a table.
     least = {"gravity", "table"} if effect == "table" else {effect}
     assert any(scenario.called_for == least for scenario in SCENES)
-
-
-@each_case("effect", [*EFFECTS])
-def test_every_effect_appears_mixed_with_others(effect: str) -> None:
     assert any(scenario.called_for > {effect} for scenario in SCENES)
 
 

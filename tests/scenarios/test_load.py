@@ -14,12 +14,6 @@ def test_a_file_is_a_scene_named_by_its_stem(tmp_path):
     assert (scenario.name, scenario.path) == ("my-top.2", path)
 
 
-@each_case(("name", "why"), [("nothing.toml", "No such file"), (".", "it is a folder")])
-def test_what_is_no_file_is_said_to_be_none(tmp_path, name, why):
-    with pytest.raises(ScenarioError, match=f"cannot be read: {why}"):
-        load(tmp_path / name)
-
-
 def test_a_huge_file_is_not_read(tmp_path):
     path = tmp_path / "huge.toml"
     path.write_text(TEXT + "#" * MAX_BYTES)
@@ -37,12 +31,6 @@ def test_toml_of_another_kind_is_no_scene():
         ScenarioError, match=r"not a scenario: the first key must be 'spincheck = 1"
     ):
         loads("[tool]\nname = 1\n", name="made")
-
-
-@each_case("name", ["", "a b", "-a", ".hidden", "a/b", "a'b", "é;"])
-def test_a_name_that_could_be_mistaken_is_refused(name):
-    with pytest.raises(ScenarioError, match="a scenario's name is its file's stem; use letters"):
-        loads(TEXT, name=name)
 
 
 @each_case(

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+import top_scenes
 from case_loops import each_case
 from library_scenes import library
 from scipy.spatial.transform import Rotation
@@ -11,33 +12,17 @@ from spincheck.scenarios.scatter import SCATTER, member
 pytestmark = pytest.mark.slow
 
 EPS = np.finfo(float).eps
-FREE = """
-spincheck = 1
-title = "A body"
-source = "made up"
-[body]
-mass = 2.0
-inertia = {inertia}
-{pivot_body}
-[start]
-euler_zyz_deg = [10.0, 40.0, 70.0]
-omega_body = [1.0, 2.0, 0.5]
-{effects}
-[window]
-duration = 1.0
-samples = 11
-"""
-HEAVY = "[effects.gravity]\nacceleration = [0.0, 0.0, -9.81]\n[effects.pivot]"
+START = "euler_zyz_deg = [10.0, 40.0, 70.0]\nomega_body = {}"
 SKEW = "[[2.0, 0.1, 0.0], [0.1, 2.2, 0.3], [0.0, 0.3, 2.4]]"
 MEMBERS = 400
 #: Standard deviations by which a mean of as many members may be off: once in 10⁹.
 SIGMAS = 6.0
 
 
-def scene(inertia: str = "[1.0, 2.0, 2.5]", *, heavy: bool = False):
-    com = "com = [0.0, 0.0, 0.1]" if heavy else ""
-    effects = HEAVY if heavy else ""
-    return loads(FREE.format(inertia=inertia, pivot_body=com, effects=effects), "body")
+def scene(inertia="[1.0, 2.0, 2.5]", effects="", omega=(1.0, 2.0, 0.5)):
+    com = "com = [0.0, 0.0, 0.1]" if effects else ""
+    body = f"mass = 2.0\ninertia = {inertia}\n{com}"
+    return top_scenes.scene(body, START.format(list(omega)), effects)
 
 
 def members(base, seed: int = 1):
@@ -51,7 +36,7 @@ def free():
 
 @pytest.fixture(scope="module")
 def heavy():
-    return members(scene("[2.0, 2.0, 1.0]", heavy=True))
+    return members(scene("[2.0, 2.0, 1.0]", top_scenes.HEAVY))
 
 
 def attitudes(scenes) -> Rotation:
@@ -164,6 +149,4 @@ def test_a_body_in_skew_axes_keeps_them():
 
 
 def test_a_body_at_rest_stays_at_rest():
-    text = FREE.replace("[1.0, 2.0, 0.5]", "[0.0, 0.0, 0.0]")
-    base = loads(text.format(inertia="[1.0, 2.0, 2.5]", pivot_body="", effects=""), "rest")
-    assert not member(base, 1, 1).start.omega_body.any()
+    assert not member(scene(omega=(0.0, 0.0, 0.0)), 1, 1).start.omega_body.any()

@@ -35,7 +35,7 @@ def apart_at(
     """The same, of a closed form and a sixty-digit motion, in the period after so many."""
     times = (PHASES + periods) * float(exact_motion.period)
     q, omega = closed.states(times)
-    true = [(exact_motion.q(t), exact_motion.omega(t)) for t in times]
+    true = [exact_motion.state(t) for t in times]
     speed = max(abs(w) for _, omega_true in true for w in omega_true)
     return float(
         max(

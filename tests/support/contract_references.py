@@ -1,34 +1,54 @@
-"""Motions of library scenes by methods independent of the one they are solved by."""
+"""The scenes of the library, each solved once a process, and by independent methods."""
 
 import importlib
 from dataclasses import fields
+from functools import cache
 
 import numpy as np
+from case_loops import each_case
+from closed_form_checks import repeated_free
 from extended_motion import ExtendedMotion
-from legendre_motion import LegendreMotion, free_body, free_symmetric_body
-from legendre_top import heavy_top
+from library_scenes import library
 from mpmath import mp, mpf
-from spincheck.reference import Solution
+from spincheck.reference import Solution, solve
 from spincheck.reference.closed_forms import closed_form
-from spincheck.reference.effect_terms import is_free
 from spincheck.reference.motion import motion
 from spincheck.reference.problem import Problem
 from spincheck.reference.rotational_problem import rotational_problem
-from spincheck.reference.steady_motions import turns_rigidly
 from spincheck.reference.taylor import FINE_ORDERS, Orders, integrate
 from spincheck.scenarios import FloatArray, Scenario, Trajectory
 from spincheck.scenarios.fastest_rate import fastest_rate
 
 solving = importlib.import_module("spincheck.reference.solve")
 
+SCENES = {scenario.name: scenario for scenario in library()}
+every_scene = each_case("name", [*SCENES])
+
+
+@cache
+def solved(name: str) -> tuple[Scenario, Solution]:
+    """A scene and its exact motion at the window's times."""
+    scenario = SCENES[name]
+    return scenario, solve(scenario, scenario.times)
+
+
+def states(problem: Problem, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """q_world_axes and omega_axes as `solve` finds them."""
+    form = closed_form(problem)
+    return integrate(problem, times) if form is None else form.states(times)
+
+
 #: All terms in double-double: dearer than any series that scenes are solved by.
 DEAREST_ORDERS = Orders(40, 40)
 #: rad; the dearest series takes this far in a second.
 DEAREST_TURN = 1e3
 
-#: Solved in sixty digits by plain Taylor series: on separatrices, where Legendre's integrals
-#: diverge; about a pivot that leaves a sphere no axis; and without a closed form.
+#: A free body that the ODE does not follow to the end; a period of it is solved in sixty digits.
+MANY_PERIODS = "million-turns"
+#: Solved in sixty digits by plain Taylor series: besides that, on separatrices; about a pivot that
+#: leaves a sphere no axis; and without a closed form.
 SIXTY_DIGITS = (
+    MANY_PERIODS,
     "pendulum-on-the-separatrix",
     "separatrix-exactly",
     "sphere-about-its-pivot",
@@ -55,28 +75,11 @@ def by_series(scenario: Scenario, solution: Solution) -> Trajectory:
     )
 
 
-def by_legendre(scenario: Scenario, times: FloatArray) -> Trajectory | None:
-    """By integrals of the first and third kind in 120 digits; None of what those do not cover."""
-    problem = rotational_problem(scenario)
-    solved = legendre_motion(problem)
-    return None if solved is None else _rounded(scenario, problem, times, solved.state)
-
-
-def legendre_motion(problem: Problem) -> LegendreMotion | None:
-    """Of what repeats with a period: neither constant rates, nor a separatrix, nor a sphere."""
-    form, distinct = closed_form(problem), len({*problem.moments})
-    if form is None or distinct == 1 or turns_rigidly(problem):
-        return None
-    if is_free(problem) and distinct == 2:
-        return free_symmetric_body(problem)
-    if form.period is None or form.period == np.inf:
-        return None
-    return free_body(problem) if is_free(problem) else heavy_top(problem)
-
-
 def in_sixty_digits(scenario: Scenario, solution: Solution) -> Trajectory:
-    """By Taylor series of order 100 in integers of 260 bits, for so many turns."""
+    """By Taylor series of order 100 in integers of 260 bits, for so many turns or periods."""
     problem, times = rotational_problem(scenario), solution.trajectory.t
+    if scenario.name == MANY_PERIODS:
+        return _rounded(scenario, problem, few(times), repeated_free(problem).state)
     rate = mpf(fastest_rate(scenario, solution.trajectory.omega_body))
     times = few(times[times * float(rate) <= SIXTY_DIGITS_TURN])
     # A motion's poles in complex time are about a turn's time away.

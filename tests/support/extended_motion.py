@@ -110,21 +110,16 @@ class RepeatedMotion:
         q = product(self.to_upright, self.motion.state(t)[0])
         return mpc(q[0], q[3]), mpc(q[2], -q[1])
 
-    def q(self, t: float) -> Quaternion:
-        """q_world_axes."""
+    def state(self, t: float) -> tuple[Quaternion, Vector]:
+        """q_world_axes, and omega_axes turned about the third axis as the periods before did."""
         with mp.workdps(DIGITS):
             n = int(mpf(t) / self.period)
-            parameters = self._parameters(mpf(t) - n * self.period)
-            A, B = (a * r**n for a, r in zip(parameters, self.ratios, strict=True))
-            return product(conjugate(self.to_upright), (A.real, -B.imag, B.real, A.imag))
-
-    def omega(self, t: float) -> Vector:
-        """omega_axes, turned about the third axis as the periods before have turned it."""
-        with mp.workdps(DIGITS):
-            n = int(mpf(t) / self.period)
-            w1, w2, w3 = self.motion.state(mpf(t) - n * self.period)[1]
+            begun = mpf(t) - n * self.period
+            A, B = (a * r**n for a, r in zip(self._parameters(begun), self.ratios, strict=True))
+            w1, w2, w3 = self.motion.state(begun)[1]
             W = mpc(w2, w1) * (self.ratios[0] / self.ratios[1]) ** n
-            return (W.imag, W.real, w3)
+            q = product(conjugate(self.to_upright), (A.real, -B.imag, B.real, A.imag))
+            return q, (W.imag, W.real, w3)
 
 
 def upright(direction: Vector) -> Quaternion:

@@ -1,5 +1,6 @@
 """Engines that are always there, and optional ones: what a test asks of both, or of one kind."""
 
+import pytest
 from spincheck.engines import Engine, engines, missing
 from spincheck.engines.child import ChildEngine
 
@@ -32,3 +33,10 @@ def required_engines() -> list[Engine]:
 def why_missing(name: str) -> str:
     """Why an optional engine is not there, with how to get it; empty if it is."""
     return next((absent.reason for absent in missing() if absent.name == name), "")
+
+
+def installed(name: str) -> Engine:
+    """An optional engine; the test is skipped where it is not there, with the reason."""
+    if reason := why_missing(name):
+        pytest.skip(reason)
+    return engines()[name]

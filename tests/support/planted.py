@@ -167,7 +167,6 @@ class LateSession(HeunSession):
 class DampedInSecretSession(HeunSession):
     """Damps the spin and does not say so: only a comparison with the exact motion shows it."""
 
-    at_every_step = True
     #: 1/s
     gain = -1e-3
 
@@ -207,8 +206,6 @@ class UngyroscopicSession(Ungyroscopic, HeunSession):
 
 class SingleSession(HeunSession):
     """Holds its state in 24 bits."""
-
-    at_every_step = True
 
     def after_step(self) -> None:
         self.y[:] = self.y.astype(np.float32)
@@ -252,7 +249,6 @@ class FrozenSession(HeunSession):
 class ResetInSecretSession(HeunSession):
     """Goes back to its start once, its clock going on."""
 
-    at_every_step = True
     was_reset = False
 
     def after_step(self) -> None:
@@ -264,7 +260,6 @@ class ResetInSecretSession(HeunSession):
 class LaggingSession(HeunSession):
     """Turns its attitude by no more than so much a step, its ω going on."""
 
-    at_every_step = True
     #: rad.
     MOST = 0.01
 

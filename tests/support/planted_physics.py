@@ -7,16 +7,12 @@ from stepped import Stepped
 class Ungyroscopic(Stepped):
     """There is no torque ω × Iω."""
 
-    at_every_step = True
-
     def torque(self):
         return np.cross(self.omega, self.inertia @ self.omega)
 
 
 class Damped(Stepped):
     """Damped at 0.04 /s, as Bullet's rigid bodies by default."""
-
-    at_every_step = True
 
     def torque(self):
         return -0.04 * (self.inertia @ self.omega)

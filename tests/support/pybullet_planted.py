@@ -5,11 +5,11 @@ from typing import Any
 import numpy as np
 import pybullet as p
 import pytest
-from scenes import PIVOT, scene
 from spincheck.engines import Method, Run
 from spincheck.engines.adapters.pybullet.engine import REPRESENTATIONS, PyBullet
 from spincheck.engines.adapters.pybullet.session import PyBulletSession
 from spincheck.scenarios import Scenario
+from spincheck.suite.contract_scenes import PIVOT, scene
 
 ENGINE = PyBullet()
 #: Of bodies that are free or on a pivot.

@@ -97,9 +97,6 @@ class Stepped(QuietSession):
     taken : steps since it was opened or restarted
     """
 
-    #: Whether a subclass does something at every step; else steps are taken in compiled loops.
-    at_every_step = False
-
     def __init__(self, scenario: Scenario, order: int, timestep: float, size: float) -> None:
         self.scenario, self.order, self.timestep, self.size = scenario, order, timestep, size
         self.inertia = np.array(scenario.inertia)
@@ -165,7 +162,9 @@ class Stepped(QuietSession):
         return self.scenario.called_for
 
     def advance(self, steps: int) -> None:
-        if not self.at_every_step:
+        kind = type(self)
+        if kind.torque is Stepped.torque and kind.after_step is Stepped.after_step:
+            # In a compiled loop.
             self.take(steps)
             return
         for _ in range(steps):

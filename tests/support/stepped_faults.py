@@ -30,8 +30,6 @@ def begin() -> None:
 class Pushed(Stepped):
     """A torque acts whenever the fault is on."""
 
-    at_every_step = True
-
     def is_on(self) -> bool:
         return True
 
@@ -174,8 +172,6 @@ class Remembers(Pushed):
 class Jumps(Stepped):
     """ω jumps by its size at step 3 000."""
 
-    at_every_step = True
-
     def after_step(self):
         if self.taken == 3000:
             self.omega[:] *= 1 + self.size
@@ -184,8 +180,6 @@ class Jumps(Stepped):
 class JumpsInTheLastStep(Stepped):
     """ω jumps by its size in the step to the last sample."""
 
-    at_every_step = True
-
     def after_step(self):
         if self.time > self.scenario.window.duration - 1.5 * self.timestep:
             self.omega[:] *= 1 + self.size
@@ -193,8 +187,6 @@ class JumpsInTheLastStep(Stepped):
 
 class JumpsOnceByChance(Stepped):
     """ω jumps at a random time of the window."""
-
-    at_every_step = True
 
     def __init__(self, *arguments):
         super().__init__(*arguments)
@@ -208,8 +200,6 @@ class JumpsOnceByChance(Stepped):
 class Clamped(Stepped):
     """No component of ω may exceed the speed of the start by more than its size."""
 
-    at_every_step = True
-
     def after_step(self):
         most = (1 + self.size) * self.rate
         np.clip(self.omega, -most, most, out=self.omega)
@@ -217,8 +207,6 @@ class Clamped(Stepped):
 
 class FallsAsleep(Stepped):
     """Once slow, it stands still for good."""
-
-    at_every_step = True
 
     def after_step(self):
         if float(np.linalg.norm(self.omega)) < self.size * self.rate:
@@ -269,7 +257,6 @@ class AMomentAtFineSteps(AnotherMoment):
 class GravityInclined(Stepped):
     """Gravity is inclined by its size, rad, from a third of the window on."""
 
-    at_every_step = True
     share = Pushed.share
 
     def after_step(self):
@@ -281,16 +268,12 @@ class GravityInclined(Stepped):
 class TurnsTooFar(Stepped):
     """The attitude turns by a little more than ω says."""
 
-    at_every_step = True
-
     def after_step(self):
         self.turn(self.size * self.timestep * self.omega)
 
 
 class SkipsSteps(Stepped):
     """Every so often a step of the clock is none of the body."""
-
-    at_every_step = True
 
     def advance(self, steps):
         for _ in range(steps):
@@ -303,7 +286,6 @@ class SkipsSteps(Stepped):
 class EulerLater(Stepped):
     """From half of the window on a step is of first order."""
 
-    at_every_step = True
     share = Pushed.share
 
     def __init__(self, *arguments):
@@ -393,8 +375,6 @@ def in_single(kind):
     """A fault in an engine whose state is held in 24 bits."""
 
     class InSingle(kind):
-        at_every_step = True
-
         def after_step(self):
             super().after_step()
             self.y[:] = self.y.astype(np.float32)
@@ -423,8 +403,6 @@ class TurnsByATruncatedSeries(Stepped):
     DART 6.19 does that.
     """
 
-    at_every_step = True
-
     def after_step(self):
         turn = self.timestep * float(np.linalg.norm(self.omega))
         if turn < 1e-3:
@@ -437,16 +415,12 @@ class TurnsByATruncatedSeries(Stepped):
 class Noisy(Stepped):
     """Noise of its size, relative, is added to ω in each step: honest as rounding is."""
 
-    at_every_step = True
-
     def after_step(self):
         self.omega[:] += self.size * self.rate * CHANCE.normal(size=3)
 
 
 class HonestSingle(Stepped):
     """The state is held in 24 bits, as is declared."""
-
-    at_every_step = True
 
     def after_step(self):
         self.y[:] = self.y.astype(np.float32)

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from kinds_of_engines import OPTIONAL, why_missing
+from kinds_of_engines import OPTIONAL, installed, why_missing
 from library_scenes import library_scene
 from spincheck.engines import engines
 from spincheck.engines.child.process import end_idle
@@ -49,9 +49,7 @@ def exact() -> Trajectory:
 def test_the_error_on_the_fast_top_is_the_pages(
     exact: Trajectory, name: str, method: str, printed: str
 ) -> None:
-    if reason := why_missing(name):
-        pytest.skip(reason)
-    engine, scenario = engines()[name], library_scene("fast-top")
+    engine, scenario = installed(name), library_scene("fast-top")
     run = engine.run(scenario, engine.method(method), TIMESTEP, np.arange(len(exact.t)))
     assert run.trajectory is not None
     error = errors_between(scenario, run.trajectory, exact).omega
@@ -60,9 +58,7 @@ def test_the_error_on_the_fast_top_is_the_pages(
 
 
 def test_dart_turns_a_body_by_a_truncated_series_below_a_thousandth_of_a_radian() -> None:
-    if reason := why_missing("dartpy"):
-        pytest.skip(reason)
-    engine, scenario = engines()["dartpy"], library_scene("book-long-axis")
+    engine, scenario = installed("dartpy"), library_scene("book-long-axis")
     speed = float(np.linalg.norm(scenario.start.omega_body))
 
     def off(turn: float) -> float:

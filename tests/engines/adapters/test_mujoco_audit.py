@@ -6,9 +6,9 @@ from collections.abc import Callable
 import mujoco
 import numpy as np
 import pytest
-from scenes import SCENES
 from spincheck.engines.adapters.mujoco.audit import acting, read_strengths
 from spincheck.engines.models.mjcf import mjcf, switched_off
+from spincheck.suite.contract_scenes import SCENES
 
 TIMESTEP = 1e-3
 Edit = Callable[[ET.Element], None]
@@ -99,11 +99,6 @@ PLANTED: dict[str, Edit] = {
     "sensors": adding(".", '<sensor><clock name="clock"/></sensor>'),
     "a joint that is no ball where the scene holds the body": having(JOINT, pos="0 0 0.01"),
 }
-
-
-@pytest.mark.parametrize("name", SCENES)
-def test_what_acts_is_what_the_scene_calls_for(name: str) -> None:
-    assert active(name) == SCENES[name].called_for
 
 
 @pytest.mark.parametrize("planted", PLANTED)

@@ -4,10 +4,10 @@ import ctypes
 from collections.abc import Iterator
 
 import pytest
-from scenes import SCENES
 from spincheck.engines.adapters.mujoco import clock
 from spincheck.engines.adapters.mujoco.engine import MuJoCo
 from spincheck.engines.adapters.mujoco.session import MuJoCoSession
+from spincheck.suite.contract_scenes import SCENES
 
 ENGINE = MuJoCo()
 SCENE = SCENES["heavy-top"]

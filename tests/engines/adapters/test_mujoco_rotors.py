@@ -4,12 +4,14 @@ That engines hold, step and restart them right is verified by the contract (`fre
 `pivot-rotors`).
 """
 
+from collections.abc import Callable
+
 import mujoco
 import numpy as np
 import pytest
 from case_loops import each_case
 from library_scenes import library_scene
-from spincheck.engines import engines
+from spincheck.engines import Engine, engines
 from spincheck.engines.adapters.mujoco.engine import ANY_TIMESTEP
 from spincheck.engines.adapters.mujoco.session import MuJoCoSession
 from spincheck.engines.models.mjcf import mjcf
@@ -37,8 +39,27 @@ def test_semi_implicit_euler_is_43_degrees_off_where_rk4_is_on_a_flywheel_at_300
     assert off["RK4"] < 4e-8
 
 
+Plant = Callable[[mujoco.MjModel], object]
+
+
+def opened(monkeypatch: pytest.MonkeyPatch, plant: Plant, spin: float = 0.0) -> Engine:
+    """MuJoCo with a fault in its compiled models, its first rotor spinning faster by so much."""
+    engine = engines()["mujoco"]
+
+    def open_planted(scenario: Scenario, method: object, timestep: float) -> MuJoCoSession:
+        model = mujoco.MjModel.from_xml_string(mjcf(scenario, ANY_TIMESTEP, "RK4"))
+        plant(model)
+        model.opt.timestep = timestep
+        qvel = model.key(0).qvel.copy()
+        qvel[6] += spin
+        return MuJoCoSession(scenario, model, model.key(0).qpos, qvel)
+
+    monkeypatch.setattr(engine, "open", open_planted, raising=False)
+    return engine
+
+
 def planted(model: mujoco.MjModel, fault: str) -> None:
-    """A fault in a compiled model of `free-rotors`: of its free rotor, or of its driven one."""
+    """A fault in a model of `free-rotors`: of its free rotor, or of its driven one."""
     match fault:
         case "armature":
             model.dof_armature[6] = 0.01
@@ -52,8 +73,6 @@ def planted(model: mujoco.MjModel, fault: str) -> None:
             model.jnt_pos[1] += (0.1, 0.0, 0.0)
         case "moments":
             model.body_inertia[2] = model.body_inertia[2][[1, 2, 0]]
-        case "spin":
-            pass
 
 
 @each_case(
@@ -71,18 +90,9 @@ def planted(model: mujoco.MjModel, fault: str) -> None:
 def test_a_hinge_with_a_planted_fault_fails_the_run(
     fault: str, words: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    engine, scene = engines()["mujoco"], SCENES["free-rotors"]
-
-    def opened(scenario: Scenario, method: object, timestep: float) -> MuJoCoSession:
-        model = mujoco.MjModel.from_xml_string(mjcf(scenario, ANY_TIMESTEP, "RK4"))
-        planted(model, fault)
-        model.opt.timestep = timestep
-        start = model.key(0)
-        qvel = start.qvel.copy()
-        qvel[6] += 0.1 * (fault == "spin")
-        return MuJoCoSession(scenario, model, start.qpos, qvel)
-
-    monkeypatch.setattr(engine, "open", opened, raising=False)
+    spin = 0.1 * (fault == "spin")
+    engine = opened(monkeypatch, lambda model: planted(model, fault), spin)
+    scene = SCENES["free-rotors"]
     run = engine.run(scene, engine.method("RK4"), 1e-3, np.arange(0, 21, 10))
     assert run.outcome == "failed", fault
     assert words in run.reason
@@ -116,18 +126,13 @@ def test_a_method_that_cannot_says_so() -> None:
 def test_single_steps_show_a_faint_fault_of_a_hinge(
     fault: str, words: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    engine, scene = engines()["mujoco"], library_scene(BOX)
-
-    def opened(scenario: Scenario, method: object, timestep: float) -> MuJoCoSession:
-        model = mujoco.MjModel.from_xml_string(mjcf(scenario, ANY_TIMESTEP, "RK4"))
+    def plant(model: mujoco.MjModel) -> None:
         model.dof_damping[6] = 1e-6 * (fault == "faint damping")
         model.dof_armature[6] = 1e-5 * (fault == "faint armature")
         model.body_inertia[2][2] *= 1 + 1e-4 * (fault == "faint moment")
-        model.opt.disableflags, model.opt.timestep = 0, timestep
-        start = model.key(0)
-        return MuJoCoSession(scenario, model, start.qpos, start.qvel)
+        model.opt.disableflags = 0
 
-    monkeypatch.setattr(engine, "open", opened, raising=False)
+    engine, scene = opened(monkeypatch, plant), library_scene(BOX)
     found = engine.equation_residuals(scene, engine.method("RK4"))
     assert words in found
     assert bool(found) == bool(fault)

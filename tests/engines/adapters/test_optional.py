@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from adapter_checks import CHECKS, Check
-from kinds_of_engines import OPTIONAL, why_missing
+from kinds_of_engines import OPTIONAL, installed
 from library_scenes import library_scene
 from spincheck.engines import Engine, engines, missing
 from spincheck.engines import adapters as adapters_package
@@ -55,9 +55,7 @@ WITHOUT_GYROSCOPIC_TORQUE = ("cannon-es", "havok")
 
 @pytest.fixture(params=OPTIONAL)
 def engine(request: pytest.FixtureRequest):
-    if reason := why_missing(request.param):
-        pytest.skip(reason)
-    return engines()[request.param]
+    return installed(request.param)
 
 
 @pytest.fixture(scope="module", autouse=True)
@@ -137,26 +135,20 @@ def test_its_first_steps_are_the_scenes_but_for_a_torque_that_it_leaves_out(
 
 def test_exudyn_turns_a_body_that_starts_along_the_worlds_axes() -> None:
     """It loses turns of less than 1.5e-8 rad a step from there, and this rod's are."""
-    if reason := why_missing("exudyn"):
-        pytest.skip(reason)
-    engine = engines()["exudyn"]
+    engine = installed("exudyn")
     assert engine.equation_residuals(library_scene("pendulum-just-over"), engine.methods[0]) == ""
 
 
 def test_turns_that_jolt_drops_as_too_small_are_no_other_equation_of_motion() -> None:
     """It does not put back less than 1e-6 rad a step: its error is no smooth function of that."""
-    if reason := why_missing("jolt"):
-        pytest.skip(reason)
-    engine = engines()["jolt"]
+    engine = installed("jolt")
     scenario = library_scene("motor-through-the-threshold")
     assert engine.equation_residuals(scenario, engine.methods[0]) == ""
 
 
 def test_a_damping_that_an_engine_ships_with_is_no_step_of_another_length() -> None:
     """Where a torque makes up for it ω hardly changes, and is larger within each step."""
-    if reason := why_missing("havok"):
-        pytest.skip(reason)
-    engine, timestep = engines()["havok"], 0.0125
+    engine, timestep = installed("havok"), 0.0125
     samples = np.arange(0, 641, 64)
     run = engine.run(library_scene("sphere-pushed"), engine.method("default"), timestep, samples)
     assert run.outcome == "ok"
@@ -170,9 +162,7 @@ def test_a_damping_that_an_engine_ships_with_is_no_step_of_another_length() -> N
 def test_it_keeps_the_contract(
     check: Check, name: str, method: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    if reason := why_missing(name):
-        pytest.skip(reason)
-    engine = engines()[name]
+    engine = installed(name)
     for other in set(SCENES) - OF_MJX if name in COMPILED else ():
         monkeypatch.delitem(SCENES, other)
     check(engine, engine.method(method))
@@ -180,8 +170,7 @@ def test_it_keeps_the_contract(
 
 def test_mjx_compiles_once_for_scenes_that_differ_in_numbers_alone() -> None:
     """Once for each precision, whichever was used before."""
-    if reason := why_missing("mjx"):
-        pytest.skip(reason)
+    installed("mjx")
     compiled = []
     for scene_name, timestep in (("fast-top", 1e-3), ("nutation-loops", 5e-4)):
         scenario = library_scene(scene_name)

@@ -12,9 +12,9 @@ from typing import Any
 import numpy as np
 import pytest
 from case_loops import each_case
-from kinds_of_engines import why_missing
+from kinds_of_engines import installed
 from library_scenes import library_scene
-from spincheck.engines import Engine, engines
+from spincheck.engines import Engine
 from spincheck.engines.adapters.node.discovered import HERE, modules_folder
 from spincheck.engines.checks.read_back import start_state
 from spincheck.engines.child import child_engine
@@ -46,12 +46,6 @@ OWN_BODIES = ("exudyn", *BY_IMPULSES)
 TURN, STEPS = 0.1, 64
 #: How far an order may fall short of the declared one, as in the contract.
 ORDER_SLACK = 0.25
-
-
-def installed(name: str) -> Engine:
-    if reason := why_missing(name):
-        pytest.skip(reason)
-    return engines()[name]
 
 
 def errors_at(engine: Engine, scene: Scenario, timestep: float, steps: int) -> np.ndarray:

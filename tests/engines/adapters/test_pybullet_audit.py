@@ -1,24 +1,35 @@
 """The audit detects torques, gravity and shapes that the scene does not call for."""
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
 import pybullet as p
 import pytest
+from case_loops import each_case
 from pybullet_planted import (
+    BY_CONSTRAINT,
     MAXIMAL,
     METHODS,
     MULTIBODY,
+    STEPS,
     TIMESTEP,
+    change,
+    leave_out,
     opened,
+    rotor,
     run,
+    skip,
 )
-from scenes import SCENES
 from spincheck.engines import Method
 from spincheck.engines.adapters.pybullet import load as pybullet_load
 from spincheck.engines.adapters.pybullet import session as pybullet_session
+from spincheck.scenarios import Scenario
+from spincheck.suite.contract_scenes import SCENES
 
 EPS = np.finfo(float).eps
+
+Plant = Callable[[pytest.MonkeyPatch], None]
 
 
 # Torques
@@ -36,13 +47,6 @@ def test_the_audit_feels_a_torque_that_is_not_applied(name: str, method: Method)
         assert missing not in pybullet_session.what_acts(session.advance, session.model, scenario)
 
 
-def test_the_audit_feels_a_torque_along_the_wrong_axes(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(p, "LINK_FRAME", p.WORLD_FRAME)
-    result = run(SCENES["free-torque-body"], MULTIBODY)
-    assert result.outcome == "failed"
-    assert "a torque of" in result.reason
-
-
 @pytest.mark.parametrize("method", [MULTIBODY, MAXIMAL], ids=lambda method: method.name)
 @pytest.mark.parametrize("name", ["free-torque-body", "free-drag"])
 def test_a_torque_that_turns_must_be_renewed_every_step(name: str, method: Method) -> None:
@@ -55,37 +59,99 @@ def test_a_torque_that_turns_must_be_renewed_every_step(name: str, method: Metho
     assert np.abs(after(at_once=True) - after(at_once=False)).max() > TIMESTEP**2
 
 
-# Extras
+# Faults in what the adapter asks of PyBullet
 
 
-@pytest.mark.parametrize("method", METHODS, ids=lambda method: method.name)
-def test_gravity_that_the_scene_does_not_call_for_fails_the_audit(
-    method: Method, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    real = p.setGravity
-    monkeypatch.setattr(
-        p, "setGravity", lambda x, y, z, **keywords: real(x, y, z - 9.81, **keywords)
-    )
-    result = run(SCENES["pivot"], method)
-    assert result.outcome == "failed"
-    assert "a gravity of [0.0, 0.0, -9.81] m/s²" in result.reason
-
-
-SHAPE = '<collision><geometry><box size="0.1 0.1 0.1"/></geometry></collision>'
-
-
-@pytest.mark.parametrize("method", METHODS, ids=lambda method: method.name)
-def test_a_shape_to_collide_with_fails_the_audit(
-    method: Method, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def in_the_model(old: str, new: str) -> Plant:
+    """Another text of the model."""
     real = pybullet_load.urdf
-    monkeypatch.setattr(
-        pybullet_load,
-        "urdf",
-        lambda scenario, **keywords: real(scenario, **keywords).replace(
-            '<link name="top">', '<link name="top">' + SHAPE
-        ),
-    )
-    result = run(SCENES["pivot"], method)
-    assert result.outcome == "failed"
-    assert "a collision shape" in result.reason
+
+    def plant(patch: pytest.MonkeyPatch) -> None:
+        def written(scenario: Scenario, **keywords: object) -> str:
+            assert old in real(scenario, **keywords)
+            return real(scenario, **keywords).replace(old, new)
+
+        patch.setattr(pybullet_load, "urdf", written)
+
+    return plant
+
+
+def heavy(patch: pytest.MonkeyPatch) -> None:
+    real = p.setGravity
+    patch.setattr(p, "setGravity", lambda x, y, z, **keywords: real(x, y, z - 9.81, **keywords))
+
+
+def along_the_body(patch: pytest.MonkeyPatch) -> None:
+    """A joint's ω along the body's axes, not along its principal ones."""
+    real, omega = p.resetJointStateMultiDof, SCENES["pivot"].start.omega_body
+
+    def reset(body: int, link: int, q: object, _: object, **named: object) -> None:
+        real(body, link, q, omega, **named)
+
+    patch.setattr(p, "resetJointStateMultiDof", reset)
+
+
+SPIN = 10.0
+SHAPE = '<collision><geometry><box size="0.1 0.1 0.1"/></geometry></collision>'
+#: What is planted, in which scene and methods, and in what words the run fails.
+FAULTS: dict[str, tuple[Plant, Scenario, list[Method], str]] = {
+    "default damping": (
+        lambda patch: leave_out(patch, "changeDynamics", "linearDamping", "angularDamping"),
+        *(rotor(SPIN), [MULTIBODY, BY_CONSTRAINT], "a resistance of"),
+    ),
+    "default damping of the com": (
+        lambda patch: leave_out(patch, "changeDynamics", "linearDamping"),
+        *(SCENES["free-thrown"], [MULTIBODY], "a force of"),
+    ),
+    "the default motor": (
+        lambda patch: skip(patch, "setJointMotorControlMultiDof"),
+        *(rotor(SPIN), [MULTIBODY], "a resistance of"),
+    ),
+    "a torque along other axes": (
+        lambda patch: patch.setattr(p, "LINK_FRAME", p.WORLD_FRAME),
+        *(SCENES["free-torque-body"], [MULTIBODY], "a torque of"),
+    ),
+    "gravity": (heavy, SCENES["pivot"], METHODS, "a gravity of [0.0, 0.0, -9.81] m/s²"),
+    "a shape to collide with": (
+        in_the_model('<link name="top">', '<link name="top">' + SHAPE),
+        *(SCENES["pivot"], METHODS, "a collision shape"),
+    ),
+    "no inertia from the file": (
+        lambda patch: change(patch, "loadURDF", flags=0),
+        *(SCENES["free-tilted"], [MULTIBODY, MAXIMAL], "'inertia_com' must read back as"),
+    ),
+    "what is warned of": (
+        in_the_model("<axis", "<no-axis"),
+        *(SCENES["pivot"], [MULTIBODY], "PyBullet warns; PyBullet printed: b3Warning"),
+    ),
+    "what does not load": (
+        in_the_model("</robot>", ""),
+        *(SCENES["free"], [MULTIBODY], "PyBullet cannot load the body"),
+    ),
+    "a velocity along the body": (
+        along_the_body,
+        *(SCENES["pivot"], [MULTIBODY], "'omega_body' must read back as"),
+    ),
+}
+
+
+@each_case(("plant", "scenario", "methods", "words"), FAULTS)
+def test_a_planted_fault_fails_the_run(
+    plant: Plant, scenario: Scenario, methods: list[Method], words: str
+) -> None:
+    for method in methods:
+        with pytest.MonkeyPatch.context() as patch:
+            plant(patch)
+            result = run(scenario, method)
+        assert result.outcome == "failed", method.name
+        assert words in result.reason, result.reason
+
+
+@pytest.mark.parametrize(("fault", "left"), [("default damping", 1.0), ("the default motor", 0.5)])
+def test_a_default_slows_a_rotor(fault: str, left: float, monkeypatch: pytest.MonkeyPatch) -> None:
+    plant, scenario, methods, _ = FAULTS[fault]
+    plant(monkeypatch)
+    for method in methods:
+        motion = run(scenario, method).trajectory
+        assert motion is not None
+        assert motion.omega_body[-1, 2] < left * SPIN * (1 - 1600 * EPS * STEPS[-1])

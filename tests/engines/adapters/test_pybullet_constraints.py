@@ -12,13 +12,13 @@ from pybullet_planted import (
     leave_out,
     opened,
 )
-from scenes import PIVOT, SCENES, SKEW_GRAVITY, scene
 from spincheck.engines import Method
 from spincheck.engines.adapters.pybullet.engine import REPRESENTATIONS
 from spincheck.engines.adapters.pybullet.session import PyBulletSession
 from spincheck.engines.checks.bounds import Bounds
 from spincheck.engines.checks.faults import faults
 from spincheck.engines.checks.turn_faults import Reading
+from spincheck.suite.contract_scenes import PIVOT, SCENES, SKEW_GRAVITY, scene
 
 EPS = np.finfo(float).eps
 

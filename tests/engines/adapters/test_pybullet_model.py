@@ -1,7 +1,6 @@
 """PyBullet's model of a body: what it reads, in which frames, and what it ignores."""
 
 import itertools
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -10,22 +9,19 @@ import pybullet as p
 import pytest
 from pybullet_planted import (
     MAXIMAL,
-    METHODS,
     MULTIBODY,
     STEPS,
     TIMESTEP,
-    change,
     opened,
     rotor,
     run,
 )
-from read_backs import check_read_back
-from scenes import SCENES
 from scipy.spatial.transform import Rotation
-from spincheck.engines import EngineError, Method
+from spincheck.engines import Method
 from spincheck.engines.adapters.pybullet import load as pybullet_load
 from spincheck.engines.adapters.pybullet import session, worlds
 from spincheck.engines.checks.read_back import READ_BACK_SLACK
+from spincheck.suite.contract_scenes import SCENES
 
 EPS = np.finfo(float).eps
 #: A few products of rotations a step, over `STEPS`.
@@ -33,16 +29,6 @@ ROUND_OFF = 16 * EPS * STEPS[-1]
 
 
 # The model file
-
-
-@pytest.mark.parametrize("method", [MULTIBODY, MAXIMAL], ids=lambda method: method.name)
-def test_without_its_flag_the_inertia_is_not_that_of_the_file(
-    method: Method, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    change(monkeypatch, "loadURDF", flags=0)
-    result = run(SCENES["free-tilted"], method)
-    assert result.outcome == "failed"
-    assert result.reason.startswith("'inertia_com' must read back as")
 
 
 class OnePlace:
@@ -84,75 +70,17 @@ def test_a_world_that_has_read_another_of_its_name_does_not_read_it(
     assert result.reason.startswith("'mass' must read back as")
 
 
-def test_a_warning_while_loading_fails_the_run(monkeypatch: pytest.MonkeyPatch) -> None:
-    real = pybullet_load.urdf
-    monkeypatch.setattr(
-        pybullet_load,
-        "urdf",
-        lambda scenario, **keywords: real(scenario, **keywords).replace("<axis", "<no-axis"),
-    )
-    result = run(SCENES["pivot"], MULTIBODY)
-    assert result.outcome == "failed"
-    assert result.reason.startswith("PyBullet warns; PyBullet printed: b3Warning")
-
-
-def test_a_file_that_does_not_load_fails_the_run_with_what_was_printed(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    monkeypatch.setattr(pybullet_load, "urdf", lambda *_, **__: "<robot")
-    result = run(SCENES["free"], MULTIBODY)
-    assert result.outcome == "failed"
-    assert result.reason.startswith("PyBullet cannot load the body")
-    assert "PyBullet printed" in result.reason
-
-
 # Frames
 
 
-@pytest.mark.parametrize("method", METHODS, ids=lambda method: method.name)
-@pytest.mark.parametrize("fault", ["axes", "com"])
-def test_a_body_read_in_the_engines_own_frame_is_another_body(method: Method, fault: str) -> None:
-    scenario = SCENES["heavy-tilted"]
-    with opened(scenario, method) as session:
-        model, state = session.model, session.read_state()
-        check_read_back(scenario, model.read_body(), state)
-        faults = {
-            "axes": {"body_from_principal": Rotation.identity()},
-            "com": {"link_com": np.zeros(3)},
-        }
-        misread = replace(model, **faults[fault])
-        with pytest.raises(EngineError, match="must read back as"):
-            check_read_back(scenario, misread.read_body(), state)
-
-
-@pytest.mark.parametrize("method", METHODS, ids=lambda method: method.name)
-def test_a_state_read_in_the_engines_own_axes_is_another_state(method: Method) -> None:
-    scenario = SCENES["heavy-tilted"]
-    with opened(scenario, method) as session:
-        body = session.read_body()
-        misread = replace(session.model, body_from_principal=Rotation.identity()).read_state()
-        with pytest.raises(EngineError, match="must read back as"):
-            check_read_back(scenario, body, misread)
-
-
-def test_a_spherical_joints_velocity_is_along_the_childs_principal_axes(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_a_spherical_joints_velocity_is_along_the_childs_principal_axes() -> None:
     scenario = SCENES["pivot"]
-    real = p.resetJointStateMultiDof
-    omega_body = scenario.start.omega_body
     with opened(scenario, MULTIBODY) as session:
         held = p.getJointStateMultiDof(session.world.body, 0, session.client)[1]
-        expected = session.model.body_from_principal.inv().apply(np.array(omega_body))
+        expected = session.model.body_from_principal.inv().apply(
+            np.array(scenario.start.omega_body)
+        )
         assert held == pytest.approx(expected, rel=READ_BACK_SLACK)
-    monkeypatch.setattr(
-        p,
-        "resetJointStateMultiDof",
-        lambda body, link, q, _, **k: real(body, link, q, omega_body, **k),
-    )
-    result = run(scenario, MULTIBODY)
-    assert result.outcome == "failed"
-    assert result.reason.startswith("'omega_body' must read back as")
 
 
 def attitude_after_a_step(spin: float) -> float:

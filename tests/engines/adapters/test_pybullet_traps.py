@@ -18,9 +18,7 @@ from pybullet_planted import (
     opened,
     rotor,
     run,
-    skip,
 )
-from scenes import SCENES, scene
 from scipy.spatial.transform import Rotation
 from spincheck.engines import EngineError, Method
 from spincheck.engines.adapters.pybullet import load as pybullet_load
@@ -28,66 +26,24 @@ from spincheck.engines.adapters.pybullet import session as pybullet_session
 from spincheck.engines.adapters.pybullet import world as pybullet_world
 from spincheck.scenarios import Scenario
 from spincheck.scenarios.rotation import matrix
+from spincheck.suite.contract_scenes import SCENES, scene
 
 EPS = np.finfo(float).eps
 #: A few products of rotations a step, over `STEPS`.
 ROUND_OFF = 16 * EPS * STEPS[-1]
 
 
-# Damping
-
-
-@pytest.mark.parametrize("method", METHODS, ids=lambda method: method.name)
-def test_a_rotor_keeps_its_spin(method: Method) -> None:
-    motion = run(rotor(10.0), method).trajectory
-    assert motion is not None
-    assert np.abs(motion.omega_body[:, 2] / 10.0 - 1).max() <= ROUND_OFF
-
-
-@pytest.mark.parametrize("method", [MULTIBODY, BY_CONSTRAINT], ids=lambda method: method.name)
-def test_default_damping_slows_it_and_fails_the_audit(
-    method: Method, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    leave_out(monkeypatch, "changeDynamics", "linearDamping", "angularDamping")
-    result = run(rotor(10.0), method)
-    assert result.outcome == "failed"
-    assert "a resistance of" in result.reason
-    assert result.trajectory is not None
-    assert result.trajectory.omega_body[-1, 2] < 10.0 * (1 - 100 * ROUND_OFF)
-
-
-def test_default_damping_of_the_com_fails_the_audit(monkeypatch: pytest.MonkeyPatch) -> None:
-    leave_out(monkeypatch, "changeDynamics", "linearDamping")
-    result = run(SCENES["free-thrown"], MULTIBODY)
-    assert result.outcome == "failed"
-    assert "a force of" in result.reason
-
-
-# The spherical joint's motor
-
-
-def test_the_default_motor_kills_the_spin_and_fails_the_audit(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    skip(monkeypatch, "setJointMotorControlMultiDof")
-    result = run(rotor(10.0), MULTIBODY)
-    assert result.outcome == "failed"
-    assert "a resistance of" in result.reason
-    assert result.trajectory is not None
-    assert np.abs(result.trajectory.omega_body[-1]).max() < 0.5 * 10.0
-
-
-# The velocity clamp
-
+# Damping, the spherical joint's motor and the velocity clamp: see `test_pybullet_audit`, too.
 
 FAST = 150.0
 
 
 @pytest.mark.parametrize("method", METHODS, ids=lambda method: method.name)
-def test_a_fast_rotor_is_not_clamped(method: Method) -> None:
-    motion = run(rotor(FAST), method).trajectory
+@pytest.mark.parametrize("spin", [10.0, FAST])
+def test_a_rotor_keeps_its_spin_and_is_not_clamped(spin: float, method: Method) -> None:
+    motion = run(rotor(spin), method).trajectory
     assert motion is not None
-    assert np.abs(motion.omega_body[:, 2] / FAST - 1).max() <= ROUND_OFF
+    assert np.abs(motion.omega_body[:, 2] / spin - 1).max() <= ROUND_OFF
 
 
 @pytest.mark.parametrize("method", [MULTIBODY, BY_CONSTRAINT], ids=lambda method: method.name)

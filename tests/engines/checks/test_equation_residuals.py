@@ -11,10 +11,10 @@ from planted import (
     SingleUngyroscopicSession,
     UngyroscopicSession,
 )
-from scenes import SCENES
 from spincheck.engines import engines
 from spincheck.engines.checks.equation_residuals import equation_residuals, starting_with
 from spincheck.scenarios import loads
+from spincheck.suite.contract_scenes import SCENES
 
 pytestmark = pytest.mark.slow
 

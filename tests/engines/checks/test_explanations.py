@@ -2,12 +2,12 @@
 
 import numpy as np
 from case_loops import each_case
-from scenes import SCENES
 from spincheck.engines.checks.equation_residuals import ASKEW, starting_with
 from spincheck.engines.checks.equations import Equations, Gain
 from spincheck.engines.checks.explanations import explanation
 from spincheck.engines.checks.read_back import start_state
 from spincheck.scenarios.rotation import cross
+from spincheck.suite.contract_scenes import SCENES
 
 SCENE = SCENES["heavy-tilted"]
 SPAN = 1e-6

@@ -12,28 +12,24 @@ TURNING = np.column_stack([np.cos(ANGLES), 0.6 * np.sin(ANGLES), 0 * ANGLES, 0.8
 NOTHING = np.zeros((len(ANGLES), 3))
 
 
-def states(q_wxyz: np.ndarray) -> State:
-    return State(q_wxyz, *3 * [NOTHING[: len(q_wxyz)]])
+def single(q_wxyz: np.ndarray) -> np.ndarray:
+    return q_wxyz.astype(np.float32).astype(float)
 
 
-def test_attitudes_rounded_to_24_bits_are_recognised() -> None:
-    rounded = TURNING.astype(np.float32).astype(float)
-    assert "held in 24 bits" in single_precision(states(rounded))
+#: As an integrator's that does not normalise, up to what rounding to 24 bits would be.
+DRIFT = np.linspace(0.0, float(np.finfo(np.float32).eps), len(TURNING))
+ATTITUDES = {
+    "rounded to 24 bits": (single(TURNING), True),
+    "in double precision": (TURNING, False),
+    "of a norm that drifts": (TURNING * (1 + DRIFT)[:, None], False),
+    "too few": (single(TURNING[: FEWEST - 1]), False),
+}
 
 
-def test_attitudes_in_double_precision_are_not() -> None:
-    assert single_precision(states(TURNING)) == ""
-
-
-def test_a_norm_that_drifts_is_not() -> None:
-    """As an integrator's that does not normalise, up to what rounding to 24 bits would be."""
-    drift = np.linspace(0.0, float(np.finfo(np.float32).eps), len(TURNING))
-    assert single_precision(states(TURNING * (1 + drift)[:, None])) == ""
-
-
-def test_too_few_samples_say_nothing() -> None:
-    rounded = TURNING[: FEWEST - 1].astype(np.float32).astype(float)
-    assert single_precision(states(rounded)) == ""
+@pytest.mark.parametrize(("q_wxyz", "is_single"), ATTITUDES.values(), ids=ATTITUDES)
+def test_attitudes_rounded_to_24_bits_are_recognised(q_wxyz: np.ndarray, is_single: bool) -> None:
+    states = State(q_wxyz, *3 * [NOTHING[: len(q_wxyz)]])
+    assert ("held in 24 bits" in single_precision(states)) == is_single
 
 
 @pytest.mark.needs_pybullet

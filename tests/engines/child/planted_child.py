@@ -80,44 +80,34 @@ def answer(call: dict) -> dict:
             return {"error": f"there is no call '{other}'"}
 
 
-def spoilt(call: dict, reply: dict) -> None:
-    """What goes wrong with an answer, in place."""
-    do = call["do"]
-    if FAULT == "heavier" and do == "open":
-        reply["body"]["mass"] *= 1.01
-    elif FAULT == "confesses" and do == "active":
-        reply["active"] = ["wind"]
-    elif FAULT == "faster than time" and do == "time":
-        reply["seconds"] = 1e6
-    elif FAULT == "no number" and do == WHEN:
-        reply["omega"] = [None, 0.0, 0.0]
-    elif FAULT == "three of four" and do == WHEN:
-        reply["q"] = reply["q"][:3]
-    elif FAULT == "a spin too many" and do == WHEN:
-        reply["spins"] = [1.0]
-    elif FAULT == "a part too many" and do == "open":
-        part = {"mass": 1.0, "com": [0, 0, 0], "moments": [1, 1, 1], "frame": [1, 0, 0, 0]}
-        reply["body"]["parts"] = [part | {"axis": [0, 0, 1]}]
-    elif FAULT == "text for numbers" and do == WHEN:
-        reply["com"] = ["0", "0", "0"]
-    elif FAULT == "one key more" and do == WHEN:
-        reply["energy"] = 1.0
-    elif FAULT == "NaN" and do == WHEN:
-        reply["omega"] = [math.nan, 0.0, 0.0]
-    elif FAULT == "another's answer" and do == WHEN:
-        reply["id"] -= 1
-    elif FAULT == "refuses" and do == WHEN:
-        reply.clear()
-        reply.update(id=call["id"], error="the solver\nwill not\x1b[2J")
-    elif FAULT == "refuses hello" and do == "hello":
-        reply.clear()
-        reply.update(id=call["id"], error="the licence has run out")
-    elif FAULT == "true for one":
-        reply["id"] = True
-    elif FAULT == "never says hello":
-        time.sleep(600)
-    elif FAULT == "changes its name" and do == "hello":
-        reply["version"] = str(os.getpid())
+def refuse(reply: dict, words: str) -> None:
+    number = reply["id"]
+    reply.clear()
+    reply.update(id=number, error=words)
+
+
+PART = {"mass": 1.0, "com": [0, 0, 0], "moments": [1, 1, 1], "frame": [1, 0, 0, 0]}
+#: What goes wrong with the answer to a call, in place.
+SPOILT = {
+    ("heavier", "open"): lambda reply: reply["body"].update(mass=1.01 * scene["mass"]),
+    ("a part too many", "open"): lambda reply: reply["body"].update(
+        parts=[PART | {"axis": [0, 0, 1]}]
+    ),
+    ("confesses", "active"): lambda reply: reply.update(active=["wind"]),
+    ("faster than time", "time"): lambda reply: reply.update(seconds=1e6),
+    ("no number", WHEN): lambda reply: reply.update(omega=[None, 0.0, 0.0]),
+    ("NaN", WHEN): lambda reply: reply.update(omega=[math.nan, 0.0, 0.0]),
+    ("three of four", WHEN): lambda reply: reply.update(q=reply["q"][:3]),
+    ("a spin too many", WHEN): lambda reply: reply.update(spins=[1.0]),
+    ("text for numbers", WHEN): lambda reply: reply.update(com=["0", "0", "0"]),
+    ("one key more", WHEN): lambda reply: reply.update(energy=1.0),
+    ("another's answer", WHEN): lambda reply: reply.update(id=reply["id"] - 1),
+    ("refuses", WHEN): lambda reply: refuse(reply, "the solver\nwill not\x1b[2J"),
+    ("refuses hello", "hello"): lambda reply: refuse(reply, "the licence has run out"),
+    ("true for one", "hello"): lambda reply: reply.update(id=True),
+    ("never says hello", "hello"): lambda reply: time.sleep(600),
+    ("changes its name", "hello"): lambda reply: reply.update(version=str(os.getpid())),
+}
 
 
 for line in sys.stdin:
@@ -157,5 +147,5 @@ for line in sys.stdin:
         if FAULT == "speaks unasked":
             answers.write("{}\n{}\n")
     reply = {"id": call["id"]} | answer(call)
-    spoilt(call, reply)
+    SPOILT.get((FAULT, call["do"]), lambda reply: None)(reply)
     answers.write(json.dumps(reply) + "\n")

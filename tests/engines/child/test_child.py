@@ -75,6 +75,12 @@ FAULTS = {
     "NaN": ("protocol", "null says that a number is not finite"),
     "heavier": ("read-back", "'mass' must read back as 2.0, got 2.02"),
     "confesses": ("model", "wind"),
+    # Somebody else is to blame.
+    **{
+        f"killed by {name}": ("killed", f"was killed from outside by {name} instead of answering")
+        for name in ("SIGKILL", "SIGXCPU", "SIGUSR1")
+    },
+    "killed by SIGSTOP": ("environment", "stopped from outside"),
 }
 
 
@@ -105,18 +111,6 @@ def test_a_child_that_refuses_a_step_is_quoted_and_commands_no_terminal() -> Non
     run = ran(planted("refuses"))
     words = "the solver will not\\x1b[2J"
     assert (run.outcome, run.cause, run.reason) == ("diverged", "warning", words)
-
-
-@pytest.mark.parametrize("name", ["SIGKILL", "SIGXCPU", "SIGUSR1"])
-def test_a_child_that_somebody_kills_is_not_to_blame(name: str) -> None:
-    run = ran(planted(f"killed by {name}"))
-    assert (run.outcome, run.cause) == ("failed", "killed")
-    assert f"was killed from outside by {name} instead of answering 'run'" in run.reason
-
-
-def test_a_child_that_somebody_stops_is_not_to_blame() -> None:
-    run = ran(planted("killed by SIGSTOP"))
-    assert (run.outcome, run.cause) == ("failed", "environment")
 
 
 def test_what_a_child_prints_is_in_nobodys_way() -> None:

@@ -8,7 +8,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from scenes import SCENES
 from spincheck.engines import Engine, Method, Session, engines
 from spincheck.engines.adapters.mujoco.engine import MuJoCo
 from spincheck.engines.models.mjcf import mjcf
@@ -23,6 +22,7 @@ from spincheck.reports.harness.study import run_study
 from spincheck.reports.pages.analysis.changes import Change
 from spincheck.reports.results.store import open_store
 from spincheck.scenarios import Scenario
+from spincheck.suite.contract_scenes import SCENES
 
 pytestmark = pytest.mark.slow
 

@@ -3,7 +3,6 @@
 from pathlib import Path
 
 import pytest
-from scenes import GRAVITY, PIVOT, SPUN_UP, TOP, scene
 from spincheck.engines.adapters.mujoco.engine import MuJoCo
 from spincheck.engines.adapters.pybullet.engine import PyBullet
 from spincheck.engines.adapters.pybullet.world import CLAMP, DAMPING, INERTIA, JOINT_MOTOR
@@ -14,6 +13,7 @@ from spincheck.reports.harness.ladder import single
 from spincheck.reports.harness.prepared import prepare
 from spincheck.reports.results.default_records import DefaultEffects
 from spincheck.scenarios import Scenario, loads
+from spincheck.suite.contract_scenes import GRAVITY, PIVOT, SPUN_UP, TOP, scene
 from studies import study
 
 ENGINE = PyBullet()

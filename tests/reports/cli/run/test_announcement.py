@@ -4,12 +4,12 @@ import os
 from dataclasses import replace
 
 import pytest
-from scenes import SCENES
 from spincheck.engines import engines
 from spincheck.reports.cli.run.running import announcement
 from spincheck.reports.harness.choice import Choice
 from spincheck.reports.harness.ladder import QUICK_STEPS
 from spincheck.reports.harness.plan import Plan, SceneLeft
+from spincheck.suite.contract_scenes import SCENES
 
 CHOICE = Choice((engines()["mujoco"], engines()["pybullet"]), max_steps=QUICK_STEPS)
 

@@ -79,8 +79,6 @@ class HalvesTheTurn(Stepped):
 
 
 class ClampedAt100(Stepped):
-    at_every_step = True
-
     def after_step(self) -> None:
         self.omega[:] = np.clip(self.omega, -100.0, 100.0)
 
@@ -88,7 +86,6 @@ class ClampedAt100(Stepped):
 class FallsAsleep(Stepped):
     """After two seconds at less than 0.1 rad/s."""
 
-    at_every_step = True
     slow_for = 0.0
 
     def after_step(self) -> None:
