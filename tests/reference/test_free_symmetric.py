@@ -35,7 +35,9 @@ TIMES = np.concatenate([[0.0], *(np.linspace(0.3, 7.7, 8) + 10.0**k for k in (0,
 def by_two_turns(p: Problem, odd: int, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """q and ω in sixty digits, rounded."""
     with mp.workdps(DIGITS):
-        states = [two_turns(p, odd, t) for t in map(mpf, times)]
+        L = tuple(i * w for i, w in zip(p.moments, p.omega_axes, strict=True))
+        start = p.moments[(odd + 1) % 3], L, p.q_world_axes, p.omega_axes, odd
+        states = [two_turns(*start, t) for t in map(mpf, times)]
         return tuple(np.array([s[k] for s in states], dtype=float) for k in range(2))
 
 

@@ -37,8 +37,10 @@ def test_what_is_stated_of_a_closed_form_grows_with_the_turns_it_has_made():
     scenario = scene(TOP, START, FREE)
     stated = solve(scenario, np.array([0.0, AGES]))
     q_stated = [mpf(x) for x in stated.trajectory.q_world_body_wxyz[1].tolist()]
+    p = rotational_problem(scenario)
     with mp.workdps(DIGITS):
-        q, _ = two_turns(rotational_problem(scenario), 2, mpf(AGES))
+        L = tuple(i * w for i, w in zip(p.moments, p.omega_axes, strict=True))
+        q, _ = two_turns(p.moments[0], L, p.q_world_axes, p.omega_axes, 2, mpf(AGES))
         true_error = min(distance([sign * x for x in q_stated], q) for sign in (1, -1))
     assert true_error > HONESTY * ROUNDING
     assert true_error <= HONESTY * stated.uncertainty.attitude
