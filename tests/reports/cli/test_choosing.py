@@ -41,7 +41,7 @@ def test_an_optional_engine_runs_only_if_it_is_named() -> None:
 def test_a_cluster_runs_no_versions() -> None:
     old = VersionedEngine("mujoco", "3.3.0", engines()["mujoco"].methods, Path("nowhere"))
     with (
-        pytest.raises(Complaint, match="'--dask' runs no versions of engines, got .* mujoco@3.3.0"),
+        pytest.raises(Complaint, match="'--dask' runs no versions of engines"),
         executor_for(Where(1, "127.0.0.1:9"), Choice((old,))),
     ):
         pass
