@@ -28,18 +28,21 @@ class Where:
 
 
 @contextmanager
-def executor_for(where: Where, time_limit: float | None) -> Iterator[Executor]:
-    """Open the executor, and close it at the end."""
+def executor_for(where: Where, choice: Choice) -> Iterator[Executor]:
+    """Open the executor for what was chosen, and close it at the end."""
     check_temporary_folder()
     if where.cluster is None:
-        with LocalWorkers(where.jobs, time_limit) as executor:
+        with LocalWorkers(where.jobs, choice.time_limit) as executor:
             yield executor
         return
+    for engine in choice.engines:
+        if engine.site:
+            raise Complaint(f"'--dask' runs no versions of engines, got '--engine' {engine.name}")
     # What talks to clusters is of no use to others, and takes long to import.
     from ..harness.executors.dask_cluster import ClusterError, DaskCluster
 
     try:
-        with DaskCluster(where.cluster, time_limit) as executor:
+        with DaskCluster(where.cluster, choice.time_limit) as executor:
             yield executor
     except ClusterError as error:
         exit_code = BAD_INPUT if error.bad_address else NOT_RUN

@@ -115,12 +115,12 @@ class SceneItem(pytest.Item):
     def repr_failure(self, excinfo: pytest.ExceptionInfo[BaseException], style: Any = None) -> Any:
         """Show what disagreed; only a fault of this program shows its trace."""
         if isinstance(excinfo.value, Disagreement):
-            return str(excinfo.value)
+            return "\n".join(excinfo.value.args)
         return super().repr_failure(excinfo, style)
 
 
 class Disagreement(Exception):
-    """What an item found, in words."""
+    """What an item found, in lines of words."""
 
 
 class ReferenceItem(SceneItem):
@@ -128,10 +128,8 @@ class ReferenceItem(SceneItem):
 
     def runtest(self) -> None:
         """Raise `Disagreement` with all complaints."""
-        wrong = list(complaints(self.parent.scenario))
-        if wrong:
-            command = f"reproduce with: spincheck reference {self.path}"
-            raise Disagreement("\n".join([*wrong, command]))
+        if wrong := list(complaints(self.parent.scenario)):
+            raise Disagreement(*wrong, f"reproduce with: spincheck reference {self.path}")
 
 
 class EngineItem(SceneItem):
@@ -172,15 +170,11 @@ class EngineItem(SceneItem):
         is_open = verdict.verdict == "unresolved" and verdict.is_unproven
         if not verdict.agrees or is_open:
             raise Disagreement(
-                "\n".join(
-                    [
-                        *verdict.unmet,
-                        f"{verdict.verdict}: {verdict.reason}",
-                        f"reproduce with: spincheck run {self.path} "
-                        f"--engine {self.engine.name} --method {self.method.name}",
-                        *self._remedies(verdict.unmet),
-                    ]
-                )
+                *verdict.unmet,
+                f"{verdict.verdict}: {verdict.reason}",
+                f"reproduce with: spincheck run {self.path} "
+                f"--engine {self.engine.name} --method {self.method.name}",
+                *self._remedies(verdict.unmet),
             )
         if verdict.verdict != "converges" and not (verdict.as_shipped or verdict.expected_failure):
             return f"{verdict.verdict}: {verdict.reason}"

@@ -44,7 +44,13 @@ def run_study(
     store.put_methods(choice.engines)
     if left.scenes:
         compile_side_by_side(executor)
-    for verdict in executor.each(_methods_left(left, choice, store, executor)):
+    tasks = (
+        partial(study_method, scene.scenario, engine, method, reference, choice, store, executor)
+        for scene in left.scenes
+        for reference in [SceneReference(scene.scenario, choice)]
+        for engine, method in scene.to_run
+    )
+    for verdict in executor.each(tasks):
         key = verdict.key
         progress(f"{key.scenario}  {key.engine} {key.method}: {verdict.verdict}")
     alone = executor.alone()
@@ -134,18 +140,18 @@ def run_rungs(
     if not engine.unsupported(scenario, method):
         _examine(study, executor)
     runs = study.runs()
-    planned = next(runs, None)
-    while planned is not None:
-        rung = planned.rung
-        row = (stored or {}).get(rung.timestep)
-        if row is None or not planned.is_answered_by(row):
-            answer = executor.call_at(engine.site, simulate, engine, scenario, method.name, rung)
-            row = study.compare(planned, answer)
-            yield row
-        try:
+    with suppress(StopIteration):
+        planned = next(runs)
+        while True:
+            rung = planned.rung
+            row = (stored or {}).get(rung.timestep)
+            if row is None or not planned.is_answered_by(row):
+                answer = executor.call_at(
+                    engine.site, simulate, engine, scenario, method.name, rung
+                )
+                row = study.compare(planned, answer)
+                yield row
             planned = runs.send(row)
-        except StopIteration:
-            planned = None
     _restart(study, executor)
 
 
@@ -214,18 +220,6 @@ def _restart(study: ConvergenceStudy, executor: Executor) -> None:
         found = executor.call_at(study.engine.site, restarted, *arguments).value
         if isinstance(found, float):
             study.memory = max(found, study.memory or 0.0)
-
-
-def _methods_left(
-    left: Plan, choice: Choice, store: Store, executor: Executor
-) -> Iterator[Callable[[], Verdict]]:
-    """One task for each method of each scene; those of a scene share its exact motion."""
-    for scene in left.scenes:
-        reference = SceneReference(scene.scenario, choice)
-        for engine, method in scene.to_run:
-            yield partial(
-                study_method, scene.scenario, engine, method, reference, choice, store, executor
-            )
 
 
 def _unsolved(

@@ -6,7 +6,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from ..float_array import FloatArray
-from .mjcf_bounds import check, include
+from .mjcf_bounds import include_and_check
 from .model_file import IDENTITY, Folders, Link, Pose, Stated
 from .xml_tree import Element, numbers, shown, vector
 
@@ -34,8 +34,7 @@ def read_mjcf(root: Element, folders: Folders) -> tuple[tuple[Link, ...], tuple[
     ModelFileError
         If a number is not one, an include lies outside the folders, or there are too many bodies.
     """
-    include(root, folders)
-    check(root, folders)
+    include_and_check(root, folders)
     reader = _Reader(_compiler(root))
     for world in root.all("worldbody"):
         reader.read(world, "", IDENTITY)

@@ -1,7 +1,4 @@
-"""What MuJoCo may read and make of an MJCF file: nothing outside its folders, no more than it can.
-
-Included files are put in place, as MuJoCo does before it reads the rest.
-"""
+"""What MuJoCo may read and make of an MJCF file: no file elsewhere, no more than it can."""
 
 from collections.abc import Iterable
 from pathlib import Path
@@ -21,14 +18,22 @@ COUNTED = ("replicate", "composite", "flexcomp")
 MAX_SIZE = 10_000
 
 
-def include(root: Element, folders: Folders) -> None:
-    """Put the contents of included files where they are included.
+def include_and_check(root: Element, folders: Folders) -> None:
+    """Put included files in place, and see that MuJoCo reads and makes no more than it may.
 
     Raises
     ------
     ModelFileError
-        If one is not inside the folders, or is included twice.
+        If a file lies outside the folders or is included twice, or too much would be made.
     """
+    _include(root, folders)
+    _check_files(root, folders)
+    _check_counts(root)
+    _check_sizes(root)
+
+
+def _include(root: Element, folders: Folders) -> None:
+    """Put the contents of included files where they are included."""
     seen: set[object] = set()
     for element in root.walk():
         while any(child.tag == "include" for child in element.children):
@@ -56,19 +61,6 @@ def _found(element: Element, name: str, places: Iterable[str], folders: Folders)
             "one given by '--package-path'"
         )
     return path
-
-
-def check(root: Element, folders: Folders) -> None:
-    """See that MuJoCo reads no other file than those in the folders, and makes no more than it can.
-
-    Raises
-    ------
-    ModelFileError
-        If it would.
-    """
-    _check_files(root, folders)
-    _check_counts(root)
-    _check_sizes(root)
 
 
 def _check_files(root: Element, folders: Folders) -> None:

@@ -117,6 +117,7 @@ def _parts(scene: SceneRuns, what: str, runs: tuple[Compared, ...]) -> list[Figu
     name, part = WHAT[what]
     drawn = {titled.name: titled for section in figures(scene).values() for titled in section}
     if name not in drawn:
-        raise Complaint(f"{scene.name}: has no figure '{what}'")
+        there = ", ".join(word for word, (figure, _) in WHAT.items() if figure in drawn)
+        raise Complaint(f"{scene.name}: has no figure '{what}', but {there}")
     parts = drawn[name].parts if part is None else drawn[name].parts[part : part + 1]
     return [with_runs(figure, scene, runs) for figure in parts]

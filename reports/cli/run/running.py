@@ -129,7 +129,7 @@ def run(
         if left.scenes:
             say_if_compiling()
         with (
-            executor_for(where, choice.time_limit) as executor,
+            executor_for(where, choice) as executor,
             progress(left.total) as advance,
         ):
             run_study(left, choice, store, executor, advance)

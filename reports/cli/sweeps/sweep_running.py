@@ -265,7 +265,7 @@ def _carried_out(
         if complete < total:
             say_if_compiling()
             with (
-                executor_for(where, choice.time_limit) as executor,
+                executor_for(where, choice) as executor,
                 progress(total - complete, PROGRESS_LINES) as advance,
             ):
                 for planned, base in left:

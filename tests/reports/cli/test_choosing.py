@@ -8,9 +8,11 @@ import pytest
 from library_scenes import library_scene
 from spincheck.engines import Missing, engines
 from spincheck.engines.adapters.node.discovered import FAMILY
+from spincheck.engines.versions.engine import VersionedEngine
 from spincheck.reports.cli import choosing
-from spincheck.reports.cli.choosing import choose
+from spincheck.reports.cli.choosing import Where, choose, executor_for
 from spincheck.reports.cli.terminal import BAD_INPUT, NOT_RUN, Complaint
+from spincheck.reports.harness.choice import Choice
 
 PLANTED = Path(__file__).parents[2] / "engines" / "child" / "planted_child.py"
 #: What runs without being named, if it is installed.
@@ -34,6 +36,15 @@ def test_an_optional_engine_runs_only_if_it_is_named() -> None:
     for engine in engines().values():
         assert engine.is_optional == (engine.name not in ALWAYS and not engine.of_file)
         assert engine.name in names(engine.name.upper())
+
+
+def test_a_cluster_runs_no_versions() -> None:
+    old = VersionedEngine("mujoco", "3.3.0", engines()["mujoco"].methods, Path("nowhere"))
+    with (
+        pytest.raises(Complaint, match="'--dask' runs no versions of engines"),
+        executor_for(Where(1, "127.0.0.1:9"), Choice((old,))),
+    ):
+        pass
 
 
 def test_a_family_is_asked_for_by_its_name(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -82,7 +82,7 @@ def test_a_png_is_a_picture(tmp_path: Path) -> None:
     ("what", "scene", "message"),
     [
         ("thetha", "nutation-loops", "must be one of theta, omega"),
-        ("potential", "book-middle-axis", "has no figure 'potential'"),
+        ("potential", "book-middle-axis", "has no figure 'potential', but theta, omega, polhode"),
         ("convergence", "nutation-loops", "'spincheck run nutation-loops' makes them"),
     ],
 )
