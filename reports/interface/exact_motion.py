@@ -27,6 +27,7 @@ class ExactStates:
     q_world_body_wxyz : (n, 4) unit quaternions, scalar first: body to world components
     omega_body, omega_world : (n, 3) rad/s
     com_world, velocity_world : (n, 3) m and m/s, of the centre of mass
+    spins : (n, rotors) rad/s, of rotors relative to the body
     angular_momentum_world : (n, 3) kg m²/s, about the pivot, or the com where there is none
     energy : (n,) J, kinetic and potential, the latter zero at the world's origin
     uncertainty : an upper bound on the error in each signal: `uncertainty["attitude"]` in rad,
@@ -40,6 +41,7 @@ class ExactStates:
     omega_world: FloatArray
     com_world: FloatArray
     velocity_world: FloatArray
+    spins: FloatArray
     angular_momentum_world: FloatArray
     energy: FloatArray
     uncertainty: Errors
@@ -79,6 +81,7 @@ class ExactMotion:
             motion.to_world(motion.omega_body),
             motion.com_world,
             motion.velocity_world,
+            motion.spins,
             angular_momentum_world(self._scenario, motion),
             energy(self._scenario, motion),
             solution.uncertainty,
