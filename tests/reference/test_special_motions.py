@@ -1,6 +1,8 @@
 """Special motions are the limits of neighbouring ones: closed forms join continuously."""
 
+from collections.abc import Callable
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
@@ -89,6 +91,14 @@ SPECIAL = {
 }
 
 
+@cache
+def states(
+    disturbed: Callable[[str, float], Problem], kind: str, epsilon: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """The closed form's, at `TIMES`."""
+    return closed_form(disturbed(kind, epsilon)).states(TIMES)
+
+
 def reach(kind: str, unstable: dict[str, float], epsilon: float) -> float:
     """How far a neighbour may have gone."""
     return GROWTH * np.exp(unstable.get(kind, 0.0) * TIMES[-1]) * epsilon + GOAL
@@ -97,11 +107,11 @@ def reach(kind: str, unstable: dict[str, float], epsilon: float) -> float:
 @each_case("epsilon", [1e-3, 1e-6, 1e-9, 1e-12, 1e-14, 1e-30])
 @each_case(("disturbed", "kind", "unstable"), SPECIAL)
 def test_a_special_motion_is_the_limit_of_its_neighbours(disturbed, kind, unstable, epsilon):
-    special, near = (closed_form(disturbed(kind, e)).states(TIMES) for e in (0.0, epsilon))
+    special, near = (states(disturbed, kind, e) for e in (0.0, epsilon))
     assert apart(near, special) < reach(kind, unstable, epsilon)
 
 
 @each_case(("disturbed", "kind", "unstable"), SPECIAL)
 def test_a_neighbour_further_away_is_not_that_close(disturbed, kind, unstable):
-    special, far = (closed_form(disturbed(kind, e)).states(TIMES) for e in (0.0, 1e-2))
+    special, far = (states(disturbed, kind, e) for e in (0.0, 1e-2))
     assert apart(far, special) > reach(kind, unstable, 1e-6)
