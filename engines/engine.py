@@ -14,6 +14,7 @@ from ..scenarios.fastest_rate import decay_rate, parts_rate
 from .checks.audit import audit
 from .checks.bounds import Bounds
 from .checks.equation_residuals import equation_residuals
+from .checks.equations import NO_ARM, Equations
 from .checks.faults import clamped_turn
 from .checks.precision import single_precision
 from .checks.read_back import (
@@ -268,12 +269,13 @@ class Engine(ABC):
         self, scenario: Scenario, method: Method, timestep: float, body: BodyReading
     ) -> Bounds:
         """What the states of a run are checked against."""
+        has_arm = float(np.linalg.norm(body.com)) > NO_ARM * Equations(scenario).reach
         return Bounds(
             timestep,
             method.max_rotation_per_step,
             self.slack,
             decay_rate(scenario) + parts_rate(scenario) + method.damping,
-            body.com if scenario.constraint.is_pivot else None,
+            body.com if has_arm and scenario.constraint.is_pivot else None,
             self.steps_angles(scenario, method),
         )
 

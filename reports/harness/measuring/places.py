@@ -98,13 +98,11 @@ def places(scenario: Scenario, motion: Trajectory, coarsest: float | None) -> Pl
     states, times = states.rows(bears), np.append(along.t, [np.nan] * len(ASKEW))[bears]
     starts = np.unique(np.linspace(0, len(chosen) - 1, PIECES).astype(int))
     condition = float(np.linalg.cond(scenario.inertia)) + _of_parts(scenario, motion)
-    spans: FloatArray = timestep * np.arange(0.0, PIECE_STEPS + 1, SAMPLE_EVERY)
+    spans = np.asarray(timestep * np.arange(0, PIECE_STEPS + 1, SAMPLE_EVERY), dtype=float)
     followed = _followed(scenario, states.rows(starts), spans)
-    is_borne: NDArray[np.bool_] = np.all(
-        Equations(scenario).bears(followed).reshape(len(starts), -1), axis=1
-    )
+    is_borne = np.all(Equations(scenario).bears(followed).reshape(len(starts), -1), axis=1)
     # The window has as many steps: from its start a piece ends before the body leaves its table.
-    is_borne[0] = True
+    is_borne |= starts == starts[0]
     borne = followed.rows(np.repeat(is_borne, len(spans)))
     pieces = _pieces(scenario, borne, timestep, condition)
     starts = starts[is_borne]

@@ -11,9 +11,9 @@ from spincheck.scenarios.rotation import matrix
 ARM = 25.0
 
 
-def unlike(inertia):
+def unlike(inertia, arm=ARM):
     """What is told of a body far from its origin that is held with that tensor."""
-    far = scene(("com = [0.1, 0.2, 0.3]", f"com = [{ARM}, 0.0, 0.0]"))
+    far = scene(("com = [0.1, 0.2, 0.3]", f"com = [{arm}, 0.0, 0.0]"))
     held = BodyReading(far.body.mass, far.body.com, inertia)
     start = far.start
     state = State(
@@ -32,6 +32,14 @@ def test_a_tensor_is_measured_about_the_com(times):
 def test_a_tensor_is_reported_within_its_own_rounding_however_long_the_arm():
     assert unlike(np.diag([1.0, 2.0, 2.5]) * (1 + READ_BACK_SLACK / 2)) == []
     assert len(unlike(np.diag([1.0, 2.0, 2.5]) * (1 + 2 * READ_BACK_SLACK))) == 1
+
+
+def test_a_tensor_that_is_held_about_the_origin_rounds_there():
+    arm, tensor = 1e4, np.diag([1.0, 2.0, 2.5])
+    ulp = float(np.spacing(2.0 * arm**2)) * np.diag([0.0, 1.0, 1.0])
+    assert 2 * ulp.max() > 1e3 * READ_BACK_SLACK
+    assert unlike(tensor + 2 * ulp, arm) == []
+    assert len(unlike(tensor + 16 * ulp, arm)) == 1
 
 
 ORDER = "its components are permuted, w x y z for x y z w"

@@ -241,9 +241,7 @@ def test_the_table_is_walked_with_arrow_keys_and_tells_each_run(visit, folder):
     page.keyboard.press("ArrowRight")
     expect(page.locator("#detail")).to_contain_text("fast-top, mujoco default")
     page.keyboard.press("ArrowDown")
-    expect(page.locator("#detail")).to_contain_text(
-        re.compile("^wheel-in-a-box, mujoco.* spins ")
-    )
+    expect(page.locator("#detail")).to_contain_text(re.compile("^wheel-in-a-box, mujoco.* spins "))
     page.keyboard.press("Enter")
     page.wait_for_url("**/scenes/wheel-in-a-box.html*")
 

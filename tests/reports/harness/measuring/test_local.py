@@ -3,6 +3,7 @@
 Verified is what single steps and pieces show; what ladders show is in `test_false_passes.py`.
 """
 
+import numpy as np
 import pytest
 import stepped_faults as planted
 from faulty_mujoco import FaultyMuJoCo, PlantedFault, applies
@@ -233,6 +234,8 @@ def test_a_place_that_rounding_hides_accuses_no_method(method, arm):
     )
     engine, places = engines()["pybullet"], prepare(pinned, (), FEW).places
     assert examine(engine, pinned, method, places).finding == ""
+    run = engine.run(pinned, engine.method(method), 2.0**-7, np.arange(0, 65, 8))
+    assert run.outcome == "ok", run.reason
 
 
 @pytest.mark.needs_pybullet
