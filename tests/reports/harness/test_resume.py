@@ -41,11 +41,6 @@ TIMED = replace(LADDER, timed=True)
 ALONE = Choice(ENGINES[:1], timesteps=(0.02,), timed=False)
 
 
-@pytest.fixture
-def path(tmp_path):
-    return tmp_path / "results.sqlite"
-
-
 def run(
     path: Path,
     choice: Choice = LADDER,

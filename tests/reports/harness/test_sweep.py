@@ -54,11 +54,6 @@ FAULTLESS = Choice((planted(HeunSession),), timed=False)
 CRASHING = Choice((planted(HeunSession), planted(SegfaultSession)), timed=False)
 
 
-@pytest.fixture
-def path(tmp_path):
-    return tmp_path / "results.sqlite"
-
-
 def sweep(
     path: Path,
     definition=MAP,

@@ -71,11 +71,6 @@ def row() -> Row:
 
 
 @pytest.fixture
-def path(tmp_path):
-    return tmp_path / "results.sqlite"
-
-
-@pytest.fixture
 def solved(path):
     """The file has the scene, without which a run is none."""
     with open_store(path, create=True) as store:

@@ -1,0 +1,23 @@
+"""Fixtures of more than one folder: a result file to be begun, and pytest on files of a test's."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from _pytest.pytester import Pytester, RunResult, SysModulesSnapshot
+
+
+@pytest.fixture
+def path(tmp_path: Path) -> Path:
+    """Where a result file may be begun."""
+    return tmp_path / "results.sqlite"
+
+
+@pytest.fixture
+def run_pytest(pytester: Pytester, monkeypatch: pytest.MonkeyPatch) -> Callable[..., RunResult]:
+    """Run pytest in this process, for modules with the plugin `pytester`."""
+    # pytester would forget what is imported meanwhile, and numba imports its parts but once.
+    keeping_all = SysModulesSnapshot(preserve=lambda _: True)
+    monkeypatch.setattr(pytester, "_sys_modules_snapshot", keeping_all)
+    monkeypatch.setattr(pytester, "_Pytester__take_sys_modules_snapshot", lambda: keeping_all)
+    return lambda *arguments: pytester.runpytest_inprocess("-p", "no:cacheprovider", *arguments)
