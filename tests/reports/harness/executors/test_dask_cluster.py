@@ -57,13 +57,9 @@ def here(tmp_path_factory) -> tuple[PlacedRow, ...]:
 
 
 @pytest.mark.processes
-def test_the_points_of_a_sweep_are_those_of_this_process_to_the_last_bit(tmp_path, scheduler, here):
-    cluster = DaskCluster(scheduler.scheduler_address)
-    assert sweep(tmp_path / "there.sqlite", cluster) == here
-
-
-@pytest.mark.processes
-def test_two_of_them_on_one_cluster_do_not_meet(tmp_path, scheduler, here):
+def test_two_sweeps_on_one_cluster_have_the_points_of_this_process_to_the_last_bit(
+    tmp_path, scheduler, here
+):
     clusters = [DaskCluster(scheduler.scheduler_address) for _ in range(2)]
     with ThreadPoolExecutor(len(clusters)) as pool:
         paths = [tmp_path / f"{k}.sqlite" for k in range(len(clusters))]
@@ -158,7 +154,7 @@ def _another() -> Callable[[], tuple[bytes, str]]:
     return lambda: (b"another", "")
 
 
-def test_where_no_scheduler_answers_it_is_reported(monkeypatch):
+def test_where_no_scheduler_answers_it_is_waited_for_no_longer_than_the_limit(monkeypatch):
     monkeypatch.setattr(dask_cluster, "CONNECT_LIMIT", 0.1)
     with socket.socket() as free:
         free.bind(("127.0.0.1", 0))
@@ -166,10 +162,6 @@ def test_where_no_scheduler_answers_it_is_reported(monkeypatch):
     with pytest.raises(ClusterError, match=f"no scheduler answers at 127.0.0.1:{port}") as failed:
         DaskCluster(f"127.0.0.1:{port}")
     assert not failed.value.bad_address
-
-
-def test_a_scheduler_that_is_silent_is_waited_for_no_longer_than_the_limit(monkeypatch):
-    monkeypatch.setattr(dask_cluster, "CONNECT_LIMIT", 0.1)
 
     async def silent(address: str) -> None:
         await asyncio.sleep(600)

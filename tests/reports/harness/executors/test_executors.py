@@ -59,6 +59,10 @@ def executor(request) -> Iterator[Executor]:
 
 def test_a_call_returns_what_the_function_does(executor):
     assert executor.call(calls.power, 3, exponent=4).value == 81
+    # Alone it makes one call at a time.
+    alone = executor.alone()
+    assert alone.width == 1
+    assert alone.call(calls.power, 5).value == 25
 
 
 @pytest.mark.parametrize(
@@ -120,12 +124,6 @@ def test_several_threads_may_call_at_once(executor):
     for thread in threads:
         thread.join()
     assert sorted(values) == [0, 1]
-
-
-def test_alone_makes_one_call_at_a_time(executor):
-    alone = executor.alone()
-    assert alone.width == 1
-    assert alone.call(calls.power, 5).value == 25
 
 
 @pytest.fixture(params=KINDS, ids=lambda kind: kind.__name__)

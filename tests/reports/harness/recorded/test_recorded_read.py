@@ -20,20 +20,14 @@ def written(folder, text, name="motion.csv"):
 
 
 def test_a_table_is_read_by_the_names_of_its_columns(tmp_path):
-    recording = read_recording(
-        written(
-            tmp_path, "wz,t,qw,qx,qy,qz,wx,wy,load\n2,0,1,0,0,0,0.5,0,7\n2,0.1,1,0,0,0,0.5,0,7\n"
-        )
-    )
+    text = "wz,t,qw,qx,qy,qz,wx,wy,load\n2,0,1,0,0,0,0.5,0,7\n2,0.1,1,0,0,0,0.5,0,7\n"
+    recording = read_recording(written(tmp_path, text))
     assert recording.arrays["omega"].tolist() == [[0.5, 0, 2], [0.5, 0, 2]]
     assert recording.arrays["t"].tolist() == [0, 0.1]
     assert recording.ignored == ("load",)
-
-
-@pytest.mark.parametrize("delimiter", [";", "\t", " "])
-def test_other_delimiters_mean_the_same(tmp_path, delimiter):
-    recording = read_recording(written(tmp_path, GOOD.replace(",", delimiter)))
-    assert recording.arrays["q"].tolist() == [[1, 0, 0, 0]] * 2
+    for delimiter in ";\t ":
+        recording = read_recording(written(tmp_path, GOOD.replace(",", delimiter)))
+        assert recording.arrays["q"].tolist() == [[1, 0, 0, 0]] * 2
 
 
 def test_units_in_brackets_become_si(tmp_path):
@@ -89,10 +83,7 @@ WRONG = {
     "not a number": (GOOD.replace("0.5", "nan", 1), "line 2: 'nan' must be a finite number"),
     "text": (GOOD.replace("0.5", "fast", 1), "line 2: 'fast' must be a finite number"),
     "a short row": (GOOD + "0.2,1\n", "line 4 must have 8 columns, got 2"),
-    "times back": (
-        GOOD + ROW + "\n",
-        "times must increase, got 0.10000000000000001 s and then 0 s",
-    ),
+    "times back": (f"{GOOD}{ROW}\n", "times must increase, got 0.10000000000000001 s and then 0"),
     "times twice": (
         GOOD + "0.1,1,0,0,0,0.5,0,2\n",
         "0.10000000000000001 s in samples 1 and 2, counted from 0; sort the samples",
@@ -148,28 +139,22 @@ def test_an_endless_file_is_read_no_further_than_samples_go(tmp_path, monkeypatc
         read_recording(written(tmp_path, GOOD.splitlines()[0] + "\n" + rows))
 
 
-@pytest.mark.parametrize("name", ["motion.xls", "motion"])
-def test_other_kinds_of_files_are_refused(tmp_path, name):
-    with pytest.raises(RecordingError, match=r"its name must end in one of \.csv"):
-        read_recording(written(tmp_path, GOOD, name))
-
-
-def test_a_pipe_is_not_waited_for(tmp_path):
-    os.mkfifo(tmp_path / "motion.csv")
-    with pytest.raises(RecordingError, match="is not a regular file"):
-        read_recording(tmp_path / "motion.csv")
-
-
-def test_bytes_that_are_no_text_are_refused(tmp_path):
-    (tmp_path / "motion.csv").write_bytes(b"t,qw\xff\n")
-    with pytest.raises(RecordingError, match="must be text in UTF-8"):
-        read_recording(tmp_path / "motion.csv")
-
-
-def test_a_damaged_archive_is_refused(tmp_path):
-    (tmp_path / "motion.npz").write_bytes(b"PK\x03\x04 and nothing else")
-    with pytest.raises(RecordingError, match="is no npz archive that can be read"):
-        read_recording(tmp_path / "motion.npz")
+@pytest.mark.parametrize(
+    ("name", "content", "words"),
+    [
+        ("motion.xls", GOOD.encode(), r"its name must end in one of \.csv"),
+        ("motion", GOOD.encode(), r"its name must end in one of \.csv"),
+        ("motion.csv", None, "is not a regular file"),
+        ("motion.csv", b"t,qw\xff\n", "must be text in UTF-8"),
+        ("motion.npz", b"PK\x03\x04 and nothing else", "is no npz archive that can be read"),
+    ],
+    ids=["another kind", "no kind", "a pipe, not waited for", "no text", "a damaged archive"],
+)
+def test_other_files_are_refused(tmp_path, name, content, words):
+    path = tmp_path / name
+    os.mkfifo(path) if content is None else path.write_bytes(content)
+    with pytest.raises(RecordingError, match=words):
+        read_recording(path)
 
 
 def test_single_precision_is_stated_or_seen_in_the_attitudes() -> None:
