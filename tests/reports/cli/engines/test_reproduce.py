@@ -46,9 +46,8 @@ def test_the_file_alone_finds_the_error_that_the_harness_finds(
     assert "spincheck." not in text.replace("by spincheck ", "")
     file.write_text(text, encoding="utf-8")
     # -I: nothing but what is installed; no spincheck is imported.
-    done = subprocess.run(
-        [sys.executable, "-I", str(file)], capture_output=True, text=True, check=True
-    )
+    command = [sys.executable, "-I", str(file)]
+    done = subprocess.run(command, capture_output=True, text=True, check=True)
     steps, errors = printed_errors(done.stdout, TIMESTEP)
     expected = harness_errors(scenario, chosen, chosen.method(method), TIMESTEP, steps)
     assert errors == pytest.approx(expected, rel=PRINTED)
@@ -79,17 +78,21 @@ def coordinates(run: Mapping[str, Any]) -> object:
     return [*run["data"].qpos, *run["data"].qvel]
 
 
-def test_an_engine_without_a_script_is_reported() -> None:
-    scenario, engine = library_scene("tennis-racket"), engines()["mujoco-file"]
-    with pytest.raises(Complaint, match=r"one of .*mujoco, .*pybullet.*, got 'mujoco-file'"):
-        reproduction(scenario, engine, engine.methods[0], TIMESTEP)
-
-
 @pytest.mark.needs_pybullet
-def test_a_method_that_cannot_simulate_the_scene_is_reported() -> None:
-    scenario, engine = library_scene("tennis-racket"), engines()["pybullet"]
-    with pytest.raises(Complaint, match="multibody-p2p is for scenes with pivot"):
-        reproduction(scenario, engine, engine.method("multibody-p2p"), TIMESTEP)
+@pytest.mark.parametrize(
+    ("name", "method", "words"),
+    [
+        ("mujoco-file", "RK4", r"one of .*mujoco, .*pybullet.*, got 'mujoco-file'"),
+        ("pybullet", "multibody-p2p", "multibody-p2p is for scenes with pivot"),
+    ],
+    ids=["mujoco-file", "pybullet"],
+)
+def test_what_has_no_script_or_cannot_simulate_the_scene_is_reported(
+    name: str, method: str, words: str
+) -> None:
+    scenario, engine = library_scene("tennis-racket"), engines()[name]
+    with pytest.raises(Complaint, match=words):
+        reproduction(scenario, engine, engine.method(method), TIMESTEP)
 
 
 def test_an_engine_at_a_version_has_the_script_of_its_adapter() -> None:
