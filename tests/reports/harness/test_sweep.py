@@ -115,14 +115,13 @@ def test_what_is_read_back_is_what_was_put(finished, path):
         assert stored.scenario.text == SCENE.text
 
 
-def test_nothing_that_is_there_is_run_again_unless_that_is_asked_for(finished):
-    path, points = finished
-    assert points_missing(path) == 0
-    assert points_missing(path, choice=replace(FAULTLESS, again=True)) == len(points)
+def test_nothing_that_is_there_is_run_again_unless_that_is_asked_for(swept):
+    assert points_missing(swept) == 0
+    assert points_missing(swept, choice=replace(FAULTLESS, again=True)) == 6
     # With its axes swapped a map shares all points, and a finer one those that both have.
-    assert points_missing(path, replace(MAP, axes=(STEPS, SPIN))) == 0
+    assert points_missing(swept, replace(MAP, axes=(STEPS, SPIN))) == 0
     finer = replace(MAP, axes=(SPIN, replace(STEPS, values=(0.005, *STEPS.values))))
-    assert points_missing(path, finer) == len(SPIN.values)
+    assert points_missing(swept, finer) == len(SPIN.values)
 
 
 def engines_left(path: Path, choice: Choice) -> list[list[str]]:

@@ -16,13 +16,9 @@ def report(folder, *names: str) -> set[str]:
     return paths - {LIST}
 
 
-def test_pages_of_an_earlier_report_go(tmp_path):
+def test_pages_of_an_earlier_report_go_and_files_of_others_stay(tmp_path):
     assert report(tmp_path, "index.html", "scenes/a.html") == {"index.html", "scenes/a.html"}
     assert report(tmp_path, "index.html", "scenes/b.html") == {"index.html", "scenes/b.html"}
-
-
-def test_files_of_others_stay(tmp_path):
-    report(tmp_path, "index.html", "scenes/a.html")
     (tmp_path / "scenes" / "mine.html").write_text("mine")
     assert report(tmp_path, "index.html") == {"index.html", "scenes/mine.html"}
 
@@ -88,12 +84,8 @@ def test_a_folder_of_somebody_elses_is_not_written_into(tmp_path):
     assert (tmp_path / "index.html").read_text() == "mine"
 
 
-def test_hidden_files_are_no_reason_to_refuse_a_folder(tmp_path):
+def test_hidden_files_and_a_list_that_is_no_text_are_no_reason_to_refuse_a_folder(tmp_path):
     (tmp_path / ".nojekyll").touch()
     assert report(tmp_path, "index.html") == {".nojekyll", "index.html"}
-
-
-def test_a_list_that_is_no_text_is_ignored(tmp_path):
-    report(tmp_path, "index.html")
     (tmp_path / LIST).write_bytes(b"\xff\xfe")
-    assert report(tmp_path, "index.html") == {"index.html"}
+    assert report(tmp_path, "index.html") == {".nojekyll", "index.html"}
