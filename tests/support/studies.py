@@ -19,6 +19,13 @@ from spincheck.scenarios import Scenario
 Progress = Callable[[str], object]
 
 
+class Nowhere:
+    """A result file that keeps nothing."""
+
+    def put(self, *_: object) -> None:
+        """Drop the records."""
+
+
 def study(
     path: Path,
     scenes: Sequence[Scenario],

@@ -8,20 +8,12 @@ import sys
 from collections.abc import Iterator
 from pathlib import Path
 
-ROOT = Path(__file__).parents[3]
-sys.path.insert(0, str(ROOT / "tests" / "support"))
-
-from faulty_mujoco import KINDS, FaultyMuJoCo, PlantedFault, applies  # noqa: E402
-from spincheck.reports.harness.executors import InProcess  # noqa: E402
-from spincheck.reports.harness.judging import judge  # noqa: E402
-from spincheck.reports.harness.ladder import QUICK_STEPS  # noqa: E402
-from spincheck.reports.harness.study import (  # noqa: E402
-    Prepared,
-    convergence_study_of,
-    prepare,
-    run_rungs,
-)
-from spincheck.scenarios import Scenario, find, load  # noqa: E402
+from faulty_mujoco import KINDS, FaultyMuJoCo, PlantedFault, applies
+from library_scenes import library_scene
+from spincheck.reports.harness.ladder import QUICK_STEPS
+from spincheck.reports.harness.study import Prepared, convergence_study_of, prepare
+from spincheck.scenarios import Scenario
+from studies import verdict_of
 
 #: Plain ones, and five on which errors saturate at first order.
 SCENES = (
@@ -45,9 +37,7 @@ def name_of_fault(scenario: Scenario, prepared: Prepared, method: str, fault: Pl
     """How a verdict names a fault; empty where it passes."""
     engine = FaultyMuJoCo(fault)
     study = convergence_study_of(scenario, engine, engine.method(method), prepared)
-    for _ in run_rungs(study, InProcess()):
-        pass
-    verdict = judge(study.records)
+    verdict = verdict_of(study)
     if verdict.agrees and verdict.verdict != "diverges":
         return ""
     _, is_explained, words = verdict.reason.partition("as if ")
@@ -68,8 +58,7 @@ def threshold(scenario: Scenario, prepared: Prepared, method: str, kind: str) ->
 def rows(names: tuple[str, ...]) -> Iterator[str]:
     """A line of the table for each scene, method and kind."""
     for name in names:
-        (path,) = find([name])
-        scenario = load(path)
+        scenario = library_scene(name)
         prepared = prepare(scenario, [], MOST_STEPS)
         for method, order in METHODS.items():
             for kind in KINDS:
@@ -93,7 +82,7 @@ single steps show, else the signal that decides. Made by `make thresholds`.
 """
 
 
-PAGE = ROOT / "docs/measured/thresholds.md"
+PAGE = Path(__file__).parents[3] / "docs/measured/thresholds.md"
 
 
 def main() -> None:

@@ -136,12 +136,11 @@ def test_another_engine_leaves_what_is_there(swept):
     assert engines_left(swept, both) == [["Raising"]] * 6
 
 
-@pytest.mark.parametrize("what", ["scene", "program"])
-def test_points_that_rest_on_something_else_are_dropped(swept, monkeypatch, what):
-    scene = loads(BOX.replace("2.5]", "2.6]"), "box") if what == "scene" else SCENE
-    if what == "program":
-        monkeypatch.setattr(fingerprints, "program", lambda kind: f"another {kind}")
-    assert points_missing(swept, scene=scene) == len(SPIN.values) * len(STEPS.values)
+def test_points_that_rest_on_something_else_are_dropped(swept, monkeypatch):
+    another = loads(BOX.replace("2.5]", "2.6]"), "box")
+    assert points_missing(swept, scene=another) == len(SPIN.values) * len(STEPS.values)
+    monkeypatch.setattr(fingerprints, "program", lambda kind: f"another {kind}")
+    assert points_missing(swept) == len(SPIN.values) * len(STEPS.values)
 
 
 class Stop(Exception):
@@ -198,15 +197,12 @@ def test_a_method_that_is_lost_costs_its_own_point_and_says_why(path, finished, 
     assert tuple(p for p in points if p.key.engine == "Heun") == finished[1]
 
 
-def test_a_point_that_somebody_killed_is_tried_again_by_the_next_sweep(path):
+def test_points_that_somebody_killed_or_the_machine_refused_are_tried_again(path):
     sweep(path, MAP, CRASHING, executor=crashing(CallFailed(KILLED, "killed")))
     assert engines_left(path, CRASHING) == [["Segfault"]] * 6
-
-
-def test_a_point_where_the_machine_refused_everything_is_tried_again(path):
     refused = CallFailed("no worker process could be started", "environment")
-    sweep(path, executor=FailingCalls(lambda *_: refused))
-    assert points_missing(path) == len(SPIN.values) * len(STEPS.values)
+    sweep(path, ENSEMBLE, executor=FailingCalls(lambda *_: refused))
+    assert points_missing(path, ENSEMBLE) == ENSEMBLE.members
 
 
 def test_the_largest_ensemble_is_planned_member_by_member(path, monkeypatch):
@@ -259,20 +255,13 @@ def test_a_place_that_has_no_scene_says_so_and_is_not_tried_again(path):
     assert points_missing(path, definition, two) == 0
 
 
-def test_a_timestep_longer_than_the_window_is_no_place_to_run(path):
-    long = Axis("timestep", (0.02, 3.0), logarithmic=False)
-    points = sweep(path, replace(MAP, axes=(SPIN, long)))
-    assert [p.outcome for p in points] == ["ok", "unsupported"] * 2
-    assert "must be shorter than the window" in points[1].reason
-
-
-def test_a_run_beyond_the_budget_is_not_made_and_says_so(path):
-    short = Axis("timestep", (1e-9, 0.02), logarithmic=False)
-    points = sweep(path, replace(MAP, axes=(SPIN, short)))
-    skipped = points[0]
-    assert (skipped.outcome, skipped.cause, skipped.timestep) == ("unsupported", "timestep", 1e-9)
-    assert skipped.reason.endswith(f"a point may take {sweep_run.STEP_BUDGET}")
-    assert points[1].outcome == "ok"
+def test_timesteps_beyond_the_budget_or_the_window_are_no_places_to_run_and_say_so(path):
+    steps = Axis("timestep", (1e-9, 0.02, 3.0), logarithmic=False)
+    short, run, long = sweep(path, replace(MAP, axes=(SPIN, steps)))[:3]
+    assert (short.outcome, short.cause, short.timestep) == ("unsupported", "timestep", 1e-9)
+    assert short.reason.endswith(f"a point may take {sweep_run.STEP_BUDGET}")
+    assert (run.outcome, long.outcome) == ("ok", "unsupported")
+    assert "must be shorter than the window" in long.reason
 
 
 def test_a_scene_that_cannot_be_solved_is_reported_of_every_method(path, monkeypatch):
@@ -313,10 +302,8 @@ def test_members_are_those_of_the_seed_and_run_at_each_engines_stock_timestep(pa
     own, common = with_stock_timestep("own", 0.004), with_stock_timestep("common", None)
     points = sweep(path, ENSEMBLE, Choice((own, common), timed=False))
     assert [p.at for p in points] == [(k,) for k in (0.0, 1.0, 2.0) for _ in (own, common)]
-    assert {(p.key.engine, p.timestep) for p in points} == {
-        ("own", 0.004),
-        ("common", COMMON_TIMESTEP),
-    }
+    timesteps = {"own": 0.004, "common": COMMON_TIMESTEP}
+    assert {(p.key.engine, p.timestep) for p in points} == {*timesteps.items()}
     errors = {p.key.engine: p.errors.omega for p in points if p.at == (0.0,)}
     # Of second order, each beside the exact motion at its own samples.
     ratio = (0.004 / COMMON_TIMESTEP) ** 2

@@ -11,14 +11,12 @@ import users_models
 from spincheck.engines import engines
 from spincheck.reports.harness.choice import Choice
 from spincheck.reports.harness.executors import InProcess
-from spincheck.reports.harness.plan import plan
-from spincheck.reports.harness.study import run_study
 from spincheck.reports.harness.users_models.inspect import inspect_model, reader_engines
 from spincheck.reports.pages.render import render
 from spincheck.reports.pages.users_models.model_page import write_model_page
-from spincheck.reports.results.store import open_store
 from spincheck.scenarios import find, load
 from spincheck.scenarios.users_models import read_model
+from studies import study
 
 pytest.importorskip("playwright", reason="playwright is not installed")
 from browser import chromium, launched
@@ -54,12 +52,8 @@ def folder(tmp_path_factory) -> Path:
     folder = tmp_path_factory.mktemp("browsed")
     installed = [engine for name, engine in engines().items() if name in ("mujoco", "pybullet")]
     choice = Choice(tuple(installed), METHODS, max_steps=BUDGET)
-    scenes = [load(path) for path in find(SCENES)]
-    with open_store(folder / "results.sqlite", create=True) as store:
-        run_study(plan(scenes, choice, store), choice, store, InProcess(), lambda _: None)
-        results = store.read()
-    swept = made_up_sweeps.swept()
-    render(replace(results, sweeps=swept.sweeps), folder / "report")
+    results = study(folder / "results.sqlite", [load(path) for path in find(SCENES)], choice)
+    render(replace(results, sweeps=made_up_sweeps.swept().sweeps), folder / "report")
     model = read_model(users_models.written(folder, MODEL))
     inspection = inspect_model(model, InProcess(), reader_engines())
     write_model_page(inspection, folder / "report", "robot")
