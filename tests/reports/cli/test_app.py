@@ -41,9 +41,10 @@ def sphere(tmp_path):
 
 
 @pytest.mark.processes
-def test_help_needs_no_heavy_imports():
+@pytest.mark.parametrize("module", ["spincheck", "spincheck.reports.cli.app"])
+def test_the_interface_and_help_need_no_heavy_imports(module):
     program = (
-        "import sys; import spincheck.reports.cli.app;"
+        f"import sys; import {module};"
         "print([m for m in ('numpy', 'numba', 'mujoco', 'pybullet', 'scipy') if m in sys.modules])"
     )
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)

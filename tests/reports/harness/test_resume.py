@@ -91,8 +91,9 @@ def runs(monkeypatch) -> list[Row]:
     return stored
 
 
-def test_a_study_that_is_complete_runs_nothing(finished, runs, undisturbed):
+def test_a_study_that_is_complete_or_of_a_longer_ladder_runs_nothing(finished, runs, undisturbed):
     assert run(finished) == []
+    run(finished, replace(LADDER, max_steps=1))
     assert runs == []
     assert differences(read(finished), undisturbed) == []
 
@@ -118,6 +119,7 @@ def test_a_study_stopped_after_some_rows_runs_only_the_others(
 
 
 def test_a_study_stopped_before_steps_are_timed_has_them_timed(path, monkeypatch):
+    """Once, and on another processor anew."""
     with monkeypatch.context() as patch:
         patch.setattr(study_module, "time_scene", _interrupted)
         with pytest.raises(KeyboardInterrupt):
@@ -126,6 +128,8 @@ def test_a_study_stopped_before_steps_are_timed_has_them_timed(path, monkeypatch
     assert run(path, TIMED) == []
     timed = {row.key.engine for row in read(path).rows if row.seconds_per_step is not None}
     assert timed == {"Heun"}
+    monkeypatch.setattr("spincheck.reports.harness.plan.processor", lambda: "another")
+    assert run(path, TIMED) == ["box  timed"]
 
 
 def _interrupted(*_: object) -> None:
@@ -164,12 +168,6 @@ def test_another_version_of_an_engine_has_its_own_runs_made_anew(finished, runs,
     run(finished)
     assert {row.key.engine for row in runs} == {"Heun"}
     assert len(read(finished).verdicts) == len(ENGINES)
-
-
-def test_costs_measured_on_another_processor_are_taken_anew(path, monkeypatch):
-    run(path, TIMED)
-    monkeypatch.setattr("spincheck.reports.harness.plan.processor", lambda: "another")
-    assert run(path, TIMED) == ["box  timed"]
 
 
 def test_an_engine_added_later_is_run_alone(path, runs, undisturbed):
@@ -230,11 +228,6 @@ def test_a_ladder_cut_short_by_a_lesser_limit_is_gone_on_with(path, tmp_path, mo
     assert len(read(path).rows) < len(read(other).rows)
     run(path, longer)
     assert differences(read(path), read(other)) == []
-
-
-def test_a_longer_ladder_serves_whoever_asks_for_a_shorter_one(finished, runs):
-    run(finished, replace(LADDER, max_steps=1))
-    assert runs == []
 
 
 SIGNALLED = CallFailed(f"the worker process {KILLED} by SIGUSR1", "killed")

@@ -1,7 +1,5 @@
 """The Python interface: what is exported, its values, and its complaints."""
 
-import subprocess
-import sys
 import tomllib
 
 import numpy as np
@@ -20,13 +18,7 @@ def exact():
     return spincheck.exact("fast-top").at(np.linspace(0, 2, 401))
 
 
-@pytest.mark.processes
-def test_importing_it_imports_no_numpy():
-    code = "import sys, spincheck; sys.exit('numpy' in sys.modules)"
-    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
-
-
-def test_scenes_are_loaded_by_name_path_or_tables():
+def test_scenes_are_loaded_by_name_path_or_tables_and_refused_as_files_would_be():
     scene = spincheck.load("fast-top")
     assert isinstance(scene, Scenario)
     assert spincheck.load(scene) is scene
@@ -36,6 +28,11 @@ def test_scenes_are_loaded_by_name_path_or_tables():
     assert spincheck.load(tables).digest == scene.digest
     del tables["spincheck"]
     assert spincheck.load(tables, "mine").name == "mine"
+    tables["body"]["mass"] = -1.0
+    with pytest.raises(ScenarioError, match="mass"):
+        spincheck.load(tables)
+    with pytest.raises(ScenarioError, match="neither a file, a folder, nor a scene"):
+        spincheck.load("no-such-top")
 
 
 def test_a_file_that_goes_before_the_library_is_named(tmp_path, monkeypatch, caplog):
@@ -46,15 +43,6 @@ def test_a_file_that_goes_before_the_library_is_named(tmp_path, monkeypatch, cap
     assert "# mine" in spincheck.load("fast-top").text
     (message,) = caplog.messages
     assert message.startswith("fast-top.toml: taken from the current folder; the library has")
-
-
-def test_a_wrong_scene_is_refused_as_its_file_would_be():
-    tables = tomllib.loads(spincheck.load("fast-top").text)
-    tables["body"]["mass"] = -1.0
-    with pytest.raises(ScenarioError, match="mass"):
-        spincheck.load(tables)
-    with pytest.raises(ScenarioError, match="neither a file, a folder, nor a scene"):
-        spincheck.load("no-such-top")
 
 
 def test_exact_states_have_what_their_names_say(exact):

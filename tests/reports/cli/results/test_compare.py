@@ -2,10 +2,12 @@
 
 import json
 from dataclasses import replace
+from itertools import product
 from pathlib import Path
 
 import made_up
 import pytest
+from case_loops import each_case
 from command_line import spincheck
 from spincheck.reports.cli.results.compare import changes_as_json, exit_code, print_changes
 from spincheck.reports.harness.measuring.asymptotic import ASYMPTOTIC
@@ -79,8 +81,7 @@ def test_a_file_and_itself_do_not_differ(before, capsys):
     assert capsys.readouterr().out == "nothing changed\n"
 
 
-@pytest.mark.parametrize("old", RANKS)
-@pytest.mark.parametrize("new", RANKS)
+@each_case(("old", "new"), product(RANKS, RANKS))
 def test_a_worse_verdict_is_a_regression_and_a_better_one_is_not(before, old, new):
     differences = changes(with_verdict(before, verdict=old), with_verdict(before, verdict=new))
     assert [change.kind for change in differences] == ["verdict"] * (old != new)
@@ -98,8 +99,7 @@ def test_an_order_that_is_another_whole_number_is_reported(before, old, new, wor
     assert found == ([words] if words else [])
 
 
-@pytest.mark.parametrize("old", OUTCOMES)
-@pytest.mark.parametrize("new", OUTCOMES)
+@each_case(("old", "new"), product(OUTCOMES, OUTCOMES))
 def test_a_worse_outcome_is_a_regression_and_a_better_one_is_not(before, old, new):
     differences = changes(with_row(before, outcome=old), with_row(before, outcome=new))
     assert [change.kind for change in differences] == ["outcome"] * (old != new)
@@ -119,24 +119,19 @@ def test_an_error_that_grew_is_a_regression_and_names_signal_and_timestep(before
         assert len(changes(before, grown)) == changed
 
 
-@pytest.mark.parametrize(("share", "changed"), [(0.99, 0), (1.01, 1)])
-def test_an_error_that_changed_by_less_than_is_known_has_not_changed(before, share, changed):
+def test_errors_too_small_to_be_known_or_too_large_to_mean_anything_have_not_changed(before):
     small = with_omega_error(before, floor(before) / 100)
-    grown = with_omega_error(before, floor(before) / 100 + share * floor(before))
-    assert len(changes(small, grown)) == changed
-
-
-def test_errors_too_large_to_mean_anything_have_not_changed(before):
+    for share, changed in ((0.99, 0), (1.01, 1)):
+        grown = with_omega_error(before, (0.01 + share) * floor(before))
+        assert len(changes(small, grown)) == changed
     large = with_omega_error(before, 1.01 * ASYMPTOTIC)
     assert changes(large, with_omega_error(before, 2 * ASYMPTOTIC)) == []
     assert exit_code(changes(before, large)) == 1
-
-
-@pytest.mark.parametrize("error", [float("inf"), 0.0])
-def test_an_error_without_a_base_is_compared_too(before, error):
-    planted = with_omega_error(before, error)
-    assert changes(planted, planted) == []
-    assert len(changes(planted, before)) == 1
+    # One without a base is compared too.
+    for error in (float("inf"), 0.0):
+        planted = with_omega_error(before, error)
+        assert changes(planted, planted) == []
+        assert len(changes(planted, before)) == 1
 
 
 def test_an_expectation_broken_is_a_regression_and_one_kept_again_is_not(before):
@@ -178,6 +173,10 @@ def test_a_scene_and_a_method_added_or_gone_are_reported_and_are_no_regression(b
     added = changes(made_up.results(methods=made_up.METHODS[:-1]), before)
     assert [(c.kind, c.name, c.old) for c in added] == [("method", "elsewhere plain", None)]
     assert exit_code(added) == 0
+    # Nor is a verdict that is not there yet.
+    missing = [verdict for verdict in before.verdicts if verdict.key != KEY]
+    (change,) = changes(before, replace(before, verdicts=missing))
+    assert (change.kind, change.new, change.regression) == ("verdict", None, False)
 
 
 def test_a_scene_that_describes_another_motion_has_its_verdicts_compared_alone(before):
@@ -193,12 +192,6 @@ def test_versions_are_reported_and_dates_are_not(before):
     (change,) = changes(before, replace(before, environment=before.environment | other))
     found = (change.kind, change.name, change.old, change.new)
     assert found == ("environment", "mujoco", None, "5.0")
-
-
-def test_a_verdict_that_is_not_there_yet_is_reported(before):
-    missing = [verdict for verdict in before.verdicts if verdict.key != KEY]
-    (change,) = changes(before, replace(before, verdicts=missing))
-    assert (change.kind, change.new, change.regression) == ("verdict", None, False)
 
 
 def test_errors_of_a_method_that_went_the_same_way_are_one_line(before, capsys):
