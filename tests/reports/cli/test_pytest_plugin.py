@@ -131,6 +131,7 @@ def test_an_unmet_expectation_fails_and_names_signal_size_and_command(run):
             "--energy 1e-300",
         ]
     )
+    result.stdout.no_fnmatch_line("*Traceback*")
 
 
 def test_what_is_compiled_first_is_announced(run, monkeypatch):

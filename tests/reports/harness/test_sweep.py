@@ -23,7 +23,7 @@ from spincheck.engines import Engine
 from spincheck.engines.lost_process import KILLED
 from spincheck.reports.harness import sweep_run
 from spincheck.reports.harness.choice import Choice
-from spincheck.reports.harness.executors import CallFailed, Executor, LocalWorkers
+from spincheck.reports.harness.executors import CallFailed, Executor
 from spincheck.reports.harness.stock import COMMON_TIMESTEP
 from spincheck.reports.harness.sweep import plan_sweep
 from spincheck.reports.harness.sweep_points import STEP_TURN
@@ -175,17 +175,6 @@ def test_nothing_is_stored_twice(swept):
     with closing(sqlite3.connect(swept)) as connection:
         (count,) = connection.execute("SELECT count(*) FROM points").fetchone()
     assert count == len(SPIN.values) * len(STEPS.values)
-
-
-@pytest.mark.processes
-def test_a_crash_costs_its_own_point_and_the_others_are_as_ever(path, finished):
-    points = sweep(path, PART, CRASHING, executor=LocalWorkers(jobs=1))
-    crashed = [p for p in points if p.key.engine == "Segfault"]
-    assert {(p.outcome, p.cause) for p in crashed} == {("failed", "crash")}
-    assert "SIGSEGV" in crashed[0].reason
-    others = [p for p in finished[1] if p.at in [p.at for p in crashed]]
-    assert [p for p in points if p.key.engine == "Heun"] == others
-    assert len(crashed) == len(others) == 2
 
 
 @pytest.mark.parametrize("cause", ["crash", "time-out", "killed", "bug"])

@@ -274,11 +274,10 @@ def test_a_map_has_the_medians_of_the_same_measures() -> None:
     assert row["over 3 rad"] == "∞"
 
 
-def test_a_report_of_nothing_but_sweeps_draws_them_on_its_first_page(tmp_path: Path) -> None:
-    render(swept(), tmp_path)
-    page = (tmp_path / "index.html").read_text(encoding="utf-8")
-    drawn = sweep_pages(swept())
-    assert page.count('class="plot"') == sum(len(one.figure.parts) for one in drawn if one.figure)
+def test_a_report_of_nothing_but_sweeps_draws_them_on_its_first_page(folder: Path) -> None:
+    page = (folder / "index.html").read_text(encoding="utf-8")
+    drawn = [one.figure for one in sweep_pages(swept()) if one.figure]
+    assert page.count('class="plot"') == sum(len(figure.parts) for figure in drawn)
     assert "assets/plotly.js" in page
 
 
