@@ -36,9 +36,7 @@ def of_a_top() -> DefaultEffects:
     return effects_on(AXISYMMETRIC)
 
 
-def test_every_default_is_taken_away_once_of_a_free_body_no_motor(
-    of_a_top: DefaultEffects,
-) -> None:
+def test_every_default_is_taken_away_once_of_a_free_body_no_motor(of_a_top: DefaultEffects) -> None:
     assert [one.name for one in of_a_top.each] == [INERTIA, DAMPING, JOINT_MOTOR, CLAMP]
     names = ENGINE.defaults(scene("free"), ENGINE.method("default"))
     assert names == (INERTIA, DAMPING, CLAMP)

@@ -110,10 +110,7 @@ DISC_STEPS = 1 << 17
 
 @pytest.mark.parametrize(
     ("name", "method"),
-    [
-        ("mujoco", "implicit"),
-        pytest.param("pybullet", "maximal", marks=pytest.mark.needs_pybullet),
-    ],
+    [("mujoco", "implicit"), pytest.param("pybullet", "maximal", marks=pytest.mark.needs_pybullet)],
 )
 def test_a_wobble_that_every_rung_has_damped_away_is_no_other_motion(name, method):
     engine, scene = engines()[name], loads(DISC, "disc")

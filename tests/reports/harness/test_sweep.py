@@ -11,14 +11,7 @@ import numpy as np
 import pytest
 from box import BOX
 from failing_calls import FailingCalls, of_engine
-from planted import (
-    METHOD,
-    HeunSession,
-    NotANumberSession,
-    RaisingSession,
-    SegfaultSession,
-    planted,
-)
+from planted import METHOD, HeunSession, NotANumberSession, RaisingSession, SegfaultSession, planted
 from spincheck.engines import Engine
 from spincheck.engines.lost_process import KILLED
 from spincheck.reports.harness import sweep_run

@@ -13,14 +13,7 @@ from library_scenes import library_scene
 from spincheck.reference import Solution
 from spincheck.reports.results.cost_records import MethodCost, StepCost
 from spincheck.reports.results.default_records import DefaultEffect, DefaultEffects
-from spincheck.reports.results.records import (
-    Defect,
-    Fingerprint,
-    Key,
-    Row,
-    SignalVerdict,
-    Verdict,
-)
+from spincheck.reports.results.records import Defect, Fingerprint, Key, Row, SignalVerdict, Verdict
 from spincheck.reports.results.result_file import ResultFileError
 from spincheck.reports.results.store import open_store
 from spincheck.scenarios import Errors, Trajectory

@@ -11,12 +11,7 @@ from case_loops import each_case
 from command_line import spincheck
 from spincheck.reports.cli.results.compare import changes_as_json, exit_code, print_changes
 from spincheck.reports.harness.measuring.asymptotic import ASYMPTOTIC
-from spincheck.reports.pages.analysis.changes import (
-    COST_FACTOR,
-    ERROR_FACTOR,
-    OUTCOMES,
-    changes,
-)
+from spincheck.reports.pages.analysis.changes import COST_FACTOR, ERROR_FACTOR, OUTCOMES, changes
 from spincheck.reports.results.records import Key, Row, Verdict
 from spincheck.reports.results.store import Results, open_store
 from spincheck.reports.results.verdict_words import RANKS

@@ -12,12 +12,7 @@ import calls
 import psutil
 import pytest
 from spincheck.engines.lost_process import LAST_LINE
-from spincheck.reports.harness.executors import (
-    Answer,
-    CallFailed,
-    ExecutorStopped,
-    LocalWorkers,
-)
+from spincheck.reports.harness.executors import Answer, CallFailed, ExecutorStopped, LocalWorkers
 from spincheck.reports.harness.executors.worker_main import MEMORY_SHARE
 from spincheck.reports.harness.executors.worker_process import KEPT_OUTPUT
 

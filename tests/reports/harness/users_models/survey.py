@@ -224,9 +224,7 @@ def heavy_table(inspections_of: dict[str, list[Inspection]]) -> str:
 
 
 def written(
-    inspections_of: dict[str, list[Inspection]],
-    refused: dict[str, list[str]],
-    seconds: float,
+    inspections_of: dict[str, list[Inspection]], refused: dict[str, list[str]], seconds: float
 ) -> str:
     files = "\n".join(f"- `{line}`" for lines in refused.values() for line in lines)
     return "\n\n".join(

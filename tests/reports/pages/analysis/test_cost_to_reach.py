@@ -4,14 +4,7 @@ import math
 from dataclasses import replace
 
 import pytest
-from laws import (
-    COARSEST,
-    COARSEST_ERROR,
-    ROUNDING,
-    curve_of_errors,
-    curve_of_law,
-    law,
-)
+from laws import COARSEST, COARSEST_ERROR, ROUNDING, curve_of_errors, curve_of_law, law
 from spincheck.reports.pages.analysis.cost_to_reach import LEVELS, cheapest, order_ratio, reach
 from spincheck.reports.pages.analysis.work_precision import EPS, Curve
 
