@@ -45,11 +45,8 @@ def test_shells_complete_commands(monkeypatch):
     assert done.output.split() == ["recommend"]
 
 
-def test_the_version_is_printed():
+def test_the_version_is_printed_and_commands_and_methods_are_known_in_any_case():
     assert printed("--version").startswith("spincheck 0.")
-
-
-def test_commands_and_methods_are_known_in_any_case():
     assert printed("LIST", "fast-top") == printed("list", "fast-top")
     assert {choose(["mujoco"], [name], []).methods for name in ("rk4", "RK4", "Rk4")} == {("RK4",)}
 

@@ -41,11 +41,6 @@ def run(pytester, run_pytest, engines_in_process):
     return run_on
 
 
-def test_a_scene_gives_an_item_for_its_reference_and_one_a_method(run):
-    result = run("--collect-only", "-q", sphere=SPHERE)
-    result.stdout.fnmatch_lines(["*sphere.toml::reference", "*sphere.toml::mujoco-RK4"])
-
-
 @pytest.mark.processes
 def test_an_engine_that_is_not_installed_is_a_skip_with_its_reason(pytester):
     pytester.makeconftest("import sys; sys.modules.update(mujoco=None, pybullet=None)")

@@ -83,15 +83,14 @@ def test_where_nothing_fits_there_is_no_ladder_but_its_cost(fastest_rate):
     whole = ladder_of(fastest_rate)
     assert (whole.rungs, whole.above) == ((), ())
     assert whole.least_steps > MAX_STEPS
+    unsampled = ladder(Window(duration=3.0, samples=31), 1.0, samples=1)
+    assert (unsampled.rungs, unsampled.above, unsampled.least_steps) == ((), (), 0)
 
 
-@pytest.mark.parametrize("duration", [1e-12, 1e12])
-def test_windows_of_any_length_have_the_same_ladder(duration):
-    here, turned_alike = ladder_of(40.0 / duration, duration), ladder_of(40.0, 1.0)
-    assert [rung.steps for rung in here.rungs] == [rung.steps for rung in turned_alike.rungs]
-
-
-def test_a_window_that_one_step_covers_has_a_full_ladder():
+def test_windows_of_any_length_have_the_same_ladder_and_one_of_one_step_a_full_one():
+    wanted = [rung.steps for rung in ladder_of(40.0, 1.0).rungs]
+    for duration in (1e-12, 1e12):
+        assert [rung.steps for rung in ladder_of(40.0 / duration, duration).rungs] == wanted
     whole = ladder_of(1e-3, 1e-3, samples=2)
     assert whole.rungs[0].steps == 1
     assert len(whole.rungs) > MIN_RUNGS
@@ -102,11 +101,6 @@ def test_samples_as_close_as_steps_are_thinned_to_leave_room_for_a_ladder():
     assert len(whole.rungs) >= MIN_RUNGS
     assert whole.rungs[0].timestep <= COARSEST_TURN
     assert whole.times[-1] == pytest.approx(10.0, rel=1e-3)
-
-
-def test_without_time_to_sample_at_there_is_nothing_to_run():
-    whole = ladder(Window(duration=3.0, samples=31), 1.0, samples=1)
-    assert (whole.rungs, whole.above, whole.least_steps) == ((), (), 0)
 
 
 def test_a_ladder_is_cut_where_the_exact_motion_ends():

@@ -102,11 +102,9 @@ def test_a_study_stopped_before_its_stock_runs_makes_them_alone_and_once(path, m
     assert len(stored) == 2
 
 
-def test_an_engine_that_fails_at_every_timestep_is_not_asked_at_stock_ones(path):
+def test_stock_timesteps_are_left_out_where_all_fail_or_others_are_asked_for(path):
     assert [row.outcome for row in study(path, planted(RaisingSession)).rows] == ["failed"]
-
-
-def test_timesteps_that_are_asked_for_are_run_alone(path):
+    path.unlink()
     results = study(path, HeunAsSold(), timesteps=(0.02,))
     assert [row.timestep for row in results.rows] == [0.02]
 

@@ -124,12 +124,11 @@ def engines_left(path: Path, choice: Choice) -> list[list[str]]:
         return [[engine.name for engine, _ in one.to_run] for one in left]
 
 
-def test_another_engine_leaves_what_is_there(swept):
+def test_another_engine_leaves_what_is_there_and_what_rests_on_something_else_is_dropped(
+    swept, monkeypatch
+):
     both = Choice((*FAULTLESS.engines, planted(RaisingSession)))
     assert engines_left(swept, both) == [["Raising"]] * 6
-
-
-def test_points_that_rest_on_something_else_are_dropped(swept, monkeypatch):
     another = loads(BOX.replace("2.5]", "2.6]"), "box")
     assert points_missing(swept, scene=another) == len(SPIN.values) * len(STEPS.values)
     monkeypatch.setattr(fingerprints, "program", lambda kind: f"another {kind}")

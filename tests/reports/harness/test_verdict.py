@@ -143,11 +143,9 @@ def test_errors_that_grow_as_steps_shrink_disagree_and_are_reported():
     assert judgement.word == "disagrees"
     assert judgement.order == pytest.approx(-1, abs=0.01)
     assert "errors grow as the timestep shrinks" in judgement.reason
-
-
-def test_rounding_that_grows_as_steps_shrink_is_no_disagreement():
-    judgement = judged(lambda dt: 1e-3 * dt**4 + 1e-16 * np.sin(1e6 / dt) / dt, order=4)
-    assert judgement.word == "converges"
+    # Those of rounding do not disagree.
+    rounding = judged(lambda dt: 1e-3 * dt**4 + 1e-16 * np.sin(1e6 / dt) / dt, order=4)
+    assert rounding.word == "converges"
 
 
 def test_a_ladder_too_coarse_to_tell_is_unresolved_and_says_what_would_resolve_it():
@@ -161,6 +159,8 @@ def test_errors_that_are_all_too_large_are_not_said_to_be_at_round_off():
     judgement = judged(lambda dt: 0.8 + 0.2 * np.sin(1 / dt), order=1, rungs=4)
     assert "too large to show an order" in judgement.reason
     assert "round-off" not in judgement.reason
+    # Nor is a blurred limit a convergence.
+    assert judged(lambda dt: 0.5 * dt**0.3, order=1).word == "unresolved"
 
 
 def test_errors_at_round_off_throughout_converge_without_an_order_if_that_is_small():
@@ -177,10 +177,6 @@ def test_rounding_above_its_bound_hides_neither_order_nor_limit(floor):
     assert judgement.order == pytest.approx(4, abs=0.25)
     # Nor does a bound that is far too wide.
     assert judged(lambda dt: dt**4 + dt**5, order=4, growth=1e-4).word == "converges"
-
-
-def test_a_blurred_limit_is_no_convergence():
-    assert judged(lambda dt: 0.5 * dt**0.3, order=1).word == "unresolved"
 
 
 STEADY = ladder(lambda dt: dt * np.sin(TIMES), 1)

@@ -218,16 +218,13 @@ def test_a_heading_sorts_and_sorts_back(visit, folder):
     assert orders[2] == in_groups
 
 
-def test_hard_scenes_are_one_row_a_kind_that_unfolds(visit, folder):
+def test_the_table_unfolds_hard_scenes_and_is_walked_with_arrow_keys(visit, folder):
+    """And tells each run."""
     page = open_table(visit, folder)
     assert "reaction-wheel" not in rows(page)
     page.locator(".folded button").click()
     assert "reaction-wheel" in rows(page)
     expect(page.locator(".folded button")).to_be_focused()
-
-
-def test_the_table_is_walked_with_arrow_keys_and_tells_each_run(visit, folder):
-    page = open_table(visit, folder)
     page.locator("#heat tbody a[tabindex='0']").focus()
     page.keyboard.press("ArrowRight")
     expect(page.locator("#detail")).to_contain_text("fast-top, mujoco default")

@@ -123,13 +123,11 @@ def test_what_users_wrote_is_shown_and_stays_text(pages: dict[str, Page], folder
     page = pages["made-up-top"]
     assert all(MISCHIEF in page.all(tag)[0].text for tag in ("title", "h1"))
     assert all(any(MISCHIEF in part.text for part in page.all(tag)) for tag in ("pre", "p"))
+    # So is what an engine printed.
+    assert PRINTED in [element.text for element in page.all("pre")]
+    assert PRINTED in (folder / "scenes" / "made-up-top.md").read_text(encoding="utf-8")
     # Markdown in a description is rendered.
     assert [e.text for e in page.all("strong")] == ["fast"]
-
-
-def test_what_an_engine_printed_is_shown(pages: dict[str, Page], folder: Path) -> None:
-    assert PRINTED in [element.text for element in pages["made-up-top"].all("pre")]
-    assert PRINTED in (folder / "scenes" / "made-up-top.md").read_text(encoding="utf-8")
 
 
 def test_no_error_is_printed_below_the_reference_and_one_at_that_limit_says_so(

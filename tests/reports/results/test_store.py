@@ -77,14 +77,18 @@ def same_motion(a: Trajectory, b: Trajectory) -> bool:
 
 
 @pytest.mark.usefixtures("solved")
-def test_a_row_comes_back_to_the_last_bit(path, row):
+def test_a_row_and_its_scene_come_back_to_the_last_bit(path, row):
     with open_store(path, create=True) as store:
         store.put(row)
         # It is on disk at once.
         with open_store(path) as other:
-            (back,) = other.read().rows
+            results = other.read()
+    (back,), scene = results.rows, results.scenes[KEY.scenario]
     assert same_motion(back.motion, row.motion)
     assert asdict(replace(back, motion=None)) == asdict(replace(row, motion=None))
+    assert scene.scenario.digest == library_scene(KEY.scenario).digest
+    assert same_motion(scene.solution.trajectory, SOLUTION.trajectory)
+    assert (scene.solution.uncertainty, scene.solution.horizon) == (ERRORS, 12.5)
 
 
 @pytest.mark.parametrize(("table", "record"), COME_BACK.items(), ids=COME_BACK)
@@ -92,15 +96,6 @@ def test_a_record_comes_back(path, table, record):
     with open_store(path, create=True) as store:
         store.put(record)
         assert getattr(store.read(), table) == [record]
-
-
-@pytest.mark.usefixtures("solved")
-def test_a_scene_comes_back_with_its_exact_motion(path):
-    with open_store(path) as store:
-        back = store.read().scenes[KEY.scenario]
-    assert back.scenario.digest == library_scene(KEY.scenario).digest
-    assert same_motion(back.solution.trajectory, SOLUTION.trajectory)
-    assert (back.solution.uncertainty, back.solution.horizon) == (ERRORS, 12.5)
 
 
 @pytest.mark.usefixtures("solved")

@@ -72,26 +72,24 @@ def test_welded_links_are_one_scene_with_the_sum_of_their_numbers(tmp_path):
     assert import_scenes(path, out, ["tool"]) == [line.replace(str(tmp_path / "scenes"), str(out))]
 
 
-def test_a_body_of_a_part_that_no_body_has_is_left_out(tmp_path):
-    text = robot(link("arm", inertial()), link("bad", BAD), joint("arm", "bad", "fixed"))
-    with pytest.raises(Complaint, match=r"0\.1 \+ 0\.3 < 0\.9: no body has it \(of bad, welded to"):
-        imported(tmp_path, text)
-
-
 def test_one_link_can_be_asked_for(tmp_path):
     assert [line[-13:] for line in imported(tmp_path, links=("fore arm",))[1]] == ["fore-arm.toml"]
 
 
+WELDED = robot(link("arm", inertial()), link("bad", BAD), joint("arm", "bad", "fixed"))
+
+
 @pytest.mark.parametrize(
-    ("links", "message"),
+    ("text", "links", "message"),
     [
-        (("none",), "there is no link 'none'"),
-        (("bad",), "no link makes a scene; 'bad' is left out"),
+        (ODD, ("none",), "there is no link 'none'"),
+        (ODD, ("bad",), "no link makes a scene; 'bad' is left out"),
+        (WELDED, (), r"0\.1 \+ 0\.3 < 0\.9: no body has it \(of bad, welded to"),
     ],
 )
-def test_a_link_without_a_scene_is_a_complaint(tmp_path, links, message):
+def test_a_link_without_a_scene_is_a_complaint(tmp_path, text, links, message):
     with pytest.raises(Complaint, match=message):
-        imported(tmp_path, links=links)
+        imported(tmp_path, text, links)
 
 
 def test_a_scene_that_is_there_is_not_written_over(tmp_path):

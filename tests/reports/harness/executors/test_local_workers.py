@@ -55,10 +55,6 @@ def test_what_cannot_be_pickled_fails_the_call_alone(worker, call):
     assert worker.call(os.getpid).value == pid
 
 
-def test_a_full_disk_is_no_fault_of_what_was_called(worker):
-    assert failure(worker.call(calls.find_the_disk_full)).cause == "environment"
-
-
 # What takes the process with it
 
 
@@ -85,9 +81,7 @@ def test_what_c_printed_last_is_reported_even_from_its_buffer_and_cut(worker):
 
 def test_a_call_whose_worker_is_killed_from_outside_is_made_once_more(worker, tmp_path):
     assert worker.call(calls.killed_once, tmp_path / "mark").value == "second attempt"
-
-
-def test_a_worker_killed_while_idle_costs_no_call(worker):
+    # One killed while idle costs no call.
     psutil.Process(worker.call(os.getpid).value).kill()
     assert worker.call(calls.power, 3).value == 9
 
@@ -97,7 +91,10 @@ def test_a_call_that_holds_too_much_memory_is_refused_it(worker):
     assert worker.call(calls.hold, MEMORY_SHARE / 2).value > 0
 
 
-def test_where_no_process_can_be_started_the_machine_is_to_blame(monkeypatch):
+def test_of_a_full_disk_and_where_no_process_can_be_started_the_machine_is_to_blame(
+    worker, monkeypatch
+):
+    assert failure(worker.call(calls.find_the_disk_full)).cause == "environment"
     monkeypatch.setattr(sys, "executable", "/nowhere/python")
     with LocalWorkers(jobs=1) as pool:
         failed = failure(pool.call(calls.power, 3))

@@ -199,13 +199,9 @@ def test_a_verdict_by_pieces_says_so_and_does_not_contradict_itself(method):
 
 
 @pytest.mark.needs_pybullet
-def test_where_the_coarsest_timesteps_are_refused_finer_ones_are_taken():
+def test_where_coarse_timesteps_are_refused_finer_ones_are_taken_and_rounding_is_no_memory():
     local = examined(engines()["pybullet"], "maximal", "ship-stabiliser")
     assert LocalJudgement(local).converges
-
-
-@pytest.mark.needs_pybullet
-def test_rounding_of_a_thin_body_is_no_memory():
     study = study_of("needle-in-skew-axes", engines()["pybullet"], "maximal")
     assert verdict_of(study).verdict == "converges"
     assert study.memory <= 1

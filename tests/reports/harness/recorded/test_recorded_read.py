@@ -125,14 +125,13 @@ def test_archives_of_other_arrays_are_refused(tmp_path, arrays, words):
     assert words in str(refused.value)
 
 
-def test_an_array_that_claims_to_be_huge_is_not_unpacked(tmp_path):
+def test_an_array_that_claims_to_be_huge_or_an_endless_file_is_not_read_to_its_end(
+    tmp_path, monkeypatch
+):
     path = tmp_path / "motion.npz"
     np.savez_compressed(path, t=np.zeros(MAX_SAMPLES + 1), q=np.zeros((2, 4)))
     with pytest.raises(RecordingError, match=f"at most {MAX_SAMPLES} samples"):
         read_recording(path)
-
-
-def test_an_endless_file_is_read_no_further_than_samples_go(tmp_path, monkeypatch):
     monkeypatch.setattr("spincheck.reports.harness.recorded.text_formats.MAX_SAMPLES", 10)
     rows = "".join(f"{k},1,0,0,0,0.5,0,2\n" for k in range(20)) + "not a row\n"
     with pytest.raises(RecordingError, match="at most 10 samples"):

@@ -92,13 +92,10 @@ def test_where_an_error_has_no_cost_a_word_says_why(curve: Curve, level: float, 
     assert reach(FAR_REFERENCE, COARSEST_ERROR / 5).word == "measured"
 
 
-def test_an_accident_at_a_coarse_timestep_is_no_reach() -> None:
+def test_an_accident_at_a_coarse_timestep_is_no_reach_and_rounding_takes_nothing_from_it() -> None:
     accident = curve_of_errors(5e-2, 1e-9, 2e-2, 1e-2, 5e-3)
     reached = reach(accident, 7e-3)
     assert COARSEST / 2**4 < reached.timestep < COARSEST / 2**3
-
-
-def test_rounding_at_fine_timesteps_takes_nothing_from_coarse_ones() -> None:
     rising = curve_of_errors(1e-6, 1e-9, 1e-13, 3e-13, 6e-13, rounding=1e-15)
     assert COARSEST / 2**2 <= reach(rising, 2e-13).timestep < COARSEST / 2
     unexplained = replace(rising, rounding=0.0)

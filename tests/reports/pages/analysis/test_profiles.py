@@ -44,15 +44,12 @@ def test_a_profile_counts_the_scenes_within_a_factor() -> None:
     assert profile([*THREE_SCENES, unresolved], "omega", BELOW).fraction(B, math.inf) == 3 / 4
 
 
-def test_a_tally_tells_what_is_extrapolated() -> None:
+def test_a_tally_tells_what_is_extrapolated_and_a_median_counts_what_is_out_of_reach() -> None:
+    """And leaves out what a method cannot simulate."""
     counts = tally(THREE_SCENES, A, BELOW)
     assert (counts.reached, counts.extrapolated) == (2, 2)
     measured = tally(THREE_SCENES, A, COARSEST_ERROR / 7)
     assert (measured.reached, measured.extrapolated) == (3, 0)
-
-
-def test_a_median_counts_what_is_out_of_reach_as_infinite() -> None:
-    """And leaves out what a method cannot simulate."""
     steps = COARSEST / 1000
     cannot = [curve("a", verdict="unsupported", points=(), stable=())]
     assert tally(THREE_SCENES, A, BELOW).median_cost == pytest.approx(3e-6 / steps, rel=ROUNDING)

@@ -54,7 +54,5 @@ def test_markdown_s_own_marks_work_and_escaped_text_reads_as_it_was_written() ->
     text = "a | b *c* _d_ `e` <f> & [g] # h"
     assert unescape(to_html(escaped(text))) == f"<p>{text}</p>\n"
     assert escaped("a\n\nb") == "a b"
-
-
-def test_a_fence_is_longer_than_those_inside() -> None:
+    # A fence is longer than those inside.
     assert code_block("x = '```'", "toml") == "````toml\nx = '```'\n````"

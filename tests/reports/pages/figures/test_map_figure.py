@@ -189,10 +189,7 @@ def test_a_place_without_a_scene_is_signed_in_every_panel() -> None:
     drawn = grid(replace(whole, points=points))
     assert all(drawn.points[pair][0, 0].cause == "scene" for pair in METHODS)
     assert marks(drawn.result.points)["unsupported", "scene"].label == "no scene"
-
-
-def test_a_map_that_is_not_complete_is_drawn() -> None:
-    whole = map_result()
+    # A map that is not complete is drawn.
     go.Figure(coloured(map_figure(grid(replace(whole, points=whole.points[:5])))))
 
 

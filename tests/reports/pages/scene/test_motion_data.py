@@ -71,10 +71,13 @@ def errors(array: Differences) -> FloatArray:
 HALF = 10 ** (0.51 * DECADES_STEP)
 
 
-def test_every_run_at_a_stock_timestep_is_there(top: SceneRuns, data: dict[str, Any]) -> None:
+def test_every_run_at_a_stock_timestep_is_there_in_so_many_samples(data: dict[str, Any]) -> None:
     ran = [m for m in METHODS if m.verdict not in ("failed", "unsupported")]
     names = [run["name"] for run in data["runs"]]
     assert len(names) == len(set(names)) == len(ran) * len(STOCK)
+    assert len(restored(data["exact"]["t"])) <= EXACT_SAMPLES
+    for run in data["runs"]:
+        assert len(restored(run["attitude"])) <= RUN_SAMPLES + SINGLED_OUT
 
 
 def test_attitudes_and_rates_are_those_of_the_run(top: SceneRuns, data: dict[str, Any]) -> None:
@@ -131,12 +134,6 @@ def test_where_a_run_goes_wrong_is_its_first_sample_beyond_a_degree(
     for compared, run in zip(top.compared, data["runs"], strict=True):
         beyond = compared.motion.t[compared.series["attitude"] > NOTICEABLE]
         assert run["noticed"] == (beyond[0] if len(beyond) else None)
-
-
-def test_a_page_carries_so_many_samples_and_no_more(data: dict[str, Any]) -> None:
-    assert len(restored(data["exact"]["t"])) <= EXACT_SAMPLES
-    for run in data["runs"]:
-        assert len(restored(run["attitude"])) <= RUN_SAMPLES + SINGLED_OUT
 
 
 @pytest.mark.parametrize(("name", "shape"), [(TOP, "ellipsoid"), (BRICK, "box")])

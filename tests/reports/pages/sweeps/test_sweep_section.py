@@ -114,7 +114,13 @@ def test_a_file_without_sweeps_shows_nothing_of_them(tmp_path: Path) -> None:
     assert not (tmp_path / "maps").exists()
 
 
-def test_a_file_of_sweeps_alone_shows_no_empty_tables(folder: Path, pages: dict[str, Page]) -> None:
+def test_a_file_of_sweeps_alone_shows_figures_and_no_empty_tables(
+    folder: Path, pages: dict[str, Page]
+) -> None:
+    first = (folder / "index.html").read_text(encoding="utf-8")
+    drawn = [one.figure for one in sweep_pages(swept()) if one.figure]
+    assert first.count('class="plot"') == sum(len(figure.parts) for figure in drawn)
+    assert "assets/plotly.js" in first
     assert pages["index.html"].tables()
     assert all(len(table) > 1 for page in pages.values() for table in page.tables())
     # Headings, dashes and at least one row.
@@ -266,13 +272,6 @@ def test_a_map_has_the_medians_of_the_same_measures() -> None:
     median = within[len(within) // 2]
     assert float(row["0.3 to 1 rad"]) == pytest.approx(math.degrees(2 * median), rel=0.01)
     assert row["over 3 rad"] == "∞"
-
-
-def test_a_report_of_nothing_but_sweeps_draws_them_on_its_first_page(folder: Path) -> None:
-    page = (folder / "index.html").read_text(encoding="utf-8")
-    drawn = [one.figure for one in sweep_pages(swept()) if one.figure]
-    assert page.count('class="plot"') == sum(len(figure.parts) for figure in drawn)
-    assert "assets/plotly.js" in page
 
 
 def test_no_error_is_reported_below_the_reference() -> None:

@@ -40,13 +40,17 @@ def test_what_no_body_has_is_none_and_a_flat_body_has_one_without_thickness():
     assert np.linalg.eigvalsh(squares)[0] == pytest.approx(0.0, abs=16 * EPS * 10)
 
 
-def test_each_view_shows_the_two_axes_that_it_names():
+def test_each_view_shows_the_two_axes_that_it_names_and_a_bar_as_long_as_it_says():
     for view in views([drawn(tensor(AXES))]):
         (ellipse,) = view["ellipses"]
         right, up = (AXES["xyz".index(name)] for name in (view["right"], view["up"]))
         across = ellipse["rx"] if round(ellipse["turn"]) % 180 == 0 else ellipse["ry"]
         other = ellipse["ry"] if across == ellipse["rx"] else ellipse["rx"]
         assert across / other == pytest.approx(right / up)
+    first, *_ = views([drawn(tensor(AXES))])
+    # 0.6 m wide.
+    assert first["bar_text"] == "0.2 m"
+    assert first["bar"] == pytest.approx((SIZE - 2 * MARGIN) * 0.2 / 0.6)
 
 
 def test_a_turn_about_the_axis_looked_along_is_the_ellipses_turn():
@@ -62,10 +66,3 @@ def test_solids_and_the_frames_origin_fit_every_view():
         points = [view["origin"], *((e["x"], e["y"]) for e in view["ellipses"])]
         assert np.min(points) >= MARGIN - 1
         assert np.max(points) <= SIZE - MARGIN + 1
-
-
-def test_the_scale_bar_is_as_long_as_it_says():
-    view = views([drawn(tensor(AXES))])[0]
-    # 0.6 m wide.
-    assert view["bar_text"] == "0.2 m"
-    assert view["bar"] == pytest.approx((SIZE - 2 * MARGIN) * 0.2 / 0.6)
