@@ -6,10 +6,11 @@ import subprocess
 import sys
 import threading
 import xml.etree.ElementTree as ET
+from functools import partial
 
-import command_line
 import numpy as np
 import pytest
+from command_line import ended
 from library_scenes import library_scene
 from scene_texts import sphere_text
 from spincheck.reports.cli import stopping
@@ -24,13 +25,8 @@ SPHERE = sphere_text((0.0, 1.0, 2.0), samples=5, tilt_deg=30.0)
 
 @pytest.fixture
 def spincheck(tmp_path):
-    """Run the command in an empty folder; returns exit code, stdout and stderr."""
-
-    def run(*arguments: object) -> tuple[int, str, str]:
-        done = command_line.spincheck(*arguments, cwd=tmp_path)
-        return done.returncode, done.stdout, done.stderr
-
-    return run
+    """Run the command in an empty folder."""
+    return partial(ended, cwd=tmp_path)
 
 
 @pytest.fixture

@@ -10,6 +10,7 @@ import pytest
 from box import BOX
 from command_line import spincheck
 from failing_calls import FailingCalls, of_function
+from ladders import only
 from planted import HeunSession, RaisingSession, planted
 from same_results import differences
 from spincheck.engines.lost_process import KILLED
@@ -180,18 +181,10 @@ def test_an_engine_added_later_is_run_alone(path, runs, undisturbed):
 
 def test_a_scene_run_later_leaves_the_others_as_they_are(finished, undisturbed):
     both = study_of(finished, [loads(BOX, "crate")], LADDER)
-    one = replace(
-        both,
-        scenes={"box": both.scenes["box"]},
-        rows=[row for row in both.rows if row.key.scenario == "box"],
-        verdicts=[verdict for verdict in both.verdicts if verdict.key.scenario == "box"],
-    )
-    assert differences(one, undisturbed) == []
+    assert differences(only(both, "box"), undisturbed) == []
 
 
-def test_an_unmet_expectation_is_reported_by_a_study_that_was_gone_on_with(
-    finished, runs, monkeypatch
-):
+def test_an_unmet_expectation_is_reported_by_a_study_that_was_gone_on_with(finished):
     def unmet() -> tuple[str, ...]:
         return next(v.unmet for v in read(finished).verdicts if v.key.engine == "Heun")
 
@@ -246,17 +239,12 @@ def test_what_the_machine_killed_or_refused_is_made_again(path, undisturbed, fun
     assert differences(read(path), undisturbed) == []
 
 
-@pytest.mark.parametrize(
-    ("number", "again"),
-    [
-        *((number, True) for number in (errno.ENOSPC, errno.EMFILE, errno.EAGAIN, errno.EROFS)),
-        *((number, False) for number in (errno.EINVAL, errno.ENOENT)),
-    ],
-    ids=errno.errorcode.get,
-)
-def test_an_error_of_the_system_is_the_engines_only_if_it_stays(
-    path, runs, monkeypatch, number, again
-):
+OF_THE_SYSTEM = (errno.ENOSPC, errno.EMFILE, errno.EAGAIN, errno.EROFS)
+OF_THE_ENGINE = (errno.EINVAL, errno.ENOENT)
+
+
+@pytest.mark.parametrize("number", OF_THE_SYSTEM + OF_THE_ENGINE, ids=errno.errorcode.get)
+def test_an_error_of_the_system_is_the_engines_only_if_it_stays(path, runs, monkeypatch, number):
     def refuse(*_: object) -> None:
         raise OSError(number, os.strerror(number))
 
@@ -265,7 +253,7 @@ def test_an_error_of_the_system_is_the_engines_only_if_it_stays(
         run(path)
     runs.clear()
     run(path)
-    assert {row.key.engine for row in runs} == ({"Heun"} if again else set())
+    assert {row.key.engine for row in runs} == ({"Heun"} if number in OF_THE_SYSTEM else set())
 
 
 def overrun(path: Path, reason: str) -> None:

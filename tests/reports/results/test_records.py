@@ -6,7 +6,7 @@ import json
 from dataclasses import replace
 
 import pytest
-from ladders import only_top, scene_of
+from ladders import only, scene_of
 from made_up import TIMESTEPS, MadeUp, results
 from spincheck.reports.cli.results.result_commands import csv_text
 from spincheck.reports.cli.run.summary import row_record
@@ -46,7 +46,7 @@ def test_it_is_on_no_pareto_front_and_reaches_no_error():
         replace(r, seconds_per_step=1e-9) if r.key.method == "RK4" and r.timestep else r
         for r in stored.rows
     ]
-    drawn = curves(scene_of(only_top(replace(stored, rows=rows))), "omega")
+    drawn = curves(scene_of(only(replace(stored, rows=rows))), "omega")
     assert {curve.method for curve, _ in front(drawn)} == {"Euler"}
     blown = next(curve for curve in drawn if curve.method == "RK4")
     assert reach(blown, 1.0).cost is None

@@ -5,11 +5,13 @@ import os
 import subprocess
 import sys
 from dataclasses import asdict, replace
+from operator import attrgetter
 
 import numpy as np
 import pytest
 import small_result_file
 from library_scenes import library_scene
+from same_results import same_arrays
 from spincheck.reference import Solution
 from spincheck.reports.results.cost_records import MethodCost, StepCost
 from spincheck.reports.results.default_records import DefaultEffect, DefaultEffects
@@ -20,6 +22,7 @@ from spincheck.scenarios import Errors, Trajectory
 
 KEY = Key("tennis-racket", "mujoco", "RK4")
 ERRORS = Errors(1e-9, 2e-9, 3e-9, 4e-9, 5e-9, 6e-9)
+TIMES = ("seconds_per_step", "seconds_spread", "wall_seconds_per_step")
 COST = MethodCost(KEY, "a processor", StepCost(3e-6, 1e-7, 4e-6))
 JUDGED = ("attitude", "converges", "order 4.00", 4, 4.0, 1e-9, 2e-9)
 RESTS_ON = ("attitude", 4.0, 1e-9, 2e-9, (SignalVerdict(*JUDGED),))
@@ -70,12 +73,6 @@ def solved(path):
         store.put_scene(library_scene(KEY.scenario), SOLUTION)
 
 
-def same_motion(a: Trajectory, b: Trajectory) -> bool:
-    return all(
-        np.array_equal(x, y) for x, y in zip(vars(a).values(), vars(b).values(), strict=True)
-    )
-
-
 @pytest.mark.usefixtures("solved")
 def test_a_row_and_its_scene_come_back_to_the_last_bit(path, row):
     with open_store(path, create=True) as store:
@@ -84,10 +81,10 @@ def test_a_row_and_its_scene_come_back_to_the_last_bit(path, row):
         with open_store(path) as other:
             results = other.read()
     (back,), scene = results.rows, results.scenes[KEY.scenario]
-    assert same_motion(back.motion, row.motion)
+    assert same_arrays(back.motion, row.motion)
     assert asdict(replace(back, motion=None)) == asdict(replace(row, motion=None))
     assert scene.scenario.digest == library_scene(KEY.scenario).digest
-    assert same_motion(scene.solution.trajectory, SOLUTION.trajectory)
+    assert same_arrays(scene.solution.trajectory, SOLUTION.trajectory)
     assert (scene.solution.uncertainty, scene.solution.horizon) == (ERRORS, 12.5)
 
 
@@ -102,11 +99,8 @@ def test_a_record_comes_back(path, table, record):
 def test_a_cost_reaches_every_row_of_its_method(path, row):
     with open_store(path, create=True) as store:
         store.put(COST, row, replace(row, timestep=0.002))
-        values = [
-            (r.seconds_per_step, r.seconds_spread, r.wall_seconds_per_step)
-            for r in store.read().rows
-        ]
-    assert values == 2 * [(3e-6, 1e-7, 4e-6)]
+        times = [attrgetter(*TIMES)(row) for row in store.read().rows]
+    assert times == 2 * [(3e-6, 1e-7, 4e-6)]
 
 
 def test_costs_of_another_processor_are_forgotten(path):

@@ -1,11 +1,12 @@
 """`spincheck judge`: what it prints of a recorded motion, as JSON, and its exit codes."""
 
 import json
+from functools import partial
 
-import command_line
 import numpy as np
 import pytest
 import spincheck as interface
+from command_line import ended
 
 
 @pytest.fixture
@@ -22,11 +23,7 @@ def recorded(tmp_path):
     write("world.csv", states.omega_world)
     write("stated.csv", states.omega_world, "# omega = world\n")
 
-    def run(*arguments):
-        done = command_line.spincheck("judge", "fast-top", *arguments, cwd=tmp_path)
-        return done.returncode, done.stdout, done.stderr
-
-    return run
+    return partial(ended, "judge", "fast-top", cwd=tmp_path)
 
 
 def test_an_exact_motion_is_found_exact(recorded):

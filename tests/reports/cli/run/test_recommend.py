@@ -4,13 +4,14 @@ import json
 import math
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
-import command_line
 import pytest
 from box import BOX
 from clockwork import METHOD, Works
+from command_line import ended
 from ladders import BELOW, BETWEEN, TOP, Law, errors_of, straight, with_law
 from library_scenes import library_scene
 from spincheck.engines import engines
@@ -170,15 +171,10 @@ Command = Callable[..., tuple[int, str, str]]
 
 @pytest.fixture(scope="module")
 def spincheck(tmp_path_factory: pytest.TempPathFactory) -> Command:
-    """Run the command beside a scene of its own; returns exit code, stdout and stderr."""
+    """Run the command beside a scene of its own."""
     folder = tmp_path_factory.mktemp("recommend")
     (folder / "box.toml").write_text(BOX)
-
-    def run(*arguments: object) -> tuple[int, str, str]:
-        done = command_line.spincheck(*arguments, cwd=folder)
-        return done.returncode, done.stdout, done.stderr
-
-    return run
+    return partial(ended, cwd=folder)
 
 
 def test_from_outside_it_chooses_checks_and_its_command_repeats_it(spincheck: Command) -> None:

@@ -15,7 +15,7 @@ from ladders import (
     bending_down,
     bending_up,
     chosen,
-    only_top,
+    only,
     scene_of,
     straight,
     with_law,
@@ -62,7 +62,7 @@ def test_the_tightest_of_several_bounds_decides() -> None:
 
 
 def test_the_cheapest_comes_first_and_what_is_out_of_reach_last() -> None:
-    choices = candidates(scene_of(only_top(results())), {"omega": BETWEEN})
+    choices = candidates(scene_of(only(results())), {"omega": BETWEEN})
     costs = [candidate.cost or math.inf for candidate in choices]
     assert costs == sorted(costs)
     assert choices[0].key.method == "RK4"
@@ -92,7 +92,7 @@ def test_costs_within_the_spread_of_the_timings_are_called_alike() -> None:
 
 def of_the_library() -> Iterator[SceneRuns]:
     """Every scene with made-up runs, whose orders, sizes, bends and costs differ scene by scene."""
-    stored = only_top(results())
+    stored = only(results())
     stand_in = stored.scenes[TOP].solution
     for k, scenario in enumerate(library()):
         random = np.random.default_rng(k)

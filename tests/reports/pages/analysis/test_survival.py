@@ -3,7 +3,7 @@
 from dataclasses import replace
 
 import pytest
-from ladders import only_top
+from ladders import only
 from made_up import TIMESTEPS, TOP, results
 from spincheck.reports.pages.analysis.report_data import report_data
 from spincheck.reports.pages.analysis.timesteps import in_words, survival
@@ -76,7 +76,7 @@ def test_hard_scenes_are_those_that_are_tagged_so_and_counted_separately():
 
 
 def test_where_all_scenes_are_hard_nothing_is_left_out():
-    gathered = report_data(only_top(hardened()))
+    gathered = report_data(only(hardened()))
     assert gathered.plain.scenes == gathered.scenes != ()
     assert headline(gathered).startswith("1 scene ")
 

@@ -105,11 +105,8 @@ def test_no_line_has_more_samples_than_a_page_carries_and_each_has_both_ends() -
 
 
 def test_convergence_shows_the_error_of_every_finished_run(top: dict[str, Titled]) -> None:
-    euler = next(
-        trace
-        for trace in top["convergence"].parts[0]["data"]
-        if trace.get("legendgroup") == "mujoco Euler" and trace["xaxis"] == "x"
-    )
+    of_euler = traces(top["convergence"].parts[0], "mujoco Euler")
+    euler = next(trace for trace in of_euler if trace["xaxis"] == "x")
     rows = [row for row in results().rows if _label(row.key) == "mujoco Euler" and row.errors]
     wanted = [row.errors.omega for row in rows if row.key.scenario == TOP and row.errors]
     np.testing.assert_array_equal(values_of(euler["x"]), np.float32(TIMESTEPS))
@@ -121,7 +118,7 @@ def test_a_diverged_run_is_a_cross_on_a_strip_of_its_own(
     top: dict[str, Titled], figure: str
 ) -> None:
     for part in top[figure].parts:
-        multibody = [t for t in part["data"] if t.get("legendgroup") == "pybullet multibody"]
+        multibody = traces(part, "pybullet multibody")
         assert {(t["marker"]["symbol"], t["yaxis"]) for t in multibody} == {("x-thin-open", "y2")}
         assert sum(len(values_of(t["x"])) for t in multibody) == len(TIMESTEPS)
     # None with an error is there.
@@ -138,9 +135,8 @@ def test_stock_timesteps_have_rings(top: dict[str, Titled]) -> None:
 
 
 def test_guides_have_the_declared_slopes(top: dict[str, Titled]) -> None:
-    guides = [
-        t for t in top["convergence"].parts[0]["data"] if t.get("name", "").startswith("order")
-    ]
+    drawn = top["convergence"].parts[0]["data"]
+    guides = [trace for trace in drawn if trace.get("name", "").startswith("order")]
     assert {t["name"] for t in guides} == {"order 1", "order 4"}
     for guide in guides:
         slope = np.polyfit(np.log(values_of(guide["x"])), np.log(values_of(guide["y"])), 1)[0]
@@ -153,7 +149,7 @@ def test_cost_is_seconds_a_simulated_second_and_of_timed_runs(top: dict[str, Tit
     row = next(row for row in stored.rows if row.seconds_per_step)
     assert row.seconds_per_step is not None
     assert cost(row) == row.seconds_per_step / row.timestep
-    first = next(t for t in top["cost"].parts[0]["data"] if t.get("legendgroup") == _label(row.key))
+    first, *_ = traces(top["cost"].parts[0], _label(row.key))
     assert values_of(first["x"])[0] == np.float32(cost(row))
     untimed = [replace(row, seconds_per_step=None) for row in stored.rows]
     gathered = report_data(replace(stored, rows=untimed))
@@ -207,17 +203,12 @@ def test_a_method_has_one_colour_in_all_engines_and_none_differ_in_hue_alone() -
 
 
 def test_colours_are_those_of_the_whole_study_on_every_page() -> None:
-    per_page = [
-        {trace["legendgroup"]: trace["line"]["color"]}
-        for name in (TOP, BRICK)
-        for titled in drawn(scene(name)).values()
-        for trace in titled.parts[0]["data"]
-        if "legendgroup" in trace
-    ]
     merged: dict[str, str] = {}
-    for colours in per_page:
-        for label, colour in colours.items():
-            assert merged.setdefault(label, colour) == colour
+    for titled in [*drawn(scene(TOP)).values(), *drawn(scene(BRICK)).values()]:
+        for trace in titled.parts[0]["data"]:
+            if label := trace.get("legendgroup"):
+                colour = trace["line"]["color"]
+                assert merged.setdefault(label, colour) == colour
 
 
 def test_colours_are_different_and_stand_out_on_light_and_on_dark_paper() -> None:
@@ -243,18 +234,14 @@ def test_axes_reach_from_below_the_floor_to_above_the_errors_that_are_drawn() ->
 
 @pytest.mark.parametrize("size", [1e3, 1e35, 1e150])
 def test_a_run_that_blows_up_leaves_the_figures_readable(size: float) -> None:
+    def wild(row: Row) -> Row:
+        if row.outcome != "diverged" or row.motion is None:
+            return row
+        growth = np.linspace(1.0, size, len(row.motion.t))[:, None]
+        return replace(row, motion=replace(row.motion, omega_body=row.motion.omega_body * growth))
+
     stored = results()
-    k = next(
-        k
-        for k, row in enumerate(stored.rows)
-        if row.key.scenario == BRICK and row.outcome == "diverged"
-    )
-    motion = stored.rows[k].motion
-    assert motion is not None
-    omega = motion.omega_body * np.linspace(1.0, size, len(motion.t))[:, None]
-    wild = replace(motion, omega_body=omega)
-    rows = [replace(row, motion=wild) if n == k else row for n, row in enumerate(stored.rows)]
-    gathered = report_data(replace(stored, rows=rows[: k + 1]))
+    gathered = report_data(replace(stored, rows=list(map(wild, stored.rows))))
     brick = next(scene for scene in gathered.scenes if scene.name == BRICK)
     for titled in drawn(brick).values():
         for part in titled.parts:
@@ -277,6 +264,11 @@ def test_a_run_sampled_at_times_of_its_own_is_compared_with_the_exact_motion_at_
     np.testing.assert_array_equal(run.exact.t, shifted.t)
     exact = solve(scenario, shifted.t).trajectory
     np.testing.assert_array_equal(run.exact.omega_body, exact.omega_body)
+
+
+def traces(part: Figure, label: str) -> list[Trace]:
+    """Those of a method."""
+    return [trace for trace in part["data"] if trace.get("legendgroup") == label]
 
 
 def _errors_too_small(figures: dict[str, Titled]) -> Iterator[tuple[str, float]]:

@@ -4,6 +4,7 @@ import math
 import shlex
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import plotly.graph_objects as go
@@ -171,12 +172,9 @@ def test_survival_is_counted_by_the_turn_a_step(folder: Path) -> None:
         assert any("0.3 to 1 rad" in heading for heading in headings)
 
 
-@pytest.mark.parametrize(
-    ("part", "whole", "text"),
-    [(0, 10, "0 %"), (10, 10, "100 %"), (1, 1000, "< 1 %"), (999, 1000, "> 99 %"), (1, 3, "33 %")],
-)
-def test_none_and_all_are_said_of_none_and_all_only(part: int, whole: int, text: str) -> None:
-    assert percent(part, whole) == text
+def test_none_and_all_are_said_of_none_and_all_only() -> None:
+    words = {0: "0 %", 1: "< 1 %", 333: "33 %", 999: "> 99 %", 1000: "100 %"}
+    assert {part: percent(part, 1000) for part in words} == words
 
 
 def test_quantiles_are_errors_of_members_and_what_did_not_finish_is_worse_than_any() -> None:
@@ -202,18 +200,20 @@ def at_stock() -> Results:
     return replace(stored, sweeps=ensembles, methods=methods)
 
 
-def test_the_first_screen_has_the_default_and_the_best_of_each_engine() -> None:
-    shown = spread(at_stock())
+def kinds_of(stored: Results) -> list[dict[str, Any]]:
+    """The distributions of the first screen."""
+    shown = spread(stored)
     assert shown is not None
-    (of_kind,) = shown["kinds"]
+    kinds: list[dict[str, Any]] = shown["kinds"]
+    return kinds
+
+
+def test_the_first_screen_has_the_default_and_the_best_of_each_engine() -> None:
+    (of_kind,) = kinds_of(at_stock())
     assert (of_kind["kind"], of_kind["members"]) == ("free symmetric", "10")
     assert of_kind["scenes"] == [("disc", "ensembles/disc-1.html")]
     rows = [[cell.text for cell in row] for row in of_kind["table"].rows]
-    assert [row[0] for row in rows] == [
-        "mujoco Euler, 10 ms",
-        "mujoco RK4, 10 ms",
-        "pybullet multibody, 10 ms",
-    ]
+    assert [row[0] for row in rows] == [f"{' '.join(pair)}, 10 ms" for pair in METHODS]
     assert of_kind["table"].headings[1:] == ("p50", "p95", "p99", "largest")
     # Of ten members these would be the largest.
     assert all(row[2:4] == [NOTHING, NOTHING] for row in rows)
@@ -230,9 +230,7 @@ def test_ensembles_of_a_kind_are_one_distribution_without_doubled_members() -> N
     stored = at_stock()
     (disc,) = stored.sweeps
     plate = replace(ensemble_result(20, "plate"), sweep=Ensemble("plate", 20, 7, None))
-    shown = spread(replace(stored, sweeps=[disc, disc, plate]))
-    assert shown is not None
-    (of_kind,) = shown["kinds"]
+    (of_kind,) = kinds_of(replace(stored, sweeps=[disc, disc, plate]))
     assert of_kind["members"] == "30"
     median = math.degrees(2 * 0.08)  # Of 0.01 to 0.10 and 0.01 to 0.20, the fifteenth.
     assert of_kind["table"].rows[0][1].text == readable(median)
@@ -241,9 +239,8 @@ def test_ensembles_of_a_kind_are_one_distribution_without_doubled_members() -> N
 def test_kinds_of_motion_have_a_distribution_each() -> None:
     stored = at_stock()
     heavy = replace(stored.sweeps[0], scenario=scene(UPRIGHT, "upright"))
-    shown = spread(replace(stored, sweeps=[heavy, *stored.sweeps]))
-    assert shown is not None
-    assert [one["kind"] for one in shown["kinds"]] == ["free symmetric", "heavy symmetric"]
+    kinds = kinds_of(replace(stored, sweeps=[heavy, *stored.sweeps]))
+    assert [one["kind"] for one in kinds] == ["free symmetric", "heavy symmetric"]
 
 
 def test_turns_until_a_degree_are_few_and_the_error_a_turn_is_large_for_the_worst() -> None:
@@ -303,10 +300,8 @@ def test_the_distribution_rises_at_every_error_and_ends_at_what_finished() -> No
 
 
 def test_an_ensemble_of_which_none_finished_has_tables_and_no_figure() -> None:
-    ensemble = ensemble_result()
-    crashed = tuple(
-        replace(p, outcome="failed", cause="crash", errors=None) for p in ensemble.points
-    )
+    ensemble, ended = ensemble_result(), {"outcome": "failed", "cause": "crash", "errors": None}
+    crashed = tuple(replace(point, **ended) for point in ensemble.points)
     page = of_ensemble(replace(swept(), sweeps=[replace(ensemble, points=crashed)]))
     assert page.figure is None
     shown = titled(page, ATTITUDE.title)
