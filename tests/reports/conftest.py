@@ -1,16 +1,35 @@
-"""Fixtures of more than one folder: a result file to be begun, and pytest on files of a test's."""
+"""Fixtures of more than one file: a result file to be begun, what is stored, a clock, pytest."""
 
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 from _pytest.pytester import Pytester, RunResult, SysModulesSnapshot
+from clockwork import clock
+from spincheck.reports.results.records import Record, Row
+from spincheck.reports.results.store import Store
+
+__all__ = ["clock"]
 
 
 @pytest.fixture
 def path(tmp_path: Path) -> Path:
     """Where a result file may be begun."""
     return tmp_path / "results.sqlite"
+
+
+@pytest.fixture
+def runs(monkeypatch: pytest.MonkeyPatch) -> list[Row]:
+    """The rows stored from now on."""
+    stored: list[Row] = []
+    put = Store.put
+
+    def counting(store: Store, *records: Record) -> None:
+        put(store, *records)
+        stored.extend(record for record in records if isinstance(record, Row))
+
+    monkeypatch.setattr(Store, "put", counting)
+    return stored
 
 
 @pytest.fixture

@@ -4,6 +4,7 @@ from collections import deque
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
+import pytest
 from spincheck.reports.harness.choice import Choice
 from spincheck.reports.harness.convergence_study import ConvergenceStudy
 from spincheck.reports.harness.executors import Executor, InProcess
@@ -11,8 +12,8 @@ from spincheck.reports.harness.judging import judge
 from spincheck.reports.harness.plan import plan
 from spincheck.reports.harness.study import run_rungs, run_study
 from spincheck.reports.harness.sweep import plan_sweep, run_sweep
-from spincheck.reports.results.records import Verdict
-from spincheck.reports.results.store import Results, open_store
+from spincheck.reports.results.records import Record, Row, Verdict
+from spincheck.reports.results.store import Results, Store, open_store
 from spincheck.reports.results.sweep_records import Ensemble, Map, PlacedRow, points_of
 from spincheck.scenarios import Scenario
 
@@ -51,6 +52,23 @@ def sweep(
     with open_store(path, create=True) as store, executor or InProcess() as calls:
         run_sweep(plan_sweep(definition, scene, choice, store), scene, store, calls, progress)
         return points_of(definition, store.points(scene.name))
+
+
+def stop_at(
+    monkeypatch: pytest.MonkeyPatch, ends: Callable[[Row], bool], begin: Callable[[], object]
+) -> None:
+    """Begin a study, and stop it before the first row for which that holds is stored."""
+    put = Store.put
+
+    def stopping(store: Store, *records: Record) -> None:
+        if any(isinstance(record, Row) and ends(record) for record in records):
+            raise KeyboardInterrupt
+        put(store, *records)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(Store, "put", stopping)
+        with pytest.raises(KeyboardInterrupt):
+            begin()
 
 
 def verdict_of(study: ConvergenceStudy) -> Verdict:

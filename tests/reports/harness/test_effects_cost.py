@@ -3,7 +3,7 @@
 from collections.abc import Collection
 
 import pytest
-from clockwork import METHOD, SCENE, Clock, Clockwork, Works, clock, steadily
+from clockwork import METHOD, SCENE, Clock, Clockwork, Works, steadily
 from kinds_of_engines import required_engines
 from library_scenes import library_scene
 from spincheck.engines import Engine, EngineError, Method
@@ -13,8 +13,6 @@ from spincheck.reports.harness.effects_cost import effects_costs, first_pass_cos
 from spincheck.reports.results.cost_records import EffectsCost, PassCosts
 from spincheck.reports.results.records import Key
 from spincheck.scenarios import Scenario
-
-__all__ = ["clock"]
 
 #: s a step with nothing left in.
 TAKES = 3e-6

@@ -20,9 +20,9 @@ from spincheck.reports.harness.executors import CallFailed, Executor
 from spincheck.reports.harness.judging import ladder_end
 from spincheck.reports.harness.study import prepare, simulate
 from spincheck.reports.results import fingerprints as fingerprints
-from spincheck.reports.results.records import Record, Row
-from spincheck.reports.results.store import Results, Store, open_store
+from spincheck.reports.results.store import Results, open_store
 from spincheck.scenarios import loads
+from studies import stop_at
 from studies import study as study_of
 
 pytestmark = pytest.mark.slow
@@ -78,20 +78,6 @@ def finished(complete, path) -> Path:
     return Path(copyfile(complete, path))
 
 
-@pytest.fixture
-def runs(monkeypatch) -> list[Row]:
-    """The rows stored from now on."""
-    stored: list[Row] = []
-    put = Store.put
-
-    def counting(store: Store, *records: Record) -> None:
-        put(store, *records)
-        stored.extend(record for record in records if isinstance(record, Row))
-
-    monkeypatch.setattr(Store, "put", counting)
-    return stored
-
-
 def test_a_study_that_is_complete_or_of_a_longer_ladder_runs_nothing(finished, runs, undisturbed):
     assert run(finished) == []
     run(finished, replace(LADDER, max_steps=1))
@@ -103,17 +89,7 @@ def test_a_study_that_is_complete_or_of_a_longer_ladder_runs_nothing(finished, r
 def test_a_study_stopped_after_some_rows_runs_only_the_others(
     path, runs, undisturbed, monkeypatch, rows
 ):
-    put = Store.put
-
-    def stopping(store: Store, *records: Record) -> None:
-        if len(runs) == rows and isinstance(records[0], Row):
-            raise KeyboardInterrupt
-        put(store, *records)
-
-    with monkeypatch.context() as patch:
-        patch.setattr(Store, "put", stopping)
-        with pytest.raises(KeyboardInterrupt):
-            run(path)
+    stop_at(monkeypatch, lambda _: len(runs) == rows, lambda: run(path))
     run(path)
     assert len(runs) == len(undisturbed.rows)
     assert differences(read(path), undisturbed) == []

@@ -4,7 +4,7 @@ import os
 
 import numpy as np
 import pytest
-from clockwork import METHOD, SCENE, Clock, Clockwork, Works, clock, steadily
+from clockwork import METHOD, SCENE, Clock, Clockwork, Works, steadily
 from library_scenes import library_scene
 from planted import METHOD as METHOD_OF_PLANTED
 from planted import HeunSession, RaisingSession, SegfaultSession, planted
@@ -15,8 +15,6 @@ from spincheck.reports.harness.step_cost import measure, step_costs
 from spincheck.reports.results.cost_records import StepCost
 
 pytestmark = pytest.mark.slow
-
-__all__ = ["clock"]
 
 #: s a step.
 TAKES = 3e-6

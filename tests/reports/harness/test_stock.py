@@ -16,9 +16,10 @@ from spincheck.reports.harness.stock import (
     stock_rung,
     stock_runs_of,
 )
-from spincheck.reports.results.records import Record, Row
-from spincheck.reports.results.store import Results, Store
+from spincheck.reports.results.records import Row
+from spincheck.reports.results.store import Results
 from spincheck.scenarios import loads
+from studies import stop_at
 from studies import study as study_of
 
 pytestmark = pytest.mark.slow
@@ -75,31 +76,13 @@ def test_a_blow_up_at_a_stock_timestep_leaves_the_verdict(path):
     assert results.verdicts[0].verdict == "converges"
 
 
-def rows_of(records: tuple[Record, ...]) -> list[Row]:
-    return [record for record in records if isinstance(record, Row)]
-
-
-def test_a_study_stopped_before_its_stock_runs_makes_them_alone_and_once(path, monkeypatch):
-    put, stored = Store.put, []
-
-    def stopping(store: Store, *records: Record) -> None:
-        if any(row.stock for row in rows_of(records)):
-            raise KeyboardInterrupt
-        put(store, *records)
-
-    def storing(store: Store, *records: Record) -> None:
-        put(store, *records)
-        stored.extend(rows_of(records))
-
-    with monkeypatch.context() as patch:
-        patch.setattr(Store, "put", stopping)
-        with pytest.raises(KeyboardInterrupt):
-            study(path, HeunAsSold())
-    monkeypatch.setattr(Store, "put", storing)
+def test_a_study_stopped_before_its_stock_runs_makes_them_alone_and_once(path, runs, monkeypatch):
+    stop_at(monkeypatch, lambda row: row.stock, lambda: study(path, HeunAsSold()))
+    runs.clear()
     study(path, HeunAsSold())
-    assert sorted(row.timestep for row in stored) == [COMMON_TIMESTEP, STOCK]
+    assert sorted(row.timestep for row in runs) == [COMMON_TIMESTEP, STOCK]
     study(path, HeunAsSold())
-    assert len(stored) == 2
+    assert len(runs) == 2
 
 
 def test_stock_timesteps_are_left_out_where_all_fail_or_others_are_asked_for(path):

@@ -2,7 +2,6 @@
 
 import errno
 import shutil
-from contextlib import contextmanager
 from pathlib import Path
 
 import command_line
@@ -112,22 +111,13 @@ def test_a_file_that_goes_last_of_all_is_reported(path):
         path.unlink()
 
 
-@contextmanager
-def refusing(monkeypatch, number: int):
-    import fcntl
-
+@pytest.mark.parametrize("number", [errno.ENOLCK, errno.ENOSYS, errno.EOPNOTSUPP])
+def test_a_disk_without_locks_is_reported(path, monkeypatch, number):
     def refuse(*_: object) -> None:
         raise OSError(number, "refused")
 
-    with monkeypatch.context() as patched:
-        patched.setattr(fcntl, "flock", refuse)
-        yield
-
-
-@pytest.mark.parametrize("number", [errno.ENOLCK, errno.ENOSYS, errno.EOPNOTSUPP])
-def test_a_disk_without_locks_is_reported(path, monkeypatch, number):
+    monkeypatch.setattr("fcntl.flock", refuse)
     with (
-        refusing(monkeypatch, number),
         pytest.raises(ResultFileError, match="cannot be locked against a second run: refused"),
         open_store(path, create=True),
     ):

@@ -4,6 +4,7 @@ import itertools
 import threading
 import time
 from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -114,16 +115,9 @@ def test_where_a_task_raises_no_further_one_is_begun(executor_of_its_own):
 
 
 def test_several_threads_may_call_at_once(executor):
-    values: list[object] = []
-    threads = [
-        threading.Thread(target=lambda k=k: values.append(executor.call(calls.power, k).value))
-        for k in range(JOBS)
-    ]
-    for thread in threads:
-        thread.start()
-    for thread in threads:
-        thread.join()
-    assert sorted(values) == [0, 1]
+    with ThreadPoolExecutor(JOBS) as threads:
+        answers = threads.map(partial(executor.call, calls.power), range(JOBS))
+        assert [answer.value for answer in answers] == [0, 1]
 
 
 @pytest.fixture(params=KINDS, ids=lambda kind: kind.__name__)
