@@ -4,6 +4,7 @@ from pathlib import Path
 
 import pytest
 from scenes import GRAVITY, PIVOT, SPUN_UP, TOP, scene
+from spincheck.engines import Engine
 from spincheck.engines.adapters.mujoco.engine import MuJoCo
 from spincheck.engines.adapters.pybullet.engine import PyBullet
 from spincheck.engines.adapters.pybullet.world import CLAMP, DAMPING, INERTIA, JOINT_MOTOR
@@ -21,14 +22,11 @@ TIMESTEP = ENGINE.stock_timestep
 AXISYMMETRIC = scene("top", body=TOP, start=SPUN_UP, effects=PIVOT + GRAVITY, duration=0.5)
 
 
-def effects_on(scenario: Scenario) -> DefaultEffects:
+def effects_on(scenario: Scenario, engine: Engine = ENGINE) -> DefaultEffects | None:
     rung = single(TIMESTEP, scenario.times)
     solution = solve(scenario, rung.sample_steps * TIMESTEP)
     at = prepare(scenario, (), 1 << 10).places
-    method = ENGINE.method("default")
-    effects = default_effects(scenario, ENGINE, method, rung, solution, at)
-    assert effects is not None
-    return effects
+    return default_effects(scenario, engine, engine.method("default"), rung, solution, at)
 
 
 @pytest.fixture(scope="module")
@@ -73,11 +71,7 @@ def test_a_run_that_ends_at_the_clamp_has_no_errors() -> None:
 
 
 def test_an_engine_whose_defaults_alter_no_motion_has_none() -> None:
-    engine = MuJoCo()
-    rung = single(TIMESTEP, AXISYMMETRIC.times)
-    solution = solve(AXISYMMETRIC, rung.sample_steps * TIMESTEP)
-    default = engine.method("default")
-    assert default_effects(AXISYMMETRIC, engine, default, rung, solution) is None
+    assert effects_on(AXISYMMETRIC, MuJoCo()) is None
 
 
 @pytest.mark.parametrize(("tags", "acting"), [("", True), ('tags = ["hard"]\n', None)])

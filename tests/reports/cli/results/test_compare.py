@@ -144,9 +144,7 @@ def test_a_dearer_step_is_a_regression_on_the_same_processor_alone(before):
     elsewhere = replace(dear, environment=before.environment | {"processor": "another"})
     machine, cost = changes(before, elsewhere)
     assert (machine.kind, cost.direction, cost.regression) == ("environment", "worse", False)
-
-
-def test_a_cost_within_the_noise_has_not_changed(before):
+    # One within the noise has not changed.
     beyond_the_factor_alone = with_cost(before, 2 * COST, COST)
     beyond_the_spreads_alone = with_cost(before, 0.99 * COST_FACTOR * COST, 0.0)
     assert changes(before, beyond_the_factor_alone) == []

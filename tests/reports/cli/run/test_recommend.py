@@ -94,6 +94,9 @@ def test_a_run_that_would_last_too_long_is_not_started(monkeypatch: pytest.Monke
     recommendation = recommended(monkeypatch, STRAIGHT, straight, omega=BETWEEN)
     assert (recommendation.checks, recommendation.verified) == ((), False)
     assert "it would take" in recommendation.unchecked
+    # Nor is one of what no method reaches.
+    recommendation = recommended(monkeypatch, STRAIGHT, straight, omega=1e-300)
+    assert (recommendation.best, recommendation.command, exit_code(recommendation)) == (None, "", 1)
 
 
 def test_engines_as_shipped_are_not_even_run(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -150,11 +153,6 @@ def test_an_engine_that_is_there_as_shipped_only_is_one_message(
         monkeypatch.setattr(module, "engines", lambda: {"raw": raw(lambda _: None)})
     with pytest.raises(Complaint, match="raw: has no method that is recommended"):
         recommend(TOP, {"omega": BETWEEN}, ["raw"], 1, NO_FILE)
-
-
-def test_what_no_method_reaches_is_said_and_exits_with_1(monkeypatch: pytest.MonkeyPatch) -> None:
-    recommendation = recommended(monkeypatch, STRAIGHT, straight, omega=1e-300)
-    assert (recommendation.best, recommendation.command, exit_code(recommendation)) == (None, "", 1)
 
 
 def test_a_bound_broken_by_any_error_is_broken() -> None:
