@@ -86,6 +86,7 @@ def test_every_script_of_it_finds_the_errors_that_the_harness_finds(
         assert "spincheck" not in text.replace("by spincheck", "")
         file.write_text(text, encoding="utf-8")
         written[str(file)] = scenario, method
+    assert written
     command = [*RUN[engine.script_language], *written]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
