@@ -21,7 +21,7 @@ def records(text: str) -> list[dict[str, str]]:
     return list(csv.DictReader(io.StringIO(text)))
 
 
-def test_no_text_is_a_formula_of_a_spreadsheet_and_others_are_as_they_are():
+def test_no_text_is_a_formula_of_a_spreadsheet():
     for text in ("=1+1", "+1", "-1", "@SUM(A1)", "\t=1", "\n=1"):
         written = csv_text([{"reason": text, "unmet": [text], "drifts": {"energy": text}}])
         assert set(records(written)[0].values()) == {f"'{text}"}
