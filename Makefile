@@ -74,7 +74,7 @@ results: $(INSTALLED)
 
 # Faultless methods on a thousand random scenes: what is judged wrongly, counted.
 random: $(READY)
-	$(BIN)/python tests/reports/harness/measure_random.py
+	PYTHONPATH=tests/support $(BIN)/python tests/reports/harness/measure_random.py
 
 # The tests for engines' own continuous integration, on every engine there is.
 suite: $(READY)
@@ -84,7 +84,7 @@ suite: $(READY)
 # Random bodies described in every way in real engines: false alarms of encodings, counted and printed.
 COUNT ?= 1000
 encodings: $(READY)
-	$(BIN)/python tests/reports/harness/measure_encodings.py $(COUNT) $(FROM)
+	PYTHONPATH=tests/support $(BIN)/python tests/reports/harness/measure_encodings.py $(COUNT) $(FROM)
 
 # What became of public issues on the rotation of single bodies, in the engines at hand; docs/measured/known-issues.md.
 known-issues: $(READY)

@@ -31,3 +31,9 @@ def spincheck(*arguments: object, cwd: Path = Path()) -> CompletedProcess[str]:
         except SystemExit as end:
             code = int(end.code or 0)
     return CompletedProcess(words, code, out.getvalue(), err.getvalue())
+
+
+def ended(*arguments: object, cwd: Path = Path()) -> tuple[int, str, str]:
+    """The exit code, and what is on stdout and stderr."""
+    done = spincheck(*arguments, cwd=cwd)
+    return done.returncode, done.stdout, done.stderr

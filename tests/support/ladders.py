@@ -20,19 +20,19 @@ ROUNDING = 64 * EPS
 Law = Callable[[float], float]
 
 
-def only_top(stored: Results) -> Results:
-    """The made-up results of one scene, as a study of it alone would store them."""
+def only(stored: Results, name: str = TOP) -> Results:
+    """The results of one scene, as a study of it alone would store them."""
     return replace(
         stored,
-        scenes={TOP: stored.scenes[TOP]},
-        rows=[row for row in stored.rows if row.key.scenario == TOP],
-        verdicts=[verdict for verdict in stored.verdicts if verdict.key.scenario == TOP],
+        scenes={name: stored.scenes[name]},
+        rows=[row for row in stored.rows if row.key.scenario == name],
+        verdicts=[verdict for verdict in stored.verdicts if verdict.key.scenario == name],
     )
 
 
 def with_law(law: Law, method: str = "Euler") -> Results:
     """The same, with the errors of one method in ω and attitude by a law of the timestep."""
-    stored = only_top(results(methods=ALONE))
+    stored = only(results(methods=ALONE))
     rows = [
         replace(row, errors=errors_of(law, row.timestep)) if row.key.method == method else row
         for row in stored.rows

@@ -9,6 +9,7 @@ from spincheck.engines import Method
 from spincheck.reference import Solution
 from spincheck.reports.results.records import Key, Row, Verdict
 from spincheck.reports.results.results import Results, SceneResult
+from spincheck.reports.results.store import Store
 from spincheck.scenarios import EFFECTS, Errors, Scenario, Trajectory, errors_between, loads
 
 #: What the made-up exact motion is good for; the finest runs of high order are below it.
@@ -109,6 +110,15 @@ def results(samples: int = 101, methods: Sequence[MadeUp] = METHODS) -> Results:
     environment = {"date": "2026-01-01T00:00:00+00:00", "processor": "a <fast> one"}
     declared = {(m.engine, m.method): _declared(m) for m in methods}
     return Results(environment, scenes, rows, verdicts, methods=declared)
+
+
+def put(store: Store, stored: Results) -> None:
+    """Store scenes, rows and verdicts."""
+    for result in stored.scenes.values():
+        store.put_scene(result.scenario, result.solution)
+    store.put(*stored.rows)
+    for verdict in stored.verdicts:
+        store.put_verdict(verdict)
 
 
 def at_stock(stored: Results) -> Results:

@@ -21,7 +21,7 @@ def _rows(a: Results, b: Results) -> Iterator[str]:
             yield f"row differs: {key}: {_plain(first[key])} {_plain(second[key])}"
         if (first[key].seconds_per_step is None) != (second[key].seconds_per_step is None):
             yield f"timed in one only: {key}"
-        if not _same_arrays(first[key].motion, second[key].motion):
+        if not same_arrays(first[key].motion, second[key].motion):
             yield f"samples differ: {key}"
 
 
@@ -40,7 +40,7 @@ def _scenes(a: Results, b: Results) -> Iterator[str]:
             continue
         scenes = [(s.scenario.text, s.solution.method, s.solution.horizon) for s in (first, second)]
         motions = (first.solution.trajectory, second.solution.trajectory)
-        if scenes[0] != scenes[1] or not _same_arrays(*motions):
+        if scenes[0] != scenes[1] or not same_arrays(*motions):
             yield f"exact motion differs: {name}"
 
 
@@ -56,7 +56,8 @@ def _plain(row: Row) -> dict[str, object]:
     return asdict(replace(row, motion=None, **untimed))
 
 
-def _same_arrays(a: object, b: object) -> bool:
+def same_arrays(a: object, b: object) -> bool:
+    """Whether two motions, or none, are the same to the last bit."""
     if a is None or b is None:
         return a is b
     pairs = zip(vars(a).values(), vars(b).values(), strict=True)

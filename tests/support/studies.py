@@ -3,19 +3,27 @@
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
+import pytest
 from spincheck.reports.harness.choice import Choice
 from spincheck.reports.harness.convergence_study import ConvergenceStudy
 from spincheck.reports.harness.executors import Executor, InProcess
 from spincheck.reports.harness.plan import plan
 from spincheck.reports.harness.study import run_and_judge, run_study
 from spincheck.reports.harness.sweep import plan_sweep, run_sweep
-from spincheck.reports.results.records import Verdict
+from spincheck.reports.results.records import Record, Row, Verdict
 from spincheck.reports.results.results import Results
-from spincheck.reports.results.store import open_store
+from spincheck.reports.results.store import Store, open_store
 from spincheck.reports.results.sweep_records import Ensemble, Map, PlacedRow, points_of
 from spincheck.scenarios import Scenario
 
 Progress = Callable[[str], object]
+
+
+class Nowhere:
+    """A result file that keeps nothing."""
+
+    def put(self, *_: object) -> None:
+        """Drop the records."""
 
 
 def study(
@@ -43,6 +51,23 @@ def sweep(
     with open_store(path, create=True) as store, executor or InProcess() as calls:
         run_sweep(plan_sweep(definition, scene, choice, store), scene, store, calls, progress)
         return points_of(definition, store.points(scene.name))
+
+
+def stop_at(
+    monkeypatch: pytest.MonkeyPatch, ends: Callable[[Row], bool], begin: Callable[[], object]
+) -> None:
+    """Begin a study, and stop it before the first row for which that holds is stored."""
+    put = Store.put
+
+    def stopping(store: Store, *records: Record) -> None:
+        if any(isinstance(record, Row) and ends(record) for record in records):
+            raise KeyboardInterrupt
+        put(store, *records)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(Store, "put", stopping)
+        with pytest.raises(KeyboardInterrupt):
+            begin()
 
 
 def verdict_of(study: ConvergenceStudy) -> Verdict:

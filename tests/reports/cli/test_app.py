@@ -6,10 +6,11 @@ import subprocess
 import sys
 import threading
 import xml.etree.ElementTree as ET
+from functools import partial
 
-import command_line
 import numpy as np
 import pytest
+from command_line import ended
 from library_scenes import library_scene
 from scene_texts import sphere_text
 from spincheck.reports.cli import stopping
@@ -24,13 +25,8 @@ SPHERE = sphere_text((0.0, 1.0, 2.0), samples=5, tilt_deg=30.0)
 
 @pytest.fixture
 def spincheck(tmp_path):
-    """Run the command in an empty folder; returns exit code, stdout and stderr."""
-
-    def run(*arguments: object) -> tuple[int, str, str]:
-        done = command_line.spincheck(*arguments, cwd=tmp_path)
-        return done.returncode, done.stdout, done.stderr
-
-    return run
+    """Run the command in an empty folder."""
+    return partial(ended, cwd=tmp_path)
 
 
 @pytest.fixture
@@ -41,33 +37,20 @@ def sphere(tmp_path):
 
 
 @pytest.mark.processes
-def test_help_needs_no_heavy_imports():
+@pytest.mark.parametrize("module", ["spincheck", "spincheck.reports.cli.app"])
+def test_the_interface_and_help_need_no_heavy_imports(module):
     program = (
-        "import sys; import spincheck.reports.cli.app;"
+        f"import sys; import {module};"
         "print([m for m in ('numpy', 'numba', 'mujoco', 'pybullet', 'scipy') if m in sys.modules])"
     )
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)
     assert done.stdout.strip() == "[]"
 
 
-def test_list_names_every_scene_of_the_library(spincheck):
-    code, out, _ = spincheck("list", "--json")
-    assert code == 0
-    assert "tennis-racket" in {scene["scene"] for scene in json.loads(out)}
-
-
-def test_check_accepts_a_good_file(spincheck, sphere):
+def test_check_accepts_a_good_file_and_names_what_is_wrong_with_another(spincheck, sphere):
     code, out, _ = spincheck("check", sphere)
     assert code == 0
     assert "A spinning sphere: 1 kg, z axis 30° from the world's, 2.236 rad/s (21.35 rpm)\n" in out
-
-
-def test_check_tells_what_a_library_scene_cannot(spincheck):
-    code, out, _ = spincheck("check", "balanced-gyroscope")
-    assert (code, "gravity" in out) == (0, True)
-
-
-def test_check_names_file_line_and_key_and_exits_with_2(spincheck, sphere):
     sphere.write_text(SPHERE.replace("mass = 1.0", "mass = -1.0"))
     line = SPHERE.splitlines().index("mass = 1.0") + 1
     code, _, err = spincheck("check", sphere)
@@ -75,12 +58,12 @@ def test_check_names_file_line_and_key_and_exits_with_2(spincheck, sphere):
     assert f"{sphere}:{line}: [body] mass: must be greater than 0, got -1.0" in err
 
 
-def test_show_gives_the_body_as_it_was_understood(spincheck, sphere):
+def test_list_names_scenes_show_gives_the_body_and_engines_the_methods(spincheck, sphere):
+    code, out, _ = spincheck("list", "--json")
+    assert code == 0
+    assert "tennis-racket" in {scene["scene"] for scene in json.loads(out)}
     _, out, _ = spincheck("show", sphere, "--json")
     assert json.loads(out)["principal_moments"] == [1.0, 1.0, 1.0]
-
-
-def test_engines_lists_methods_with_their_orders(spincheck):
     _, out, _ = spincheck("engines", "--json")
     orders = {(e["engine"], e["method"]): e["order"] for e in json.loads(out)["engines"]}
     assert orders[("mujoco", "RK4")] == 4
@@ -96,18 +79,13 @@ def test_reference_prints_states_at_the_times_asked_for(spincheck, sphere):
     assert exact["states"][1]["energy"] == pytest.approx(2.5, rel=1e-15)
 
 
-def test_export_writes_files_that_both_engines_load(spincheck, sphere, tmp_path):
-    code, _, _ = spincheck("export", sphere, "out")
-    assert code == 0
-    assert {path.name for path in (tmp_path / "out").iterdir()} == {"scene.xml", "scene.urdf"}
-
-
-def test_an_exported_timestep_resolves_the_fastest_rate(spincheck, tmp_path):
+def test_export_writes_files_whose_timestep_resolves_the_fastest_rate(spincheck, tmp_path):
     """The wheel turns its satellite far more slowly than itself, and faster than the start's ω."""
     satellite = library_scene("satellite-and-its-wheel")
     rate = fastest_rate(satellite, satellite.start.omega_body)
     assert rate > np.linalg.norm(satellite.start.omega_body)
     assert spincheck("export", satellite.name, "out")[0] == 0
+    assert {path.name for path in (tmp_path / "out").iterdir()} == {"scene.xml", "scene.urdf"}
     (option,) = ET.parse(tmp_path / "out/scene.xml").iter("option")
     assert float(option.attrib["timestep"]) == pytest.approx(EXPORTED_TURN / rate)
 
@@ -120,11 +98,19 @@ def test_what_a_method_cannot_simulate_it_cannot_at_any_timestep(spincheck):
     assert verdict["reason"] == "pybullet maximal cannot simulate rotors"
 
 
-def test_run_judges_stores_and_prints(spincheck, sphere, tmp_path):
-    code, out, err = spincheck("run", sphere, "--engine", "mujoco", "--method", "RK4")
+def test_run_judges_stores_and_prints_and_an_unmet_expectation_exits_with_1(
+    spincheck, sphere, tmp_path
+):
+    run = ("run", sphere, "--engine", "mujoco", "--method", "RK4")
+    code, out, err = spincheck(*run)
     assert (code, "converges" in out) == (0, True)
     assert "results are in" in err.lower()
     assert (tmp_path / "spincheck.sqlite").exists()
+    promise = '[[expect]]\nengine = "mujoco"\nmethod = "RK4"\ntimestep = 0.01\nattitude = 1e-300\n'
+    sphere.write_text(SPHERE + promise)
+    code, out, _ = spincheck(*run)
+    assert code == 1
+    assert "attitude error" in out
 
 
 def test_run_as_json_has_rows_and_verdicts(spincheck, sphere):
@@ -133,14 +119,6 @@ def test_run_as_json_has_rows_and_verdicts(spincheck, sphere):
     names = {"scenario", "engine", "method", "timestep", "outcome", "omega_error", "steps"}
     assert all(names <= row.keys() for row in results["rows"])
     assert {row["timestep"] for row in results["rows"]} == {0.01}
-
-
-def test_an_unmet_expectation_exits_with_1(spincheck, sphere):
-    promise = '[[expect]]\nengine = "mujoco"\nmethod = "RK4"\ntimestep = 0.01\nattitude = 1e-300\n'
-    sphere.write_text(SPHERE + promise)
-    code, out, _ = spincheck("run", sphere, "--engine", "mujoco", "--method", "RK4")
-    assert code == 1
-    assert "attitude error" in out
 
 
 @pytest.mark.parametrize(
@@ -183,13 +161,10 @@ def test_an_engine_whose_package_is_missing_is_named_and_exits_with_3(tmp_path):
         "sys.argv = ['spincheck', 'run', 'sphere', '--engine', 'pybullet'];"
         "from spincheck.reports.cli.app import main; main()"
     )
-    done = subprocess.run(
-        [sys.executable, "-c", program], cwd=tmp_path, capture_output=True, text=True
-    )
+    command = [sys.executable, "-c", program]
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True)
     assert done.returncode == 3
-    assert (
-        "engine 'pybullet' cannot be used: the package 'pybullet' is not installed" in done.stderr
-    )
+    assert "engine 'pybullet' cannot be used: the package 'pybullet' is not" in done.stderr
 
 
 def test_the_last_words_are_of_what_was_asked_for(monkeypatch, capfd):
@@ -211,8 +186,8 @@ def test_the_last_words_are_of_what_was_asked_for(monkeypatch, capfd):
     assert capfd.readouterr().err == "spincheck: stopped by SIGTERM; nothing is kept\n"
 
 
-def test_a_report_of_nothing_says_how_results_are_made(tmp_path):
-    done = command_line.spincheck("report", cwd=tmp_path)
-    assert done.returncode == BAD_INPUT
-    assert "no such result file; 'spincheck run fast-top' writes one of a scene" in done.stderr
+def test_a_report_of_nothing_says_how_results_are_made(spincheck, tmp_path):
+    code, _, err = spincheck("report")
+    assert code == BAD_INPUT
+    assert "no such result file; 'spincheck run fast-top' writes one of a scene" in err
     assert list(tmp_path.iterdir()) == []

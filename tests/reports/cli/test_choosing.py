@@ -36,6 +36,9 @@ def test_an_optional_engine_runs_only_if_it_is_named() -> None:
     for engine in engines().values():
         assert engine.is_optional == (engine.name not in ALWAYS and not engine.of_file)
         assert engine.name in names(engine.name.upper())
+    # Those of users' files, where a scene names one.
+    chosen = choose(["all"], [], [], scenarios=[library_scene("fast-top")]).engines
+    assert not any(engine.of_file for engine in chosen)
 
 
 def test_a_cluster_runs_no_versions() -> None:
@@ -59,11 +62,6 @@ def test_a_family_is_asked_for_by_its_name(monkeypatch: pytest.MonkeyPatch) -> N
     assert "node is not installed" in str(refused("node"))
 
 
-def test_engines_of_users_files_run_where_a_scene_names_one() -> None:
-    chosen = choose(["all"], [], [], scenarios=[library_scene("fast-top")]).engines
-    assert not any(engine.of_file for engine in chosen)
-
-
 MALFORMED = ("mujoco@", "mujoco@abc", "mujoco@1..2", f"mujoco@{'9' * 5000}", "sphere@1", "@1")
 
 
@@ -85,14 +83,10 @@ def child(fault: str) -> str:
 
 
 @pytest.mark.processes
-def test_a_child_that_answers_hello_with_an_error_is_quoted() -> None:
+def test_a_child_that_answers_hello_with_an_error_or_another_id_is_quoted() -> None:
     complaint = refused(child("refuses hello"))
     assert complaint.exit_code == NOT_RUN
     assert str(complaint).endswith("the licence has run out")
-
-
-@pytest.mark.processes
-def test_a_child_whose_id_is_true_breaks_the_protocol() -> None:
     assert "must have the call's 'id', 1" in str(refused(child("true for one")))
 
 

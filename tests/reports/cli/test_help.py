@@ -1,6 +1,7 @@
 """The command line's help, and its messages about unknown names."""
 
 import pytest
+from case_loops import each_case
 from spincheck.reports.cli.app import app
 from spincheck.reports.cli.choosing import choose
 from spincheck.reports.cli.grouped import GROUPS
@@ -26,19 +27,14 @@ def test_every_command_is_in_one_group():
     assert set(COMMANDS) <= set(printed("--help").split())
 
 
-@pytest.mark.parametrize("name", COMMANDS)
-def test_every_command_has_an_example_that_is_a_command(name):
+@each_case("name", COMMANDS)
+def test_every_command_has_an_example_and_says_which_options_may_be_repeated(name):
     words = printed(name, "--help").partition("Example: ")[2].split()
     assert words[:2] == ["spincheck", name]
-
-
-@pytest.mark.parametrize("name", COMMANDS)
-def test_an_option_that_may_be_repeated_says_so(name):
-    lines = [
+    options = [
         p for p in get_group(app).get_command(None, name).params if p.param_type_name == "option"
     ]
-    silent = [p.opts for p in lines if p.multiple and "repeated" not in p.help]
-    assert silent == []
+    assert [p.opts for p in options if p.multiple and "repeated" not in p.help] == []
 
 
 def test_shells_complete_commands(monkeypatch):
@@ -49,17 +45,10 @@ def test_shells_complete_commands(monkeypatch):
     assert done.output.split() == ["recommend"]
 
 
-def test_commands_are_known_in_any_case():
-    assert printed("LIST", "fast-top") == printed("list", "fast-top")
-
-
-def test_the_version_is_printed():
+def test_the_version_is_printed_and_commands_and_methods_are_known_in_any_case():
     assert printed("--version").startswith("spincheck 0.")
-
-
-@pytest.mark.parametrize("name", ["rk4", "RK4", "Rk4"])
-def test_methods_are_known_in_any_case(name):
-    assert choose(["mujoco"], [name], []).methods == ("RK4",)
+    assert printed("LIST", "fast-top") == printed("list", "fast-top")
+    assert {choose(["mujoco"], [name], []).methods for name in ("rk4", "RK4", "Rk4")} == {("RK4",)}
 
 
 @pytest.mark.parametrize(
@@ -68,12 +57,9 @@ def test_methods_are_known_in_any_case(name):
 def test_the_nearest_name_is_offered(engine, method, meant):
     with pytest.raises(Complaint, match=f"did you mean '{meant}'"):
         choose([engine], method, [])
-
-
-def test_a_name_that_is_near_to_nothing_is_reported_without_a_guess():
-    with pytest.raises(Complaint) as complaint:
+    with pytest.raises(Complaint) as near_to_nothing:
         choose(["zzzzzz"], [], [])
-    assert "did you mean" not in str(complaint.value)
+    assert "did you mean" not in str(near_to_nothing.value)
 
 
 def test_a_new_scene_is_a_scene_and_is_never_written_over(tmp_path, monkeypatch):

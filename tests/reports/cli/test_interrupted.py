@@ -24,9 +24,8 @@ def undisturbed(tmp_path_factory) -> Results:
 
 
 @pytest.mark.parametrize(("target", "rows"), [("run", LATE), ("group", EARLY)])
-def test_a_killed_run_goes_on_as_if_it_had_not_been(tmp_path, undisturbed, target, rows):
+def test_a_killed_run_goes_on_as_if_it_had_not_been(path, undisturbed, target, rows):
     """`kills.py` does the same at random moments, fifty times."""
-    path = tmp_path / "results.sqlite"
     run = start(path, "--quick")
     wait_for_rows(run, path, rows)
     (os.killpg if target == "group" else os.kill)(run.pid, signal.SIGKILL)
@@ -35,11 +34,8 @@ def test_a_killed_run_goes_on_as_if_it_had_not_been(tmp_path, undisturbed, targe
     assert list(after(path, undisturbed, "--quick")) == []
 
 
-def test_neither_a_second_run_into_its_file_nor_a_killed_worker_changes_a_result(
-    tmp_path, undisturbed
-):
+def test_neither_a_second_run_into_its_file_nor_a_killed_worker_changes_a_result(path, undisturbed):
     """The second run is refused; the worker is replaced, and its run made again."""
-    path = tmp_path / "results.sqlite"
     first = start(path, "--quick", jobs=1)
     wait_for_rows(first, path, EARLY)
     # Stopped, so that it cannot end before the second has begun.

@@ -35,6 +35,9 @@ cli.main()
 """
 
 
+Phase = Callable[[subprocess.Popen[str], Path], None]
+
+
 def begun(run: subprocess.Popen[str], path: Path) -> None:
     while not path.exists():
         assert run.poll() is None, run.communicate()
@@ -64,17 +67,10 @@ def stop_run(run: subprocess.Popen[str], path: Path, number: signal.Signals) -> 
 
 @pytest.mark.parametrize(
     ("phase", "options"),
-    [
-        pytest.param(begun, (), id="solving"),
-        pytest.param(solved, ("--timestep", TINY), id="in-a-long-call"),
-    ],
+    [(begun, ()), (solved, ("--timestep", TINY))],
+    ids=["solving", "in-a-long-call"],
 )
-def test_a_run_is_stopped(
-    tmp_path: Path,
-    phase: Callable[[subprocess.Popen[str], Path], None],
-    options: tuple[str, ...],
-) -> None:
-    path = tmp_path / "results.sqlite"
+def test_a_run_is_stopped(path: Path, phase: Phase, options: tuple[str, ...]) -> None:
     run = start(path, *options)
     phase(run, path)
     stop_run(run, path, signal.SIGINT)
@@ -105,9 +101,8 @@ def close_the_terminal(path: Path) -> None:
 
 
 def test_a_run_whose_terminal_closes_and_one_stopped_while_timing_are_gone_on_with(
-    tmp_path: Path,
+    path: Path,
 ) -> None:
-    path = tmp_path / "results.sqlite"
     close_the_terminal(path)
     run = start(path)
     wait_for_rows(run, path, 2, "verdicts")
@@ -118,9 +113,9 @@ def test_a_run_whose_terminal_closes_and_one_stopped_while_timing_are_gone_on_wi
     assert None not in {row.seconds_per_step for row in results.rows if row.outcome == "ok"}
 
 
-def test_a_report_being_made_is_stopped(tmp_path: Path) -> None:
-    path = small_result_file.write(tmp_path / "results.sqlite")
-    command = [sys.executable, "-c", RENDERING, "report", path, "--out", tmp_path / "report"]
+def test_a_report_being_made_is_stopped(path: Path) -> None:
+    small_result_file.write(path)
+    command = [sys.executable, "-c", RENDERING, "report", path, "--out", path.with_name("report")]
     report = subprocess.Popen(
         [*WITH_DEFAULT_SIGNALS, *command],
         stdout=subprocess.PIPE,
@@ -133,9 +128,8 @@ def test_a_report_being_made_is_stopped(tmp_path: Path) -> None:
     assert stop(report, signal.SIGINT) == ["spincheck: stopped by SIGINT"]
 
 
-def test_what_is_to_survive_its_terminal_does(tmp_path: Path) -> None:
+def test_what_is_to_survive_its_terminal_does(path: Path) -> None:
     """As nohup has it: who ignores a signal goes on ignoring it."""
-    path = tmp_path / "results.sqlite"
     command = [COMMAND, "run", *STUDY, "--quick", "--jobs", "1", "--out", path]
     run = subprocess.Popen(
         ["nohup", *map(str, command)], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True

@@ -17,6 +17,7 @@ from spincheck.reports.harness.choice import Choice
 from spincheck.reports.harness.encodings import run_encodings
 from spincheck.reports.harness.executors import InProcess
 from spincheck.scenarios import Scenario, loads
+from studies import Nowhere
 
 #: Engine and encoding: what is known of it.
 KNOWN = {
@@ -38,13 +39,6 @@ KNOWN = {
 #: Of so many bodies, one has rotors; one has its com off its frame.
 WITH_ROTORS, OFF_ITS_FRAME = 3, 2
 METHODS = ("RK4", "implicitfast", "multibody", "maximal")
-
-
-class Nowhere:
-    """A result file that keeps nothing."""
-
-    def put(self, *_) -> None:
-        """Drop the records."""
 
 
 def random_scene(seed: int) -> Scenario:

@@ -11,12 +11,12 @@ from pathlib import Path
 import numpy as np
 from scipy.spatial.transform import Rotation
 from spincheck.engines import Engine, Method, engines
-from spincheck.reports.harness.executors import InProcess
 from spincheck.reports.harness.judging.best_window import SHARP
 from spincheck.reports.harness.prepared import Prepared, prepare
-from spincheck.reports.harness.study import convergence_study_of, run_and_judge
+from spincheck.reports.harness.study import convergence_study_of
 from spincheck.reports.results.records import SignalVerdict, Verdict
 from spincheck.scenarios import Scenario, loads
+from studies import verdict_of
 
 COUNT, SEED = 1000, 1
 #: Largest number of steps of a ladder: where errors over the whole window are large, pieces decide.
@@ -108,9 +108,9 @@ def judged(
 ) -> tuple[Verdict, bool]:
     """Run the ladder in this process."""
     study = convergence_study_of(scenario, engine, method, prepared)
-    return run_and_judge(study, InProcess()), any(
-        one.sequence.uncertainty > SHARP for one in study.records.ladder.signals
-    )
+    verdict = verdict_of(study)
+    signals = study.records.ladder.signals
+    return verdict, any(one.sequence.uncertainty > SHARP for one in signals)
 
 
 def is_wrong(method: Method, verdict: Verdict) -> bool:

@@ -8,15 +8,13 @@ import sys
 from collections.abc import Iterator
 from pathlib import Path
 
-ROOT = Path(__file__).parents[3]
-sys.path.insert(0, str(ROOT / "tests" / "support"))
-
-from faulty_mujoco import KINDS, FaultyMuJoCo, PlantedFault, applies  # noqa: E402
-from spincheck.reports.harness.executors import InProcess  # noqa: E402
-from spincheck.reports.harness.ladder import QUICK_STEPS  # noqa: E402
-from spincheck.reports.harness.prepared import Prepared, prepare  # noqa: E402
-from spincheck.reports.harness.study import convergence_study_of, run_and_judge  # noqa: E402
-from spincheck.scenarios import Scenario, find, load  # noqa: E402
+from faulty_mujoco import KINDS, FaultyMuJoCo, PlantedFault, applies
+from library_scenes import library_scene
+from spincheck.reports.harness.ladder import QUICK_STEPS
+from spincheck.reports.harness.prepared import Prepared, prepare
+from spincheck.reports.harness.study import convergence_study_of
+from spincheck.scenarios import Scenario
+from studies import verdict_of
 
 #: Plain ones, and five on which errors saturate at first order.
 SCENES = (
@@ -40,7 +38,7 @@ def name_of_fault(scenario: Scenario, prepared: Prepared, method: str, fault: Pl
     """How a verdict names a fault; empty where it passes."""
     engine = FaultyMuJoCo(fault)
     study = convergence_study_of(scenario, engine, engine.method(method), prepared)
-    verdict = run_and_judge(study, InProcess())
+    verdict = verdict_of(study)
     if verdict.agrees and verdict.verdict != "diverges":
         return ""
     _, is_explained, words = verdict.reason.partition("as if ")
@@ -61,8 +59,7 @@ def threshold(scenario: Scenario, prepared: Prepared, method: str, kind: str) ->
 def rows(names: tuple[str, ...]) -> Iterator[str]:
     """A line of the table for each scene, method and kind."""
     for name in names:
-        (path,) = find([name])
-        scenario = load(path)
+        scenario = library_scene(name)
         prepared = prepare(scenario, [], MOST_STEPS)
         for method, order in METHODS.items():
             for kind in KINDS:
@@ -86,7 +83,7 @@ single steps show, else the signal that decides. Made by `make thresholds`.
 """
 
 
-PAGE = ROOT / "docs/measured/thresholds.md"
+PAGE = Path(__file__).parents[3] / "docs/measured/thresholds.md"
 
 
 def main() -> None:

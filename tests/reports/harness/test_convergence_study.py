@@ -14,7 +14,7 @@ from spincheck.reports.harness.executors import Answer
 from spincheck.reports.harness.judging import judge
 from spincheck.reports.harness.judging.ladder import RUNGS_OF_A_LIMIT
 from spincheck.reports.harness.judging.ladder_end import GOAL
-from spincheck.reports.harness.ladder import DECIDED_STEPS, MAX_STEPS, MIN_RUNGS, Rung
+from spincheck.reports.harness.ladder import DECIDED_STEPS, MAX_STEPS, MIN_RUNGS
 from spincheck.reports.harness.prepared import prepare
 from spincheck.reports.results.evidence import JudgedLadder, LocalEvidence
 from spincheck.scenarios import Scenario, Trajectory, loads
@@ -34,14 +34,11 @@ class MadeUp(Engine):
 
 
 def study(
-    speed: float = 3.0,
-    duration: float = 4.0,
-    max_steps: int = MAX_STEPS,
-    engine: Engine | None = None,
+    speed: float = 3.0, max_steps: int = MAX_STEPS, engine: type[Engine] = MadeUp
 ) -> ConvergenceStudy:
-    scene = loads(sphere_text((0.0, 0.0, speed), duration, samples=41), "sphere")
-    prepared = prepare(scene, [], max_steps)
-    return ConvergenceStudy(scene, MadeUp(), METHOD, prepared.solution, prepared.ladder)
+    scene = loads(sphere_text((0.0, 0.0, speed), 4.0, samples=41), "sphere")
+    made, (method,) = prepare(scene, [], max_steps), engine.methods
+    return ConvergenceStudy(scene, engine(), method, made.solution, made.ladder)
 
 
 def off_by(error: float, exact: Trajectory) -> Trajectory:
@@ -76,10 +73,6 @@ def wandering(dt: float) -> float:
     return 0.9 + 0.8 * np.sin(1e4 / dt)
 
 
-def first(convergence: ConvergenceStudy) -> Rung:
-    return convergence.ladder.rungs[0]
-
-
 def test_a_limit_known_well_ends_a_ladder():
     convergence = go_down(study(), lambda dt: 0.1 * dt)
     assert judge(convergence.records).verdict == "converges"
@@ -88,43 +81,32 @@ def test_a_limit_known_well_ends_a_ladder():
     assert not convergence.cut_short
 
 
-def test_timesteps_above_the_ladder_are_doubled_while_they_survive():
+@pytest.mark.parametrize(
+    ("dies_above", "survived"), [(2.5, [True, False]), (0.75, [])], ids=["later", "at once"]
+)
+def test_timesteps_above_the_ladder_are_doubled_while_they_survive(dies_above, survived):
     convergence = study()
-    dies_above = 2.5 * first(convergence).timestep
-    go_down(convergence, lambda dt: 0.1 * dt, dies_above)
-    survived = [row.survived for row in convergence.above_rows]
-    assert survived == [True, False]
-
-
-def test_nothing_is_run_above_a_ladder_whose_first_rung_does_not_survive():
-    convergence = study()
-    go_down(convergence, lambda dt: 0.1 * dt, dies_above=0.75 * first(convergence).timestep)
-    assert convergence.above_rows == []
+    coarsest = convergence.ladder.rungs[0].timestep
+    go_down(convergence, lambda dt: 0.1 * dt, dies_above * coarsest)
+    assert [row.survived for row in convergence.above_rows] == survived
     assert judge(convergence.records).verdict == "converges"
 
 
-def test_what_is_run_above_takes_no_part_in_the_verdict():
+def test_what_is_run_above_takes_no_part_in_the_verdict_and_its_samples_are_not_kept():
     whole = go_down(study(), lambda dt: 0.1 * dt)
     bare = study()
     bare.ladder = replace(bare.ladder, above=())
     assert whole.above_rows
     assert judge(go_down(bare, lambda dt: 0.1 * dt).records) == judge(whole.records)
+    assert all(row.motion is None for row in whole.above_rows)
+    assert whole.rows[-1].timestep not in whole.discardable_timesteps()
 
 
-def test_samples_of_runs_above_are_not_kept_and_those_of_the_finest_are():
-    convergence = go_down(study(), lambda dt: 0.1 * dt)
-    assert all(row.motion is None for row in convergence.above_rows)
-    assert convergence.rows[-1].timestep not in convergence.discardable_timesteps()
-
-
-def test_a_ladder_that_cannot_tell_is_given_up_before_its_last_rung():
-    convergence = go_down(study(), wandering)
-    assert len(convergence.rows) >= MIN_RUNGS
-    assert judge(convergence.records).verdict == "unresolved"
-
-
-def test_errors_that_are_large_but_shrink_are_followed_to_where_they_tell():
+def test_errors_that_are_large_are_followed_to_where_they_tell_if_they_shrink():
     """Given up too early it would say unresolved."""
+    given_up = go_down(study(), wandering)
+    assert MIN_RUNGS <= len(given_up.rows) < len(given_up.ladder.rungs)
+    assert judge(given_up.records).verdict == "unresolved"
     convergence = study()
     finest = convergence.ladder.rungs[-1].timestep
     small = 0.02 / finest
@@ -149,11 +131,8 @@ def test_where_pieces_decide_a_ladder_is_as_short_as_its_limit(speed, error_of_d
     assert len(longer.rows) > len(whole.rows) or error_of_dt is wandering
 
 
-def test_what_a_short_ladder_left_open_is_reported_as_cut_short():
+def test_what_a_short_ladder_or_none_left_open_is_reported_as_cut_short():
     assert go_down(study(max_steps=400), wandering).cut_short
-
-
-def test_a_ladder_that_a_short_limit_leaves_no_rung_of_is_cut_short_too():
     convergence = go_down(study(max_steps=10), lambda dt: 0.1)
     assert convergence.rows == []
     assert convergence.cut_short
@@ -172,6 +151,4 @@ def test_where_no_ladder_fits_what_cannot_be_simulated_is_still_reported():
     class Lacking(MadeUp):
         methods = (replace(METHOD, requires=frozenset({"pivot"})),)
 
-    convergence = study(2e8)
-    convergence.engine, convergence.method = Lacking(), Lacking.methods[0]
-    assert judge(convergence.records).verdict == "unsupported"
+    assert judge(study(2e8, engine=Lacking).records).verdict == "unsupported"

@@ -3,6 +3,7 @@
 from pathlib import Path
 
 import pytest
+from spincheck.engines import Engine
 from spincheck.engines.adapters.mujoco.engine import MuJoCo
 from spincheck.engines.adapters.pybullet.engine import PyBullet
 from spincheck.engines.adapters.pybullet.world import CLAMP, DAMPING, INERTIA, JOINT_MOTOR
@@ -21,14 +22,11 @@ TIMESTEP = ENGINE.stock_timestep
 AXISYMMETRIC = scene("top", body=TOP, start=SPUN_UP, effects=PIVOT + GRAVITY, duration=0.5)
 
 
-def effects_on(scenario: Scenario) -> DefaultEffects:
+def effects_on(scenario: Scenario, engine: Engine = ENGINE) -> DefaultEffects | None:
     rung = single(TIMESTEP, scenario.times)
     solution = solve(scenario, rung.sample_steps * TIMESTEP)
     at = prepare(scenario, (), 1 << 10).places
-    method = ENGINE.method("default")
-    effects = default_effects(scenario, ENGINE, method, rung, solution, at)
-    assert effects is not None
-    return effects
+    return default_effects(scenario, engine, engine.method("default"), rung, solution, at)
 
 
 @pytest.fixture(scope="module")
@@ -36,18 +34,8 @@ def of_a_top() -> DefaultEffects:
     return effects_on(AXISYMMETRIC)
 
 
-def test_every_default_of_a_top_is_taken_away_once(of_a_top: DefaultEffects) -> None:
+def test_every_default_is_taken_away_once_of_a_free_body_no_motor(of_a_top: DefaultEffects) -> None:
     assert [one.name for one in of_a_top.each] == [INERTIA, DAMPING, JOINT_MOTOR, CLAMP]
-
-
-def test_motor_and_damping_act_in_steps_however_short_and_a_clamp_out_of_reach_does_not(
-    of_a_top: DefaultEffects,
-) -> None:
-    acting = {one.name: one.acts for one in of_a_top.each}
-    assert (acting[DAMPING], acting[JOINT_MOTOR], acting[CLAMP]) == (True, True, False)
-
-
-def test_a_free_body_has_no_motor() -> None:
     names = ENGINE.defaults(scene("free"), ENGINE.method("default"))
     assert names == (INERTIA, DAMPING, CLAMP)
 
@@ -63,14 +51,13 @@ def test_it_is_the_motor_that_stops_a_top(of_a_top: DefaultEffects) -> None:
     assert motor.without.angular_momentum < 0.5
 
 
-def test_a_clamp_out_of_reach_does_nothing(of_a_top: DefaultEffects) -> None:
-    clamp = next(one for one in of_a_top.each if one.name == CLAMP)
+def test_motor_and_damping_act_in_steps_however_short_and_a_clamp_out_of_reach_does_not(
+    of_a_top: DefaultEffects,
+) -> None:
+    _, damping, motor, clamp = of_a_top.each
+    assert (damping.acts, motor.acts, clamp.acts) == (True, True, False)
     assert clamp.alone == of_a_top.none
     assert clamp.without == of_a_top.all
-
-
-def test_damping_does_something_by_itself(of_a_top: DefaultEffects) -> None:
-    damping = next(one for one in of_a_top.each if one.name == DAMPING)
     assert damping.alone != of_a_top.none
 
 
@@ -84,16 +71,12 @@ def test_a_run_that_ends_at_the_clamp_has_no_errors() -> None:
 
 
 def test_an_engine_whose_defaults_alter_no_motion_has_none() -> None:
-    engine = MuJoCo()
-    rung = single(TIMESTEP, AXISYMMETRIC.times)
-    solution = solve(AXISYMMETRIC, rung.sample_steps * TIMESTEP)
-    default = engine.method("default")
-    assert default_effects(AXISYMMETRIC, engine, default, rung, solution) is None
+    assert effects_on(AXISYMMETRIC, MuJoCo()) is None
 
 
 @pytest.mark.parametrize(("tags", "acting"), [("", True), ('tags = ["hard"]\n', None)])
-def test_a_study_stores_what_acts_on_plain_scenes(tmp_path: Path, tags: str, acting: bool) -> None:
+def test_a_study_stores_what_acts_on_plain_scenes(path: Path, tags: str, acting: bool) -> None:
     text = AXISYMMETRIC.text.replace("\n[body]", f"\n{tags}[body]", 1)
     choice = Choice((ENGINE,), ("default",), max_steps=1 << 10, timed=False)
-    (stored,) = study(tmp_path / "r.sqlite", [loads(text, "top")], choice).defaults
+    (stored,) = study(path, [loads(text, "top")], choice).defaults
     assert {one.name: one.acts for one in stored.each}[JOINT_MOTOR] is acting

@@ -3,7 +3,7 @@
 from collections.abc import Collection
 
 import pytest
-from clockwork import METHOD, SCENE, Clock, Clockwork, Works, clock, steadily
+from clockwork import METHOD, SCENE, Clock, Clockwork, Works, steadily
 from kinds_of_engines import required_engines
 from library_scenes import library_scene
 from spincheck.engines import Engine, EngineError, Method
@@ -13,8 +13,6 @@ from spincheck.reports.harness.effects_cost import effects_costs, first_pass_cos
 from spincheck.reports.results.cost_records import EffectsCost, PassCosts
 from spincheck.reports.results.records import Key
 from spincheck.scenarios import Scenario
-
-__all__ = ["clock"]
 
 #: s a step with nothing left in.
 TAKES = 3e-6
@@ -71,18 +69,14 @@ def test_one_disturbed_round_does_not_change_the_ratio(clock: Clock) -> None:
     assert len(stretches) > 5
 
 
-def test_a_motion_that_is_the_same_is_so_to_the_last_bit(clock: Clock) -> None:
-    measured_cost = measured(priced(clock))
-    assert (measured_cost.difference, measured_cost.compared_until) == (0.0, SCENE.window.duration)
-    assert measured_cost.same_motion == "the motion is identical to the last bit"
-    assert measured_cost.sentence.startswith("+31% a step; ")
-
-
-def test_a_motion_that_is_another_by_an_ulp_is_reported(clock: Clock) -> None:
-    measured_cost = measured(priced(clock, drift=2.0**-52))
-    steps = round(measured_cost.compared_until / measured_cost.timestep)
-    assert measured_cost.difference == steps * 2.0**-52
-    assert measured_cost.same_motion.startswith("the motion differs by ")
+def test_a_motion_is_the_same_to_the_last_bit_or_another(clock: Clock) -> None:
+    same, drifting = measured(priced(clock)), measured(priced(clock, drift=2.0**-52))
+    assert (same.difference, same.compared_until) == (0.0, SCENE.window.duration)
+    assert same.same_motion == "the motion is identical to the last bit"
+    assert same.sentence.startswith("+31% a step; ")
+    steps = round(drifting.compared_until / drifting.timestep)
+    assert drifting.difference == steps * 2.0**-52
+    assert drifting.same_motion.startswith("the motion differs by ")
 
 
 def test_motions_are_compared_as_far_as_both_go(clock: Clock) -> None:
@@ -100,27 +94,20 @@ def test_motions_are_compared_as_far_as_both_go(clock: Clock) -> None:
 
     measured_cost = measured(Works(make, tuple(PASSES)))
     assert measured_cost.difference == 0.0
-    assert (
-        0
-        < measured_cost.compared_until
-        <= gives_up_after * measured_cost.timestep
-        < SCENE.window.duration
-    )
+    until, end = measured_cost.compared_until, gives_up_after * measured_cost.timestep
+    assert 0 < until <= end < SCENE.window.duration
 
 
-def test_where_nothing_is_left_out_there_is_nothing_to_tell(clock: Clock) -> None:
-    engine = Works(lambda _: Clockwork(clock, steadily(TAKES)))
-    assert effects_cost.effects_cost(SCENE, engine, METHOD) is None
-    assert pass_costs(SCENE, engine, METHOD) is None
-
-
-def test_what_does_not_load_unpruned_is_not_compared(clock: Clock) -> None:
+@pytest.mark.parametrize("left_out", [(), tuple(PASSES)], ids=["nothing", "does not load with it"])
+def test_where_nothing_is_left_out_or_can_be_left_in_there_is_nothing_to_tell(
+    clock: Clock, left_out: tuple[str, ...]
+) -> None:
     def make(left_in: Collection[str]) -> Clockwork:
         if left_in:
             raise EngineError("refused")
         return Clockwork(clock, steadily(TAKES))
 
-    engine = Works(make, tuple(PASSES))
+    engine = Works(make, left_out)
     assert effects_cost.effects_cost(SCENE, engine, METHOD) is None
     assert pass_costs(SCENE, engine, METHOD) is None
 
@@ -174,16 +161,11 @@ class Various(Works):
 
 
 def test_every_distinct_set_of_what_is_left_out_is_timed_once(clock: Clock) -> None:
+    """And pass by pass, the first method that can do it."""
     engine = Various(lambda _: Clockwork(clock, steadily(TAKES)), tuple(PASSES))
-    by_method = effects_costs(SCENE, engine, engine.methods)
-    assert [(one.key.method, one.left_out) for one in by_method] == [
-        ("one", tuple(PASSES)[:1]),
-        ("both", tuple(PASSES)),
-    ]
-
-
-def test_the_first_method_that_can_do_it_is_timed_pass_by_pass(clock: Clock) -> None:
-    engine = Various(lambda _: Clockwork(clock, steadily(TAKES)), tuple(PASSES))
+    timed = effects_costs(SCENE, engine, engine.methods)
+    named = [(one.key.method, one.left_out) for one in timed]
+    assert named == [("one", tuple(PASSES)[:1]), ("both", tuple(PASSES))]
     (charged,) = first_pass_costs(SCENE, engine, [m for m in engine.methods if m.name != "bare"])
     assert charged.key.method == "one"
 
@@ -205,10 +187,8 @@ def test_real_engines_move_alike_with_and_without_what_is_left_out(engine, metho
     assert measured_cost is not None
     assert measured_cost.key == Key("tiring-top", engine.name, method.name)
     assert measured_cost.left_out == engine.left_out(scenario, method)
-    assert (measured_cost.difference, measured_cost.compared_until) == (
-        0.0,
-        scenario.window.duration,
-    )
+    assert measured_cost.difference == 0.0
+    assert measured_cost.compared_until == scenario.window.duration
 
 
 @pytest.mark.parametrize("engine", required_engines(), ids=lambda engine: engine.name)

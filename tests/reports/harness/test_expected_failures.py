@@ -20,31 +20,22 @@ def held(word: str, key: Key = KEY) -> Verdict:
     return compared_with_expected_failures([FAULT], Verdict(key, word, "as found"))
 
 
-def test_a_known_disagreement_passes_and_says_why():
+def test_a_known_disagreement_passes_and_says_why_and_is_reported_when_it_is_gone():
     verdict = held("disagrees")
     assert verdict.agrees
     assert verdict.reason == "as found; known: it creeps on"
-
-
-def test_a_fault_that_is_gone_is_reported():
+    # Others are not excused.
+    for other in ("engine", "method"):
+        assert not held("disagrees", replace(KEY, **{other: "another"})).agrees
     verdict = held("converges")
     assert not verdict.agrees
     assert verdict.unmet == ("engine method converges, known to disagree: it creeps on",)
 
 
 @pytest.mark.parametrize("word", ["unresolved", "diverges", "unsupported"])
-def test_an_unresolved_ladder_says_nothing_of_it(word):
+def test_an_unresolved_ladder_says_nothing_of_it_and_a_crash_is_no_known_disagreement(word):
     assert held(word) == Verdict(KEY, word, "as found")
-
-
-def test_a_crash_is_no_known_disagreement():
     assert not held("failed").agrees
-
-
-@pytest.mark.parametrize("other", ["engine", "method"])
-def test_others_are_not_excused(other):
-    verdict = held("disagrees", replace(KEY, **{other: "another"}))
-    assert not verdict.agrees
 
 
 def test_what_the_library_knows_of_engines_is_so():

@@ -137,18 +137,14 @@ def test_at_fourth_order_every_fault_is_told(name: str, kind: type[Stepped], siz
     assert verdict.verdict in ("disagrees", "failed"), verdict.reason
 
 
-@pytest.mark.parametrize(("name", "kind", "size"), FAULTS, ids=kind_of)
+@pytest.mark.parametrize(("name", "kind", "size"), [*FAULTS, *OF_FIRST_ORDER], ids=kind_of)
 def test_at_first_order_no_fault_converges(name: str, kind: type[Stepped], size: float) -> None:
+    """What vanishes with the timestep is none."""
     verdict = judged(name, kind, size, "Euler")
-    open_ended = {"unresolved"} if kind in MAY_STAY_OPEN else set()
-    assert verdict.verdict in {"disagrees", "failed"} | open_ended, verdict.reason
-
-
-@pytest.mark.parametrize(("name", "kind", "size"), OF_FIRST_ORDER, ids=kind_of)
-def test_what_vanishes_with_the_timestep_is_no_fault_at_first_order(
-    name: str, kind: type[Stepped], size: float
-) -> None:
-    assert judged(name, kind, size, "Euler").verdict in ("converges", "unresolved")
+    told = {"disagrees", "failed"} | ({"unresolved"} if kind in MAY_STAY_OPEN else set())
+    vanishes = (name, kind, size) in OF_FIRST_ORDER
+    allowed = {"converges", "unresolved"} if vanishes else told
+    assert verdict.verdict in allowed, verdict.reason
 
 
 @pytest.mark.parametrize(

@@ -1,6 +1,5 @@
 """Instructions of a step: equal from run to run, of stepping alone."""
 
-from functools import cache
 from pathlib import Path
 
 import pytest
@@ -15,15 +14,10 @@ TIMESTEP = 1e-4
 needs_valgrind = pytest.mark.skipif(bool(why_not_counted()), reason=why_not_counted())
 
 
-@cache
-def first_count(name: str, method: str) -> float | None:
+def count(name: str, method: str) -> float | None:
     """Of the fast top; a count takes ten seconds."""
-    return count(name, method)
-
-
-def count(name: str, method: str, scene: str = "fast-top") -> float | None:
     engine = engines()[name]
-    return instructions_per_step(library_scene(scene), engine, engine.method(method), TIMESTEP)
+    return instructions_per_step(library_scene("fast-top"), engine, engine.method(method), TIMESTEP)
 
 
 @needs_valgrind
@@ -37,15 +31,11 @@ def count(name: str, method: str, scene: str = "fast-top") -> float | None:
     ],
 )
 def test_two_counts_are_equal_to_the_last_instruction(name, method):
-    assert first_count(name, method) > 1000
-    assert count(name, method) == first_count(name, method)
-
-
-@needs_valgrind
-@pytest.mark.slow
-@pytest.mark.processes
-def test_four_evaluations_take_more_than_three_times_as_many_as_one():
-    assert first_count("mujoco", "RK4") > 3 * count("mujoco", "Euler")
+    first = count(name, method)
+    assert first > 1000
+    assert count(name, method) == first
+    # Four evaluations take more than three times as many as one.
+    assert method != "RK4" or first > 3 * count(name, "Euler")
 
 
 @pytest.mark.parametrize(("total", "per_step"), [("summary: 0\n", None), ("totals: 512\n", 2.0)])
@@ -58,9 +48,7 @@ def test_an_engine_that_steps_in_another_function_has_no_count(monkeypatch, tota
 
     monkeypatch.setattr(instructions, "_run", counted)
     assert count("mujoco", "RK4") == per_step
-
-
-def test_an_engine_whose_steps_are_not_native_has_no_count(monkeypatch):
+    # Nor has one whose steps are not native.
     monkeypatch.setattr(type(engines()["mujoco"]), "steps_in", "")
     monkeypatch.setattr(instructions, "_run", lambda command: pytest.fail("started"))
     assert count("mujoco", "RK4") is None

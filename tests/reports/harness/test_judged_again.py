@@ -60,8 +60,7 @@ def judging_is_another(patch: pytest.MonkeyPatch) -> None:
     )
 
 
-def test_verdicts_are_made_again_to_the_last_bit_without_a_run(tmp_path, monkeypatch, opened):
-    path = tmp_path / "r.sqlite"
+def test_verdicts_are_made_again_to_the_last_bit_without_a_run(path, monkeypatch, opened):
     before = verdicts(path)
     assert opened
     opened.clear()
@@ -75,8 +74,7 @@ def test_verdicts_are_made_again_to_the_last_bit_without_a_run(tmp_path, monkeyp
         assert [row.timestep for row in store.read().rows if row.motion] == motions
 
 
-def test_a_changed_threshold_changes_the_verdict_without_a_run(tmp_path, monkeypatch, opened):
-    path = tmp_path / "r.sqlite"
+def test_a_changed_threshold_changes_the_verdict_without_a_run(path, monkeypatch, opened):
     with monkeypatch.context() as patch:
         never_sharp(patch)
         judging_is_another(patch)
@@ -85,11 +83,10 @@ def test_a_changed_threshold_changes_the_verdict_without_a_run(tmp_path, monkeyp
     opened.clear()
     again = verdicts(path)
     assert (opened, again[0].verdict) == ([], "converges")
-    assert again == verdicts(tmp_path / "fresh.sqlite")
+    assert again == verdicts(path.with_name("fresh.sqlite"))
 
 
-def test_a_ladder_that_a_changed_threshold_makes_longer_is_run(tmp_path, monkeypatch, opened):
-    path = tmp_path / "r.sqlite"
+def test_a_ladder_that_a_changed_threshold_makes_longer_is_run(path, monkeypatch, opened):
     choice = Choice(ENGINES[:1], max_steps=1 << 14, timed=False)
     scenes = [loads(BOX, "box")]
     short = study_of(path, scenes, choice)
@@ -100,4 +97,4 @@ def test_a_ladder_that_a_changed_threshold_makes_longer_is_run(tmp_path, monkeyp
     longer = study_of(path, scenes, choice)
     assert len(longer.rows) > len(short.rows)
     assert opened
-    assert longer.verdicts == study_of(tmp_path / "fresh.sqlite", scenes, choice).verdicts
+    assert longer.verdicts == study_of(path.with_name("fresh.sqlite"), scenes, choice).verdicts

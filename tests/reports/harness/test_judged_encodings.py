@@ -15,6 +15,7 @@ from spincheck.reports.harness.encodings import run_encodings
 from spincheck.reports.harness.executors import InProcess
 from spincheck.reports.results.encoding_records import EncodedRun
 from spincheck.scenarios import FloatArray, Scenario, loads
+from studies import Nowhere
 
 EPS = float(np.finfo(float).eps)
 #: s.
@@ -35,13 +36,6 @@ omega_body = {omega}
 duration = 0.5
 samples = 5
 """
-
-
-class Nowhere:
-    """A result file that keeps nothing."""
-
-    def put(self, *_: object) -> None:
-        """Drop the records."""
 
 
 def scene(omega: list[float]) -> Scenario:

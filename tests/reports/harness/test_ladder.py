@@ -30,40 +30,26 @@ def ladder_of(
 
 @pytest.mark.parametrize("fastest_rate", [1e-3, 1.0, 40.0, 1e4])
 def test_the_coarsest_step_turns_the_body_no_further_than_it_should(fastest_rate):
-    assert ladder_of(fastest_rate).rungs[0].timestep * fastest_rate <= COARSEST_TURN * (
-        1 + ROUNDING
-    )
-
-
-@pytest.mark.parametrize("fastest_rate", [0.0, 1e-3, 7.0, 40.0])
-def test_every_rung_is_sampled_at_the_same_times_to_the_last_bit(fastest_rate):
-    whole = ladder_of(fastest_rate)
-    for rung in whole.rungs:
-        assert np.array_equal(rung.sample_steps * rung.timestep, whole.times)
+    turn = ladder_of(fastest_rate).rungs[0].timestep * fastest_rate
+    assert turn <= COARSEST_TURN * (1 + ROUNDING)
 
 
 @pytest.mark.parametrize("fastest_rate", [0.0, 1e-3, 3.0, 7.0, 40.0])
-def test_timesteps_above_the_ladder_meet_the_ladders_own_samples_to_the_last_bit(fastest_rate):
+def test_every_rung_is_sampled_at_the_windows_times_alike_to_the_last_bit(fastest_rate):
+    """Timesteps above the ladder meet some of them."""
     whole = ladder_of(fastest_rate)
+    assert np.allclose(whole.times, np.linspace(0, 3.0, 31), rtol=ROUNDING)
+    assert {rung.every for rung in whole.rungs} == {1}
     assert whole.above
-    for rung in whole.above:
+    for rung in [*whole.rungs, *whole.above]:
         assert np.array_equal(rung.sample_steps * rung.timestep, whole.times[:: rung.every])
 
 
-def test_samples_are_those_of_the_window():
-    assert np.allclose(ladder_of(7.0).times, np.linspace(0, 3.0, 31), rtol=ROUNDING)
-
-
-def test_timesteps_are_halved_exactly():
-    rungs = ladder_of(40.0).rungs
-    assert all(fine.timestep == coarse.timestep / 2 for coarse, fine in pairwise(rungs))
-
-
-def test_timesteps_above_are_doubled_up_to_half_a_turn():
+def test_timesteps_are_halved_exactly_and_above_doubled_up_to_half_a_turn():
     whole = ladder_of(40.0)
-    steps = [whole.rungs[0].timestep, *(rung.timestep for rung in whole.above)]
-    assert all(coarse == 2 * fine for fine, coarse in pairwise(steps))
-    assert LARGEST_TURN / 2 < steps[-1] * 40.0 <= LARGEST_TURN
+    steps = [rung.timestep for rung in [*whole.above[::-1], *whole.rungs]]
+    assert all(fine == coarse / 2 for coarse, fine in pairwise(steps))
+    assert LARGEST_TURN / 2 < steps[0] * 40.0 <= LARGEST_TURN
 
 
 @pytest.mark.parametrize("fastest_rate", [0.0, 0.01, 1.0])
@@ -74,11 +60,8 @@ def test_runs_above_are_of_enough_steps_to_show_a_blow_up(fastest_rate):
 
 
 def test_the_budget_of_steps_is_used_and_kept():
-    finest = ladder_of(40.0).rungs[-1].steps
-    assert MAX_STEPS / 2 < finest <= MAX_STEPS
-
-
-def test_a_small_budget_is_exceeded_for_a_verdict_but_not_by_much():
+    """A small one is exceeded for a verdict, but not by much."""
+    assert MAX_STEPS / 2 < ladder_of(40.0).rungs[-1].steps <= MAX_STEPS
     steps = [rung.steps for rung in ladder_of(40.0, max_steps=2000).rungs]
     assert len(steps) == LEAST_RUNGS
     assert 2000 < steps[-1] <= EXCESS * 2000
@@ -100,15 +83,14 @@ def test_where_nothing_fits_there_is_no_ladder_but_its_cost(fastest_rate):
     whole = ladder_of(fastest_rate)
     assert (whole.rungs, whole.above) == ((), ())
     assert whole.least_steps > MAX_STEPS
+    unsampled = ladder(Window(duration=3.0, samples=31), 1.0, samples=1)
+    assert (unsampled.rungs, unsampled.above, unsampled.least_steps) == ((), (), 0)
 
 
-@pytest.mark.parametrize("duration", [1e-12, 1e12])
-def test_windows_of_any_length_have_the_same_ladder(duration):
-    here, turned_alike = ladder_of(40.0 / duration, duration), ladder_of(40.0, 1.0)
-    assert [rung.steps for rung in here.rungs] == [rung.steps for rung in turned_alike.rungs]
-
-
-def test_a_window_that_one_step_covers_has_a_full_ladder():
+def test_windows_of_any_length_have_the_same_ladder_and_one_of_one_step_a_full_one():
+    wanted = [rung.steps for rung in ladder_of(40.0, 1.0).rungs]
+    for duration in (1e-12, 1e12):
+        assert [rung.steps for rung in ladder_of(40.0 / duration, duration).rungs] == wanted
     whole = ladder_of(1e-3, 1e-3, samples=2)
     assert whole.rungs[0].steps == 1
     assert len(whole.rungs) > MIN_RUNGS
@@ -119,11 +101,6 @@ def test_samples_as_close_as_steps_are_thinned_to_leave_room_for_a_ladder():
     assert len(whole.rungs) >= MIN_RUNGS
     assert whole.rungs[0].timestep <= COARSEST_TURN
     assert whole.times[-1] == pytest.approx(10.0, rel=1e-3)
-
-
-def test_without_time_to_sample_at_there_is_nothing_to_run():
-    whole = ladder(Window(duration=3.0, samples=31), 1.0, samples=1)
-    assert (whole.rungs, whole.above, whole.least_steps) == ((), (), 0)
 
 
 def test_a_ladder_is_cut_where_the_exact_motion_ends():
@@ -137,13 +114,7 @@ def test_a_ladder_is_cut_where_the_exact_motion_ends():
 def test_a_single_timestep_is_sampled_at_the_nearest_whole_steps():
     rung = single(0.007, np.linspace(0, 1, 11))
     assert rung.sample_steps.tolist() == [0, 14, 29, 43, 57, 71, 86, 100, 114, 129, 143]
-
-
-def test_a_timestep_longer_than_the_window_is_refused():
     with pytest.raises(ValueError, match="'timestep' must be shorter than the window"):
         single(3.0, np.linspace(0, 1, 11))
-
-
-def test_a_timestep_of_more_steps_than_can_be_counted_is_refused():
     with pytest.raises(ValueError, match="more steps than"):
         single(1e-12, np.linspace(0, 1e12, 11))

@@ -17,7 +17,6 @@ from spincheck.reports.harness.executors import CallFailed, cause_of
 from spincheck.reports.harness.executors.worker_main import NO_THREAD
 from spincheck.reports.harness.prepared import prepare
 from spincheck.reports.harness.step_cost import step_costs
-from spincheck.reports.results.store import open_store
 from spincheck.scenarios import loads
 from studies import study
 
@@ -51,41 +50,32 @@ class Spoilt(Planted):
 
 @pytest.mark.parametrize("call", ["read_body", "advance", "check", "active"])
 @pytest.mark.parametrize("error", [KILLED, FULL], ids=["a child is killed", "a full disk"])
-def test_a_run_that_the_machine_spoilt_has_no_cause_of_the_engines(tmp_path, call, error):
-    path = tmp_path / "results.sqlite"
+def test_a_run_that_the_machine_spoilt_has_no_cause_of_the_engines(path, call, error):
     choice = Choice((Spoilt(call, error),), max_steps=SHORT, timed=False)
-    study(path, [loads(BOX, "box")], choice)
-    with open_store(path) as store:
-        causes = {row.cause for row in store.read().rows}
+    causes = {row.cause for row in study(path, [loads(BOX, "box")], choice).rows}
     assert causes
     assert causes <= ENVIRONMENTAL
 
 
-def test_a_solver_that_was_killed_by_whatever_signal_is_tried_again(tmp_path):
-    path, choice = tmp_path / "results.sqlite", Choice((planted(HeunSession),), max_steps=SHORT)
+def test_a_solver_that_was_killed_by_whatever_signal_is_tried_again(path):
+    choice = Choice((planted(HeunSession),), max_steps=SHORT)
     killed = CallFailed("the worker process was killed by SIGSEGV", "crash")
-    study(path, [loads(BOX, "box")], choice, FailingCalls(of_function(prepare, killed)))
-    with open_store(path) as store:
-        (row,) = store.read().rows
+    executor, scenes = FailingCalls(of_function(prepare, killed)), [loads(BOX, "box")]
+    (row,) = study(path, scenes, choice, executor).rows
     assert (row.outcome, row.cause) == ("failed", "killed")
     assert "could not be found: the worker process was killed by SIGSEGV" in row.reason
-    study(path, [loads(BOX, "box")], choice)
-    with open_store(path) as store:
-        assert {row.outcome for row in store.read().rows} == {"ok"}
+    assert {row.outcome for row in study(path, scenes, choice).rows} == {"ok"}
 
 
 @pytest.mark.parametrize("cause", sorted(ENVIRONMENTAL))
 @pytest.mark.parametrize("spoilt", [step_costs, effects_costs], ids=lambda call: call.__name__)
-def test_steps_that_the_machine_did_not_let_be_timed_are_timed_by_the_next_run(
-    tmp_path, spoilt, cause
-):
-    path, lines = tmp_path / "results.sqlite", []
+def test_steps_that_the_machine_did_not_let_be_timed_are_timed_by_the_next_run(path, spoilt, cause):
+    lines = []
     choice = Choice((planted(HeunSession),), max_steps=SHORT)
 
     def run(executor=None) -> list[float | None]:
-        study(path, [loads(BOX, "box")], choice, executor, lines.append)
-        with open_store(path) as store:
-            return [row.seconds_per_step for row in store.read().rows if row.outcome == "ok"]
+        found = study(path, [loads(BOX, "box")], choice, executor, lines.append)
+        return [row.seconds_per_step for row in found.rows if row.outcome == "ok"]
 
     refused = CallFailed("no worker process could be started", cause)
     assert set(run(FailingCalls(of_function(spoilt, refused)))) == {None}
@@ -104,18 +94,17 @@ def chained(cause: BaseException, error: BaseException) -> BaseException:
     return error
 
 
+FULL_DISK = OSError(errno.ENOSPC, "full")
 NO_FILE = "libbullet.so: cannot open shared object file: "
+NO_DESCRIPTORS = ImportError(NO_FILE + os.strerror(errno.EMFILE))
 CAUSES = {
-    "a full disk": (OSError(errno.ENOSPC, "full"), "environment"),
+    "a full disk": (FULL_DISK, "environment"),
     "a full disk, told as another error": (
-        chained(OSError(errno.ENOSPC, "full"), ValueError("cannot be saved")),
+        chained(FULL_DISK, ValueError("cannot be saved")),
         "environment",
     ),
     "no file": (OSError(errno.ENOENT, "no such file"), "bug"),
-    "a library when descriptors are out": (
-        ImportError(NO_FILE + os.strerror(errno.EMFILE)),
-        "environment",
-    ),
+    "a library when descriptors are out": (NO_DESCRIPTORS, "environment"),
     "a library that is not there": (ImportError(NO_FILE + os.strerror(errno.ENOENT)), "bug"),
     "no thread": (RuntimeError(NO_THREAD), "environment"),
     "another error": (RuntimeError("no such body"), "bug"),

@@ -37,17 +37,11 @@ def test_a_quick_run_leaves_hard_scenes_out_unless_they_are_named():
     assert [scene.name for scene in scenes_of(["toutatis"], quick=True)] == ["toutatis"]
 
 
-def test_hard_scenes_in_passing_are_run_but_not_timed(tmp_path):
-    with open_store(tmp_path / "found.sqlite", create=True) as store:
-        scenes = plan([HARD, PLAIN], LIBRARY, store).scenes
-    assert [(scene.scenario.name, scene.to_time) for scene in scenes] == [
-        (HARD.name, False),
-        (PLAIN.name, True),
-    ]
-    assert all(scene.to_run for scene in scenes)
-
-
-def test_hard_scenes_that_are_named_are_timed(tmp_path):
-    with open_store(tmp_path / "found.sqlite", create=True) as store:
-        (scene,) = plan([HARD], NAMED, store).scenes
-    assert scene.to_time
+def test_hard_scenes_in_passing_are_run_but_not_timed_unless_they_are_named(path):
+    with open_store(path, create=True) as store:
+        hard, plain = plan([HARD, PLAIN], LIBRARY, store).scenes
+        (named,) = plan([HARD], NAMED, store).scenes
+    assert (hard.scenario.name, plain.scenario.name) == (HARD.name, PLAIN.name)
+    assert (hard.to_time, plain.to_time, named.to_time) == (False, True, True)
+    assert hard.to_run
+    assert plain.to_run

@@ -10,6 +10,7 @@ import pytest
 from box import BOX
 from command_line import spincheck
 from failing_calls import FailingCalls, of_function
+from ladders import only
 from planted import HeunSession, RaisingSession, planted
 from same_results import differences
 from spincheck.engines.lost_process import KILLED
@@ -20,10 +21,10 @@ from spincheck.reports.harness.judging import ladder_end
 from spincheck.reports.harness.prepared import prepare
 from spincheck.reports.harness.study import simulate
 from spincheck.reports.results import fingerprints as fingerprints
-from spincheck.reports.results.records import Record, Row
 from spincheck.reports.results.results import Results
-from spincheck.reports.results.store import Store, open_store
+from spincheck.reports.results.store import open_store
 from spincheck.scenarios import loads
+from studies import stop_at
 from studies import study as study_of
 
 pytestmark = pytest.mark.slow
@@ -41,11 +42,6 @@ ENGINES = (planted(HeunSession), planted(RaisingSession))
 LADDER = Choice(ENGINES, max_steps=BUDGET, timed=False)
 TIMED = replace(LADDER, timed=True)
 ALONE = Choice(ENGINES[:1], timesteps=(0.02,), timed=False)
-
-
-@pytest.fixture
-def path(tmp_path):
-    return tmp_path / "results.sqlite"
 
 
 def run(
@@ -84,22 +80,9 @@ def finished(complete, path) -> Path:
     return Path(copyfile(complete, path))
 
 
-@pytest.fixture
-def runs(monkeypatch) -> list[Row]:
-    """The rows stored from now on."""
-    stored: list[Row] = []
-    put = Store.put
-
-    def counting(store: Store, *records: Record) -> None:
-        put(store, *records)
-        stored.extend(record for record in records if isinstance(record, Row))
-
-    monkeypatch.setattr(Store, "put", counting)
-    return stored
-
-
-def test_a_study_that_is_complete_runs_nothing(finished, runs, undisturbed):
+def test_a_study_that_is_complete_or_of_a_longer_ladder_runs_nothing(finished, runs, undisturbed):
     assert run(finished) == []
+    run(finished, replace(LADDER, max_steps=1))
     assert runs == []
     assert differences(read(finished), undisturbed) == []
 
@@ -108,23 +91,14 @@ def test_a_study_that_is_complete_runs_nothing(finished, runs, undisturbed):
 def test_a_study_stopped_after_some_rows_runs_only_the_others(
     path, runs, undisturbed, monkeypatch, rows
 ):
-    put = Store.put
-
-    def stopping(store: Store, *records: Record) -> None:
-        if len(runs) == rows and isinstance(records[0], Row):
-            raise KeyboardInterrupt
-        put(store, *records)
-
-    with monkeypatch.context() as patch:
-        patch.setattr(Store, "put", stopping)
-        with pytest.raises(KeyboardInterrupt):
-            run(path)
+    stop_at(monkeypatch, lambda _: len(runs) == rows, lambda: run(path))
     run(path)
     assert len(runs) == len(undisturbed.rows)
     assert differences(read(path), undisturbed) == []
 
 
 def test_a_study_stopped_before_steps_are_timed_has_them_timed(path, monkeypatch):
+    """Once, and on another processor anew."""
     with monkeypatch.context() as patch:
         patch.setattr(study_module, "time_scene", _interrupted)
         with pytest.raises(KeyboardInterrupt):
@@ -133,6 +107,8 @@ def test_a_study_stopped_before_steps_are_timed_has_them_timed(path, monkeypatch
     assert run(path, TIMED) == []
     timed = {row.key.engine for row in read(path).rows if row.seconds_per_step is not None}
     assert timed == {"Heun"}
+    monkeypatch.setattr("spincheck.reports.harness.plan.processor", lambda: "another")
+    assert run(path, TIMED) == ["box  timed"]
 
 
 def _interrupted(*_: object) -> None:
@@ -145,11 +121,25 @@ def test_the_samples_of_a_finished_ladder_are_those_of_one_run(undisturbed):
     assert with_motion.timestep == min(row.timestep for row in rows)
 
 
-@pytest.mark.parametrize(("changed", "again"), [("# a comment\n", 0), ("", 1)])
-def test_a_scene_is_run_anew_if_it_says_something_else(finished, runs, undisturbed, changed, again):
+def test_a_scene_is_run_anew_if_it_says_something_else(finished, runs, undisturbed):
     text = BOX + EXPECTATION
-    run(finished, text=text + changed if changed else text.replace("samples = 11", "samples = 6"))
-    assert len(runs) == again * len(undisturbed.rows)
+    run(finished, text=f"{text}# a comment\n")
+    assert runs == []
+    run(finished, text=text.replace("samples = 11", "samples = 6"))
+    assert len(runs) == len(undisturbed.rows)
+
+
+def test_everything_is_run_anew_by_another_spincheck_and_if_that_is_asked_for(
+    finished, runs, undisturbed, monkeypatch
+):
+    with monkeypatch.context() as patch:
+        patch.setattr(fingerprints, "program", lambda kind: f"another {kind}")
+        run(finished)
+    assert len(runs) == len(undisturbed.rows)
+    runs.clear()
+    run(finished, replace(LADDER, again=True))
+    assert len(runs) == len(undisturbed.rows)
+    assert differences(read(finished), undisturbed) == []
 
 
 def test_another_version_of_an_engine_has_its_own_runs_made_anew(finished, runs, monkeypatch):
@@ -157,18 +147,6 @@ def test_another_version_of_an_engine_has_its_own_runs_made_anew(finished, runs,
     run(finished)
     assert {row.key.engine for row in runs} == {"Heun"}
     assert len(read(finished).verdicts) == len(ENGINES)
-
-
-def test_another_spincheck_runs_everything_anew(finished, runs, undisturbed, monkeypatch):
-    monkeypatch.setattr(fingerprints, "program", lambda kind: f"another {kind}")
-    run(finished)
-    assert len(runs) == len(undisturbed.rows)
-
-
-def test_costs_measured_on_another_processor_are_taken_anew(path, monkeypatch):
-    run(path, TIMED)
-    monkeypatch.setattr("spincheck.reports.harness.plan.processor", lambda: "another")
-    assert run(path, TIMED) == ["box  timed"]
 
 
 def test_an_engine_added_later_is_run_alone(path, runs, undisturbed):
@@ -181,43 +159,32 @@ def test_an_engine_added_later_is_run_alone(path, runs, undisturbed):
 
 def test_a_scene_run_later_leaves_the_others_as_they_are(finished, undisturbed):
     both = study_of(finished, [loads(BOX, "crate")], LADDER)
-    one = replace(
-        both,
-        scenes={"box": both.scenes["box"]},
-        rows=[row for row in both.rows if row.key.scenario == "box"],
-        verdicts=[verdict for verdict in both.verdicts if verdict.key.scenario == "box"],
-    )
-    assert differences(one, undisturbed) == []
+    assert differences(only(both, "box"), undisturbed) == []
 
 
-def test_an_unmet_expectation_is_reported_by_a_study_that_was_gone_on_with(
-    finished, runs, monkeypatch
-):
-    unmet = [verdict.unmet for verdict in read(finished).verdicts if verdict.key.engine == "Heun"]
+def test_an_unmet_expectation_is_reported_by_a_study_that_was_gone_on_with(finished):
+    def unmet() -> tuple[str, ...]:
+        return next(v.unmet for v in read(finished).verdicts if v.key.engine == "Heun")
+
+    before = unmet()
     with open_store(finished, create=True) as store, store._database.transaction() as connection:
         connection.execute("DELETE FROM verdicts")
     run(finished)
-    again = [verdict.unmet for verdict in read(finished).verdicts if verdict.key.engine == "Heun"]
-    assert unmet == again
-    assert "ω error" in unmet[0][0]
+    assert unmet() == before
+    assert "ω error" in before[0]
 
 
-def test_a_timestep_is_run_once_however_often_it_is_asked_for(path, runs):
-    run(path, ALONE)
-    runs.clear()
-    assert run(path, ALONE) == []
-    assert runs == []
-
-
-def test_a_timestep_asked_for_leaves_the_ladder_and_its_verdict(finished, undisturbed):
+def test_a_timestep_asked_for_is_run_once_and_leaves_the_ladder_and_its_verdict(
+    finished, runs, undisturbed
+):
     run(finished, ALONE)
+    runs.clear()
+    assert run(finished, ALONE) == []
+    assert runs == []
     results = read(finished)
     ladder = replace(results, rows=[row for row in results.rows if row.timestep != 0.02])
     assert differences(ladder, undisturbed) == []
-
-
-def test_the_verdict_on_a_timestep_is_its_own(finished):
-    run(finished, ALONE)
+    # The verdict on it is its own.
     (verdict,) = read(finished, timesteps=(0.02,)).verdicts
     assert (verdict.verdict, "no ladder was run" in verdict.reason) == ("unresolved", True)
 
@@ -234,41 +201,28 @@ def test_a_ladder_cut_short_by_a_lesser_limit_is_gone_on_with(path, tmp_path, mo
     assert differences(read(path), read(other)) == []
 
 
-def test_a_longer_ladder_serves_whoever_asks_for_a_shorter_one(finished, runs):
-    run(finished, replace(LADDER, max_steps=1))
-    assert runs == []
-
-
-@pytest.mark.parametrize("name", ["SIGKILL", "SIGXCPU", "SIGUSR1"])
-def test_a_run_that_was_killed_from_outside_is_made_again(path, undisturbed, name):
-    killed = CallFailed(f"the worker process {KILLED} by {name}", "killed")
-    run(path, executor=FailingCalls(of_function(simulate, killed)))
-    assert {verdict.verdict for verdict in read(path).verdicts} == {"failed"}
-    run(path)
-    assert differences(read(path), undisturbed) == []
-
-
-@pytest.mark.parametrize("function", [simulate, prepare], ids=["run", "reference"])
-def test_what_the_machine_refused_is_made_again(path, undisturbed, function):
-    """No worker could be started, for want of descriptors or processes."""
-    refused = CallFailed("no worker process could be started: [Errno 24]", "environment")
-    run(path, executor=FailingCalls(of_function(function, refused)))
-    assert {verdict.verdict for verdict in read(path).verdicts} == {"failed"}
-    run(path)
-    assert differences(read(path), undisturbed) == []
+SIGNALLED = CallFailed(f"the worker process {KILLED} by SIGUSR1", "killed")
+REFUSED = CallFailed("no worker process could be started: [Errno 24]", "environment")
 
 
 @pytest.mark.parametrize(
-    ("number", "again"),
-    [
-        *((number, True) for number in (errno.ENOSPC, errno.EMFILE, errno.EAGAIN, errno.EROFS)),
-        *((number, False) for number in (errno.EINVAL, errno.ENOENT)),
-    ],
-    ids=errno.errorcode.get,
+    ("function", "failure"),
+    [(simulate, SIGNALLED), (simulate, REFUSED), (prepare, REFUSED)],
+    ids=["killed from outside", "run refused", "reference refused"],
 )
-def test_an_error_of_the_system_is_the_engines_only_if_it_stays(
-    path, runs, monkeypatch, number, again
-):
+def test_what_the_machine_killed_or_refused_is_made_again(path, undisturbed, function, failure):
+    run(path, executor=FailingCalls(of_function(function, failure)))
+    assert {verdict.verdict for verdict in read(path).verdicts} == {"failed"}
+    run(path)
+    assert differences(read(path), undisturbed) == []
+
+
+OF_THE_SYSTEM = (errno.ENOSPC, errno.EMFILE, errno.EAGAIN, errno.EROFS)
+OF_THE_ENGINE = (errno.EINVAL, errno.ENOENT)
+
+
+@pytest.mark.parametrize("number", OF_THE_SYSTEM + OF_THE_ENGINE, ids=errno.errorcode.get)
+def test_an_error_of_the_system_is_the_engines_only_if_it_stays(path, runs, monkeypatch, number):
     def refuse(*_: object) -> None:
         raise OSError(number, os.strerror(number))
 
@@ -277,13 +231,7 @@ def test_an_error_of_the_system_is_the_engines_only_if_it_stays(
         run(path)
     runs.clear()
     run(path)
-    assert {row.key.engine for row in runs} == ({"Heun"} if again else set())
-
-
-def test_everything_is_made_again_if_that_is_asked_for(finished, runs, undisturbed):
-    run(finished, replace(LADDER, again=True))
-    assert len(runs) == len(undisturbed.rows)
-    assert differences(read(finished), undisturbed) == []
+    assert {row.key.engine for row in runs} == ({"Heun"} if number in OF_THE_SYSTEM else set())
 
 
 def overrun(path: Path, reason: str) -> None:
@@ -317,19 +265,16 @@ def test_a_time_limit_that_is_none_is_one_message(path, seconds):
     assert not path.exists()
 
 
-@pytest.mark.parametrize("what", ["outcome", "motion", "verdict", "missing"])
-def test_the_comparison_notices(undisturbed, what):
+def test_the_comparison_notices(undisturbed):
     heun = next(row for row in undisturbed.rows if row.motion is not None)
-    assert heun.motion
-    planted_fault = {
-        "outcome": replace(heun, outcome="diverged", errors=None),
-        "motion": replace(heun, motion=heun.motion.until(3)),
-    }
     others = [row for row in undisturbed.rows if row is not heun]
-    if what == "verdict":
-        first, *rest = undisturbed.verdicts
-        other = replace(undisturbed, verdicts=[replace(first, reason="another"), *rest])
-    else:
-        changed = [planted_fault[what]] if what in planted_fault else []
-        other = replace(undisturbed, rows=[*others, *changed])
-    assert len(differences(undisturbed, other)) == 1
+    ended = replace(heun, outcome="diverged", errors=None)
+    cut = replace(heun, motion=heun.motion.until(3))
+    first, *rest = undisturbed.verdicts
+    for changed in (
+        {"rows": [*others, ended]},
+        {"rows": [*others, cut]},
+        {"rows": others},
+        {"verdicts": [replace(first, reason="another"), *rest]},
+    ):
+        assert len(differences(undisturbed, replace(undisturbed, **changed))) == 1

@@ -4,19 +4,17 @@ import os
 
 import numpy as np
 import pytest
-from clockwork import METHOD, SCENE, Clock, Clockwork, Works, clock, steadily
+from clockwork import METHOD, SCENE, Clock, Clockwork, Works, steadily
 from library_scenes import library_scene
 from planted import METHOD as METHOD_OF_PLANTED
 from planted import HeunSession, RaisingSession, SegfaultSession, planted
 from spincheck.engines import EngineError, engines
 from spincheck.reports.harness import step_cost as cost
-from spincheck.reports.harness.executors import InProcess, LocalWorkers
+from spincheck.reports.harness.executors import Executor, InProcess, LocalWorkers
 from spincheck.reports.harness.step_cost import measure, step_costs
 from spincheck.reports.results.cost_records import StepCost
 
 pytestmark = pytest.mark.slow
-
-__all__ = ["clock"]
 
 #: s a step.
 TAKES = 3e-6
@@ -44,13 +42,10 @@ def test_a_step_costs_what_it_takes(clock: Clock, takes: float) -> None:
     assert cost_of(Clockwork(clock, steadily(2 * takes))).seconds_per_step > takes * (1 + TICK)
 
 
-def test_the_clocks_resolution_is_measured(clock: Clock) -> None:
-    assert cost.resolution() == clock.resolution
-
-
 @pytest.mark.parametrize("resolution", [2.0**-20, 2.0**-7])
 def test_a_stretch_lasts_long_by_the_clock_however_coarse(clock: Clock, resolution: float) -> None:
     clock.resolution = resolution
+    assert cost.resolution() == resolution
     session = Clockwork(clock, steadily(TAKES))
     assert cost_of(session).seconds_per_step == pytest.approx(TAKES, rel=TICK)
     timed = [steps for _, what, steps in session.diary if what == "advance"][-cost.REPEATS :]
@@ -58,27 +53,21 @@ def test_a_stretch_lasts_long_by_the_clock_however_coarse(clock: Clock, resoluti
     assert min(timed) * TAKES >= (1 - TICK) * max(cost.RESOLUTIONS * resolution, cost.STRETCH)
 
 
-@pytest.mark.parametrize("takes", [1e-7, TAKES, 1e-3])
-def test_what_a_call_costs_however_many_steps_is_not_counted(clock: Clock, takes: float) -> None:
-    """As of a compiled loop that an interpreter calls."""
-    measured = cost_of(Clockwork(clock, lambda steps, _: 100 * TAKES + steps * takes))
-    assert measured.seconds_per_step == pytest.approx(takes, rel=cost.SHARE_OF_CALL + TICK)
-
-
-def test_nor_is_it_if_single_stretches_are_disturbed(clock: Clock) -> None:
+def test_what_a_call_costs_however_many_steps_is_not_counted(clock: Clock) -> None:
+    """As of a compiled loop that an interpreter calls; nor if single stretches are disturbed."""
+    for takes in (1e-7, TAKES, 1e-3):
+        measured = cost_of(Clockwork(clock, lambda n, _, takes=takes: 100 * TAKES + n * takes))
+        assert measured.seconds_per_step == pytest.approx(takes, rel=cost.SHARE_OF_CALL + TICK)
     noise = iter(np.tile([1.5, 1.0, 4.0], 1000))
     disturbed = Clockwork(clock, lambda steps, _: (100 + steps) * TAKES * float(next(noise)))
     measured = cost_of(disturbed)
     assert measured.seconds_per_step == pytest.approx(TAKES, rel=cost.SHARE_OF_CALL + TICK)
 
 
-def test_the_first_steps_are_not_timed(clock: Clock) -> None:
+def test_the_least_is_quoted_and_the_spread_beside_it_but_for_the_first_steps(clock: Clock) -> None:
     slow = Clockwork(clock, lambda steps, taken: steps * TAKES * (1 if taken else 1000))
     measured = cost_of(slow)
     assert measured.seconds_per_step + measured.seconds_spread == pytest.approx(TAKES, rel=TICK)
-
-
-def test_the_least_is_quoted_and_the_spread_beside_it(clock: Clock) -> None:
     noise = iter(np.tile([1.5, 1.0, 1.25], 100))
     measured = cost_of(Clockwork(clock, lambda steps, _: steps * TAKES * float(next(noise))))
     assert measured.seconds_per_step == pytest.approx(TAKES, rel=TICK)
@@ -112,11 +101,11 @@ def test_a_method_that_gives_up_costs_its_own_figure(clock: Clock) -> None:
         assert second is not None
 
 
-def test_steps_of_what_is_no_number_are_no_steps(clock: Clock) -> None:
+def test_steps_of_what_is_no_number_and_a_scene_that_does_not_load_have_no_cost(
+    clock: Clock,
+) -> None:
     assert costs_of(Clockwork(clock, steadily(TAKES), drift=np.nan)) == [None]
 
-
-def test_a_scene_that_does_not_load_has_no_cost(clock: Clock) -> None:
     def refuse(_: object) -> Clockwork:
         raise EngineError("refused")
 
@@ -126,32 +115,26 @@ def test_a_scene_that_does_not_load_has_no_cost(clock: Clock) -> None:
 # With the system's own clocks
 
 
-@pytest.mark.processes
-def test_a_method_that_takes_its_process_with_it_costs_its_own_figure() -> None:
-    kinds = [SegfaultSession, HeunSession]
+def timed(executor: Executor, *kinds: type[HeunSession]) -> tuple[list[bool], list[str]]:
+    """Which were, and the complaints."""
     pairs = [(planted(kind), METHOD_OF_PLANTED) for kind in kinds]
-    with LocalWorkers(jobs=1) as workers:
-        costs, complaints = measure(workers, SCENE, pairs)
-    assert [measured is not None for measured in costs] == [False, True]
-    (complaint,) = complaints
-    assert complaint.startswith("Segfault Heun could not be timed: ")
+    costs, complaints = measure(executor, SCENE, pairs)
+    return [measured is not None for measured in costs], complaints
 
 
 def test_a_method_that_raises_costs_its_own_figure() -> None:
-    pairs = [(planted(kind), METHOD_OF_PLANTED) for kind in (HeunSession, RaisingSession)]
-    costs, complaints = measure(InProcess(), SCENE, pairs)
-    assert [measured is not None for measured in costs] == [True, False]
-    (complaint,) = complaints
+    costs, (complaint,) = timed(InProcess(), HeunSession, RaisingSession)
+    assert costs == [True, False]
     assert complaint.startswith("Raising Heun could not be timed: ZeroDivisionError")
+    assert timed(InProcess(), HeunSession) == ([True], [])
 
 
-def test_where_all_goes_well_there_is_no_complaint() -> None:
-    costs, complaints = measure(InProcess(), SCENE, [(planted(HeunSession), METHOD_OF_PLANTED)])
-    assert (len(costs), costs[0] is None, complaints) == (1, False, [])
-
-
-def test_worker_processes_start_no_threads() -> None:
+@pytest.mark.processes
+def test_so_does_one_that_takes_its_process_with_it_and_processes_start_no_threads() -> None:
     with LocalWorkers(jobs=1) as workers:
+        costs, (complaint,) = timed(workers, SegfaultSession, HeunSession)
+        assert costs == [False, True]
+        assert complaint.startswith("Segfault Heun could not be timed: ")
         assert workers.call(os.getenv, "OMP_NUM_THREADS").value == "1"
 
 

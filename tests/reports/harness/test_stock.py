@@ -8,9 +8,7 @@ from box import BOX
 from planted import ExplodingSession, HeunSession, RaisingSession, planted
 from spincheck.engines import Engine
 from spincheck.reports.harness.choice import Choice
-from spincheck.reports.harness.executors import InProcess
 from spincheck.reports.harness.ladder import QUICK_STEPS, single
-from spincheck.reports.harness.plan import plan
 from spincheck.reports.harness.stock import (
     COMMON_TIMESTEP,
     STEP_BUDGET,
@@ -18,11 +16,11 @@ from spincheck.reports.harness.stock import (
     stock_rung,
     stock_runs_of,
 )
-from spincheck.reports.harness.study import run_study
-from spincheck.reports.results.records import Record, Row
+from spincheck.reports.results.records import Row
 from spincheck.reports.results.results import Results
-from spincheck.reports.results.store import Store, open_store
 from spincheck.scenarios import loads
+from studies import stop_at
+from studies import study as study_of
 
 pytestmark = pytest.mark.slow
 
@@ -39,10 +37,7 @@ class HeunAsSold(type(planted(HeunSession))):
 
 def study(path, *engines: Engine, text: str = BOX, **choices) -> Results:
     choice = replace(Choice(engines, max_steps=BUDGET, timed=False), **choices)
-    scenes = [loads(text, "box")]
-    with open_store(path, create=True) as store:
-        run_study(plan(scenes, choice, store), choice, store, InProcess(), lambda _: None)
-        return store.read()
+    return study_of(path, [loads(text, "box")], choice)
 
 
 def stock_rows(results: Results) -> dict[float, Row]:
@@ -55,86 +50,55 @@ def stock_results(tmp_path_factory) -> Results:
 
 
 def test_an_engine_is_run_at_its_own_stock_timestep_and_at_one_for_all(stock_results):
+    """Such a run has errors and keeps its samples."""
     assert set(stock_rows(stock_results)) == {STOCK, COMMON_TIMESTEP}
-
-
-def test_such_a_run_has_errors_and_keeps_its_samples(stock_results):
     for row in stock_rows(stock_results).values():
         assert row.outcome == "ok"
         assert row.errors.omega > 0
         assert row.motion.t[-1] == pytest.approx(1.0, abs=row.timestep / 2)
 
 
-def test_the_verdict_is_that_of_the_ladder_alone(stock_results, tmp_path, monkeypatch):
+def test_the_verdict_is_that_of_the_ladder_alone(stock_results, path, monkeypatch):
     monkeypatch.setattr("spincheck.reports.harness.prepared.stock_timesteps", lambda _: ())
-    without = study(tmp_path / "r.sqlite", HeunAsSold())
+    without = study(path, HeunAsSold())
     assert not stock_rows(without)
     assert without.verdicts == stock_results.verdicts
 
 
-def test_a_blow_up_at_a_stock_timestep_leaves_the_verdict(tmp_path, monkeypatch):
+def test_a_blow_up_at_a_stock_timestep_leaves_the_verdict(path):
     class LastStepExplodes(HeunAsSold):
         def open(self, scenario, method, timestep):
             kind = ExplodingSession if timestep == STOCK else HeunSession
             return kind(scenario, timestep)
 
-    results = study(tmp_path / "r.sqlite", LastStepExplodes())
+    results = study(path, LastStepExplodes())
     assert stock_rows(results)[STOCK].outcome == "diverged"
     assert results.verdicts[0].verdict == "converges"
 
 
-def rows_of(records: tuple[Record, ...]) -> list[Row]:
-    return [record for record in records if isinstance(record, Row)]
-
-
-def test_stock_runs_are_not_made_again(tmp_path, monkeypatch):
-    path, put = tmp_path / "r.sqlite", []
+def test_a_study_stopped_before_its_stock_runs_makes_them_alone_and_once(path, runs, monkeypatch):
+    stop_at(monkeypatch, lambda row: row.stock, lambda: study(path, HeunAsSold()))
+    runs.clear()
     study(path, HeunAsSold())
-    monkeypatch.setattr(Store, "put", lambda _, *records: put.extend(rows_of(records)))
+    assert sorted(row.timestep for row in runs) == [COMMON_TIMESTEP, STOCK]
     study(path, HeunAsSold())
-    assert put == []
+    assert len(runs) == 2
 
 
-def test_a_study_stopped_before_its_stock_runs_makes_them_alone(tmp_path, monkeypatch):
-    path, put, stored = tmp_path / "r.sqlite", Store.put, []
-
-    def stopping(store: Store, *records: Record) -> None:
-        if any(row.stock for row in rows_of(records)):
-            raise KeyboardInterrupt
-        put(store, *records)
-
-    def storing(store: Store, *records: Record) -> None:
-        put(store, *records)
-        stored.extend(rows_of(records))
-
-    with monkeypatch.context() as patch:
-        patch.setattr(Store, "put", stopping)
-        with pytest.raises(KeyboardInterrupt):
-            study(path, HeunAsSold())
-    monkeypatch.setattr(Store, "put", storing)
-    study(path, HeunAsSold())
-    assert {row.timestep for row in stored} == {STOCK, COMMON_TIMESTEP}
-
-
-def test_an_engine_that_fails_at_every_timestep_is_not_asked_at_stock_ones(tmp_path):
-    results = study(tmp_path / "r.sqlite", planted(RaisingSession))
-    assert [row.outcome for row in results.rows] == ["failed"]
-
-
-def test_timesteps_that_are_asked_for_are_run_alone(tmp_path):
-    results = study(tmp_path / "r.sqlite", HeunAsSold(), timesteps=(0.02,))
+def test_stock_timesteps_are_left_out_where_all_fail_or_others_are_asked_for(path):
+    assert [row.outcome for row in study(path, planted(RaisingSession)).rows] == ["failed"]
+    path.unlink()
+    results = study(path, HeunAsSold(), timesteps=(0.02,))
     assert [row.timestep for row in results.rows] == [0.02]
 
 
-def test_where_the_motion_is_too_fast_for_it_a_row_says_so_and_nothing_is_run(tmp_path):
+def test_where_the_motion_is_too_fast_for_it_a_row_says_so_and_nothing_is_run(path):
     fast = BOX.replace("[1.0, 2.0, 0.5]", "[0.0, 0.0, 2000.0]")
     fast = fast.replace("duration = 1.0", "duration = 0.1")
-    rows = stock_rows(study(tmp_path / "r.sqlite", HeunAsSold(), text=fast))
-    assert rows[STOCK].outcome == "unsupported"
-    assert rows[STOCK].cause == "timestep"
-    assert "turns 477° a step" in rows[STOCK].reason
-    assert rows[STOCK].errors is None
-    assert not rows[STOCK].made
+    row = stock_rows(study(path, HeunAsSold(), text=fast))[STOCK]
+    assert (row.outcome, row.cause, row.errors) == ("unsupported", "timestep", None)
+    assert "turns 477° a step" in row.reason
+    assert not row.made
 
 
 @pytest.mark.parametrize(

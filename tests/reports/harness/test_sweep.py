@@ -11,19 +11,12 @@ import numpy as np
 import pytest
 from box import BOX
 from failing_calls import FailingCalls, of_engine
-from planted import (
-    METHOD,
-    HeunSession,
-    NotANumberSession,
-    RaisingSession,
-    SegfaultSession,
-    planted,
-)
+from planted import METHOD, HeunSession, NotANumberSession, RaisingSession, SegfaultSession, planted
 from spincheck.engines import Engine
 from spincheck.engines.lost_process import KILLED
 from spincheck.reports.harness import sweep_run
 from spincheck.reports.harness.choice import Choice
-from spincheck.reports.harness.executors import CallFailed, Executor, LocalWorkers
+from spincheck.reports.harness.executors import CallFailed, Executor
 from spincheck.reports.harness.stock import COMMON_TIMESTEP
 from spincheck.reports.harness.sweep import plan_sweep
 from spincheck.reports.harness.sweep_points import STEP_TURN
@@ -52,11 +45,6 @@ PART = replace(MAP, axes=(replace(SPIN, values=(2.0,)), replace(STEPS, values=(0
 ENSEMBLE = Ensemble("box", 3, seed=5, timestep=None)
 FAULTLESS = Choice((planted(HeunSession),), timed=False)
 CRASHING = Choice((planted(HeunSession), planted(SegfaultSession)), timed=False)
-
-
-@pytest.fixture
-def path(tmp_path):
-    return tmp_path / "results.sqlite"
 
 
 def sweep(
@@ -92,61 +80,59 @@ def swept(path, finished):
     return Path(copyfile(finished[0], path))
 
 
-def test_there_is_a_point_for_every_pair_of_values_in_the_order_of_the_axes(finished):
-    expected = [(a, b) for a in SPIN.values for b in STEPS.values]
-    assert [point.at for point in finished[1]] == expected
-
-
-def test_every_run_has_the_timestep_of_its_place(finished):
-    assert [point.timestep for point in finished[1]] == [point.at[1] for point in finished[1]]
+def test_there_is_a_run_for_every_pair_of_values_in_the_order_of_the_axes(finished):
+    _, points = finished
+    assert [point.at for point in points] == [(a, b) for a in SPIN.values for b in STEPS.values]
+    assert [point.timestep for point in points] == [point.at[1] for point in points]
 
 
 def test_the_method_is_of_second_order_down_each_column(finished):
     """Errors of Heun's method, each against its own exact motion; twice the step, four."""
+    _, points = finished
     for spin in SPIN.values:
-        errors = [p.errors.omega for p in finished[1] if p.at[0] == spin]
+        errors = [p.errors.omega for p in points if p.at[0] == spin]
         slopes = np.diff(np.log2(errors))
         assert np.abs(slopes - 2).max() < 0.25
+    # With the exact motion of the other column they would be as large as what is varied.
+    assert max(point.errors.omega for point in points) < 1e-3
 
 
-def test_each_place_has_an_exact_motion_of_its_own(finished):
-    """With the exact motion of the other column the errors would be as large as what is varied."""
-    assert max(point.errors.omega for point in finished[1]) < 1e-3
+def test_what_is_read_back_is_what_was_put(finished, path):
+    for file, definition, points in (
+        (finished[0], MAP, finished[1]),
+        (path, ENSEMBLE, sweep(path, ENSEMBLE)),
+    ):
+        with open_store(file) as store:
+            (stored,) = store.read().sweeps
+        assert (stored.sweep, stored.points) == (definition, points)
+        assert stored.scenario.text == SCENE.text
 
 
-def test_nothing_that_is_there_is_run_again(finished):
-    assert points_missing(finished[0]) == 0
-
-
-def test_what_is_read_back_is_what_was_put(finished):
-    path, points = finished
-    with open_store(path) as store:
-        (stored_map,) = store.read().sweeps
-    assert (stored_map.sweep, stored_map.points) == (MAP, points)
-    assert stored_map.scenario.text == SCENE.text
-
-
-def test_a_finer_map_uses_the_points_it_shares(swept):
+def test_nothing_that_is_there_is_run_again_unless_that_is_asked_for(swept):
+    assert points_missing(swept) == 0
+    assert points_missing(swept, choice=replace(FAULTLESS, again=True)) == 6
+    # With its axes swapped a map shares all points, and a finer one those that both have.
+    assert points_missing(swept, replace(MAP, axes=(STEPS, SPIN))) == 0
     finer = replace(MAP, axes=(SPIN, replace(STEPS, values=(0.005, *STEPS.values))))
     assert points_missing(swept, finer) == len(SPIN.values)
 
 
-def test_with_its_axes_swapped_it_shares_them_all(swept):
-    assert points_missing(swept, replace(MAP, axes=(STEPS, SPIN))) == 0
+def engines_left(path: Path, choice: Choice) -> list[list[str]]:
+    """Of each place of the map that is not complete."""
+    with open_store(path, create=True) as store:
+        left = plan_sweep(MAP, SCENE, choice, store).left()
+        return [[engine.name for engine, _ in one.to_run] for one in left]
 
 
-def test_another_engine_leaves_what_is_there(swept):
-    with open_store(swept, create=True) as store:
-        plan = plan_sweep(MAP, SCENE, Choice((*FAULTLESS.engines, planted(RaisingSession))), store)
-    assert {engine.name for one in plan.left() for engine, _ in one.to_run} == {"Raising"}
-
-
-@pytest.mark.parametrize("what", ["scene", "program"])
-def test_points_that_rest_on_something_else_are_dropped(swept, monkeypatch, what):
-    scene = loads(BOX.replace("2.5]", "2.6]"), "box") if what == "scene" else SCENE
-    if what == "program":
-        monkeypatch.setattr(fingerprints, "program", lambda kind: f"another {kind}")
-    assert points_missing(swept, scene=scene) == len(SPIN.values) * len(STEPS.values)
+def test_another_engine_leaves_what_is_there_and_what_rests_on_something_else_is_dropped(
+    swept, monkeypatch
+):
+    both = Choice((*FAULTLESS.engines, planted(RaisingSession)))
+    assert engines_left(swept, both) == [["Raising"]] * 6
+    another = loads(BOX.replace("2.5]", "2.6]"), "box")
+    assert points_missing(swept, scene=another) == len(SPIN.values) * len(STEPS.values)
+    monkeypatch.setattr(fingerprints, "program", lambda kind: f"another {kind}")
+    assert points_missing(swept) == len(SPIN.values) * len(STEPS.values)
 
 
 class Stop(Exception):
@@ -183,17 +169,6 @@ def test_nothing_is_stored_twice(swept):
     assert count == len(SPIN.values) * len(STEPS.values)
 
 
-@pytest.mark.processes
-def test_a_crash_costs_its_own_point_and_the_others_are_as_ever(path, finished):
-    points = sweep(path, PART, CRASHING, executor=LocalWorkers(jobs=1))
-    crashed = [p for p in points if p.key.engine == "Segfault"]
-    assert {(p.outcome, p.cause) for p in crashed} == {("failed", "crash")}
-    assert "SIGSEGV" in crashed[0].reason
-    others = [p for p in finished[1] if p.at in [p.at for p in crashed]]
-    assert [p for p in points if p.key.engine == "Heun"] == others
-    assert len(crashed) == len(others) == 2
-
-
 @pytest.mark.parametrize("cause", ["crash", "time-out", "killed", "bug"])
 def test_a_method_that_is_lost_costs_its_own_point_and_says_why(path, finished, cause):
     points = sweep(path, MAP, CRASHING, executor=crashing(CallFailed("so it went", cause)))
@@ -203,23 +178,12 @@ def test_a_method_that_is_lost_costs_its_own_point_and_says_why(path, finished, 
     assert tuple(p for p in points if p.key.engine == "Heun") == finished[1]
 
 
-def test_a_point_that_somebody_killed_is_tried_again_by_the_next_sweep(path):
+def test_points_that_somebody_killed_or_the_machine_refused_are_tried_again(path):
     sweep(path, MAP, CRASHING, executor=crashing(CallFailed(KILLED, "killed")))
-    with open_store(path, create=True) as store:
-        plan = plan_sweep(MAP, SCENE, CRASHING, store)
-    assert [[engine.name for engine, _ in one.to_run] for one in plan.left()] == [["Segfault"]] * 6
-
-
-def test_a_point_where_the_machine_refused_everything_is_tried_again(path):
+    assert engines_left(path, CRASHING) == [["Segfault"]] * 6
     refused = CallFailed("no worker process could be started", "environment")
-    sweep(path, executor=FailingCalls(lambda *_: refused))
-    assert points_missing(path) == len(SPIN.values) * len(STEPS.values)
-
-
-def test_everything_is_tried_again_if_that_is_asked_for(finished):
-    path, points = finished
-    assert points_missing(path) == 0
-    assert points_missing(path, choice=replace(FAULTLESS, again=True)) == len(points)
+    sweep(path, ENSEMBLE, executor=FailingCalls(lambda *_: refused))
+    assert points_missing(path, ENSEMBLE) == ENSEMBLE.members
 
 
 def test_the_largest_ensemble_is_planned_member_by_member(path, monkeypatch):
@@ -235,62 +199,48 @@ def test_the_largest_ensemble_is_planned_member_by_member(path, monkeypatch):
     assert len(identities) == 1
 
 
-@pytest.mark.parametrize(("time_limit", "again"), [(None, 0), (120.0, 0), (500.0, 6)])
-def test_one_that_was_stopped_is_tried_again_with_more_time(path, time_limit, again):
-    stopped = CallFailed("did not finish within 120 s", "time-out")
-    sweep(path, MAP, CRASHING, executor=crashing(stopped))
-    with open_store(path, create=True) as store:
-        choice = replace(CRASHING, time_limit=time_limit)
-        assert plan_sweep(MAP, SCENE, choice, store).missing == again
+STOPPED = CallFailed("did not finish within 120 s", "time-out")
+CRASHED = CallFailed("it crashed", "crash")
 
 
-def test_one_that_crashed_is_not(path):
-    sweep(path, MAP, CRASHING, executor=crashing(CallFailed("it", "crash")))
-    assert points_missing(path, MAP, CRASHING) == 0
+@pytest.mark.parametrize(
+    ("failure", "time_limit", "again"),
+    [(STOPPED, None, 0), (STOPPED, 120.0, 0), (STOPPED, 500.0, 6), (CRASHED, 500.0, 0)],
+)
+def test_one_that_was_stopped_is_tried_again_with_more_time(path, failure, time_limit, again):
+    sweep(path, MAP, CRASHING, executor=crashing(failure))
+    assert points_missing(path, choice=replace(CRASHING, time_limit=time_limit)) == again
 
 
-def test_points_of_a_place_are_made_by_one_call(path):
+def test_points_of_a_place_are_made_by_one_call_and_what_diverges_says_when_and_why(path):
     executor = FailingCalls()
-    sweep(path, choice=Choice((planted(HeunSession), planted(RaisingSession))), executor=executor)
+    both = Choice((planted(RaisingSession), planted(NotANumberSession)), timed=False)
+    points = sweep(path, choice=both, executor=executor)
     assert executor.calls == len(SPIN.values) * len(STEPS.values)
+    diverged = [p for p in points if p.key.engine == "NotANumber"]
+    assert {(p.outcome, p.cause) for p in diverged} == {("diverged", "not-finite")}
+    assert all(0.5 < p.stopped_at <= 1.0 for p in diverged)
 
 
-def test_what_diverges_says_when_and_why(path):
-    points = sweep(path, choice=Choice((planted(NotANumberSession),), timed=False))
-    assert {(p.outcome, p.cause) for p in points} == {("diverged", "not-finite")}
-    assert all(0.5 < p.stopped_at <= 1.0 for p in points)
-
-
-def test_a_place_that_has_no_scene_says_so_and_is_not_the_end(path):
+def test_a_place_that_has_no_scene_says_so_and_is_not_tried_again(path):
     moment = Axis("body.inertia[2]", (2.5, 9.0), logarithmic=False)
     two = Choice((planted(HeunSession), planted(NotANumberSession)), timed=False)
-    points = sweep(path, Map("box", (moment, STEPS), None), two)
+    definition = Map("box", (moment, STEPS), None)
+    points = sweep(path, definition, two)
     without = [p for p in points if (p.outcome, p.cause) == ("unsupported", "scene")]
     assert [p.at for p in without] == [(9.0, step) for step in STEPS.values for _ in two.engines]
     assert "may exceed the sum of the other two" in without[0].reason
     assert len(points) == len(STEPS.values) * 4
+    assert points_missing(path, definition, two) == 0
 
 
-def test_such_a_place_is_not_tried_again(path):
-    definition = Map("box", (Axis("body.inertia[2]", (9.0, 10.0), logarithmic=False), STEPS), None)
-    sweep(path, definition)
-    assert points_missing(path, definition) == 0
-
-
-def test_a_timestep_longer_than_the_window_is_no_place_to_run(path):
-    long = Axis("timestep", (0.02, 3.0), logarithmic=False)
-    points = sweep(path, replace(MAP, axes=(SPIN, long)))
-    assert [p.outcome for p in points] == ["ok", "unsupported"] * 2
-    assert "must be shorter than the window" in points[1].reason
-
-
-def test_a_run_beyond_the_budget_is_not_made_and_says_so(path):
-    short = Axis("timestep", (1e-9, 0.02), logarithmic=False)
-    points = sweep(path, replace(MAP, axes=(SPIN, short)))
-    skipped = points[0]
-    assert (skipped.outcome, skipped.cause, skipped.timestep) == ("unsupported", "timestep", 1e-9)
-    assert skipped.reason.endswith(f"a point may take {sweep_run.STEP_BUDGET}")
-    assert points[1].outcome == "ok"
+def test_timesteps_beyond_the_budget_or_the_window_are_no_places_to_run_and_say_so(path):
+    steps = Axis("timestep", (1e-9, 0.02, 3.0), logarithmic=False)
+    short, run, long = sweep(path, replace(MAP, axes=(SPIN, steps)))[:3]
+    assert (short.outcome, short.cause, short.timestep) == ("unsupported", "timestep", 1e-9)
+    assert short.reason.endswith(f"a point may take {sweep_run.STEP_BUDGET}")
+    assert (run.outcome, long.outcome) == ("ok", "unsupported")
+    assert "must be shorter than the window" in long.reason
 
 
 def test_a_scene_that_cannot_be_solved_is_reported_of_every_method(path, monkeypatch):
@@ -307,8 +257,7 @@ def test_a_scene_that_cannot_be_solved_is_reported_of_every_method(path, monkeyp
 
 
 def test_a_reference_that_takes_its_process_with_it_is_not_blamed_on_a_method(path):
-    crashed = CallFailed("it crashed", "crash")
-    points = sweep(path, PART, CRASHING, executor=FailingCalls(lambda *_: crashed))
+    points = sweep(path, PART, CRASHING, executor=FailingCalls(lambda *_: CRASHED))
     assert [(p.outcome, p.cause) for p in points] == [("failed", "killed")] * 4
     assert points[0].reason == "the exact motion could not be found: it crashed"
 
@@ -332,10 +281,8 @@ def test_members_are_those_of_the_seed_and_run_at_each_engines_stock_timestep(pa
     own, common = with_stock_timestep("own", 0.004), with_stock_timestep("common", None)
     points = sweep(path, ENSEMBLE, Choice((own, common), timed=False))
     assert [p.at for p in points] == [(k,) for k in (0.0, 1.0, 2.0) for _ in (own, common)]
-    assert {(p.key.engine, p.timestep) for p in points} == {
-        ("own", 0.004),
-        ("common", COMMON_TIMESTEP),
-    }
+    timesteps = {"own": 0.004, "common": COMMON_TIMESTEP}
+    assert {(p.key.engine, p.timestep) for p in points} == {*timesteps.items()}
     errors = {p.key.engine: p.errors.omega for p in points if p.at == (0.0,)}
     # Of second order, each beside the exact motion at its own samples.
     ratio = (0.004 / COMMON_TIMESTEP) ** 2
@@ -349,30 +296,12 @@ def test_a_member_that_a_stock_timestep_does_not_resolve_is_not_run(path):
     assert all("° a step" in p.reason or "too few" in p.reason for p in points)
 
 
-def test_members_at_a_timestep_that_was_asked_for_have_it(path):
-    points = sweep(path, replace(ENSEMBLE, timestep=0.02))
-    assert {p.timestep for p in points} == {0.02}
-
-
-def test_a_larger_ensemble_begins_with_the_same_members(path):
+def test_a_larger_ensemble_begins_with_the_same_members_and_others_share_none(path):
     first = sweep(path, ENSEMBLE)
+    assert points_missing(path, replace(ENSEMBLE, seed=6)) == 3
+    at_a_timestep = replace(ENSEMBLE, timestep=0.02)
+    assert points_missing(path, at_a_timestep) == 3
+    assert {p.timestep for p in sweep(path, at_a_timestep)} == {0.02}
     larger = replace(ENSEMBLE, members=5)
     assert points_missing(path, larger) == 2
     assert sweep(path, larger)[: len(first)] == first
-
-
-def test_ensembles_of_another_seed_or_timestep_are_others(path):
-    sweep(path, ENSEMBLE)
-    assert points_missing(path, replace(ENSEMBLE, seed=6)) == 3
-    assert points_missing(path, replace(ENSEMBLE, timestep=0.02)) == 3
-
-
-def test_ensembles_are_read_back_with_their_scene(path):
-    points = sweep(path, ENSEMBLE)
-    with open_store(path) as store:
-        (ensemble,) = store.read().sweeps
-    assert (ensemble.sweep, ensemble.points, ensemble.scenario.text) == (
-        ENSEMBLE,
-        points,
-        SCENE.text,
-    )

@@ -6,11 +6,11 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from made_up import METHODS, results
+from made_up import METHODS, put, results
 from page import read_page
 from spincheck.engines import Engine, Method
 from spincheck.reports.pages.analysis.report_data import report_data
-from spincheck.reports.results.store import Store, open_store
+from spincheck.reports.results.store import open_store
 from spincheck.scenarios import EFFECTS, Scenario
 
 pytestmark = pytest.mark.slow
@@ -43,42 +43,30 @@ class Elsewhere(Engine):
         raise NotImplementedError
 
 
-def put_results(store: Store) -> None:
-    stored = results()
-    for scene_result in stored.scenes.values():
-        store.put_scene(scene_result.scenario, scene_result.solution)
-    for row in stored.rows:
-        store.put(row)
-    for verdict in stored.verdicts:
-        store.put_verdict(verdict)
-
-
 @pytest.fixture
 def path(tmp_path: Path) -> Path:
     path = tmp_path / "theirs.sqlite"
     with open_store(path, create=True) as store:
-        put_results(store)
+        put(store, results())
         store.put_methods([Elsewhere()])
     return path
 
 
-def test_what_was_declared_comes_back_from_the_file(path: Path) -> None:
-    with open_store(path) as store:
-        declared = store.read().methods
-    assert list(declared.items()) == [(("elsewhere", m.name), m) for m in Elsewhere.methods]
-
-
-def test_what_is_declared_now_replaces_what_was(path: Path) -> None:
+def test_what_was_declared_comes_back_from_the_file_until_another_is(path: Path) -> None:
     now = type("Now", (Elsewhere,), {"methods": (replace(Elsewhere.methods[1], order=4),)})
     with open_store(path, create=True) as store:
+        declared = store.read().methods
+        assert list(declared.items()) == [(("elsewhere", m.name), m) for m in Elsewhere.methods]
         store.put_methods([now()])
         assert store.read().methods == {("elsewhere", FANCY): now.methods[0]}
 
 
-def test_methods_are_reported_in_the_order_of_their_engine(path: Path) -> None:
+def test_methods_are_reported_in_the_order_of_their_engine_and_others_left_open(path: Path) -> None:
     with open_store(path) as store:
-        pairs = report_data(store.read()).pairs
-    assert [method for engine, method in pairs if engine == "elsewhere"] == [PLAIN, FANCY]
+        gathered = report_data(store.read())
+    (mujoco, *_) = (runs for runs in gathered.scenes[0].methods if runs.engine == "mujoco")
+    assert mujoco.declared is None
+    assert [method for engine, method in gathered.pairs if engine == "elsewhere"] == [PLAIN, FANCY]
     assert [m.method for m in METHODS if m.engine == "elsewhere"] == [FANCY, PLAIN]
 
 
@@ -92,11 +80,3 @@ def test_a_report_needs_no_engine(path: Path, tmp_path: Path) -> None:
     (plain,) = (row for row in rows if row[0] == "elsewhere" and row[2].startswith(PLAIN))
     assert "as plain as can be" in plain[2]
     assert plain[3] == "ω 3, attitude 2"
-
-
-def test_what_the_file_does_not_tell_is_left_open(path: Path) -> None:
-    with open_store(path) as store:
-        (mujoco, *_) = (
-            r for r in report_data(store.read()).scenes[0].methods if r.engine == "mujoco"
-        )
-    assert mujoco.declared is None

@@ -11,14 +11,12 @@ import users_models
 from spincheck.engines import engines
 from spincheck.reports.harness.choice import Choice
 from spincheck.reports.harness.executors import InProcess
-from spincheck.reports.harness.plan import plan
-from spincheck.reports.harness.study import run_study
 from spincheck.reports.harness.users_models.inspect import inspect_model, reader_engines
 from spincheck.reports.pages.render import render
 from spincheck.reports.pages.users_models.model_page import write_model_page
-from spincheck.reports.results.store import open_store
 from spincheck.scenarios import find, load
 from spincheck.scenarios.users_models import read_model
+from studies import study
 
 pytest.importorskip("playwright", reason="playwright is not installed")
 from browser import chromium, launched
@@ -54,12 +52,8 @@ def folder(tmp_path_factory) -> Path:
     folder = tmp_path_factory.mktemp("browsed")
     installed = [engine for name, engine in engines().items() if name in ("mujoco", "pybullet")]
     choice = Choice(tuple(installed), METHODS, max_steps=BUDGET)
-    scenes = [load(path) for path in find(SCENES)]
-    with open_store(folder / "results.sqlite", create=True) as store:
-        run_study(plan(scenes, choice, store), choice, store, InProcess(), lambda _: None)
-        results = store.read()
-    swept = made_up_sweeps.swept()
-    render(replace(results, sweeps=swept.sweeps), folder / "report")
+    results = study(folder / "results.sqlite", [load(path) for path in find(SCENES)], choice)
+    render(replace(results, sweeps=made_up_sweeps.swept().sweeps), folder / "report")
     model = read_model(users_models.written(folder, MODEL))
     inspection = inspect_model(model, InProcess(), reader_engines())
     write_model_page(inspection, folder / "report", "robot")
@@ -180,19 +174,15 @@ def test_cells_switch_between_signals_and_timesteps(visit, folder):
     expect(page.locator("#unit")).to_contain_text("CPU seconds")
 
 
-@pytest.mark.parametrize(
-    ("control", "value", "left"),
-    [
-        ("#find", "top", {"fast-top"}),
-        ("#kind", "Thrown", {"hammer"}),
-        ("#tag", "hard", {"reaction-wheel"}),
-    ],
-)
-def test_filters_leave_the_scenes_that_match(visit, folder, control, value, left):
+def test_filters_leave_the_scenes_that_match(visit, folder):
     page = open_table(visit, folder)
-    box = page.locator(control)
-    box.fill(value) if control == "#find" else box.select_option(value)
-    assert set(rows(page)) == left
+    page.locator("#find").fill("top")
+    assert set(rows(page)) == {"fast-top"}
+    page.locator("#find").fill("")
+    for control, value, left in (("#kind", "Thrown", "hammer"), ("#tag", "hard", "reaction-wheel")):
+        page.locator(control).select_option(value)
+        assert set(rows(page)) == {left}
+        page.locator(control).select_option("")
 
 
 def test_a_verdict_chosen_leaves_the_scenes_where_any_method_got_it(visit, folder):
@@ -207,11 +197,12 @@ def test_a_verdict_chosen_leaves_the_scenes_where_any_method_got_it(visit, folde
 
 
 @pytest.mark.needs_pybullet
-def test_the_engine_chosen_alone_has_columns(visit, folder):
+def test_the_engine_chosen_alone_has_columns_and_the_best_choice(visit, folder):
     page = open_table(visit, folder)
     page.locator("#engine").select_option("pybullet")
     headings = page.locator("#heat thead tr:last-child button").all_inner_texts()
     assert [text.split()[0] for text in headings] == ["scene", "pybullet", "multibody", "cheapest"]
+    assert "pybullet" in cell(page, "fast-top", "cheapest")
 
 
 def test_a_heading_sorts_and_sorts_back(visit, folder):
@@ -227,16 +218,13 @@ def test_a_heading_sorts_and_sorts_back(visit, folder):
     assert orders[2] == in_groups
 
 
-def test_hard_scenes_are_one_row_a_kind_that_unfolds(visit, folder):
+def test_the_table_unfolds_hard_scenes_and_is_walked_with_arrow_keys(visit, folder):
+    """And tells each run."""
     page = open_table(visit, folder)
     assert "reaction-wheel" not in rows(page)
     page.locator(".folded button").click()
     assert "reaction-wheel" in rows(page)
     expect(page.locator(".folded button")).to_be_focused()
-
-
-def test_the_table_is_walked_with_arrow_keys_and_tells_each_run(visit, folder):
-    page = open_table(visit, folder)
     page.locator("#heat tbody a[tabindex='0']").focus()
     page.keyboard.press("ArrowRight")
     expect(page.locator("#detail")).to_contain_text("fast-top, mujoco default")
@@ -270,20 +258,13 @@ def test_play_moves_the_body_and_pause_holds_it(visit, folder):
     assert page.evaluate(picture) == held
 
 
-def test_scrubbing_to_the_end_shows_its_time(visit, folder):
-    page = open_page(visit, folder, "scenes/fast-top.html")
-    clock = page.locator("[data-clock]")
-    clock.filter(has_text="of 5").wait_for()
-    page.locator("[data-time]").fill("1")
-    expect(clock).to_have_text("5 of 5 s")
-
-
 def test_the_error_shown_is_that_of_the_time_shown(visit, folder):
     page = open_page(visit, folder, "scenes/fast-top.html")
     page.locator("[data-run]").select_option(label="mujoco default at 2 ms")
-    error, time = page.locator("[data-difference]"), page.locator("[data-time]")
+    error = page.locator("[data-difference]")
     expect(error).to_have_text(re.compile("^attitude error ≤ [0-9.]+×10⁻"))
-    time.fill("1")
+    page.locator("[data-time]").fill("1")
+    expect(page.locator("[data-clock]")).to_have_text("5 of 5 s")
     # The worst moment of this run is its last: what the page's first sentence says.
     expect(page.locator(".headline")).to_contain_text("MuJoCo default at 2 ms is off by 13.2°")
     expect(error).to_have_text("attitude error 13°")
@@ -309,28 +290,22 @@ def test_another_run_is_drawn_beside_the_same_exact_motion(visit, folder):
     assert (before[0] == after[0], before[1] == after[1]) == (True, False)
 
 
-def test_a_folded_table_is_there_when_it_is_asked_for(visit, folder):
-    page = open_page(visit, folder, "scenes/fast-top.html")
-    runs = page.locator("#runs details.method").first
-    expect(runs.locator("td")).to_have_count(0)
-    runs.locator("summary").first.click()
-    expect(runs.locator("td").first).to_be_visible()
-
-
 def pictures(page: Page) -> list[str]:
     """What the player's two canvases show."""
     return page.eval_on_selector_all(".player canvas", "all => all.map((one) => one.toDataURL())")
 
 
-def test_a_page_answers_before_figures_are_drawn_and_draws_those_the_reader_comes_near(
-    visit, folder
-):
+def test_a_page_answers_first_and_draws_figures_and_tables_as_the_reader_comes_near(visit, folder):
     page = open_page(visit, folder, "scenes/fast-top.html")
     page.locator("[data-clock]").filter(has_text="of 5").wait_for()
     assert page.evaluate("typeof Plotly") == "undefined"
     first = page.locator(".plot").first
     first.scroll_into_view_if_needed()
     first.locator(".main-svg").first.wait_for(state="attached")
+    runs = page.locator("#runs details.method").first
+    expect(runs.locator("td")).to_have_count(0)
+    runs.locator("summary").first.click()
+    expect(runs.locator("td").first).to_be_visible()
 
 
 def test_a_page_that_is_printed_as_it_opens_has_every_figure_as_wide_as_the_paper(visit, folder):
@@ -365,12 +340,6 @@ def test_the_address_carries_the_filters_and_a_search_without_hits_says_so(visit
     page.locator("#heat tr.none button").click()
     assert {"fast-top", "hammer"} <= set(rows(page))
     assert "=" not in page.url
-
-
-def test_the_best_choice_is_that_of_the_engine_chosen(visit, folder):
-    page = open_table(visit, folder)
-    page.locator("#engine").select_option("pybullet")
-    assert "pybullet" in cell(page, "fast-top", "cheapest")
 
 
 @pytest.mark.parametrize("name", ["index.html", "scenes/fast-top.html"])

@@ -8,6 +8,7 @@ from pathlib import Path
 from urllib.parse import unquote
 
 import pytest
+from case_loops import each_case
 from contrast import contrast
 from made_up import METHODS, MISCHIEF, PRINTED, UNCERTAINTY, MadeUp, results
 from markdown_text import markdown_tables, outside_code, plain
@@ -36,19 +37,13 @@ def pages(folder: Path) -> dict[str, Page]:
     return {path.stem: read_page(path) for path in paths}
 
 
-def verdicts() -> list[Verdict]:
-    return results().verdicts
+VERDICTS = results().verdicts
+every_verdict = each_case(
+    "verdict", {f"{v.key.scenario} {v.key.engine} {v.key.method}": v for v in VERDICTS}
+)
 
 
-def name_of(verdict: Verdict) -> str:
-    return f"{verdict.key.scenario}-{verdict.key.engine}-{verdict.key.method}"
-
-
-def test_the_path_returned_is_the_first_page(tmp_path: Path) -> None:
-    assert render(results(), tmp_path / "new") == tmp_path / "new" / "index.html"
-
-
-@pytest.mark.parametrize("verdict", verdicts(), ids=name_of)
+@every_verdict
 def test_every_pair_has_a_cell_that_leads_to_its_row(
     pages: dict[str, Page], verdict: Verdict
 ) -> None:
@@ -66,31 +61,25 @@ def test_every_pair_has_a_cell_that_leads_to_its_row(
     )
 
 
-@pytest.mark.parametrize("verdict", verdicts(), ids=name_of)
-def test_reasons_of_what_does_not_converge_are_on_both_pages(
+@every_verdict
+def test_reasons_and_what_a_verdict_rests_on_are_on_the_pages(
     pages: dict[str, Page], folder: Path, verdict: Verdict
 ) -> None:
+    cells = pages[verdict.key.scenario].all("td")
     reasons = [*([verdict.reason] if verdict.verdict != "converges" else []), *verdict.unmet]
     for reason in reasons:
         first = (cell for table in pages["index"].tables() for row in table for cell in row)
         assert any(reason in cell for cell in first)
-        assert any(reason in cell.text for cell in pages[verdict.key.scenario].all("td"))
+        assert any(reason in cell.text for cell in cells)
         for path in (folder / "report.md", folder / "scenes" / f"{verdict.key.scenario}.md"):
             assert plain(reason) in plain(path.read_text(encoding="utf-8"))
-
-
-@pytest.mark.parametrize("verdict", verdicts(), ids=name_of)
-def test_what_a_verdict_rests_on_is_on_the_scenes_page(
-    pages: dict[str, Page], verdict: Verdict
-) -> None:
     assert bool(verdict.ground) == (verdict.verdict == "converges")
-    cells = pages[verdict.key.scenario].all("td")
     assert any(verdict.verdict in c.text and verdict.ground in c.text for c in cells)
 
 
 def test_the_headline_counts_what_is_there(pages: dict[str, Page]) -> None:
     headline = next(p.text for p in pages["index"].all("p") if "Of " in p.text)
-    verdict_words = [v.verdict for v in verdicts()]
+    verdict_words = [v.verdict for v in VERDICTS]
     assert f"3 scenes × {len(METHODS)} methods. Of {len(verdict_words)} pairs" in headline
     assert f"{verdict_words.count('converges')} converge to the exact motion" in headline
     assert f"{verdict_words.count('failed')} failed" in headline
@@ -114,51 +103,41 @@ def test_what_is_wrong_with_a_page_is_found(tmp_path: Path) -> None:
     assert "bad.html#x" not in faults
 
 
-def test_plotly_is_reported_to_send_nothing(folder: Path) -> None:
-    script = (folder / "assets" / "figures.js").read_text(encoding="utf-8")
-    assert "showSendToCloud: false" in script
-    assert 'plotlyServerURL: ""' in script
-
-
-def test_plotly_is_written_once(folder: Path) -> None:
+def test_plotly_is_written_once_and_told_to_send_nothing(folder: Path) -> None:
     written = [path for path in folder.rglob("*") if path.is_file()]
     large = [path for path in written if "packedPlotly =" in path.read_text(encoding="utf-8")]
     assert [path.name for path in large] == ["plotly.js"]
     packed = large[0].read_text(encoding="utf-8").split('"')[1]
     assert b"plotly.js v" in zlib.decompress(base64.b64decode(packed))[:1000]
+    script = (folder / "assets" / "figures.js").read_text(encoding="utf-8")
+    assert "showSendToCloud: false" in script
+    assert 'plotlyServerURL: ""' in script
 
 
-def test_what_users_wrote_stays_text(pages: dict[str, Page], folder: Path) -> None:
+def test_what_users_wrote_is_shown_and_stays_text(pages: dict[str, Page], folder: Path) -> None:
     for page in pages.values():
         assert MISCHIEF not in page.path.read_text(encoding="utf-8")
         assert not page.all("img")
     for path in folder.rglob("*.md"):
         assert MISCHIEF not in outside_code(path)
-
-
-def test_what_users_wrote_is_shown(pages: dict[str, Page]) -> None:
     page = pages["made-up-top"]
     assert all(MISCHIEF in page.all(tag)[0].text for tag in ("title", "h1"))
-    assert any(MISCHIEF in block.text for block in page.all("pre"))
-    assert any(MISCHIEF in paragraph.text for paragraph in page.all("p"))
-
-
-def test_markdown_in_a_description_is_rendered(pages: dict[str, Page]) -> None:
-    assert [e.text for e in pages["made-up-top"].all("strong")] == ["fast"]
-
-
-def test_what_an_engine_printed_is_shown(pages: dict[str, Page], folder: Path) -> None:
-    assert PRINTED in [element.text for element in pages["made-up-top"].all("pre")]
+    assert all(any(MISCHIEF in part.text for part in page.all(tag)) for tag in ("pre", "p"))
+    # So is what an engine printed.
+    assert PRINTED in [element.text for element in page.all("pre")]
     assert PRINTED in (folder / "scenes" / "made-up-top.md").read_text(encoding="utf-8")
+    # Markdown in a description is rendered.
+    assert [e.text for e in page.all("strong")] == ["fast"]
 
 
-def test_a_scene_without_an_exact_motion_has_a_page_that_says_why(pages: dict[str, Page]) -> None:
-    texts = [cell.text for cell in pages["unsolved"].all("td")]
-    assert any("could not be solved" in text for text in texts)
-
-
-def test_no_error_is_printed_below_the_reference(pages: dict[str, Page]) -> None:
-    assert _errors_too_small(pages["made-up-top"]) == []
+def test_no_error_is_printed_below_the_reference_and_one_at_that_limit_says_so(
+    pages: dict[str, Page],
+) -> None:
+    page = pages["made-up-top"]
+    assert _errors_too_small(page) == []
+    cells = [text for table in page.tables() for row in table for text in row]
+    assert f"≤ {number(UNCERTAINTY.omega)}" in cells
+    assert "reference limit" in " ".join(p.text for p in page.all("p"))
 
 
 def test_an_error_printed_below_the_reference_would_be_seen(
@@ -170,12 +149,6 @@ def test_an_error_printed_below_the_reference_would_be_seen(
     assert _errors_too_small(read_page(tmp_path / "scenes" / "made-up-top.html")) != []
 
 
-def test_an_error_at_the_limit_says_so(pages: dict[str, Page]) -> None:
-    cells = [text for table in pages["made-up-top"].tables() for row in table for text in row]
-    assert f"≤ {number(UNCERTAINTY.omega)}" in cells
-    assert "reference limit" in " ".join(p.text for p in pages["made-up-top"].all("p"))
-
-
 def test_every_run_is_in_the_table_of_its_method(pages: dict[str, Page]) -> None:
     for name in ("made-up-top", "made-up-brick", "unsolved"):
         tables = [t for t in pages[name].tables() if t[0][0] == "timestep, s"]
@@ -184,15 +157,12 @@ def test_every_run_is_in_the_table_of_its_method(pages: dict[str, Page]) -> None
         assert len(tables) == len({row.key for row in rows})
 
 
-def test_markdown_names_every_method_that_was_run(folder: Path) -> None:
+def test_markdown_has_every_method_that_was_run_and_a_row_for_every_verdict(folder: Path) -> None:
     text = plain((folder / "scenes" / "made-up-top.md").read_text(encoding="utf-8"))
     for row in results().rows:
         if row.key.scenario == "made-up-top":
             assert plain(f"{row.key.engine} {row.key.method}: ") in text
-
-
-def test_markdown_has_a_row_for_every_verdict(folder: Path) -> None:
-    for verdict in verdicts():
+    for verdict in VERDICTS:
         tables = markdown_tables(folder / "scenes" / f"{verdict.key.scenario}.md")
         rows = [plain("|".join(row)) for table in tables for row in table[2:]]
         assert any(
@@ -203,18 +173,14 @@ def test_markdown_has_a_row_for_every_verdict(folder: Path) -> None:
         )
 
 
-def test_markdown_links_lead_to_files(folder: Path) -> None:
+def test_markdown_s_tables_are_rectangular_and_its_links_lead_to_files(folder: Path) -> None:
     for path in folder.rglob("*.md"):
+        for table in markdown_tables(path):
+            assert len({len(row) for row in table}) == 1, table
         targets = re.findall(r"(?<!\\)\]\(([^)]+)\)", outside_code(path))
         assert targets
         for target in targets:
             assert (path.parent / unquote(target)).is_file(), target
-
-
-def test_markdown_tables_are_rectangular(folder: Path) -> None:
-    for path in folder.rglob("*.md"):
-        for table in markdown_tables(path):
-            assert len({len(row) for row in table}) == 1, table
 
 
 def test_a_window_cut_by_chaos_is_reported(tmp_path: Path) -> None:
@@ -231,10 +197,10 @@ def test_a_window_cut_by_chaos_is_reported(tmp_path: Path) -> None:
 
 
 def test_the_same_results_give_the_same_bytes(folder: Path, tmp_path: Path) -> None:
-    render(results(), tmp_path)
+    new = tmp_path / "new"
+    assert render(results(), new) == new / "index.html"
     first = {p.relative_to(folder): p.read_bytes() for p in folder.rglob("*") if p.is_file()}
-    again = {p.relative_to(tmp_path): p.read_bytes() for p in tmp_path.rglob("*") if p.is_file()}
-    assert first == again
+    assert first == {p.relative_to(new): p.read_bytes() for p in new.rglob("*") if p.is_file()}
 
 
 def test_pages_stay_light_with_many_samples_and_methods(tmp_path: Path) -> None:
@@ -246,7 +212,7 @@ def test_pages_stay_light_with_many_samples_and_methods(tmp_path: Path) -> None:
 def test_verdicts_can_be_read_on_their_grounds() -> None:
     style = source("style.css")
     for theme in (style[: style.index("@media")], style[style.index("@media") :]):
-        for verdict in {v.verdict for v in verdicts()}:
+        for verdict in {v.verdict for v in VERDICTS}:
             ground, text = (
                 re.search(rf"--{kind}{verdict}: (#\w{{6}})", theme) for kind in ("", "on-")
             )

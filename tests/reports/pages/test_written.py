@@ -16,13 +16,9 @@ def report(folder, *names: str) -> set[str]:
     return paths - {LIST}
 
 
-def test_pages_of_an_earlier_report_go(tmp_path):
+def test_pages_of_an_earlier_report_go_and_files_of_others_stay(tmp_path):
     assert report(tmp_path, "index.html", "scenes/a.html") == {"index.html", "scenes/a.html"}
     assert report(tmp_path, "index.html", "scenes/b.html") == {"index.html", "scenes/b.html"}
-
-
-def test_files_of_others_stay(tmp_path):
-    report(tmp_path, "index.html", "scenes/a.html")
     (tmp_path / "scenes" / "mine.html").write_text("mine")
     assert report(tmp_path, "index.html") == {"index.html", "scenes/mine.html"}
 
@@ -47,7 +43,7 @@ def test_a_list_is_trusted_only_for_names_that_a_report_writes(tmp_path, listed)
     assert (tmp_path / listed).read_text() == "kept"
 
 
-def test_a_folder_of_links_is_not_written_through(tmp_path):
+def test_links_are_not_written_through(tmp_path):
     outside, folder = tmp_path / "outside", tmp_path / "report"
     outside.mkdir()
     (outside / "a.html").write_text("kept")
@@ -57,18 +53,11 @@ def test_a_folder_of_links_is_not_written_through(tmp_path):
     (folder / "scenes").symlink_to(outside)
     with pytest.raises(OSError, match="it is a link"):
         report(folder, "index.html", "scenes/a.html")
+    # A page that is a link becomes a page.
+    (folder / "index.html").unlink()
+    (folder / "index.html").symlink_to(outside / "a.html")
     report(folder, "index.html")
     assert (outside / "a.html").read_text() == "kept"
-
-
-def test_a_page_that_is_a_link_becomes_a_page(tmp_path):
-    outside, folder = tmp_path / "outside", tmp_path / "report"
-    outside.write_text("kept")
-    report(folder, "index.html")
-    (folder / "index.html").unlink()
-    (folder / "index.html").symlink_to(outside)
-    report(folder, "index.html")
-    assert outside.read_text() == "kept"
     assert (folder / "index.html").read_text() == "index.html"
 
 
@@ -88,12 +77,8 @@ def test_a_folder_of_somebody_elses_is_not_written_into(tmp_path):
     assert (tmp_path / "index.html").read_text() == "mine"
 
 
-def test_hidden_files_are_no_reason_to_refuse_a_folder(tmp_path):
+def test_hidden_files_and_a_list_that_is_no_text_are_no_reason_to_refuse_a_folder(tmp_path):
     (tmp_path / ".nojekyll").touch()
     assert report(tmp_path, "index.html") == {".nojekyll", "index.html"}
-
-
-def test_a_list_that_is_no_text_is_ignored(tmp_path):
-    report(tmp_path, "index.html")
     (tmp_path / LIST).write_bytes(b"\xff\xfe")
-    assert report(tmp_path, "index.html") == {"index.html"}
+    assert report(tmp_path, "index.html") == {".nojekyll", "index.html"}

@@ -2,7 +2,6 @@
 
 import errno
 import shutil
-from contextlib import contextmanager
 from pathlib import Path
 
 import command_line
@@ -39,23 +38,17 @@ def environment_of(path: Path) -> dict[str, str]:
         return store.read().environment
 
 
-def test_a_killed_runs_results_are_in_its_log(path, tmp_path):
+def test_a_killed_runs_results_are_in_its_log_and_a_file_without_its_log_is_known(path, tmp_path):
     killed_file = killed(path, tmp_path / "killed.sqlite")
     assert LATER.items() <= environment_of(killed_file).items()
     with open_store(killed_file) as store:
         assert not store.log_missing
-
-
-def test_a_file_copied_without_its_log_is_read_and_known(path, tmp_path):
-    killed_file = killed(path, tmp_path / "killed.sqlite")
     alone = shutil.copy(killed_file, tmp_path / "alone.sqlite")
     assert not LATER.items() <= environment_of(alone).items()
     with open_store(alone) as store:
         assert store.log_missing
-    assert (
-        "its log 'alone.sqlite-wal' is not beside it"
-        in command_line.spincheck("rows", str(alone)).stderr
-    )
+    printed = command_line.spincheck("rows", str(alone)).stderr
+    assert "its log 'alone.sqlite-wal' is not beside it" in printed
     with open_store(path) as store:
         assert not store.log_missing
 
@@ -118,22 +111,13 @@ def test_a_file_that_goes_last_of_all_is_reported(path):
         path.unlink()
 
 
-@contextmanager
-def refusing(monkeypatch, number: int):
-    import fcntl
-
+@pytest.mark.parametrize("number", [errno.ENOLCK, errno.ENOSYS, errno.EOPNOTSUPP])
+def test_a_disk_without_locks_is_reported(path, monkeypatch, number):
     def refuse(*_: object) -> None:
         raise OSError(number, "refused")
 
-    with monkeypatch.context() as patched:
-        patched.setattr(fcntl, "flock", refuse)
-        yield
-
-
-@pytest.mark.parametrize("number", [errno.ENOLCK, errno.ENOSYS, errno.EOPNOTSUPP])
-def test_a_disk_without_locks_is_reported(path, monkeypatch, number):
+    monkeypatch.setattr("fcntl.flock", refuse)
     with (
-        refusing(monkeypatch, number),
         pytest.raises(ResultFileError, match="cannot be locked against a second run: refused"),
         open_store(path, create=True),
     ):

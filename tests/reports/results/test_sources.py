@@ -39,21 +39,17 @@ def file(tmp_path) -> Path:
     return path
 
 
-def test_imports_have_their_place_and_names(fresh, file):
-    outer, inner = sources.source(file).imports
+def test_what_is_kept_is_what_was_found_and_only_a_changed_file_is_parsed_again(
+    fresh, file, monkeypatch
+):
+    found = sources.source(file)
+    outer, inner = found.imports
     assert outer == sources.Import(1, "records", (("Row", "R"),), True)
     assert inner == sources.Import(2, "a", (("b", "b"),), False)
-
-
-def test_what_is_kept_is_what_was_found_and_nothing_is_parsed_again(fresh, file, monkeypatch):
-    found = sources.source(file)
     fresh()
-    monkeypatch.setattr(sources.ast, "parse", lambda text: pytest.fail("parsed again"))
-    assert sources.source(file) == found
-
-
-def test_a_changed_file_is_read_again(fresh, file):
-    found = sources.source(file)
+    with monkeypatch.context() as patch:
+        patch.setattr(sources.ast, "parse", lambda text: pytest.fail("parsed again"))
+        assert sources.source(file) == found
     fresh()
     file.write_text(SOURCE.replace("return 1", "return 2"), encoding="utf-8")
     assert sources.source(file).digest != found.digest

@@ -5,10 +5,13 @@ import os
 import subprocess
 import sys
 from dataclasses import asdict, replace
+from operator import attrgetter
 
 import numpy as np
 import pytest
+import small_result_file
 from library_scenes import library_scene
+from same_results import same_arrays
 from spincheck.reference import Solution
 from spincheck.reports.results.cost_records import MethodCost, StepCost
 from spincheck.reports.results.default_records import DefaultEffect, DefaultEffects
@@ -20,12 +23,26 @@ from spincheck.scenarios import Errors, Trajectory
 
 KEY = Key("tennis-racket", "mujoco", "RK4")
 ERRORS = Errors(1e-9, 2e-9, 3e-9, 4e-9, 5e-9, 6e-9)
+TIMES = ("seconds_per_step", "seconds_spread", "wall_seconds_per_step")
+COST = MethodCost(KEY, "a processor", StepCost(3e-6, 1e-7, 4e-6))
+JUDGED = ("attitude", "converges", "order 4.00", 4, 4.0, 1e-9, 2e-9)
+RESTS_ON = ("attitude", 4.0, 1e-9, 2e-9, (SignalVerdict(*JUDGED),))
+TAKEN_AWAY = (DefaultEffect("damping", ERRORS, None), DefaultEffect("clamp", None, ERRORS))
+COME_BACK = {
+    "verdicts": Verdict(KEY, "converges", "order 4.00", *RESTS_ON, unmet=("a promise",)),
+    "defaults": DefaultEffects(KEY, 0.002, ERRORS, None, TAKEN_AWAY),
+    "effects": small_result_file.EFFECTS,
+    "passes": small_result_file.PASSES,
+}
 
 
 def motion(n: int = 5) -> Trajectory:
     q = np.tile([1.0, 0, 0, 0], (n, 1))
     omega = np.random.default_rng(7).normal(size=(n, 3))
     return Trajectory(np.arange(n) / 3, q, omega, 0 * omega, 0 * omega)
+
+
+SOLUTION = Solution(motion(), "by hand", ERRORS, ERRORS, 12.5)
 
 
 @pytest.fixture
@@ -51,78 +68,45 @@ def row() -> Row:
 
 
 @pytest.fixture
-def path(tmp_path):
-    return tmp_path / "results.sqlite"
-
-
-@pytest.fixture
 def solved(path):
     """The file has the scene, without which a run is none."""
-    scenario = library_scene(KEY.scenario)
     with open_store(path, create=True) as store:
-        store.put_scene(scenario, Solution(motion(), "by hand", ERRORS, ERRORS, 12.5))
-
-
-def same_motion(a: Trajectory, b: Trajectory) -> bool:
-    return all(
-        np.array_equal(x, y) for x, y in zip(vars(a).values(), vars(b).values(), strict=True)
-    )
+        store.put_scene(library_scene(KEY.scenario), SOLUTION)
 
 
 @pytest.mark.usefixtures("solved")
-def test_a_row_comes_back_to_the_last_bit(path, row):
+def test_a_row_and_its_scene_come_back_to_the_last_bit(path, row):
     with open_store(path, create=True) as store:
         store.put(row)
-        (back,) = store.read().rows
-    assert same_motion(back.motion, row.motion)
-    plain = {"motion": None}
-    assert asdict(replace(back, **plain)) == asdict(replace(row, **plain))
+        # It is on disk at once.
+        with open_store(path) as other:
+            results = other.read()
+    (back,), scene = results.rows, results.scenes[KEY.scenario]
+    assert same_arrays(back.motion, row.motion)
+    assert asdict(replace(back, motion=None)) == asdict(replace(row, motion=None))
+    assert scene.scenario.digest == library_scene(KEY.scenario).digest
+    assert same_arrays(scene.solution.trajectory, SOLUTION.trajectory)
+    assert (scene.solution.uncertainty, scene.solution.horizon) == (ERRORS, 12.5)
 
 
-def test_a_verdict_comes_back(path):
-    signal = SignalVerdict("attitude", "converges", "order 4.00", 4, 4.0, 1e-9, 2e-9)
-    record = ("attitude", 4.0, 1e-9, 2e-9, (signal,))
-    verdict = Verdict(KEY, "converges", "order 4.00", *record, unmet=("a promise",))
+@pytest.mark.parametrize(("table", "record"), COME_BACK.items(), ids=COME_BACK)
+def test_a_record_comes_back(path, table, record):
     with open_store(path, create=True) as store:
-        store.put_verdict(verdict)
-        assert store.read().verdicts == [verdict]
-
-
-def test_what_each_default_does_comes_back(path):
-    each = (DefaultEffect("damping", ERRORS, None), DefaultEffect("clamp", None, ERRORS))
-    measured = DefaultEffects(KEY, 0.002, ERRORS, None, each)
-    with open_store(path, create=True) as store:
-        store.put(measured)
-        assert store.read().defaults == [measured]
-
-
-def test_a_scene_comes_back_with_its_exact_motion(path):
-    scenario = library_scene("tennis-racket")
-    solution = Solution(motion(), "by hand", ERRORS, ERRORS, 12.5)
-    with open_store(path, create=True) as store:
-        store.put_scene(scenario, solution)
-        back = store.read().scenes["tennis-racket"]
-    assert back.scenario.digest == scenario.digest
-    assert same_motion(back.solution.trajectory, solution.trajectory)
-    assert (back.solution.uncertainty, back.solution.horizon) == (ERRORS, 12.5)
+        store.put(record)
+        assert getattr(store.read(), table) == [record]
 
 
 @pytest.mark.usefixtures("solved")
 def test_a_cost_reaches_every_row_of_its_method(path, row):
     with open_store(path, create=True) as store:
-        store.put(MethodCost(KEY, "a processor", StepCost(3e-6, 1e-7, 4e-6)))
-        store.put(row)
-        store.put(replace(row, timestep=0.002))
-        values = [
-            (r.seconds_per_step, r.seconds_spread, r.wall_seconds_per_step)
-            for r in store.read().rows
-        ]
-    assert values == 2 * [(3e-6, 1e-7, 4e-6)]
+        store.put(COST, row, replace(row, timestep=0.002))
+        times = [attrgetter(*TIMES)(row) for row in store.read().rows]
+    assert times == 2 * [(3e-6, 1e-7, 4e-6)]
 
 
 def test_costs_of_another_processor_are_forgotten(path):
     with open_store(path, create=True) as store:
-        store.put(MethodCost(KEY, "a processor", StepCost(3e-6, 1e-7, 4e-6)))
+        store.put(COST)
         store.forget_costs_of_other_processors("a processor")
         assert store.timed() == {KEY}
         store.forget_costs_of_other_processors("another")
@@ -186,8 +170,7 @@ def test_what_rests_on_something_else_does_not_count_until_that_is_back(
 def test_a_verdict_drops_the_samples_that_are_spent(path, row):
     fine = replace(row, timestep=0.0005)
     with open_store(path, create=True) as store:
-        store.put(row)
-        store.put(fine)
+        store.put(row, fine)
         store.put_verdict(Verdict(KEY, "converges", ""), discardable=[row.timestep])
         timesteps = [r.timestep for r in store.rows_of(KEY) if r.motion is not None]
     assert timesteps == [fine.timestep]
@@ -214,34 +197,22 @@ def test_a_verdict_cut_short_settles_nothing_longer(path):
         assert store.settled(KEY.scenario, (), 1001) == []
 
 
-@pytest.mark.usefixtures("solved")
-def test_a_row_is_on_disk_as_soon_as_it_is_put(path, row):
-    with open_store(path, create=True) as store:
-        store.put(row)
-        with open_store(path) as other:
-            assert len(other.read().rows) == 1
-
-
 def pages_of(store, pragma: str) -> int:
     row = store._database._connection.execute(f"PRAGMA {pragma}").fetchone()
     return row[0]
 
 
 def test_a_file_at_rest_is_one_file_without_gaps(path, row):
+    """Begun with an empty one, as a run leaves it that is killed before anything else."""
+    path.touch()
     with open_store(path, create=True) as store:
+        assert store.read().rows == []
         store.put(replace(row, motion=motion(10_000)))
         store.put_verdict(Verdict(KEY, "converges", ""), discardable=[row.timestep])
         assert pages_of(store, "freelist_count") > 0
     assert [file.name for file in path.parent.iterdir()] == [path.name]
     with open_store(path) as store:
         assert pages_of(store, "freelist_count") == 0
-
-
-def test_an_empty_file_is_begun(path):
-    # As a run leaves it that is killed before anything else.
-    path.touch()
-    with open_store(path, create=True) as store:
-        assert store.read().rows == []
 
 
 @pytest.mark.processes

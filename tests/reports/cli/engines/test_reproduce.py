@@ -3,7 +3,6 @@
 import json
 import shutil
 import subprocess
-import sys
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -18,7 +17,6 @@ from spincheck.reports.cli.app import app
 from spincheck.reports.cli.engines.reproduce import reproduction
 from spincheck.reports.cli.terminal import Complaint
 from typer.testing import CliRunner
-from written_scripts import PRINTED, harness_errors, printed_errors
 
 pytestmark = pytest.mark.slow
 
@@ -32,32 +30,12 @@ RUNS = [
     ("tiring-top", "pybullet", "multibody-p2p"),
     ("book-with-drag", "pybullet", "maximal"),
     ("stuck-thruster", "pybullet", "multibody"),
+    ("gliding-top", "mujoco", "contact-RK4"),
 ]
 
 
 @pytest.mark.needs_pybullet
-@pytest.mark.parametrize(("scene", "engine", "method"), RUNS)
-def test_the_file_alone_finds_the_error_that_the_harness_finds(
-    scene: str, engine: str, method: str, tmp_path: Path
-) -> None:
-    scenario, chosen = library_scene(scene), engines()[engine]
-    file = tmp_path / "run.py"
-    text = reproduction(scenario, chosen, chosen.method(method), TIMESTEP)
-    assert "spincheck." not in text.replace("by spincheck ", "")
-    file.write_text(text, encoding="utf-8")
-    # -I: nothing but what is installed; no spincheck is imported.
-    done = subprocess.run(
-        [sys.executable, "-I", str(file)], capture_output=True, text=True, check=True
-    )
-    steps, errors = printed_errors(done.stdout, TIMESTEP)
-    expected = harness_errors(scenario, chosen, chosen.method(method), TIMESTEP, steps)
-    assert errors == pytest.approx(expected, rel=PRINTED)
-
-
-@pytest.mark.needs_pybullet
-@pytest.mark.parametrize(
-    ("scene", "name", "method"), [*RUNS, ("gliding-top", "mujoco", "contact-RK4")]
-)
+@pytest.mark.parametrize(("scene", "name", "method"), RUNS)
 def test_the_file_moves_as_the_adapter_to_the_last_bit(scene: str, name: str, method: str) -> None:
     scenario, engine = library_scene(scene), engines()[name]
     head = f"import numpy as np\nTIMESTEP = {TIMESTEP}\nproduct = conjugate = turned = None\n"
@@ -79,17 +57,21 @@ def coordinates(run: Mapping[str, Any]) -> object:
     return [*run["data"].qpos, *run["data"].qvel]
 
 
-def test_an_engine_without_a_script_is_reported() -> None:
-    scenario, engine = library_scene("tennis-racket"), engines()["mujoco-file"]
-    with pytest.raises(Complaint, match=r"one of .*mujoco, .*pybullet.*, got 'mujoco-file'"):
-        reproduction(scenario, engine, engine.methods[0], TIMESTEP)
-
-
 @pytest.mark.needs_pybullet
-def test_a_method_that_cannot_simulate_the_scene_is_reported() -> None:
-    scenario, engine = library_scene("tennis-racket"), engines()["pybullet"]
-    with pytest.raises(Complaint, match="multibody-p2p is for scenes with pivot"):
-        reproduction(scenario, engine, engine.method("multibody-p2p"), TIMESTEP)
+@pytest.mark.parametrize(
+    ("name", "method", "words"),
+    [
+        ("mujoco-file", "RK4", r"one of .*mujoco, .*pybullet.*, got 'mujoco-file'"),
+        ("pybullet", "multibody-p2p", "multibody-p2p is for scenes with pivot"),
+    ],
+    ids=["mujoco-file", "pybullet"],
+)
+def test_what_has_no_script_or_cannot_simulate_the_scene_is_reported(
+    name: str, method: str, words: str
+) -> None:
+    scenario, engine = library_scene("tennis-racket"), engines()[name]
+    with pytest.raises(Complaint, match=words):
+        reproduction(scenario, engine, engine.method(method), TIMESTEP)
 
 
 def test_an_engine_at_a_version_has_the_script_of_its_adapter() -> None:

@@ -1,11 +1,12 @@
 """`spincheck judge`: what it prints of a recorded motion, as JSON, and its exit codes."""
 
 import json
+from functools import partial
 
-import command_line
 import numpy as np
 import pytest
 import spincheck as interface
+from command_line import ended
 
 
 @pytest.fixture
@@ -22,11 +23,7 @@ def recorded(tmp_path):
     write("world.csv", states.omega_world)
     write("stated.csv", states.omega_world, "# omega = world\n")
 
-    def run(*arguments):
-        done = command_line.spincheck("judge", "fast-top", *arguments, cwd=tmp_path)
-        return done.returncode, done.stdout, done.stderr
-
-    return run
+    return partial(ended, "judge", "fast-top", cwd=tmp_path)
 
 
 def test_an_exact_motion_is_found_exact(recorded):
@@ -39,13 +36,10 @@ def test_an_exact_motion_is_found_exact(recorded):
     assert file["defect"]["omega"]["max"] < 1e-13
 
 
-@pytest.mark.parametrize("arguments", [("stated.csv",), ("world.csv", "--omega", "world")])
-def test_frames_are_read_from_the_file_or_a_flag(recorded, arguments):
-    code, out, _ = recorded(*arguments)
-    assert (code, "Explained by" in out) == (0, False)
-
-
-def test_a_mistake_is_named_and_fails(recorded):
+def test_frames_are_read_from_the_file_or_a_flag_and_a_mistake_is_named_and_fails(recorded):
+    for arguments in (("stated.csv",), ("world.csv", "--omega", "world")):
+        code, out, _ = recorded(*arguments)
+        assert (code, "Explained by" in out) == (0, False)
     code, out, _ = recorded("world.csv")
     assert (code, "Explained by: ω is in world axes (state 'omega = world')." in out) == (1, True)
 
@@ -67,11 +61,6 @@ def test_a_page_shows_the_files_as_the_runs_of_one_method(recorded, tmp_path):
     assert "a verdict needs 3 timesteps that run to the end, got 1" in page
 
 
-def test_files_of_one_timestep_are_no_ladder(recorded):
-    code, _, err = recorded("exact.csv", "stated.csv")
-    assert (code, "timesteps must be halved from file to file" in err) == (2, True)
-
-
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
@@ -83,11 +72,9 @@ def test_files_of_one_timestep_are_no_ladder(recorded):
             "exact.csv: 'spins' cannot be checked: it was not",
         ),
         (("exact.csv", "--fail-above", "omega"), "must be SIGNAL=BOUND, such as omega=1e-3"),
-        (
-            ("exact.csv", "--fail-above", "attitude=five"),
-            "such as attitude=1e-3, got 'attitude=five'",
-        ),
+        (("exact.csv", "--fail-above", "attitude=five"), "attitude=1e-3, got 'attitude=five'"),
         (("exact.csv", "--timestep", "1", "--timestep", "2"), "once for each file, got 2 for 1"),
+        (("exact.csv", "stated.csv"), "timesteps must be halved from file to file"),
     ],
 )
 def test_what_cannot_be_judged_is_one_message(recorded, arguments, words):

@@ -2,19 +2,16 @@
 
 import json
 from dataclasses import replace
+from itertools import product
 from pathlib import Path
 
 import made_up
 import pytest
+from case_loops import each_case
 from command_line import spincheck
 from spincheck.reports.cli.results.compare import changes_as_json, exit_code, print_changes
 from spincheck.reports.harness.measuring.asymptotic import ASYMPTOTIC
-from spincheck.reports.pages.analysis.changes import (
-    COST_FACTOR,
-    ERROR_FACTOR,
-    OUTCOMES,
-    changes,
-)
+from spincheck.reports.pages.analysis.changes import COST_FACTOR, ERROR_FACTOR, OUTCOMES, changes
 from spincheck.reports.results.records import Key, Row, Verdict
 from spincheck.reports.results.results import Results
 from spincheck.reports.results.store import open_store
@@ -80,8 +77,7 @@ def test_a_file_and_itself_do_not_differ(before, capsys):
     assert capsys.readouterr().out == "nothing changed\n"
 
 
-@pytest.mark.parametrize("old", RANKS)
-@pytest.mark.parametrize("new", RANKS)
+@each_case(("old", "new"), product(RANKS, RANKS))
 def test_a_worse_verdict_is_a_regression_and_a_better_one_is_not(before, old, new):
     differences = changes(with_verdict(before, verdict=old), with_verdict(before, verdict=new))
     assert [change.kind for change in differences] == ["verdict"] * (old != new)
@@ -99,8 +95,7 @@ def test_an_order_that_is_another_whole_number_is_reported(before, old, new, wor
     assert found == ([words] if words else [])
 
 
-@pytest.mark.parametrize("old", OUTCOMES)
-@pytest.mark.parametrize("new", OUTCOMES)
+@each_case(("old", "new"), product(OUTCOMES, OUTCOMES))
 def test_a_worse_outcome_is_a_regression_and_a_better_one_is_not(before, old, new):
     differences = changes(with_row(before, outcome=old), with_row(before, outcome=new))
     assert [change.kind for change in differences] == ["outcome"] * (old != new)
@@ -108,60 +103,39 @@ def test_a_worse_outcome_is_a_regression_and_a_better_one_is_not(before, old, ne
 
 
 def test_an_error_that_grew_is_a_regression_and_names_signal_and_timestep(before):
-    error = row_of(before).errors.omega
+    row = row_of(before)
+    error = row.errors.omega
     (change,) = changes(before, with_omega_error(before, 2 * error))
-    assert (change.kind, change.name, change.timestep) == (
-        "error",
-        "omega",
-        row_of(before).timestep,
-    )
+    assert (change.kind, change.name, change.timestep) == ("error", "omega", row.timestep)
     assert (change.old, change.new, change.regression) == (error, 2 * error, True)
-
-
-def test_an_error_that_shrank_is_none(before):
-    (change,) = changes(before, with_omega_error(before, row_of(before).errors.omega / 2))
+    (change,) = changes(before, with_omega_error(before, error / 2))
     assert (change.direction, change.regression) == ("better", False)
+    for share, changed in ((0.99, 0), (1.01, 1)):
+        grown = with_omega_error(before, share * ERROR_FACTOR * error)
+        assert len(changes(before, grown)) == changed
 
 
-@pytest.mark.parametrize(
-    ("factor", "changed"), [(0.99 * ERROR_FACTOR, 0), (1.01 * ERROR_FACTOR, 1)]
-)
-def test_an_error_within_the_factor_has_not_changed(before, factor, changed):
-    assert (
-        len(changes(before, with_omega_error(before, factor * row_of(before).errors.omega)))
-        == changed
-    )
-
-
-@pytest.mark.parametrize(("share", "changed"), [(0.99, 0), (1.01, 1)])
-def test_an_error_that_changed_by_less_than_is_known_has_not_changed(before, share, changed):
+def test_errors_too_small_to_be_known_or_too_large_to_mean_anything_have_not_changed(before):
     small = with_omega_error(before, floor(before) / 100)
-    grown = with_omega_error(before, floor(before) / 100 + share * floor(before))
-    assert len(changes(small, grown)) == changed
-
-
-def test_errors_too_large_to_mean_anything_have_not_changed(before):
+    for share, changed in ((0.99, 0), (1.01, 1)):
+        grown = with_omega_error(before, (0.01 + share) * floor(before))
+        assert len(changes(small, grown)) == changed
     large = with_omega_error(before, 1.01 * ASYMPTOTIC)
     assert changes(large, with_omega_error(before, 2 * ASYMPTOTIC)) == []
     assert exit_code(changes(before, large)) == 1
+    # One without a base is compared too.
+    for error in (float("inf"), 0.0):
+        planted = with_omega_error(before, error)
+        assert changes(planted, planted) == []
+        assert len(changes(planted, before)) == 1
 
 
-@pytest.mark.parametrize("error", [float("inf"), 0.0])
-def test_an_error_without_a_base_is_compared_too(before, error):
-    planted = with_omega_error(before, error)
-    assert changes(planted, planted) == []
-    assert len(changes(planted, before)) == 1
-
-
-def test_a_expectation_broken_is_a_regression_and_one_kept_again_is_not(before):
+def test_an_expectation_broken_is_a_regression_and_one_kept_again_is_not(before):
     kept = with_verdict(before, unmet=())
     assert [(c.kind, c.regression) for c in changes(kept, before)] == [("expectation", True)]
     assert [(c.kind, c.regression) for c in changes(before, kept)] == [("expectation", False)]
-
-
-def test_a_expectation_broken_by_another_margin_has_not_changed(before):
-    margin = ("omega error 2e-2 exceeds the expected 1e-3",)
-    assert changes(before, with_verdict(before, unmet=margin)) == []
+    by_another_margin = ("omega error 2e-2 exceeds the expected 1e-3",)
+    assert changes(before, with_verdict(before, unmet=by_another_margin)) == []
 
 
 def test_a_dearer_step_is_a_regression_on_the_same_processor_alone(before):
@@ -171,17 +145,11 @@ def test_a_dearer_step_is_a_regression_on_the_same_processor_alone(before):
     elsewhere = replace(dear, environment=before.environment | {"processor": "another"})
     machine, cost = changes(before, elsewhere)
     assert (machine.kind, cost.direction, cost.regression) == ("environment", "worse", False)
-
-
-@pytest.mark.parametrize(
-    ("seconds", "spread"),
-    [
-        (2 * COST, COST),  # beyond the factor, within the spreads
-        (0.99 * COST_FACTOR * COST, 0.0),  # beyond the spreads, within the factor
-    ],
-)
-def test_a_cost_within_the_noise_has_not_changed(before, seconds, spread):
-    assert changes(before, with_cost(before, seconds, spread)) == []
+    # One within the noise has not changed.
+    beyond_the_factor_alone = with_cost(before, 2 * COST, COST)
+    beyond_the_spreads_alone = with_cost(before, 0.99 * COST_FACTOR * COST, 0.0)
+    assert changes(before, beyond_the_factor_alone) == []
+    assert changes(before, beyond_the_spreads_alone) == []
 
 
 def test_a_scene_and_a_method_added_or_gone_are_reported_and_are_no_regression(before):
@@ -199,6 +167,10 @@ def test_a_scene_and_a_method_added_or_gone_are_reported_and_are_no_regression(b
     added = changes(made_up.results(methods=made_up.METHODS[:-1]), before)
     assert [(c.kind, c.name, c.old) for c in added] == [("method", "elsewhere plain", None)]
     assert exit_code(added) == 0
+    # Nor is a verdict that is not there yet.
+    missing = [verdict for verdict in before.verdicts if verdict.key != KEY]
+    (change,) = changes(before, replace(before, verdicts=missing))
+    assert (change.kind, change.new, change.regression) == ("verdict", None, False)
 
 
 def test_a_scene_that_describes_another_motion_has_its_verdicts_compared_alone(before):
@@ -206,25 +178,14 @@ def test_a_scene_that_describes_another_motion_has_its_verdicts_compared_alone(b
     assert [change.kind for change in changes(before, edited)] == ["scene"]
     worse = with_verdict(edited, verdict="failed")
     assert [change.kind for change in changes(before, worse)] == ["scene", "verdict"]
-
-
-def test_a_comment_changes_no_scene(before):
-    commented = with_text(before, "[body]", "# as in the book\n[body]")
-    assert changes(before, commented) == []
+    assert changes(before, with_text(before, "[body]", "# as in the book\n[body]")) == []
 
 
 def test_versions_are_reported_and_dates_are_not(before):
     other = {"date": "2027-01-01T00:00:00+00:00", "mujoco": "5.0"}
-    differences = changes(before, replace(before, environment=before.environment | other))
-    assert [(c.kind, c.name, c.old, c.new) for c in differences] == [
-        ("environment", "mujoco", None, "5.0")
-    ]
-
-
-def test_a_verdict_that_is_not_there_yet_is_reported(before):
-    missing = [verdict for verdict in before.verdicts if verdict.key != KEY]
-    (change,) = changes(before, replace(before, verdicts=missing))
-    assert (change.kind, change.new, change.regression) == ("verdict", None, False)
+    (change,) = changes(before, replace(before, environment=before.environment | other))
+    found = (change.kind, change.name, change.old, change.new)
+    assert found == ("environment", "mujoco", None, "5.0")
 
 
 def test_errors_of_a_method_that_went_the_same_way_are_one_line(before, capsys):
@@ -265,21 +226,17 @@ def stored(tmp_path):
     return write
 
 
-def command(*arguments: object) -> tuple[int, str, str]:
-    done = spincheck(*arguments)
-    return done.returncode, done.stdout, done.stderr
-
-
 def test_the_command_exits_with_1_on_a_regression_and_0_without(stored):
     old, new = stored("old.sqlite", "diverges"), stored("new.sqlite", "failed")
-    assert [command("compare", *pair)[0] for pair in ((old, new), (new, old))] == [1, 0]
-    assert json.loads(command("compare", old, new, "--json")[1])["regressions"] == 1
+    pairs = ((old, new), (new, old))
+    assert [spincheck("compare", *pair).returncode for pair in pairs] == [1, 0]
+    assert json.loads(spincheck("compare", old, new, "--json").stdout)["regressions"] == 1
 
 
 def test_a_file_that_cannot_be_used_is_one_message_and_exit_code_2(stored, tmp_path):
     other = tmp_path / "none.sqlite"
-    code, _, err = command("compare", stored("old.sqlite", "failed"), other)
-    assert (code, err) == (
+    done = spincheck("compare", stored("old.sqlite", "failed"), other)
+    assert (done.returncode, done.stderr) == (
         2,
         f"spincheck: {other}: no such result file; 'spincheck run fast-top' writes one of a scene, "
         "'spincheck run' of the whole library\n",

@@ -21,13 +21,10 @@ def records(text: str) -> list[dict[str, str]]:
     return list(csv.DictReader(io.StringIO(text)))
 
 
-@pytest.mark.parametrize("text", ["=1+1", "+1", "-1", "@SUM(A1)", "\t=1", "\n=1"])
-def test_no_text_is_a_formula_of_a_spreadsheet(text):
-    (record,) = records(csv_text([{"reason": text, "unmet": [text], "drifts": {"energy": text}}]))
-    assert set(record.values()) == {f"'{text}"}
-
-
-def test_a_negative_number_and_an_ordinary_text_are_as_they_are():
+def test_no_text_is_a_formula_of_a_spreadsheet():
+    for text in ("=1+1", "+1", "-1", "@SUM(A1)", "\t=1", "\n=1"):
+        written = csv_text([{"reason": text, "unmet": [text], "drifts": {"energy": text}}])
+        assert set(records(written)[0].values()) == {f"'{text}"}
     (record,) = records(csv_text([{"at": -1.5, "reason": "a = b"}]))
     assert record == {"at": "-1.5", "reason": "a = b"}
 
@@ -37,13 +34,9 @@ def path(tmp_path_factory):
     """A result file of made-up results."""
     path = tmp_path_factory.mktemp("export") / "results.sqlite"
     with open_store(path, create=True) as store:
-        for scene_result in RESULTS.scenes.values():
-            store.put_scene(scene_result.scenario, scene_result.solution)
+        made_up.put(store, RESULTS)
         for row in RESULTS.rows:
-            store.put(row)
             store.put(MethodCost(row.key, "a processor", StepCost(1e-6, 1e-7, 2e-6)))
-        for verdict in RESULTS.verdicts:
-            store.put_verdict(verdict)
     return path
 
 
@@ -61,22 +54,18 @@ def test_numbers_read_back_to_the_last_bit():
     assert errors == [row["omega_error"] for row in rows if row["omega_error"] is not None]
 
 
-def test_an_error_without_a_base_is_infinite():
+def test_an_error_without_a_base_is_infinite_and_what_is_not_there_is_empty():
     row = next(row for row in RESULTS.rows if row.errors)
     endless = replace(row, errors=replace(row.errors, energy=math.inf))
-    (record,) = records(csv_text([row_record(endless)]))
-    assert float(record["energy_error"]) == math.inf
+    unsolved = next(row for row in RESULTS.rows if row.key.scenario == "unsolved")
+    first, second = records(csv_text([row_record(endless), row_record(unsolved)]))
+    assert float(first["energy_error"]) == math.inf
+    assert (second["omega_error"], second["outcome"]) == ("", "failed")
 
 
 def test_a_table_that_some_records_lack_has_no_column_of_its_own():
     text = csv_text([{"drifts": {"energy": {"p50": 1.0}}}, {"drifts": None}, {"drifts": {}}])
     assert text == 'drifts.energy.p50\n1.0\n""\n""\n'
-
-
-def test_what_is_not_there_is_empty():
-    unsolved = next(row for row in RESULTS.rows if row.key.scenario == "unsolved")
-    (record,) = records(csv_text([row_record(unsolved)]))
-    assert (record["omega_error"], record["outcome"]) == ("", "failed")
 
 
 def test_drifts_have_a_column_each_and_unmet_expectations_are_joined():
@@ -89,39 +78,31 @@ def test_drifts_have_a_column_each_and_unmet_expectations_are_joined():
 
 
 @pytest.mark.parametrize("command", ["rows", "verdicts"])
-def test_a_command_prints_what_run_prints_as_json(path, command):
+def test_a_command_prints_what_run_prints_as_json_and_csv_with_the_same_names(path, command):
     with open_store(path) as store:
         expected = results_as_json(store.read())[command]
-    assert json.loads(printed(command, path, "--json")) == json.loads(json.dumps(expected))
+    in_json = json.loads(printed(command, path, "--json"))
+    assert in_json == json.loads(json.dumps(expected))
+    names = [name for name in records(printed(command, path, "--csv"))[0] if "drifts" not in name]
+    assert [name for name in in_json[0] if name != "drifts"] == names
 
 
-def test_what_a_step_takes_is_printed_in_cpu_time_and_on_the_wall(path):
+def test_what_a_step_takes_is_printed_in_cpu_time_and_on_the_wall_in_one_format(path):
     (record, *_) = records(printed("rows", path, "--csv"))
     names = ("seconds_per_step", "seconds_spread", "wall_seconds_per_step")
     assert [float(record[name]) for name in names] == [1e-6, 1e-7, 2e-6]
+    done = spincheck("rows", path, "--csv", "--json")
+    assert (done.returncode, done.stderr) == (2, "spincheck: takes '--csv' or '--json', not both\n")
 
 
-@pytest.mark.parametrize("command", ["rows", "verdicts"])
-def test_a_command_prints_csv_with_the_same_names(path, command):
-    names = json.loads(printed(command, path, "--json"))[0].keys()
-    first = records(printed(command, path, "--csv"))[0]
-    assert [name for name in names if name != "drifts"] == [
-        name for name in first if not name.startswith("drifts")
-    ]
-
-
-def test_a_command_prints_every_verdict(path):
+def test_a_command_prints_every_verdict_and_every_run_below_its_method(path):
     with open_store(path) as store:
-        expected = results_as_json(store.read())["verdicts"]
+        found = store.read()
     table = printed("verdicts", path).splitlines()
-    assert sum(line.startswith(("made-up", "unsolved")) for line in table) == len(expected)
-
-
-def test_a_command_prints_every_run_below_its_method(path):
-    with open_store(path) as store:
-        rows = store.read().rows
-    headings = 2 * len({row.key for row in rows})
-    assert len(printed("rows", path).splitlines()) == headings + len(rows)
+    named = sum(line.startswith(("made-up", "unsolved")) for line in table)
+    assert named == len(found.verdicts)
+    headings = 2 * len({row.key for row in found.rows})
+    assert len(printed("rows", path).splitlines()) == headings + len(found.rows)
 
 
 @pytest.mark.parametrize("form", [[], ["--csv"], ["--json"]])
@@ -129,8 +110,3 @@ def test_a_file_without_points_says_so(path, form):
     done = spincheck("points", path, *form)
     assert done.stdout == ("[]\n" if "--json" in form else "")
     assert done.stderr.startswith(f"{path}: holds no points; 'spincheck map' or 'spincheck run")
-
-
-def test_two_formats_at_once_are_one_message_and_exit_code_2(path):
-    done = spincheck("rows", path, "--csv", "--json")
-    assert (done.returncode, done.stderr) == (2, "spincheck: takes '--csv' or '--json', not both\n")

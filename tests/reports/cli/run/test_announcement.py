@@ -24,12 +24,10 @@ def minutes(choice: Choice) -> int:
     return int(announcement(plan(100_000), choice, 1).partition("roughly ")[2].split()[0])
 
 
-def test_it_names_the_engines_and_counts_what_is_to_be_made() -> None:
+def test_it_names_the_engines_and_counts_what_is_to_be_made_as_the_progress() -> None:
     words = announcement(plan(), CHOICE, 2)
     assert words.startswith("2 verdicts of 2 engines (mujoco, pybullet) on 1 scene: roughly ")
-
-
-def test_it_counts_what_the_progress_counts() -> None:
+    assert announcement(Plan([], 3, 0), CHOICE, 2) == ""
     left = plan(3, timed=True)
     words = announcement(left, CHOICE, 2)
     assert left.total == 6 + 3
@@ -44,17 +42,9 @@ def test_of_a_cluster_no_time_is_estimated() -> None:
     )
 
 
-def test_many_scenes_are_reported_in_minutes() -> None:
+def test_many_scenes_are_reported_in_minutes_and_longer_ladders_take_more() -> None:
     assert "min with 2 workers" in announcement(plan(2000), CHOICE, 2)
-
-
-def test_whole_ladders_take_longer_than_short_ones() -> None:
-    longer = replace(CHOICE, max_steps=2 * QUICK_STEPS)
-    assert minutes(longer) > minutes(CHOICE)
-
-
-def test_nothing_is_said_of_a_run_that_has_nothing_to_do() -> None:
-    assert announcement(Plan([], 3, 0), CHOICE, 2) == ""
+    assert minutes(replace(CHOICE, max_steps=2 * QUICK_STEPS)) > minutes(CHOICE)
 
 
 def test_on_a_busy_machine_it_takes_longer(monkeypatch: pytest.MonkeyPatch) -> None:

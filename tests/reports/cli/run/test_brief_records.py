@@ -26,19 +26,13 @@ def test_no_line_is_wider_than_a_terminal(lines):
     assert [line for line in lines if len(line) > WIDTH] == []
 
 
-def test_no_exponent_is_cut():
-    *_, line = run_lines([ROW])
-    assert line.split() == ["1.2345e-300", *(f"{error:.1e}" for _, error in TINY)]
-
-
-def test_a_run_without_errors_says_how_it_ended_and_when():
-    *_, line = run_lines([replace(ROW, outcome="diverged", errors=None, stopped_at=0.25)])
-    assert line.split(maxsplit=1)[1].startswith("diverged at 0.25 s")
-
-
-def test_stock_timesteps_are_marked():
-    _, _, *lines = run_lines([ROW, replace(ROW, stock=True)])
+def test_no_exponent_is_cut_and_without_errors_it_says_how_and_when_a_run_ended():
+    diverged = replace(ROW, outcome="diverged", errors=None, stopped_at=0.25)
+    # That at a stock timestep is marked.
+    _, _, *lines = run_lines([ROW, replace(diverged, stock=True)])
     assert [line[0] for line in lines] == [" ", "*"]
+    assert lines[0].split() == ["1.2345e-300", *(f"{error:.1e}" for _, error in TINY)]
+    assert "diverged at 0.25 s" in lines[1]
 
 
 def test_what_is_not_as_it_should_be_has_its_reason():

@@ -1,7 +1,6 @@
 """Runs that scenes expect to blow up do so on real engines, as shipped too."""
 
 import pytest
-from command_line import spincheck
 from library_scenes import library
 from scene_texts import FAST_TOP
 from spincheck.engines import engines
@@ -13,8 +12,6 @@ from studies import verdict_of
 
 pytestmark = pytest.mark.slow
 
-pytest_plugins = ["pytester"]
-DISAGREES = 1
 #: Steps of a ladder, which is not run here.
 BUDGET = 1 << 11
 
@@ -76,41 +73,13 @@ def test_what_the_library_says_of_blow_ups_holds(scene: Scenario, expected: Expe
 
 
 @pytest.mark.needs_pybullet
-@pytest.mark.parametrize("case", BLOW_UPS, ids=lambda case: f"{case[0]}-{case[1]}")
-def test_a_blow_up_that_is_known_passes(case):
-    verdict = judged(loads(top(*case), "top"), *case[:3])
-    assert verdict.agrees
-    assert verdict.verdict == "diverges"
-
-
-@pytest.mark.needs_pybullet
-@pytest.mark.parametrize("case", NO_BLOW_UPS, ids=lambda case: f"{case[0]}-{case[1]}")
-def test_one_that_does_not_happen_is_reported_and_fails(case):
-    verdict = judged(loads(top(*case), "top"), *case[:3])
+@pytest.mark.parametrize("case", BLOW_UPS + NO_BLOW_UPS, ids=lambda case: f"{case[0]}-{case[1]}")
+def test_a_blow_up_that_is_known_passes_and_one_that_does_not_happen_is_reported_and_fails(case):
+    engine, method, timestep, _ = case
+    verdict = judged(loads(top(*case), "top"), engine, method, timestep)
+    if case in BLOW_UPS:
+        assert (verdict.agrees, verdict.verdict) == (True, "diverges")
+        return
     assert not verdict.agrees
     (reason,) = verdict.unmet
-    assert reason.startswith(f"{case[0]} {case[1]} at {case[2]:g} s was expected to diverge: ok")
-
-
-def test_the_command_line_says_so_with_exit_code_1(tmp_path):
-    engine, method, timestep, _ = case = NO_BLOW_UPS[0]
-    tmp_path.joinpath("top.toml").write_text(top(*case))
-    options = ["--engine", engine, "--method", method, "--timestep", str(timestep), "--jobs", "1"]
-    done = spincheck("run", "top.toml", *options, cwd=tmp_path)
-    assert done.returncode == DISAGREES
-    assert "was expected to diverge: ok" in " ".join(done.stdout.split())
-
-
-@pytest.mark.parametrize(
-    ("case", "outcome"),
-    [(BLOW_UPS[2], "passed"), (NO_BLOW_UPS[2], "failed")],
-    ids=["blows up", "does not"],
-)
-def test_a_scene_under_pytest_says_so_too(pytester, engines_in_process, case, outcome):
-    engine, method, *_ = case
-    pytester.makefile(".toml", top=top(*case))
-    result = pytester.runpytest_inprocess("-p", "no:cacheprovider", "-k", f"{engine}-{method}")
-    assert {outcome: 1}.items() <= result.parseoutcomes().items()
-    if outcome == "failed":
-        result.stdout.fnmatch_lines([f"*{engine} {method} at * s was expected to diverge: ok*"])
-        result.stdout.no_fnmatch_line("*Traceback*")
+    assert reason.startswith(f"{engine} {method} at {timestep:g} s was expected to diverge: ok")

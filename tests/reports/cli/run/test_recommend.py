@@ -4,13 +4,14 @@ import json
 import math
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
-import command_line
 import pytest
 from box import BOX
 from clockwork import METHOD, Works
+from command_line import ended
 from ladders import BELOW, BETWEEN, TOP, Law, errors_of, straight, with_law
 from library_scenes import library_scene
 from spincheck.engines import engines
@@ -60,14 +61,14 @@ def euler_alone(law: Law) -> Results:
     )
 
 
+STRAIGHT = euler_alone(straight)
+
+
 def test_a_check_that_keeps_the_bounds_ends_it(monkeypatch: pytest.MonkeyPatch) -> None:
-    recommendation = recommended(monkeypatch, euler_alone(straight), straight, omega=BETWEEN)
-    assert (len(recommendation.checks), recommendation.verified, exit_code(recommendation)) == (
-        1,
-        True,
-        0,
-    )
-    assert recommendation.checks[0].timestep == recommendation.best.timestep
+    recommendation = recommended(monkeypatch, STRAIGHT, straight, omega=BETWEEN)
+    (check,) = recommendation.checks
+    assert (recommendation.verified, exit_code(recommendation)) == (True, 0)
+    assert check.timestep == recommendation.best.timestep
     assert f"--timestep {recommendation.best.timestep!r}" in recommendation.command
 
 
@@ -77,24 +78,25 @@ def test_a_check_that_misses_is_one_more_run_to_interpolate_between(
     """Below the ladder the errors turn out larger than the order promised."""
     worse = 1.1
     recommendation = recommended(
-        monkeypatch, euler_alone(straight), lambda dt: worse * straight(dt), omega=BELOW
+        monkeypatch, STRAIGHT, lambda dt: worse * straight(dt), omega=BELOW
     )
     assert not recommend_module.within(recommendation.checks[0], recommendation.bounds)
     assert recommendation.verified
     assert recommendation.best.timestep < recommendation.checks[0].timestep
-
-
-def test_what_misses_again_and_again_is_not_verified(monkeypatch: pytest.MonkeyPatch) -> None:
-    recommendation = recommended(monkeypatch, euler_alone(straight), lambda dt: 1.0, omega=BELOW)
+    # What misses again and again is not verified.
+    recommendation = recommended(monkeypatch, STRAIGHT, lambda dt: 1.0, omega=BELOW)
     assert (recommendation.verified, exit_code(recommendation)) == (False, 1)
     assert len(recommendation.checks) <= CHECKS
 
 
 def test_a_run_that_would_last_too_long_is_not_started(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(recommend_module, "TIME_LIMIT", 1e-6)
-    recommendation = recommended(monkeypatch, euler_alone(straight), straight, omega=BETWEEN)
+    recommendation = recommended(monkeypatch, STRAIGHT, straight, omega=BETWEEN)
     assert (recommendation.checks, recommendation.verified) == ((), False)
     assert "it would take" in recommendation.unchecked
+    # Nor is one of what no method reaches.
+    recommendation = recommended(monkeypatch, STRAIGHT, straight, omega=1e-300)
+    assert (recommendation.best, recommendation.command, exit_code(recommendation)) == (None, "", 1)
 
 
 def test_engines_as_shipped_are_not_even_run(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -102,7 +104,7 @@ def test_engines_as_shipped_are_not_even_run(monkeypatch: pytest.MonkeyPatch) ->
 
     def run(scenes: object, engines: object, methods: list[str], *others: object) -> Results:
         methods_asked.append(methods)
-        return euler_alone(straight)
+        return STRAIGHT
 
     monkeypatch.setattr(running, "run", run)
     recommend(TOP, {"omega": 1e-300}, [], 1, NO_FILE)
@@ -131,15 +133,14 @@ def test_timed_runs_of_the_engine_that_is_here_are_taken_from_the_file(
     runs: int,
     is_taken: bool,
 ) -> None:
-    ladder = euler_alone(straight)
     here = {"engine_version": engines()["mujoco"].version}
-    rows = [replace(row, **(here | of_the_file)) for row in ladder.rows[:runs]]
+    rows = [replace(row, **(here | of_the_file)) for row in STRAIGHT.rows[:runs]]
     stored = tmp_path / "stored.sqlite"
     stored.touch()
-    monkeypatch.setattr(running, "read", lambda _: replace(ladder, rows=rows))
-    scenario = ladder.scenes[TOP].scenario
+    monkeypatch.setattr(running, "read", lambda _: replace(STRAIGHT, rows=rows))
+    scenario = STRAIGHT.scenes[TOP].scenario
     monkeypatch.setattr(recommend_module, "one_scene", lambda _: scenario)
-    monkeypatch.setattr(running, "run", lambda *_: ladder)
+    monkeypatch.setattr(running, "run", lambda *_: STRAIGHT)
     recommendation = recommend(TOP, {"omega": 1e-300}, [], 1, stored)
     assert recommendation.source == (str(stored) if is_taken else "")
 
@@ -154,15 +155,8 @@ def test_an_engine_that_is_there_as_shipped_only_is_one_message(
         recommend(TOP, {"omega": BETWEEN}, ["raw"], 1, NO_FILE)
 
 
-def test_what_no_method_reaches_is_said_and_exits_with_1(monkeypatch: pytest.MonkeyPatch) -> None:
-    recommendation = recommended(monkeypatch, euler_alone(straight), straight, omega=1e-300)
-    assert (recommendation.best, recommendation.command, exit_code(recommendation)) == (None, "", 1)
-
-
 def test_a_bound_broken_by_any_error_is_broken() -> None:
-    row = Row(
-        Key(TOP, "e", "m"), "1", 1e-3, "ok", errors=Errors(1e-3, 1e-2, 1e-4, 1e-5, 1e-3, 1e-3)
-    )
+    row = replace(STRAIGHT.rows[0], errors=Errors(1e-3, 1e-2, 1e-4, 1e-5, 1e-3, 1e-3))
     within = recommend_module.within
     assert within(row, {"omega": 1e-3, "attitude": 1e-2})
     assert not within(row, {"omega": 1e-3, "attitude": 9e-3})
@@ -170,39 +164,18 @@ def test_a_bound_broken_by_any_error_is_broken() -> None:
     assert not within(replace(row, outcome="diverged", errors=None), {"omega": 1.0})
 
 
-@pytest.mark.parametrize(
-    ("bounds", "message"),
-    [
-        ({"omega": 0.0}, "'--omega' must be positive, got 0"),
-        ({"angular_momentum": -1.0}, "'--angular-momentum' must be positive, got -1"),
-        ({"energy": math.nan}, "'--energy' must be positive, got nan"),
-        ({"spins": 1e-3}, "'--spins': .* has no spins of the rotors"),
-    ],
-)
-def test_bad_bounds_are_refused_before_anything_runs(
-    bounds: dict[Any, float], message: str
-) -> None:
-    with pytest.raises(Complaint, match=message) as complaint:
-        recommend("no scene", bounds, [], 1, NO_FILE)
-    assert complaint.value.exit_code == 2
+Command = Callable[..., tuple[int, str, str]]
 
 
 @pytest.fixture(scope="module")
-def spincheck(tmp_path_factory: pytest.TempPathFactory) -> Callable[..., tuple[int, str, str]]:
-    """Run the command beside a scene of its own; returns exit code, stdout and stderr."""
+def spincheck(tmp_path_factory: pytest.TempPathFactory) -> Command:
+    """Run the command beside a scene of its own."""
     folder = tmp_path_factory.mktemp("recommend")
     (folder / "box.toml").write_text(BOX)
-
-    def run(*arguments: object) -> tuple[int, str, str]:
-        done = command_line.spincheck(*arguments, cwd=folder)
-        return done.returncode, done.stdout, done.stderr
-
-    return run
+    return partial(ended, cwd=folder)
 
 
-def test_from_outside_it_chooses_checks_and_its_command_repeats_it(
-    spincheck: Callable[..., tuple[int, str, str]],
-) -> None:
+def test_from_outside_it_chooses_checks_and_its_command_repeats_it(spincheck: Command) -> None:
     options = ["--omega", 1e-7, "--energy", 1e-6, "--engine", "mujoco", "--json"]
     code, out, err = spincheck("recommend", "box.toml", *options)
     printed = json.loads(out)
@@ -217,20 +190,13 @@ def test_from_outside_it_chooses_checks_and_its_command_repeats_it(
 
 
 def test_without_bounds_those_of_a_report_are_kept(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(running, "run", lambda *_: euler_alone(straight))
-    monkeypatch.setattr(recommend_module, "_run_again", lambda *_: euler_alone(straight).rows[-1])
-    assert recommend(TOP, {}, [], 1, NO_FILE).bounds == {
-        "attitude": math.radians(0.1),
-        "omega": 1e-3,
-    }
+    kept = {"attitude": math.radians(0.1), "omega": 1e-3}
+    assert recommended(monkeypatch, STRAIGHT, straight).bounds == kept
 
 
 @pytest.mark.parametrize(("words", "bound"), [("2deg", math.radians(2)), ("0.5", 0.5)])
 def test_a_bound_of_an_angle_may_be_in_degrees(
-    spincheck: Callable[..., tuple[int, str, str]],
-    monkeypatch: pytest.MonkeyPatch,
-    words: str,
-    bound: float,
+    spincheck: Command, monkeypatch: pytest.MonkeyPatch, words: str, bound: float
 ) -> None:
     found: list[object] = []
 
@@ -244,34 +210,35 @@ def test_a_bound_of_an_angle_may_be_in_degrees(
 
 
 @pytest.mark.parametrize(
-    ("option", "bound", "rule"),
+    ("command", "option", "bound", "rule"),
     [
-        ("--attitude", "fivedeg", "must be such as 1e-3 (rad) or 0.1deg"),
-        ("--omega", "3deg", "must be a number, such as 1e-3"),
+        ("recommend", "--attitude", "fivedeg", "must be such as 1e-3 (rad) or 0.1deg"),
+        ("recommend", "--omega", "3deg", "must be a number, such as 1e-3"),
+        ("run", "--timestep", "2ms", "must be a number of seconds, such as 0.002"),
     ],
 )
 def test_a_bound_that_is_no_number_is_one_message(
-    spincheck: Callable[..., tuple[int, str, str]], option: str, bound: str, rule: str
+    spincheck: Command, command: str, option: str, bound: str, rule: str
 ) -> None:
-    code, _, err = spincheck("recommend", "box.toml", option, bound)
+    code, _, err = spincheck(command, "box.toml", option, bound)
     assert code == 2
     assert f"'{option}': {rule}, got '{bound}'" in " ".join(err.split())
 
 
-def test_a_timestep_that_is_no_number_is_told_its_unit(
-    spincheck: Callable[..., tuple[int, str, str]],
+@pytest.mark.parametrize(
+    ("option", "bound", "words"),
+    [
+        ("--omega", "0", " must be positive, got 0"),
+        ("--angular-momentum", "-1", " must be positive, got -1"),
+        ("--energy", "nan", " must be positive, got nan"),
+        ("--spins", "1e-3", ": box has no spins of the rotors"),
+    ],
+)
+def test_bad_bounds_are_refused_in_one_message_before_anything_runs(
+    spincheck: Command, monkeypatch: pytest.MonkeyPatch, option: str, bound: str, words: str
 ) -> None:
-    code, _, err = spincheck("run", "box.toml", "--timestep", "2ms")
-    assert code == 2
-    assert "'--timestep': must be a number of seconds, such as 0.002, got '2ms'" in " ".join(
-        err.split()
-    )
-
-
-def test_from_outside_bad_input_is_one_message_and_exit_code_2(
-    spincheck: Callable[..., tuple[int, str, str]],
-) -> None:
-    code, out, err = spincheck("recommend", "box.toml", "--omega", "0")
+    monkeypatch.setattr(running, "run", lambda *_: pytest.fail("it runs"))
+    code, out, err = spincheck("recommend", "box.toml", option, bound)
     assert (code, out) == (2, "")
-    assert err.startswith("spincheck: '--omega' must be positive")
+    assert err.startswith(f"spincheck: '{option}'{words}")
     assert len(err.splitlines()) == 1

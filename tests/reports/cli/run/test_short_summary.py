@@ -25,25 +25,18 @@ def test_every_verdict_is_counted_once():
 
 
 def test_what_fails_is_reported_with_its_reason_and_how_many_more_there_are():
+    as_clean = {"expected_failure": False, "as_shipped": False}
     wrong = [
-        replace(
-            verdict,
-            verdict="disagrees",
-            reason="R" * 500,
-            expected_failure=False,
-            as_shipped=False,
-        )
+        replace(verdict, verdict="disagrees", reason="R" * 500, **as_clean)
         for verdict in FOUND.verdicts
     ]
     lines = short_summary(replace(FOUND, verdicts=wrong))
     key = wrong[0].key
-    (first_line,) = (k for k, line in enumerate(lines) if line.startswith("Fails: "))
-    assert f"Fails: {key.scenario}, {key.engine} {key.method}: disagrees" in lines[first_line]
+    (first,) = (line for line in lines if line.startswith("Fails: "))
+    assert f"Fails: {key.scenario}, {key.engine} {key.method}: disagrees" in first
     assert any(line.startswith(f"{len(wrong) - 1} more fail") for line in lines)
     assert len(lines) <= 20
-
-
-def test_where_nothing_fails_nothing_is_said_to():
+    # Where nothing fails, nothing is said to.
     good = [replace(verdict, verdict="converges", unmet=()) for verdict in FOUND.verdicts]
     assert not [line for line in short_summary(replace(FOUND, verdicts=good)) if "ail" in line]
 

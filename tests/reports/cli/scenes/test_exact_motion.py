@@ -15,21 +15,11 @@ ROUNDING = 16 * float(np.finfo(float).eps)
 SKEW = [[2.0, 0.3, 0.1], [0.3, 2.5, 0.2], [0.1, 0.2, 3.0]]
 
 
-@pytest.fixture(scope="module")
-def states() -> list[dict[str, list[float]]]:
-    printed: list[dict[str, list[float]]] = describe(TOP, [0.3, 1.7])["states"]
-    return printed
-
-
-def test_its_euler_angles_are_the_attitude(states):
-    for state in states:
+def test_its_euler_angles_are_the_attitude_and_their_rates_the_angular_velocity():
+    for state in describe(TOP, [0.3, 1.7])["states"]:
         by_angles = Rotation.from_euler("ZYZ", state["euler_zyz_deg"], degrees=True)
         by_quaternion = Rotation.from_quat(state["quaternion_wxyz"], scalar_first=True)
         assert (by_angles.inv() * by_quaternion).magnitude() <= ROUNDING
-
-
-def test_their_rates_are_the_angular_velocity(states):
-    for state in states:
         omega = omega_body_from_zyz_rates(state["euler_zyz_deg"], state["euler_zyz_rates"])
         speed = np.linalg.norm(state["omega_body"])
         assert np.abs(np.array(omega, dtype=float) - state["omega_body"]).max() <= ROUNDING * speed

@@ -6,6 +6,7 @@ import signal
 import subprocess
 import sys
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 from command_line import spincheck
@@ -29,7 +30,7 @@ from spincheck.reports.cli.terminal import AGREES, BAD_INPUT, DISAGREES, NOT_RUN
 from spincheck.reports.harness.executors import InProcess, dask_cluster
 from spincheck.reports.results.store import open_store
 from spincheck.reports.results.sweep_records import Ensemble
-from spincheck.scenarios import load, loads
+from spincheck.scenarios import loads
 from typer.testing import CliRunner
 
 pytestmark = pytest.mark.slow
@@ -39,6 +40,8 @@ SCENE = "fast-top"
 ONE_METHOD = ("--engine", "mujoco", "--method", "RK4")
 SPIN = "start.omega_body[2]=10:40:2:log"
 STEPS = "timestep=1e-3:1e-2:2:log"
+MAP = ("map", SCENE, "--vary", SPIN, "--vary", STEPS)
+ENSEMBLE = ("run", SCENE, "--ensemble")
 
 
 @pytest.fixture
@@ -51,9 +54,7 @@ def in_process(monkeypatch):
 def mapped(tmp_path_factory):
     """A result file, and what the command printed that made a map in it."""
     path = tmp_path_factory.mktemp("mapped") / "results.sqlite"
-    done = spincheck(
-        "map", SCENE, "--vary", SPIN, "--vary", STEPS, *ONE_METHOD, "--out", path, "--json"
-    )
+    done = spincheck(*MAP, *ONE_METHOD, "--out", path, "--json")
     assert done.returncode == AGREES, done.stderr
     return path, done
 
@@ -68,25 +69,23 @@ def test_a_map_prints_its_axes_and_a_point_for_each_pair(mapped):
     assert 0 < first["omega_error"] < 1
 
 
-def test_asked_again_it_answers_from_the_file(mapped):
-    path, done = mapped
-    again = spincheck(
-        "map", SCENE, "--vary", SPIN, "--vary", STEPS, *ONE_METHOD, "--out", path, "--json"
-    )
-    assert again.stdout == done.stdout
+def test_asked_again_it_answers_from_the_file_in_words_with_the_worst_point_and_as_csv(mapped):
+    path, before = mapped
+    again = spincheck(*MAP, *ONE_METHOD, "--out", path, "--json")
+    assert again.stdout == before.stdout
     assert again.stderr == f"{path}: 4 of 4 points are stored already\n"
-
-
-def test_in_words_there_is_a_line_a_method_with_the_worst_point(mapped):
-    done = spincheck("map", SCENE, "--vary", SPIN, "--vary", STEPS, *ONE_METHOD, "--out", mapped[0])
+    done = spincheck(*MAP, *ONE_METHOD, "--out", path)
     assert "fast-top: 4 points, start.omega_body[2] 10 to 40, timestep 0.001 to 0.01" in done.stdout
     (line,) = (line for line in done.stdout.splitlines() if "mujoco RK4" in line)
     assert "timestep 0.01" in line
+    first, *others = spincheck("points", path, "--csv").stdout.splitlines()
+    assert first.startswith("sweep,at,scenario,engine,method,engine_version,timestep,outcome")
+    assert len(others) == 4
 
 
-def test_methods_made_for_other_scenes_are_not_run(tmp_path, in_process):
+@pytest.mark.usefixtures("in_process")
+def test_methods_made_for_other_scenes_are_not_run(path):
     """As in a study: `contact` is for bodies on a table, `mujoco-file` for users' files."""
-    path = tmp_path / "results.sqlite"
     (swept,) = run_ensembles([SCENE], 1, 0, choose(["mujoco"], [], [0.5]), Where(1), path)
     methods = {one.name for one in engines()["mujoco"].methods_for(swept.scenario)}
     with open_store(path) as store:
@@ -101,17 +100,8 @@ def test_points_are_printed_below_their_method_which_is_named_once():
     assert len([*point_lines(flat_records(swept))]) == 2 * len(methods) + len(swept.points)
 
 
-def test_points_are_printed_as_csv(mapped):
-    lines = spincheck("points", mapped[0], "--csv").stdout.splitlines()
-    assert len(lines) == 5
-    assert lines[0].startswith("sweep,at,scenario,engine,method,engine_version,timestep,outcome")
-
-
-def test_an_ensemble_prints_its_members(tmp_path):
-    path = tmp_path / "results.sqlite"
-    done = spincheck(
-        "run", SCENE, "--ensemble", 3, "--seed", 7, *ONE_METHOD, "--out", path, "--json"
-    )
+def test_an_ensemble_prints_its_members(path):
+    done = spincheck(*ENSEMBLE, 3, "--seed", 7, *ONE_METHOD, "--out", path, "--json")
     printed = json.loads(done.stdout)
     assert [point["at"] for point in printed["points"]] == [{"member": float(k)} for k in range(3)]
     with open_store(path) as store:
@@ -130,13 +120,9 @@ def test_without_a_number_an_ensemble_has_two_hundred_members(monkeypatch):
     assert calls == [([SCENE], 200), ([SCENE], 200), ([SCENE], 3)]
 
 
-def test_a_member_is_printed_as_a_scenario_file_that_runs(tmp_path):
-    bad = tmp_path / "bad.toml"
-    bad.write_text(spincheck("member", SCENE, "--seed", 7, "--member", 2).stdout)
-    assert load(bad).title.endswith("with member 2 of seed 7")
-
-
-def test_a_point_of_a_map_is_printed_as_a_scenario_file(mapped, tmp_path):
+def test_members_and_points_of_a_map_are_printed_as_scenario_files():
+    member = loads(spincheck("member", SCENE, "--seed", 7, "--member", 2).stdout, "member")
+    assert member.title.endswith("with member 2 of seed 7")
     done = spincheck("vary", SCENE, "start.omega_body[2]=10", "body.mass=2.5")
     scene = loads(done.stdout, "there")
     assert (float(scene.start.omega_body[2]), scene.body.mass) == (10.0, 2.5)
@@ -159,30 +145,24 @@ def run(*arguments: object) -> tuple[int, str]:
         (["map", SCENE, "--vary", "a=1:2", "--vary", SPIN], "'--vary' a: no number of fast-top"),
         (["map", SCENE, "--vary", "body.mass=2:1", "--vary", SPIN], "LO must be less than HI"),
         (["map", SCENE, "--vary", "body.mass", "--vary", SPIN], "'--vary' must be 'PATH=LO:HI"),
-        (
-            ["map", SCENE, "--vary", SPIN, "--vary", STEPS, "--timestep", "0.01"],
-            "'--timestep' cannot be both given and varied",
-        ),
+        ([*MAP, "--timestep", "0.01"], "'--timestep' cannot be both given and varied"),
         (
             ["map", SCENE, "--vary", SPIN, "--vary", "body.mass=1:2", "--timestep", "60"],
             "'--timestep' must be shorter than the window of fast-top",
         ),
         (["map", "no-such-scene", "--vary", SPIN, "--vary", STEPS], "no-such-scene"),
-        (
-            ["map", SCENE, "--vary", SPIN, "--vary", STEPS, "--engine", "none"],
-            "'--engine' must be one of",
-        ),
+        ([*MAP, "--engine", "none"], "'--engine' must be one of"),
         (["run", "--ensemble", "3"], "'--ensemble' takes scenes to scatter, got none"),
-        (["run", SCENE, "--ensemble", "3", "--quick"], "'--quick' is for ladders"),
+        ([*ENSEMBLE, "3", "--quick"], "'--quick' is for ladders"),
         (
-            ["run", SCENE, "--ensemble", "3", "--timestep", "0.1", "--timestep", "0.2"],
+            [*ENSEMBLE, "3", "--timestep", "0.1", "--timestep", "0.2"],
             "'--timestep' may be given once here, got 2",
         ),
-        (["run", SCENE, "--ensemble", "0"], "'--ensemble'"),
+        ([*ENSEMBLE, "0"], "'--ensemble'"),
         (["run", SCENE, "--seed", "0"], "'--seed' is for an ensemble"),
-        (["run", SCENE, "--ensemble", "3", "--python", "python3"], "'--python' is for versions"),
-        (["run", SCENE, "--ensemble", "3", "--engine", "mujoco-file"], "loads links of users'"),
-        (["run", SCENE, "--ensemble", "3", "--time-limit", "0"], "'--time-limit' must be positive"),
+        ([*ENSEMBLE, "3", "--python", "python3"], "'--python' is for versions"),
+        ([*ENSEMBLE, "3", "--engine", "mujoco-file"], "loads links of users'"),
+        ([*ENSEMBLE, "3", "--time-limit", "0"], "'--time-limit' must be positive"),
         (["member", SCENE, "--member", "-1"], "'--member'"),
         (["vary", SCENE, "body.mass"], "takes PATH=VALUE, VALUE a number, got 'body.mass'"),
         (["vary", SCENE, "body.mass=1", "body.mass=2"], "takes each number once, got body.mass=1"),
@@ -202,18 +182,16 @@ def test_what_cannot_be_used_is_one_message_and_exit_code_2(
     assert not list(tmp_path.iterdir())
 
 
-def test_a_scheduler_that_is_not_there_is_reported_with_exit_code_3(tmp_path, monkeypatch):
+def test_a_scheduler_that_is_not_there_is_reported_with_exit_code_3(path, monkeypatch):
     monkeypatch.setattr(dask_cluster, "CONNECT_LIMIT", 0.1)
-    path = tmp_path / "results.sqlite"
-    done = spincheck("run", SCENE, "--ensemble", 3, "--dask", "127.0.0.1:9", "--out", path)
+    done = spincheck(*ENSEMBLE, 3, "--dask", "127.0.0.1:9", "--out", path)
     assert done.returncode == NOT_RUN
     assert done.stderr == "spincheck: '--dask': no scheduler answers at 127.0.0.1:9\n"
 
 
 @pytest.mark.processes
-def test_ctrl_c_ends_it_with_130_and_the_same_command_goes_on(tmp_path):
-    path = tmp_path / "results.sqlite"
-    arguments = ["run", SCENE, "--ensemble", "8", *ONE_METHOD, "--jobs", "1", "--out", str(path)]
+def test_ctrl_c_ends_it_with_130_and_the_same_command_goes_on(path):
+    arguments = [*ENSEMBLE, "8", *ONE_METHOD, "--jobs", "1", "--out", str(path)]
     process = subprocess.Popen(
         [*WITH_DEFAULT_SIGNALS, COMMAND, *arguments],
         stderr=subprocess.PIPE,
@@ -241,11 +219,7 @@ def test_ctrl_c_ends_it_with_130_and_the_same_command_goes_on(tmp_path):
     ids=["none failed", "one failed", "all failed"],
 )
 def test_a_sweep_fails_only_by_runs_that_failed(outcomes, code):
-    class Ended:
-        def __init__(self, outcome: str) -> None:
-            self.outcome = outcome
-
-    assert exit_code(Ended(outcome) for outcome in outcomes) == code
+    assert exit_code(SimpleNamespace(outcome=outcome) for outcome in outcomes) == code
 
 
 @pytest.mark.usefixtures("in_process")
@@ -256,19 +230,14 @@ def test_of_several_engines_in_a_file_those_asked_for_are_reported(mapped):
 
 
 @pytest.mark.usefixtures("in_process")
-def test_a_member_runs_as_in_its_ensemble(tmp_path):
+def test_a_member_runs_as_in_its_ensemble(path, tmp_path):
     """What the command prints is the very scene whose point is in the file."""
     choice = choose(["mujoco"], ["RK4"], [])
-    (ensemble,) = run_ensembles([SCENE], 2, 7, choice, Where(1), tmp_path / "results.sqlite")
-    text = spincheck("member", SCENE, "--seed", 7, "--member", 1).stdout
-    alone = loads(text, "alone")
-    point = ensemble.points[1]
-    path = tmp_path / "alone.toml"
-    path.write_text(alone.text)
-    done = spincheck(
-        "run", path, *ONE_METHOD, "--timestep", repr(point.timestep), "--out",
-        tmp_path / "alone.sqlite", "--json",
-    )  # fmt: skip
+    (ensemble,) = run_ensembles([SCENE], 2, 7, choice, Where(1), path)
+    point, alone = ensemble.points[1], tmp_path / "alone.toml"
+    alone.write_text(spincheck("member", SCENE, "--seed", 7, "--member", 1).stdout)
+    options = ("--timestep", repr(point.timestep), "--out", tmp_path / "alone.sqlite", "--json")
+    done = spincheck("run", alone, *ONE_METHOD, *options)
     (row,) = json.loads(done.stdout)["rows"]
     assert (row["steps"], row["outcome"]) == (point.steps, "ok")
     # The same run; its exact motion is a closed form here, and a series there.

@@ -31,7 +31,7 @@ def imported(tmp_path, text=ODD, links=()):
     return path, import_scenes(path, tmp_path / "scenes", links)
 
 
-def test_a_link_becomes_a_scene_with_the_files_numbers(tmp_path):
+def test_a_link_becomes_a_scene_with_the_files_numbers_about_its_middle_axis(tmp_path):
     path, (line, unmade) = imported(tmp_path, arm())
     scene = load(line)
     stated = read_model(path).link("arm").stated
@@ -40,24 +40,16 @@ def test_a_link_becomes_a_scene_with_the_files_numbers(tmp_path):
     assert scene.title == "arm of robot.urdf: tumbles"
     assert scene.document.body.model == "../robots/robot.urdf"
     assert unmade == "left out: base: the file states no inertia of it"
-
-
-def test_it_turns_about_its_middle_axis(tmp_path):
-    _, (line, _) = imported(tmp_path, arm())
-    scene = load(line)
     spin = scene.start.omega_body / np.linalg.norm(scene.start.omega_body)
     moment = spin @ scene.body.inertia_com @ spin
     assert moment == pytest.approx(scene.body.principal_moments[1], rel=0.01)
 
 
-def test_names_are_made_such_as_files_may_have_and_differ(tmp_path):
+def test_names_are_made_such_as_files_may_have_and_what_no_body_has_is_left_out(tmp_path):
     _, lines = imported(tmp_path)
     names = [line.rpartition("/")[2] for line in lines if line.endswith(".toml")]
     assert names == ["fore-arm.toml", "fore-arm-2.toml"]
-
-
-def test_what_no_body_has_is_left_out_with_the_reason(tmp_path):
-    assert "left out: bad: 0.1 + 0.3 < 0.9: no body has it" in imported(tmp_path)[1]
+    assert "left out: bad: 0.1 + 0.3 < 0.9: no body has it" in lines
 
 
 def test_welded_links_are_one_scene_with_the_sum_of_their_numbers(tmp_path):
@@ -80,26 +72,24 @@ def test_welded_links_are_one_scene_with_the_sum_of_their_numbers(tmp_path):
     assert import_scenes(path, out, ["tool"]) == [line.replace(str(tmp_path / "scenes"), str(out))]
 
 
-def test_a_body_of_a_part_that_no_body_has_is_left_out(tmp_path):
-    text = robot(link("arm", inertial()), link("bad", BAD), joint("arm", "bad", "fixed"))
-    with pytest.raises(Complaint, match=r"0\.1 \+ 0\.3 < 0\.9: no body has it \(of bad, welded to"):
-        imported(tmp_path, text)
-
-
 def test_one_link_can_be_asked_for(tmp_path):
     assert [line[-13:] for line in imported(tmp_path, links=("fore arm",))[1]] == ["fore-arm.toml"]
 
 
+WELDED = robot(link("arm", inertial()), link("bad", BAD), joint("arm", "bad", "fixed"))
+
+
 @pytest.mark.parametrize(
-    ("links", "message"),
+    ("text", "links", "message"),
     [
-        (("none",), "there is no link 'none'"),
-        (("bad",), "no link makes a scene; 'bad' is left out"),
+        (ODD, ("none",), "there is no link 'none'"),
+        (ODD, ("bad",), "no link makes a scene; 'bad' is left out"),
+        (WELDED, (), r"0\.1 \+ 0\.3 < 0\.9: no body has it \(of bad, welded to"),
     ],
 )
-def test_a_link_without_a_scene_is_a_complaint(tmp_path, links, message):
+def test_a_link_without_a_scene_is_a_complaint(tmp_path, text, links, message):
     with pytest.raises(Complaint, match=message):
-        imported(tmp_path, links=links)
+        imported(tmp_path, text, links)
 
 
 def test_a_scene_that_is_there_is_not_written_over(tmp_path):
@@ -107,29 +97,12 @@ def test_a_scene_that_is_there_is_not_written_over(tmp_path):
     Path(line).write_text("mine", encoding="utf-8")
     more = robot(link("base"), link("leg", inertial()), link("arm", inertial()))
     joints = joint("base", "leg") + joint("base", "arm")
-    with pytest.raises(
-        Complaint, match=r"arm\.toml: a scene of that name exists already; remove it, or"
-    ):
+    there = r"arm\.toml: a scene of that name exists already; remove it, or"
+    with pytest.raises(Complaint, match=there):
         imported(tmp_path, more.replace("</robot>", f"{joints}</robot>"))
     assert Path(line).read_text(encoding="utf-8") == "mine"
     # Nor is anything else written then.
     assert [path.name for path in Path(line).parent.iterdir()] == ["arm.toml"]
-
-
-def test_a_model_that_changed_is_an_error_that_says_so(tmp_path):
-    path, (line, _) = imported(tmp_path, arm())
-    path.write_text(arm(mass="3"), encoding="utf-8")
-    with pytest.raises(
-        ScenarioError, match=r"arm\.toml:\d+: \[body\] sha256: .* has changed since"
-    ):
-        load(line)
-
-
-def test_a_model_that_is_gone_is_an_error_that_says_so(tmp_path):
-    path, (line, _) = imported(tmp_path, arm())
-    path.unlink()
-    with pytest.raises(ScenarioError, match=r"\[body\] model: .*robot\.urdf: cannot be read"):
-        load(line)
 
 
 def test_an_origin_is_given_whole(tmp_path):
@@ -141,25 +114,26 @@ def test_an_origin_is_given_whole(tmp_path):
         load(scene)
 
 
-def test_a_run_of_a_changed_model_ends_with_exit_code_2(tmp_path):
+def test_a_model_that_changed_or_is_gone_is_an_error_that_says_so(tmp_path):
     path, (line, _) = imported(tmp_path, arm())
     path.write_text(arm(mass="3"), encoding="utf-8")
+    changed = r"arm\.toml:\d+: \[body\] sha256: .* has changed since"
+    with pytest.raises(ScenarioError, match=changed):
+        load(line)
     ended = CliRunner().invoke(app, ["run", line, "--out", str(tmp_path / "results.sqlite")])
     assert isinstance(ended.exception, Complaint)
     assert ended.exception.exit_code == 2
-    assert "'../robots/robot.urdf' has changed since this scene was made of it" in str(
-        ended.exception
-    )
+    assert "'../robots/robot.urdf' has changed since this scene was made" in str(ended.exception)
+    path.unlink()
+    with pytest.raises(ScenarioError, match=r"\[body\] model: .*robot\.urdf: cannot be read"):
+        load(line)
 
 
-def test_a_run_asks_engines_of_users_files_where_a_scene_names_one(tmp_path):
+def test_a_run_asks_engines_of_users_files_only_where_a_scene_names_one(tmp_path):
     _, (line, _) = imported(tmp_path, arm())
     of_file = {name for name, engine in engines().items() if engine.of_file}
     assert of_file <= {engine.name for engine in _applying([load(line)])}
     assert not of_file & {engine.name for engine in _applying([library_scene("fast-top")])}
-
-
-def test_an_engine_of_users_files_that_is_asked_for_in_vain_is_reported(tmp_path):
     out = str(tmp_path / "results.sqlite")
     ended = CliRunner().invoke(app, ["run", "fast-top", "--engine", "mujoco-file", "--out", out])
     assert str(ended.exception).startswith(

@@ -51,10 +51,8 @@ def held_of(record, name, configuration):
 
 
 def test_a_faithful_engine_ends_with_exit_code_0(tmp_path):
-    path = written(
-        tmp_path, body('<inertial mass="1" pos="0 0 0" diaginertia="1 2 2.5"/>'), "a.xml"
-    )
-    ended = inspect(path)
+    text = body('<inertial mass="1" pos="0 0 0" diaginertia="1 2 2.5"/>')
+    ended = inspect(written(tmp_path, text, "a.xml"))
     assert ended.exit_code == 0
     assert ended.stdout.endswith("No differences found.\n\n")
 
@@ -82,33 +80,27 @@ def test_json_keeps_its_contract(tmp_path):
 
 
 def test_welded_links_are_said_to_be_one_body(tmp_path):
-    path = written(tmp_path, arm_with_a_tool(ROUND))
-    ended = inspect(path)
+    path, one = written(tmp_path, arm_with_a_tool(ROUND)), written(tmp_path, arm(), "one.urdf")
     said = "Welded together, each one body and one scene of 'import':\n  arm, tool: 4 kg, principal"
-    assert said in ended.stdout
-    (whole,) = records(path)["summary"]["composed"]
+    assert said in inspect(path).stdout
+    # Several files are a list.
+    welded, free = records(path, one)
+    assert (welded["file"], free["file"]) == (str(path), str(one))
+    (whole,) = welded["summary"]["composed"]
     assert (whole["link"], whole["welded"], whole["mass"]) == ("arm", ["tool"], 4.0)
-    assert records(written(tmp_path, arm(), "one.urdf"))["summary"]["composed"] == []
-
-
-def test_several_files_are_a_list(tmp_path):
-    path = written(tmp_path, arm())
-    assert [one["file"] for one in records(path, path)] == [str(path)] * 2
+    assert free["summary"]["composed"] == []
 
 
 def test_what_differs_is_reported_in_words_with_what_to_do(tmp_path):
-    ended = inspect(written(tmp_path, arm()))
+    """First, what a robot gains by links that state nothing."""
+    path = written(tmp_path, arm())
+    ended = inspect(path)
     assert ended.exit_code == 1
     assert "pybullet default, arm: made up from the collision shapes: tensor 1/" in ended.stdout
-    assert "pybullet inertia-from-file, base: held as 1 kg, 1 kg m²: the file states nothing" in (
-        ended.stdout
-    )
+    of_base = "pybullet inertia-from-file, base: held as 1 kg, 1 kg m²: the file states nothing"
+    assert of_base in ended.stdout
     assert "load it with flags=pybullet.URDF_USE_INERTIA_FROM_FILE" in ended.stdout
-
-
-def test_what_a_robot_gains_by_links_that_state_nothing_is_reported_first(tmp_path):
-    path = written(tmp_path, arm())
-    printed = inspect(path).stdout.splitlines()
+    printed = ended.stdout.splitlines()
     assert printed[1] == (
         "Its links weigh 2 kg together; 3 kg in pybullet default and pybullet inertia-from-file."
     )
@@ -191,34 +183,45 @@ def complaint(*arguments):
     return ended.exception.exit_code, str(ended.exception), ended.stdout
 
 
-def test_a_file_that_nobody_can_read_ends_with_exit_code_2(tmp_path):
-    code, message, _ = complaint(written(tmp_path, arm(mass="0,5")))
+ONE_OF = "'--engine' must be one of mujoco, pybullet, which read model files, or a version of one, "
+REFUSED = {
+    "a file that nobody can read": (arm(mass="0,5"), (), "'value' of <mass> must be decimal"),
+    "no engine": (
+        arm(),
+        ("--engine", "pybulet"),
+        f"{ONE_OF}got 'pybulet'; did you mean 'pybullet'?",
+    ),
+    "another format": (body("<geom/>"), ("--engine", "pybullet"), "pybullet cannot read MJCF"),
+    "no version": (
+        arm(),
+        ("--engine", "mujoco@new"),
+        "'--engine' a version must be like 3.1.6, got 'new'",
+    ),
+    **{
+        f"no package: {value}": (
+            arm(),
+            ("--package-path", value),
+            "'--package-path' takes NAME=DIR with a folder that is there",
+        )
+        for value in ("made-up", "made-up=/no/such/folder", "=/tmp")
+    },
+}
+
+
+@pytest.mark.parametrize(("text", "options", "words"), REFUSED.values(), ids=REFUSED)
+def test_what_cannot_be_inspected_ends_with_exit_code_2(tmp_path, text, options, words):
+    name = "a.xml" if text.startswith("<mujoco>") else "robot.urdf"
+    code, message, _ = complaint(written(tmp_path, text, name), *options)
     assert code == 2
-    assert "'value' of <mass> must be decimal numbers" in message
+    assert words in message
 
 
 def test_beside_a_file_that_nobody_can_read_others_are_inspected(tmp_path):
     path = written(tmp_path, arm())
     code, message, printed = complaint(tmp_path / "none.urdf", path, "--json")
-    assert (code, message) == (
-        2,
-        f"{tmp_path}/none.urdf: cannot be read: No such file or directory",
-    )
+    unread = f"{tmp_path}/none.urdf: cannot be read: No such file or directory"
+    assert (code, message) == (2, unread)
     assert [one["file"] for one in json.loads(printed)] == [str(path)]
-
-
-def test_an_engine_that_there_is_not_is_reported(tmp_path):
-    code, message, _ = complaint(written(tmp_path, arm()), "--engine", "pybulet")
-    assert code == 2
-    assert message == (
-        "'--engine' must be one of mujoco, pybullet, which read model files, or a version of one, "
-        "got 'pybulet'; did you mean 'pybullet'?"
-    )
-
-
-def test_an_engine_that_cannot_read_the_format_is_reported(tmp_path):
-    path = written(tmp_path, body("<geom/>"), "a.xml")
-    assert complaint(path, "--engine", "pybullet")[:2] == (2, "pybullet cannot read MJCF")
 
 
 def test_a_version_is_asked_in_its_own_folder(tmp_path, monkeypatch):
@@ -237,18 +240,3 @@ def test_a_version_is_asked_in_its_own_folder(tmp_path, monkeypatch):
     assert calls == [("/where/3.3.7/is", "mujoco")] * 2
     held = held_of(record, "arm", "as-is")
     assert (held["engine"], held["engine_version"]) == ("mujoco@3.3.7", "3.3.7")
-
-
-def test_a_version_that_cannot_be_had_is_reported(tmp_path):
-    path = written(tmp_path, arm())
-    assert complaint(path, "--engine", "mujoco@new")[:2] == (
-        2,
-        "'--engine' a version must be like 3.1.6, got 'new'",
-    )
-
-
-@pytest.mark.parametrize("value", ["made-up", "made-up=/no/such/folder", "=/tmp"])
-def test_a_package_is_given_as_name_and_folder(tmp_path, value):
-    ended = inspect(written(tmp_path, arm()), "--package-path", value)
-    assert isinstance(ended.exception, Complaint)
-    assert "'--package-path' takes NAME=DIR with a folder that is there" in str(ended.exception)

@@ -18,20 +18,18 @@ class Recording(InProcess):
 
 
 @pytest.mark.parametrize(
-    ("there", "calls"), [(False, [*compiling.HALVES, compile_kernels]), (True, [])]
+    ("there", "changed", "calls"),
+    [
+        (False, {}, [*compiling.HALVES, compile_kernels]),
+        (True, {}, []),
+        # Without a place for machine code no worker compiles it.
+        (False, {"FOLDER": None}, []),
+    ],
 )
-def test_what_is_compiled_is_not_compiled_again(
-    monkeypatch, there: bool, calls: list[Callable[..., object]]
-) -> None:
+def test_what_is_compiled_is_not_compiled_again(monkeypatch, there, changed, calls) -> None:
     monkeypatch.setattr(compiling, "is_compiled", lambda: there)
+    for name, value in changed.items():
+        monkeypatch.setattr(compiling, name, value)
     with Recording() as executor:
         compiling.compile_side_by_side(executor)
     assert executor.called == calls
-
-
-def test_without_a_place_for_machine_code_no_worker_compiles_it(monkeypatch) -> None:
-    monkeypatch.setattr(compiling, "is_compiled", lambda: False)
-    monkeypatch.setattr(compiling, "FOLDER", None)
-    with Recording() as executor:
-        compiling.compile_side_by_side(executor)
-    assert executor.called == []

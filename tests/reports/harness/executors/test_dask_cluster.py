@@ -57,13 +57,9 @@ def here(tmp_path_factory) -> tuple[PlacedRow, ...]:
 
 
 @pytest.mark.processes
-def test_the_points_of_a_sweep_are_those_of_this_process_to_the_last_bit(tmp_path, scheduler, here):
-    cluster = DaskCluster(scheduler.scheduler_address)
-    assert sweep(tmp_path / "there.sqlite", cluster) == here
-
-
-@pytest.mark.processes
-def test_two_of_them_on_one_cluster_do_not_meet(tmp_path, scheduler, here):
+def test_two_sweeps_on_one_cluster_have_the_points_of_this_process_to_the_last_bit(
+    tmp_path, scheduler, here
+):
     clusters = [DaskCluster(scheduler.scheduler_address) for _ in range(2)]
     with ThreadPoolExecutor(len(clusters)) as pool:
         paths = [tmp_path / f"{k}.sqlite" for k in range(len(clusters))]
@@ -166,7 +162,7 @@ def test_a_scheduler_without_a_worker_is_reported():
         DaskCluster(started.scheduler_address)
 
 
-def test_where_no_scheduler_answers_it_is_reported(monkeypatch):
+def test_where_no_scheduler_answers_it_is_waited_for_no_longer_than_the_limit(monkeypatch):
     monkeypatch.setattr(dask_cluster, "CONNECT_LIMIT", 0.1)
     with socket.socket() as free:
         free.bind(("127.0.0.1", 0))
@@ -174,10 +170,6 @@ def test_where_no_scheduler_answers_it_is_reported(monkeypatch):
     with pytest.raises(ClusterError, match=f"no scheduler answers at 127.0.0.1:{port}") as failed:
         DaskCluster(f"127.0.0.1:{port}")
     assert not failed.value.bad_address
-
-
-def test_a_scheduler_that_is_silent_is_waited_for_no_longer_than_the_limit(monkeypatch):
-    monkeypatch.setattr(dask_cluster, "CONNECT_LIMIT", 0.1)
 
     async def silent(address: str) -> None:
         await asyncio.sleep(600)
@@ -187,14 +179,13 @@ def test_a_scheduler_that_is_silent_is_waited_for_no_longer_than_the_limit(monke
         DaskCluster("127.0.0.1:8786")
 
 
-@pytest.mark.parametrize("address", ["", "localhost", "nonsense://here:1"])
-def test_what_is_no_address_is_bad_input(address):
-    with pytest.raises(ClusterError, match="must be a scheduler's address") as failed:
-        DaskCluster(address)
-    assert failed.value.bad_address
-
-
-def test_without_the_package_it_says_what_to_install(monkeypatch):
+def test_what_is_no_address_is_bad_input_and_without_the_package_it_says_what_to_install(
+    monkeypatch,
+):
+    for address in ("", "localhost", "nonsense://here:1"):
+        with pytest.raises(ClusterError, match="must be a scheduler's address") as failed:
+            DaskCluster(address)
+        assert failed.value.bad_address
     monkeypatch.setitem(sys.modules, "distributed", None)
     with pytest.raises(ClusterError, match=r"pip install 'spincheck\[dask\]'"):
         DaskCluster("127.0.0.1:8786")

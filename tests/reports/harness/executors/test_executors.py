@@ -4,6 +4,7 @@ import itertools
 import threading
 import time
 from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -59,6 +60,10 @@ def executor(request) -> Iterator[Executor]:
 
 def test_a_call_returns_what_the_function_does(executor):
     assert executor.call(calls.power, 3, exponent=4).value == 81
+    # Alone it makes one call at a time.
+    alone = executor.alone()
+    assert alone.width == 1
+    assert alone.call(calls.power, 5).value == 25
 
 
 @pytest.mark.parametrize(
@@ -110,22 +115,9 @@ def test_where_a_task_raises_no_further_one_is_begun(executor_of_its_own):
 
 
 def test_several_threads_may_call_at_once(executor):
-    values: list[object] = []
-    threads = [
-        threading.Thread(target=lambda k=k: values.append(executor.call(calls.power, k).value))
-        for k in range(JOBS)
-    ]
-    for thread in threads:
-        thread.start()
-    for thread in threads:
-        thread.join()
-    assert sorted(values) == [0, 1]
-
-
-def test_alone_makes_one_call_at_a_time(executor):
-    alone = executor.alone()
-    assert alone.width == 1
-    assert alone.call(calls.power, 5).value == 25
+    with ThreadPoolExecutor(JOBS) as threads:
+        answers = threads.map(partial(executor.call, calls.power), range(JOBS))
+        assert [answer.value for answer in answers] == [0, 1]
 
 
 @pytest.fixture(params=KINDS, ids=lambda kind: kind.__name__)

@@ -12,12 +12,7 @@ import calls
 import psutil
 import pytest
 from spincheck.engines.lost_process import LAST_LINE
-from spincheck.reports.harness.executors import (
-    Answer,
-    CallFailed,
-    ExecutorStopped,
-    LocalWorkers,
-)
+from spincheck.reports.harness.executors import Answer, CallFailed, ExecutorStopped, LocalWorkers
 from spincheck.reports.harness.executors.worker_main import MEMORY_SHARE
 from spincheck.reports.harness.executors.worker_process import KEPT_OUTPUT
 
@@ -46,11 +41,8 @@ def failure(answer: Answer) -> CallFailed:
 # What is returned
 
 
-def test_a_result_larger_than_any_pipe_arrives(worker):
+def test_results_and_arguments_larger_than_any_pipe_arrive(worker):
     assert worker.call(calls.megabytes, 16).value == bytes(16 << 20)
-
-
-def test_an_argument_larger_than_any_pipe_arrives(worker):
     assert worker.call(len, bytes(16 << 20)).value == 16 << 20
 
 
@@ -63,17 +55,21 @@ def test_what_cannot_be_pickled_fails_the_call_alone(worker, call):
     assert worker.call(os.getpid).value == pid
 
 
-def test_a_full_disk_is_no_fault_of_what_was_called(worker):
-    assert failure(worker.call(calls.find_the_disk_full)).cause == "environment"
-
-
 # What takes the process with it
 
 
-def test_a_crash_says_by_what_signal_and_the_next_call_returns(worker):
-    assert failure(worker.call(calls.crash)) == CallFailed(
-        "the worker process was killed by SIGSEGV", "crash"
-    )
+@pytest.mark.parametrize(
+    ("call", "cause", "end"),
+    [
+        ((calls.crash,), "crash", "was killed by SIGSEGV"),
+        ((calls.leave_at_once, 7), "crash", "ended with exit code 7"),
+        # Through no fault of its own, twice.
+        ((calls.killed_by, signal.SIGKILL), "killed", "was killed from outside by SIGKILL"),
+        ((calls.killed_by, NAMELESS), "killed", f"was killed from outside by signal {NAMELESS}"),
+    ],
+)
+def test_what_ended_a_worker_is_said_and_the_next_call_returns(worker, call, cause, end):
+    assert failure(worker.call(*call)) == CallFailed(f"the worker process {end}", cause)
     assert worker.call(calls.power, 3).value == 9
 
 
@@ -83,28 +79,10 @@ def test_what_c_printed_last_is_reported_even_from_its_buffer_and_cut(worker):
     assert reason == words + "y" * LAST_LINE
 
 
-def test_a_call_that_exits_reports_its_exit_code(worker):
-    assert failure(worker.call(calls.leave_at_once, 7)) == CallFailed(
-        "the worker process ended with exit code 7", "crash"
-    )
-
-
 def test_a_call_whose_worker_is_killed_from_outside_is_made_once_more(worker, tmp_path):
     assert worker.call(calls.killed_once, tmp_path / "mark").value == "second attempt"
-
-
-@pytest.mark.parametrize(
-    ("number", "name"), [(signal.SIGKILL, "SIGKILL"), (NAMELESS, f"signal {NAMELESS}")]
-)
-def test_one_that_is_killed_again_fails_through_no_fault_of_its_own(worker, number, name):
-    assert failure(worker.call(calls.killed_by, number)) == CallFailed(
-        f"the worker process was killed from outside by {name}", "killed"
-    )
-
-
-def test_a_worker_killed_while_idle_costs_no_call(worker):
-    pid = worker.call(os.getpid).value
-    psutil.Process(pid).kill()
+    # One killed while idle costs no call.
+    psutil.Process(worker.call(os.getpid).value).kill()
     assert worker.call(calls.power, 3).value == 9
 
 
@@ -113,7 +91,10 @@ def test_a_call_that_holds_too_much_memory_is_refused_it(worker):
     assert worker.call(calls.hold, MEMORY_SHARE / 2).value > 0
 
 
-def test_where_no_process_can_be_started_the_machine_is_to_blame(monkeypatch):
+def test_of_a_full_disk_and_where_no_process_can_be_started_the_machine_is_to_blame(
+    worker, monkeypatch
+):
+    assert failure(worker.call(calls.find_the_disk_full)).cause == "environment"
     monkeypatch.setattr(sys, "executable", "/nowhere/python")
     with LocalWorkers(jobs=1) as pool:
         failed = failure(pool.call(calls.power, 3))
@@ -154,9 +135,7 @@ def test_however_much_is_printed_nothing_but_the_end_is_kept(worker):
     printed = worker.call(calls.print_megabytes, 64).printed
     assert printed.endswith("the end")
     assert len(printed) == KEPT_OUTPUT
-
-
-def test_a_call_that_closes_its_output_returns(worker):
+    # A call that closes its output returns.
     assert worker.call(calls.close_its_output).value == "done"
     assert worker.call(calls.power, 3).value == 9
 

@@ -43,6 +43,7 @@ def clamped(limit: Callable[[np.ndarray], np.ndarray]) -> Trajectory:
     return replace(motion, omega_body=limit(motion.omega_body))
 
 
+HEAVIER = TOP.effects.gravity.model_copy(update={"acceleration": (0.0, 0.0, -12.0)})
 PLANTED: dict[str, tuple[Scenario, Callable[[], Trajectory], str]] = {
     "no gyroscopic torque": (
         TUMBLING,
@@ -56,14 +57,7 @@ PLANTED: dict[str, tuple[Scenario, Callable[[], Trajectory], str]] = {
     ),
     "gravity": (
         TOP,
-        lambda: exact(
-            TOP,
-            effects={
-                "gravity": TOP.effects.gravity.model_copy(
-                    update={"acceleration": (0.0, 0.0, -12.0)}
-                )
-            },
-        ),
+        lambda: exact(TOP, effects={"gravity": HEAVIER}),
         "it moves as if gravity were 1.2",
     ),
     "damping at a rate": (

@@ -23,20 +23,14 @@ def written(folder, text, name="motion.csv"):
 
 
 def test_a_table_is_read_by_the_names_of_its_columns(tmp_path):
-    recording = read_recording(
-        written(
-            tmp_path, "wz,t,qw,qx,qy,qz,wx,wy,load\n2,0,1,0,0,0,0.5,0,7\n2,0.1,1,0,0,0,0.5,0,7\n"
-        )
-    )
+    text = "wz,t,qw,qx,qy,qz,wx,wy,load\n2,0,1,0,0,0,0.5,0,7\n2,0.1,1,0,0,0,0.5,0,7\n"
+    recording = read_recording(written(tmp_path, text))
     assert recording.arrays["omega"].tolist() == [[0.5, 0, 2], [0.5, 0, 2]]
     assert recording.arrays["t"].tolist() == [0, 0.1]
     assert recording.ignored == ("load",)
-
-
-@pytest.mark.parametrize("delimiter", [";", "\t", " "])
-def test_other_delimiters_mean_the_same(tmp_path, delimiter):
-    recording = read_recording(written(tmp_path, GOOD.replace(",", delimiter)))
-    assert recording.arrays["q"].tolist() == [[1, 0, 0, 0]] * 2
+    for delimiter in ";\t ":
+        recording = read_recording(written(tmp_path, GOOD.replace(",", delimiter)))
+        assert recording.arrays["q"].tolist() == [[1, 0, 0, 0]] * 2
 
 
 def test_units_in_brackets_become_si(tmp_path):
@@ -100,10 +94,7 @@ WRONG = {
     "not a number": (GOOD.replace("0.5", "nan", 1), "line 2: 'nan' must be a finite number"),
     "text": (GOOD.replace("0.5", "fast", 1), "line 2: 'fast' must be a finite number"),
     "a short row": (GOOD + "0.2,1\n", "line 4 must have 8 columns, got 2"),
-    "times back": (
-        GOOD + ROW + "\n",
-        "times must increase, got 0.10000000000000001 s and then 0 s",
-    ),
+    "times back": (f"{GOOD}{ROW}\n", "times must increase, got 0.10000000000000001 s and then 0"),
     "times twice": (
         GOOD + "0.1,1,0,0,0,0.5,0,2\n",
         "0.10000000000000001 s in samples 1 and 2, counted from 0; sort the samples",
@@ -145,36 +136,34 @@ def test_archives_of_other_arrays_are_refused(tmp_path, arrays, words):
     assert words in str(refused.value)
 
 
-def test_an_array_that_claims_to_be_huge_is_not_unpacked(tmp_path):
+def test_an_array_that_claims_to_be_huge_or_an_endless_file_is_not_read_to_its_end(
+    tmp_path, monkeypatch
+):
     path = tmp_path / "motion.npz"
     np.savez_compressed(path, t=np.zeros(MAX_SAMPLES + 1), q=np.zeros((2, 4)))
     with pytest.raises(RecordingError, match=f"at most {MAX_SAMPLES} samples"):
         read_recording(path)
-
-
-def test_an_endless_file_is_read_no_further_than_samples_go(tmp_path, monkeypatch):
     monkeypatch.setattr("spincheck.reports.harness.recorded.text_formats.MAX_SAMPLES", 10)
     rows = "".join(f"{k},1,0,0,0,0.5,0,2\n" for k in range(20)) + "not a row\n"
     with pytest.raises(RecordingError, match="at most 10 samples"):
         read_recording(written(tmp_path, GOOD.splitlines()[0] + "\n" + rows))
 
 
-@pytest.mark.parametrize("name", ["motion.xls", "motion"])
-def test_other_kinds_of_files_are_refused(tmp_path, name):
-    with pytest.raises(RecordingError, match=r"its name must end in one of \.csv"):
-        read_recording(written(tmp_path, GOOD, name))
-
-
-def test_a_pipe_is_not_waited_for(tmp_path):
-    os.mkfifo(tmp_path / "motion.csv")
-    with pytest.raises(RecordingError, match="is not a regular file"):
-        read_recording(tmp_path / "motion.csv")
-
-
-def test_bytes_that_are_no_text_are_refused(tmp_path):
-    (tmp_path / "motion.csv").write_bytes(b"t,qw\xff\n")
-    with pytest.raises(RecordingError, match="must be text in UTF-8"):
-        read_recording(tmp_path / "motion.csv")
+@pytest.mark.parametrize(
+    ("name", "content", "words"),
+    [
+        ("motion.xls", GOOD.encode(), r"its name must end in one of \.csv"),
+        ("motion", GOOD.encode(), r"its name must end in one of \.csv"),
+        ("motion.csv", None, "is not a regular file"),
+        ("motion.csv", b"t,qw\xff\n", "must be text in UTF-8"),
+    ],
+    ids=["another kind", "no kind", "a pipe, not waited for", "no text"],
+)
+def test_other_files_are_refused(tmp_path, name, content, words):
+    path = tmp_path / name
+    os.mkfifo(path) if content is None else path.write_bytes(content)
+    with pytest.raises(RecordingError, match=words):
+        read_recording(path)
 
 
 def archive(entry, kind=zipfile.ZIP_STORED, names=("t",)):

@@ -9,6 +9,7 @@ from collections import Counter
 from collections.abc import Iterator
 from functools import partial
 from importlib.metadata import distribution
+from itertools import chain
 from pathlib import Path
 
 import psutil
@@ -107,9 +108,7 @@ def stated_table(inspections_of: dict[str, list[Inspection]], refused: dict[str,
                 len(inspections),
                 len(refused[package]),
                 len(links),
-                sum(
-                    link.link.stated is not None and link.link.stated.is_physical for link in links
-                ),
+                sum(stated.is_physical for link in links if (stated := link.link.stated)),
                 len(bad),
                 kinds["not positive definite"] + kinds["triangle inequality"],
                 kinds["zero tensor"] + kinds["zero mass"],
@@ -149,24 +148,22 @@ def held_rows(inspections_of: dict[str, list[Inspection]], form: str) -> list[li
     """One row a configuration."""
     by_column: dict[tuple[str, str, str], list[LinkReading]] = {}
     refusals: Counter[tuple[str, str, str]] = Counter()
-    for one in (i for inspections in inspections_of.values() for i in inspections):
+    for one in chain(*inspections_of.values()):
         if one.model.format != form:
             continue
         for link in one.links:
             for held in link.readings:
-                column = (held.engine, held.engine_version, held.configuration)
-                by_column.setdefault(column, []).append(held)
+                by_column.setdefault(_column(held), []).append(held)
         for held in one.links[0].readings:
-            column = (held.engine, held.engine_version, held.configuration)
-            refusals[column] += column[::2] in one.refusals
+            refusals[_column(held)] += (held.engine, held.configuration) in one.refusals
     return [
-        [" ".join(_titled(*column)), refusals[column], *_counted(held)]
-        for column, held in by_column.items()
+        [" ".join([engine.partition("@")[0], *rest]), refusals[engine, *rest], *_counted(held)]
+        for (engine, *rest), held in by_column.items()
     ]
 
 
-def _titled(engine: str, version: str, configuration: str) -> tuple[str, str, str]:
-    return engine.partition("@")[0], version, configuration
+def _column(held: LinkReading) -> tuple[str, str, str]:
+    return held.engine, held.engine_version, held.configuration
 
 
 def _counted(held: list[LinkReading]) -> list[int]:
@@ -189,7 +186,7 @@ def _is_far(held: LinkReading) -> bool:
 
 def cause_table(inspections_of: dict[str, list[Inspection]]) -> str:
     counts: dict[str, Counter[str]] = {}
-    for one in (i for inspections in inspections_of.values() for i in inspections):
+    for one in chain(*inspections_of.values()):
         for link in one.links:
             for held in link.readings:
                 column = f"{held.engine} {held.configuration}"
@@ -207,7 +204,7 @@ def cause_table(inspections_of: dict[str, list[Inspection]]) -> str:
 def heavy_table(inspections_of: dict[str, list[Inspection]]) -> str:
     """What the links of a robot weigh together, where engines add most."""
     rows = []
-    for one in (i for inspections in inspections_of.values() for i in inspections):
+    for one in chain(*inspections_of.values()):
         stated = sum(li.link.stated.mass for li in one.links if li.link.stated is not None)
         by_engine: Counter[str] = Counter()
         for link in one.links:
@@ -227,9 +224,7 @@ def heavy_table(inspections_of: dict[str, list[Inspection]]) -> str:
 
 
 def written(
-    inspections_of: dict[str, list[Inspection]],
-    refused: dict[str, list[str]],
-    seconds: float,
+    inspections_of: dict[str, list[Inspection]], refused: dict[str, list[str]], seconds: float
 ) -> str:
     files = "\n".join(f"- `{line}`" for lines in refused.values() for line in lines)
     return "\n\n".join(

@@ -11,15 +11,7 @@ from spincheck.reports.harness.users_models.findings import Inspection
 from spincheck.reports.harness.users_models.inspect import inspect_model, reader_engines
 from spincheck.reports.harness.users_models.remedy import inertial_line, remedies
 from spincheck.scenarios.users_models import read_model
-from users_models import (
-    TENSOR,
-    arm,
-    arm_with_a_tool,
-    diagonal,
-    inertial,
-    link,
-    written,
-)
+from users_models import TENSOR, arm, arm_with_a_tool, diagonal, inertial, link, written
 
 pytest.importorskip("pybullet")
 EPS = float(np.finfo(float).eps)
@@ -55,13 +47,10 @@ def test_a_link_that_states_nothing_gets_a_line(tmp_path):
 
 
 def test_where_a_flag_mends_it_the_flag_is_reported(tmp_path):
-    (remedy,) = (
-        one
-        for one in remedies_of(inspected(tmp_path, arm()), "pybullet default")
-        if "flag" in one.text
-    )
-    assert remedy.text == "load it with flags=pybullet.URDF_USE_INERTIA_FROM_FILE"
-    assert kinds(inspected(tmp_path, arm()), "pybullet inertia-from-file")["arm"] == ""
+    inspection = inspected(tmp_path, arm())
+    words = [one.text for one in remedies_of(inspection, "pybullet default") if "flag" in one.text]
+    assert words == ["load it with flags=pybullet.URDF_USE_INERTIA_FROM_FILE"]
+    assert kinds(inspection, "pybullet inertia-from-file")["arm"] == ""
 
 
 def test_an_option_has_mujoco_take_links_without_a_tensor(tmp_path):
@@ -75,16 +64,12 @@ def test_an_option_has_mujoco_take_links_without_a_tensor(tmp_path):
 @pytest.mark.parametrize("moments", [(0.3, 0.1, 0.9), (-0.1, 0.3, 0.3)])
 def test_a_tensor_that_no_body_has_is_to_be_corrected(tmp_path, moments):
     inspection = inspected(tmp_path, arm(diagonal(*moments)))
-    assert [(one.text, one.links) for one in remedies_of(inspection, "mujoco as-is")] == [
-        ("correct the tensors that no body has", ("arm",))
-    ]
-    assert ("correct their tensors in the file: no body has them", ("arm",)) in [
-        (one.text, one.links) for one in remedies_of(inspection, "pybullet inertia-from-file")
-    ]
-
-
-def test_a_remedy_for_several_configurations_is_reported_once(tmp_path):
-    inspection = inspected(tmp_path, arm(diagonal(0.3, 0.1, 0.9)))
+    (remedy,) = remedies_of(inspection, "mujoco as-is")
+    assert (remedy.text, remedy.links) == ("correct the tensors that no body has", ("arm",))
+    of_bullet = remedies_of(inspection, "pybullet inertia-from-file")
+    corrected = ("correct their tensors in the file: no body has them", ("arm",))
+    assert corrected in [(one.text, one.links) for one in of_bullet]
+    # That for several configurations is reported once.
     lines = [(one.text, one.links) for one in remedies(inspection)]
     assert len(lines) == len(set(lines))
     assert ("mujoco as-is", "mujoco unfused") in [one.who for one in remedies(inspection)]

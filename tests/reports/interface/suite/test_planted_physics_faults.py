@@ -11,15 +11,7 @@ from planted_physics import Damped, Ungyroscopic
 from spincheck.engines import State
 from spincheck.reports.cli.suite.hooks import EngineSubject
 from spincheck.suite import test_physics
-from stepped import (
-    DRAG,
-    GRAVITY,
-    METHODS,
-    PUSH_BODY,
-    PUSH_WORLD,
-    Stepped,
-    SteppedEngine,
-)
+from stepped import DRAG, GRAVITY, METHODS, PUSH_BODY, PUSH_WORLD, Stepped, SteppedEngine
 
 pytestmark = pytest.mark.slow
 
@@ -171,21 +163,9 @@ FAULTS: dict[str, type[Stepped]] = {
 }
 
 
-def subject_of(kind: type[Stepped]) -> EngineSubject:
-    return EngineSubject(SteppedEngine(kind, 0.0), METHODS[2])
-
-
-def test_every_test_has_a_planted_fault() -> None:
-    assert set(FAULTS) == set(TESTS)
-
-
-@each_case("name", [*TESTS])
-def test_a_faultless_engine_passes(name: str) -> None:
+@each_case("name", sorted({*TESTS, *FAULTS}))
+def test_a_faultless_engine_passes_and_a_planted_fault_is_detected(name: str) -> None:
     passed(TESTS[name], Stepped)
-
-
-@each_case("name", [*FAULTS])
-def test_a_planted_fault_is_detected(name: str) -> None:
     with pytest.raises(pytest.fail.Exception, match=r"it (disagrees|diverges|failed)"):
         passed(TESTS[name], FAULTS[name])
 
@@ -193,6 +173,6 @@ def test_a_planted_fault_is_detected(name: str) -> None:
 def passed(test: Callable[[Any], None], kind: type[Stepped]) -> None:
     """Run a test; one that is skipped has decided nothing."""
     try:
-        test(subject_of(kind))
+        test(EngineSubject(SteppedEngine(kind, 0.0), METHODS[2]))
     except pytest.skip.Exception as reason:
         raise AssertionError(f"undecided: {reason}") from None

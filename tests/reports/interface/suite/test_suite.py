@@ -6,7 +6,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 import spincheck
-from _pytest.pytester import SysModulesSnapshot
 from spincheck.engines import engines
 from spincheck.suite import SCENES, VERSION
 
@@ -36,19 +35,14 @@ DAMPING, TORQUE = "test_no_hidden_damping", "test_torque_in_world_axes"
 
 
 @pytest.fixture
-def suite(pytester, monkeypatch):
+def suite(pytester, run_pytest):
     """Run pytest on the suite, in this process."""
-    # pytester would forget what is imported meanwhile, and numba imports its parts but once.
-    keeping_all = SysModulesSnapshot(preserve=lambda _: True)
-    monkeypatch.setattr(pytester, "_sys_modules_snapshot", keeping_all)
-    monkeypatch.setattr(pytester, "_Pytester__take_sys_modules_snapshot", lambda: keeping_all)
     pytester.makepyfile(faulty=FAULTY)
     pytester.syspathinsert()
     known = dict(engines())
 
     def run_on(*arguments: str, of: str = "spincheck.suite.test_physics"):
-        options = ("-p", "no:cacheprovider", "-p", "no:xdist", "-rsx", "--pyargs", of)
-        return pytester.runpytest_inprocess(*options, *arguments)
+        return run_pytest("-p", "no:xdist", "-rsx", "--pyargs", of, *arguments)
 
     yield run_on
     engines().clear()
@@ -62,13 +56,10 @@ def named(*names: str) -> list[str]:
 REQUIRED = [name for name in ("mujoco", "pybullet") if name in engines()]
 
 
-def test_the_engines_of_this_installation_keep_the_contract_of_adapters(suite) -> None:
+def test_the_engines_of_this_installation_fail_nothing_but_what_they_are_known_to(suite) -> None:
     result = suite(*named(*REQUIRED), of="spincheck.suite.test_adapter")
     assert result.ret == 0
     assert set(result.parseoutcomes()) == {"passed"}
-
-
-def test_of_their_motions_nothing_fails_but_what_is_known_to(suite) -> None:
     # One method of each engine, and each as shipped; of all methods: `make suite`.
     chosen = "pybullet-multibody] or pybullet-default] or mujoco-RK4 or mujoco-default"
     result = suite(*named(*REQUIRED), "-k", chosen, "--spincheck-xfails", str(KNOWN))
@@ -103,10 +94,7 @@ REFUSED = {
     "a version to come": ((*named("mujoco"), "--spincheck-suite", "9999.01"), f"must be {VERSION}"),
     "no file": ((*named("mujoco"), "--spincheck-xfails", "none.toml"), "cannot be read: No such"),
     "no TOML": ((*named("mujoco"), "--spincheck-xfails", "faulty.py"), "must be TOML in UTF-8"),
-    "no test": (
-        (*named("mujoco"), "--spincheck-xfails", "typo.toml"),
-        "mean*test_heavy_top",
-    ),
+    "no test": ((*named("mujoco"), "--spincheck-xfails", "typo.toml"), "mean*test_heavy_top"),
     "no reason": ((*named("mujoco"), "--spincheck-xfails", "mute.toml"), "must have its reason"),
 }
 

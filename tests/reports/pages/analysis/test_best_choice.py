@@ -83,7 +83,4 @@ def test_each_engine_has_a_choice_but_another_reader_of_models_has_none() -> Non
 def test_timesteps_are_rounded_down_to_what_people_type(timestep, shorter, text) -> None:
     assert rounded_down(timestep) == shorter
     assert typed(shorter) == text
-
-
-def test_a_rate_is_typed_as_a_fraction() -> None:
     assert typed(1 / 240) == "1/240"

@@ -15,7 +15,7 @@ from ladders import (
     bending_down,
     bending_up,
     chosen,
-    only_top,
+    only,
     scene_of,
     straight,
     with_law,
@@ -27,21 +27,18 @@ from spincheck.reports.pages.analysis.cost_to_reach import LEVELS
 from spincheck.reports.pages.analysis.report_data import SceneRuns
 from spincheck.reports.pages.analysis.wording import number
 from spincheck.reports.pages.cost_section import MARKS, reach_table
-from spincheck.reports.results.records import Key
-from spincheck.reports.results.results import Results, SceneResult
+from spincheck.reports.results.records import Key, Row
+from spincheck.reports.results.results import SceneResult
 from spincheck.scenarios import Errors
 
 
 def test_an_engine_as_shipped_is_no_candidate() -> None:
-    stored = with_law(straight)
-    pair = ("mujoco", "Euler")
-    assert pair in labels_of(stored)
+    stored, pair = with_law(straight), ("mujoco", "Euler")
     shipped = {pair: replace(stored.methods[pair], as_shipped=True)}
-    assert pair not in labels_of(replace(stored, methods=stored.methods | shipped))
-
-
-def labels_of(stored: Results) -> list[tuple[str, str]]:
-    return [(c.key.engine, c.key.method) for c in candidates(scene_of(stored), {"omega": BETWEEN})]
+    other = replace(stored, methods=stored.methods | shipped)
+    for found, is_there in ((stored, True), (other, False)):
+        tried = candidates(scene_of(found), {"omega": BETWEEN})
+        assert (pair in [(one.key.engine, one.key.method) for one in tried]) == is_there
 
 
 LAWS = [straight, bending_up, bending_down]
@@ -62,7 +59,7 @@ def test_the_tightest_of_several_bounds_decides() -> None:
 
 
 def test_the_cheapest_comes_first_and_what_is_out_of_reach_last() -> None:
-    choices = candidates(scene_of(only_top(results())), {"omega": BETWEEN})
+    choices = candidates(scene_of(only(results())), {"omega": BETWEEN})
     costs = [candidate.cost or math.inf for candidate in choices]
     assert costs == sorted(costs)
     assert choices[0].key.method == "RK4"
@@ -71,16 +68,14 @@ def test_the_cheapest_comes_first_and_what_is_out_of_reach_last() -> None:
 
 
 def test_the_largest_stable_timestep_is_below_the_last_blow_up() -> None:
+    def blown_up(row: Row) -> Row:
+        ends = row.key.method == "Euler" and row.timestep == TIMESTEPS[1]
+        return replace(row, outcome="diverged", errors=None) if ends else row
+
     stored = with_law(straight)
-    rows = [
-        replace(row, outcome="diverged", errors=None)
-        if row.key.method == "Euler" and row.timestep == TIMESTEPS[1]
-        else row
-        for row in stored.rows
-    ]
+    after = replace(stored, rows=list(map(blown_up, stored.rows)))
     assert chosen(stored, "Euler", omega=BETWEEN).largest_stable == TIMESTEPS[0]
-    after = chosen(replace(stored, rows=rows), "Euler", omega=BETWEEN)
-    assert after.largest_stable == TIMESTEPS[2]
+    assert chosen(after, "Euler", omega=BETWEEN).largest_stable == TIMESTEPS[2]
 
 
 def test_costs_within_the_spread_of_the_timings_are_called_alike() -> None:
@@ -94,7 +89,7 @@ def test_costs_within_the_spread_of_the_timings_are_called_alike() -> None:
 
 def of_the_library() -> Iterator[SceneRuns]:
     """Every scene with made-up runs, whose orders, sizes, bends and costs differ scene by scene."""
-    stored = results()
+    stored = only(results())
     stand_in = stored.scenes[TOP].solution
     for k, scenario in enumerate(library()):
         random = np.random.default_rng(k)
@@ -107,13 +102,8 @@ def of_the_library() -> Iterator[SceneRuns]:
                 seconds_per_step=row.seconds_per_step and row.seconds_per_step * price,
             )
             for row in stored.rows
-            if row.key.scenario == TOP
         ]
-        verdicts = [
-            replace(verdict, key=replace(verdict.key, scenario=scenario.name))
-            for verdict in stored.verdicts
-            if verdict.key.scenario == TOP
-        ]
+        verdicts = [replace(v, key=replace(v.key, scenario=scenario.name)) for v in stored.verdicts]
         scenes = {scenario.name: SceneResult(scenario, stand_in)}
         yield scene_of(replace(stored, scenes=scenes, rows=rows, verdicts=verdicts))
 

@@ -20,68 +20,54 @@ from spincheck.reports.pages.cost_section import (
 from spincheck.reports.pages.figures.profile_figure import profile_figures
 
 
-def three_scenes() -> list[list[Curve]]:
-    """Method a costs 1, 3 and ∞ times the cheapest, method b 2, 1 and 1."""
-    a, b = {"engine": "e", "method": "a"}, {"engine": "e", "method": "b"}
-    far = {"verdict": "disagrees"}
-    return [
-        [curve_of_law(law(1), 1e-6, **a), curve_of_law(law(1), 2e-6, **b)],
-        [curve_of_law(law(1), 3e-6, **a), curve_of_law(law(1), 1e-6, **b)],
-        [curve_of_law(law(1), 3e-6, **a, **far), curve_of_law(law(1), 1e-6, **b)],
-    ]
+def curve(method: str, seconds: float = 1e-6, **facts: object) -> Curve:
+    return curve_of_law(law(1), seconds, engine="e", method=method, **facts)
 
 
+#: Method a costs 1, 3 and ∞ times the cheapest, method b 2, 1 and 1.
+THREE_SCENES = [
+    [curve("a", 1e-6), curve("b", 2e-6)],
+    [curve("a", 3e-6), curve("b", 1e-6)],
+    [curve("a", 3e-6, verdict="disagrees"), curve("b", 1e-6)],
+]
+A, B = ("e", "a"), ("e", "b")
 BELOW = COARSEST_ERROR / 1000
 
 
-@pytest.mark.parametrize(
-    ("method", "factor", "scenes"),
-    [("a", 1, 1), ("a", 2.9, 1), ("a", 3.1, 2), ("a", math.inf, 2), ("b", 1, 2), ("b", 2.1, 3)],
-)
-def test_a_profile_counts_the_scenes_within_a_factor(
-    method: str, factor: float, scenes: int
-) -> None:
-    curve = profile(three_scenes(), "omega", BELOW)
-    assert curve.fraction(("e", method), factor) == scenes / 3
+def test_a_profile_counts_the_scenes_within_a_factor() -> None:
+    within = profile(THREE_SCENES, "omega", BELOW)
+    of_a = [within.fraction(A, factor) for factor in (1, 2.9, 3.1, math.inf)]
+    assert of_a == [1 / 3, 1 / 3, 2 / 3, 2 / 3]
+    assert [within.fraction(B, factor) for factor in (1, 2.1)] == [2 / 3, 1]
+    # A scene that nobody reaches still counts.
+    unresolved = [curve(method, verdict="unresolved") for method in "ab"]
+    assert profile([*THREE_SCENES, unresolved], "omega", BELOW).fraction(B, math.inf) == 3 / 4
 
 
-def test_a_scene_that_nobody_reaches_still_counts() -> None:
-    unresolved = [curve_of_law(law(1), engine="e", method=m, verdict="unresolved") for m in "ab"]
-    curve = profile([*three_scenes(), unresolved], "omega", BELOW)
-    assert curve.fraction(("e", "b"), math.inf) == 3 / 4
-
-
-def test_a_tally_tells_what_is_extrapolated() -> None:
-    counts = tally(three_scenes(), ("e", "a"), BELOW)
+def test_a_tally_tells_what_is_extrapolated_and_a_median_counts_what_is_out_of_reach() -> None:
+    """And leaves out what a method cannot simulate."""
+    counts = tally(THREE_SCENES, A, BELOW)
     assert (counts.reached, counts.extrapolated) == (2, 2)
-    measured = tally(three_scenes(), ("e", "a"), COARSEST_ERROR / 7)
+    measured = tally(THREE_SCENES, A, COARSEST_ERROR / 7)
     assert (measured.reached, measured.extrapolated) == (3, 0)
-
-
-def test_a_median_counts_what_is_out_of_reach_as_infinite() -> None:
-    counts = tally(three_scenes(), ("e", "a"), BELOW)
-    assert counts.median_cost == pytest.approx(3e-6 / (COARSEST / 1000), rel=ROUNDING)
-    assert tally(three_scenes()[1:], ("e", "a"), BELOW).median_cost == math.inf
-
-
-def test_a_median_leaves_out_what_a_method_cannot_simulate() -> None:
-    cannot = [
-        curve_of_law(law(1), engine="e", method="a", verdict="unsupported", points=(), stable=())
-    ]
-    counts = tally([*three_scenes()[:1], cannot, cannot], ("e", "a"), BELOW)
-    assert counts.median_cost == pytest.approx(1e-6 / (COARSEST / 1000), rel=ROUNDING)
+    steps = COARSEST / 1000
+    cannot = [curve("a", verdict="unsupported", points=(), stable=())]
+    assert tally(THREE_SCENES, A, BELOW).median_cost == pytest.approx(3e-6 / steps, rel=ROUNDING)
+    assert tally(THREE_SCENES[1:], A, BELOW).median_cost == math.inf
+    counts = tally([THREE_SCENES[0], cannot, cannot], A, BELOW)
+    assert counts.median_cost == pytest.approx(1e-6 / steps, rel=ROUNDING)
 
 
 def test_ratios_of_orders_are_over_the_scenes_where_both_reach() -> None:
-    fourth = {"method": "c", "declared": 4}
-    scenes = [[*scene, curve_of_law(law(4), 4e-6, **fourth)] for scene in three_scenes()[:2]]
-    ratios = order_ratios([*scenes, three_scenes()[2]], BELOW)
+    fourth = curve_of_law(law(4), 4e-6, method="c", declared=4)
+    scenes = [[*scene, fourth] for scene in THREE_SCENES[:2]]
+    ratios = order_ratios([*scenes, THREE_SCENES[2]], BELOW)
     assert ratios == pytest.approx([1000 / (4 * 1000**0.25)] * 2, rel=ROUNDING)
 
 
 def test_a_profile_s_curve_ends_at_the_scenes_reached() -> None:
-    drawn = trace_styles([("e", "a"), ("e", "b")])
-    (figure,) = profile_figures([profile(three_scenes(), "omega", BELOW)], drawn)
+    within = profile(THREE_SCENES, "omega", BELOW)
+    (figure,) = profile_figures([within], trace_styles([A, B]))
     ends = {trace["name"]: values_of(trace["y"])[-1] for trace in figure["data"]}
     assert ends == {"e a": np.float32(2 / 3), "e b": 1.0}
 

@@ -3,6 +3,7 @@
 from dataclasses import replace
 
 import pytest
+from ladders import only
 from made_up import TIMESTEPS, TOP, results
 from spincheck.reports.pages.analysis.report_data import report_data
 from spincheck.reports.pages.analysis.timesteps import in_words, survival
@@ -32,41 +33,28 @@ def runs(*outcomes: str) -> list[Row]:
     ]
 
 
-def largest(*outcomes: str) -> float | None:
-    survived = survival(runs(*outcomes), PACE)
-    assert survived is not None
-    return survived.timestep
-
-
 @pytest.mark.parametrize("end", ["diverged", "failed", "lost", "unsupported"])
 def test_the_largest_is_the_one_below_the_finest_that_does_not_survive(end):
-    assert largest("ok", end, "ok", "ok") == 0.25
+    """In whatever order; its turn is that of the fastest rate."""
+    rows = runs("ok", end, "ok", "ok")
+    survived = survival(rows, PACE)
+    assert (survived.timestep, survived.turn) == (0.25, 0.25 * PACE)
+    assert survival(reversed(rows), PACE) == survived
 
 
 def test_a_finest_run_that_does_not_survive_leaves_none():
     survived = survival(runs("ok", "ok", "diverged"), PACE)
     assert (survived.timestep, survived.turn, survived.at_least) == (None, None, False)
     assert in_words(survived)[0] == "at none tested"
+    # What cannot be simulated neither survives nor fails.
+    assert survival(runs("unsupported"), PACE) is None
+    assert survival([], PACE) is None
 
 
 def test_where_all_survive_the_largest_is_a_lower_bound():
     survived = survival(runs("ok", "ok"), PACE)
     assert (survived.timestep, survived.at_least) == (1.0, True)
     assert in_words(survived) == ("≥ 1.00", "≥ 5.00")
-
-
-def test_the_turn_is_that_of_the_fastest_rate():
-    assert survival(runs("diverged", "ok"), PACE).turn == 0.5 * PACE
-
-
-def test_the_order_of_the_runs_does_not_matter():
-    rows = runs("ok", "lost", "ok", "ok")
-    assert survival(reversed(rows), PACE) == survival(rows, PACE)
-
-
-def test_what_cannot_be_simulated_neither_survives_nor_fails():
-    assert survival(runs("unsupported"), PACE) is None
-    assert survival([], PACE) is None
 
 
 def hardened() -> Results:
@@ -77,13 +65,10 @@ def hardened() -> Results:
     return replace(stored, scenes=stored.scenes | {"made-up-top": replace(scene, scenario=hard)})
 
 
-def test_hard_scenes_are_those_that_are_tagged_so():
-    assert [scene.name for scene in hard_scenes(report_data(hardened()))] == ["made-up-top"]
-    assert hard_scenes(report_data(results())) == ()
-
-
-def test_hard_scenes_are_counted_separately():
+def test_hard_scenes_are_those_that_are_tagged_so_and_counted_separately():
     gathered = report_data(hardened())
+    assert [scene.name for scene in hard_scenes(gathered)] == ["made-up-top"]
+    assert hard_scenes(report_data(results())) == ()
     assert "made-up-top" not in [scene.name for scene in gathered.plain.scenes]
     assert len(gathered.plain.scenes) == len(gathered.scenes) - 1
     assert "Hard scenes (1) are counted separately" in headline(gathered)
@@ -91,29 +76,19 @@ def test_hard_scenes_are_counted_separately():
 
 
 def test_where_all_scenes_are_hard_nothing_is_left_out():
-    stored = hardened()
-    alone = replace(
-        stored,
-        scenes={"made-up-top": stored.scenes["made-up-top"]},
-        rows=[row for row in stored.rows if row.key.scenario == "made-up-top"],
-        verdicts=[v for v in stored.verdicts if v.key.scenario == "made-up-top"],
-    )
-    gathered = report_data(alone)
+    gathered = report_data(only(hardened()))
     assert gathered.plain.scenes == gathered.scenes != ()
     assert headline(gathered).startswith("1 scene ")
 
 
-def test_each_method_has_a_line_that_counts_what_it_survives():
-    listed = survivors_table(report_data(hardened()))
+def test_each_method_has_a_line_that_counts_what_it_survives_and_a_cell_with_the_largest():
+    gathered = report_data(hardened())
+    listed = survivors_table(gathered)
     lines = {(row[0].text, row[1].text): [cell.text for cell in row[2:]] for row in listed.rows}
     assert lines["mujoco", "Euler"][:-1] == ["1", "1", "1", "1", "1", "1"]
     assert lines["pybullet", "multibody"][:-1] == ["1", "0", "0", "0", "0", "0"]
     assert lines["elsewhere", "plain"][0] == "0"
     assert len(lines["mujoco", "Euler"]) == 4 + len(TURNS)
-
-
-def test_each_cell_has_verdict_and_largest_timestep():
-    gathered = report_data(hardened())
     fastest_rate = hard_scenes(gathered)[0].fastest_rate
     matrix = survivors(gathered)
     _, ((_, cells),) = matrix.groups[0]

@@ -11,17 +11,16 @@ from laws import ROUNDING, RUNGS, curve_of_law, law
 from made_up import METHODS, SECONDS_PER_STEP, TIMESTEPS, UNCERTAINTY, results
 from spincheck.reports.harness.measuring.asymptotic import ASYMPTOTIC
 from spincheck.reports.pages.analysis.report_data import SceneRuns, report_data
-from spincheck.reports.pages.analysis.work_precision import (
-    cost,
-    curves,
-    front,
-)
+from spincheck.reports.pages.analysis.work_precision import cost, curves, front
 from spincheck.scenarios import EVERYWHERE
 
 
 def test_cost_is_seconds_a_simulated_second(top: SceneRuns) -> None:
-    euler = next(curve for curve in curves(top, "omega") if curve.label == "mujoco Euler")
+    tried = curves(top, "omega")
+    euler = next(curve for curve in tried if curve.label == "mujoco Euler")
     assert [point.cost for point in euler.points] == [SECONDS_PER_STEP / dt for dt in TIMESTEPS]
+    row = next(row for row in results().rows if row.outcome == "ok")
+    assert cost(replace(row, seconds_per_step=None)) is None
 
 
 def test_every_run_that_ended_well_is_a_point_and_no_other_is(top: SceneRuns) -> None:
@@ -31,15 +30,15 @@ def test_every_run_that_ended_well_is_a_point_and_no_other_is(top: SceneRuns) ->
         f"{m.engine} {m.method}": len(TIMESTEPS) if m.verdict in finished else 0 for m in METHODS
     }
     assert points_of == wanted
+    unsolved = next(scene for scene in report_data(results()).scenes if scene.solved is None)
+    assert curves(unsolved, "omega") == []
 
 
-@pytest.mark.parametrize("signal", EVERYWHERE)
-def test_no_error_is_below_what_the_reference_is_good_for(top: SceneRuns, signal: str) -> None:
-    limit = getattr(UNCERTAINTY, signal)
-    assert all(p.error >= limit for curve in curves(top, signal) for p in curve.points)
-
-
-def test_some_runs_would_claim_less_than_the_reference_is_good_for(top: SceneRuns) -> None:
+def test_no_error_is_below_what_the_reference_is_good_for(top: SceneRuns) -> None:
+    for signal in EVERYWHERE:
+        limit = getattr(UNCERTAINTY, signal)
+        assert all(p.error >= limit for curve in curves(top, signal) for p in curve.points)
+    # Some runs would claim less.
     tight = replace(UNCERTAINTY, attitude=1e-6)
     tightened = replace(top.solved, solution=replace(top.solved.solution, uncertainty=tight))
     raised = curves(replace(top, solved=tightened), "attitude")
@@ -55,11 +54,6 @@ def test_errors_are_shown_in_signals_that_the_reference_and_every_run_have(top: 
     assert [signal.name for signal in known.signals] == list(EVERYWHERE)
 
 
-def test_a_scene_without_an_exact_motion_has_no_curves() -> None:
-    unsolved = next(scene for scene in report_data(results()).scenes if scene.solved is None)
-    assert curves(unsolved, "omega") == []
-
-
 def test_stable_runs_are_those_below_the_last_that_did_not_end_well(top: SceneRuns) -> None:
     runs = next(runs for runs in top.methods if runs.label == "mujoco Euler")
     rows = tuple(
@@ -71,43 +65,26 @@ def test_stable_runs_are_those_below_the_last_that_did_not_end_well(top: SceneRu
     assert [point.timestep for point in curve.points] == [*TIMESTEPS[:2], *TIMESTEPS[3:]]
 
 
-@pytest.mark.parametrize("order", [1, 2, 4])
-def test_the_order_of_a_law_is_found(order: int) -> None:
-    assert curve_of_law(law(order)).observed_order == pytest.approx(order, rel=ROUNDING)
-
-
-def test_the_order_of_growing_errors_is_negative() -> None:
-    assert curve_of_law(law(-1, 1e-3)).observed_order == pytest.approx(-1, rel=ROUNDING)
-
-
-def test_an_order_is_not_read_off_saturated_errors() -> None:
-    """Too few of them are asymptotic: the order is the verdict's."""
+@pytest.mark.parametrize(("order", "coarsest"), [(1, 0.05), (2, 0.05), (4, 0.05), (-1, 1e-3)])
+def test_the_order_of_a_law_is_found_negative_if_errors_grow(order: int, coarsest: float) -> None:
+    found = curve_of_law(law(order, coarsest)).observed_order
+    assert found == pytest.approx(order, rel=ROUNDING)
+    # Too few of saturated errors are asymptotic: the order is the verdict's.
     saturated = curve_of_law(law(1, ASYMPTOTIC * 2 ** (RUNGS - 1)), order=1.5)
     assert saturated.observed_order == 1.5
 
 
 def test_every_point_of_the_front_is_better_than_all_cheaper_ones(top: SceneRuns) -> None:
-    best = [point for _, point in front(curves(top, "omega"))]
-    assert len(best) > 2
-    assert all(a.cost < b.cost and a.error > b.error for a, b in pairwise(best))
-
-
-def test_every_other_point_is_beaten_by_one_of_the_front(top: SceneRuns) -> None:
+    """And every other one is beaten by one of the front; untimed runs are none."""
     tried = curves(top, "omega")
     best = [point for _, point in front(tried)]
+    assert len(best) > 2
+    assert all(a.cost < b.cost and a.error > b.error for a, b in pairwise(best))
     others = [p for curve in tried for p in curve.points if p not in best]
     assert others
     for point in others:
         assert any(b.cost <= point.cost and b.error <= point.error for b in best)
-
-
-def test_untimed_runs_are_not_on_the_front() -> None:
     assert front([curve_of_law(law(1), seconds=None)]) == []
-
-
-def test_a_row_that_was_not_timed_has_no_cost() -> None:
-    row = next(row for row in results().rows if row.outcome == "ok")
-    assert cost(replace(row, seconds_per_step=None)) is None
 
 
 DOCS = Path(__file__).parents[4] / "docs/explanation/cost.md"

@@ -33,8 +33,7 @@ from spincheck.reports.pages.page_data import PageData
 from spincheck.reports.pages.scene.motion_data import motion_data
 from spincheck.reports.pages.templating import source
 from spincheck.reports.results.records import Key, Row
-from spincheck.reports.results.results import Results
-from spincheck.scenarios import SIGNAL
+from spincheck.scenarios import EVERYWHERE
 
 pytestmark = pytest.mark.slow
 
@@ -62,16 +61,12 @@ def brick() -> dict[str, Titled]:
     return drawn(scene(BRICK))
 
 
-def test_a_heavy_top_has_its_figures(top: dict[str, Titled]) -> None:
+def test_a_scene_has_the_figures_of_its_kind(
+    top: dict[str, Titled], brick: dict[str, Titled]
+) -> None:
     motion, ladder = ["tilt", "omega", "defect"], ["convergence", "cost"]
     assert list(top) == [*motion, *ladder, "axis", "polhode", "potential"]
-
-
-def test_a_free_body_has_its_figures(brick: dict[str, Titled]) -> None:
-    assert list(brick) == ["tilt", "omega", "defect", "convergence", "cost", "polhode"]
-
-
-def test_a_scene_without_an_exact_motion_has_none() -> None:
+    assert list(brick) == [*motion, *ladder, "polhode"]
     assert drawn(scene(UNSOLVED)) == {}
 
 
@@ -79,22 +74,16 @@ def test_plotly_accepts_every_figure(top: dict[str, Titled], brick: dict[str, Ti
     for titled in [*top.values(), *brick.values()]:
         for part in titled.parts:
             go.Figure(coloured(part))
-
-
-def test_plotly_refuses_what_it_does_not_know(top: dict[str, Titled]) -> None:
-    planted = top["tilt"].parts[0] | {"layout": {"xaxes": {}}}
     with pytest.raises(ValueError, match="xaxes"):
-        go.Figure(coloured(planted))
+        go.Figure(coloured(top["tilt"].parts[0] | {"layout": {"xaxes": {}}}))
 
 
-def test_no_figure_shows_an_error_below_the_reference(top: dict[str, Titled]) -> None:
+def test_no_figure_shows_an_error_below_the_reference(
+    top: dict[str, Titled], monkeypatch: pytest.MonkeyPatch
+) -> None:
     assert list(_errors_too_small(top)) == []
-
-
-def test_an_error_shown_below_the_reference_would_be_seen(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(ladder_figures, "_claimed", lambda _, rows, __: np.full(len(rows), 1e-16))
-    titles = {titled for titled, _ in _errors_too_small(drawn(scene(TOP)))}
-    assert titles == set(LADDER)
+    assert {titled for titled, _ in _errors_too_small(drawn(scene(TOP)))} == set(LADDER)
 
 
 @pytest.mark.parametrize("figure", LADDER)
@@ -106,25 +95,18 @@ def test_every_method_that_ran_is_in_every_figure(top: dict[str, Titled], figure
         assert ran - traced == (set() if figure == "convergence" else {"elsewhere fancy<i>"})
 
 
-def test_no_line_has_more_samples_than_a_page_carries() -> None:
+def test_no_line_has_more_samples_than_a_page_carries_and_each_has_both_ends() -> None:
     for titled in drawn(scene(TOP, samples=2001)).values():
         for part in titled.parts:
             for trace in part["data"]:
                 assert len(values_of(trace["x"])) <= MOST_DENSE
-
-
-def test_thinning_keeps_both_ends() -> None:
     indices = thinned(2001)
-    assert len(indices) == MOST_SAMPLES
-    assert (indices[0], indices[-1]) == (0, 2000)
+    assert (len(indices), indices[0], indices[-1]) == (MOST_SAMPLES, 0, 2000)
 
 
 def test_convergence_shows_the_error_of_every_finished_run(top: dict[str, Titled]) -> None:
-    euler = next(
-        trace
-        for trace in top["convergence"].parts[0]["data"]
-        if trace.get("legendgroup") == "mujoco Euler" and trace["xaxis"] == "x"
-    )
+    of_euler = traces(top["convergence"].parts[0], "mujoco Euler")
+    euler = next(trace for trace in of_euler if trace["xaxis"] == "x")
     rows = [row for row in results().rows if _label(row.key) == "mujoco Euler" and row.errors]
     wanted = [row.errors.omega for row in rows if row.key.scenario == TOP and row.errors]
     np.testing.assert_array_equal(values_of(euler["x"]), np.float32(TIMESTEPS))
@@ -136,12 +118,10 @@ def test_a_diverged_run_is_a_cross_on_a_strip_of_its_own(
     top: dict[str, Titled], figure: str
 ) -> None:
     for part in top[figure].parts:
-        multibody = [t for t in part["data"] if t.get("legendgroup") == "pybullet multibody"]
+        multibody = traces(part, "pybullet multibody")
         assert {(t["marker"]["symbol"], t["yaxis"]) for t in multibody} == {("x-thin-open", "y2")}
         assert sum(len(values_of(t["x"])) for t in multibody) == len(TIMESTEPS)
-
-
-def test_no_run_with_an_error_is_on_the_strip(top: dict[str, Titled]) -> None:
+    # None with an error is there.
     marks = [t for t in top["convergence"].parts[0]["data"] if t["yaxis"] == "y2"]
     assert {t["legendgroup"] for t in marks} == {"pybullet multibody", "elsewhere fancy<i>"}
 
@@ -155,9 +135,8 @@ def test_stock_timesteps_have_rings(top: dict[str, Titled]) -> None:
 
 
 def test_guides_have_the_declared_slopes(top: dict[str, Titled]) -> None:
-    guides = [
-        t for t in top["convergence"].parts[0]["data"] if t.get("name", "").startswith("order")
-    ]
+    drawn = top["convergence"].parts[0]["data"]
+    guides = [trace for trace in drawn if trace.get("name", "").startswith("order")]
     assert {t["name"] for t in guides} == {"order 1", "order 4"}
     for guide in guides:
         slope = np.polyfit(np.log(values_of(guide["x"])), np.log(values_of(guide["y"])), 1)[0]
@@ -165,18 +144,15 @@ def test_guides_have_the_declared_slopes(top: dict[str, Titled]) -> None:
         assert slope == pytest.approx(int(guide["name"].split()[1]), abs=4 * 2.0**-23 / math.log(2))
 
 
-def test_cost_is_seconds_a_simulated_second(top: dict[str, Titled]) -> None:
-    row = next(row for row in results().rows if row.seconds_per_step)
+def test_cost_is_seconds_a_simulated_second_and_of_timed_runs(top: dict[str, Titled]) -> None:
+    stored = results()
+    row = next(row for row in stored.rows if row.seconds_per_step)
     assert row.seconds_per_step is not None
     assert cost(row) == row.seconds_per_step / row.timestep
-    first = next(t for t in top["cost"].parts[0]["data"] if t.get("legendgroup") == _label(row.key))
+    first, *_ = traces(top["cost"].parts[0], _label(row.key))
     assert values_of(first["x"])[0] == np.float32(cost(row))
-
-
-def test_untimed_runs_have_no_cost_figure() -> None:
-    stored = results()
-    untimed = [Row(**vars(row) | {"seconds_per_step": None}) for row in stored.rows]
-    gathered = report_data(Results(**vars(stored) | {"rows": untimed}))
+    untimed = [replace(row, seconds_per_step=None) for row in stored.rows]
+    gathered = report_data(replace(stored, rows=untimed))
     named = {name for scene in gathered.scenes for name in drawn(scene)}
     assert "convergence" in named
     assert "cost" not in named
@@ -218,71 +194,54 @@ def test_the_polhode_starts_at_the_scenes_own_rates_and_stays_on_the_ellipsoid(
     np.testing.assert_allclose(tips[0], start / np.sqrt(start**2 @ moments), rtol=slack)
 
 
-def test_a_method_has_one_colour_in_all_engines() -> None:
+def test_a_method_has_one_colour_in_all_engines_and_none_differ_in_hue_alone() -> None:
     drawn_as = trace_styles([("a", "Euler"), ("a", "RK4"), ("b", "RK4")])
     assert drawn_as["a", "RK4"].colour == drawn_as["b", "RK4"].colour
     assert drawn_as["a", "Euler"].colour != drawn_as["a", "RK4"].colour
-
-
-def test_no_two_methods_differ_in_hue_alone() -> None:
     pairs = [(f"engine {k // 9}", f"method {k % 9}") for k in range(len(DASHES) * len(SYMBOLS))]
     assert len({(look.dash, look.symbol) for look in trace_styles(pairs).values()}) == len(pairs)
 
 
 def test_colours_are_those_of_the_whole_study_on_every_page() -> None:
-    per_page = [
-        {trace["legendgroup"]: trace["line"]["color"]}
-        for name in (TOP, BRICK)
-        for titled in drawn(scene(name)).values()
-        for trace in titled.parts[0]["data"]
-        if "legendgroup" in trace
-    ]
     merged: dict[str, str] = {}
-    for colours in per_page:
-        for label, colour in colours.items():
-            assert merged.setdefault(label, colour) == colour
+    for titled in [*drawn(scene(TOP)).values(), *drawn(scene(BRICK)).values()]:
+        for trace in titled.parts[0]["data"]:
+            if label := trace.get("legendgroup"):
+                colour = trace["line"]["color"]
+                assert merged.setdefault(label, colour) == colour
 
 
-def test_colours_are_different() -> None:
+def test_colours_are_different_and_stand_out_on_light_and_on_dark_paper() -> None:
     assert len(set(COLOURS)) == len(COLOURS)
-
-
-@pytest.mark.parametrize("colour", COLOURS)
-def test_colours_stand_out_on_light_and_on_dark_paper(colour: str) -> None:
-    style = source("style.css")
-    papers = re.findall(r"--paper: (#\w{6})", style)
+    papers = re.findall(r"--paper: (#\w{6})", source("style.css"))
     assert len(papers) == 2
-    assert min(contrast(colour, paper) for paper in papers) >= GRAPHICS
+    for colour in COLOURS:
+        assert min(contrast(colour, paper) for paper in papers) >= GRAPHICS, colour
 
 
-def test_axes_reach_from_below_the_floor_to_above_the_errors() -> None:
+def test_axes_reach_from_below_the_floor_to_above_the_errors_that_are_drawn() -> None:
     low, high = error_range([np.array([1e-5, np.nan, 1e-3])], floor=1e-12)
     assert low < 1e-12
     assert high > 1e-3
-
-
-def test_an_error_of_nothing_is_not_drawn() -> None:
+    # An error of nothing is not drawn.
     low, high = error_range([np.array([np.nan])], floor=np.inf)
     assert 0 < low < high < np.inf
     assert np.isnan(claimed(np.array([0.0, np.inf]), np.inf)).all()
+    # Blow-ups do not squeeze the rest.
+    _, high = error_range([np.array([1e-5]), np.array([1e30])], floor=1e-12)
+    assert high < 1e3
 
 
 @pytest.mark.parametrize("size", [1e3, 1e35, 1e150])
 def test_a_run_that_blows_up_leaves_the_figures_readable(size: float) -> None:
+    def wild(row: Row) -> Row:
+        if row.outcome != "diverged" or row.motion is None:
+            return row
+        growth = np.linspace(1.0, size, len(row.motion.t))[:, None]
+        return replace(row, motion=replace(row.motion, omega_body=row.motion.omega_body * growth))
+
     stored = results()
-    k = next(
-        k
-        for k, row in enumerate(stored.rows)
-        if row.key.scenario == BRICK and row.outcome == "diverged"
-    )
-    motion = stored.rows[k].motion
-    assert motion is not None
-    omega = motion.omega_body * np.linspace(1.0, size, len(motion.t))[:, None]
-    wild = replace(motion, omega_body=omega)
-    rows = [
-        Row(**vars(row) | {"motion": wild}) if n == k else row for n, row in enumerate(stored.rows)
-    ]
-    gathered = report_data(Results(**vars(stored) | {"rows": rows[: k + 1]}))
+    gathered = report_data(replace(stored, rows=list(map(wild, stored.rows))))
     brick = next(scene for scene in gathered.scenes if scene.name == BRICK)
     for titled in drawn(brick).values():
         for part in titled.parts:
@@ -299,7 +258,7 @@ def test_a_run_sampled_at_times_of_its_own_is_compared_with_the_exact_motion_at_
     motion = next(row.motion for row in stored.rows if row.key.scenario == BRICK and row.motion)
     shifted = replace(motion, t=motion.t * 1.001)
     rows = [Row(Key(BRICK, "mujoco", "Euler"), "1.0", 0.1, "ok", motion=shifted)]
-    gathered = report_data(Results(**vars(stored) | {"rows": rows}))
+    gathered = report_data(replace(stored, rows=rows))
     scenario = stored.scenes[BRICK].scenario
     (run,) = next(scene for scene in gathered.scenes if scene.name == BRICK).compared
     np.testing.assert_array_equal(run.exact.t, shifted.t)
@@ -307,14 +266,14 @@ def test_a_run_sampled_at_times_of_its_own_is_compared_with_the_exact_motion_at_
     np.testing.assert_array_equal(run.exact.omega_body, exact.omega_body)
 
 
-def test_blow_ups_do_not_squeeze_the_rest() -> None:
-    _, high = error_range([np.array([1e-5]), np.array([1e30])], floor=1e-12)
-    assert high < 1e3
+def traces(part: Figure, label: str) -> list[Trace]:
+    """Those of a method."""
+    return [trace for trace in part["data"] if trace.get("legendgroup") == label]
 
 
 def _errors_too_small(figures: dict[str, Titled]) -> Iterator[tuple[str, float]]:
     for name in LADDER:
-        for signal, part in zip(SIGNAL, figures[name].parts, strict=True):
+        for signal, part in zip(EVERYWHERE, figures[name].parts, strict=True):
             # Values are drawn in single precision, and so is their limit.
             limit = np.float32(getattr(UNCERTAINTY, signal))
             for trace in part["data"]:

@@ -2,6 +2,7 @@
 
 import json
 import math
+from collections.abc import Callable
 from dataclasses import replace
 
 import pytest
@@ -64,6 +65,12 @@ def gathered() -> ReportData:
     return report_data(stocked())
 
 
+def answered(changed: Callable[[Row], Row]):
+    """The answer on the same runs, each changed."""
+    stored = stocked()
+    return answer(report_data(replace(stored, rows=list(map(changed, stored.rows)))))
+
+
 def scene(gathered: ReportData, name: str = "made-up-top"):
     return next(scene for scene in gathered.scenes if scene.name == name)
 
@@ -78,53 +85,53 @@ def cell(gathered: ReportData, method: str, engine: str = "mujoco") -> list:
 def shown(found, method: str) -> dict[str, str]:
     """A column of the answer's table, by measure."""
     column = found["table"].headings.index(method)
-    return {row[0].text: f"{row[column].text} {row[column].detail}" for row in found["table"].rows}
+    cells = {row[0].text: row[column] for row in found["table"].rows}
+    return {measure: f"{cell.text} {cell.detail}".strip() for measure, cell in cells.items()}
 
 
-def test_the_defaults_are_reported_with_their_size_in_degrees(gathered):
+def test_the_defaults_are_reported_with_their_size_in_degrees_unless_they_blow_up(gathered):
     # An error of first order, halved once.
     degrees = f"{math.degrees(SIZE[1] / 2):.1f}°"
     found = answer(gathered)
     assert f"mujoco default {degrees}" in found["lead"]
     assert "medians of 2 scenes" in found["about"]
     default = shown(found, "mujoco default")
-    assert default["timestep"].strip() == "10 ms"
-    assert default["off at the end"].strip() == degrees
-
-
-def test_a_default_that_blows_up_has_no_size(gathered):
-    found = answer(gathered)
+    assert (default["timestep"], default["off at the end"]) == ("10 ms", degrees)
     assert "pybullet default lost on 2 of 2 scenes" in found["lead"]
     assert shown(found, "pybullet default")["at worst"] == "∞ 2 runs blew up"
+    # Without engines as shipped there is nothing to answer.
+    assert answer(report_data(results())) is None
 
 
 def test_the_most_accurate_method_of_the_engine_is_offered_with_its_price(gathered):
+    """That of its steps, beside that of changing the method alone; without times none."""
     instead = shown(answer(gathered), "use mujoco RK4")
-    assert instead["timestep"].strip() == "10 ms"
-    assert instead["pruned"].strip() == "1.0 (1.0 to 1.0)"
+    assert (instead["timestep"], instead["pruned"]) == ("10 ms", "1.0 (1.0 to 1.0)")
     assert "CPU time of a step" not in instead
+    unpruned = left_out("clock", unpruned=4 * SECONDS_PER_STEP)
+    instead = shown(answer(gathered, [unpruned]), "use mujoco RK4")
+    assert instead["CPU time of a step"] == "4.0 (4.0 to 4.0)"
+    assert instead["pruned"] == "1.0 (1.0 to 1.0)"
 
+    def slower(row: Row) -> Row:
+        is_slower = row.key.method == "RK4" and row.seconds_per_step
+        return replace(row, seconds_per_step=3 * SECONDS_PER_STEP) if is_slower else row
 
-def test_without_times_nothing_is_said_of_cost():
-    stored = stocked()
-    rows = [replace(row, seconds_per_step=None) for row in stored.rows]
-    found = answer(report_data(replace(stored, rows=rows)))
-    assert "CPU" not in found["about"]
-    assert not {"CPU time of a step", "pruned"} & shown(found, "use mujoco RK4").keys()
+    assert shown(answered(slower), "use mujoco RK4")["pruned"] == "3.0 (3.0 to 3.0)"
+    untimed = answered(lambda row: replace(row, seconds_per_step=None))
+    assert "CPU" not in untimed["about"]
+    assert not {"CPU time of a step", "pruned"} & shown(untimed, "use mujoco RK4").keys()
 
 
 @each_case(("factor", "is_offered"), [(0.6, False), (0.4, True)])
 def test_a_method_is_offered_if_its_errors_are_half_the_defaults(factor, is_offered):
-    stored = stocked()
-
     def errs(row: Row) -> Row:
         size = {"default": 1.0, "Euler": 1.0, "RK4": factor}.get(row.key.method)
         if size is None or not row.errors:
             return row
         return replace(row, errors=replace(row.errors, attitude=size))
 
-    found = answer(report_data(replace(stored, rows=list(map(errs, stored.rows)))))
-    assert ("use mujoco RK4" in found["table"].headings) == is_offered
+    assert ("use mujoco RK4" in answered(errs)["table"].headings) == is_offered
 
 
 def left_out(*names: str, unpruned: float = SECONDS_PER_STEP) -> EffectsCost:
@@ -133,54 +140,26 @@ def left_out(*names: str, unpruned: float = SECONDS_PER_STEP) -> EffectsCost:
     return EffectsCost(key, names, SECONDS_PER_STEP, unpruned, Ratio(1.0, 0.0), STOCK, 1.0, 0.0)
 
 
-def test_the_price_of_changing_the_method_alone_stands_beside_that_of_pruning(gathered):
-    found = answer(gathered, [left_out("clock", unpruned=4 * SECONDS_PER_STEP)])
-    instead = shown(found, "use mujoco RK4")
-    assert instead["CPU time of a step"].strip() == "4.0 (4.0 to 4.0)"
-    assert instead["pruned"].strip() == "1.0 (1.0 to 1.0)"
-
-
 def test_turns_until_a_degree_and_the_error_a_turn_stand_first():
-    stored = stocked()
-    rows = [
-        replace(
-            row,
-            turns=len(row.motion.t) - 1.0,
-            turns_within_1deg=3.0,
-            attitude_a_turn=math.radians(0.5),
-        )
-        if row.stock and row.motion
-        else row
-        for row in stored.rows
-    ]
-    default = shown(answer(report_data(replace(stored, rows=rows))), "mujoco default")
-    assert default["1° off after"].strip() == "3.0 turns"
-    assert default["error a turn"].strip() == "0.50°"
+    def turning(row: Row) -> Row:
+        if not (row.stock and row.motion):
+            return row
+        turned = {"turns_within_1deg": 3.0, "attitude_a_turn": math.radians(0.5)}
+        return replace(row, turns=len(row.motion.t) - 1.0, **turned)
+
+    default = shown(answered(turning), "mujoco default")
+    assert (default["1° off after"], default["error a turn"]) == ("3.0 turns", "0.50°")
 
 
 def test_what_an_engine_cannot_simulate_did_not_blow_up():
-    stored = stocked()
-
     def cannot(row: Row) -> Row:
         if (row.key.scenario, row.key.method) != ("made-up-brick", "default") or not row.stock:
             return row
         return replace(row, outcome="unsupported", errors=None, motion=None)
 
-    found = answer(report_data(replace(stored, rows=list(map(cannot, stored.rows)))))
+    found = answered(cannot)
     assert "blew up" not in shown(found, "mujoco default")["at worst"]
     assert "medians of 1 scene;" in found["about"]
-
-
-def test_the_price_is_that_of_the_steps():
-    slow = stocked()
-    rows = [
-        replace(row, seconds_per_step=3 * SECONDS_PER_STEP)
-        if row.key.method == "RK4" and row.seconds_per_step
-        else row
-        for row in slow.rows
-    ]
-    instead = shown(answer(report_data(replace(slow, rows=rows))), "use mujoco RK4")
-    assert instead["pruned"].strip() == "3.0 (3.0 to 3.0)"
 
 
 def test_why_a_default_is_wrong_is_reported_by_name_and_count(gathered):
@@ -188,6 +167,8 @@ def test_why_a_default_is_wrong_is_reported_by_name_and_count(gathered):
     assert "mujoco default converges to the exact motion on 2 of 2 scenes" in why
     assert "pybullet default does not converge on 2 of 2 scenes, however short the timestep" in why
     assert "however short the timestep: damping (2), joint motor (2)." in why
+    # What changes no motion is no reason.
+    assert "joint motor" not in answer(gathered, [left_out("joint motor")])["why"]
 
 
 @pytest.mark.parametrize("acts", [True, False, None])
@@ -197,14 +178,6 @@ def test_a_default_that_alters_the_equations_of_motion_is_a_reason(acts):
     assert ("equations of motion are altered by its joint motor on 1, each alone" in why) == bool(
         acts
     )
-
-
-def test_what_changes_no_motion_is_no_reason(gathered):
-    assert "joint motor" not in answer(gathered, [left_out("joint motor")])["why"]
-
-
-def test_without_engines_as_shipped_there_is_nothing_to_answer():
-    assert answer(report_data(results())) is None
 
 
 def test_a_run_that_did_not_end_ok_has_no_number_in_the_table(gathered):
@@ -228,23 +201,17 @@ def test_a_run_that_ended_ok_has_its_cost_and_an_error_in_every_signal(gathered)
 
 def test_an_error_below_what_the_reference_is_good_for_is_a_bound(gathered):
     bound = cell(gathered, "RK4")["runs"]["finest"]["errors"]["attitude"]
-    assert bound < 0
-    assert -bound == scene(gathered).solved.solution.uncertainty.attitude
-
-
-def test_the_table_is_json_of_numbers_that_there_are(gathered):
+    assert bound == -scene(gathered).solved.solution.uncertainty.attitude < 0
+    # The table is JSON, of numbers that there are.
     json.dumps(heat_map(gathered), allow_nan=False)
 
 
-def test_the_best_choice_is_the_cheapest_within_the_bounds(gathered):
+def test_the_best_choice_is_the_cheapest_within_the_bounds_or_else_the_most_accurate(gathered):
     choice = best_choice(scene(gathered))
     assert choice.within
     assert choice.runs.label == "mujoco RK4"
     assert choice.row.timestep == TIMESTEPS[0]
     assert choice.row.errors.attitude <= ATTITUDE_WITHIN
-
-
-def test_where_nothing_is_within_the_bounds_it_is_the_most_accurate():
     coarse = stocked()
     rows = [r for r in coarse.rows if r.key.method != "RK4" and r.timestep >= TIMESTEPS[2]]
     choice = best_choice(scene(report_data(replace(coarse, rows=rows))))
@@ -254,10 +221,11 @@ def test_where_nothing_is_within_the_bounds_it_is_the_most_accurate():
 
 def test_what_diverged_or_is_lost_is_never_the_best_choice():
     best = stocked()
-    rows = []
-    for row in best.rows:
-        ended = {"outcome": "diverged", "errors": None} if row.timestep == TIMESTEPS[0] else {}
-        rows.append(replace(row, without_skill=row.timestep == TIMESTEPS[1], **ended))
+    rows = [replace(row, without_skill=row.timestep == TIMESTEPS[1]) for row in best.rows]
+    rows = [
+        replace(row, outcome="diverged", errors=None) if row.timestep == TIMESTEPS[0] else row
+        for row in rows
+    ]
     choice = best_choice(scene(report_data(replace(best, rows=rows))))
     assert choice.row.timestep == TIMESTEPS[2]
 

@@ -41,9 +41,8 @@ def test_the_sentence_says_which_default_does_most(alone, sentence):
 def test_an_error_that_is_negligible_is_no_effect_however_small_that_without_is():
     exact = replace(NONE, omega=0.0)
     tiny = replace(NONE, omega=NEGLIGIBLE / 2)
-    assert table_of(DefaultEffect("damping", tiny, exact), none=exact).sentence.startswith(
-        "None of"
-    )
+    table = table_of(DefaultEffect("damping", tiny, exact), none=exact)
+    assert table.sentence.startswith("None of")
 
 
 def test_the_table_has_a_row_a_default_and_one_of_none_and_all():

@@ -17,9 +17,8 @@ BOX = '<collision><geometry><box size="0.4 0.2 0.1"/></geometry></collision>'
 
 
 def page(folder: Path, text: str, name: str = "robot.urdf") -> str:
-    inspection = inspect_model(
-        read_model(written(folder, text, name)), InProcess(), reader_engines()
-    )
+    model = read_model(written(folder, text, name))
+    inspection = inspect_model(model, InProcess(), reader_engines())
     return write_model_page(inspection, folder / "out", "a-page").read_text(encoding="utf-8")
 
 
@@ -29,6 +28,11 @@ def cards(html: str) -> list[str]:
 
 def heading(card: str) -> str:
     return re.search(r"<h3>(\S+)", card)[1]
+
+
+def card_of_the_arm(html: str) -> str:
+    (card,) = (one for one in cards(html) if heading(one) == "arm")
+    return card
 
 
 def test_links_come_worst_first_and_good_ones_not_at_all(tmp_path):
@@ -45,8 +49,7 @@ def test_links_come_worst_first_and_good_ones_not_at_all(tmp_path):
 
 
 def test_a_card_has_three_views_of_both_bodies_and_the_angle_over_time(tmp_path):
-    html = page(tmp_path, arm(inside=BOX))
-    (card,) = (one for one in cards(html) if heading(one) == "arm")
+    card = card_of_the_arm(page(tmp_path, arm(inside=BOX)))
     assert card.count("<ellipse") == 3 * 2
     assert card.count('class="own"') == 3
     (curve,) = re.findall(r'<polyline[^>]*points="([^"]*)"', card)
@@ -58,19 +61,20 @@ def test_a_card_has_three_views_of_both_bodies_and_the_angle_over_time(tmp_path)
 
 
 def test_a_tensor_that_no_body_has_is_a_cross(tmp_path):
-    (card,) = (
-        one
-        for one in cards(page(tmp_path, arm(diagonal(0.3, 0.1, 0.9), inside=BOX)))
-        if heading(one) == "arm"
-    )
+    card = card_of_the_arm(page(tmp_path, arm(diagonal(0.3, 0.1, 0.9), inside=BOX)))
     assert "the file: a tensor that no body has" in card
     assert "0.1 + 0.3 &lt; 0.9: no body has it" in card
 
 
-def test_what_to_do_has_the_flag_and_the_line_of_xml(tmp_path):
-    html = unescape(page(tmp_path, arm(inside=BOX)))
-    assert "flags=pybullet.URDF_USE_INERTIA_FROM_FILE" in html
-    assert '<inertial><mass value="0"/>' in html
+def test_what_to_do_has_the_flag_and_the_line_of_xml_and_a_page_needs_its_style_sheets_alone(
+    tmp_path,
+):
+    html = page(tmp_path, arm(inside=BOX))
+    assert "flags=pybullet.URDF_USE_INERTIA_FROM_FILE" in unescape(html)
+    assert '<inertial><mass value="0"/>' in unescape(html)
+    targets = re.findall(r'(?:href|src)="([^"]*)"', html)
+    assert targets == ["../assets/style.css", "../assets/model.css"]
+    assert all((tmp_path / "out/models" / name).is_file() for name in targets)
 
 
 def test_of_a_good_file_the_page_says_so(tmp_path):
@@ -98,13 +102,6 @@ def test_nothing_in_a_file_commands_a_terminal(tmp_path):
     html = page(tmp_path, text, "robot.urdf")
     assert "a\\x9b31m\\u202eb" in html
     assert not [c for c in html if is_control(c) and c not in "\n\t"]
-
-
-def test_a_page_needs_its_style_sheets_alone(tmp_path):
-    html = page(tmp_path, arm(inside=BOX))
-    targets = re.findall(r'(?:href|src)="([^"]*)"', html)
-    assert targets == ["../assets/style.css", "../assets/model.css"]
-    assert all((tmp_path / "out/models" / name).is_file() for name in targets)
 
 
 def test_pages_of_files_of_one_name_differ():
