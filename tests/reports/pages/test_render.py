@@ -143,7 +143,7 @@ def test_no_error_is_printed_below_the_reference_and_one_at_that_limit_says_so(
 def test_an_error_printed_below_the_reference_would_be_seen(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    unlimited = lambda errors, _: tuple(number(value) for _, value in errors)  # noqa: E731
+    unlimited = lambda errors, _, names: tuple(number(errors[n]) for n in names)  # noqa: E731
     monkeypatch.setattr(scene_tables, "limited_errors", unlimited)
     render(results(), tmp_path)
     assert _errors_too_small(read_page(tmp_path / "scenes" / "made-up-top.html")) != []
