@@ -5,13 +5,14 @@ import math
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import command_line
 import pytest
 from box import BOX
 from clockwork import METHOD, Works
-from ladders import BELOW, BETWEEN, TOP, Law, errors_of, straight, with_law
+from ladders import BELOW, BETWEEN, TOP, Law, errors_of, only_top, straight, with_law
 from library_scenes import library_scene
 from spincheck.engines import engines
 from spincheck.reports.cli import choosing
@@ -183,8 +184,23 @@ def test_bad_bounds_are_refused_before_anything_runs(
     bounds: dict[Any, float], message: str
 ) -> None:
     with pytest.raises(Complaint, match=message) as complaint:
-        recommend("no scene", bounds, [], 1, NO_FILE)
+        recommend(TOP, bounds, [], 1, NO_FILE)
     assert complaint.value.exit_code == 2
+
+
+@pytest.mark.parametrize(("signal", "is_used"), [("omega", True), ("spins", False)])
+def test_runs_are_used_whose_errors_in_what_is_bounded_are_known(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, signal: str, is_used: bool
+) -> None:
+    """Older files know no spins of a scene with rotors."""
+    ladder = only_top(euler_alone(straight))
+    version = ladder.rows[0].engine_version
+    installed = SimpleNamespace(engines=[SimpleNamespace(name="mujoco", version=version)])
+    monkeypatch.setattr(recommend_module, "one_scene", lambda _: ladder.scenes[TOP].scenario)
+    monkeypatch.setattr(recommend_module, "choose", lambda *_, **__: installed)
+    monkeypatch.setattr(running, "read", lambda _: ladder)
+    found = recommend_module._timed_runs(TOP, {signal: BETWEEN}, [], tmp_path)
+    assert (found is not None) == is_used
 
 
 @pytest.fixture(scope="module")
