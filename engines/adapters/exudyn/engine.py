@@ -132,7 +132,7 @@ class ExudynSession(WorldSession):
             for found in objects
             if found["objectType"] == "ConnectorRigidBodySpringDamper"
         }
-        acting |= self._held(objects)
+        acting |= self._of_constraints(objects)
         if self.world.rotors:
             acting |= {"rotors", *self._wrong_hinges(objects)}
         return frozenset(acting | {f"an object of type {kind}" for kind in {*kinds} - KINDS})
@@ -152,16 +152,16 @@ class ExudynSession(WorldSession):
                 if not drive["activeConnector"] or drive["offset"] != spin:
                     yield f"rotor {number} driven to another spin than {spin:g} rad/s"
 
-    def _held(self, objects: Sequence[Any]) -> set[str]:
+    def _of_constraints(self, objects: Sequence[Any]) -> set[str]:
         """Pivot or table, by the coordinates of the node that are constrained; others in words."""
         constrained = []
         for found in objects:
             if found["objectType"] == "ConnectorCoordinate" and not found["velocityLevel"]:
-                _, held = map(self.world.system.GetMarker, found["markerNumbers"])
-                is_kept = found["activeConnector"] and int(held["nodeNumber"]) == int(
+                _, marker = map(self.world.system.GetMarker, found["markerNumbers"])
+                is_kept = found["activeConnector"] and int(marker["nodeNumber"]) == int(
                     self.world.node
                 )
-                constrained.append(int(held["coordinate"]) if is_kept else -1)
+                constrained.append(int(marker["coordinate"]) if is_kept else -1)
         kinds = {(): set(), (0, 1, 2): {"pivot"}, (2,): {"table"}}
         return kinds.get((*constrained,), {f"other constrained coordinates: {constrained}"})
 

@@ -160,7 +160,7 @@ def _errors(
 ) -> Iterator[Change]:
     if old.errors is None or new.errors is None:
         return
-    # Of a scene with rotors older files know no spins.
+    # Older files know no spins.
     for signal in (name for name in old_noise if name in new_noise):
         sizes = old.errors[signal], new.errors[signal]
         if direction := _grown(*sizes, old_noise[signal] + new_noise[signal]):
