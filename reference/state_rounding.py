@@ -18,7 +18,7 @@ LOOKED_AT = 64
 
 
 def rounding_of(scenario: Scenario, motion: Trajectory) -> Errors:
-    """Errors by rounding: large where terms cancel, as momenta of parts in opposite ways.
+    """Errors by rounding: large where terms cancel, such as opposite angular momenta.
 
     Rounding has any sign: what it does in single components is added in squares.
     """

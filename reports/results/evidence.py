@@ -106,6 +106,10 @@ class LadderBasis:
     rate: float
     signals: tuple[SignalName, ...] = EVERYWHERE
 
+    def __post_init__(self) -> None:
+        if len({*self.signals}) < len(self.signals) or not {*EVERYWHERE} <= {*self.signals}:
+            raise ValueError("must have each signal of every scene once")
+
 
 @dataclass(frozen=True, eq=False)
 class JudgedLadder:

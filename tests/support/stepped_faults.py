@@ -14,8 +14,8 @@ from stepped import GRAVITY, LEVER, Stepped, with_omega
 #: A torque acts about this axis of the body, askew to all.
 ASKEW = np.array([0.62, 0.55, 0.56])
 #: h times the rate of the start, rad: a check of vanishing timesteps is below the first, the finest
-#: rungs of a ladder are below the second.
-TINY, FINE = 3e-5, 1e-2
+#: rungs of a ladder are below the second; of the steps that are looked at one is below the last.
+TINY, FINE, SHORT = 3e-5, 1e-2, 3e-4
 SEED = 20
 #: Draws that differ from run to run, and are the same in each test: see `begin`.
 CHANCE = np.random.default_rng(SEED)
@@ -55,6 +55,9 @@ def _pushed(name: str, is_on: Callable[[Pushed], bool]) -> type[Pushed]:
 # At every timestep but tiny ones; at the finest rungs, and not at tiny steps.
 ButForTinySteps = _pushed("ButForTinySteps", lambda one: one.turn > TINY)
 AtFineSteps = _pushed("AtFineSteps", lambda one: TINY < one.turn < FINE)
+# In short steps, however short: their limit is another motion; in those of one length alone.
+InShortSteps = _pushed("InShortSteps", lambda one: one.turn < SHORT)
+InOneShortStep = _pushed("InOneShortStep", lambda one: SHORT / 2 < one.turn < SHORT)
 # At the nearest rung of a ladder to 2 ms; at 2 ms, which is on no ladder.
 AtTwoMilliseconds = _pushed(
     "AtTwoMilliseconds", lambda one: 2e-3 / 2**0.5 < one.timestep <= 2e-3 * 2**0.5

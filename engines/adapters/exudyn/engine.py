@@ -132,7 +132,7 @@ class ExudynSession(WorldSession):
             for found in objects
             if found["objectType"] == "ConnectorRigidBodySpringDamper"
         }
-        acting |= self._constraint(objects)
+        acting |= self._of_constraints(objects)
         if self.world.rotors:
             acting |= {"rotors", *self._wrong_hinges(objects)}
         return frozenset(acting | {f"an object of type {kind}" for kind in {*kinds} - KINDS})
@@ -152,7 +152,7 @@ class ExudynSession(WorldSession):
                 if not drive["activeConnector"] or drive["offset"] != spin:
                     yield f"rotor {number} driven to another spin than {spin:g} rad/s"
 
-    def _constraint(self, objects: Sequence[Any]) -> set[str]:
+    def _of_constraints(self, objects: Sequence[Any]) -> set[str]:
         """Pivot or table, by the coordinates of the node that are constrained; others in words."""
         constrained = []
         for found in objects:

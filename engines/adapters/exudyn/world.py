@@ -67,7 +67,7 @@ class World:
         solver = AS_SHIPPED if self.as_shipped else method
         self.is_free, self.gravity = scene["arm"] is None, np.array(scene["gravity"])
         self.scene, self.R_axes_node = scene, None
-        self.fixed = [k for k in range(3) if k not in scene.get("slides", ())]
+        self.kept_axes = [k for k in range(3) if k not in scene.get("slides", ())]
         self.container = exudyn.SystemContainer()
         self.settings = settings(solver)
         self.kind = "ImplicitSecondOrder" if solver in IMPLICIT else "Explicit"
@@ -186,7 +186,7 @@ class World:
     def hold(self):
         """Constrain the node's position, or what of it does not slide."""
         still = self.still()
-        for k in self.fixed:
+        for k in self.kept_axes:
             pinned = items.MarkerNodeCoordinate(nodeNumber=self.node, coordinate=k)
             pair = [still, self.system.AddMarker(pinned)]
             self.system.AddObject(items.ObjectConnectorCoordinate(markerNumbers=pair))
@@ -201,8 +201,8 @@ class World:
         if not self.is_free:
             arm = R_world_axes @ self.scene["arm"]
             place, velocity = place + arm, velocity + np.cross(omega, arm)
-            place[self.fixed] = self.scene.get("height", 0.0)
-            velocity[self.fixed] = 0.0
+            place[self.kept_axes] = self.scene.get("height", 0.0)
+            velocity[self.kept_axes] = 0.0
         self.start(self.node, R_world_node, omega, place, velocity)
         self.spins_set, rounding = motion.get("spins", []), 0.0
         for rotor, spin in zip(self.rotors, self.spins_set, strict=True):

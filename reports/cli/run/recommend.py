@@ -98,7 +98,7 @@ def recommend(
     methods = _methods(scenario, engine_names)
     check_temporary_folder()
     with saying("nothing is kept"), TemporaryDirectory() as folder:
-        if timed_runs := _timed_runs(scene, engine_names, stored):
+        if timed_runs := _timed_runs(scene, bounds, engine_names, stored):
             say(f"From the runs in {stored}.")
             return replace(_checked(scene, bounds, timed_runs, Path(folder)), source=str(stored))
         out = Path(folder) / "ladder.sqlite"
@@ -142,8 +142,13 @@ def _methods(scenario: Scenario, engine_names: Sequence[str]) -> list[str]:
     return list(dict.fromkeys(offered))
 
 
-def _timed_runs(scene: str, engine_names: Sequence[str], stored: Path) -> Results | None:
-    """The file's results of the scene, of engines installed here; None without a timed ladder."""
+def _timed_runs(
+    scene: str, bounds: ErrorBounds, engine_names: Sequence[str], stored: Path
+) -> Results | None:
+    """The file's results of the scene, of engines installed here; None without a timed ladder.
+
+    Nor may an error that is bounded be missing: older files know no spins.
+    """
     if not stored.exists():
         return None
     scenario, results = one_scene(scene), running.read(stored)
@@ -159,6 +164,9 @@ def _timed_runs(scene: str, engine_names: Sequence[str], stored: Path) -> Result
     ]
     timed = Counter(row.key for row in rows if row.seconds_per_step)
     if max(timed.values(), default=0) < RUNGS_OF_A_LIMIT:
+        return None
+    known = [solved.solution.uncertainty, *(row.errors for row in rows if row.errors)]
+    if any(math.isnan(one[signal]) for one in known for signal in bounds):
         return None
     keys = {row.key for row in rows}
     return replace(

@@ -160,8 +160,9 @@ def _errors(
 ) -> Iterator[Change]:
     if old.errors is None or new.errors is None:
         return
-    for signal, error in old.errors:
-        sizes = error, new.errors[signal]
+    # Older files know no spins.
+    for signal in (name for name in old_noise if name in new_noise):
+        sizes = old.errors[signal], new.errors[signal]
         if direction := _grown(*sizes, old_noise[signal] + new_noise[signal]):
             where = _where(old.key, old.timestep)
             yield Change("error", signal, *sizes, direction, direction == "worse", **where)
@@ -169,8 +170,9 @@ def _errors(
 
 def _noise(scene: SceneRuns, row: Row) -> dict[str, float]:
     """The uncertainty of an error: the reference's, plus an ulp a step times its growth."""
-    growth = scene.exact.solution.conditioning
-    return {name: bound + row.steps * growth[name] for name, bound in scene.uncertainty(row)}
+    growth, bound = scene.exact.solution.conditioning, scene.uncertainty(row)
+    names = (signal.name for signal in scene.signals)
+    return {name: bound[name] + row.steps * growth[name] for name in names}
 
 
 def _grown(old: float, new: float, noise: float) -> Direction | None:

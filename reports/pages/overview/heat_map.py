@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from ....scenarios import SIGNALS
+from ....scenarios import EVERYWHERE, SIGNALS
 from ...results.records import Pair, Row
 from ...results.verdict_words import LISTED, RANKS, VERDICT
 from ..analysis.best_choice import BestChoice, best_choice, best_choices, nothing_because
@@ -105,8 +105,11 @@ def heat_map(gathered: ReportData) -> dict[str, Any]:
         }
         for kind in LISTED
     }
-    present = {signal for scene in gathered.scenes for signal in scene.signals}
-    signals = [{"name": s.name, "label": s.label, "unit": s.unit} for s in SIGNALS if s in present]
+    # Without a scene that could be solved, the script still needs one that is shown at first.
+    present = {*EVERYWHERE, *(one.name for scene in gathered.scenes for one in scene.signals)}
+    signals = [
+        {"name": s.name, "label": s.label, "unit": s.unit} for s in SIGNALS if s.name in present
+    ]
     return {
         "columns": columns,
         "scenes": scenes,

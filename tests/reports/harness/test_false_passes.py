@@ -28,6 +28,9 @@ BOOK, TOP = "book-middle-axis", "nutation-loops"
 FAULTS = [
     (BOOK, planted.ButForTinySteps, 1e-3),
     (BOOK, planted.AtFineSteps, 1e-3),
+    (BOOK, planted.InShortSteps, 1e-3),
+    (BOOK, planted.InShortSteps, 1e-5),
+    (BOOK, planted.InOneShortStep, 1e-5),
     (BOOK, planted.AtTwoMilliseconds, 1e-3),
     (BOOK, planted.FromHalfway, 1e-3),
     (BOOK, planted.FromHalfway, 1e-5),

@@ -77,6 +77,25 @@ def test_a_file_and_itself_do_not_differ(before, capsys):
     assert capsys.readouterr().out == "nothing changed\n"
 
 
+def with_spins(results: Results) -> Results:
+    """With a bound and errors in the signal that older files do not know, in every run."""
+    scene = results.scenes[KEY.scenario]
+    bounds = {
+        what: replace(getattr(scene.solution, what), spins=1e-15)
+        for what in ("uncertainty", "conditioning")
+    }
+    known = replace(scene, solution=replace(scene.solution, **bounds))
+    rows = [
+        replace(row, errors=row.errors and replace(row.errors, spins=1e-3)) for row in results.rows
+    ]
+    return replace(results, rows=rows, scenes=results.scenes | {KEY.scenario: known})
+
+
+def test_a_signal_that_only_one_file_has_is_no_change(before):
+    after = with_spins(before)
+    assert (changes(before, after), changes(after, before)) == ([], [])
+
+
 @each_case(("old", "new"), product(RANKS, RANKS))
 def test_a_worse_verdict_is_a_regression_and_a_better_one_is_not(before, old, new):
     differences = changes(with_verdict(before, verdict=old), with_verdict(before, verdict=new))

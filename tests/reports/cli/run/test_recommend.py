@@ -6,13 +6,14 @@ from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
 from box import BOX
 from clockwork import METHOD, Works
 from command_line import ended
-from ladders import BELOW, BETWEEN, TOP, Law, errors_of, straight, with_law
+from ladders import BELOW, BETWEEN, TOP, Law, errors_of, only, straight, with_law
 from library_scenes import library_scene
 from spincheck.engines import engines
 from spincheck.reports.cli import choosing
@@ -165,6 +166,21 @@ def test_a_bound_broken_by_any_error_is_broken() -> None:
 
 
 Command = Callable[..., tuple[int, str, str]]
+
+
+@pytest.mark.parametrize(("signal", "is_used"), [("omega", True), ("spins", False)])
+def test_runs_are_used_whose_errors_in_what_is_bounded_are_known(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, signal: str, is_used: bool
+) -> None:
+    """Older files know no spins of a scene with rotors."""
+    ladder = only(euler_alone(straight))
+    version = ladder.rows[0].engine_version
+    installed = SimpleNamespace(engines=[SimpleNamespace(name="mujoco", version=version)])
+    monkeypatch.setattr(recommend_module, "one_scene", lambda _: ladder.scenes[TOP].scenario)
+    monkeypatch.setattr(recommend_module, "choose", lambda *_, **__: installed)
+    monkeypatch.setattr(running, "read", lambda _: ladder)
+    found = recommend_module._timed_runs(TOP, {signal: BETWEEN}, [], tmp_path)
+    assert (found is not None) == is_used
 
 
 @pytest.fixture(scope="module")

@@ -242,3 +242,12 @@ def test_markdown_says_the_same_answer_first(gathered, tmp_path):
     assert "mujoco default, 10 ms" in [heading.strip() for heading in first[0]]
     degrees = f"{math.degrees(SIZE[1] / 2):.2f}°"
     assert any(degrees in line for row in first for line in row)
+
+
+def test_signals_are_there_to_be_chosen_although_no_scene_could_be_solved() -> None:
+    """The page's script begins with one of them."""
+    stored = stocked()
+    rows = [row for row in stored.rows if row.key.scenario not in stored.scenes]
+    unsolved = replace(stored, scenes={}, rows=rows, verdicts=[])
+    names = [signal["name"] for signal in heat_map(report_data(unsolved))["signals"]]
+    assert names == list(EVERYWHERE)
