@@ -19,6 +19,8 @@ from ..scenarios.fastest_rate import decay_rate, fastest_rate
 EPS = float(np.finfo(float).eps)
 #: The tightest relative tolerance that scipy accepts without a warning, rounded up.
 RELATIVE_TOLERANCE = 1e-13
+#: rad a step, at most.
+TURN = 0.2
 #: How far it is followed, in radians turned or swung and in times of a decay: seconds of its time.
 REACH = 1e3
 
@@ -63,7 +65,7 @@ def cross_check(scenario: Scenario, times: FloatArray) -> CrossCheck:
         t_eval=times,
         rtol=tolerance,
         atol=tolerance * _sizes(scenario),
-        max_step=_time_of_decay(scenario),
+        max_step=_longest_step(scenario),
     )
     if not solution.success:
         raise RuntimeError(f"DOP853 gave up: {solution.message}")
@@ -150,13 +152,14 @@ def _tolerance(scenario: Scenario) -> float:
     return max(RELATIVE_TOLERANCE, EPS * float(np.linalg.norm(inverse @ differences, 2)))
 
 
-def _time_of_decay(scenario: Scenario) -> float:
-    """s, in which the fastest decay of the spin takes e from it; inf without any.
+def _longest_step(scenario: Scenario) -> float:
+    """s, in which the fastest decay of the spin takes e from it, or the start turns by `TURN`.
 
-    Stability alone would let DOP853 step six times as far, where it misjudges its error.
+    Stability alone would let DOP853 step six times as far as the first, where it misjudges its
+    error; between the ends of longer steps than the second its dense output is of lower order.
     """
-    rate = decay_rate(scenario)
-    return 1 / rate if rate else np.inf
+    decay, rate = decay_rate(scenario), fastest_rate(scenario, scenario.start.omega_body)
+    return min(1 / decay if decay else np.inf, TURN / rate if rate else np.inf)
 
 
 def _sizes(scenario: Scenario) -> FloatArray:

@@ -27,6 +27,8 @@ from .terms import rates, roundings, term_sizes, weakest_effects
 ROUNDINGS = 16.0
 #: Fraction of the largest terms that is as good as nothing.
 NEGLIGIBLE = 2e-6
+#: Timesteps, at most, that the limit of the finest alone is extrapolated from.
+FINEST = 5
 #: Smallest size that is divided by.
 NO_SIZE = 1e-300
 
@@ -129,8 +131,8 @@ def excess(
     read = (ROUNDINGS * epsilon if is_averaged else ABOVE * slack) * rates(equations, sizes)
     noise = np.minimum(noise_of(steps.timesteps, step_gains(equations, steps)), read)
     nodes, added = (_gains(equations, one, epsilon, noise, least_turn) for one in (steps, others))
-    limit, known_to = extrapolated(nodes)
     slack_of_terms = _slack_of_terms(equations, steps, sizes, epsilon, slack)
+    limit, known_to = _limits(nodes, slack_of_terms)
     off = norms(off_the_constraint(equations, steps.after)[1]).reshape(len(steps.timesteps), -1)
     both = (nodes, COARSER), (added, 1)
     found = [surprises(nodes, at, least, NEGLIGIBLE * sizes) for at, least in both]
@@ -173,6 +175,23 @@ def _gains(
         rounded = ROUNDINGS * rounded + noise / steps.timesteps[:, None, None]
     rounded[:, :, 0] += least_turn / steps.timesteps[:, None]
     return Gains(steps.timesteps, values, rounded)
+
+
+def _limits(nodes: Gains, slack_of_terms: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Limits of the gains, (K, 4, 3), and what they are known to, (K, 4).
+
+    Coarse steps may tell the limit best, and finer ones do something else: where the finest alone
+    tend to what cannot be right, that counts.
+    """
+    limit, known_to = extrapolated(nodes)
+    for count in range(2, FINEST + 1):
+        last = slice(-count, None)
+        finest = Gains(nodes.timesteps[last], nodes.values[last], nodes.rounding[last])
+        other, other_to = extrapolated(finest)
+        is_wrong = np.abs(other).max(axis=2) > other_to + slack_of_terms
+        limit = np.where(is_wrong[..., None], other, limit)
+        known_to = np.where(is_wrong, other_to, known_to)
+    return limit, known_to
 
 
 def _is_idle(equations: Equations, steps: Steps, sizes: FloatArray) -> NDArray[np.bool_]:

@@ -57,6 +57,8 @@ ButForTinySteps = _pushed("ButForTinySteps", lambda one: one.turn > TINY)
 AtFineSteps = _pushed("AtFineSteps", lambda one: TINY < one.turn < FINE)
 # In short steps, however short: their limit is another motion; in those of one length alone.
 InShortSteps = _pushed("InShortSteps", lambda one: one.turn < SHORT)
+InStepsBelowTwiceThat = _pushed("InStepsBelowTwiceThat", lambda one: one.turn < 2 * SHORT)
+InStepsBelowSevenTimesThat = _pushed("InStepsBelowSevenTimesThat", lambda one: one.turn < 7 * SHORT)
 InOneShortStep = _pushed("InOneShortStep", lambda one: SHORT / 2 < one.turn < SHORT)
 # At the nearest rung of a ladder to 2 ms; at 2 ms, which is on no ladder.
 AtTwoMilliseconds = _pushed(

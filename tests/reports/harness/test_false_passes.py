@@ -30,6 +30,8 @@ FAULTS = [
     (BOOK, planted.AtFineSteps, 1e-3),
     (BOOK, planted.InShortSteps, 1e-3),
     (BOOK, planted.InShortSteps, 1e-5),
+    (BOOK, planted.InStepsBelowTwiceThat, 1e-3),
+    (BOOK, planted.InStepsBelowSevenTimesThat, 1e-3),
     (BOOK, planted.InOneShortStep, 1e-5),
     (BOOK, planted.AtTwoMilliseconds, 1e-3),
     (BOOK, planted.FromHalfway, 1e-3),
