@@ -12,7 +12,7 @@ from ...scenarios.rotation import matrices, rotation_vectors, turned
 from ...scenarios.scenario import started_at
 from ..session import Session
 from .equations import Equations
-from .read_back import State
+from .read_back import EngineError, State
 
 Open = Callable[[Scenario, float], AbstractContextManager[Session]]
 #: The exact states a time after each of n states, s, (n,).
@@ -64,6 +64,11 @@ def single_steps(
     Parameters
     ----------
     settle : steps before that one, from where the exact motion was so long before each state
+
+    Raises
+    ------
+    EngineError
+        If a state is not finite, as where an engine's numbers overflow.
     """
     equations = Equations(scenario)
     before, later = [], []
@@ -86,6 +91,8 @@ def single_steps(
                 with open_at(started_at(scenario, **vars(earlier.rows(k))), timestep) as session:
                     take(session)
         befores, ends = first.states(before), first.states(later)
+    if not all(np.isfinite(column).all() for column in (*befores.columns, *ends.columns)):
+        raise EngineError("a step from an exact state ends in numbers that are not finite")
     exact = after(befores, np.repeat(timesteps, _count(states)))
     return Steps(timesteps, befores, ends, exact, repeats)
 

@@ -399,6 +399,15 @@ class WrongWhenOpenedTwice(Pushed):
         self.size *= self.opened % 2
 
 
+class Overflows(Stepped):
+    """ω is not finite after a step, as where single precision ends."""
+
+    at_every_step = True
+
+    def after_step(self):
+        self.y[4:7] *= np.inf
+
+
 # No faults: these must never be called wrong.
 
 

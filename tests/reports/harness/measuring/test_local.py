@@ -267,3 +267,8 @@ def test_what_a_rod_does_that_no_engine_holds_is_not_explained():
     finding = examined(engines()["pybullet"], "default", "rod-1e-12").finding
     assert finding
     assert "behaves as if" not in finding
+
+
+def test_steps_that_overflow_are_not_judged():
+    """Jolt's on a body of 1e38 kg m²: their runs tell."""
+    assert examined(SteppedEngine(planted.Overflows), "Euler", "tennis-racket") is None
