@@ -180,7 +180,7 @@ def _gains(
 def _limits(nodes: Gains, slack_of_terms: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Limits of the gains, (K, 4, 3), and what they are known to, (K, 4).
 
-    Coarse steps may tell the limit best, and finer ones do something else: where the finest alone
+    Coarse steps may tell the limit best, and finer ones do something else: where only the finest
     tend to what cannot be right, that counts.
     """
     limit, known_to = extrapolated(nodes)
@@ -188,7 +188,8 @@ def _limits(nodes: Gains, slack_of_terms: FloatArray) -> tuple[FloatArray, Float
         last = slice(-count, None)
         finest = Gains(nodes.timesteps[last], nodes.values[last], nodes.rounding[last])
         other, other_to = extrapolated(finest)
-        is_wrong = np.abs(other).max(axis=2) > other_to + slack_of_terms
+        off, other_off = (np.abs(one).max(axis=2) for one in (limit, other))
+        is_wrong = (off <= known_to + slack_of_terms) & (other_off > other_to + slack_of_terms)
         limit = np.where(is_wrong[..., None], other, limit)
         known_to = np.where(is_wrong, other_to, known_to)
     return limit, known_to
