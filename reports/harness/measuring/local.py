@@ -77,15 +77,12 @@ def _examined(engine: Engine, scenario: Scenario, method: Method, at: Places) ->
         misread = _misread(engine, scenario, method, at, session)
         steps, found = _consistency(open_at, engine, scenario, at)
         if found.unsmooth[-FINER:].max() > 1 and not engine.single_precision:
-            # Whether finer steps are computed otherwise is seen from both sides alone, and whether
-            # what they do vanishes from the finer ones alone.
-            finer = at.timesteps[-1] / 2.0 ** np.arange(FINER + 1)
-            _, alone = _consistency(open_at, engine, scenario, replace(at, timesteps=finer))
-            if alone.by_tolerance.max() <= 1:
-                longer = replace(at, timesteps=np.concatenate([at.timesteps, finer[1:]]))
-                seen, both = _consistency(open_at, engine, scenario, longer)
-                if both.branched.any():
-                    at, steps, found = longer, seen, both
+            # Whether finer steps are computed otherwise is seen from both sides alone.
+            finer = at.timesteps[-1] / 2.0 ** np.arange(1, FINER + 1)
+            longer = replace(at, timesteps=np.concatenate([at.timesteps, finer]))
+            seen, both = _consistency(open_at, engine, scenario, longer)
+            if both.branched.any():
+                at, steps, found = longer, seen, both
         is_smooth = not found.is_constrained
         wrong = misread or _wrong(engine, equations, steps, found, at, is_smooth=is_smooth)
         eps = rounding_of(steps.before, engine.single_precision)
