@@ -80,9 +80,7 @@ class World:
         if DAMPING not in scene["defaults"]:
             self.take_away_damping()
         if CLAMP not in scene["defaults"]:
-            p.changeDynamics(
-                self.body, BASE, maxJointVelocity=UNREACHED, physicsClientId=self.client
-            )
+            self.take_away_clamp()
         if scene["hung"] and JOINT_MOTOR not in scene["defaults"]:
             self.set_motor(scene["motor"])
         if scene["is_exact"]:
@@ -105,6 +103,10 @@ class World:
         p.changeDynamics(
             self.body, BASE, linearDamping=0, angularDamping=0, physicsClientId=self.client
         )
+
+    def take_away_clamp(self):
+        """Lift the bound of all joint velocities, the base's ω among them."""
+        p.changeDynamics(self.body, BASE, maxJointVelocity=UNREACHED, physicsClientId=self.client)
 
     def set_motor(self, gain):
         """Have the motor of a spherical joint, which holds the joint's velocity at zero, idle.

@@ -18,8 +18,9 @@ from ....scenarios import (
 )
 from ...results.records import Defect
 from ..defects import defects
-from .mistakes import Reading, mistakes, other_physics, starts_elsewhere
+from .mistakes import Reading, mistakes, starts_elsewhere
 from .motion import OmegaFrame, QuaternionOrder, RecordedMotion, recorded_motion
+from .other_physics import other_physics
 from .recording import Recording, RecordingError
 
 EPS = float(np.finfo(float).eps)
