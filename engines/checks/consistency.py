@@ -132,21 +132,21 @@ def excess(
     noise = np.minimum(noise_of(steps.timesteps, step_gains(equations, steps)), read)
     nodes, added = (_gains(equations, one, epsilon, noise, least_turn) for one in (steps, others))
     slack_of_terms = _slack_of_terms(equations, steps, sizes, epsilon, slack)
-    limit, known_to = _limits(nodes, slack_of_terms)
     off = norms(off_the_constraint(equations, steps.after)[1]).reshape(len(steps.timesteps), -1)
     both = (nodes, COARSER), (added, 1)
     found = [surprises(nodes, at, least, NEGLIGIBLE * sizes) for at, least in both]
     unsmooth, unsmooth_others = (
         apart / (slack_of_terms + read / at.timesteps[:, None, None])
-        for (apart, _), at in zip(found, (nodes, added), strict=True)
+        for (apart, *_), at in zip(found, (nodes, added), strict=True)
     )
-    branched = np.concatenate([one for _, one in found])
+    branched = np.concatenate([one for _, one, _ in found])
     # A limit that is extrapolated across such a change is known no better than that. Nor is one of
     # a constraint in single precision, whose solver may leave off small corrections.
     # By how much the com is off: a body that is another keeps that, a constraint does not.
     is_constrained = bool(np.ptp(off, axis=0).max() > ABOVE * slack * equations.reach)
     surprise = found[0][0].max(axis=0).clip(0) * (is_constrained and is_averaged)
-    known_to = known_to + ABOVE * (branched.max(axis=(0, 1)) + surprise)
+    across = ABOVE * (branched.max(axis=(0, 1)) + surprise)
+    limit, known_to = _limits(nodes, slack_of_terms, across, found[0][2])
     return Excess(
         limit,
         known_to,
@@ -177,19 +177,28 @@ def _gains(
     return Gains(steps.timesteps, values, rounded)
 
 
-def _limits(nodes: Gains, slack_of_terms: FloatArray) -> tuple[FloatArray, FloatArray]:
+def _limits(
+    nodes: Gains, slack_of_terms: FloatArray, across: FloatArray, is_last: NDArray[np.bool_]
+) -> tuple[FloatArray, FloatArray]:
     """Limits of the gains, (K, 4, 3), and what they are known to, (K, 4).
 
     Coarse steps may tell the limit best, and finer ones do something else: where only the finest
     tend to what cannot be right, that counts.
+
+    Parameters
+    ----------
+    across : how much worse a limit is known that is extrapolated across a change, (4,) or (K, 4)
+    is_last : where such a change comes after a timestep, (J, K, 4)
     """
     limit, known_to = extrapolated(nodes)
+    known_to = known_to + across
     for count in range(2, FINEST + 1):
         last = slice(-count, None)
         finest = Gains(nodes.timesteps[last], nodes.values[last], nodes.rounding[last])
         other, other_to = extrapolated(finest)
         off, other_off = (np.abs(one).max(axis=2) for one in (limit, other))
         is_wrong = (off <= known_to + slack_of_terms) & (other_off > other_to + slack_of_terms)
+        is_wrong &= ~is_last[last].any(axis=0)
         limit = np.where(is_wrong[..., None], other, limit)
         known_to = np.where(is_wrong, other_to, known_to)
     return limit, known_to

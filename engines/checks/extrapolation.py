@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...scenarios import FloatArray
 from ...scenarios.float_array import read_only
@@ -22,6 +23,8 @@ ANOTHER = 1 + 1e-9
 ONE_SIDED = 5
 #: A gain is off its prediction if it is by so many times the prediction's error.
 DISTINCT = 4.0
+#: Quantities of which what is as good as nothing may be a formula's for small angles, as in DART.
+OF_FORMULAS = np.array([1.0, 0.0, 0.0, 0.0])
 #: Gains that the last one is predicted from, to see the noise of all.
 PREDICTING = 4
 #: Sets of weights kept: all methods take steps of the same lengths.
@@ -69,13 +72,14 @@ def noise_of(timesteps: FloatArray, gains: FloatArray) -> FloatArray:
 
 def surprises(
     nodes: Gains, at: Gains, least: int, negligible: FloatArray
-) -> tuple[FloatArray, FloatArray]:
+) -> tuple[FloatArray, FloatArray, NDArray[np.bool_]]:
     """How far each gain is from what those with neighbouring timesteps predict, (J, K, 4) twice.
 
     The second is of those that timesteps on one side alone do predict: an engine computes steps
     below or above some length otherwise, and what it does there vanishes with the timestep, too.
     That counts where it is less than half of a step's own gain, or as good as nothing, and known
-    better than it is large or than that.
+    better than it is large or than that. The third is whether only coarser ones predict it, so that
+    what is computed otherwise begins at the next finer timestep.
 
     Parameters
     ----------
@@ -83,6 +87,8 @@ def surprises(
     negligible : what is as good as nothing, (4,)
     """
     apart, branched = np.zeros((2, *at.rounding.shape))
+    of_formulas = negligible * OF_FORMULAS
+    is_last = np.zeros(at.rounding.shape, dtype=bool)
     for j, timestep in enumerate(at.timesteps):
         coarser = np.flatnonzero(nodes.timesteps > ANOTHER * timestep)
         finer = np.flatnonzero(nodes.timesteps * ANOTHER < timestep)
@@ -91,15 +97,17 @@ def surprises(
         here = Gains(at.timesteps[j : j + 1], at.values[j], at.rounding[j])
         off, error = _beyond(nodes, [*coarser[-COARSER:], *finer[:FINER]], here)
         small = np.maximum(_sizes(here.values) / 2, negligible)
-        is_branch = np.zeros(off.shape, dtype=bool)
-        for side in (coarser[-COARSER:], finer[:ONE_SIDED]):
+        is_of = np.zeros((2, *off.shape), dtype=bool)
+        for k, side in enumerate((coarser[-COARSER:], finer[:ONE_SIDED])):
             if len(side) >= COARSER:
                 off_side, error_side = _beyond(nodes, [*side], here)
-                is_clear = error_side <= np.maximum(off, negligible)
-                is_branch |= (off_side <= error_side) & is_clear & (off <= small)
-        apart[j] = np.where(is_branch, 0.0, off - error)
-        branched[j] = np.where(is_branch & (off > error), off, 0.0)
-    return apart, branched
+                is_clear = error_side <= np.maximum(off, of_formulas)
+                is_of[k] = (off_side <= error_side) & is_clear & (off <= small)
+        is_branch = is_of.any(axis=0) & (off > error)
+        apart[j] = np.where(is_branch, 0.0, off - error - of_formulas)
+        branched[j] = np.where(is_branch, off, 0.0)
+        is_last[j] = is_branch & ~is_of[1]
+    return apart, branched, is_last
 
 
 def _beyond(nodes: Gains, near: list[int], at: Gains) -> tuple[FloatArray, FloatArray]:

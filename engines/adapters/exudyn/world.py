@@ -204,13 +204,13 @@ class World:
             place[self.kept_axes] = self.scene.get("height", 0.0)
             velocity[self.kept_axes] = 0.0
         self.start(self.node, R_world_node, omega, place, velocity)
-        self.spins_set, rounding = motion.get("spins", []), 0.0
+        self.spins_set, of_rotors = motion.get("spins", []), 0.0
         for rotor, spin in zip(self.rotors, self.spins_set, strict=True):
             arm = R_world_axes @ rotor.place
             velocity = motion["velocity"] + np.cross(omega, arm)
             turning = omega + spin * R_world_axes @ rotor.axis
             self.start(rotor.node, R_world_node, turning, motion["com"] + arm, velocity)
-            rounding += self.rounding(rotor, turning, omega)
+            of_rotors += self.terms(rotor.body, turning, rotor.place, omega)
             if rotor.drive is not None:
                 self.system.SetObjectParameter(rotor.drive, "offset", spin)
         self.system.Assemble()
@@ -218,20 +218,22 @@ class World:
         accelerations = self.system.systemData.GetODE2Coordinates_tt()
         self.system.systemData.SetODE2Coordinates_tt(0 * accelerations)
         self.settings.timeIntegration.endTime = timestep
-        if self.rotors and not self.as_shipped:
+        if not self.as_shipped:
+            # What a small body's residual is made of is small, too.
+            least = NEWTON_TOLERANCE * min(1.0, self.terms(self.body, omega, np.zeros(3), omega))
             newton = self.settings.timeIntegration.newton
-            newton.absoluteTolerance = NEWTON_TOLERANCE + rounding
+            newton.absoluteTolerance = least + ROUNDING * of_rotors
         self.solver.InitializeSolver(self.system, self.settings)
 
-    def rounding(self, rotor, turning, omega):
-        """Rounding of what a rotor adds to the residual, N and N m.
+    def terms(self, body, turning, place, omega):
+        """Sizes of what a body at a place that turns with ω adds to the residual, N and N m.
 
-        Its torque has terms in I ω² of its whole turning, which cancel about its axis.
+        Its torque has terms in I ω² of its whole turning, which cancel about an axis.
         """
-        found = self.system.GetObject(rotor.body)
-        swing = np.linalg.norm(rotor.place) * (omega @ omega) + np.linalg.norm(self.gravity)
+        found = self.system.GetObject(body)
+        swing = np.linalg.norm(place) * (omega @ omega) + np.linalg.norm(self.gravity)
         torque = np.max(found["inertia"]) * (turning @ turning)
-        return ROUNDING * (torque + found["mass"] * swing)
+        return torque + found["mass"] * swing
 
     def start(self, node, R_world_node, omega, place, velocity):
         """Set the start of a node; ω, place and velocity along world axes."""
