@@ -178,6 +178,7 @@ def test_a_run_that_the_reference_does_not_follow_to_the_end_is_signed() -> None
     whole = map_result()
     cut = tuple(replace(p, steps=p.steps // 2) for p in whole.points)
     shortened = replace(whole, points=cut)
+    assert all(grid(shortened).is_cut(point) == is_coloured(point) for point in cut)
     label = escape(HORIZON.label)
     assert label not in [t.get("name") for t in map_figure(grid(whole))["data"]]
     assert label in [t.get("name") for t in map_figure(grid(shortened))["data"]]
@@ -192,7 +193,8 @@ def test_a_place_without_a_scene_is_signed_in_every_panel() -> None:
     drawn = grid(replace(whole, points=points))
     assert all(drawn.points[pair][0, 0].cause == "scene" for pair in METHODS)
     assert marks(drawn.result.points)["unsupported", "scene"].label == "no scene"
-    # A map that is not complete is drawn.
+    # Without lines there, as it has no timestep; a map that is not complete is drawn too.
+    go.Figure(coloured(map_figure(drawn)))
     go.Figure(coloured(map_figure(grid(replace(whole, points=whole.points[:5])))))
 
 
