@@ -12,7 +12,6 @@ passes through it, or starts there, is no exception.
 """
 
 from collections.abc import Callable
-from dataclasses import replace
 
 from mpmath import mp, mpc, mpf
 
@@ -110,8 +109,7 @@ def _steady(
         (constants_of_motion.c_plus_d / above + spin) / 2,
         (constants_of_motion.c_minus_d / below - spin) / 2,
     )
-    u = float(constants_of_motion.pole * (1 - delta))
-    return replace(regular_precession(frames, start, omega, rates), turning_points=(u, u))
+    return regular_precession(frames, start, omega, rates)
 
 
 def _swinging(
@@ -135,13 +133,11 @@ def _swinging(
         quotient, error = fitted(clock, numerator, 2, begin, log_rate)
         rows.append(quotient)
         residual += error
-    u1, u2, _ = ((above - below) / 2 for above, below in zip(swing.above, swing.below, strict=True))
     return ClosedForm(
         "Lagrange's top in Klein and Sommerfeld's closed form, theta quotients",
         tables(clock, [*rows, turning(mpc(omega[2]))], frames),
         float(residual),
         float(2 * lattice.K / swing.p),
-        (float(u1), float(u2)),
     )
 
 

@@ -43,15 +43,12 @@ class ClosedForm:
         a rounding error of extended precision if the formulas are right
     period : of the angular velocity (a free body) or of the nutation (a heavy top), s; inf on a
         separatrix, None where neither varies
-    turning_points : of a heavy top, the least and the greatest cosine of the angle between its
-        axis, from the pivot to the centre of mass, and the upward vertical
     """
 
     label: str
     tables: ThetaTables
     residual: float
     period: float | None
-    turning_points: tuple[float, float] | None = None
 
     def states(self, t: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Attitude and angular velocity.

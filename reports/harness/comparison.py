@@ -110,7 +110,7 @@ def unmet_expectations(expected: Expect, row: Row) -> list[str]:
             return []
         ended = f"{row.outcome}{f', {row.reason}' if row.reason else ''}"
         return [f"{where} was expected to diverge: {ended}"]
-    if row.errors is None or row.outcome != "ok":
+    if row.errors is None:
         bounds = (
             f"{SIGNAL[name].label} within {_in_unit(name, bound)}"
             for name, bound in expected.bounds().items()

@@ -151,7 +151,7 @@ def _defining(base: str, name: str) -> str:
 
 def _file(name: str) -> Path:
     root, *parts = name.split(".")
-    folder = _ROOTS.get(root, Path(root)).joinpath(*parts)
+    folder = _ROOTS[root].joinpath(*parts)
     return folder / "__init__.py" if folder.is_dir() else folder.with_name(f"{folder.name}.py")
 
 

@@ -39,6 +39,8 @@ AGREES = 1e-15
 EPS = float(np.finfo(float).eps)
 #: Relative, of the tip's place: a fault that must show.
 PLANTED = 1e-12
+#: rad, turned between the states of a central difference.
+NARROW = 1e-4
 #: rad, of an angle near a turning point that is read off its cosine.
 BY_COSINE = float(np.sqrt(EPS))
 SCENES = [load(path) for path in sorted(LIBRARY.glob("table/*.toml"))]
@@ -50,16 +52,21 @@ each_scene = each_case("scene", SCENES)
 QUADRATURE_DIGITS, TURNING_POINTS = 60, 12
 
 
-def largest_error(scene: Scenario, told: Scenario) -> float:
-    """Of the exact motion of one scene from that of another by the second derivation, relative."""
+def fastest(scene: Scenario) -> float:
+    """rad/s, of spin, of swings, and of what rotors do."""
     speed = float(np.linalg.norm(scene.start.omega_body))
     swing = float(np.sqrt(9.81 / (np.linalg.norm(scene.constraint.lever) + 1e-3)))
-    fastest = max(speed, swing, parts_rate(scene))
-    span = min(STEP_TURN / fastest, scene.window.duration / STEPS)
+    return max(speed, swing, parts_rate(scene))
+
+
+def largest_error(scene: Scenario, told: Scenario) -> float:
+    """Of the exact motion of one scene from that of another by the second derivation, relative."""
+    speed, rate = float(np.linalg.norm(scene.start.omega_body)), fastest(scene)
+    span = min(STEP_TURN / rate, scene.window.duration / STEPS)
     solution = solve(scene, span * np.arange(STEPS + 1))
     motion, errors = solution.trajectory, [0.0]
     with mp.workdps(DIGITS):
-        for k, state in enumerate(of_scene(told).motion(motion.t[1:], fastest), start=1):
+        for k, state in enumerate(of_scene(told).motion(motion.t[1:], rate), start=1):
             q = [mpf(x) for x in motion.q_world_body_wxyz[k].tolist()]
             norm = mp.sqrt(sum(x * x for x in q))
             turned = rotation([x / norm for x in q]) - state.R
@@ -98,6 +105,19 @@ def test_the_table_pushes_all_along_and_what_is_kept_is_kept(scene: Scenario) ->
     assert {"table", "momentum_less_impulse", "com_parabola"} <= kept.keys()
     assert ("energy" in kept) == (scene.pushed["drag"] == 0)
     assert max(kept.values()) < 8 * EPS
+
+
+@each_scene
+def test_the_table_s_force_is_what_the_com_is_accelerated_by(scene: Scenario) -> None:
+    """Besides gravity; by a central difference, whose error is of second order in the turn."""
+    size = float(np.linalg.norm(scene.constraint.lever)) * fastest(scene) ** 2
+    h = NARROW / fastest(scene)
+    times = np.array([0.0, h, 2 * h])
+    motion = solve(scene, times).trajectory
+    gained = np.diff(motion.velocity_world[::2, 2])[0] / (2 * h)
+    force_of = scene.body.mass * (gained - scene.gravity_world[2])
+    allowed = scene.body.mass * NARROW**2 * size
+    assert EFFECT.force_along(scene, motion)[1] == pytest.approx(force_of, rel=0, abs=allowed)
 
 
 @each_scene

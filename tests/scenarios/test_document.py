@@ -253,6 +253,14 @@ def test_a_table_is_refused(more, complaint):
         scene(more=more)
 
 
+def test_a_key_has_one_complaint_but_each_table_of_its_own():
+    with pytest.raises(ScenarioError) as raised:
+        scene(("title =", "rotors = [1, 2]\ntitle ="), ("[0.1, 0.2, 0.3]", '["x", "y", 0.3]'))
+    about = [line.partition(": ")[2] for line in str(raised.value).splitlines()]
+    complained_of = ["[body] com[0]", "[[rotors]] number 1", "[[rotors]] number 2"]
+    assert [words.partition(": must")[0] for words in about] == complained_of
+
+
 def test_a_pivot_needs_to_know_where_the_com_is():
     with pytest.raises(ScenarioError, match=r":4: \[body\]: needs 'com' with a pivot"):
         scene(("com = [0.1, 0.2, 0.3]\n", ""), more=PIVOT)

@@ -4,10 +4,12 @@ import pickle
 
 import numpy as np
 import pytest
+import top_scenes
+from case_loops import each_case
 from library_scenes import library
 from scene_texts import TEXT, scene
 from scipy.spatial.transform import Rotation
-from spincheck.scenarios import EFFECTS, loads
+from spincheck.scenarios import EFFECTS, ScenarioError, loads
 from spincheck.scenarios.scenario import started_at, with_tables
 
 EPS = np.finfo(float).eps
@@ -210,6 +212,42 @@ def test_on_a_table_a_scene_is_started_where_the_tip_touches_it():
         )
         assert moved.start.position_world[2] == pytest.approx(start.position_world[2], rel=1e-15)
         assert loads(moved.text, scenario.name).digest == moved.digest
+
+
+TABLE = "[effects.table]\nheight = 1.0\ntip = [0.0, 0.0, 0.0]\nradius = 0.0"
+ON_A_TABLE = f"{top_scenes.GRAVITY}\n{TABLE}"
+
+
+def on_a_table(tilt: float, omega: float = 0.0, stated: str = "", effects: str = ON_A_TABLE):
+    """A top whose com is half a metre from its tip, 1.25 m up at a tilt of 60°."""
+    turned = f"euler_zyz_deg = [0.0, {tilt}, 0.0]\nomega_body = [0.0, {omega}, 0.0]\n"
+    return top_scenes.scene(start=turned + stated, effects=effects)
+
+
+@each_case(
+    ("refused", "complaint"),
+    [
+        ({"tilt": 120.0}, "[effects.table] tip: must touch the table below the centre of mass"),
+        ({"tilt": 60.0, "stated": "position = [0.0, 0.0, 1.26]"}, "hangs above the table, by 0.01"),
+        ({"tilt": 60.0, "stated": "position = [0.0, 0.0, 1.24]"}, "pierces the table, by 0.01 m"),
+        # ω × lever moves the com down at half a metre times sin 60° times ω.
+        ({"tilt": 60.0, "omega": 1.0, "stated": "velocity = [0.0, 0.0, 0.0]"}, "by 0.433 m/s"),
+        ({"tilt": 60.0, "stated": "velocity = [0.0, 0.0, -0.1]"}, "drives the tip into the table"),
+        ({"tilt": 60.0, "omega": 9.0}, "would have to pull at the body with"),
+        (
+            {"tilt": 60.0, "effects": f"{ON_A_TABLE}\n{top_scenes.PIVOT}"},
+            "does not go with a pivot",
+        ),
+    ],
+)
+def test_what_does_not_lie_on_its_table_is_refused(refused, complaint):
+    with pytest.raises(ScenarioError) as raised:
+        on_a_table(**refused)
+    assert complaint in str(raised.value)
+    # Within a millionth it may be typed in decimals, and is as the tip has it.
+    typed = on_a_table(60.0, stated="position = [0.0, 0.0, 1.2500001]").start.position_world
+    assert typed.tolist() == on_a_table(60.0).start.position_world.tolist()
+    assert typed[2] == pytest.approx(1.25, rel=1e-15)
 
 
 def test_a_scene_cannot_be_started_from_what_is_no_state():

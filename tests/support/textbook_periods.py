@@ -11,17 +11,11 @@ DIGITS = 200
 
 
 class Textbook(NamedTuple):
-    """Rate p, parameter m and its complement, and the motion's limits.
-
-    Attributes
-    ----------
-    limits : amplitudes of ω along the axes (a free body), or u1, u2 (a heavy top)
-    """
+    """Rate p, parameter m and its complement."""
 
     p: mpf
     m: mpf
     m1: mpf
-    limits: tuple[mpf, ...]
 
     @property
     def K(self) -> mpf:
@@ -45,12 +39,7 @@ def free_body(problem: Problem) -> Textbook:
         p = mp.sqrt((I3 - I2) * (L2 - E2 * I1) / (I1 * I2 * I3))
         m = (I2 - I1) * (E2 * I3 - L2) / ((I3 - I2) * (L2 - E2 * I1))
         m1 = (I3 - I1) * (L2 - E2 * I2) / ((I3 - I2) * (L2 - E2 * I1))
-        limits = (
-            mp.sqrt((E2 * I3 - L2) / (I1 * (I3 - I1))),
-            mp.sqrt((E2 * I3 - L2) / (I2 * (I3 - I2))),
-            mp.sqrt((L2 - E2 * I1) / (I3 * (I3 - I1))),
-        )
-        return Textbook(p, m, m1, limits)
+        return Textbook(p, m, m1)
 
 
 def heavy_top(problem: Problem) -> Textbook:
@@ -69,4 +58,4 @@ def heavy_top(problem: Problem) -> Textbook:
         companion = mp.matrix([[0, 0, cubic[0]], [1, 0, cubic[1]], [0, 1, cubic[2]]])
         u1, u2, u3 = sorted(mp.re(root) for root in mp.eig(companion, left=False, right=False))
         p = mp.sqrt(beta * (u3 - u1)) / 2
-        return Textbook(p, (u2 - u1) / (u3 - u1), (u3 - u2) / (u3 - u1), (u1, u2))
+        return Textbook(p, (u2 - u1) / (u3 - u1), (u3 - u2) / (u3 - u1))

@@ -102,7 +102,7 @@ def _line(candidate: Candidate) -> dict[str, object]:
 
 def _check_line(row: Row, bounds: ErrorBounds) -> str:
     run = f"{row.key.label} at {row.timestep!r} s"
-    if row.outcome != "ok" or row.errors is None:
+    if row.errors is None:
         return f"Check of {run}: {row.outcome}: {row.reason}"
     errors_in_words = ", ".join(
         f"{SIGNAL[name].label} {error * SIGNAL[name].shown:.3g}{'°' if SIGNAL[name].unit else ''}"

@@ -80,13 +80,13 @@ class Grid:
     def numbers(self) -> dict[Node, StabilityNumbers]:
         """Rates and limits that theory gives for the scene, at each grid point that has one."""
         across, up = self.axes
-        by_scene: dict[tuple[float | None, float | None], StabilityNumbers | None] = {}
+        by_scene: dict[tuple[float, ...], StabilityNumbers | None] = {}
         by_node = {}
         for row, second in enumerate(up.values):
             for column, first in enumerate(across.values):
                 at = {across.path: first, up.path: second}
                 of_scene = {path: value for path, value in at.items() if path != TIMESTEP}
-                same = (of_scene.get(across.path), of_scene.get(up.path))
+                same = tuple(of_scene.values())
                 if same not in by_scene:
                     by_scene[same] = self._numbers(of_scene)
                 if (numbers := by_scene[same]) is not None:
@@ -102,25 +102,17 @@ class Grid:
     @cached_property
     def timesteps(self) -> FloatArray:
         """s, at each grid point; NaN where no method was run."""
-        across, up = self.axes
-        rows, columns = self.shape
-        for values, axis in ((np.array(up.values)[:, None], up), (np.array(across.values), across)):
-            if axis.path == TIMESTEP:
-                return np.broadcast_to(values, (rows, columns)).copy()
-        if self.result.sweep.timestep is not None:
-            return np.full((rows, columns), self.result.sweep.timestep)
-        chosen = np.full((rows, columns), math.nan)
+        chosen = np.full(self.shape, math.nan)
         for of_method in self.points.values():
             for node, point in of_method.items():
-                if point.timestep > 0:
-                    chosen[node] = point.timestep
+                chosen[node] = point.timestep or math.nan
         return chosen
 
     def is_cut(self, point: PlacedRow) -> bool:
         """Whether a run ended before the window, where the exact motion is no longer known."""
         across, up = self.axes
         node = up.values.index(point.at[1]), across.values.index(point.at[0])
-        if point.outcome != "ok" or point.errors is None or node not in self.numbers:
+        if point.errors is None or node not in self.numbers:
             return False
         # The last sample is at the whole step nearest to the end.
         return self.numbers[node].duration - point.steps * point.timestep > point.timestep
@@ -129,9 +121,7 @@ class Grid:
         """A function of the numbers and the timestep at each grid point, (rows, columns)."""
         values = np.full(self.shape, math.nan)
         for node, numbers in self.numbers.items():
-            timestep = float(self.timesteps[node])
-            if timestep > 0:
-                values[node] = value(numbers, timestep)
+            values[node] = value(numbers, float(self.timesteps[node]))
         return values
 
 

@@ -107,7 +107,7 @@ HORIZON = Mark("ok", "compared up to the reference's horizon", "diamond-tall", "
 
 def is_coloured(point: PlacedRow) -> bool:
     """Whether a point has an error of a whole run."""
-    return point.outcome == "ok" and point.errors is not None
+    return point.errors is not None
 
 
 def marks(points: Iterable[PlacedRow]) -> dict[tuple[Outcome, Cause], Mark]:

@@ -88,7 +88,7 @@ def curves(scene: SceneRuns, signal: str) -> list[Curve]:
 def curve_of(scene: SceneRuns, runs: MethodRuns, signal: str) -> Curve:
     """One method's curve on a scene that was solved."""
     solution = scene.exact.solution
-    finished = [row for row in runs.rows if row.outcome == "ok" and row.errors]
+    finished = [row for row in runs.rows if row.errors]
     unfinished = [row.timestep for row in runs.rows if row.made and row.outcome != "ok"]
     points = tuple(_point(scene, row, signal) for row in finished)
     duration = float(solution.trajectory.t[-1])

@@ -105,7 +105,7 @@ def _strip(x_title: str, x_range: Range) -> Panel:
 
 
 def _finished(runs: MethodRuns) -> list[Row]:
-    return [row for row in runs.rows if row.outcome == "ok" and row.errors]
+    return [row for row in runs.rows if row.errors]
 
 
 def _ended(scene: SceneRuns, abscissa: Abscissa) -> Iterator[Trace]:
@@ -220,7 +220,7 @@ def _guides(scene: SceneRuns, signal: Signal) -> Iterator[Trace]:
             for runs in scene.methods
             if orders.get(runs.label) == order
             for row in runs.rows
-            if row.errors and row.outcome == "ok" and _readable(scene, row, signal)
+            if row.errors and _readable(scene, row, signal)
         ]
         if points:
             middle = sorted(timestep for timestep, _ in points)[len(points) // 2]

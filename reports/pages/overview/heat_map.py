@@ -10,7 +10,7 @@ from ...results.verdict_words import LISTED, RANKS, VERDICT
 from ..analysis.best_choice import BestChoice, best_choice, best_choices, nothing_because
 from ..analysis.report_data import MethodRuns, ReportData, SceneRuns
 from ..analysis.timesteps import AT, as_shipped, leading, row_at, stock_timesteps
-from ..analysis.wording import NOTHING, duration, limited_errors
+from ..analysis.wording import NOTHING, duration, ended, limited_errors
 from ..analysis.work_precision import cost
 from ..tables import Cell, Table, figure, method_anchor, scene_page, table
 from .overview import GROUPS, group_of
@@ -57,8 +57,7 @@ def _best_in_words(scene: SceneRuns) -> str:
 def _attitude(scene: SceneRuns, row: Row) -> str:
     """The attitude error in degrees, at least the uncertainty; without one, how the run ended."""
     if row.errors is None:
-        when = f" at {duration(row.stopped_at)}" if row.stopped_at else ""
-        return f"{row.outcome}{when}" if row.made else "not run"
+        return ended(row) if row.made else "not run"
     return f"{limited_errors(row.errors, scene.uncertainty(row), ('attitude',))[0]}°"
 
 
@@ -85,7 +84,7 @@ def heat_map(gathered: ReportData) -> dict[str, Any]:
             "method": method,
             "label": _label((engine, method), shipped),
             "shipped": (engine, method) in shipped,
-            "stock": duration(steps[engine]) if engine in steps else "",
+            "stock": duration(steps[engine]),
             "leading": (engine, method) in first,
             "anchor": method_anchor(engine, method),
         }
@@ -93,7 +92,7 @@ def heat_map(gathered: ReportData) -> dict[str, Any]:
     ]
     scenes = []
     for scene in gathered.scenes:
-        cells = [_cell(scene, scene.by_pair.get(pair), steps.get(pair[0])) for pair in pairs]
+        cells = [_cell(scene, scene.by_pair.get(pair), steps[pair[0]]) for pair in pairs]
         best = [_best(scene, choice, steps) for choice in best_choices(scene)]
         why_none = "" if best else nothing_because(scene)
         scenes.append(_scene(scene) | {"cells": cells, "best": best, "none": why_none})
@@ -140,10 +139,10 @@ def _scene(scene: SceneRuns) -> dict[str, Any]:
     }
 
 
-def _cell(scene: SceneRuns, runs: MethodRuns | None, stock: float | None) -> dict[str, Any] | None:
+def _cell(scene: SceneRuns, runs: MethodRuns | None, stock: float) -> dict[str, Any] | None:
     if runs is None:
         return None
-    rows = {at: row_at(runs, at, stock or 0.0) for at in AT}
+    rows = {at: row_at(runs, at, stock) for at in AT}
     return {
         "verdict": runs.verdict.verdict if runs.verdict else "",
         "runs": {at: _run(scene, row) if row else None for at, row in rows.items()},
@@ -172,7 +171,7 @@ def _best(scene: SceneRuns, best: BestChoice, steps: dict[str, float]) -> dict[s
         runs.engine: cost(row)
         for runs in scene.methods
         if runs.verdict and runs.verdict.as_shipped
-        if (row := row_at(runs, "stock", steps.get(runs.engine, 0.0))) is not None
+        if (row := row_at(runs, "stock", steps[runs.engine])) is not None
     }
     engine = best.runs.engine
     default = defaults.get(engine, next(iter(defaults.values()), None))

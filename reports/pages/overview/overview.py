@@ -76,7 +76,7 @@ def at_stock(gathered: ReportData) -> str:
         for scene in gathered.scenes
         for runs in scene.methods
         if runs.verdict and runs.verdict.verdict == "converges" and not runs.verdict.as_shipped
-        if (row := row_at(runs, "stock", steps.get(runs.engine, 0.0))) and row.simulated
+        if (row := row_at(runs, "stock", steps[runs.engine])) and row.simulated
     ]
     close = sum(error <= CLOSE for error in errors)
     if not errors:

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from case_loops import each_case
 from scene_texts import sphere_text
 from scipy.spatial.transform import Rotation
 from spincheck.engines import Engine, Method, Run
@@ -14,6 +15,7 @@ from spincheck.reports.harness.executors import Answer
 from spincheck.reports.harness.judging import judge
 from spincheck.reports.harness.judging.ladder import RUNGS_OF_A_LIMIT
 from spincheck.reports.harness.judging.ladder_end import GOAL
+from spincheck.reports.harness.judging.local import CONSISTENT, SEEN
 from spincheck.reports.harness.ladder import DECIDED_STEPS, MAX_STEPS, MIN_RUNGS
 from spincheck.reports.harness.prepared import prepare
 from spincheck.reports.results.evidence import JudgedLadder, LocalEvidence
@@ -51,9 +53,12 @@ def off_by(error: float, exact: Trajectory) -> Trajectory:
 
 
 def go_down(
-    convergence: ConvergenceStudy, error_of_dt: Callable[[float], float], dies_above: float = np.inf
+    convergence: ConvergenceStudy,
+    error_of_dt: Callable[[float], float],
+    dies_above: float = np.inf,
+    dies_at: Callable[[float], float] = float,
 ):
-    """Answer every rung, those of more than `dies_above` seconds a step by a blow-up."""
+    """Answer rungs of more than `dies_above` seconds a step by a blow-up, at a time by the step."""
     runs, row = convergence.runs(), None
     with suppress(StopIteration):
         while asked := runs.send(row):
@@ -62,7 +67,7 @@ def go_down(
             keywords = {"trajectory": motion, "steps": rung.steps}
             outcome = "ok"
             if rung.timestep > dies_above:
-                outcome, keywords = "diverged", {"stopped_at": rung.timestep}
+                outcome, keywords = "diverged", {"stopped_at": dies_at(rung.timestep)}
             run = Run("made-up", "1", "made-up", rung.timestep, outcome, **keywords)
             row = convergence.compare(asked, Answer(run))
     return convergence
@@ -78,7 +83,43 @@ def test_a_limit_known_well_ends_a_ladder():
     assert judge(convergence.records).verdict == "converges"
     assert MIN_RUNGS <= len(convergence.rows) < len(convergence.ladder.rungs)
     assert judge(convergence.records).tolerance <= 2 * GOAL
+    assert judge(convergence.records).ground == "over the whole window"
     assert not convergence.cut_short
+    elsewhere = judge(go_down(study(), lambda dt: 0.01 + 0.1 * dt).records)
+    assert (elsewhere.verdict, elsewhere.ground) == ("disagrees", "")
+
+
+def test_a_blow_up_that_a_shorter_timestep_does_not_delay_ends_a_ladder():
+    ended, delayed = (
+        go_down(study(), lambda dt: 0.0, 0.0, dies_at=law)
+        for law in (lambda dt: 0.5, lambda dt: 1e-3 / dt)
+    )
+    assert len(ended.rows) == 2
+    assert len(delayed.rows) == len(delayed.ladder.rungs)
+    verdict = judge(ended.records)
+    assert verdict.verdict == "diverges"
+    assert f"at 0.5 s, with a timestep of {ended.rows[-1].timestep:.3g} s" in verdict.reason
+
+
+@each_case(
+    ("is_open", "tolerance", "of_an_effect", "words"),
+    [
+        (True, 0.0, 0.0, "where next to nothing acts, steps leave what may add up"),
+        (False, 2 * CONSISTENT, 0.0, f"{2 * CONSISTENT:.2e} of the largest terms only"),
+        (False, 0.0, 2 * SEEN, f"{2 * SEEN:.2e} of the weakest effect only"),
+        (False, 0.0, 0.0, "over 115° from exact states it is unresolved, too"),
+    ],
+)
+def test_why_pieces_do_not_decide_is_said_where_the_window_does_not(
+    is_open, tolerance, of_an_effect, words
+):
+    for error_of_dt, is_said in ((wandering, True), (lambda dt: 0.1 * dt, False)):
+        convergence = study()
+        convergence.local = LocalEvidence(
+            "", 0.0, tolerance, is_open, states=1, of_an_effect=of_an_effect
+        )
+        reason = judge(go_down(convergence, error_of_dt).records).reason
+        assert (words in reason, "pieces do not decide: " in reason) == (is_said, is_said), reason
 
 
 @pytest.mark.parametrize(

@@ -101,6 +101,15 @@ def test_a_method_that_gives_up_costs_its_own_figure(clock: Clock) -> None:
         assert second is not None
 
 
+def test_a_step_that_the_engine_clamps_costs_the_same(clock: Clock) -> None:
+    class Refusing(Clockwork):
+        def check(self) -> None:
+            raise EngineError("beyond its limit", self.name)
+
+    costs = costs_of(*(Refusing(clock, steadily(TAKES), name=cause) for cause in ("clamp", "lag")))
+    assert [measured is not None for measured in costs] == [True, False]
+
+
 def test_steps_of_what_is_no_number_and_a_scene_that_does_not_load_have_no_cost(
     clock: Clock,
 ) -> None:

@@ -19,7 +19,7 @@ from spincheck.reports.harness.choice import Choice
 from spincheck.reports.harness.executors import CallFailed, Executor
 from spincheck.reports.harness.stock import COMMON_TIMESTEP
 from spincheck.reports.harness.sweep import plan_sweep
-from spincheck.reports.harness.sweep_points import STEP_TURN
+from spincheck.reports.harness.sweep_points import STEP_TURN, rung_at
 from spincheck.reports.results import fingerprints as fingerprints
 from spincheck.reports.results.store import open_store
 from spincheck.reports.results.sweep_records import (
@@ -263,11 +263,18 @@ def test_a_reference_that_takes_its_process_with_it_is_not_blamed_on_a_method(pa
 
 
 def test_a_map_without_timesteps_is_run_at_a_fixed_turn_a_step(path):
+    """In whole steps from sample to sample, as few as may be; of a body at rest one."""
     masses = Axis("body.mass", (1.0, 2.0), logarithmic=False)
+    duration, intervals = SCENE.window.duration, SCENE.window.samples - 1
     for point in sweep(path, replace(MAP, axes=(SPIN, masses))):
         numbers = dict(zip((SPIN.path, masses.path), point.at, strict=True))
         speed = np.linalg.norm(varied(SCENE, numbers).start.omega_body)
-        assert STEP_TURN / 2 < speed * point.timestep <= STEP_TURN
+        assert speed * point.timestep <= STEP_TURN < speed * duration / (point.steps - intervals)
+        assert point.steps * point.timestep == pytest.approx(duration)
+    at_rest = loads(BOX.replace("[1.0, 2.0, 0.5]", "[0.0, 0.0, 0.0]"), "box")
+    rung = rung_at(SweepPoint(()), at_rest, FAULTLESS.engines[0])
+    assert rung.times == pytest.approx(SCENE.times)
+    assert rung.steps == intervals
 
 
 def with_stock_timestep(name: str, timestep: float | None) -> Engine:

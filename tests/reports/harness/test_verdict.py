@@ -129,6 +129,9 @@ def test_an_order_below_the_declared_one_disagrees(declared, seen_order):
     judgement = judged(lambda dt: 0.1 * dt**seen_order, declared)
     assert judgement.word == "disagrees"
     assert f"order {seen_order}.00 over 4 rungs, though {declared} is declared" in judgement.reason
+    # Of the finest rungs, however many there are; those that rounding may make show no order.
+    assert judged(lambda dt: 0.1 * dt**seen_order, declared, rungs=5).word == "disagrees"
+    assert judged(lambda dt: 1e-6 * dt**seen_order, declared, growth=1e-11).word == "converges"
 
 
 def test_an_order_that_is_still_rising_or_above_the_declared_one_converges():

@@ -112,6 +112,8 @@ def test_an_order_that_is_another_whole_number_is_reported(before, old, new, wor
     differences = changes(with_verdict(converging, order=old), with_verdict(converging, order=new))
     found = [(change.old, change.new, change.direction) for change in differences]
     assert found == ([words] if words else [])
+    open_ended = with_verdict(before, verdict="unresolved")
+    assert not changes(with_verdict(open_ended, order=old), with_verdict(open_ended, order=new))
 
 
 @each_case(("old", "new"), product(OUTCOMES, OUTCOMES))
@@ -198,6 +200,8 @@ def test_a_scene_that_describes_another_motion_has_its_verdicts_compared_alone(b
     worse = with_verdict(edited, verdict="failed")
     assert [change.kind for change in changes(before, worse)] == ["scene", "verdict"]
     assert changes(before, with_text(before, "[body]", "# as in the book\n[body]")) == []
+    unsolved = replace(edited, scenes={})
+    assert not {change.kind for change in changes(before, unsolved)} & {"error", "verdict"}
 
 
 def test_versions_are_reported_and_dates_are_not(before):

@@ -12,7 +12,7 @@ from contrast import contrast
 from made_up_sweeps import METHODS, MISCHIEF, UNCERTAINTY, UPRIGHT, map_result
 from plotted import coloured, values_of
 from spincheck.reference.stability_bounds import RK4_LIMIT
-from spincheck.reports.pages.analysis.map_grid import Grid, axis_title, places
+from spincheck.reports.pages.analysis.map_grid import Grid, axis_title, places, with_unit
 from spincheck.reports.pages.analysis.measures import COLOURS, HORIZON, SIGNS, is_coloured, marks
 from spincheck.reports.pages.figures import map_figure as map_figure_module
 from spincheck.reports.pages.figures.map_bounds import bounds_of
@@ -119,7 +119,9 @@ def test_panels_share_their_axes_whose_titles_stand_outside_only(figure: Figure)
     ],
 )
 def test_units_are_those_of_the_scene_file(path: str, title: str) -> None:
-    assert axis_title(parse_axis(f"{path}=1:2")) == title
+    axis = parse_axis(f"{path}=1:2")
+    assert axis_title(axis) == title
+    assert with_unit(axis, 40.0).split(" ", 1) == ["40", *title.split(", ")[1:]]
 
 
 def bound_line(result: SweepResult, pair: tuple[str, str], label: str) -> np.ndarray:
@@ -176,6 +178,7 @@ def test_a_run_that_the_reference_does_not_follow_to_the_end_is_signed() -> None
     whole = map_result()
     cut = tuple(replace(p, steps=p.steps // 2) for p in whole.points)
     shortened = replace(whole, points=cut)
+    assert all(grid(shortened).is_cut(point) == is_coloured(point) for point in cut)
     label = escape(HORIZON.label)
     assert label not in [t.get("name") for t in map_figure(grid(whole))["data"]]
     assert label in [t.get("name") for t in map_figure(grid(shortened))["data"]]
@@ -185,11 +188,13 @@ def test_a_place_without_a_scene_is_signed_in_every_panel() -> None:
     whole = map_result()
     first = whole.points[0]
     ended = {"outcome": "unsupported", "cause": "scene", "reason": "no", "errors": None}
+    ended["timestep"] = 0.0
     points = tuple(replace(p, **ended) if p.at == first.at else p for p in whole.points)
     drawn = grid(replace(whole, points=points))
     assert all(drawn.points[pair][0, 0].cause == "scene" for pair in METHODS)
     assert marks(drawn.result.points)["unsupported", "scene"].label == "no scene"
-    # A map that is not complete is drawn.
+    # Without lines there, as it has no timestep; a map that is not complete is drawn too.
+    go.Figure(coloured(map_figure(drawn)))
     go.Figure(coloured(map_figure(grid(replace(whole, points=whole.points[:5])))))
 
 

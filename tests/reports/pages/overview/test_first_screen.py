@@ -11,13 +11,15 @@ from made_up import SECONDS_PER_STEP, SIZE, TIMESTEPS, MadeUp, results
 from markdown_text import markdown_tables, plain
 from spincheck.reports.pages.analysis.best_choice import ATTITUDE_WITHIN, best_choice
 from spincheck.reports.pages.analysis.report_data import ReportData, report_data
+from spincheck.reports.pages.analysis.wording import NOTHING, number
 from spincheck.reports.pages.overview.first_screen import answer
-from spincheck.reports.pages.overview.heat_map import heat_map
+from spincheck.reports.pages.overview.heat_map import heat_map, stock_table
 from spincheck.reports.pages.render import render
 from spincheck.reports.results.cost_records import EffectsCost, Ratio
 from spincheck.reports.results.default_records import DefaultEffect, DefaultEffects
 from spincheck.reports.results.records import Key, Row
 from spincheck.reports.results.results import Results
+from spincheck.reports.results.verdict_words import VERDICT
 from spincheck.scenarios import EVERYWHERE, Errors
 
 STOCK = TIMESTEPS[1]
@@ -202,8 +204,10 @@ def test_a_run_that_ended_ok_has_its_cost_and_an_error_in_every_signal(gathered)
 def test_an_error_below_what_the_reference_is_good_for_is_a_bound(gathered):
     bound = cell(gathered, "RK4")["runs"]["finest"]["errors"]["attitude"]
     assert bound == -scene(gathered).solved.solution.uncertainty.attitude < 0
-    # The table is JSON, of numbers that there are.
-    json.dumps(heat_map(gathered), allow_nan=False)
+    # The table is JSON, which has no infinite numbers.
+    stored = stocked()
+    infinite = [replace(row, errors=row.errors and Errors(*[math.inf] * 6)) for row in stored.rows]
+    json.dumps(heat_map(report_data(replace(stored, rows=infinite))), allow_nan=False)
 
 
 def test_the_best_choice_is_the_cheapest_within_the_bounds_or_else_the_most_accurate(gathered):
@@ -217,6 +221,58 @@ def test_the_best_choice_is_the_cheapest_within_the_bounds_or_else_the_most_accu
     choice = best_choice(scene(report_data(replace(coarse, rows=rows))))
     assert not choice.within
     assert (choice.runs.label, choice.row.timestep) == ("mujoco Euler", TIMESTEPS[2])
+
+
+def test_the_best_choice_costs_a_multiple_of_its_engines_default_or_of_the_first_there_is():
+    """As RK4 takes steps twice as long as the default, half of it if a step costs the same."""
+
+    def shown(*shipped: str, others: float | None = SECONDS_PER_STEP) -> tuple[str, float | None]:
+        stored = stocked()
+        verdicts = [
+            replace(v, as_shipped=v.as_shipped and v.key.engine in shipped) for v in stored.verdicts
+        ]
+        dearer = {"mujoco default": 6 * SECONDS_PER_STEP, "pybullet default": 3 * SECONDS_PER_STEP}
+        rows = [
+            replace(row, seconds_per_step=dearer.get(row.key.label, others)) for row in stored.rows
+        ]
+        drawn = heat_map(report_data(replace(stored, verdicts=verdicts, rows=rows)))
+        (best,) = next(s for s in drawn["scenes"] if s["name"] == "made-up-top")["best"]
+        assert (best["label"], best["timestep"]) == ("mujoco RK4", "20 ms")
+        return best["default"], best["price"]
+
+    assert shown("mujoco", "pybullet") == ("mujoco", pytest.approx(0.5 / 6, rel=1e-2))
+    assert shown("pybullet") == ("pybullet", pytest.approx(0.5 / 3, rel=1e-2))
+    assert shown() == ("", None)
+    assert shown("mujoco", others=None) == ("mujoco", None)
+
+
+def test_columns_are_headed_by_the_method_or_the_engine_if_it_is_as_shipped():
+    """Euler is of the scene that was not solved."""
+    stored = results(methods=(SHIPPED, MadeUp("mujoco", "default-sparse", 1), DYING))
+    methods = {pair: replace(m, as_shipped=True) for pair, m in stored.methods.items()}
+    columns = heat_map(report_data(replace(stored, methods=methods)))["columns"]
+    assert [c["label"] for c in columns] == ["mujoco", "mujoco, sparse", "pybullet", "Euler"]
+    assert [c["shipped"] for c in columns] == [True, True, True, False]
+
+
+def test_in_the_table_of_stock_timesteps_a_cell_is_an_error_or_how_the_run_ended(gathered):
+    table = stock_table(gathered)
+    (row,) = (row for row in table.rows if row[0].text == "made-up-top")
+    euler, rk4 = (math.degrees(SIZE[order] * 2.0**-order) for order in (1, 4))
+    shipped, dying, clean, sharp, best = (cell.text for cell in row[1:])
+    assert shipped == clean == f"{euler:.2f}°"
+    assert dying.startswith(f"{VERDICT['diverges'].sign} diverged at ")
+    assert sharp == f"{number(rk4)}°"
+    assert best == f"mujoco RK4 20 ms: {number(math.degrees(SIZE[4]))}°"
+    (unsolved,) = (row for row in table.rows if row[0].text == "unsolved")
+    failed = f"{VERDICT['failed'].sign} {NOTHING}"
+    assert [cell.text for cell in unsolved[1:]] == [NOTHING, NOTHING, failed, NOTHING, NOTHING]
+
+    def too_coarse(row: Row) -> Row:
+        return replace(row, outcome="unsupported", cause="timestep", errors=None)
+
+    coarse = report_data(replace(stocked(), rows=list(map(too_coarse, stocked().rows))))
+    assert stock_table(coarse).rows[0][1].text == "not run"
 
 
 def test_what_diverged_or_is_lost_is_never_the_best_choice():
