@@ -5,6 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..scenarios import Distance
+
 #: What engines of jointed rigid bodies can simulate: not all that a scene can call for. A method
 #: that has a further effect names it besides.
 COMMON_EFFECTS = frozenset({"gravity", "pivot", "drag", "torque_body", "torque_world"})
@@ -39,11 +41,11 @@ class Method:
     summary: str
     effects: frozenset[str]
     requires: frozenset[str] = frozenset()
-    max_rotation_per_step: float = np.inf
+    max_rotation_per_step: Distance = np.inf
     clamps_parts: bool = False
     as_shipped: bool = False
     by_angles: bool = False
-    damping: float = 0.0
+    damping: Distance = 0.0
     reader: bool = False
     setup: str = ""
 

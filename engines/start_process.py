@@ -50,12 +50,16 @@ def start(command: Sequence[str], **options: Any) -> "subprocess.Popen[Any]":
 
 def kill(process: "subprocess.Popen[Any]") -> int:
     """Kill a process and what is left of its group; returns its exit code."""
-    with suppress(OSError):
-        getattr(os, "killpg", os.kill)(process.pid, _KILL)
+    _kill_group(process.pid)
     code = process.wait()
     with suppress(OSError):
         _guard.tell(-process.pid)
     return code
+
+
+def _kill_group(group: int) -> None:
+    with suppress(OSError):
+        getattr(os, "killpg", os.kill)(group, _KILL)
 
 
 def run(command: Sequence[str], limit: float, **options: Any) -> "subprocess.CompletedProcess[str]":
@@ -109,8 +113,14 @@ class _Guard:
         if self._process is not None:
             assert self._process.stdin is not None, "it is a pipe"
             self._process.stdin.close()
-            with suppress(subprocess.TimeoutExpired):
+            try:
                 self._process.wait(END_LIMIT)
+            except subprocess.TimeoutExpired:
+                # The machine is busy and it has just been started, or somebody has stopped it.
+                for group in self._groups:
+                    _kill_group(group)
+                self._process.kill()
+                self._process.wait()
             self._process = None
 
     def _started(self) -> "subprocess.Popen[bytes]":

@@ -15,6 +15,7 @@ from .signals import (
     EVERYWHERE,
     SIGNAL,
     SIGNALS,
+    Distance,
     Errors,
     Signal,
     SignalName,

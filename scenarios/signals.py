@@ -7,9 +7,10 @@ an entry there and a field of `Errors`.
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import MISSING, dataclass, fields
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import numpy as np
+from pydantic import Field
 
 from .effects.effect import Scene
 from .float_array import FloatArray
@@ -18,6 +19,8 @@ from .rotation import norms
 from .trajectory import Trajectory
 
 EPS = float(np.finfo(float).eps)
+#: A number that is not negative, and not NaN; checked where it is read from a file.
+Distance = Annotated[float, Field(ge=0)]
 
 
 @dataclass(frozen=True)
@@ -28,13 +31,13 @@ class Errors:
     `SIGNALS`; by name the others are NaN.
     """
 
-    omega: float
-    attitude: float
-    angular_momentum: float
-    energy: float
-    com: float
-    velocity: float
-    spins: float | None = None
+    omega: Distance
+    attitude: Distance
+    angular_momentum: Distance
+    energy: Distance
+    com: Distance
+    velocity: Distance
+    spins: Distance | None = None
 
     def __iter__(self) -> Iterator[tuple[str, float]]:
         return ((name, self[name]) for name in SIGNAL if getattr(self, name) is not None)

@@ -107,7 +107,7 @@ def test_a_list_that_is_planted_is_found(kind, name, text):
 
 #: Where an entry is put, and the entry.
 NEW_SIGNAL = {
-    "    velocity: float\n": "    velocity: float\n    upright: float\n",
+    "    velocity: Distance\n": "    velocity: Distance\n    upright: float\n",
     '    Signal(\n        name="spins",\n': """    Signal(
         name="upright",
         label="Lz",

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from .records import MethodKey, Record
+from .records import MethodKey, Record, Size
 
 
 @dataclass(frozen=True)
@@ -18,10 +18,10 @@ class StepCost:
     instructions_per_step : None unless they were counted (`harness/instructions.py`)
     """
 
-    seconds_per_step: float
-    seconds_spread: float
-    wall_seconds_per_step: float
-    instructions_per_step: float | None = None
+    seconds_per_step: Size
+    seconds_spread: Size
+    wall_seconds_per_step: Size
+    instructions_per_step: Size | None = None
 
 
 @dataclass(frozen=True)
@@ -42,8 +42,8 @@ class Ratio:
     spread : interquartile range
     """
 
-    median: float
-    spread: float
+    median: Size
+    spread: Size
 
 
 @dataclass(frozen=True)
@@ -62,12 +62,12 @@ class EffectsCost(Record):
 
     key: MethodKey
     left_out: tuple[str, ...]
-    pruned: float
-    unpruned: float
+    pruned: Size
+    unpruned: Size
     ratio: Ratio
-    timestep: float
-    compared_until: float
-    difference: float
+    timestep: Size
+    compared_until: Size
+    difference: Size
 
     @property
     def sentence(self) -> str:
@@ -108,6 +108,6 @@ class PassCosts(Record):
     """
 
     key: MethodKey
-    pruned: float
-    noise: float
+    pruned: Size
+    noise: Size
     passes: tuple[PassCost, ...]

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 from ...scenarios import Errors
-from .records import MethodKey, Record
+from .records import MethodKey, Record, Size
 
 
 @dataclass(frozen=True)
@@ -35,7 +35,7 @@ class DefaultEffects(Record):
     """
 
     key: MethodKey
-    timestep: float
+    timestep: Size
     none: Errors | None
     all: Errors | None
     each: tuple[DefaultEffect, ...]

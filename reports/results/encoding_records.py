@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from ...scenarios import Errors, printable
-from .records import MethodKey, Record
+from .records import MethodKey, Record, Size
 
 #: What a method does with an encoding: the same motion as with the scene's own description, to
 #: round-off; another one, which goes to the same limit with the timestep; it holds another body;
@@ -46,7 +46,7 @@ class EncodedRuns(Record):
 
     key: MethodKey
     engine_version: str
-    timestep: float
+    timestep: Size
     each: tuple[EncodedRun, ...]
     plain: str = ""
 

@@ -12,7 +12,16 @@ from pydantic import AfterValidator, ConfigDict
 
 from ...engines import Cause, Outcome
 from ...reference import Solution
-from ...scenarios import Errors, Scenario, SignalName, Trajectory, is_scene_name, loads, printable
+from ...scenarios import (
+    Distance,
+    Errors,
+    Scenario,
+    SignalName,
+    Trajectory,
+    is_scene_name,
+    loads,
+    printable,
+)
 from .verdict_words import VERDICT, VerdictWord
 
 #: Names of an engine and of one of its methods.
@@ -185,7 +194,7 @@ class Row(Record):
     cause: Cause = ""
     stopped_at: Size | None = None
     errors: Errors | None = None
-    drifts: dict[str, float] | None = None
+    drifts: dict[str, Distance] | None = None
     reference_uncertainty: Size = 0.0
     steps: Count = 0
     seconds_per_step: Size | None = None

@@ -32,6 +32,8 @@ MAX_DEPTH = 256
 #: Elements of a file, and attributes of an element: a file of the largest size may have millions,
 #: each hundreds of times as large in memory, and an engine compares every two of the latter.
 MAX_ELEMENTS, MAX_ATTRIBUTES = 1 << 18, 1 << 8
+#: Characters of a name, and of what a replicate puts between it and a number: all are shown.
+MAX_NAME, NAMING = 1 << 10, ("name", "sep")
 #: Characters of a value that are shown.
 MAX_SHOWN = 60
 #: An XML declaration, wherever it stands.
@@ -126,10 +128,12 @@ def read_xml(path: Path) -> XMLFile:
     Raises
     ------
     ModelFileError
-        If it cannot be read, is too large or too deep, has a DTD, or is not XML.
+        If it cannot be read, is too large or too deep, has a DTD, or is not XML in UTF-8.
     """
     where = printable(str(path))
     data = read_bytes(path)
+    if b"\0" in data:
+        raise ModelFileError(f"{where}: must be a text in UTF-8, no engine reads UTF-16 or zeros")
     notes: list[str] = []
     try:
         root = _Builder(where).parse(data)
@@ -204,6 +208,9 @@ class _Builder:
             element.refuse(
                 f"<{printable(tag, MAX_SHOWN)}> has more than {MAX_ATTRIBUTES} attributes"
             )
+        for key in NAMING:
+            if len(attributes.get(key, "")) > MAX_NAME:
+                element.refuse(f"'{key}' must be at most {MAX_NAME} characters")
         if self._open:
             self._open[-1].children.append(element)
         else:

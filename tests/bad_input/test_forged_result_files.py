@@ -13,13 +13,13 @@ import command_line
 import numpy as np
 import pytest
 import small_result_file
-from forging import change, columns, forge, seal
+from forging import FIELD, change, columns, forge, seal
 from spincheck.reports.cli.terminal import BAD_INPUT
 from spincheck.reports.results.result_file import ResultFileError
 from spincheck.reports.results.store import open_store
 from spincheck.reports.results.sweep_records import MAX_MEMBERS, SweepPoint
 from spincheck.reports.results.tables import pack, unpack
-from spincheck.scenarios import Trajectory
+from spincheck.scenarios import SIGNAL, Trajectory
 from spincheck.scenarios.errors import is_control
 
 pytestmark = pytest.mark.slow
@@ -125,6 +125,49 @@ def test_a_number_that_was_changed_is_reported(good, path):
         if "changed after it was written" not in complaint_of(path):
             silent.append((table, column))
     assert silent == []
+
+
+#: Numbers that may be negative or NaN: of orders and limits, what a pass costs.
+ANY_NUMBER = {"order", "attitude_order", "limit_error", "tolerance", "added", "saved", "at"}
+
+
+def with_each_replaced(value, number: float, name: str = ""):
+    """The last name of each number in a value of JSON, and the value with another in its place."""
+    if isinstance(value, dict | list):
+        for key in [*value] if isinstance(value, dict) else range(len(value)):
+            inner = key if isinstance(value, dict) else name
+            for last, changed in with_each_replaced(value[key], number, inner):
+                whole = value.copy()
+                whole[key] = changed
+                yield last, whole
+    elif isinstance(value, int | float) and not isinstance(value, bool):
+        yield name, number
+
+
+@pytest.mark.parametrize("number", [float("nan"), -1.0])
+def test_no_size_at_any_depth_of_a_record_is_negative_or_not_a_number(good, path, number):
+    """Errors in each signal, of `spins` too, drifts, times a step."""
+    forge(path, [("rows", "record.errors")], dict.fromkeys(SIGNAL, 1e-3))
+    with_spins = path.read_bytes()
+    accepted, tried = [], set()
+    for table, column in columns(path):
+        if table in NOT_READ or not column.startswith(FIELD):
+            continue
+        for name, value in with_each_replaced(first_value(path, table, column), number, column):
+            if name.removeprefix(FIELD) not in ANY_NUMBER:
+                forge(path, [(table, column)], value)
+                tried.add(name)
+                if "cannot be read" not in complaint_of(path):
+                    accepted.append((table, column, name))
+                path.write_bytes(with_spins)
+    assert accepted == []
+    assert tried > {*SIGNAL, "seconds_per_step", "L_norm", "median"}
+
+
+def first_value(path, table: str, column: str):
+    with closing(sqlite3.connect(path)) as connection:
+        (record,) = connection.execute(f"SELECT record FROM {table} ORDER BY rowid").fetchone()
+    return json.loads(record)[column.removeprefix(FIELD)]
 
 
 def complaint_of(path) -> str:

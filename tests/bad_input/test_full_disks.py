@@ -11,7 +11,6 @@ import pytest
 import small_result_file
 from mutated_scenes import LEAST, written
 from small_disks import SmallDisk, small_disk
-from spincheck.engines.adapters.pybullet import load
 from spincheck.reports.cli import choosing
 from spincheck.reports.cli.terminal import AGREES, BAD_INPUT
 from spincheck.reports.harness.executors import InProcess
@@ -48,9 +47,7 @@ def temporary_folder(disk: SmallDisk, monkeypatch):
     """Everything temporary goes there, as from the start of a worker on."""
     with monkeypatch.context() as patched:
         patched.setattr(tempfile, "tempdir", str(disk.folder))
-        load._folder.cache_clear()
         yield
-    load._folder.cache_clear()
 
 
 def test_a_temporary_folder_that_fills_is_no_verdict_on_an_engine(folder, monkeypatch):

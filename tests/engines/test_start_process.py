@@ -159,6 +159,20 @@ def test_an_engine_that_is_busy_goes_with_a_run_that_is_killed(tmp_path) -> None
 
 
 @pytest.mark.processes
+def test_of_a_guard_that_does_not_end_nothing_is_left(monkeypatch) -> None:
+    """Nor a warning of Python's that it still runs: on a busy machine it takes long to begin."""
+    guard = start_process._Guard()
+    monkeypatch.setattr(start_process, "_guard", guard)
+    guarded = start_process.start(["sleep", "600"])
+    slow = guard._process
+    assert slow is not None
+    os.kill(slow.pid, signal.SIGSTOP)
+    guard.end()
+    assert slow.returncode == guarded.wait(PATIENCE) == -signal.SIGKILL
+    start_process.kill(guarded)
+
+
+@pytest.mark.processes
 def test_a_guard_that_is_killed_is_replaced(monkeypatch) -> None:
     # With it would go what other tests have started.
     guard = start_process._Guard()

@@ -3,6 +3,7 @@
 import ast
 import errno
 import os
+import sys
 from pathlib import Path
 
 import pytest
@@ -127,6 +128,15 @@ def test_one_that_may_not_be_replaced_is_not_even_as_a_link_to_nothing(tmp_path)
     with pytest.raises(FileExistsError):
         write_new(tmp_path / "scene.toml", "new", replace=False)
     assert not (tmp_path / "nothing").exists()
+
+
+@pytest.mark.skipif(sys.platform == "darwin", reason="its caches are elsewhere")
+@pytest.mark.parametrize("stated", ["", "relative", ".", "../elsewhere"])
+def test_no_cache_is_in_the_current_folder(tmp_path, monkeypatch, stated):
+    """Whoever wrote that may have put code there."""
+    monkeypatch.setenv("HOME", str(tmp_path))
+    monkeypatch.setenv("XDG_CACHE_HOME", stated)
+    assert user_cache() == tmp_path / ".cache" / "spincheck"
 
 
 def test_a_cache_that_others_may_write_to_is_not_used(tmp_path, monkeypatch):

@@ -1,11 +1,8 @@
 """Puts a scene's body into a PyBullet world: what the world is given, and what it is read as."""
 
-import atexit
-import shutil
 import tempfile
 from collections.abc import Collection
 from dataclasses import dataclass
-from functools import cache
 from itertools import count
 from pathlib import Path
 from typing import Any
@@ -162,45 +159,24 @@ def scenes_own(
 def _loaded(model: OwnURDF, record: dict[str, Any], client: int) -> World:
     """A world with a model loaded.
 
-    PyBullet caches files by name, so every file has a name of its own.
+    PyBullet caches files and meshes by name, so those of each model have a folder of their own. It
+    is gone before the run begins: workers are killed.
     """
-    number = next(_numbers)
-    file = Path(_folder(), f"{number}.urdf")
-    try:
+    prefix = f"spincheck-{next(_numbers)}-"
+    with tempfile.TemporaryDirectory(prefix=prefix, ignore_cleanup_errors=True) as folder:
+        for name, mesh in model.meshes:
+            Path(folder, name).symlink_to(mesh)
+        file = Path(folder, "body.urdf")
         file.write_bytes(model.data)
-        if model.meshes:
-            # Meshes too have names of their own, since they are cached as well.
-            file = _beside_meshes(file, model.meshes)
         try:
             return World(record, client, str(file))
         except p.error as error:
             # Raises the system's own error if the file cannot be opened.
             file.read_bytes()
             raise EngineError(f"PyBullet cannot load the body: {error}") from None
-    finally:
-        file.unlink(missing_ok=True)
-        if model.meshes:
-            shutil.rmtree(file.parent, ignore_errors=True)
-
-
-def _beside_meshes(file: Path, meshes: tuple[tuple[str, Path], ...]) -> Path:
-    """The file in a folder of its own, together with its meshes."""
-    folder = file.with_suffix("")
-    folder.mkdir()
-    for name, mesh in meshes:
-        Path(folder, name).symlink_to(mesh)
-    return file.rename(folder / file.name)
 
 
 _numbers = count()
-
-
-@cache
-def _folder() -> str:
-    """A folder for files that PyBullet reads; of this process, and removed with it."""
-    folder = tempfile.TemporaryDirectory(prefix="spincheck-", ignore_cleanup_errors=True)
-    atexit.register(folder.cleanup)
-    return folder.name
 
 
 def _model_of_link(world: World, scenario: Scenario) -> Model:

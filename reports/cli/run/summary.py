@@ -1,6 +1,5 @@
 """Runs, verdicts and points: lines of 80 columns where numbers allow, and JSON of everything."""
 
-import json
 import textwrap
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from itertools import groupby
@@ -91,7 +90,7 @@ def point_lines(records: Sequence[dict[str, Any]]) -> Iterator[str]:
 
     def sweep_of(record: dict[str, Any]) -> str:
         method = f"{record['engine']} {record['method']}"
-        return f"{record['scenario']}: {method}; {record['sweep']} of {', '.join(_at(record))}"
+        return f"{record['scenario']}: {method}; {record['sweep']} of {', '.join(record['at'])}"
 
     for title, grouped in groupby(sorted(records, key=sweep_of), key=sweep_of):
         yield cut(title, WIDTH)
@@ -99,7 +98,7 @@ def point_lines(records: Sequence[dict[str, Any]]) -> Iterator[str]:
         headings, *numbers = aligned(of_signals(map(_errors, filter(_errors, points)))) or [""]
         yield f"  {'at':{PLACE}} {headings}"
         for point in points:
-            place = "  ".join(f"{value:<11.6g}" for value in _at(point).values())
+            place = "  ".join(f"{value:<11.6g}" for value in point["at"].values())
             begun = f"  {cut(place.rstrip(), PLACE):{PLACE}} "
             if not _errors(point):
                 stopped = point["stopped_at"]
@@ -112,11 +111,6 @@ def point_lines(records: Sequence[dict[str, Any]]) -> Iterator[str]:
 
 def _errors(point: dict[str, Any]) -> dict[str, float]:
     return {s.name: point[s.key] for s in SIGNALS if point[s.key] is not None}
-
-
-def _at(point: dict[str, Any]) -> dict[str, float]:
-    coordinates: dict[str, float] = json.loads(point["at"])
-    return coordinates
 
 
 def cut(text: str, width: int) -> str:

@@ -1,6 +1,5 @@
 """What the commands `map`, `member` and `run --ensemble` do, and print."""
 
-import json
 from collections import Counter
 from collections.abc import Iterable, Sequence
 from dataclasses import asdict, replace
@@ -100,11 +99,11 @@ def _place(point: PlacedRow, names: Sequence[str]) -> str:
 
 
 def flat_records(swept: SweepResult) -> list[dict[str, Any]]:
-    """Points as flat records: their coordinates are one column of JSON, as they differ by sweep."""
+    """The points of a sweep, each with what it belongs to and where it is first."""
     sweep = swept.sweep
     kind = f"seed {sweep.seed}" if isinstance(sweep, Ensemble) else sweep.kind
     records = [point_record(point, sweep.names) for point in swept.points]
-    return [{"sweep": kind, "at": json.dumps(one.pop("at")), **one} for one in records]
+    return [{"sweep": kind, "at": one.pop("at"), **one} for one in records]
 
 
 #: Lines of progress that a sweep prints if there is no terminal to draw a bar on.

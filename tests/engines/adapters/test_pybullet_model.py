@@ -1,7 +1,9 @@
 """PyBullet's model of a body: what it reads, in which frames, and what it ignores."""
 
-import itertools
+import tempfile
+from contextlib import nullcontext
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -31,20 +33,19 @@ ROUND_OFF = 16 * EPS * STEPS[-1]
 # The model file
 
 
-class OnePlace:
-    """A folder for files that are all of one name."""
-
-    def __init__(self, folder: Path) -> None:
-        self.folder = folder
-
-    def __call__(self) -> str:
-        return str(self.folder)
-
-
 @pytest.fixture
 def one_place(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    monkeypatch.setattr(pybullet_load, "_folder", OnePlace(tmp_path))
-    monkeypatch.setattr(pybullet_load, "_numbers", itertools.repeat(0))
+    places = SimpleNamespace(TemporaryDirectory=lambda **_: nullcontext(str(tmp_path)))
+    monkeypatch.setattr(pybullet_load, "tempfile", places)
+
+
+def test_no_file_of_a_world_is_left_where_its_process_may_be_killed(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    """Workers are killed, and run nothing at their exit."""
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
+    with opened(SCENES["free-tilted"], MULTIBODY):
+        assert [*tmp_path.iterdir()] == []
 
 
 @pytest.mark.usefixtures("one_place")

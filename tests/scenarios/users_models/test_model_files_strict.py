@@ -10,6 +10,7 @@ from spincheck.scenarios.users_models.xml_tree import (
     MAX_BYTES,
     MAX_DEPTH,
     MAX_ELEMENTS,
+    MAX_NAME,
 )
 from users_models import arm, body, diagonal, inertial, joint, link, robot, written
 
@@ -198,6 +199,14 @@ REFUSED = {
         *(f"<robot {MANY_ATTRIBUTES}/>", 1),
         f"<robot> has more than {MAX_ATTRIBUTES} attributes",
     ),
+    "a name of a million characters": (
+        *(robot(link("a" * 10**6)), 2),
+        f"'name' must be at most {MAX_NAME} characters",
+    ),
+    "names of replicates of as many": (
+        *(body(f'<replicate count="9" sep="{"a" * 10**6}"><body/></replicate>'), 1),
+        f"'sep' must be at most {MAX_NAME} characters",
+    ),
     "a chain of thousands of links": (
         *(f"<robot>{CHAIN}</robot>", 1),
         "links hang on each other more than 256 deep",
@@ -288,3 +297,11 @@ def test_what_is_no_model_that_all_read_alike_is_refused(tmp_path, text, line, m
     kind = "xml" if text.startswith("<mujoco") else "urdf"
     path = written(tmp_path, text, f"inner/robot.{kind}")
     assert refusal(path) == f"FILE:{line}: {message}"
+
+
+@pytest.mark.parametrize("encoding", ["utf-16", "utf-16-be", "utf-16-le"])
+def test_a_file_in_another_encoding_is_refused_as_engines_do(tmp_path, encoding):
+    """Where expat reads it, spans of elements would be counted in other bytes."""
+    path = tmp_path / "robot.urdf"
+    path.write_bytes(robot(link("a", inertial())).encode(encoding))
+    assert refusal(path) == "FILE: must be a text in UTF-8, no engine reads UTF-16 or zeros"

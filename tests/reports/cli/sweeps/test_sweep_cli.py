@@ -79,8 +79,13 @@ def test_asked_again_it_answers_from_the_file_in_words_with_the_worst_point_and_
     (line,) = (line for line in done.stdout.splitlines() if "mujoco RK4" in line)
     assert "timestep 0.01" in line
     first, *others = spincheck("points", path, "--csv").stdout.splitlines()
-    assert first.startswith("sweep,at,scenario,engine,method,engine_version,timestep,outcome")
+    where = "at.start.omega_body[2],at.timestep"
+    assert first.startswith(f"sweep,{where},scenario,engine,method,engine_version,timestep,outcome")
+    assert others[0].startswith("map,10.0,0.001,")
     assert len(others) == 4
+    listed = json.loads(spincheck("points", path, "--json").stdout)
+    swept = json.loads(before.stdout)["points"]
+    assert [point["at"] for point in listed] == [point["at"] for point in swept]
 
 
 @pytest.mark.usefixtures("in_process")
