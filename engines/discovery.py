@@ -29,15 +29,16 @@ def engines() -> dict[str, Engine]:
 
 
 def add(engine: Engine) -> None:
-    """Add an engine to the list, until this process ends.
+    """Add an engine to the list, until this process ends; one of its class that is there goes.
 
     Raises
     ------
     ValueError
-        If another engine has the same name.
+        If an engine of another class has the same name.
     """
-    if engines().setdefault(engine.name, engine) is not engine:
+    if type(engines().setdefault(engine.name, engine)) is not type(engine):
         raise ValueError(f"'{engine.name}' is another engine's name; rename one.")
+    engines()[engine.name] = engine
 
 
 @cache
