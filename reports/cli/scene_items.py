@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from ...engines import Engine, Method, Missing, engines, missing
+from ...engines import Engine, Method, Missing, NameTaken, engines, missing
 from ...scenarios import ScenarioError, did_you_mean, load
 from ..harness.executors import LocalWorkers
 from ..harness.expectations import unknown_expectations
@@ -60,7 +60,10 @@ class SceneFile(pytest.File):
         yield from self._not_tested()
 
     def _check_engines(self) -> None:
-        known: list[Engine | Missing] = [*engines().values(), *missing()]
+        try:
+            known: list[Engine | Missing] = [*engines().values(), *missing()]
+        except NameTaken as error:
+            raise self.CollectError(str(error)) from None
         names = ["all", *sorted({one.name for one in known} | {one.family for one in known} - {""})]
         for name in self._engines:
             if name not in names:

@@ -13,7 +13,7 @@ from typing import Any, TypeGuard, final
 import pytest
 from spincheck.suite import SCENES, VERSION, test_adapter, test_physics
 
-from ....engines import Engine, Method, add
+from ....engines import Engine, Method, NameTaken, add
 from ....scenarios import Scenario, did_you_mean, load
 from ...harness.executors import InProcess
 from ...harness.judging import judge
@@ -174,7 +174,7 @@ def _engines(name: str) -> tuple[Engine, ...]:
         )
     try:
         add(engine)
-    except ValueError as error:
+    except NameTaken as error:
         raise pytest.UsageError(f"'--spincheck-engine' {name}: {error}") from None
     return (engine,)
 

@@ -128,6 +128,25 @@ def test_an_unmet_expectation_fails_and_names_signal_size_and_command(run):
     result.stdout.no_fnmatch_line("*Traceback*")
 
 
+def test_a_misspelt_method_is_refused_with_the_nearest(run):
+    result = run(sphere=SPHERE + EXPECTATION.replace("RK4", "RK5"))
+    result.assert_outcomes(errors=1)
+    result.stdout.fnmatch_lines(["*must be one of *, got 'RK5'; did you mean 'RK4'[?]"])
+
+
+def test_a_failed_engine_comes_before_the_bound_that_it_misses(run, monkeypatch):
+    def fail(*_: object) -> None:
+        raise ValueError("the matrix is singular")
+
+    monkeypatch.setattr(type(engines()["mujoco"]), "open", fail)
+    result = run("-k", "mujoco-RK4", sphere=SPHERE + EXPECTATION)
+    result.assert_outcomes(failed=1)
+    first = next(line for line in result.outlines if "singular" in line)
+    assert first.startswith("failed: ValueError: the matrix is singular")
+    result.stdout.fnmatch_lines(["outcome at 0.01 s: failed, *; expected: energy error at most *"])
+    result.stdout.no_fnmatch_line("*spincheck recommend*")
+
+
 def test_what_is_compiled_first_is_announced(run, monkeypatch):
     monkeypatch.setattr(compiling, "is_compiled", lambda: False)
     monkeypatch.setattr(compiling, "compile_side_by_side", lambda _: None)
