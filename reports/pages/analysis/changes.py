@@ -134,7 +134,10 @@ def _expectations(key: Key, old: Verdict | None, new: Verdict | None) -> Iterato
     """Expectations that became unmet or met; compared by what was expected, not by the error."""
     if old is None or new is None:
         return
-    unmet = [{line.partition(": ")[0]: line for line in verdict.unmet} for verdict in (old, new)]
+    unmet = [
+        {what: size for what, _, size in (line.partition(": ") for line in verdict.unmet)}
+        for verdict in (old, new)
+    ]
     for expected in sorted(unmet[0].keys() ^ unmet[1].keys()):
         worse = expected in unmet[1]
         words = ("kept", unmet[1][expected]) if worse else (unmet[0][expected], "kept")

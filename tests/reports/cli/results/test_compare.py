@@ -223,7 +223,7 @@ def test_errors_of_a_method_that_went_the_same_way_are_one_line(before, capsys):
     assert len(differences) > 1
     assert out.count("mujoco Euler") == 1
     assert f"the most of {len(differences)}" in out
-    assert f"{len(differences)} changes, {len(differences)} of them regressions" in out
+    assert f"{len(differences)} changes, of which {len(differences)} regressions" in out
 
 
 def test_json_holds_every_change_and_the_rules(before):
