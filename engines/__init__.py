@@ -1,7 +1,7 @@
 """Physics engines behind one interface."""
 
 from .checks.read_back import BodyReading, EngineError, State, UnsupportedError
-from .discovery import add, engines, missing
+from .discovery import NameTaken, add, engines, missing
 from .engine import Engine
 from .fault import Cause, Fault
 from .method import Method

@@ -16,28 +16,33 @@ from .missing import Missing
 ENTRY_POINTS = "spincheck.engines"
 
 
+class NameTaken(ValueError):
+    """Two engines have one name."""
+
+
 @cache
 def engines() -> dict[str, Engine]:
     """Every engine that can be used here, by name, sorted.
 
     Raises
     ------
-    ValueError
+    NameTaken
         If two engines share a name.
     """
     return dict(sorted(_discover()[0].items()))
 
 
 def add(engine: Engine) -> None:
-    """Add an engine to the list, until this process ends.
+    """Add an engine to the list, until this process ends; one of its class that is there goes.
 
     Raises
     ------
-    ValueError
-        If another engine has the same name.
+    NameTaken
+        If an engine of another class has the same name.
     """
-    if engines().setdefault(engine.name, engine) is not engine:
-        raise ValueError(f"'{engine.name}' is another engine's name; rename one.")
+    if type(engines().setdefault(engine.name, engine)) is not type(engine):
+        raise NameTaken(f"'{engine.name}' is another engine's name; rename one.")
+    engines()[engine.name] = engine
 
 
 @cache
@@ -64,7 +69,10 @@ def _discover() -> tuple[dict[str, Engine], tuple[Missing, ...]]:
             if isinstance(engine, Missing):
                 absent.append(engine)
             elif engine.name in engines:
-                raise ValueError(f"two engines are named '{engine.name}'; rename one.")
+                modules = " and ".join(
+                    type(one).__module__ for one in (engines[engine.name], engine)
+                )
+                raise NameTaken(f"two engines are named '{engine.name}', of {modules}; rename one.")
             else:
                 engines[engine.name] = engine
     return engines, tuple(absent)

@@ -135,7 +135,7 @@ def run(
         bool,
         typer.Option(
             "--instructions",
-            help="Count the instructions of a step, too, under valgrind: half a minute a method.",
+            help="Count the instructions of a step, too, under valgrind, which is slow.",
         ),
     ] = False,
     time_limit: TimeLimit = None,

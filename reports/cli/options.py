@@ -31,7 +31,7 @@ def _there_if_named(file: Path) -> Path:
 Scenes = Annotated[
     list[str] | None,
     typer.Argument(
-        metavar="[SCENARIO|FOLDER]...",
+        metavar="SCENARIO|FOLDER",
         help="Files, folders, library scenes; the library if none.",
     ),
 ]

@@ -83,7 +83,9 @@ def pytest_runtestloop(session: pytest.Session) -> None:
     """Compile the solver of exact motions before the first scene, and say so where it shows."""
     reporter: Any = session.config.pluginmanager.get_plugin("terminalreporter")
     has_scenes = any(KEPT in dict(item.user_properties) for item in session.items)
-    if reporter is None or not has_scenes or session.config.option.collectonly:
+    option = session.config.option
+    is_interrupted = session.testsfailed and not option.continue_on_collection_errors
+    if reporter is None or not has_scenes or option.collectonly or is_interrupted:
         return
     from ..harness.executors.compiling import compile_first
 

@@ -1,6 +1,7 @@
 """The items of pytest of a scene: one for its reference, one for each engine and method."""
 
-from collections.abc import Iterator, Sequence
+import shlex
+from collections.abc import Iterator
 from functools import cached_property
 from importlib.metadata import requires
 from pathlib import Path
@@ -8,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from ...engines import Engine, Method, Missing, engines, missing
+from ...engines import Engine, Method, Missing, NameTaken, engines, missing
 from ...scenarios import ScenarioError, did_you_mean, load
 from ..harness.executors import LocalWorkers
 from ..harness.expectations import unknown_expectations
@@ -59,7 +60,10 @@ class SceneFile(pytest.File):
         yield from self._not_tested()
 
     def _check_engines(self) -> None:
-        known: list[Engine | Missing] = [*engines().values(), *missing()]
+        try:
+            known: list[Engine | Missing] = [*engines().values(), *missing()]
+        except NameTaken as error:
+            raise self.CollectError(str(error)) from None
         names = ["all", *sorted({one.name for one in known} | {one.family for one in known} - {""})]
         for name in self._engines:
             if name not in names:
@@ -108,6 +112,11 @@ class SceneItem(pytest.Item):
         super().__init__(**parent_and_name)
         self.user_properties.append((KEPT, False))
 
+    @property
+    def typed(self) -> str:
+        """The scene's file as it is typed in a command."""
+        return shlex.quote(str(self.path))
+
     def reportinfo(self) -> tuple[Path, None, str]:
         """File, line (none) and name of the item, for pytest's report."""
         return self.path, None, f"{self.path.stem}::{self.name}"
@@ -129,7 +138,7 @@ class ReferenceItem(SceneItem):
     def runtest(self) -> None:
         """Raise `Disagreement` with all complaints."""
         if wrong := list(complaints(self.parent.scenario)):
-            raise Disagreement(*wrong, f"reproduce with: spincheck reference {self.path}")
+            raise Disagreement(*wrong, f"reproduce with: spincheck reference {self.typed}")
 
 
 class EngineItem(SceneItem):
@@ -170,23 +179,22 @@ class EngineItem(SceneItem):
         is_open = verdict.verdict == "unresolved" and verdict.is_unproven
         if not verdict.agrees or is_open:
             raise Disagreement(
-                *verdict.unmet,
-                f"{verdict.verdict}: {verdict.reason}",
-                f"reproduce with: spincheck run {self.path} "
+                *verdict.findings,
+                f"reproduce with: spincheck run {self.typed} "
                 f"--engine {self.engine.name} --method {self.method.name}",
-                *self._remedies(verdict.unmet),
+                *(self._remedies() if verdict.findings[0] in verdict.unmet else ()),
             )
         if verdict.verdict != "converges" and not (verdict.as_shipped or verdict.expected_failure):
             return f"{verdict.verdict}: {verdict.reason}"
         return ""
 
-    def _remedies(self, unmet: Sequence[str]) -> Iterator[str]:
+    def _remedies(self) -> Iterator[str]:
         """The commands that find a timestep at which the bounds of unmet expectations hold."""
         own = (self.engine.name, self.method.name)
         for expect in self.parent.scenario.expect:
-            if unmet and expect.bounds() and (expect.engine, expect.method) == own:
+            if expect.bounds() and (expect.engine, expect.method) == own:
                 bounds = (f"{option(name)} {bound:g}" for name, bound in expect.bounds().items())
-                words = ["spincheck recommend", str(self.path), "--engine", own[0], *bounds]
+                words = ["spincheck recommend", self.typed, "--engine", own[0], *bounds]
                 yield f"a method and timestep that keep it: {' '.join(words)}"
 
 

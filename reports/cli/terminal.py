@@ -250,7 +250,8 @@ _OF_OUTPUT = (errno.ENOSPC, errno.EPIPE, errno.EBADF, errno.EIO, errno.EFBIG, er
 
 
 def refusal(error: Exception) -> Complaint | None:
-    """The message for an error of the operating system; None for any other error."""
+    """The message for an error of the system or of engines' names; None for any other error."""
+    from ...engines import NameTaken
     from ..harness.executors import cause_of
 
     if isinstance(error, FileNotFoundError) and error.filename is None:
@@ -260,6 +261,8 @@ def refusal(error: Exception) -> Complaint | None:
     if isinstance(error, OSError) and error.errno in _OF_OUTPUT:
         print_nowhere(STDOUT)
         return Complaint(f"the output cannot be written: {error.strerror}", NOT_RUN)
+    if isinstance(error, NameTaken):
+        return Complaint(str(error), NOT_RUN)
     if isinstance(error, MemoryError):
         return Complaint("there is not enough memory", NOT_RUN)
     if cause_of(error) == "environment":

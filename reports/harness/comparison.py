@@ -103,21 +103,19 @@ def _of_other_law(run: Run | CallFailed, local: LocalEvidence | None) -> Run | C
 
 
 def unmet_expectations(expected: Expect, row: Row) -> list[str]:
-    """Which of a scene's expectations of one run are unmet, in words."""
-    where = f"{row.key.engine} {row.key.method} at {row.timestep:g} s"
+    """Which of a scene's expectations of one run are unmet: `WHAT at TIMESTEP: how it is`."""
+    at = f"at {row.timestep:g} s"
+    ended = f"{row.outcome}{f', {row.reason}' if row.reason else ''}"
     if expected.outcome == "diverges":
-        if row.outcome == "diverged":
-            return []
-        ended = f"{row.outcome}{f', {row.reason}' if row.reason else ''}"
-        return [f"{where} was expected to diverge: {ended}"]
+        return [] if row.outcome == "diverged" else [f"outcome {at}: {ended}; expected: diverges"]
     if row.errors is None:
         bounds = (
-            f"{SIGNAL[name].label} within {_in_unit(name, bound)}"
+            f"{SIGNAL[name].label} error at most {_in_unit(name, bound)}"
             for name, bound in expected.bounds().items()
         )
-        return [f"{where}: expected {', '.join(bounds)}, got {row.outcome}: {row.reason}"]
+        return [f"outcome {at}: {ended}; expected: {', '.join(bounds)}"]
     return [
-        f"{where}: {SIGNAL[name].label} error {_in_unit(name, error)} exceeds the expected "
+        f"{SIGNAL[name].label} error {at}: {_in_unit(name, error)} exceeds the expected "
         f"{_in_unit(name, bound)}"
         for name, bound in expected.bounds().items()
         if not (error := row.errors[name]) <= bound

@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Iterator
 
 from ...engines import engines, missing
-from ...scenarios import Scenario, printable
+from ...scenarios import Scenario, did_you_mean, printable
 from ...scenarios.locate import line_of
 
 
@@ -26,11 +26,11 @@ def _unknown(scenario: Scenario) -> Iterator[str]:
                 yield _complaint(scenario, table, index, "engine", [*methods, *absent])
 
 
-def _complaint(scenario: Scenario, table: str, index: int, key: str, names: Iterable[str]) -> str:
+def _complaint(scenario: Scenario, table: str, index: int, key: str, names: list[str]) -> str:
     line = line_of(scenario.text, (table, index, key))
     where = printable(str(scenario.path or scenario.name))
     got = getattr(getattr(scenario.document, table)[index], key)
     return (
         f"{where}:{line}: [[{table}]] number {index + 1} {key}: "
-        f"must be one of {', '.join(names)}, got '{got}'"
+        f"must be one of {', '.join(names)}, got '{got}'{did_you_mean(got, names)}"
     )

@@ -60,10 +60,15 @@ def published_that_do_not_hold(scenario: Scenario) -> Iterator[str]:
     """The published values that differ from the exact motion by more than their tolerance."""
     for value in published_values(scenario):
         if not value.holds:
+            is_printed = np.isfinite(value.printed)
+            printed, ours = (
+                ", ".join(f"{one:.8g}" for one in components[is_printed])
+                for components in (value.printed, value.ours)
+            )
             yield (
-                f"{scenario.name}: {value.quantity} at t = {value.published.t:g} s is "
-                f"{value.difference:.2e} from the value printed in {value.published.source}, "
-                f"tolerance {value.published.tolerance:g}"
+                f"{scenario.name}: {value.quantity} at t = {value.published.t:g} s: "
+                f"{printed} in '{value.published.source}', exact {ours}; "
+                f"they differ by {value.difference:.2e}, tolerance {value.published.tolerance:g}"
             )
 
 

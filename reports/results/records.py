@@ -286,9 +286,17 @@ class Verdict(Record):
     @property
     def agrees(self) -> bool:
         """Whether a study with this verdict passes."""
-        expected = self.as_shipped or self.expected_failure
-        wrong = VERDICT[self.verdict].fails and not expected
-        return not wrong and not self.unmet
+        return not self._is_wrong and not self.unmet
+
+    @property
+    def findings(self) -> list[str]:
+        """The verdict with its reason, and the unmet expectations: what fails the study first."""
+        judged = f"{self.verdict}: {self.reason}"
+        return [judged, *self.unmet] if self._is_wrong else [*self.unmet, judged]
+
+    @property
+    def _is_wrong(self) -> bool:
+        return VERDICT[self.verdict].fails and not (self.as_shipped or self.expected_failure)
 
     @property
     def is_unproven(self) -> bool:

@@ -8,7 +8,6 @@ from adapter_checks import CHECKS, Check
 from spincheck.engines import BodyReading, Engine, Method, Session, State
 from spincheck.scenarios import Scenario
 from spincheck.suite import test_adapter
-from spincheck.suite.comparisons import ContractBroken
 from stranger.toy_engine import Toy, ToySession
 
 pytestmark = pytest.mark.slow
@@ -198,7 +197,7 @@ def toy_of(kind: type[ToySession]) -> Engine:
 )
 def test_a_planted_fault_is_caught(kind: type[ToySession], check: Check) -> None:
     engine = toy_of(kind)
-    with pytest.raises(ContractBroken, match="toy RK4"):
+    with pytest.raises(pytest.fail.Exception, match="toy RK4"):
         check(engine, engine.methods[0])
 
 
@@ -207,7 +206,7 @@ def test_a_method_that_is_another_by_name_only_is_caught() -> None:
         methods = (Toy.methods[0], replace(Toy.methods[0], name="RK45"))
 
     engine = Twice()
-    with pytest.raises(ContractBroken, match="it never differs from RK45"):
+    with pytest.raises(pytest.fail.Exception, match="it never differs from RK45"):
         test_adapter.test_differs_from_every_other_method(engine, engine.methods[0])
 
 
@@ -216,7 +215,7 @@ def test_a_method_that_is_better_than_declared_is_reported_so() -> None:
         methods = (replace(Toy.methods[0], order=2, attitude_order=2),)
 
     engine = Modest()
-    with pytest.raises(ContractBroken, match="declared are less"):
+    with pytest.raises(pytest.fail.Exception, match="declared are less"):
         test_adapter.test_order_of_accuracy(engine, engine.methods[0])
 
 
@@ -226,7 +225,7 @@ def test_a_method_that_can_simulate_nothing_is_caught() -> None:
 
     engine = Idle()
     for check in CHECKS[:-1]:
-        with pytest.raises(ContractBroken, match="none of the contract's scenes"):
+        with pytest.raises(pytest.fail.Exception, match="none of the contract's scenes"):
             check(engine, engine.methods[0])
 
 

@@ -3,13 +3,15 @@
 And one whose package raises on import costs only itself.
 """
 
-from collections.abc import Iterator
+import sys
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
 from adapter_checks import CHECKS, Check
 from library_scenes import library_scene
 from spincheck.engines import discovery
+from spincheck.reports.cli.terminal import NOT_RUN, refusal
 from spincheck.reports.harness.choice import Choice
 from spincheck.reports.harness.executors import InProcess
 from spincheck.reports.harness.plan import plan
@@ -59,21 +61,44 @@ def test_it_appears_in_a_report(installed: None, tmp_path: Path) -> None:
     assert "toy" in (tmp_path / "report" / "index.html").read_text(encoding="utf-8")
 
 
+@pytest.fixture
+def install(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Callable[[str], None]]:
+    """Install a package `another_engine` of this source."""
+
+    def installed(source: str) -> None:
+        (tmp_path / "another_engine.py").write_text(source, encoding="utf-8")
+        info = tmp_path / "another_engine-1.0.dist-info"
+        info.mkdir()
+        (info / "METADATA").write_text("Name: another-engine\nVersion: 1.0\n", encoding="utf-8")
+        points = "[spincheck.engines]\nanother = another_engine\n"
+        (info / "entry_points.txt").write_text(points, encoding="utf-8")
+        monkeypatch.syspath_prepend(str(tmp_path))
+        sys.modules.pop("another_engine", None)
+        forget()
+
+    yield installed
+    forget()
+
+
 @pytest.mark.parametrize("source", RAISES)
 def test_a_package_that_raises_on_import_costs_only_its_own_engine(
-    source: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    source: str, install: Callable[[str], None]
 ) -> None:
-    (tmp_path / "broken_engine.py").write_text(source, encoding="utf-8")
-    info = tmp_path / "broken_engine-1.0.dist-info"
-    info.mkdir()
-    (info / "METADATA").write_text("Name: broken-engine\nVersion: 1.0\n", encoding="utf-8")
-    points = "[spincheck.engines]\nbroken = broken_engine\n"
-    (info / "entry_points.txt").write_text(points, encoding="utf-8")
-    monkeypatch.syspath_prepend(str(tmp_path))
-    forget()
-    try:
-        assert "mujoco" in discovery.engines()
-        (broken,) = [one for one in discovery.missing() if one.name == "broken_engine"]
-        assert "importing it failed" in broken.reason
-    finally:
-        forget()
+    install(source)
+    assert "mujoco" in discovery.engines()
+    (broken,) = [one for one in discovery.missing() if one.name == "another_engine"]
+    assert "importing it failed" in broken.reason
+
+
+def test_an_engine_named_as_another_ends_commands_with_one_message(
+    install: Callable[[str], None],
+) -> None:
+    source = (STRANGER / "toy_engine.py").read_text(encoding="utf-8")
+    install(source.replace('name = "toy"', 'name = "mujoco"'))
+    with pytest.raises(
+        discovery.NameTaken, match=r"named 'mujoco', .* and another_engine"
+    ) as taken:
+        discovery.engines()
+    complaint = refusal(taken.value)
+    assert complaint is not None
+    assert complaint.exit_code == NOT_RUN

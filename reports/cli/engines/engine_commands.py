@@ -113,7 +113,7 @@ def list_encodings(as_json: AsJson = False) -> None:
 @app.command(epilog="Example: spincheck conform -- node my-engine.mjs")
 def conform(
     command: Annotated[
-        list[str], typer.Argument(metavar="-- COMMAND...", help="What starts the engine.")
+        list[str], typer.Argument(metavar="-- COMMAND", help="What starts the engine.")
     ],
     limit: Annotated[
         float, typer.Option(min=0.1, max=1e6, metavar="S", help="Seconds that an answer may take.")
@@ -231,7 +231,10 @@ def versions(
     engine: Annotated[str, typer.Argument(metavar="ENGINE", help="Such as mujoco.")],
     arguments: Annotated[
         list[str],
-        typer.Argument(metavar="V1 V2... [SCENARIO]...", help="Versions, oldest first; scenes."),
+        typer.Argument(
+            metavar="VERSION|SCENARIO",
+            help="Two versions or more, oldest first; then scenes, if any.",
+        ),
     ],
     method: Methods = None,
     jobs: Jobs = CORES,

@@ -16,7 +16,7 @@ def judge(
     scenario: Scene,
     files: Annotated[
         list[Path],
-        typer.Argument(metavar="FILE...", help="Recorded motions: CSV, JSON lines, npz, Parquet."),
+        typer.Argument(metavar="FILE", help="Recorded motions: CSV, JSON lines, npz, Parquet."),
     ],
     quaternion: Annotated[
         str | None,

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from ...pages.analysis.changes import COST_FACTOR, ERROR_FACTOR, Change, changes
+from ...pages.analysis.wording import plural
 from ...results.results import Results
 from ..run import running
 from ..terminal import AGREES, DISAGREES, table
@@ -68,7 +69,7 @@ def print_changes(changes: Sequence[Change]) -> None:
         return
     table([_line(group) for group in _grouped(changes)])
     regressions = sum(change.regression for change in changes)
-    print(f"{len(changes)} changes, {regressions} of them regressions")
+    print(f"{plural(len(changes), 'change')}, of which {plural(regressions, 'regression')}")
 
 
 def _grouped(changes: Sequence[Change]) -> list[list[Change]]:

@@ -10,7 +10,13 @@ from ....engines.fault import ENVIRONMENTAL
 from ....scenarios import Signal
 from ...pages.analysis.best_choice import BOUNDS, best_choice, within_in_words
 from ...pages.analysis.report_data import ReportData, report_data
-from ...pages.analysis.timesteps import as_shipped, attitudes_at, leading, stock_timesteps
+from ...pages.analysis.timesteps import (
+    as_shipped,
+    attitudes_at,
+    leading,
+    made_at,
+    stock_timesteps,
+)
 from ...pages.analysis.wording import duration, plural
 from ...results.records import Row, Verdict
 from ...results.results import Results
@@ -62,8 +68,7 @@ def _first_failure(verdicts: Sequence[Verdict]) -> Iterator[str]:
         return
     first = wrong[0]
     key = first.key
-    reason = "; ".join([*first.unmet, first.reason])
-    text = f"Fails: {key.scenario}, {key.label}: {first.verdict}: {reason}"
+    text = f"Fails: {key.scenario}, {key.label}: {'; '.join(first.findings)}"
     yield from textwrap.wrap(
         text, WIDTH, max_lines=REASON_LINES, placeholder=" …", break_on_hyphens=False
     )
@@ -103,8 +108,13 @@ def _at_stock(report: ReportData) -> Iterator[str]:
         worst = max(errors, key=lambda name: errors[name])
         mark = "*" if (engine, method) in shipped else " "
         name = f"{mark} {engine} {method}, {duration(steps[engine])}"
-        middle = _degrees(median_high(errors.values()))
-        yield f"{name:45}{middle:>8}  {_degrees(errors[worst])} {worst}"[:WIDTH]
+        rows = made_at(report, (engine, method), steps[engine]).values()
+        unfinished = "blew up" if any(row.outcome == "diverged" for row in rows) else "failed"
+        middle, most = (
+            unfinished if math.isinf(error) else _degrees(error)
+            for error in (median_high(errors.values()), errors[worst])
+        )
+        yield f"{name:45}{middle:>8}  {most} {worst}"[:WIDTH]
 
 
 def _best(report: ReportData) -> Iterator[str]:
@@ -163,7 +173,5 @@ def _named_run(row: Row, width: int) -> str:
 
 
 def _degrees(error: float) -> str:
-    if math.isinf(error):
-        return "blew up"
     degrees = math.degrees(error)
     return f"{degrees:.0f}°" if degrees >= LEAST_WHOLE else f"{degrees:.1g}°"

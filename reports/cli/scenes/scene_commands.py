@@ -71,7 +71,7 @@ def show(scenario: Scene, as_json: AsJson = False) -> None:
 def check(
     scenes: Annotated[
         list[str],
-        typer.Argument(metavar="SCENARIO|FOLDER...", help="Files, folders or library scenes."),
+        typer.Argument(metavar="SCENARIO|FOLDER", help="Files, folders or library scenes."),
     ],
 ) -> None:
     """Check scenes: format, published values, and effects without which nothing would change.

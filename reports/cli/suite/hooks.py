@@ -13,7 +13,7 @@ from typing import Any, TypeGuard, final
 import pytest
 from spincheck.suite import SCENES, VERSION, test_adapter, test_physics
 
-from ....engines import Engine, Method, add
+from ....engines import Engine, Method, NameTaken, add
 from ....scenarios import Scenario, did_you_mean, load
 from ...harness.executors import InProcess
 from ...harness.judging import judge
@@ -65,7 +65,7 @@ class Subject(ABC):
             worst = max(about, key=lambda one: RANKS[one.verdict])
             word, reason = worst.verdict, f"{worst.signal}: {worst.reason}"
         if VERDICT[word].fails or word == "diverges":
-            pytest.fail(f"on {SCENES / name}.toml it {word}: {reason}", pytrace=False)
+            pytest.fail(f"it {word}: {reason}\nscene: {SCENES / name}.toml", pytrace=False)
         if word != "converges":
             pytest.skip(f"{word}: {reason}")
 
@@ -172,7 +172,10 @@ def _engines(name: str) -> tuple[Engine, ...]:
             f"'--spincheck-engine' {name} must be a subclass of spincheck.engines.Engine, or an "
             f"object of one, got {found!r}"
         )
-    add(engine)
+    try:
+        add(engine)
+    except NameTaken as error:
+        raise pytest.UsageError(f"'--spincheck-engine' {name}: {error}") from None
     return (engine,)
 
 

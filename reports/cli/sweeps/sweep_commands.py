@@ -68,7 +68,7 @@ def print_varied(
     scenario: Scene,
     numbers: Annotated[
         list[str],
-        typer.Argument(metavar="PATH=VALUE...", help="Numbers of the scene file, and values."),
+        typer.Argument(metavar="PATH=VALUE", help="Numbers of the scene file, and values."),
     ],
 ) -> None:
     """Print a scene with other numbers, such as a point of a map, as a scenario file."""

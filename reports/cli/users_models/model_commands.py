@@ -10,7 +10,7 @@ from ..terminal import AGREES, DISAGREES, Complaint, say, to_json
 
 app = typer.Typer()
 
-ModelFiles = Annotated[list[Path], typer.Argument(metavar="FILE...", help="URDF or MJCF.")]
+ModelFiles = Annotated[list[Path], typer.Argument(metavar="FILE", help="URDF or MJCF.")]
 Packages = Annotated[
     list[str] | None,
     typer.Option(

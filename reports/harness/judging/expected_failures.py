@@ -24,6 +24,6 @@ def compared_with_expected_failures(
                 verdict, reason=f"{verdict.reason}; known: {fault.reason}", expected_failure=True
             )
         if verdict.verdict == "converges" and not cut_short:
-            unmet = f"{key.engine} {key.method} converges, known to disagree: {fault.reason}"
+            unmet = f"it converges; delete the [[known]] that it disagrees: {fault.reason}"
             return replace(verdict, unmet=(*verdict.unmet, unmet))
     return verdict

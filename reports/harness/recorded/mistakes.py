@@ -191,11 +191,12 @@ def _of_omega(reading: Reading, omega: FloatArray) -> Iterator[tuple[str, Readin
         replace(reading, omega=other_frame),
     )
     yield "ω has the opposite sign", reading.with_arrays(omega=-omega)
-    yield (
-        "ω is in degrees a second; wx [deg/s] says so",
-        reading.with_arrays(omega=omega * pi / 180),
-    )
-    yield "ω is in turns a second", reading.with_arrays(omega=omega * 2 * pi)
+    for words, factor in (
+        ("in degrees a second; wx [deg/s] says so", pi / 180),
+        ("in rad/s already, and was converted from deg/s", 180 / pi),
+        ("in turns a second", 2 * pi),
+    ):
+        yield f"ω is {words}", reading.with_arrays(omega=omega * factor)
     # Undone by pairing each attitude with the ω that goes with it, of which one end has none.
     earlier, later = slice(None, -1), slice(1, None)
     for age, mine, other in (("older", earlier, later), ("newer", later, earlier)):

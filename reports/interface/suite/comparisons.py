@@ -4,6 +4,7 @@ from collections.abc import Iterable, Iterator
 from itertools import pairwise
 
 import numpy as np
+import pytest
 from spincheck.engines import Engine, Method, Session
 from spincheck.scenarios import FloatArray, Scenario, Trajectory
 from spincheck.scenarios.rotation import norms, rotation_vectors
@@ -21,10 +22,6 @@ ODD_STEPS = 115
 RESTART_STRIDES = (1, ODD_STEPS - 1)
 #: Samples of a run.
 SAMPLES = 8
-
-
-class ContractBroken(AssertionError):
-    """An engine does not meet a requirement on every engine."""
 
 
 def able_scenes(
@@ -103,7 +100,7 @@ def same(first: Session, second: Session) -> bool:
 def require(
     holds: bool, engine: Engine, method: Method, scene: Scenario | None, words: str
 ) -> None:
-    """Raise `ContractBroken`, with what is wrong in words, unless the condition holds."""
+    """Fail the test, with what is wrong in words and no stack trace, unless the condition holds."""
     if not holds:
         where = f" on '{scene.name}'" if scene is not None else ""
-        raise ContractBroken(f"{engine.name} {method.name}{where}: {words}.")
+        pytest.fail(f"{engine.name} {method.name}{where}: {words}.", pytrace=False)

@@ -135,7 +135,8 @@ def _expectations(key: Key, old: Verdict | None, new: Verdict | None) -> Iterato
     if old is None or new is None:
         return
     unmet = [
-        {line.partition(" error ")[0]: line for line in verdict.unmet} for verdict in (old, new)
+        {what: size for what, _, size in (line.partition(": ") for line in verdict.unmet)}
+        for verdict in (old, new)
     ]
     for expected in sorted(unmet[0].keys() ^ unmet[1].keys()):
         worse = expected in unmet[1]

@@ -73,12 +73,13 @@ class _AtStock:
 
     @property
     def worst(self) -> Cell:
-        """The largest error with its scene, and how many runs blew up."""
+        """The largest error with its scene, and how many runs blew up or failed."""
         ended = {name: error for name, error in self.attitudes.items() if error < math.inf}
         largest = max(ended, key=lambda name: ended[name], default="")
         details = [largest] if ended else []
-        if self._unfinished:
-            details.append(f"{plural(self._unfinished, 'run')} blew up")
+        for outcome, words in (("diverged", "blew up"), ("failed", "failed")):
+            if count := sum(row.outcome == outcome for row in self.rows.values()):
+                details.append(f"{plural(count, 'run')} {words}")
         return Cell(_degrees(ended[largest]) if ended else "∞", "number", ", ".join(details))
 
     @property

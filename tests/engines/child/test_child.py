@@ -14,7 +14,6 @@ from spincheck.engines.child.messages import Hello, Misanswer, Stepped, parse
 from spincheck.engines.child.process import ChildProcess, end_idle
 from spincheck.reports.harness.executors import CallFailed, LocalWorkers
 from spincheck.suite import test_adapter
-from spincheck.suite.comparisons import ContractBroken
 from spincheck.suite.contract_scenes import scene
 
 pytestmark = pytest.mark.processes
@@ -96,7 +95,7 @@ def test_a_child_that_restarts_keeps_the_contract() -> None:
     engine = planted()
     with engine.open(SPHERE, engine.methods[0], TIMESTEP) as session:
         assert session.can_restart
-    with pytest.raises(ContractBroken, match="restarted, 'omega_body' must read back"):
+    with pytest.raises(pytest.fail.Exception, match="restarted, 'omega_body' must read back"):
         test_adapter.test_restarts_as_it_opens(
             planted("restarts with its old spin"), engine.methods[0]
         )

@@ -29,7 +29,9 @@ def test_every_command_is_in_one_group():
 
 @each_case("name", COMMANDS)
 def test_every_command_has_an_example_and_says_which_options_may_be_repeated(name):
-    words = printed(name, "--help").partition("Example: ")[2].split()
+    usage, _, example = printed(name, "--help").partition("Example: ")
+    assert usage.splitlines()[0].count("...") <= 1
+    words = example.split()
     assert words[:2] == ["spincheck", name]
     options = [
         p for p in get_group(app).get_command(None, name).params if p.param_type_name == "option"

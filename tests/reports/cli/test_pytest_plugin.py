@@ -105,7 +105,7 @@ def test_a_value_printed_elsewhere_that_differs_fails_in_words(run):
     result.assert_outcomes(failed=1)
     result.stdout.fnmatch_lines(
         [
-            "*omega_body at t = 1 s is 1.00e-03 from the value printed*",
+            "*omega_body at t = 1 s: 0, 1, 2.001 in * exact *, 2; they differ by 1.00e-03*",
             "*reproduce with: spincheck*",
         ]
     )
@@ -119,7 +119,7 @@ def test_an_unmet_expectation_fails_and_names_signal_size_and_command(run):
     result.assert_outcomes(failed=1)
     result.stdout.fnmatch_lines(
         [
-            "*energy error * exceeds the expected 1e-300*",
+            "energy error at *: * exceeds the expected 1e-300*",
             "*reproduce with: spincheck run * --engine mujoco --method RK4",
             "a method and timestep that keep it: spincheck recommend *box.toml --engine mujoco "
             "--energy 1e-300",
@@ -128,14 +128,34 @@ def test_an_unmet_expectation_fails_and_names_signal_size_and_command(run):
     result.stdout.no_fnmatch_line("*Traceback*")
 
 
+def test_a_misspelt_method_is_refused_with_the_nearest(run):
+    result = run(sphere=SPHERE + EXPECTATION.replace("RK4", "RK5"))
+    result.assert_outcomes(errors=1)
+    result.stdout.fnmatch_lines(["*must be one of *, got 'RK5'; did you mean 'RK4'[?]"])
+
+
+def test_a_failed_engine_comes_before_the_bound_that_it_misses(run, monkeypatch):
+    def fail(*_: object) -> None:
+        raise ValueError("the matrix is singular")
+
+    monkeypatch.setattr(type(engines()["mujoco"]), "open", fail)
+    result = run("-k", "mujoco-RK4", sphere=SPHERE + EXPECTATION)
+    result.assert_outcomes(failed=1)
+    first = next(line for line in result.outlines if "singular" in line)
+    assert first.startswith("failed: ValueError: the matrix is singular")
+    result.stdout.fnmatch_lines(["outcome at 0.01 s: failed, *; expected: energy error at most *"])
+    result.stdout.no_fnmatch_line("*spincheck recommend*")
+
+
 def test_what_is_compiled_first_is_announced(run, monkeypatch):
     monkeypatch.setattr(compiling, "is_compiled", lambda: False)
     monkeypatch.setattr(compiling, "compile_side_by_side", lambda _: None)
     result = run("-k", "reference", sphere=SPHERE)
     words = "First, once: the solver of exact motions is compiled, roughly * s."
     result.stdout.fnmatch_lines([words])
-    result = run("--collect-only", sphere=SPHERE)
-    result.stdout.no_fnmatch_line("First, once*")
+    for nothing_runs in ("--collect-only", "-q"):
+        result = run(nothing_runs, sphere=SPHERE, typo=SPHERE.replace("mass", "mas"))
+        result.stdout.no_fnmatch_line("First, once*")
 
 
 @pytest.mark.parametrize(

@@ -29,7 +29,7 @@ def test_a_known_disagreement_passes_and_says_why_and_is_reported_when_it_is_gon
         assert not held("disagrees", replace(KEY, **{other: "another"})).agrees
     verdict = held("converges")
     assert not verdict.agrees
-    assert verdict.unmet == ("engine method converges, known to disagree: it creeps on",)
+    assert verdict.unmet == ("it converges; delete the [[known]] that it disagrees: it creeps on",)
 
 
 @pytest.mark.parametrize("word", ["unresolved", "diverges", "unsupported"])

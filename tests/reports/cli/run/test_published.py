@@ -53,7 +53,7 @@ def test_a_published_value_that_does_not_hold_is_reported_alike(tmp_path, comman
     for words in asked + [("report",)] * (command == "run"):
         done = spincheck(*words, cwd=tmp_path)
         assert done.returncode == code
-        wrong = "omega_body at t = 1 s is 1.00e-01 from the value printed in a book"
+        wrong = "omega_body at t = 1 s: 3.1 in 'a book', exact 3; they differ by 1.00e-01"
         assert (wrong in done.stderr) == bool(code)
 
 

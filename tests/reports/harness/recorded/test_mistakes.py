@@ -55,6 +55,10 @@ PLANTED = {
         lambda a, later: {"omega": np.degrees(a["omega"])},
         ["ω is in degrees a second; wx [deg/s] says so"],
     ),
+    "degrees that are none": (
+        lambda a, later: {"omega": a["omega"] * np.pi / 180},
+        ["ω is in rad/s already, and was converted from deg/s"],
+    ),
     "turns": (lambda a, later: {"omega": a["omega"] / 2 / np.pi}, ["ω is in turns a second"]),
     "late": (
         lambda a, later: {"q": later(1)["q"], "omega": later(1)["omega"]},
