@@ -98,6 +98,7 @@ def test_the_assertion_passes_on_the_exact_motion_and_fails_with_an_explanation(
     with pytest.raises(AssertionError) as failed:
         assert_matches_exact("fast-top", **states, attitude=1e-3, omega=1e-3)
     assert "ω is off by 0.6" in str(failed.value)
+    assert "(relative), more than 0.001 from t = 0 s on" in str(failed.value)
     assert "attitude" not in str(failed.value)
     assert "Explained by: ω is in world axes (state 'omega = world')." in str(failed.value)
 
