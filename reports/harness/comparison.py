@@ -135,7 +135,7 @@ def unmet_expectations(
 
 
 def _since(exact: Trajectory, series: ErrorSeries | None, name: str, bound: float) -> str:
-    """From when on a bound is exceeded, in words."""
+    """The time from which on a bound is exceeded, in words; empty where it is not known."""
     first = series.first_beyond(name, bound) if series else None
     return "" if first is None else f" from t = {exact.t[first]:.4g} s on"
 
