@@ -25,6 +25,11 @@ class ErrorSeries:
         column: FloatArray = self.distances[:, names.index(name)]
         return column
 
+    def first_beyond(self, name: str, bound: float) -> int | None:
+        """The first sample at which a signal is further off than that; None if at none."""
+        beyond = np.flatnonzero(~(self[name] <= bound))
+        return int(beyond[0]) if len(beyond) else None
+
     def worst(self) -> Errors:
         """The largest of each over the samples."""
         largest = map(float, self.distances.max(axis=0))

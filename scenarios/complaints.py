@@ -122,7 +122,7 @@ def _unknown_key(key: str, known_keys: Iterable[str]) -> str:
     known_keys = sorted(known_keys)
     close = difflib.get_close_matches(key, known_keys, n=1)
     hint = f"did you mean '{close[0]}'? " if close else ""
-    return f"unknown key; {hint}known keys: {', '.join(known_keys)}"
+    return f"unknown key; {hint}known keys: {', '.join(known_keys) or 'none'}"
 
 
 def _known_keys(table: Keys) -> list[str]:

@@ -46,12 +46,15 @@ class BodyTable(Table):
         None, description="kg m²: three principal moments along the body axes, or a 3×3 matrix"
     )
     inertia_about: Literal["com", "origin"] = Field(
-        "com", description="the point the inertia refers to"
+        "com", description='the point the inertia refers to; `"com"` if left out'
     )
-    com: Vector | None = Field(None, description="m, from the body's origin, body axes")
+    com: Vector | None = Field(
+        None, description="m, from the body's origin, body axes; needed with a pivot"
+    )
     particles: tuple[tuple[Positive, Number, Number, Number], ...] | None = Field(
         None,
-        description="point masses [kg, m, m, m], body axes: instead of mass, com and inertia",
+        description="three or more point masses [kg, m, m, m], body axes: instead of mass, com and "
+        "inertia",
         min_length=3,
     )
 
@@ -217,7 +220,9 @@ class Known(Table):
 class Document(Table):
     """A spincheck scenario: a rigid body, how it starts, what acts on it, and for how long."""
 
-    spincheck: Version = Field(description="format version; marks the file as a scenario")
+    spincheck: Version = Field(
+        description="the first key: format version; marks the file as a scenario"
+    )
     title: Text = Field(description="one line; what pages and lists call the scene")
     source: Text = Field(description="book, section or paper the scene comes from")
     description: Prose = Field("", description="Markdown")
@@ -227,7 +232,9 @@ class Document(Table):
     body: BodyTable = Field(description="the rigid body")
     start: StartTable = Field(description="the state at t = 0")
     rotors: tuple[RotorTable, ...] | None = Field(
-        None, description="parts that turn in the body", max_length=MAX_ROTORS
+        None,
+        description=f"parts that turn in the body, {MAX_ROTORS} at most",
+        max_length=MAX_ROTORS,
     )
     effects: Effects = Field(Effects(), description="what acts on the body")
     window: Window = Field(description="duration and samples")

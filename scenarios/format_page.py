@@ -125,9 +125,13 @@ def _section(title: str) -> Iterator[str]:
 
 def _kind(field: FieldInfo) -> str:
     """What a key takes, in words."""
-    constraints = [str(one) for one in field.metadata]
-    kind = _words(field.annotation)
-    return "number > 0" if kind == "number" and any("Gt" in one for one in constraints) else kind
+    limits = [
+        f" {sign} {limit}"
+        for name, sign in (("gt", ">"), ("ge", "≥"), ("le", "≤"))
+        for one in field.metadata
+        if (limit := getattr(one, name, None)) is not None
+    ]
+    return _words(field.annotation) + " and".join(limits)
 
 
 def _words(annotation: Any) -> str:

@@ -121,7 +121,7 @@ def _parsed(text: str, where: str) -> dict[str, Any]:
         match = _MANY_DIGITS.search(text)
         line = text.count("\n", 0, match.start()) + 1 if match else None
         raise ScenarioError(at(where, line, "not valid TOML: an integer is too large")) from None
-    if MARKER not in tables:
+    if next(iter(tables), None) != MARKER:
         raise ScenarioError(f"{where}: not a scenario: the first key must be 'spincheck = 1'")
     return tables
 

@@ -25,10 +25,14 @@ class StartTable(Table):
         None, description="rad/s: α̇ β̇ γ̇; only with euler_zyz_deg"
     )
     position: Vector | None = Field(
-        None, description="m, of the com; not with a pivot; on a table z follows from the attitude"
+        None,
+        description="m, of the com, zeros if left out; not with a pivot; on a table z follows from "
+        "the attitude",
     )
     velocity: Vector | None = Field(
-        None, description="m/s, of the com; not with a pivot; on a table z follows from ω"
+        None,
+        description="m/s, of the com, zeros if left out; not with a pivot; on a table z follows "
+        "from ω",
     )
 
     @model_validator(mode="after")

@@ -98,9 +98,9 @@ def checked(names: Iterable[str]) -> Checked:
                 result.wrong.extend(unknown)
                 continue
             path = printable(str(scenario.path))
-            result.lines.append(f"{path}: ok: {scenario.title}: {_in_short(scenario)}")
-            if scenario.document.published or scenario.acting:
-                _check_motion(scenario, result)
+            is_unchecked = not (scenario.document.published or scenario.acting)
+            ok = "ok: " if is_unchecked or _check_motion(scenario, result) else ""
+            result.lines.append(f"{path}: {ok}{scenario.title}: {_in_short(scenario)}")
     return result
 
 
@@ -113,8 +113,8 @@ def _in_short(scenario: Scenario) -> str:
     return f"{scenario.body.mass:g} kg, z axis {tilt:.3g}° from the world's, {words}"
 
 
-def _check_motion(scenario: Scenario, result: Checked) -> None:
-    """Check what is said of the motion; what solves it takes a second to import."""
+def _check_motion(scenario: Scenario, result: Checked) -> bool:
+    """Whether what is said of the motion is true; what solves it takes a second to import."""
     from ...reference import IntegrationError
     from ..harness.power import powerless
     from ..harness.published import published_that_do_not_hold
@@ -122,10 +122,13 @@ def _check_motion(scenario: Scenario, result: Checked) -> None:
 
     compile_first()
     try:
-        result.untrue.extend(published_that_do_not_hold(scenario))
+        untrue = list(published_that_do_not_hold(scenario))
+        result.untrue.extend(untrue)
         result.powerless.extend(powerless(scenario))
     except IntegrationError as error:
         result.lines.append(f"{scenario.name}: no exact motion: {error}")
+        return False
+    return not untrue
 
 
 def complain(wrong: Sequence[str]) -> None:

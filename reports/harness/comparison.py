@@ -6,7 +6,7 @@ import numpy as np
 
 from ...engines import Engine, Run
 from ...reference import Solution, drifts
-from ...scenarios import SIGNAL, Expect, Scenario, error_series
+from ...scenarios import SIGNAL, ErrorSeries, Expect, Scenario, Trajectory, error_series
 from ..results.evidence import LocalEvidence
 from ..results.records import Key, Row
 from .defects import turns_made, with_defects
@@ -50,18 +50,18 @@ def row_of(
     exact = solution.trajectory.until(len(motion.t))
     series = error_series(scenario, motion, exact)
     # An energy that is no number, of terms too large for a double, is absurd as well.
-    absurd = np.flatnonzero(~(series["energy"] <= ABSURD_ENERGY))
-    if len(absurd):
+    absurd = series.first_beyond("energy", ABSURD_ENERGY)
+    if absurd is not None:
         # The run's own reason is kept too: it may tell the cause.
         reasons = (f"the energy exceeds {ABSURD_ENERGY:g} times its base", row.reason)
         reason = "; ".join(filter(None, reasons))
-        stopped_at = float(motion.t[absurd[0]])
+        stopped_at = float(motion.t[absurd])
         row = replace(row, outcome="diverged", reason=reason, cause="energy", stopped_at=stopped_at)
     elif row.outcome == "ok" and (no_skill := no_better_than_rest(scenario, motion, exact, series)):
         reason = "; ".join(filter(None, (row.reason, no_skill)))
         row = replace(row, cause=row.cause or "lost", reason=reason, without_skill=True)
     turned = np.concatenate([[0.0], np.cumsum(turns_made(exact))])
-    beyond = np.flatnonzero(series["attitude"] > DEGREE)
+    beyond = series.first_beyond("attitude", DEGREE)
     return replace(
         row,
         # A run that stopped early has none: those up to that time may be arbitrarily small.
@@ -69,7 +69,7 @@ def row_of(
         drifts=drifts(scenario, motion),
         motion=motion,
         turns=float(turned[-1]),
-        turns_within_1deg=float(turned[beyond[0]]) if len(beyond) else None,
+        turns_within_1deg=None if beyond is None else float(turned[beyond]),
     )
 
 
@@ -102,8 +102,15 @@ def _of_other_law(run: Run | CallFailed, local: LocalEvidence | None) -> Run | C
     return replace(run, outcome="failed", cause="clock", reason=reason) if is_clock else run
 
 
-def unmet_expectations(expected: Expect, row: Row) -> list[str]:
-    """Which of a scene's expectations of one run are unmet: `WHAT at TIMESTEP: how it is`."""
+def unmet_expectations(
+    scenario: Scenario, expected: Expect, row: Row, exact: Trajectory
+) -> list[str]:
+    """Which of a scene's expectations of one run are unmet: `WHAT at TIMESTEP: how it is`.
+
+    Parameters
+    ----------
+    exact : the exact motion at the run's own sample times
+    """
     at = f"at {row.timestep:g} s"
     ended = f"{row.outcome}{f', {row.reason}' if row.reason else ''}"
     if expected.outcome == "diverges":
@@ -114,12 +121,21 @@ def unmet_expectations(expected: Expect, row: Row) -> list[str]:
             for name, bound in expected.bounds().items()
         )
         return [f"outcome {at}: {ended}; expected: {', '.join(bounds)}"]
+    # Of a run that was stored before, the samples are gone, or others.
+    is_sampled = row.motion is not None and np.array_equal(row.motion.t, exact.t)
+    series = error_series(scenario, row.motion, exact) if row.motion and is_sampled else None
     return [
         f"{SIGNAL[name].label} error {at}: {_in_unit(name, error)} exceeds the expected "
-        f"{_in_unit(name, bound)}"
+        f"{_in_unit(name, bound)}{_since(exact, series, name, bound)}"
         for name, bound in expected.bounds().items()
         if not (error := row.errors[name]) <= bound
     ]
+
+
+def _since(exact: Trajectory, series: ErrorSeries | None, name: str, bound: float) -> str:
+    """The time from which on a bound is exceeded, in words; empty where it is not known."""
+    first = series.first_beyond(name, bound) if series else None
+    return "" if first is None else f" from t = {exact.t[first]:.4g} s on"
 
 
 def _in_unit(name: str, size: float) -> str:

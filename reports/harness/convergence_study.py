@@ -132,7 +132,8 @@ class ConvergenceStudy:
             row = yield single
             self.single_rows.append(row)
             for expectation in single.expectations:
-                self.unmet += unmet_expectations(expectation, row)
+                exact = single.solution.trajectory
+                self.unmet += unmet_expectations(self.scenario, expectation, row, exact)
         if self.ladder is None:
             return
         for rung in self.ladder.rungs:

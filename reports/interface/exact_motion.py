@@ -13,6 +13,7 @@ from spincheck.scenarios import (
     angular_momentum_world,
     check_scales,
     energy,
+    read_only,
 )
 
 
@@ -66,6 +67,8 @@ class ExactMotion:
             If the motion cannot be integrated that far.
         """
         wanted = np.atleast_1d(np.asarray(times, dtype=float))
+        if wanted.ndim > 1 or not len(wanted):
+            raise ValueError(f"'times' must have the shape (n,), got {wanted.shape}.")
         check_scales(self._scenario, until=max(self._scenario.window.duration, float(wanted[-1])))
         solution = self._solver.solve(wanted)
         motion = solution.trajectory
@@ -78,7 +81,7 @@ class ExactMotion:
             motion.t,
             motion.q_world_body_wxyz,
             motion.omega_body,
-            motion.to_world(motion.omega_body),
+            read_only(motion.to_world(motion.omega_body)),
             motion.com_world,
             motion.velocity_world,
             motion.spins,

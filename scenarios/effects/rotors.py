@@ -35,7 +35,9 @@ hinge = "free"                   # or "driven", or "locked"
     inertia: tuple[Positive, Positive] = Field(
         description="kg m², about its com: across and along the axis"
     )
-    spin: Number = Field(0.0, description="rad/s about the axis, relative to the body, at t = 0")
+    spin: Number = Field(
+        0.0, description="rad/s about the axis, relative to the body, at t = 0; 0 if left out"
+    )
     hinge: Literal["free", "driven", "locked"] = Field(
         description="turns without friction; keeps its spin; or is fixed to the body"
     )

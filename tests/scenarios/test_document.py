@@ -177,6 +177,10 @@ REFUSED_TABLES = {
         "[effects.wind]\n",
         r"\[effects\] wind: unknown key; known keys: drag, gravity",
     ),
+    "a key where there is none": (
+        "[effects.pivot]\nat = 1\n",
+        r":15: \[effects.pivot\] at: unknown key; known keys: none$",
+    ),
     "pivot that is no table": (
         "[effects]\npivot = true\n",
         r":15: \[effects\] pivot: must be a tab",

@@ -33,6 +33,11 @@ def test_toml_of_another_kind_is_no_scene():
         loads("[tool]\nname = 1\n", name="made")
 
 
+def test_a_file_whose_first_key_is_another_is_refused_as_no_folder_and_no_test_would_find_it():
+    with pytest.raises(ScenarioError, match="the first key must be 'spincheck = 1'"):
+        loads(TEXT.replace("spincheck = 1\n", "").replace("\n[", "\nspincheck = 1\n[", 1), "made")
+
+
 @each_case(
     ("text", "answer"),
     [

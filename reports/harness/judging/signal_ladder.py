@@ -194,6 +194,8 @@ def _unresolved(window: BestWindow, limit: str) -> tuple[str, float | None]:
     Roundings of many steps are taken to add up as a random walk does, unless the ladder shows more.
     """
     sequence, words = window.sequence, window.sequence.signal.words
+    if np.isinf(sequence.errors).any():
+        return f"undefined: the exact {sequence.signal.quantity} is zero, that of runs is not", None
     least = int(np.argmin(sequence.errors))
     needed = _needed_timestep(window)
     a_step = float(sequence.roundoff_bounds[-1] * sequence.timesteps[-1]) / sequence.duration

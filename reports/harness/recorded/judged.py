@@ -9,6 +9,7 @@ import numpy as np
 from ....reference import ExactMotion, IntegrationError, Solution, drifts
 from ....scenarios import (
     SIGNAL,
+    ErrorSeries,
     FloatArray,
     Misfit,
     Scenario,
@@ -43,7 +44,7 @@ class JudgedMotion:
     solution : the exact motion at its times
     timestep : s, if the file or the user states it
     errors : the largest of each signal, by name; None for a signal that was not recorded
-    exceeds_1deg_at : s, the first time at which the attitude is off by more than 1°; None if never
+    series : the same, sample by sample
     drifts : the largest change of each conserved quantity, relative
     defects : of the steps from sample to sample, by signal; empty if they cannot be followed
     is_single : whether it was computed in single precision
@@ -55,12 +56,17 @@ class JudgedMotion:
     solution: Solution
     timestep: float | None
     errors: dict[str, float | None]
-    exceeds_1deg_at: float | None
+    series: ErrorSeries
     drifts: dict[str, float]
     defects: dict[str, Defect]
     explained_by: tuple[str, ...]
     ignored: tuple[str, ...]
     is_single: bool
+
+    @property
+    def exceeds_1deg_at(self) -> float | None:
+        """The first time at which the attitude is off by more than 1°, s; None if never."""
+        return self._beyond_since("attitude", DEGREE)
 
     def beyond(self, bounds: Mapping[str, float]) -> list[str]:
         """The bounds that are not kept, one sentence each.
@@ -78,10 +84,15 @@ class JudgedMotion:
             raise RecordingError(f"'{unrecorded[0]}' cannot be checked: it was not given")
         return [
             f"{SIGNAL[name].label} is off by {error:.3g} {SIGNAL[name].unit or '(relative)'}, "
-            f"more than {bound:.3g}"
+            f"more than {bound:.3g} from t = {since:.4g} s on"
             for name, bound in bounds.items()
-            if (error := self.errors[name]) is not None and not error <= bound
+            if (error := self.errors[name]) is not None
+            and (since := self._beyond_since(name, bound)) is not None
         ]
+
+    def _beyond_since(self, name: str, bound: float) -> float | None:
+        first = self.series.first_beyond(name, bound)
+        return None if first is None else float(self.solution.trajectory.t[first])
 
 
 def judged_motion(
@@ -119,7 +130,6 @@ def judged_motion(
     absent += ["omega"] * (not recorded.has_omega)
     errors = dict(series.worst()) | dict.fromkeys(absent)
     of_steps = defects(scenario, recorded.trajectory, exact)
-    beyond = np.flatnonzero(series["attitude"] > DEGREE)
     timestep = timestep or (float(stated["timestep"]) if "timestep" in stated else None)
     reading = Reading(recording, order, frame)
     explained = (
@@ -132,7 +142,7 @@ def judged_motion(
         solution,
         timestep,
         errors,
-        float(exact.t[beyond[0]]) if len(beyond) else None,
+        series,
         _drifts(scenario, recorded.trajectory),
         of_steps.summary(len(exact.t) - 1, EPS) if of_steps else {},
         tuple(explained),

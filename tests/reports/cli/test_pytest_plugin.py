@@ -119,7 +119,7 @@ def test_an_unmet_expectation_fails_and_names_signal_size_and_command(run):
     result.assert_outcomes(failed=1)
     result.stdout.fnmatch_lines(
         [
-            "energy error at *: * exceeds the expected 1e-300*",
+            "energy error at *: * exceeds the expected 1e-300 from t = * s on",
             "*reproduce with: spincheck run * --engine mujoco --method RK4",
             "a method and timestep that keep it: spincheck recommend *box.toml --engine mujoco "
             "--energy 1e-300",

@@ -124,6 +124,21 @@ def test_a_damping_that_every_rung_is_through_with_is_not_taken_for_a_limit():
     assert judge_in(sequences, "omega").word == "unresolved"
 
 
+def test_a_signal_that_is_zero_but_for_rounding_in_finer_runs_is_undefined():
+    still = np.zeros((len(TIMES), 3))
+    rest = replace(EXACT, omega_body=still)
+    solution = Solution(rest, "made up", Errors(*[EPS] * 6), Errors(*[EPS] * 6))
+    sequences = RichardsonLadder(SCENE, solution, 4, 4, PRECISION)
+    for k in range(6):
+        creeping = replace(
+            rest, omega_body=still + (k > 2) * EPS**2 * np.sin(2.0**k * TIMES)[:, None]
+        )
+        sequences.add(COARSEST / 2**k, creeping, 100 << k)
+    judgement = judge_in(sequences, "omega")
+    words = "undefined: the exact angular velocity is zero, that of runs is not"
+    assert (judgement.word, judgement.reason) == ("unresolved", words)
+
+
 @pytest.mark.parametrize(("declared", "seen_order"), [(4, 1), (4, 2), (2, 1)])
 def test_an_order_below_the_declared_one_disagrees(declared, seen_order):
     judgement = judged(lambda dt: 0.1 * dt**seen_order, declared)

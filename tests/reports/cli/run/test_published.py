@@ -55,6 +55,7 @@ def test_a_published_value_that_does_not_hold_is_reported_alike(tmp_path, comman
         assert done.returncode == code
         wrong = "omega_body at t = 1 s: 3.1 in 'a book', exact 3; they differ by 1.00e-01"
         assert (wrong in done.stderr) == bool(code)
+        assert ("ok: " in done.stdout) == (command == "check" and not code)
 
 
 def test_a_component_that_is_none_is_complained_of_by_its_key(tmp_path):
