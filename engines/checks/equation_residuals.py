@@ -156,9 +156,11 @@ def settled(
         if found.at_most > STILL_GAINING * known_to:
             break
         known_to = found.at_most
-    # Where the first are furthest off, settled steps must be known better than that to acquit them.
+    # Where no constraint was seen, settled steps acquit the first if they are known better than
+    # those are off.
     worst = int(np.argmax(first[1].by_tolerance))
-    if is_wrong and found.by_tolerance.max() <= 1 and (found.most >= first[1].off).flat[worst]:
+    is_doubtful = is_wrong and not first[1].is_constrained and found.by_tolerance.max() <= 1
+    if is_doubtful and (found.most >= first[1].off).flat[worst]:
         return first
     return steps, replace(found, is_constrained=is_constrained)
 
