@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from ...scenarios import FloatArray
 from ...scenarios.rotation import norms
 from .equations import Equations
-from .extrapolation import ABOVE, COARSER, Gains, extrapolated, noise_of, surprises
+from .extrapolation import ABOVE, COARSER, DISTINCT, Gains, extrapolated, noise_of, surprises
 from .steps import Steps, off_the_constraint, step_gains
 from .terms import rates, roundings, term_sizes, weakest_effects
 
@@ -197,7 +197,8 @@ def _limits(
         finest = Gains(nodes.timesteps[last], nodes.values[last], nodes.rounding[last])
         other, other_to = extrapolated(finest)
         off, other_off = (np.abs(one).max(axis=2) for one in (limit, other))
-        is_wrong = (off <= known_to + slack_of_terms) & (other_off > other_to + slack_of_terms)
+        tolerance = other_to + slack_of_terms
+        is_wrong = (off <= known_to + slack_of_terms) & (other_off > DISTINCT * tolerance)
         is_wrong &= ~is_last[last].any(axis=0)
         limit = np.where(is_wrong[..., None], other, limit)
         known_to = np.where(is_wrong, other_to, known_to)

@@ -156,11 +156,12 @@ def settled(
         if found.at_most > STILL_GAINING * known_to:
             break
         known_to = found.at_most
-    # Where no constraint was seen, settled steps acquit the first if they are known better than
-    # those are off.
-    worst = int(np.argmax(first[1].by_tolerance))
-    is_doubtful = is_wrong and not first[1].is_constrained and found.by_tolerance.max() <= 1
-    if is_doubtful and (found.most >= first[1].off).flat[worst]:
+    # Settled steps must be known better than the first are off to acquit them, but for the torque
+    # of the impulse that is missing in a constraint's first step.
+    k, quantity = np.unravel_index(int(np.argmax(first[1].by_tolerance)), first[1].off.shape)
+    is_missing = first[1].is_constrained and quantity == TORQUE
+    is_known = is_missing or found.most[k, quantity] < first[1].off[k, quantity]
+    if is_wrong and found.by_tolerance.max() <= 1 and not is_known:
         return first
     return steps, replace(found, is_constrained=is_constrained)
 
@@ -170,6 +171,8 @@ def rounding_of(states: State, is_single: bool) -> float:
     return float(np.finfo(np.float32 if is_single or single_precision(states) else float).eps)
 
 
+#: Which quantity of a gain is I dω/dt.
+TORQUE = 1
 #: Name and unit of what leaps, and how much of it an SI unit is.
 _LEAPING = (
     ("attitude", "°", math.degrees(1.0)),

@@ -78,8 +78,10 @@ def surprises(
     The second is of those that timesteps on one side alone do predict: an engine computes steps
     below or above some length otherwise, and what it does there vanishes with the timestep, too.
     That counts where it is less than half of a step's own gain, or as good as nothing, and known
-    better than it is large or than that. The third is whether only coarser ones predict it, so that
-    what is computed otherwise begins at the next finer timestep.
+    better than it is large. The third is whether only coarser ones predict it, so that what is
+    computed otherwise begins at the next finer timestep.
+
+    A turn by a formula for small angles, which is as good as exact, counts as nothing.
 
     Parameters
     ----------
@@ -104,7 +106,10 @@ def surprises(
                 is_clear = error_side <= np.maximum(off, of_formulas)
                 is_of[k] = (off_side <= error_side) & is_clear & (off <= small)
         is_branch = is_of.any(axis=0) & (off > error)
-        apart[j] = np.where(is_branch, 0.0, off - error - of_formulas)
+        # One of all states may be off by accident: what it is off must be distinct.
+        is_alone = ((off > error) & ~is_branch).sum(axis=0) == 1
+        apart[j] = off - np.where(is_alone, DISTINCT, 1.0) * error - of_formulas
+        apart[j][is_branch] = 0.0
         branched[j] = np.where(is_branch, off, 0.0)
         is_last[j] = is_branch & ~is_of[1]
     return apart, branched, is_last

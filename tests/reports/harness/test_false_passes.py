@@ -14,7 +14,7 @@ from library_scenes import library_scene
 from spincheck.reports.harness.prepared import Prepared, prepare
 from spincheck.reports.harness.study import convergence_study_of
 from spincheck.reports.results.records import Verdict
-from spincheck.scenarios import Scenario
+from spincheck.scenarios import Scenario, loads
 from stepped import METHODS, Stepped, SteppedEngine
 from studies import verdict_of
 
@@ -163,6 +163,37 @@ def test_no_honest_engine_is_called_wrong(
 ) -> None:
     verdict = judged(name, kind, size, method, **as_if)
     assert verdict.verdict in ("converges", "unresolved"), verdict.reason
+
+
+#: Its drag stops it within a few of the coarsest steps.
+STIFF_DRAG = """
+spincheck = 1
+title = "A body in treacle, on a pivot"
+source = "made up"
+[body]
+mass = 1.78
+inertia = [0.504, 0.44, 0.0679]
+com = [0.173, -0.0106, 0.0754]
+[start]
+rotation_vector_deg = [-72.7, 6.02, -87.9]
+omega_body = [5.67, -5.79, 2.68]
+[effects.pivot]
+[effects.drag]
+rotational = 16.0
+[effects.torque]
+body = [0.91, 40.9, 10.7]
+[window]
+duration = 6.08
+samples = 41
+"""
+
+
+def test_a_formula_for_small_turns_is_no_physics_that_depends_on_the_timestep() -> None:
+    scenario = loads(STIFF_DRAG, "stiff-drag")
+    engine = SteppedEngine(planted.TruncatesSmallTurns, 1e-3)
+    solved = prepare(scenario, (), MOST_STEPS)
+    verdict = verdict_of(convergence_study_of(scenario, engine, engine.method("Euler"), solved))
+    assert verdict.verdict == "converges", verdict.reason
 
 
 @pytest.mark.parametrize(
