@@ -1,5 +1,6 @@
 """The convergence study of one method on one scene: its runs, in order."""
 
+import math
 from collections.abc import Generator
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -39,8 +40,10 @@ class PlannedRun:
     expectations: tuple[Expect, ...] = ()
 
     def is_answered_by(self, row: Row) -> bool:
-        """Whether a stored row will do: what is judged or drawn needs a motion at the samples."""
-        if row.outcome != "ok" or self.use in ("single", "above") or self.judged:
+        """Whether a stored row will do: what is judged, drawn or expected needs a motion."""
+        if row.outcome != "ok" or self.judged:
+            return True
+        if self.use in ("single", "above") and not self.expectations:
             return True
         return row.motion is not None and len(row.motion.t) == len(self.rung.sample_steps)
 
@@ -212,11 +215,13 @@ class ConvergenceStudy:
     def discardable_timesteps(self) -> list[float]:
         """Timesteps of the runs whose samples are not needed after the verdict.
 
-        A report shows the finest run that has any, and those at stock timesteps.
+        A report shows the finest run that has any, and those at stock timesteps; an expectation
+        that is unmet says since when.
         """
         rows = self.rows + self.single_rows + self.above_rows
-        shown = min((row.timestep for row in rows if row.motion is not None), default=None)
-        return [row.timestep for row in rows if row.timestep != shown and not row.stock]
+        kept = {single.rung.timestep for single in self.singles if single.expectations}
+        kept.add(min((row.timestep for row in rows if row.motion is not None), default=math.inf))
+        return [row.timestep for row in rows if row.timestep not in kept and not row.stock]
 
     @property
     def _stock_left(self) -> list[StockRun]:

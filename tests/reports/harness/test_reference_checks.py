@@ -45,4 +45,4 @@ def test_a_printed_value_that_the_exact_motion_misses_is_complained_of() -> None
     text = library_scene("detest-b5").text.replace(
         "[[published]]\nt = 20.0", "[[published]]\nt = 19.9"
     )
-    assert any("printed" in complaint for complaint in complaints(loads(text, "late")))
+    assert any("they differ by" in complaint for complaint in complaints(loads(text, "late")))

@@ -115,10 +115,11 @@ def _interrupted(*_: object) -> None:
     raise KeyboardInterrupt
 
 
-def test_the_samples_of_a_finished_ladder_are_those_of_one_run(undisturbed):
+def test_the_samples_kept_are_of_the_finest_run_and_of_what_is_expected(undisturbed):
     rows = [row for row in undisturbed.rows if row.key.engine == "Heun" and not row.stock]
-    (with_motion,) = [row for row in rows if row.motion is not None]
-    assert with_motion.timestep == min(row.timestep for row in rows)
+    (expected,) = undisturbed.scenes["box"].scenario.expect
+    with_motion = {row.timestep for row in rows if row.motion is not None}
+    assert with_motion == {min(row.timestep for row in rows), expected.timestep}
 
 
 def test_a_scene_is_run_anew_if_it_says_something_else(finished, runs, undisturbed):

@@ -113,7 +113,7 @@ def test_what_makes_no_sense_is_reported_with_its_numbers(timestep, rate, horizo
     assert words in str(stock_rung(np.array([0.0, horizon]), timestep, rate))
 
 
-HARD = f'tags = ["hard"]\n{BOX}'
+HARD = BOX.replace("spincheck = 1\n", 'spincheck = 1\ntags = ["hard"]\n')
 
 
 @pytest.mark.parametrize(
