@@ -38,7 +38,8 @@ class Invariant:
         """
         with np.errstate(over="ignore", invalid="ignore"):
             values = self.values(motion).reshape(len(motion.t), -1)
-            change = np.nan_to_num(np.linalg.norm(values - values[0], axis=1), nan=np.inf)
+            change = np.asarray(np.linalg.norm(values - values[0], axis=1))
+        change[np.isnan(change)] = np.inf
         scale = self.law.scale(self.scene)
         return change / scale if scale > 0 else np.where(change == 0, 0.0, np.inf)
 
