@@ -32,11 +32,14 @@ class Invariant:
         return self.law.values(self.scene, motion)
 
     def drift_series(self, motion: Trajectory) -> FloatArray:
-        """|Q(t) − Q(0)| over the law's scale, (n,); over a scale of zero, 0 or inf."""
-        values = self.values(motion).reshape(len(motion.t), -1)
-        # Of what has blown up the square may be too large for a double.
-        with np.errstate(over="ignore"):
+        """|Q(t) − Q(0)| over the law's scale, (n,); over a scale of zero, 0 or inf.
+
+        Of what has blown up, terms and squares may be too large for a double: it is inf there.
+        """
+        with np.errstate(over="ignore", invalid="ignore"):
+            values = self.values(motion).reshape(len(motion.t), -1)
             change = np.asarray(np.linalg.norm(values - values[0], axis=1))
+        change[np.isnan(change)] = np.inf
         scale = self.law.scale(self.scene)
         return change / scale if scale > 0 else np.where(change == 0, 0.0, np.inf)
 

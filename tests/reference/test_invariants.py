@@ -227,3 +227,14 @@ def test_what_moves_though_nothing_should_drifts_infinitely_far():
     moving = scene(ASYMMETRIC, "euler_zyz_deg = [0, 50, 0]\nomega_body = [0.0, 1.0, 0.0]", DRAG)
     motion = cross_check(moving, still.times).trajectory
     assert drifts(still, motion)["energy"] == np.inf
+
+
+@pytest.mark.filterwarnings("error")
+def test_what_has_blown_up_beyond_doubles_drifts_infinitely_far():
+    """Result files with a drift that is no number are refused."""
+    skew = scene(SKEW, SPUN)
+    motion = cross_check(skew, skew.times).trajectory
+    omega = motion.omega_body.copy()
+    for size in (1e200, 1e308):
+        omega[1:] = [size, -size, size]
+        assert drifts(skew, replace(motion, omega_body=omega))["energy"] == np.inf
