@@ -198,7 +198,9 @@ def _limits(
         other, other_to = extrapolated(finest)
         off, other_off = (np.abs(one).max(axis=2) for one in (limit, other))
         tolerance = other_to + slack_of_terms
-        is_wrong = (off <= known_to + slack_of_terms) & (other_off > DISTINCT * tolerance)
+        is_alone = (other_off > tolerance).sum(axis=0) == 1
+        distinct = np.where(is_alone, DISTINCT, 1.0)
+        is_wrong = (off <= known_to + slack_of_terms) & (other_off > distinct * tolerance)
         is_wrong &= ~is_last[last].any(axis=0)
         limit = np.where(is_wrong[..., None], other, limit)
         known_to = np.where(is_wrong, other_to, known_to)
