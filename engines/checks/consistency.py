@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from ...scenarios import FloatArray
 from ...scenarios.rotation import norms
 from .equations import Equations
-from .extrapolation import ABOVE, COARSER, DISTINCT, Gains, extrapolated, noise_of, surprises
+from .extrapolation import ABOVE, COARSER, Gains, extrapolated, margins, noise_of, surprises
 from .steps import Steps, off_the_constraint, step_gains
 from .terms import rates, roundings, term_sizes, weakest_effects
 
@@ -198,9 +198,8 @@ def _limits(
         other, other_to = extrapolated(finest)
         off, other_off = (np.abs(one).max(axis=2) for one in (limit, other))
         tolerance = other_to + slack_of_terms
-        is_alone = (other_off > tolerance).sum(axis=0) == 1
-        distinct = np.where(is_alone, DISTINCT, 1.0)
-        is_wrong = (off <= known_to + slack_of_terms) & (other_off > distinct * tolerance)
+        least = margins(other_off > tolerance) * tolerance
+        is_wrong = (off <= known_to + slack_of_terms) & (other_off > least)
         is_wrong &= ~is_last[last].any(axis=0)
         limit = np.where(is_wrong[..., None], other, limit)
         known_to = np.where(is_wrong, other_to, known_to)

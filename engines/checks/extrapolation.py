@@ -106,13 +106,19 @@ def surprises(
                 is_clear = error_side <= np.maximum(off, of_formulas)
                 is_of[k] = (off_side <= error_side) & is_clear & (off <= small)
         is_branch = is_of.any(axis=0) & (off > error)
-        # One of all states may be off by accident: what it is off must be distinct.
-        is_alone = ((off > error) & ~is_branch).sum(axis=0) == 1
-        apart[j] = off - np.where(is_alone, DISTINCT, 1.0) * error - of_formulas
+        apart[j] = off - margins((off > error) & ~is_branch) * error - of_formulas
         apart[j][is_branch] = 0.0
         branched[j] = np.where(is_branch, off, 0.0)
         is_last[j] = is_branch & ~is_of[1]
     return apart, branched, is_last
+
+
+def margins(is_beyond: NDArray[np.bool_]) -> FloatArray:
+    """The factors by which states, (K, 4), must be beyond a bound to count, (4,).
+
+    One of all states may be by accident: it must be distinctly.
+    """
+    return np.where(is_beyond.sum(axis=0) == 1, DISTINCT, 1.0)
 
 
 def _beyond(nodes: Gains, near: list[int], at: Gains) -> tuple[FloatArray, FloatArray]:

@@ -121,9 +121,7 @@ def unmet_expectations(
             for name, bound in expected.bounds().items()
         )
         return [f"outcome {at}: {ended}; expected: {', '.join(bounds)}"]
-    # Of a run that was stored before, the samples are gone, or others.
-    is_sampled = row.motion is not None and np.array_equal(row.motion.t, exact.t)
-    series = error_series(scenario, row.motion, exact) if row.motion and is_sampled else None
+    series = error_series(scenario, row.motion, exact) if row.motion else None
     return [
         f"{SIGNAL[name].label} error {at}: {_in_unit(name, error)} exceeds the expected "
         f"{_in_unit(name, bound)}{_since(exact, series, name, bound)}"
