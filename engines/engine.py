@@ -13,7 +13,6 @@ from ..scenarios import Scenario, Trajectory
 from ..scenarios.fastest_rate import decay_rate, parts_rate
 from .checks.audit import audit
 from .checks.bounds import Bounds
-from .checks.equation_residuals import equation_residuals
 from .checks.equations import NO_ARM, Equations
 from .checks.faults import clamped_turn
 from .checks.precision import single_precision
@@ -28,7 +27,6 @@ from .checks.read_back import (
     differences,
     start_state,
 )
-from .fault import ENVIRONMENTAL
 from .method import Method, Release
 from .models.description import PLAIN, Description
 from .run import Run
@@ -190,33 +188,6 @@ class Engine(ABC):
         if lacking := sorted(method.requires - scenario.called_for):
             return f"{self.name} {method.name} is for scenes with {', '.join(lacking)}"
         return ""
-
-    @final
-    def equation_residuals(self, scenario: Scenario, method: Method) -> str:
-        """How the engine's steps from the start differ from the scene's equations, in words.
-
-        Empty if they do not, also for an engine as shipped, which need not obey them, and where the
-        engine raises an `EngineError` before these steps are done.
-
-        Raises
-        ------
-        EngineError
-            If the machine is to blame for that.
-        """
-        if method.as_shipped or self.unsupported(scenario, method):
-            return ""
-        try:
-            return equation_residuals(
-                lambda scene, timestep: self.open(scene, method, timestep),
-                scenario,
-                self.slack if self.of_file else 0.0,
-                is_single=self.single_precision,
-                least_turn=self.least_turn,
-            )
-        except EngineError as error:
-            if error.cause in ENVIRONMENTAL:
-                raise
-            return ""
 
     @final
     def run(

@@ -96,8 +96,8 @@ class State:
         """Its arrays, one for each quantity."""
         return list(vars(self).values())
 
-    def rows(self, kept: int | slice | NDArray[np.bool_]) -> "State":
-        """One of n states by its index, or several by a slice or a mask, (n,)."""
+    def rows(self, kept: int | slice | NDArray[np.bool_] | NDArray[np.intp]) -> "State":
+        """One of n states by its index, or several by a slice, a mask or indices, (n,)."""
         return State(
             self.q_world_body_wxyz[kept],
             self.omega_body[kept],

@@ -7,7 +7,8 @@ import numpy as np
 from ...engines import Engine, Run
 from ...reference import Solution, drifts
 from ...scenarios import SIGNAL, ErrorSeries, Expect, Scenario, Trajectory, error_series
-from ..results.evidence import LocalEvidence
+from ..results.evidence import StepEvidence
+from ..results.reasons import fault_in_words
 from ..results.records import Key, Row
 from .defects import turns_made, with_defects
 from .executors import Answer, CallFailed
@@ -80,25 +81,25 @@ def compared(
     rung: Rung,
     answer: Answer[Run],
     solution: Solution,
-    local: LocalEvidence | None,
+    steps: StepEvidence | None,
 ) -> Row:
     """A run of a study as a row, with its defects, and with what its single steps show."""
-    run = _of_other_law(answer.value, local)
+    run = _of_other_law(answer.value, steps)
     row = row_of(scenario, key, engine.version, rung, run, solution)
     row = replace(row, printed=answer.printed, stock=rung.timestep in stock_timesteps(engine))
     is_single = engine.single_precision
     return with_defects(row, scenario, solution.trajectory, is_single=is_single)
 
 
-def _of_other_law(run: Run | CallFailed, local: LocalEvidence | None) -> Run | CallFailed:
+def _of_other_law(run: Run | CallFailed, steps: StepEvidence | None) -> Run | CallFailed:
     """The run, marked where single steps do not obey the scene's equations of motion."""
-    if isinstance(run, CallFailed) or local is None or not local.finding:
+    if isinstance(run, CallFailed) or steps is None or not steps.fault:
         return run
-    reason = "; ".join(filter(None, (run.reason, local.finding)))
+    reason = "; ".join(filter(None, (run.reason, fault_in_words(steps.fault))))
     if run.outcome == "ok":
         return replace(run, cause="law", reason=reason)
     # A lag at however small a step is not a clamp.
-    is_clock = run.cause == "lag" and local.excess > 1
+    is_clock = run.cause == "lag"
     return replace(run, outcome="failed", cause="clock", reason=reason) if is_clock else run
 
 

@@ -1,23 +1,23 @@
 """The convergence study of one method on one scene: its runs, in order."""
 
 import math
-from collections.abc import Generator
+from collections.abc import Generator, Iterable
 from dataclasses import dataclass, field, replace
-from functools import cached_property
 from typing import Literal
 
 from ...engines import Engine, Method, Run
 from ...reference import Solution
 from ...scenarios import Expect, Scenario
-from ..results.evidence import Evidence, LocalEvidence
+from ..results.evidence import Evidence, ReplayEvidence, StepEvidence
 from ..results.records import Key, Row
 from .comparison import compared, unmet_expectations
 from .executors import Answer
 from .judging import Records
 from .judging.ladder_end import cut_short, is_down
 from .ladder import Ladder, Rung
-from .measuring.places import Places, rounding_of_body
-from .measuring.richardson import RichardsonLadder
+from .measuring.noise import rounding_of_body
+from .measuring.places import Places
+from .measuring.replay import MadeRun
 from .stock import StockRun
 
 
@@ -62,8 +62,7 @@ class ConvergenceStudy:
     rows, single_rows, above_rows, stock_rows : the runs so far
     unmet : expectations of the scene that were not met, in words
     places : exact states that the method is tested from, if there are any
-    local, memory : what it does from there, and by how many tolerances a run goes on otherwise than
-        if restarted (`Evidence`)
+    steps, own_steps, replays : what it is judged by (`Evidence`)
     """
 
     scenario: Scenario
@@ -80,45 +79,52 @@ class ConvergenceStudy:
     stock_rows: list[Row] = field(default_factory=list)
     unmet: list[str] = field(default_factory=list)
     places: Places | None = None
-    local: LocalEvidence | None = None
-    memory: float | None = None
-    _measured: list[RichardsonLadder] = field(default_factory=list)
+    steps: StepEvidence | None = None
+    own_steps: StepEvidence | None = None
+    replays: tuple[ReplayEvidence, ...] = ()
 
     @property
     def evidence(self) -> Evidence:
-        """What the method is judged by: as before, if no ladder is run, or all of it was."""
-        if self.before and (self.ladder is None or self.before.rungs):
-            return self.before
-        basis = self._measured[-1].basis if self._measured else None
-        rungs = (rung for ladder in self._measured for rung in ladder.rungs)
-        return Evidence(self.key, tuple(rungs), basis, self.local, self.memory)
+        """What the method is judged by besides its rows: as before, if that is stored."""
+        return self.before or Evidence(self.key, self.steps, self.own_steps, self.replays)
 
     @property
     def records(self) -> Records:
         """All that the method is judged by, so far."""
-        scenario, times, ladder = self.scenario, self.solution.trajectory.t, self.ladder
-        ulp = self.engine.ulp
-        rounding = rounding_of_body(self.places.condition, ulp) if self.places else 0.0
+        scenario, engine = self.scenario, self.engine
         return Records(
             self.evidence,
             self.rows,
             self.single_rows,
             self.above_rows,
-            ladder.least_steps if ladder else None,
-            ladder.rungs[-1].timestep if ladder and ladder.rungs else 0.0,
+            self.ladder is not None,
             min(self.method.order, self.method.attitude_order),
             self.method.as_shipped,
-            self.engine.of_file,
-            # Of a body whose moments differ much no engine holds the least.
-            max(self.engine.slack, rounding),
-            float(times[-1]) / max(1, len(times) - 1),
-            self.engine.unsupported(scenario, self.method),
-            self.engine.single_precision,
-            rounding,
-            self.solution.ending,
+            engine.unsupported(scenario, self.method),
+            engine.single_precision,
+            rounding_of_body(self.places.condition, engine.ulp) if self.places else 0.0,
             tuple(self.unmet),
             scenario.document.known,
         )
+
+    @property
+    def made_runs(self) -> tuple[list[MadeRun], list[MadeRun]]:
+        """The runs that came to their end: of the ladder, coarse to fine, and the others."""
+        ladder = self.ladder.rungs if self.ladder else ()
+        others = [planned.rung for planned in self.singles]
+        others += [run.rung for run in self.stock if run.rung]
+
+        def made(rungs: Iterable[Rung], rows: list[Row]) -> list[MadeRun]:
+            by_timestep = {row.timestep: row for row in rows if row.outcome == "ok"}
+            return [
+                MadeRun(rung, row.motion)
+                for rung in rungs
+                if (row := by_timestep.get(rung.timestep))
+                and row.motion is not None
+                and len(row.motion.t) == len(rung.sample_steps)
+            ]
+
+        return made(ladder, self.rows), made(others, self.single_rows + self.stock_rows)
 
     @property
     def key(self) -> Key:
@@ -140,8 +146,8 @@ class ConvergenceStudy:
         if self.ladder is None:
             return
         for rung in self.ladder.rungs:
-            judged = rung.timestep in self._judged
-            self._take((yield PlannedRun(rung, self.solution, "ladder", judged)))
+            judged = self.before is not None
+            self.rows.append((yield PlannedRun(rung, self.solution, "ladder", judged)))
             if is_down(self.records):
                 break
         is_alive = not self.rows or self.rows[0].survived
@@ -165,31 +171,12 @@ class ConvergenceStudy:
             answer,
             planned.solution,
             # What differs in an engine as shipped is expected.
-            None if self.method.as_shipped else self.local,
+            None if self.method.as_shipped else self.steps,
         )
         if self.rows and planned.use == "above" and not row.stock:
             # Its samples are not needed: finer runs are judged and drawn.
             row = replace(row, motion=None)
         return row
-
-    def _take(self, row: Row) -> None:
-        """Take the ladder's next row; after a run that failed, another ladder begins."""
-        has_failed = bool(self.rows) and self.rows[-1].outcome != "ok"
-        self.rows.append(row)
-        if row.motion is not None and row.outcome == "ok" and row.timestep not in self._judged:
-            if not self._measured or has_failed:
-                self._measured.append(self._new_ladder())
-            self._measured[-1].add(row.timestep, row.motion, row.steps)
-
-    def _new_ladder(self) -> RichardsonLadder:
-        orders = self.method.order, self.method.attitude_order
-        engine = self.engine
-        return RichardsonLadder(self.scenario, self.solution, *orders, engine.slack, engine.ulp)
-
-    @cached_property
-    def _judged(self) -> set[float]:
-        """The timesteps, s, of rungs that were judged before."""
-        return {rung.timestep for rung in self.before.rungs} if self.before else set()
 
     def refusals(self) -> list[Row]:
         """Rows of stock timesteps that do not fit the scene: `unsupported`, without a run."""

@@ -17,7 +17,7 @@ from ..results.store import Store
 from .convergence_study import ConvergenceStudy
 from .executors import Executor
 from .ladder import Rung
-from .measuring.local import acts_at_any_timestep
+from .measuring.examine import examined
 from .measuring.places import Places
 
 
@@ -86,14 +86,16 @@ def default_effects(
 def _acts(scenario: Scenario, engine: Engine, method: Method, name: str, at: Places) -> bool | None:
     """Whether a default alone alters the equations of motion; None if it cannot be stepped."""
     try:
-        return acts_at_any_timestep(
+        found = examined(
             lambda scene, timestep: engine.open_with(scene, method, timestep, defaults=[name]),
             engine,
             scenario,
             at,
+            method,
         )
     except EngineError:
         return None
+    return found.fault is not None
 
 
 def _errors(

@@ -6,8 +6,9 @@ from dataclasses import dataclass
 from ...scenarios import Scenario
 from ..results.environment import processor
 from ..results.fingerprints import fingerprints
-from ..results.records import Key, Verdict
+from ..results.records import Key
 from ..results.store import Store
+from ..results.verdicts import Verdict
 from .choice import Choice, EngineMethod
 from .executors import may_succeed_if_repeated
 

@@ -13,18 +13,18 @@ from ...engines import Engine, Method, Run
 from ...scenarios import Scenario
 from ..results.environment import environment
 from ..results.evidence import Evidence
-from ..results.records import UNSOLVED, Key, Row, Verdict
+from ..results.records import UNSOLVED, Key, Row
 from ..results.store import Store
+from ..results.verdicts import Verdict
 from .choice import Choice
 from .convergence_study import ConvergenceStudy, PlannedRun
 from .default_effects import take_defaults_away
 from .executors import CallFailed, Executor, cause_of_unsolved, may_succeed_if_repeated
 from .executors.compiling import compile_side_by_side
 from .judging import judge
-from .judging.local import is_long_enough
 from .ladder import Rung
-from .measuring.local import examine
-from .measuring.memory import FEW_STEPS, restarted
+from .measuring.examine import examine
+from .measuring.replay import examine_runs
 from .plan import Plan
 from .prepared import Prepared, SceneReference
 from .stock import stock_runs_of
@@ -80,10 +80,9 @@ def study_method(
         if not may_succeed_if_repeated(row.cause, row.reason, choice.time_limit)
     }
     # What has been run is judged again by the numbers that are stored of it.
-    before = _evidence(store, key)
-    study = begin(before)
+    study = begin(store.evidence(key))
     if not is_run(study, stored):
-        study = begin(before and replace(before, rungs=(), memory=None))
+        study = begin(None)
         for row in run_rungs(study, executor, stored):
             store.put(row)
         if method.as_shipped:
@@ -96,16 +95,9 @@ def study_method(
     return verdict
 
 
-def _evidence(store: Store, key: Key) -> Evidence | None:
-    """What is stored of a method, unless it must be measured again: with more rungs of pieces."""
-    before = store.evidence(key)
-    pieces = before and before.local and before.local.pieces
-    return None if pieces and not is_long_enough(pieces) else before
-
-
 def is_run(study: ConvergenceStudy, stored: Mapping[float, Row]) -> bool:
     """Whether all runs of a study are stored, and measured; if so, it has taken them."""
-    if not (study.before and study.before.rungs):
+    if study.before is None:
         return False
     runs = study.runs()
     with suppress(StopIteration):
@@ -152,7 +144,7 @@ def run_rungs(
                 row = study.compare(planned, answer)
                 yield row
             planned = runs.send(row)
-    _restart(study, executor)
+    _examine_runs(study, executor)
 
 
 def convergence_study_of(
@@ -186,7 +178,7 @@ def convergence_study_of(
         [] if timesteps else stock_runs_of(engine, scenario, prepared.stock),
         before,
         places=prepared.places,
-        local=before.local if before else None,
+        steps=before.steps if before else None,
     )
 
 
@@ -201,25 +193,19 @@ def _examine(study: ConvergenceStudy, executor: Executor) -> None:
     if at is not None and study.before is None:
         arguments = (study.engine, study.scenario, study.method.name, at)
         found = executor.call_at(site, examine, *arguments).value
-        study.local = None if isinstance(found, CallFailed) else found
+        study.steps = None if isinstance(found, CallFailed) else found
 
 
-def _restart(study: ConvergenceStudy, executor: Executor) -> None:
-    """Go through the finest run of few steps again, from its own states, and some of the finest."""
-    local, at = study.local, study.places
-    if study.ladder is None or at is None or local is None or local.finding:
+def _examine_runs(study: ConvergenceStudy, executor: Executor) -> None:
+    """Replay the finest run, and those at other timesteps, in a worker; unless steps are wrong."""
+    at, steps, site = study.places, study.steps, study.engine.site
+    ladder, others = study.made_runs
+    if at is None or steps is None or steps.fault or not (ladder or others):
         return
-    runs = [
-        (rung, row.motion)
-        for rung, row in zip(study.ladder.rungs, study.rows, strict=False)
-        if row.outcome == "ok" and row.motion is not None
-    ]
-    short = [run for run in runs if run[0].steps <= FEW_STEPS]
-    for run in {run[0].timestep: run for run in short[-1:] + runs[-1:]}.values():
-        arguments = (study.engine, study.scenario, study.method.name, at.condition, *run)
-        found = executor.call_at(study.engine.site, restarted, *arguments).value
-        if isinstance(found, float):
-            study.memory = max(found, study.memory or 0.0)
+    arguments = (study.engine, study.scenario, study.method.name, at, steps, ladder, others)
+    found = executor.call_at(site, examine_runs, *arguments).value
+    if not isinstance(found, CallFailed):
+        study.replays, study.own_steps = found
 
 
 def _unsolved(

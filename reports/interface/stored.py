@@ -6,8 +6,9 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any, Self, final
 
-from spincheck.reports.results.records import Row, Verdict
+from spincheck.reports.results.records import Row
 from spincheck.reports.results.store import open_store
+from spincheck.reports.results.verdicts import Verdict
 
 
 @final
@@ -49,7 +50,7 @@ class StoredResults:
         ImportError
             If pandas is not installed.
         """
-        return _frame(asdict(verdict) for verdict in self.verdicts)
+        return _frame(asdict(one) | {"reason": one.reason} for one in self.verdicts)
 
 
 def _frame(records: Iterable[dict[str, Any]]) -> Any:

@@ -14,10 +14,11 @@ from ...reference import solution
 from ...scenarios import EFFECTS, Scenario
 from ..harness import comparison, ladder, step_cost
 from ..harness.executors import worker_slot
-from ..harness.judging import best_window, ladder_end, observed_order, signal_ladder
-from ..harness.judging.ladder import RUNGS_OF_A_LIMIT
-from ..harness.measuring import asymptotic
+from ..harness.judging import ladder_end
+from ..harness.measuring import noise, replay
+from ..results import evidence
 from ..results.results import Results
+from .analysis import observed_order
 from .analysis.report_data import ReportData, SceneRuns, report_data
 from .cost_section import cost_section, effects_table, harm_in_words, passes_table, scene_costs
 from .figures.figures import figures
@@ -37,12 +38,11 @@ from .templating import ReportFolder, templates, write_assets
 #: The modules whose constants the text of the protocol quotes, and what it quotes besides.
 RULES: dict[str, Any] = {
     "rates": " and ".join(e.rate_formula for e in EFFECTS.values() if e.rate_formula),
-    "rungs_of_a_limit": RUNGS_OF_A_LIMIT,
 } | {
     module.__name__.rpartition(".")[2]: module
     for module in (
-        *(asymptotic, best_window, comparison, ladder, ladder_end, observed_order, read_back),
-        *(signal_ladder, solution, step_cost, worker_slot),
+        *(comparison, evidence, ladder, ladder_end, noise, observed_order, read_back, replay),
+        *(solution, step_cost, worker_slot),
     )
 }
 #: Plotly, deflated: `figures.js` unpacks it.

@@ -1,184 +1,181 @@
-"""What a ladder is judged by: a few numbers a rung. It can be judged again without a run."""
+"""What a method on a scene is judged by, besides its runs: numbers alone, no sentence.
 
-from collections.abc import Iterator
-from dataclasses import dataclass, fields, is_dataclass
-from typing import Annotated, Any
+They can be judged again, and put in other words, without a run.
+"""
 
-import numpy as np
-from numpy.typing import NDArray
-from pydantic import PlainValidator, TypeAdapter
+from dataclasses import dataclass
+from typing import Literal
 
-from ...scenarios import EVERYWHERE, FloatArray, SignalName
-from .records import MethodKey, Record
+from pydantic import model_validator
 
-_NUMBERS = TypeAdapter(list[float])
-_FLAGS = TypeAdapter(list[bool])
+from .records import Count, MethodKey, Record, Size
 
-
-def _numbers(values: Any) -> FloatArray:
-    return np.array(_NUMBERS.validate_python(values, strict=True))
-
-
-def _flags(values: Any) -> NDArray[np.bool_]:
-    return np.array(_FLAGS.validate_python(values, strict=True), dtype=bool)
-
-
-#: (signals,), one entry a signal that the scene has.
-Numbers = Annotated[FloatArray, PlainValidator(_numbers)]
-Flags = Annotated[NDArray[np.bool_], PlainValidator(_flags)]
+#: The probability that a method that converges is accused by one of the checks of its evidence.
+LEVEL = 1e-9
+#: Standard error at most of the limit of what steps gain, relative to the largest terms: over ten
+#: radians it comes to a hundredth, which a user would see.
+CONSISTENT = 1e-3
+#: And relative to the weakest effect of the scene: a missing one must be seen.
+SEEN = 0.1
+#: The quantities that a step gains, in order; see `measuring/steps.py`.
+Quantity = Literal["attitude", "angular momentum", "velocity", "place"]
+QUANTITIES: tuple[Quantity, ...] = ("attitude", "angular momentum", "velocity", "place")
+#: A vector, SI.
+Vector = tuple[float, float, float]
+#: Which change of the equations of motion explains what steps gain; the words are in `reasons`.
+ChangeKind = Literal[
+    "gyroscopic",
+    "gravity's size",
+    "gravity",
+    "resistance",
+    "decay",
+    "decays",
+    "momentum",
+    "step",
+    "omega",
+    "velocity",
+    "moments",
+    "com",
+]
+#: How gains depend on the timestep where they are not those of a method that converges.
+#:
+#: limit : they tend to something else than zero
+#: timestep : at one timestep alone they are not those that others predict
+#: shorter, longer : with that timestep, and shorter or longer ones, they tend to something else
+#: leap : a step changes the state by as much however short it is
+#: misread : a state that is set reads back otherwise
+FaultKind = Literal["limit", "timestep", "shorter", "longer", "leap", "misread"]
 
 
 @dataclass(frozen=True)
-class Deviation:
-    """A limit that is wrong: where, over the samples in the asymptotic range, and by how much.
+class Explanation:
+    """A change of the equations of motion, and its numbers, SI."""
+
+    kind: ChangeKind
+    numbers: tuple[float, ...]
+
+
+@dataclass(frozen=True)
+class StepFault:
+    """How single steps are not those of a method that converges.
 
     Attributes
     ----------
-    since, by : s, the first and the last sample by which its distance from the exact motion exceeds
-        `DISTINCT` times its tolerance
-    error, tolerance : that distance, and the largest that it may be, by the last of these samples
+    quantity : the one that shows it best
+    time : s, of the state that shows it best; None where ω is along a skew axis at the start
+    timestep : s, at which it shows
+    got, wanted : what the state gains a second, and should; of `leap` and `misread` how far it is
+        off
+    change : explains what all states gain; None where no single change does
     """
 
-    since: float
-    by: float
-    error: float
-    tolerance: float
+    kind: FaultKind
+    quantity: Quantity
+    time: Size | None
+    timestep: Size
+    got: Vector
+    wanted: Vector
+    change: Explanation | None = None
 
 
-@dataclass(frozen=True, eq=False)
-class Refinement:
-    """What two neighbouring rungs, and the one before, show; arrays (signals,).
+@dataclass(frozen=True)
+class GainCurve:
+    """The gains of the least likely state, relative to the largest terms, for a picture.
 
     Attributes
     ----------
-    orders : used for the extrapolation
-    limit_error : distance of their Richardson limit from the exact motion
-    limit_change : distance of that limit from the limit of the two coarser rungs
-    is_clean : whether differences and limits shrink as the order says
-    rounding : the largest effect of rounding on the limit
-    deviations : of the limit from the exact motion, None where it may be right
+    timesteps : s, long to short, (J,)
+    gains, predicted, predicted_to : sizes of its gains, of what those with longer timesteps
+        predict, and the standard deviation of that, (J,)
+    largest : the largest gain of any state, (J,)
     """
 
-    orders: Numbers
-    limit_error: Numbers
-    limit_change: Numbers
-    is_clean: Flags
-    rounding: Numbers
-    deviations: tuple[Deviation | None, ...]
+    quantity: Quantity
+    timesteps: tuple[Size, ...]
+    gains: tuple[Size, ...]
+    predicted: tuple[Size, ...]
+    predicted_to: tuple[Size, ...]
+    largest: tuple[Size, ...]
+
+    @model_validator(mode="after")
+    def _is_a_table(self) -> "GainCurve":
+        columns = self.gains, self.predicted, self.predicted_to, self.largest
+        if any(len(column) != len(self.timesteps) for column in columns):
+            raise ValueError("must have one value a timestep throughout")
+        return self
 
 
-@dataclass(frozen=True, eq=False)
-class JudgedRung:
-    """A rung of a ladder, and what it shows beside the two coarser ones; arrays (signals,).
-
-    Attributes
-    ----------
-    timestep : s
-    errors : distance from the exact motion
-    roundoff_bounds : the largest effect of rounding at every step
-    differences : from the motion of the rung before; None of a first rung
-    refinement : None of the first two rungs
-    """
-
-    timestep: float
-    errors: Numbers
-    roundoff_bounds: Numbers
-    differences: Numbers | None = None
-    refinement: Refinement | None = None
-
-
-@dataclass(frozen=True, eq=False)
-class LadderBasis:
-    """What all rungs of a ladder are judged by; arrays (signals,).
+@dataclass(frozen=True)
+class StepEvidence:
+    """What a method's single steps from known states show.
 
     Attributes
     ----------
-    declared_orders : of accuracy
-    uncertainty : of the reference, plus that of start and body as the engine holds them
-    duration : s, of the window
-    rate : rad/s, the fastest of the motion
-    signals : their names, in order; older files have those of every scene
-    """
-
-    declared_orders: Numbers
-    uncertainty: Numbers
-    duration: float
-    rate: float
-    signals: tuple[SignalName, ...] = EVERYWHERE
-
-    def __post_init__(self) -> None:
-        if len({*self.signals}) < len(self.signals) or not {*EVERYWHERE} <= {*self.signals}:
-            raise ValueError("must have each signal of every scene once")
-
-
-@dataclass(frozen=True, eq=False)
-class JudgedLadder:
-    """A ladder as it is judged; its rungs coarse to fine."""
-
-    basis: LadderBasis
-    rungs: tuple[JudgedRung, ...] = ()
-
-
-@dataclass(frozen=True, eq=False)
-class LocalEvidence:
-    """What a method does from exact states along the motion.
-
-    Attributes
-    ----------
-    finding : how its steps are inconsistent with the equations of motion, in words; empty if not
-    excess : what is left of them in the limit of short steps, in tolerances
-    tolerance : to which they are known to be consistent, relative to the largest terms
-    is_open : whether steps leave something where next to nothing acts, which may add up
     states : number of states
-    starts : of these, number of those that pieces start from
-    pieces : the short runs from there; None where steps are inconsistent
-    remark : what its steps do that vanishes with the timestep, in words; empty if nothing
-    of_an_effect : as `tolerance`, relative to the weakest effect of the scene
+    tail : the probability of gains as unlikely as these, if the steps are those of a method that
+        converges: the smallest tail times the number of tails
+    known_to, of_an_effect : standard error of the gains' limit, relative to the largest terms, and
+        to the weakest effect of the scene
+    order : the least order that gains show
+    curves : one a quantity that is not zero throughout
+    settled : steps in which a constraint settled first
+    changes_below : s; shorter steps are computed otherwise, which vanishes with the timestep; 0
+        where they are not
     """
 
-    finding: str
-    excess: float
-    tolerance: float
-    is_open: bool
-    states: int
-    starts: int = 0
-    pieces: JudgedLadder | None = None
-    remark: str = ""
-    of_an_effect: float = 0.0
+    states: Count
+    tail: Size
+    known_to: Size
+    of_an_effect: Size
+    order: Count
+    curves: tuple[GainCurve, ...] = ()
+    fault: StepFault | None = None
+    settled: Count = 0
+    changes_below: Size = 0.0
+
+    @property
+    def is_known(self) -> bool:
+        """Whether the limit is known well enough for a verdict."""
+        return self.known_to <= CONSISTENT and self.of_an_effect <= SEEN
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True)
+class ReplayEvidence:
+    """What a run does otherwise than its own intervals, each run again from its own start.
+
+    Attributes
+    ----------
+    timestep : s, of the run
+    intervals : number of them
+    tail : the probability of differences as large, if a step depends on the state alone
+    off : the largest difference, rad or relative to ω, a radian of turn
+    since : s; the start of the first interval that differs; None where none does
+    spread : how far two runs of one interval differ, likewise; 0 where the engine is deterministic
+    order : at which the differences vanish with the timestep; 0 where they do not
+    """
+
+    timestep: Size
+    intervals: Count
+    tail: Size
+    off: Size
+    since: Size | None = None
+    spread: Size = 0.0
+    order: Count = 0
+
+
+@dataclass(frozen=True)
 class Evidence(Record):
     """What a method on a scene is judged by, besides its rows.
 
     Attributes
     ----------
-    rungs : of its ladder, and of those that it began before a run failed
-    basis : of all of them
-    local : None where the method cannot be opened at exact states
-    memory : by how many tolerances a run goes on otherwise than if restarted from its own states;
-        None if that is not known
+    steps : from exact states; None where the method cannot be opened at them
+    own_steps : from states of its own runs, in intervals that gain the most; None where none gains
+        more than steps from exact states do
+    replays : of its runs
     """
 
     key: MethodKey
-    rungs: tuple[JudgedRung, ...] = ()
-    basis: LadderBasis | None = None
-    local: LocalEvidence | None = None
-    memory: float | None = None
-
-    def __post_init__(self) -> None:
-        pieces = self.local.pieces if self.local else None
-        if any(len(set(_widths(of))) > 1 for of in ((self.basis, self.rungs), pieces)):
-            raise ValueError("must have one value a signal throughout")
-
-
-def _widths(part: Any) -> Iterator[int]:
-    """How many values each field of a part of a ladder has that has one a signal."""
-    if isinstance(part, tuple):
-        for one in part:
-            yield from _widths(one)
-    elif is_dataclass(part):
-        for field in fields(part):
-            value = getattr(part, field.name)
-            is_by_signal = isinstance(value, np.ndarray) or field.name in ("signals", "deviations")
-            yield from (len(value),) if is_by_signal else _widths(value)
+    steps: StepEvidence | None = None
+    own_steps: StepEvidence | None = None
+    replays: tuple[ReplayEvidence, ...] = ()

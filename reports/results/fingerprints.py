@@ -32,9 +32,8 @@ DECIDING = {
         "reports.harness.default_effects",
         "reports.harness.defects",
         "reports.harness.ladder",
-        "reports.harness.measuring.local",
-        "reports.harness.measuring.memory",
-        "reports.harness.measuring.richardson",
+        "reports.harness.measuring.examine",
+        "reports.harness.measuring.replay",
         "reports.harness.stock",
         "reports.harness.sweep_run",
     ),
@@ -42,8 +41,8 @@ DECIDING = {
     "verdict": ("reports.harness.convergence_study", "reports.harness.judging.verdict"),
 }
 JUDGING = ("reports.harness.judging", "reports.harness.convergence_study", "reports.harness.plan")
-#: Modules that store results, and do not decide about them, but for the table of verdicts.
-_STORING, _RANKING = "reports.results", "reports.results.verdict_words"
+#: Modules that store results, and those of them that decide about them nevertheless.
+_STORING, _RULING = "reports.results", ("reports.results.verdict_words", "reports.results.evidence")
 
 
 def fingerprints(scenario: Scenario, engines: Sequence[Engine]) -> Iterator[Fingerprint]:
@@ -97,7 +96,7 @@ def _closure(names: Iterable[str], without: tuple[str, ...]) -> frozenset[str]:
     left = list(names)
     while left:
         name = left.pop()
-        stores = name.startswith(_STORING) and name != _RANKING
+        stores = name.startswith(_STORING) and name not in _RULING
         if name in found or stores or name.startswith(without):
             continue
         found.add(name)

@@ -1,4 +1,4 @@
-"""The records of a result file: one row a run, one verdict a method and scene.
+"""The records of a result file: one row a run; what is judged of them is in `verdicts`.
 
 A record's fields are what is stored of it (`tables`), and what JSON and CSV show (`as_json`): a
 field is added by adding it here, with a default that says that it is absent.
@@ -22,7 +22,6 @@ from ...scenarios import (
     loads,
     printable,
 )
-from .verdict_words import VERDICT, VerdictWord
 
 #: Names of an engine and of one of its methods.
 Pair = tuple[str, str]
@@ -226,80 +225,13 @@ class Row(Record):
         return self.outcome != "unsupported"
 
     @property
+    def ending_in_words(self) -> str:
+        """The reason, with the time at which the run ended and its timestep."""
+        when = f" at {self.stopped_at:.4g} s" if self.stopped_at is not None else ""
+        ended = f"{self.reason}{when}, with a timestep of {self.timestep:.3g} s"
+        return self.reason if self.cause == "effects" else ended
+
+    @property
     def survived(self) -> bool:
         """Whether the run came to its end and is better than no motion."""
         return self.outcome == "ok" and not self.without_skill
-
-
-@dataclass(frozen=True)
-class SignalVerdict(Record):
-    """The verdict on a ladder in one signal.
-
-    Attributes
-    ----------
-    declared_order, order : of accuracy; the observed one is None where no errors show it
-    limit_error : distance of the Richardson-extrapolated motion from the exact one
-    tolerance : the largest that this distance may be
-    """
-
-    signal: SignalName
-    verdict: VerdictWord
-    reason: str
-    declared_order: int
-    order: float | None = None
-    limit_error: float | None = None
-    tolerance: float | None = None
-
-
-@dataclass(frozen=True)
-class Verdict(Record):
-    """The verdict on a method on a scene: that of the signal with the worst verdict.
-
-    Attributes
-    ----------
-    signal : the signal with the worst verdict
-    order, limit_error, tolerance : of that signal, as in `SignalVerdict`
-    signals : the verdicts on all signals; empty if no ladder was judged
-    unmet : expectations in the scene's file that this method did not meet, in words
-    as_shipped : whether the method is the engine with all its defaults
-    expected_failure : whether it is an expected failure of the scene's file
-    timesteps : s, those asked for, increasing; empty for the verdict on a ladder
-    step_limit : of a ladder that this limit cut short; else None
-    ground : what a verdict `converges` rests on, in words
-    """
-
-    key: MethodKey
-    verdict: VerdictWord
-    reason: str
-    signal: SignalName = "omega"
-    order: float | None = None
-    limit_error: float | None = None
-    tolerance: float | None = None
-    signals: tuple[SignalVerdict, ...] = ()
-    unmet: tuple[str, ...] = ()
-    as_shipped: bool = False
-    expected_failure: bool = False
-    timesteps: tuple[Size, ...] = ()
-    step_limit: Count | None = None
-    ground: str = ""
-
-    @property
-    def agrees(self) -> bool:
-        """Whether a study with this verdict passes."""
-        return not self._is_wrong and not self.unmet
-
-    @property
-    def findings(self) -> list[str]:
-        """The verdict with its reason, and the unmet expectations: what fails the study first."""
-        judged = f"{self.verdict}: {self.reason}"
-        return [judged, *self.unmet] if self._is_wrong else [*self.unmet, judged]
-
-    @property
-    def _is_wrong(self) -> bool:
-        return VERDICT[self.verdict].fails and not (self.as_shipped or self.expected_failure)
-
-    @property
-    def is_unproven(self) -> bool:
-        """Whether a method, not as shipped, is shown neither to converge nor to be wrong."""
-        expected = self.as_shipped or self.expected_failure
-        return VERDICT[self.verdict].is_unproven and not expected

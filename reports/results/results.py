@@ -8,8 +8,9 @@ from ...scenarios import Scenario
 from .cost_records import EffectsCost, PassCosts
 from .default_records import DefaultEffects
 from .encoding_records import EncodedRuns
-from .records import Pair, Row, Verdict
+from .records import Pair, Row
 from .sweep_records import SweepResult
+from .verdicts import Verdict
 
 
 @dataclass(frozen=True, eq=False)

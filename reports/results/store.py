@@ -20,11 +20,12 @@ from . import format_12, tables
 from .database import Database, put
 from .evidence import Evidence
 from .provenance_records import DeclaredEngine, EnvironmentEntry, Fingerprint
-from .records import UNSOLVED, Key, Record, Row, SolvedScene, Verdict
+from .records import UNSOLVED, Key, Record, Row, SolvedScene
 from .result_file import FORMAT, OpenFile, ResultFileError, opened
 from .results import Results, SceneResult
 from .sweep_records import PlacedRow, SweepResult, swept
 from .tables import DIGEST, Table, as_result_file_error
+from .verdicts import Verdict
 
 R = TypeVar("R", bound=Record)
 

@@ -30,9 +30,10 @@ from .default_records import DefaultEffects
 from .encoding_records import EncodedRuns
 from .evidence import Evidence
 from .provenance_records import DeclaredEngine, EnvironmentEntry, Fingerprint
-from .records import MOTIONS, Key, Record, Row, SolvedScene, Verdict
+from .records import MOTIONS, Key, Record, Row, SolvedScene
 from .result_file import ResultFileError
 from .sweep_records import DefinedSweep, PlacedRow
+from .verdicts import Verdict
 
 #: Bytes of an array's header: magic, shape and type (numpy.lib.format).
 HEADER = 1 << 10

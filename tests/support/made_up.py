@@ -7,7 +7,8 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 from spincheck.engines import Method
 from spincheck.reference import Solution
-from spincheck.reports.results.records import Key, Row, Verdict
+from spincheck.reports.results.records import Key, Row
+from spincheck.reports.results.verdicts import Verdict
 from spincheck.reports.results.results import Results, SceneResult
 from spincheck.reports.results.store import Store
 from spincheck.scenarios import EFFECTS, Errors, Scenario, Trajectory, errors_between, loads

@@ -127,13 +127,14 @@ def conform(
     """
     from ....engines import EngineError
     from ....engines.child.conformance import conformance
+    from ...harness.measuring.examine import physics_in_words
 
     if len(command) == 1 and command[0].startswith("child:"):
         # As '--engine' has it.
         command = shlex.split(command[0].removeprefix("child:"))
     checks = []
     with as_complaint(EngineError, exit_code=NOT_RUN):
-        for check in conformance(command, _scenes(), limit):
+        for check in conformance(command, _scenes(), limit, physics_in_words):
             checks.append(check)
             if not as_json:
                 verdict = "FAILS" if check.problem else "WRONG" if check.physics else "ok"

@@ -17,7 +17,7 @@ from ...harness.recorded.motion import OmegaFrame, QuaternionOrder
 from ...harness.recorded.read import read_recording
 from ...harness.recorded.recorded_ladder import results_of, study_of_files
 from ...harness.recorded.recording import RecordingError
-from ...results.records import Verdict
+from ...results.verdicts import Verdict
 from ..choosing import compile_first
 from ..grouped import angle, number
 from ..terminal import AGREES, DISAGREES, Complaint, as_complaint, table, written

@@ -18,7 +18,6 @@ from ....engines import engines
 from ....scenarios import SIGNAL, Scenario
 from ...harness.choice import Choice
 from ...harness.executors import TIME_LIMIT, LocalWorkers
-from ...harness.judging.ladder import RUNGS_OF_A_LIMIT
 from ...harness.plan import plan
 from ...harness.study import run_study
 from ...pages.analysis.best_choice import BOUNDS, Candidate, ErrorBounds, candidates, steady
@@ -34,6 +33,8 @@ from ..stopping import saying
 from ..terminal import AGREES, DISAGREES, NOT_RUN, Complaint, say
 from . import running
 
+#: Timed runs of a method that stored results must have to be used.
+LEAST_TIMED = 3
 #: Checks before it is given up.
 CHECKS = 4
 
@@ -163,7 +164,7 @@ def _timed_runs(
         if row.key.scenario == scenario.name and versions.get(row.key.engine) == row.engine_version
     ]
     timed = Counter(row.key for row in rows if row.seconds_per_step)
-    if max(timed.values(), default=0) < RUNGS_OF_A_LIMIT:
+    if max(timed.values(), default=0) < LEAST_TIMED:
         return None
     known = [solved.solution.uncertainty, *(row.errors for row in rows if row.errors)]
     if any(math.isnan(one[signal]) for one in known for signal in bounds):

@@ -18,9 +18,10 @@ from ...pages.analysis.timesteps import (
     stock_timesteps,
 )
 from ...pages.analysis.wording import duration, plural
-from ...results.records import Row, Verdict
+from ...results.records import Row
 from ...results.results import Results
 from ...results.verdict_words import LISTED
+from ...results.verdicts import Verdict
 from .summary import aligned, of_signals
 
 WIDTH = 80

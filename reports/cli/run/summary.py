@@ -10,9 +10,10 @@ from ....scenarios.fastest_rate import fastest_rate
 from ...pages.analysis.timesteps import Survival, survival
 from ...pages.analysis.work_precision import cost
 from ...results.as_json import as_json
-from ...results.records import Key, Row, Verdict
+from ...results.records import Key, Row
 from ...results.results import Results
 from ...results.verdict_words import VERDICT
+from ...results.verdicts import Verdict
 from ..sweeps.sweep_running import flat_records
 
 WIDTH = 80
@@ -61,14 +62,14 @@ def aligned(columns: Sequence[Sequence[str]]) -> list[str]:
 
 def verdict_lines(verdicts: Sequence[Verdict]) -> Iterator[str]:
     """One line a verdict, and below each that needs one its reason."""
-    yield f"{'scene':{SCENE}} {'method':{METHOD}} {'verdict':11} {'order':>5} {'limit':>8}"
+    yield f"{'scene':{SCENE}} {'method':{METHOD}} {'verdict':11} {'order':>5} {'known to':>8}"
     for verdict in verdicts:
         key = verdict.key
-        order = "" if verdict.order is None else f"{verdict.order:.2f}"
-        limit = "" if verdict.limit_error is None else f"{verdict.limit_error:.1e}"
+        order = "" if verdict.order is None else f"{verdict.order}"
+        known = f"{verdict.steps.known_to:.1e}" if verdict.steps else ""
         yield (
             f"{cut(key.scenario, SCENE):{SCENE}} {cut(key.label, METHOD):{METHOD}} "
-            f"{verdict.verdict:11} {order:>5} {limit:>8}"
+            f"{verdict.verdict:11} {order:>5} {known:>8}"
         ).rstrip()
         reasons = [
             *verdict.unmet,
@@ -168,9 +169,9 @@ def row_record(row: Row) -> dict[str, Any]:
 
 
 def verdict_record(verdict: Verdict) -> dict[str, Any]:
-    """A verdict with the names that scripts rely on; its signals by their names."""
-    record = as_json(verdict)
-    return record | {"signals": {one.pop("signal"): one for one in record["signals"]} or None}
+    """A verdict with the names that scripts rely on."""
+    made = ("reason", "tail", "level", "order", "ground")
+    return as_json(verdict) | {name: getattr(verdict, name) for name in made}
 
 
 Printed = tuple[list[dict[str, Any]], Iterator[str]]

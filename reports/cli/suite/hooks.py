@@ -23,8 +23,8 @@ from ...harness.recorded.read import READERS, read_recording
 from ...harness.recorded.recorded_ladder import study_of_files
 from ...harness.recorded.recording import RecordingError
 from ...harness.study import convergence_study_of, run_and_judge
-from ...results.records import Verdict
-from ...results.verdict_words import RANKS, VERDICT
+from ...results.verdict_words import VERDICT
+from ...results.verdicts import Verdict
 from ..choosing import choose
 from ..terminal import Complaint
 
@@ -50,20 +50,15 @@ class Subject(ABC):
     about: str
     method: Method | None = None
 
-    def follows(self, name: str, *signals: str) -> None:
+    def follows(self, name: str) -> None:
         """Fail unless the motion on a scene converges to the exact one; skip if that is open.
 
         Parameters
         ----------
         name : of one of the suite's scenes
-        signals : those that have to; all if none is named
         """
         verdict = self._verdict(name)
-        about = [one for one in verdict.signals if one.signal in signals]
         word, reason = verdict.verdict, verdict.reason
-        if about:
-            worst = max(about, key=lambda one: RANKS[one.verdict])
-            word, reason = worst.verdict, f"{worst.signal}: {worst.reason}"
         if VERDICT[word].fails or word == "diverges":
             pytest.fail(f"it {word}: {reason}\nscene: {SCENES / name}.toml", pytrace=False)
         if word != "converges":
@@ -123,8 +118,8 @@ class RecordedSubject(Subject):
         explained = [one.explained_by for one in motions if one.explained_by]
         if not explained or verdict.verdict == "converges":
             return verdict
-        words = "; ".join([*explained[0], verdict.reason])
-        return replace(verdict, verdict="disagrees", reason=words, signals=())
+        quoted = "; ".join(filter(None, [*explained[0], verdict.quoted]))
+        return replace(verdict, verdict="disagrees", quoted=quoted)
 
 
 @cache

@@ -4,26 +4,22 @@ from collections.abc import Iterable
 from dataclasses import replace
 
 from ....scenarios import Known
-from ...results.records import Verdict
+from ...results.verdicts import Verdict
 
 
-def compared_with_expected_failures(
-    expected: Iterable[Known], verdict: Verdict, *, cut_short: bool = False
-) -> Verdict:
+def compared_with_expected_failures(expected: Iterable[Known], verdict: Verdict) -> Verdict:
     """Mark a verdict as an expected failure; if it converges, add an unmet expectation.
 
-    An unresolved ladder neither confirms nor refutes an expected failure, nor does one that
-    converges to a coarse tolerance because it was cut short.
+    An unresolved verdict neither confirms nor refutes an expected failure.
     """
     key = verdict.key
     for fault in expected:
         if (fault.engine, fault.method) != (key.engine, key.method):
             continue
         if verdict.verdict == fault.verdict:
-            return replace(
-                verdict, reason=f"{verdict.reason}; known: {fault.reason}", expected_failure=True
-            )
-        if verdict.verdict == "converges" and not cut_short:
+            quoted = "; ".join(filter(None, (verdict.quoted, f"known: {fault.reason}")))
+            return replace(verdict, quoted=quoted, expected_failure=True)
+        if verdict.verdict == "converges":
             unmet = f"it converges; delete the [[known]] that it disagrees: {fault.reason}"
             return replace(verdict, unmet=(*verdict.unmet, unmet))
     return verdict

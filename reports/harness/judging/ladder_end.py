@@ -1,56 +1,31 @@
-"""Judges, of a ladder so far, whether a finer rung is needed, or can succeed."""
+"""Where a ladder ends: it shows what errors come to and cost, and when a method blows up."""
 
 from ..ladder import DECIDED_STEPS, EXCESS, LEAST_RUNGS, MIN_RUNGS, QUICK_STEPS
-from .best_window import SHARP
 from .records import Records
 
-#: A ladder continues until every limit is known to `GOAL`, relative or in rad, or steps run out; to
-#: `FINE_GOAL` for methods of `HIGH_ORDER`, which need few rungs for it; to `SHARP`, enough for a
-#: judgement, for engines as shipped.
-GOAL, FINE_GOAL = 1e-4, 1e-9
+#: Errors below this, relative or in rad, in every signal need no finer rung.
+GOAL = 1e-9
+#: From this order on ladders are as long as those of a quick study.
 HIGH_ORDER = 4
 
 
 def is_down(records: Records) -> bool:
     """Whether no finer rung is needed, or can succeed; there must be a row."""
-    if _is_settled(records):
+    last, count = records.rows[-1], len(records.rows)
+    if records.is_hopeless(last) or _diverges_at_any_timestep(records):
         return True
-    if len(records.rows) < MIN_RUNGS:
+    most = QUICK_STEPS if records.order >= HIGH_ORDER else DECIDED_STEPS
+    if 2 * last.steps > (EXCESS if count < LEAST_RUNGS else 1) * most:
+        return True
+    errors = [max(value for _, value in row.errors) for row in records.rows[-3:] if row.errors]
+    if count < MIN_RUNGS or len(errors) < 3:
         return False
-    return _is_known(records) or records.ladder.is_out_of_reach(records.finest)
+    return errors[-1] <= GOAL or errors[0] < errors[1] < errors[2]
 
 
 def cut_short(records: Records) -> bool:
     """Whether finer rungs would have been run if the step limit allowed them."""
-    if not records.rows:
-        return bool(records.least_steps)
-    return not (_is_settled(records) or _is_known(records))
-
-
-def _is_settled(records: Records) -> bool:
-    last = records.rows[-1]
-    return records.is_hopeless(last) or _diverges_at_any_timestep(records) or _is_decided(records)
-
-
-def _is_known(records: Records) -> bool:
-    """Whether the ladder has reached its goal."""
-    goal = FINE_GOAL if records.order >= HIGH_ORDER else GOAL
-    return records.ladder.is_known(SHARP if records.as_shipped else goal)
-
-
-def _is_decided(records: Records) -> bool:
-    """Whether steps and pieces decide, and a longer ladder has no more to show.
-
-    Errors of finer rungs, and their costs, follow by the order. Of a method of `HIGH_ORDER` the
-    ladder of a quick study tells faults of 1e-8, which are too small for steps and pieces.
-    """
-    if records.local is None or not records.local.converges:
-        return False
-    last, count = records.rows[-1], len(records.rows)
-    most = QUICK_STEPS if records.order >= HIGH_ORDER else DECIDED_STEPS
-    finest = last.timestep * last.steps / most
-    in_vain = count >= MIN_RUNGS and records.ladder.is_out_of_reach(finest)
-    return in_vain or 2 * last.steps > (EXCESS if count < LEAST_RUNGS else 1) * most
+    return records.has_ladder and not (records.rows and is_down(records))
 
 
 def _diverges_at_any_timestep(records: Records) -> bool:

@@ -1,158 +1,82 @@
-"""Exact states along a motion that a method is tested from, one step and short pieces at a time."""
+"""Exact states along a motion that a method is tested from, one step at a time."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ....engines.checks.equation_residuals import ASKEW
 from ....engines.checks.equations import Equations
 from ....engines.checks.read_back import State, stacked
-from ....reference import Solution, flow
-from ....scenarios import (
-    Errors,
-    FloatArray,
-    Scenario,
-    Trajectory,
-    angular_momentum_world,
-    signals_of,
-)
+from ....scenarios import FloatArray, Scenario, Trajectory, angular_momentum_world
 from ....scenarios.fastest_rate import fastest_rate
-from ....scenarios.rotation import (
-    cross,
-    matrices,
-    matrix,
-    norms,
-    rotation_vectors,
-    times,
-    turned,
-    turned_back,
-)
+from ....scenarios.rotation import cross, matrices, matrix, norms, times, turned, turned_back
 from ..ladder import COARSEST_TURN
 
 #: States spread over the window, beside those where something is largest or least.
 SPREAD = 12
+#: Directions of ω in the body, beside the scene's own: askew to every axis of a body that is drawn
+#: along its axes, so that no torque vanishes by symmetry.
+ASKEW = ((0.62, 0.55, 0.56), (-0.48, 0.71, 0.52))
 #: Timesteps of single steps, each half of the one before.
 HALVINGS = 10
-#: Pieces, and the coarsest steps of each: two radians at the ladder's coarsest timestep.
-PIECES, PIECE_STEPS, SAMPLE_EVERY = 8, 10, 2
-#: rad, and relative to the spin, by which the repeats of a state differ: of a step's change of
-#: state they alter many ulps in single precision, and little of the step's error.
-NUDGE = 2.0**-7
-#: Relative rounding of the exact flow.
-FLOW_ROUNDING = 64 * float(np.finfo(float).eps)
-#: Ulps of a step: what its rounding is taken to be at most, in a body whose moments are alike.
-ULPS_A_STEP = 16
-#: What an ulp in the start grows to over a piece, in ulp, for a body whose moments are alike.
-PIECE_GROWTH = 16
+#: Halvings of all timesteps where a method refuses the longest.
+FINER = 3
 
 
 @dataclass(frozen=True, eq=False)
 class Places:
-    """Exact states of a scene, and pieces of its motion.
+    """Exact states of a scene, and the timesteps of the steps that are taken from them.
 
     Attributes
     ----------
     states : K of them
     times : s, of the states; nan where a state is not of the motion, (K,)
-    timesteps : s, of single steps, (HALVINGS,)
-    pieces : the exact motion of all pieces, one after the other
-    starts : which state each piece starts from
-    condition : of the tensor of inertia about the fixed point: what relative rounding grows by in
-        angular acceleration
-    finer : halvings of the timesteps after the pieces were chosen
+    timesteps : s, each half of the one before, (J,)
+    condition : of the tensor of inertia about the fixed point: the factor by which relative
+        rounding grows in the angular acceleration
     """
 
     states: State
     times: FloatArray
     timesteps: FloatArray
-    pieces: Solution
-    starts: NDArray[np.intp]
     condition: float
-    finer: int = 0
 
-    def repeated(self, scenario: Scenario, repeats: int) -> State:
-        """All states so many times over, each time with every number a little otherwise."""
-        if repeats == 1:
-            return self.states
+    def changed(self, scenario: Scenario, size: float, repeats: int = 1) -> State:
+        """All states so many times over, each number changed at random by about `size` of it."""
         chance = np.random.default_rng(repeats)
-        copies = [_nudged(scenario, self.states, chance) for _ in range(repeats)]
+        copies = [_changed(scenario, self.states, size, chance) for _ in range(repeats)]
         return stacked(copies)
+
+    def milder(self) -> "Places":
+        """Shorter timesteps, from states of the motion alone, for a method that refuses these."""
+        along = ~np.isnan(self.times)
+        timesteps = self.timesteps / 2.0**FINER
+        states, of_motion = self.states.rows(along), self.times[along]
+        return replace(self, states=states, times=of_motion, timesteps=timesteps)
 
 
 def places(scenario: Scenario, motion: Trajectory, coarsest: float | None) -> Places:
-    """Choose them along the exact motion.
+    """Choose states along the exact motion, and two with ω along no principal axis.
 
     Parameters
     ----------
     coarsest : s, the ladder's coarsest timestep; None if the motion has no ladder
     """
-    chosen = _chosen(scenario, motion)
+    along = motion.at(_chosen(scenario, motion))
     rate = fastest_rate(scenario, motion.omega_body) or 1 / scenario.window.duration
-    timestep = coarsest or COARSEST_TURN / rate
-    along = motion.at(chosen)
     speed = float(norms(motion.omega_body).max()) or rate
-    parts = [states_of(along), *(_askew(scenario, along, speed * np.array(d)) for d in ASKEW)]
-    states = stacked(parts)
+    askew = [_askew(scenario, along, speed * np.array(direction)) for direction in ASKEW]
+    states = stacked([states_of(along), *askew])
     bears = Equations(scenario).bears(states)
-    states, times = states.rows(bears), np.append(along.t, [np.nan] * len(ASKEW))[bears]
-    starts = np.unique(np.linspace(0, len(chosen) - 1, PIECES).astype(int))
+    when = np.append(along.t, [np.nan] * len(ASKEW))
+    timesteps = (coarsest or COARSEST_TURN / rate) / 2.0 ** np.arange(HALVINGS)
     condition = float(np.linalg.cond(scenario.inertia)) + _of_parts(scenario, motion)
-    spans = np.asarray(timestep * np.arange(0, PIECE_STEPS + 1, SAMPLE_EVERY), dtype=float)
-    followed = _followed(scenario, states.rows(starts), spans)
-    is_borne = np.all(Equations(scenario).bears(followed).reshape(len(starts), -1), axis=1)
-    # The window has as many steps: from its start a piece ends before the body leaves its table.
-    is_borne |= starts == starts[0]
-    borne = followed.rows(np.repeat(is_borne, len(spans)))
-    pieces = _pieces(scenario, borne, timestep, condition)
-    starts = starts[is_borne]
-    timesteps = timestep / 2.0 ** np.arange(HALVINGS)
-    return Places(states, times, np.asarray(timesteps), pieces, starts, condition)
+    return Places(states.rows(bears), when[bears], np.asarray(timesteps), condition)
 
 
-def _nudged(scenario: Scenario, states: State, chance: np.random.Generator) -> State:
-    """The states, each number a little otherwise, where what holds the body can hold it."""
-    turn, spin, thrown, put = NUDGE * chance.standard_normal((4, 3))
-    q = states.q_world_body_wxyz @ times(np.append(1.0, turn / 2) / np.sqrt(1 + turn @ turn / 4))
-    omega_body = _changed(states.omega_body, spin)
-    constraint, R_world_body = scenario.constraint, matrices(q)
-    swing_world = turned(R_world_body, cross(omega_body, np.array(constraint.lever)))
-    nudged = State(
-        q,
-        omega_body,
-        constraint.com_world(R_world_body @ constraint.lever, _changed(states.com_world, put)),
-        constraint.velocity_world(swing_world, _changed(states.velocity_world, thrown)),
-        states.spins,
-    )
-    bears = Equations(scenario).bears(nudged)[:, None]
-    pairs = zip(nudged.columns, states.columns, strict=True)
-    return State(*(np.where(bears, changed, column) for changed, column in pairs))
-
-
-def _changed(vectors: FloatArray, by: FloatArray) -> FloatArray:
-    """Rows, changed by so much relative to their norms."""
-    return np.asarray(vectors + norms(vectors)[:, None] * by)
-
-
-def _of_parts(scenario: Scenario, motion: Trajectory) -> float:
-    """Torques that cancel in coordinates which turn with parts, over the gyroscopic one."""
-    _, torque = scenario.cancelling(motion.spins)
-    L_world, speed = angular_momentum_world(scenario, motion), norms(motion.omega_body).max()
-    gyroscopic = float(norms(L_world).max() * speed)
-    return float(torque.max()) / gyroscopic if gyroscopic else 0.0
-
-
-def rounding_of_body(condition: float, ulp: float = float(np.finfo(float).eps)) -> float:
-    """What rounding of its moments changes of a body's angular acceleration, relative."""
-    return ULPS_A_STEP * ulp * condition
-
-
-def flowed(scenario: Scenario, states: State, spans: FloatArray) -> State:
-    """The exact states a time after each of n states, s, (n,)."""
-    lengths = norms(states.q_world_body_wxyz)[:, None]
-    q = states.q_world_body_wxyz / lengths
-    start = Trajectory(np.arange(float(len(spans))), q, *states.columns[1:])
-    return states_of(flow(scenario, start, spans))
+def states_of(motion: Trajectory) -> State:
+    """The states of a motion's samples."""
+    return State(*(getattr(motion, name) for name in State.__dataclass_fields__))
 
 
 def _chosen(scenario: Scenario, motion: Trajectory) -> NDArray[np.intp]:
@@ -181,34 +105,33 @@ def _askew(scenario: Scenario, along: Trajectory, omega_body: FloatArray) -> Sta
     return State(*(row[None] for row in rows))
 
 
-def _followed(scenario: Scenario, starts: State, spans: FloatArray) -> State:
-    """The exact states of all pieces, one after the other, a time after each start, s, (n,)."""
-    from_starts = State(*(np.repeat(column, len(spans), axis=0) for column in starts.columns))
-    return flowed(scenario, from_starts, np.tile(spans, len(starts.omega_body)))
-
-
-def _pieces(scenario: Scenario, states: State, timestep: float, condition: float) -> Solution:
-    """The exact motion of all pieces, sampled at every few coarsest steps."""
-    count = len(states.omega_body)
-    times = np.asarray(np.arange(count) * (timestep * SAMPLE_EVERY), dtype=float)
-    names = [signal.name for signal in signals_of(scenario)]
-    growth = PIECE_GROWTH * condition * float(np.finfo(float).eps)
-    return Solution(
-        Trajectory(times, *states.columns),
-        "the exact flow",
-        uncertainty=Errors(**dict.fromkeys(names, FLOW_ROUNDING)),
-        conditioning=Errors(**dict.fromkeys(names, growth)),
+def _changed(scenario: Scenario, states: State, size: float, chance: np.random.Generator) -> State:
+    """The states, each number a little otherwise, where what holds the body can hold it."""
+    turn, spin, thrown, put = size * chance.standard_normal((4, 3))
+    q = states.q_world_body_wxyz @ times(np.append(1.0, turn / 2) / np.sqrt(1 + turn @ turn / 4))
+    omega_body = _by(states.omega_body, spin)
+    constraint, R_world_body = scenario.constraint, matrices(q)
+    swing_world = turned(R_world_body, cross(omega_body, np.array(constraint.lever)))
+    changed = State(
+        q,
+        omega_body,
+        constraint.com_world(R_world_body @ constraint.lever, _by(states.com_world, put)),
+        constraint.velocity_world(swing_world, _by(states.velocity_world, thrown)),
+        states.spins,
     )
+    bears = Equations(scenario).bears(changed)[:, None]
+    pairs = zip(changed.columns, states.columns, strict=True)
+    return State(*(np.where(bears, new, column) for new, column in pairs))
 
 
-def states_of(motion: Trajectory) -> State:
-    """The states of a motion's samples."""
-    return State(*(getattr(motion, name) for name in State.__dataclass_fields__))
+def _by(vectors: FloatArray, share: FloatArray) -> FloatArray:
+    """Rows, changed by so much relative to their norms."""
+    return np.asarray(vectors + norms(vectors)[:, None] * share)
 
 
-def apart(states: State, others: State) -> FloatArray:
-    """The larger of the distances in ω, relative, and in attitude, rad, (n,)."""
-    speed = float(norms(others.omega_body).max()) or 1.0
-    omega = norms(states.omega_body - others.omega_body) / speed
-    turns = rotation_vectors(states.q_world_body_wxyz, others.q_world_body_wxyz)
-    return np.maximum(omega, norms(turns))
+def _of_parts(scenario: Scenario, motion: Trajectory) -> float:
+    """Torques that cancel in coordinates which turn with parts, over the gyroscopic one."""
+    _, torque = scenario.cancelling(motion.spins)
+    L_world, speed = angular_momentum_world(scenario, motion), norms(motion.omega_body).max()
+    gyroscopic = float(norms(L_world).max() * speed)
+    return float(torque.max()) / gyroscopic if gyroscopic else 0.0

@@ -48,6 +48,7 @@ class JudgedMotion:
     drifts : the largest change of each conserved quantity, relative
     defects : of the steps from sample to sample, by signal; empty if they cannot be followed
     is_single : whether it was computed in single precision
+    resolution : the relative distance of its numbers as they are printed
     explained_by : mistakes in recording, or other physics, that explain the difference, in words
     ignored : headings of the file that mean nothing here
     """
@@ -62,6 +63,7 @@ class JudgedMotion:
     explained_by: tuple[str, ...]
     ignored: tuple[str, ...]
     is_single: bool
+    resolution: float
 
     @property
     def exceeds_1deg_at(self) -> float | None:
@@ -148,6 +150,7 @@ def judged_motion(
         tuple(explained),
         recording.ignored,
         recording.is_single,
+        recording.resolution,
     )
 
 

@@ -9,15 +9,16 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from ....engines.checks.equations import Equations, gains_of
-from ....engines.checks.explanations import explanation
-from ....engines.checks.steps import Steps, step_gains
-from ....engines.checks.terms import term_sizes
+from ....engines.checks.equations import Equations
 from ....reference import IntegrationError
 from ....scenarios import FloatArray, Scenario, Trajectory
 from ....scenarios.fastest_rate import fastest_rate
 from ....scenarios.rotation import norms
-from ..measuring.places import flowed, states_of
+from ...results.reasons import explained
+from ..measuring.explanations import explanation, gains_of
+from ..measuring.noise import term_sizes
+from ..measuring.places import states_of
+from ..measuring.steps import Steps, flowed, step_gains
 
 #: rad between two samples, so that what acts meanwhile is nearly constant; intervals looked at.
 NEAR, FEWEST_INTERVALS, MOST_INTERVALS = 0.5, 8, 200
@@ -86,7 +87,7 @@ def _change(scenario: Scenario, motion: Trajectory, timestep: float | None) -> l
     except IntegrationError:
         return []
     equations = Equations(scenario)
-    excess = step_gains(equations, Steps(spans[kept], before, after, right))[:, 0]
+    excess = step_gains(equations, Steps(spans[kept], spans[kept], before, after, right))[:, 0, 0]
     sizes = term_sizes(equations, before).max(axis=0)
     share = float((np.abs(excess).max(axis=2) / sizes)[:, ROTATION].max())
     if not share > rate * (timestep or float(spans[kept].max())):
@@ -95,5 +96,5 @@ def _change(scenario: Scenario, motion: Trajectory, timestep: float | None) -> l
     noise = np.tile(LEFT * share * sizes, (len(kept), 1))
     of_rotation = noise.copy()
     of_rotation[:, ROTATION.stop :] = np.inf
-    words = explanation(equations, gains, noise) or explanation(equations, gains, of_rotation)
-    return [f"it moves as if {words}"] if words else []
+    found = explanation(equations, gains, noise) or explanation(equations, gains, of_rotation)
+    return [f"it moves as if {explained(found)}"] if found else []

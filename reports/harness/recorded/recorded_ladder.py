@@ -1,4 +1,8 @@
-"""Recorded motions at halved timesteps as the ladder of one method, and the verdict on it."""
+"""Recorded motions at halved timesteps as the ladder of one method, and the verdict on it.
+
+What each file gains from sample to sample beyond the exact flow is judged as what single steps gain
+is, by the same model. That a step depends on the state alone cannot be seen in a file.
+"""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -8,17 +12,29 @@ from typing import final
 import numpy as np
 
 from ....engines import Engine, EngineError, Method, Run, Session
-from ....scenarios import FloatArray, Scenario, Trajectory
+from ....engines.checks.equations import Equations
+from ....engines.checks.read_back import stacked
+from ....scenarios import FloatArray, Scenario, Trajectory, error_series
+from ...results.evidence import StepEvidence
 from ...results.results import Results, SceneResult
 from ..convergence_study import ConvergenceStudy
 from ..executors import Answer
 from ..judging import judge
 from ..ladder import Ladder, Rung
+from ..measuring.examine import evidence_of
+from ..measuring.look import Look
+from ..measuring.noise import NOISE, noise_of, noise_of_steps
+from ..measuring.places import Places, states_of
+from ..measuring.steps import Steps, flowed, step_gains
 from .judged import JudgedMotion, exact_at
 from .recording import RecordingError
 
 #: Two times are the same if they differ by less than this, relative to the last.
 SAME_TIME = 1e-9
+#: rad; beyond it files are on ways of their own, and what they gain is no function of the timestep.
+TOGETHER = 0.1
+#: Intervals at most that are judged, and files that a prediction needs.
+MOST_INTERVALS, FEWEST_FILES = 64, 3
 #: Relative difference from a halved timestep that is one nevertheless.
 HALVED = 1e-6
 
@@ -70,9 +86,48 @@ def study_of_files(
     rungs = [Rung(dt, np.rint(times / dt).astype(np.int64)) for dt in timesteps]
     engine = RecordedEngine(order, any(one.is_single for one in motions))
     ladder = Ladder(tuple(rungs), (), times, float(rungs[0].steps))
+    at_times = [_at(motion, times) for motion in recorded]
     study = ConvergenceStudy(scenario, engine, engine.methods[0], solution, ladder)
-    _take(study, dict(zip(timesteps, recorded, strict=True)), times)
+    resolution = max(one.resolution for one in by_timestep)
+    study.steps = _steps(study, np.array(timesteps), at_times, resolution)
+    _take(study, dict(zip(timesteps, at_times, strict=True)))
     return study
+
+
+def _steps(
+    study: ConvergenceStudy,
+    timesteps: FloatArray,
+    motions: Sequence[Trajectory],
+    resolution: float,
+) -> StepEvidence | None:
+    """What files gain from sample to sample, while all of them are near the exact motion.
+
+    Parameters
+    ----------
+    resolution : relative, of the numbers of the files
+
+    Returns
+    -------
+    None where there are too few files, or they are nowhere near.
+    """
+    scenario, exact = study.scenario, study.solution.trajectory
+    beyond = error_series(scenario, motions[0], exact).first_beyond("attitude", TOGETHER)
+    last = len(exact.t) - 1 if beyond is None else beyond - 1
+    if len(motions) < FEWEST_FILES or last < 1:
+        return None
+    kept = np.unique(np.linspace(0, last - 1, MOST_INTERVALS).astype(int))
+    before, after = (stacked([states_of(one.at(at)) for one in motions]) for at in (kept, kept + 1))
+    spans = np.tile(np.diff(exact.t)[kept], len(motions))
+    steps = Steps(timesteps, spans, before, after, flowed(scenario, before, spans))
+    equations, condition = Equations(scenario), float(np.linalg.cond(scenario.inertia))
+    of_numbers = noise_of(equations, steps, study.engine, condition, settled=False)
+    taken = np.sqrt(spans.reshape(len(motions), -1) / timesteps[:, None])[..., None]
+    of_files = noise_of_steps(equations, steps) * (taken + resolution / NOISE)
+    look = Look(
+        equations, steps, step_gains(equations, steps)[:, 0], np.hypot(of_numbers, of_files), 0
+    )
+    at = Places(before.rows(slice(len(kept))), exact.t[kept], timesteps, condition)
+    return evidence_of(look, at, study.method.order)
 
 
 def results_of(study: ConvergenceStudy, explained_by: Sequence[str]) -> Results:
@@ -84,8 +139,8 @@ def results_of(study: ConvergenceStudy, explained_by: Sequence[str]) -> Results:
     """
     verdict = judge(study.records)
     if explained_by:
-        reason = "; ".join([*explained_by, verdict.reason])
-        verdict = replace(verdict, verdict="disagrees", reason=reason)
+        quoted = "; ".join(filter(None, [*explained_by, verdict.quoted]))
+        verdict = replace(verdict, verdict="disagrees", quoted=quoted)
     name, pair = study.scenario.name, (study.engine.name, study.method.name)
     # As an engine's defaults are: judged as they are, shown first, recommended to nobody.
     return Results(
@@ -97,13 +152,13 @@ def results_of(study: ConvergenceStudy, explained_by: Sequence[str]) -> Results:
     )
 
 
-def _take(study: ConvergenceStudy, recorded: dict[float, Trajectory], times: FloatArray) -> None:
+def _take(study: ConvergenceStudy, recorded: dict[float, Trajectory]) -> None:
     """Answer each run that the study asks for with the motion of its file."""
     runs = study.runs()
     planned = next(runs, None)
     while planned is not None:
         timestep = planned.rung.timestep
-        motion = _at(recorded[timestep], times)
+        motion = recorded[timestep]
         named = (study.engine.name, "", study.method.name, timestep)
         run = Run(*named, "ok", trajectory=motion, steps=planned.rung.steps)
         try:

@@ -9,6 +9,7 @@ from itertools import pairwise
 import numpy as np
 from spincheck.engines import Engine, Method
 from spincheck.engines.checks.read_back import start_state
+from spincheck.reports.harness.measuring.examine import physics_in_words
 from spincheck.suite.comparisons import (
     ODD_STEPS,
     RESTART_STRIDES,
@@ -64,7 +65,7 @@ def test_holds_the_scene_and_only_its_effects_act(engine: Engine, method: Method
 def test_begins_as_the_equations_of_motion_say(engine: Engine, method: Method) -> None:
     """The first steps obey Euler's and Newton's equations of the scene: effects, units, frames."""
     for scene in able_scenes(engine, method):
-        residuals = engine.equation_residuals(scene, method)
+        residuals = physics_in_words(engine, scene, method)
         require(not residuals, engine, method, scene, residuals)
 
 

@@ -9,10 +9,11 @@ from dataclasses import asdict, dataclass
 from typing import Any, Literal
 
 from ....engines import Outcome
-from ...harness.measuring.asymptotic import ASYMPTOTIC
-from ...results.records import Key, Row, Verdict
+from ...results.records import Key, Row
 from ...results.results import Results
 from ...results.verdict_words import RANKS
+from ...results.verdicts import Verdict
+from .observed_order import ASYMPTOTIC
 from .report_data import MethodRuns, SceneRuns, report_data
 
 #: An error has changed if it did by this factor: at the same timestep, an engine that computes the

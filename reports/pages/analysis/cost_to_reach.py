@@ -13,9 +13,9 @@ from dataclasses import dataclass, replace
 from statistics import median_high
 from typing import Literal
 
-from ...harness.judging.observed_order import SETTLING_ORDER
 from ...results.records import Pair
 from ...results.verdict_words import VerdictWord
+from .observed_order import SETTLING_ORDER
 from .work_precision import Curve, CurvePoint, slope
 
 #: One scene's curves, in one error, one a method.

@@ -22,8 +22,9 @@ from ....scenarios.fastest_rate import fastest_rate
 from ...harness.defects import defects
 from ...results.default_records import DefaultEffects
 from ...results.encoding_records import EncodedRuns
-from ...results.records import Key, OfMethod, Pair, Row, Verdict
+from ...results.records import Key, OfMethod, Pair, Row
 from ...results.results import Results, SceneResult
+from ...results.verdicts import Verdict
 from .trace_style import TraceStyle, trace_styles
 from .wording import typed
 

@@ -12,9 +12,9 @@ from functools import cached_property
 
 import numpy as np
 
-from ...harness.judging.observed_order import observed_order
 from ...results.records import OfMethod, Row
 from ...results.verdict_words import VerdictWord
+from .observed_order import observed_order
 from .report_data import MethodRuns, SceneRuns
 
 #: Two doubles are not known to differ by less, relative to their size.

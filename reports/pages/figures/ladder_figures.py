@@ -6,9 +6,8 @@ from html import escape
 import numpy as np
 
 from ....scenarios import FloatArray, Signal
-from ...harness.judging.observed_order import ABOVE_UNCERTAINTY
-from ...harness.measuring.asymptotic import ASYMPTOTIC
 from ...results.records import Row
+from ..analysis.observed_order import ABOVE_UNCERTAINTY, ASYMPTOTIC
 from ..analysis.report_data import MethodRuns, SceneRuns
 from ..analysis.wording import ended, number
 from ..analysis.work_precision import cost, curves, front

@@ -8,11 +8,12 @@ from statistics import median
 
 from ....engines import Method
 from ....scenarios import EFFECTS
-from ...results.records import Pair, Verdict
+from ...results.records import Pair
 from ...results.verdict_words import LISTED, VerdictKind
+from ...results.verdicts import Verdict
 from ..analysis.report_data import MethodRuns, ReportData, SceneRuns
 from ..analysis.timesteps import row_at, stock_timesteps, survival
-from ..analysis.wording import NOTHING, number, order, plural
+from ..analysis.wording import NOTHING, number, plural
 from ..tables import Cell, Table, figure, method_anchor, named, records, scene_page, verdict_cell
 
 #: rad; a run is counted as close if it never is further off.
@@ -181,7 +182,7 @@ def _order_detail(scene: SceneRuns, runs: MethodRuns) -> str:  # noqa: ARG001
     if verdict.unmet:
         return "expectation unmet"
     if verdict.order is not None:
-        return f"order {order(verdict.order)}"
+        return f"order {verdict.order}"
     return "to round-off" if verdict.verdict == "converges" else ""
 
 

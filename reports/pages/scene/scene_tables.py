@@ -4,23 +4,22 @@ from collections import Counter
 
 from ....reference import facts, invariants
 from ....reference.observables import observables
-from ....scenarios import EFFECTS, SIGNAL, SIGNALS, FloatArray, Scenario
+from ....scenarios import EFFECTS, SIGNALS, FloatArray, Scenario, Signal
 from ...harness.published import published_values
-from ...results.records import Row, Verdict
+from ...results.records import Row
 from ...results.results import SceneResult
 from ..analysis.report_data import MethodRuns, SceneRuns
 from ..analysis.timesteps import in_words, survival
 from ..analysis.wording import (
     NOTHING,
     count,
-    limited,
     limited_errors,
     number,
     observed,
     order,
     plural,
 )
-from ..analysis.work_precision import cost
+from ..analysis.work_precision import cost, curve_of
 from ..overview.overview import reason_of
 from ..tables import (
     Captioned,
@@ -78,25 +77,27 @@ def verdict_table(scene: SceneRuns) -> Table:
 
 
 def signals_table(scene: SceneRuns) -> Table:
-    """Table of verdicts by method and signal."""
+    """Table of the errors of each method's finest run by signal, and the order that they show."""
     return records(
         {
             **named(runs.pair),
-            "signal": SIGNAL[signal.signal].error_title,
-            "verdict": verdict_cell(signal.verdict),
-            "order found": figure(order(signal.order)),
-            "declared": figure(str(signal.declared_order)),
-            "Richardson-extrapolated error": figure(_shown(signal.limit_error, signal.signal)),
-            "tolerance": figure(_shown(signal.tolerance, signal.signal)),
+            "signal": signal.error_title,
+            "timestep, s": figure(number(runs.finest.timestep)),
+            "error": figure(number(runs.finest.errors[signal.name] * signal.shown)),
+            "order found": figure(order(curve_of(scene, runs, signal.name).observed_order)),
+            "declared": figure(_declared(runs, signal)),
         }
         for runs in scene.methods
-        for signal in (runs.verdict.signals if runs.verdict else ())
+        for signal in scene.signals
+        if scene.solved and runs.finest and runs.finest.errors
     )
 
 
-def _shown(error: float | None, signal: str) -> str:
-    """An error of a signal as people read it."""
-    return number(None if error is None else error * SIGNAL[signal].shown)
+def _declared(runs: MethodRuns, signal: Signal) -> str:
+    declared = runs.declared
+    if declared is None:
+        return NOTHING
+    return str(signal.declared_order(declared.order, declared.attitude_order))
 
 
 def published_table(scenario: Scenario) -> Table | None:
@@ -184,40 +185,26 @@ def _verdict_row(scene: SceneRuns, runs: MethodRuns) -> dict[str, Cell | str]:
         return {
             **named(runs.pair),
             "verdict": Cell("no verdict", "absent"),
-            "observed order": figure(NOTHING),
-            "Richardson-extrapolated error": figure(NOTHING),
+            "order of steps": figure(NOTHING),
+            "tail": figure(NOTHING),
+            "known to": figure(NOTHING),
             "stable up to, s": figure(NOTHING),
             "why": "stopped early",
         }
     survives, turn = in_words(survival(runs.rows, scene.fastest_rate if scene.solved else None))
     stable = Cell(survives, "number", f"{turn} rad a step" if turn != NOTHING else "")
-    uncertainty = 0.0
-    if scene.solved is not None:
-        uncertainty = scene.solved.solution.uncertainty[verdict.signal]
-    decided = ""
-    if verdict.limit_error is not None:
-        tolerance = _shown(verdict.tolerance, verdict.signal)
-        decided = f"{SIGNAL[verdict.signal].error_title}; tolerance {tolerance}"
-    declared = ""
-    if runs.declared is not None and verdict.order is not None:
-        attitude = verdict.signal == "attitude"
-        expected = runs.declared.attitude_order if attitude else runs.declared.order
-        declared = f"declared {expected}"
+    declared = f"declared {runs.declared.order}" if runs.declared and verdict.order else ""
+    tail, known_to = verdict.tail, verdict.steps.known_to if verdict.steps else None
+    level = f"level {verdict.level:g}" if tail is not None else ""
     return {
         **named(runs.pair),
         "verdict": verdict_cell(verdict.verdict, verdict.ground),
-        "observed order": Cell(order(verdict.order), "number", declared),
-        "Richardson-extrapolated error": Cell(_limit(verdict, uncertainty), "number", decided),
+        "order of steps": Cell(str(verdict.order or NOTHING), "number", declared),
+        "tail": Cell(number(tail), "number", level),
+        "known to": figure(number(known_to)),
         "stable up to, s": stable,
         "why": Cell(reason_of(verdict), note=_besides(runs)),
     }
-
-
-def _limit(verdict: Verdict, uncertainty: float) -> str:
-    if verdict.limit_error is None:
-        return NOTHING
-    shown = SIGNAL[verdict.signal].shown
-    return limited(verdict.limit_error * shown, uncertainty * shown)
 
 
 def _besides(runs: MethodRuns) -> str:

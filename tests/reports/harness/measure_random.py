@@ -14,7 +14,7 @@ from spincheck.engines import Engine, Method, engines
 from spincheck.reports.harness.judging.best_window import SHARP
 from spincheck.reports.harness.prepared import Prepared, prepare
 from spincheck.reports.harness.study import convergence_study_of
-from spincheck.reports.results.records import SignalVerdict, Verdict
+from spincheck.reports.results.verdicts import Verdict
 from spincheck.scenarios import Scenario, loads
 from studies import verdict_of
 

@@ -8,7 +8,8 @@ from spincheck.reports.harness.judging.expected_failures import compared_with_ex
 from spincheck.reports.harness.ladder import MAX_STEPS
 from spincheck.reports.harness.prepared import prepare
 from spincheck.reports.harness.study import convergence_study_of
-from spincheck.reports.results.records import Key, Verdict
+from spincheck.reports.results.records import Key
+from spincheck.reports.results.verdicts import Verdict
 from spincheck.scenarios import Known, find, load
 from studies import verdict_of
 

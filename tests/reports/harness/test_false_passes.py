@@ -13,7 +13,7 @@ import stepped_faults as planted
 from library_scenes import library_scene
 from spincheck.reports.harness.prepared import Prepared, prepare
 from spincheck.reports.harness.study import convergence_study_of
-from spincheck.reports.results.records import Verdict
+from spincheck.reports.results.verdicts import Verdict
 from spincheck.scenarios import Scenario, loads
 from stepped import METHODS, Stepped, SteppedEngine
 from studies import verdict_of

@@ -11,7 +11,7 @@ from spincheck.engines.checks.precision import EPS_SINGLE
 from spincheck.reports.harness.ladder import QUICK_STEPS
 from spincheck.reports.harness.prepared import prepare
 from spincheck.reports.harness.study import convergence_study_of
-from spincheck.reports.results.records import Verdict
+from spincheck.reports.results.verdicts import Verdict
 from spincheck.scenarios import loads
 from studies import verdict_of as judged
 

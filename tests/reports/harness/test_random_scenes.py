@@ -12,7 +12,7 @@ from spincheck.reports.harness.judging import contradictions
 from spincheck.reports.harness.measuring import richardson
 from spincheck.reports.harness.measuring.rounding import roundings_in_flight
 from spincheck.reports.harness.prepared import prepare
-from spincheck.reports.results.records import Verdict
+from spincheck.reports.results.verdicts import Verdict
 
 pytestmark = pytest.mark.slow
 

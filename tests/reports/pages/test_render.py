@@ -19,7 +19,7 @@ from spincheck.reports.pages.overview.overview import complaints, headline
 from spincheck.reports.pages.render import render
 from spincheck.reports.pages.scene import scene_tables
 from spincheck.reports.pages.templating import source
-from spincheck.reports.results.records import Verdict
+from spincheck.reports.results.verdicts import Verdict
 from spincheck.reports.results.results import SceneResult
 from spincheck.scenarios import SIGNAL
 

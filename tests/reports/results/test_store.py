@@ -16,7 +16,8 @@ from spincheck.reference import Solution
 from spincheck.reports.results.cost_records import MethodCost, StepCost
 from spincheck.reports.results.default_records import DefaultEffect, DefaultEffects
 from spincheck.reports.results.provenance_records import Fingerprint
-from spincheck.reports.results.records import Defect, Key, Row, SignalVerdict, Verdict
+from spincheck.reports.results.records import Defect, Key, Row
+from spincheck.reports.results.verdicts import Verdict
 from spincheck.reports.results.result_file import ResultFileError
 from spincheck.reports.results.store import open_store
 from spincheck.scenarios import Errors, Trajectory

@@ -12,7 +12,8 @@ from command_line import spincheck
 from spincheck.reports.cli.results.compare import changes_as_json, exit_code, print_changes
 from spincheck.reports.harness.measuring.asymptotic import ASYMPTOTIC
 from spincheck.reports.pages.analysis.changes import COST_FACTOR, ERROR_FACTOR, OUTCOMES, changes
-from spincheck.reports.results.records import Key, Row, Verdict
+from spincheck.reports.results.records import Key, Row
+from spincheck.reports.results.verdicts import Verdict
 from spincheck.reports.results.results import Results
 from spincheck.reports.results.store import open_store
 from spincheck.reports.results.verdict_words import RANKS

@@ -6,7 +6,7 @@ from scene_texts import FAST_TOP
 from spincheck.engines import engines
 from spincheck.reports.harness.prepared import prepare
 from spincheck.reports.harness.study import convergence_study_of
-from spincheck.reports.results.records import Verdict
+from spincheck.reports.results.verdicts import Verdict
 from spincheck.scenarios import Expect, Scenario, loads
 from studies import verdict_of
 

@@ -3,8 +3,11 @@
 import numpy as np
 
 from ....scenarios import FloatArray
-from ..measuring.asymptotic import ASYMPTOTIC, ORDER_SLACK
 
+#: Larger errors are not in the asymptotic range: on the unit sphere of directions they saturate.
+ASYMPTOTIC = 0.1
+#: Orders that differ by less than this are taken as equal.
+ORDER_SLACK = 0.25
 #: An order is fitted to errors at least this many times the reference's uncertainty.
 ABOVE_UNCERTAINTY = 100.0
 #: Number of rungs that an order is fitted to.

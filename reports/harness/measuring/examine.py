@@ -1,0 +1,247 @@
+"""Examines a method by single steps from known states, with the model of `gain_series.py`."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from ....engines import Engine, EngineError, Method, Session, UnsupportedError
+from ....engines.checks.equations import Equations
+from ....engines.checks.read_back import stacked
+from ....reference import ExactMotion
+from ....scenarios import FloatArray, Scenario
+from ....scenarios.rotation import norms
+from ...results.evidence import LEVEL, QUANTITIES, GainCurve, StepEvidence, StepFault
+from ...results.reasons import fault_in_words
+from ..stock import stock_timesteps
+from .gain_series import GainSeries
+from .look import Look
+from .noise import SOLVED, ULPS, noise_of, noise_of_steps, rounding_of_body
+from .places import FINER, Places, places
+from .shapes import fault_of
+from .steps import Sessions, Steps, apart, off_the_constraint, step_gains, steps_from
+
+#: Steps until a constraint has settled, and more steps that show what was left. Bullet removes a
+#: fifth of its error in a step: 0.8^128 = 4e-13 of it is left. Half as many in single precision.
+SETTLING, FURTHER = 128, 16
+#: Times that each state is repeated in single precision: no more than it takes.
+REPEATS = (4, 16, 64)
+#: Halved timesteps in single precision: shorter steps show rounding alone.
+HALVINGS_SINGLE = 7
+#: rad, and relative to the spin, by which the repeats of a state differ: of a step's change of
+#: state they alter many ulps in single precision, and little of the step's error.
+NUDGE = 2.0**-7
+#: Standard deviations of noise that are assumed where a difference of two steps shows one.
+MEASURED = 3.0
+#: Relative change of a state that draws an engine's noise anew: 64 ulp.
+REDRAWN = 2.0**-46
+
+Open = Callable[[Scenario, float], Session]
+
+
+def examine(
+    engine: Engine, scenario: Scenario, method_name: str, at: Places
+) -> StepEvidence | None:
+    """Examine a method from exact states; None where it cannot be opened at them."""
+    method = engine.method(method_name)
+    if engine.unsupported(scenario, method):
+        return None
+    for tried in (at, at.milder()):
+        try:
+            return examined(
+                lambda scene, timestep: engine.open(scene, method, timestep),
+                engine,
+                scenario,
+                tried,
+                method,
+            )
+        except UnsupportedError:
+            continue
+        except EngineError:
+            break
+    # What an engine refuses, its runs tell.
+    return None
+
+
+def physics_in_words(engine: Engine, scenario: Scenario, method: Method) -> str:
+    """How single steps break a scene's equations of motion, in words; empty if they do not."""
+    outline = ExactMotion(scenario).outline(scenario.times)
+    found = examine(engine, scenario, method.name, places(scenario, outline, None))
+    return fault_in_words(found.fault) if found and found.fault else ""
+
+
+def examined(
+    open_at: Open, engine: Engine, scenario: Scenario, at: Places, method: Method
+) -> StepEvidence:
+    """What single steps of sessions that are opened so show.
+
+    Raises
+    ------
+    EngineError
+        If a session cannot be opened or stepped.
+    """
+    with Sessions(open_at, scenario, float(at.timesteps[0])) as sessions:
+        if fault := _misread(sessions, engine, at):
+            return StepEvidence(len(at.times), 0.0, 0.0, 0.0, 0, fault=fault)
+        return evidence_of(_Examination(sessions, engine, at).look, at, method.order)
+
+
+@dataclass(frozen=True, eq=False)
+class _Examination:
+    """A method that is examined from states."""
+
+    sessions: Sessions
+    engine: Engine
+    at: Places
+
+    @property
+    def look(self) -> Look:
+        """The look that decides."""
+        engine, is_single = self.engine, self.engine.single_precision
+        look = self._taken(0, REPEATS[0] if is_single else 1)
+        is_wrong, settle = look.tail < LEVEL, 0
+        # In single precision rounding hides that a constraint gives way.
+        hidden = is_single and is_wrong and self.sessions.scenario.is_jointed
+        if self._gives_way(look.steps) or hidden:
+            settle = SETTLING // (1 + is_single)
+            look = self._settled(settle, look.steps.repeats)
+        elif is_wrong and not is_single:
+            return self._taken_again()
+        for repeats in REPEATS[1:] if engine.single_precision else ():
+            if look.tail < LEVEL or look.is_known:
+                break
+            look = self._settled(settle, repeats) if settle else self._taken(0, repeats)
+        return look
+
+    def _taken(self, settle: int, repeats: int) -> Look:
+        return self._look(self._steps(settle, repeats, self._timesteps(self.at.timesteps)), settle)
+
+    def _settled(self, settle: int, repeats: int) -> Look:
+        """Steps after a constraint has settled; what further settling changes is their noise.
+
+        In double precision the longest timesteps are left out, with which the body turns by many
+        radians meanwhile. A difference may be small by accident, so that those with neighbouring
+        timesteps count as well.
+        """
+        halved = self.at.timesteps[0 if self.engine.single_precision else FINER :]
+        timesteps = self._timesteps(halved)
+        look = self._look(self._steps(settle, repeats, timesteps), settle)
+        further = self._look(self._steps(settle + FURTHER, repeats, timesteps), settle)
+        left = np.sqrt(((further.gains - look.gains) ** 2).mean(axis=(1, 3)))
+        around = np.pad(left, ((1, 1), (0, 0)), mode="edge")
+        seen = MEASURED * np.maximum(np.maximum(around[:-2], around[1:-1]), around[2:])
+        noise = np.sqrt(look.noise**2 + seen[:, None] ** 2 + (SOLVED * look.sizes) ** 2)
+        return Look(look.equations, look.steps, look.gains, noise, settle)
+
+    def _taken_again(self) -> Look:
+        """Steps with shorter timesteps besides, and from states that differ by some ulp.
+
+        What that changes is noise of the engine, of which so much is no fault. A method that
+        computes short steps otherwise needs some of these to show it.
+        """
+        finer = self.at.timesteps[-1] / 2.0 ** np.arange(1, FINER + 1)
+        timesteps = self._timesteps(np.concatenate([self.at.timesteps, finer]))
+        look = self._look(self._steps(0, 1, timesteps), 0)
+        changed = self.at.changed(self.sessions.scenario, REDRAWN)
+        again = self._look(steps_from(self.sessions, changed, timesteps), 0)
+        drawn = np.sqrt(((again.gains - look.gains) ** 2).mean(axis=(1, 3)))[:, None]
+        seen = np.minimum(drawn, noise_of_steps(look.equations, look.steps))
+        return Look(look.equations, look.steps, look.gains, np.hypot(look.noise, seen), 0)
+
+    def _steps(self, settle: int, repeats: int, timesteps: FloatArray) -> Steps:
+        states = self.at.states
+        if repeats > 1:
+            states = self.at.changed(self.sessions.scenario, NUDGE, repeats)
+        return steps_from(self.sessions, states, timesteps, settle, repeats)
+
+    def _look(self, steps: Steps, settle: int) -> Look:
+        equations = Equations(self.sessions.scenario)
+        gains = step_gains(equations, steps).mean(axis=1)
+        noise = noise_of(equations, steps, self.engine, self.at.condition, settled=bool(settle))
+        return Look(equations, steps, gains, noise, settle)
+
+    def _timesteps(self, halved: FloatArray) -> FloatArray:
+        """Those halved, one between two of them, and the engine's stock ones in between, s."""
+        if self.engine.single_precision:
+            halved = halved[:HALVINGS_SINGLE]
+        between = float(halved[3]) / 2**0.5
+        stock = [h for h in stock_timesteps(self.engine) if halved[-1] < h < halved[0]]
+        return np.array(sorted({*map(float, halved), between, *stock}, reverse=True))
+
+    def _gives_way(self, steps: Steps) -> bool:
+        """Whether a constraint holds the body: its com is off the pivot by what timesteps make it.
+
+        A body that is another keeps by how much it is off.
+        """
+        equations = Equations(self.sessions.scenario)
+        off = steps.by_timestep(norms(off_the_constraint(equations, steps.after)[1]))
+        held = max(self.engine.slack, rounding_of_body(self.at.condition, self.engine.ulp))
+        return bool(np.ptp(off, axis=0).max() > 2 * ULPS * held * equations.reach)
+
+
+def _misread(sessions: Sessions, engine: Engine, at: Places) -> StepFault | None:
+    """The state that reads back otherwise than it was set; None if none does."""
+    starts = []
+    for k in range(len(at.times)):
+        with sessions.at(at.states.rows(k), float(at.timesteps[0])) as one:
+            starts.append(one.read_state())
+    off = apart(at.states, stacked(starts))
+    k = int(np.abs(off).max(axis=1).argmax())
+    if np.abs(off[k]).max() <= 2 * ULPS * max(engine.slack, rounding_of_body(at.condition)):
+        return None
+    omega, turn = norms(off[k].reshape(2, 3))
+    zero = (0.0, 0.0, 0.0)
+    time = None if np.isnan(at.times[k]) else float(at.times[k])
+    return StepFault("misread", "attitude", time, 0.0, (float(omega), float(turn), 0.0), zero)
+
+
+def evidence_of(look: Look, at: Places, order: int) -> StepEvidence:
+    """What a look shows, as it is stored; `order` is the one that is declared."""
+    known_to, of_an_effect = look.known_to
+    return StepEvidence(
+        len(at.times),
+        look.tail,
+        known_to,
+        of_an_effect,
+        min((one.order for one in _shown(look)), default=order),
+        tuple(_curves(look)),
+        fault_of(look, at),
+        look.settled,
+        _changes_below(look),
+    )
+
+
+def _shown(look: Look) -> list[GainSeries]:
+    """The series of attitude and angular momentum, where gains are more than noise."""
+    return [
+        series
+        for q, series in enumerate(look.series[:2])
+        if (np.abs(look.gains[:, :, q]).max(axis=2) > 1e3 * look.noise[:, :, q]).any()
+    ]
+
+
+def _curves(look: Look) -> list[GainCurve]:
+    curves = []
+    for q, (quantity, series) in enumerate(zip(QUANTITIES, look.series, strict=True)):
+        if not look.gains[:, :, q].any():
+            continue
+        k = int(series.least_tails.argmin())
+        sizes = np.linalg.norm(look.gains[:, :, q], axis=2)
+        columns = (
+            *(sizes[:, k], norms(series.predicted[:, k]), series.predicted_to[:, k]),
+            sizes.max(axis=1),
+        )
+        relative = (tuple(map(float, column / look.sizes[q])) for column in columns)
+        timesteps = tuple(map(float, look.steps.timesteps))
+        curves.append(GainCurve(quantity, timesteps, *relative))
+    return curves
+
+
+def _changes_below(look: Look) -> float:
+    """The longest timestep, s, below which steps are computed otherwise; 0 where they are not."""
+    first = [
+        one.changes[one.changes > 0].min(initial=len(look.steps.timesteps)) for one in look.series
+    ]
+    longest = int(min(first))
+    is_none = longest == len(look.steps.timesteps)
+    return 0.0 if is_none else float(look.steps.timesteps[longest - 1])

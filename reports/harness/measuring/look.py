@@ -1,0 +1,67 @@
+"""Steps from known states, what they gain, and the series that explain it."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from ....engines.checks.equations import Equations
+from ....scenarios import FloatArray
+from ...results.evidence import CONSISTENT, LEVEL, QUANTITIES, SEEN
+from .gain_series import GainSeries, fitted
+from .noise import largest_terms, weakest_effects
+from .steps import Steps
+
+
+@dataclass(frozen=True, eq=False)
+class Look:
+    """Steps, what they gain, the noise of that, and the series that explain it.
+
+    Attributes
+    ----------
+    gains, noise : (J, K, 4, 3) and (J, K, 4)
+    settled : steps in which a constraint settled first
+    """
+
+    equations: Equations
+    steps: Steps
+    gains: FloatArray
+    noise: FloatArray
+    settled: int
+
+    @cached_property
+    def series(self) -> tuple[GainSeries, ...]:
+        """The series of each quantity."""
+        return tuple(
+            fitted(self.steps.timesteps, self.gains[:, :, q], self.noise[:, :, q], self.level)
+            for q in range(len(QUANTITIES))
+        )
+
+    @property
+    def level(self) -> float:
+        """The level of one quantity."""
+        return LEVEL / len(QUANTITIES)
+
+    @property
+    def tail(self) -> float:
+        """The probability of gains as unlikely as these."""
+        each = [one.least_tails.min() * one.tests for one in self.series]
+        return float(min(1.0, len(each) * min(each)))
+
+    @cached_property
+    def sizes(self) -> FloatArray:
+        """The largest terms that the gains are sums of, (4,)."""
+        return largest_terms(self.equations, self.steps)
+
+    @property
+    def known_to(self) -> tuple[float, float]:
+        """Standard error of the limit, relative to the largest terms, and to the weakest effect."""
+        errors = np.array([one.known_to.max() for one in self.series])
+        weakest = weakest_effects(self.equations, self.steps)
+        return float((errors / self.sizes).max()), float((errors / weakest).max())
+
+    @property
+    def is_known(self) -> bool:
+        """Whether the limit is known well enough for a verdict."""
+        known_to, of_an_effect = self.known_to
+        return known_to <= CONSISTENT and of_an_effect <= SEEN

@@ -1,0 +1,144 @@
+"""The noise of what steps gain: every source, with its standard deviation, and the sizes beside it.
+
+- Reading: `ULPS` ulp of each number of a state; a step of an engine rounds a few times.
+- The body as it is held: what it may differ by when it is read back (`Engine.slack`); in single
+  precision what rounding of its moments makes.
+- Moments that differ: `ULPS` ulp times the condition number of the tensor, of I dω/dt, and by how
+  far that turns the body (Higham, Accuracy and Stability of Numerical Algorithms, §7.1).
+- Flight: `ULPS` ulp of m v², a torque, as engines may solve for rotation and flight together
+  (measured in MuJoCo 4.0).
+- Rotors: `ULPS` ulp of the forces that cancel between them (`Scenario.cancelling`).
+- A turn that a solver leaves out in a step, as the adapter declares (`Engine.least_turn`).
+- A constraint's solver: measured, by settling further (`examine.py`), and `SOLVED`.
+- Noise of the engine that is no fault: measured, and `NOISE` a step at most (`examine.py`).
+"""
+
+import numpy as np
+
+from ....engines import Engine
+from ....engines.checks.equations import Equations
+from ....engines.checks.precision import single_precision
+from ....engines.checks.read_back import State
+from ....scenarios import FloatArray, push
+from ....scenarios.rotation import norms
+from .steps import Steps
+
+#: Roundings of a step, in ulp of each number of a state.
+ULPS = 4.0
+#: Relative noise of a state after a step that is no fault: where iterative solvers end.
+NOISE = 1e-12
+#: What an iterative solver of a constraint leaves of the largest terms, however far it settles:
+#: MuJoCo 4.0 was measured to leave up to 5e-10.
+SOLVED = 1e-9
+#: Fraction of the largest terms below which an effect is as good as absent.
+NEGLIGIBLE = 2e-6
+#: Smallest size that is divided by.
+NO_SIZE = 1e-150
+
+
+def rounding_of(engine: Engine, states: State) -> float:
+    """The relative rounding of states as an engine holds them, whether it declares it or not."""
+    is_single = engine.single_precision or single_precision(states)
+    return float(np.finfo(np.float32 if is_single else float).eps)
+
+
+def rounding_of_body(condition: float, ulp: float = float(np.finfo(float).eps)) -> float:
+    """What rounding of its moments changes of a body's angular acceleration, relative."""
+    return ULPS * ulp * condition
+
+
+def noise_of(
+    equations: Equations, steps: Steps, engine: Engine, condition: float, *, settled: bool
+) -> FloatArray:
+    """The standard deviation of the mean gain of the repeats, of derived sources, (J, K, 4)."""
+    scenario, rounding = equations.scenario, ULPS * rounding_of(engine, steps.before)
+    spans, sizes = steps.timesteps[:, None], largest_terms(equations, steps)
+    of_body = rounding * condition
+    held = of_body if engine.single_precision else max(engine.slack, of_body)
+    read = steps.by_timestep(_roundings(equations, steps)).max(axis=1)
+    variance = (rounding * read) ** 2 / steps.repeats + (held * sizes) ** 2
+    variance[..., 1] += (of_body * sizes[1]) ** 2
+    # An angular acceleration that is off turns the body by half of what it adds to ω.
+    variance[..., 0] += (of_body * sizes[0] * np.minimum(1.0, spans * sizes[0] / 2)) ** 2
+    if settled:
+        variance[..., 0] += (engine.least_turn / spans) ** 2
+    if not scenario.constraint.is_pivot:
+        speeds = steps.by_timestep(norms(steps.before.velocity_world)).max(axis=1)
+        variance[..., 1] += (rounding * scenario.body.mass * speeds**2) ** 2
+    if steps.before.spins.size and scenario.constraint.is_free:
+        force, _ = scenario.cancelling(np.abs(steps.before.spins))
+        forced = rounding * steps.by_timestep(force).max(axis=1) / scenario.body.mass
+        variance[..., 2] += forced**2
+        variance[..., 3] += (forced * spans) ** 2
+    return np.asarray(np.maximum(np.sqrt(variance), NO_SIZE))
+
+
+def noise_of_steps(equations: Equations, steps: Steps) -> FloatArray:
+    """What noise of `NOISE` a step makes of a gain, (J, K, 4)."""
+    read = steps.by_timestep(_roundings(equations, steps)).max(axis=1)
+    return np.asarray(NOISE * read)
+
+
+def largest_terms(equations: Equations, steps: Steps) -> FloatArray:
+    """The largest of the terms that the gains of all steps are sums of, (4,)."""
+    return np.asarray(np.maximum(term_sizes(equations, steps.before).max(axis=0), NO_SIZE))
+
+
+def term_sizes(equations: Equations, states: State) -> FloatArray:
+    """Sizes of the terms that gains are sums of, (n, 4)."""
+    scenario, reach = equations.scenario, equations.reach
+    speeds = norms(states.omega_body)
+    g = float(np.linalg.norm(scenario.gravity_world))
+    if scenario.constraint.is_pivot:
+        velocity, place = speeds * reach, np.full_like(speeds, reach)
+    else:
+        velocity, place = g + reach * speeds**2, norms(states.velocity_world) + reach * speeds
+    torque = _largest_moment(equations) * speeds**2 + norms(equations.kept_body(states)) * speeds
+    torque += _torques(equations, states).sum(axis=1)
+    return np.stack([speeds, torque, velocity, place], axis=1)
+
+
+def weakest_effects(equations: Equations, steps: Steps) -> FloatArray:
+    """The least that an effect adds at most to each term that gains are sums of, (4,).
+
+    Infinite where no effect adds any. Effects that hold or push alike count as one, and those that
+    add less than `NEGLIGIBLE` of the largest terms do not count.
+    """
+    nothing = NEGLIGIBLE * largest_terms(equations, steps)
+    torques = _torques(equations, steps.before).max(axis=0)
+    least = np.full(4, np.inf)
+    least[1] = torques[torques > nothing[1]].min(initial=np.inf)
+    g = float(np.linalg.norm(equations.scenario.gravity_world))
+    if g > nothing[2] and not equations.scenario.constraint.is_pivot:
+        least[2] = g
+    return least
+
+
+def _torques(equations: Equations, states: State) -> FloatArray:
+    """Sizes of the torques of what always pushes, of what ω adds, and of weight, N m, (n, 3)."""
+    scenario = equations.scenario
+    still, pushed = (
+        push(scenario.pushed, np.eye(3), omega)
+        for omega in (np.zeros(3), np.array(states.omega_body))
+    )
+    g = 0.0 if scenario.constraint.is_free else float(np.linalg.norm(scenario.gravity_world))
+    weight = scenario.body.mass * g * equations.arm
+    sizes = np.linalg.norm(still), norms(pushed - still), weight
+    return np.stack(np.broadcast_arrays(*sizes), axis=1)
+
+
+def _roundings(equations: Equations, steps: Steps) -> FloatArray:
+    """The change of a gain by a change of one, relative, of the states that are read, (n, 4)."""
+    states, spans = steps.before, steps.spans
+    speeds = np.maximum(norms(states.omega_body), norms(steps.after.omega_body))
+    fast = norms(states.velocity_world) + equations.reach * speeds
+    far = norms(states.com_world) + equations.reach
+    sizes = [1 / spans, _largest_moment(equations) * speeds / spans, fast, far]
+    table = np.stack(np.broadcast_arrays(*sizes), axis=1)
+    if not equations.scenario.constraint.is_pivot:
+        table[:, 2:] /= spans[:, None]
+    return table
+
+
+def _largest_moment(equations: Equations) -> float:
+    return float(np.linalg.norm(equations.inertia, 2))

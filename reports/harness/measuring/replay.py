@@ -1,0 +1,241 @@
+"""Whether a step depends on the state alone, and what runs do where no step was taken from.
+
+Every interval of a run is run again from its own start in a session that remembers nothing. With
+consistent steps that is convergence on any window, also where the motion is chaotic (Hairer,
+Nørsett & Wanner I, theorem II.3.4). What a run does otherwise than its replays, a second, must
+vanish with the timestep, as every gain must. Intervals are of irregular length and are gone through
+in irregular strides, so that nothing hides in the rhythm of the samples.
+
+Beside that each interval is compared with the exact flow from its start. From states in those that
+gain most, if that is more than any step did, steps are taken as from exact states.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.special import chdtrc
+
+from ....engines import Engine, EngineError, Session, State
+from ....engines.checks.equations import Equations
+from ....engines.checks.read_back import stacked
+from ....reference import IntegrationError
+from ....scenarios import FloatArray, Scenario, Trajectory
+from ....scenarios.fastest_rate import fastest_rate
+from ....scenarios.rotation import norms, rotation_vectors
+from ...results.evidence import LEVEL, ReplayEvidence, StepEvidence
+from ..ladder import Rung
+from .examine import examined
+from .gain_series import PREDICTED_FROM, fitted
+from .noise import NOISE, ULPS, term_sizes
+from .places import Places, states_of
+from .steps import Sessions, apart, flowed
+
+#: Intervals of a run at most; where a scene is opened anew for each, which takes long.
+INTERVALS, OPENED = 64, 8
+#: Intervals that are run from changed states too, to see what rounding grows to, and that change,
+#: in ulp.
+CHANGED, CHANGE = 5, 64
+#: Intervals that steps are taken from, and states in each.
+GAINING, STATES = 4, 5
+#: rad; a motion that turns by more is not followed: it would take longer than a second.
+FARTHEST_TURN = 1e5
+
+
+@dataclass(frozen=True, eq=False)
+class MadeRun:
+    """A run that came to its end: its timestep and samples, and its motion at these."""
+
+    rung: Rung
+    motion: Trajectory
+
+
+def examine_runs(
+    engine: Engine,
+    scenario: Scenario,
+    method_name: str,
+    at: Places,
+    found: StepEvidence,
+    ladder: Sequence[MadeRun],
+    others: Sequence[MadeRun],
+) -> tuple[tuple[ReplayEvidence, ...], StepEvidence | None]:
+    """Replay the finest run of a ladder and others, and take steps from states of theirs.
+
+    Parameters
+    ----------
+    found : what steps from exact states showed
+    ladder : its runs, the longest timestep first
+
+    Returns
+    -------
+    What each replay shows, and what steps from states of these runs do; None where none were taken.
+    """
+    method = engine.method(method_name)
+    runs = [*ladder[-1:], *others]
+
+    def open_at(scene: Scenario, timestep: float) -> Session:
+        return engine.open(scene, method, timestep)
+
+    try:
+        with Sessions(open_at, scenario, float(at.timesteps[0])) as sessions:
+            replays = [_replay(sessions, engine, run) for run in runs]
+            shown = [one.evidence for one in replays]
+            if any(one.tail < LEVEL for one in shown):
+                shown = _vanishing(sessions, engine, ladder, shown)
+            own = _own_places(sessions, at, runs, found)
+        if own is None:
+            return tuple(shown), None
+        return tuple(shown), examined(open_at, engine, scenario, own, method)
+    except (EngineError, IntegrationError):
+        return (), None
+
+
+@dataclass(frozen=True, eq=False)
+class _Replay:
+    """What n intervals do otherwise than a run.
+
+    Attributes
+    ----------
+    spans : of the intervals, s, (n,)
+    off : of ω, relative to the largest, and of attitude, rad, (n, 6)
+    noise : its standard deviation, (n,)
+    """
+
+    spans: FloatArray
+    off: FloatArray
+    noise: FloatArray
+    evidence: ReplayEvidence
+
+
+def _replay(sessions: Sessions, engine: Engine, run: MadeRun) -> _Replay:
+    edges = _edges(len(run.motion.t), sessions.first.can_restart)
+    first, last = edges[:-1], edges[1:]
+    states = states_of(run.motion)
+    steps = np.diff(run.rung.sample_steps[edges])
+
+    def again(k: int, start: State) -> State:
+        with sessions.at(start, run.rung.timestep) as session:
+            # In other strides than the run was made in.
+            session.advance(int(steps[k]) // 3)
+            session.advance(int(steps[k]) - int(steps[k]) // 3)
+            return session.read_state()
+
+    starts = [states.rows(int(k)) for k in first]
+    ends = stacked([again(k, start) for k, start in enumerate(starts)])
+    off = apart(ends, states.rows(last))
+    worst = np.argsort(norms(off))[-CHANGED:]
+    changed = [again(int(k), _changed(starts[k], engine.ulp)) for k in worst]
+    grown = norms(apart(stacked(changed), ends.rows(worst))) / (CHANGE * engine.ulp)
+    noise = max(NOISE, ULPS * engine.ulp) * max(1.0, float(grown.max())) * np.sqrt(steps)
+    tails = chdtrc(6, (norms(off) / noise) ** 2)
+    spans = np.diff(run.motion.t[edges])
+    turns = spans * np.maximum(norms(states.omega_body)[first], 1 / run.motion.t[-1])
+    tail = float(min(1.0, tails.min() * len(tails)))
+    evidence = ReplayEvidence(
+        run.rung.timestep, len(tails), tail, float((norms(off) / turns).max())
+    )
+    if tail < LEVEL:
+        differing = int(np.argmax(tails * len(tails) < LEVEL))
+        k = int(tails.argmin())
+        spread = apart(again(k, starts[k]), again(k, starts[k]))
+        evidence = replace(
+            evidence,
+            since=float(run.motion.t[first[differing]]),
+            spread=float(norms(spread)[0] / turns[k]),
+        )
+    return _Replay(spans, off, noise, evidence)
+
+
+def _edges(samples: int, can_restart: bool) -> NDArray[np.intp]:
+    """The samples that intervals begin and end at: all of the run, in irregular lengths."""
+    most = INTERVALS if can_restart else OPENED
+    count = min(most, max(1, 2 * (samples - 1) // 3))
+    chance = np.random.default_rng(samples)
+    inner = chance.choice(np.arange(1, samples - 1), count - 1, replace=False)
+    return np.sort(np.concatenate([[0, samples - 1], inner])).astype(np.intp)
+
+
+def _changed(state: State, ulp: float) -> State:
+    """A state whose ω is changed by some ulp, in a direction of its own."""
+    direction = np.random.default_rng(CHANGE).standard_normal(3)
+    size = CHANGE * ulp * np.linalg.norm(state.omega_body) / np.linalg.norm(direction)
+    return replace(state, omega_body=state.omega_body + size * direction)
+
+
+def _vanishing(
+    sessions: Sessions, engine: Engine, ladder: Sequence[MadeRun], shown: list[ReplayEvidence]
+) -> list[ReplayEvidence]:
+    """The same, with the order at which differences vanish with the timestep, if they do."""
+    if len(ladder) <= PREDICTED_FROM:
+        return shown
+    replays = [_replay(sessions, engine, run) for run in ladder]
+    timesteps = np.array([run.rung.timestep for run in ladder])
+    tails, orders = [], []
+    for part in (slice(0, 3), slice(3, 6)):
+        gains = np.array([one.off[:, part] / one.spans[:, None] for one in replays])
+        noise = np.array([one.noise / one.spans for one in replays])
+        series = fitted(timesteps, gains, noise, LEVEL)
+        tails.append(float(series.least_tails.min() * series.tests))
+        orders.append(series.order)
+    if min(tails) < LEVEL:
+        return shown
+    return [replace(one, tail=min(1.0, min(tails)), order=min(orders)) for one in shown]
+
+
+def _own_places(
+    sessions: Sessions, at: Places, runs: Sequence[MadeRun], found: StepEvidence
+) -> Places | None:
+    """States in the intervals of runs that gain more than any step from an exact state did."""
+    scenario = sessions.scenario
+    ratios = [_ratios(scenario, run, found) for run in runs]
+    ranked = sorted(
+        (
+            (float(ratio), r, int(k))
+            for r, part in enumerate(ratios)
+            for k, ratio in enumerate(part)
+        ),
+        reverse=True,
+    )
+    states, times = [], []
+    for ratio, r, k in ranked[:GAINING]:
+        if not ratio > 1:
+            break
+        run = runs[r]
+        start = states_of(run.motion).rows(k)
+        steps = int(run.rung.sample_steps[k + 1] - run.rung.sample_steps[k])
+        for count in np.unique(np.linspace(0, steps - 1, STATES).astype(int)):
+            with sessions.at(start, run.rung.timestep) as session:
+                session.advance(int(count))
+                states.append(session.read_state())
+            times.append(float(run.motion.t[k] + count * run.rung.timestep))
+    if not states:
+        return None
+    own = stacked(states)
+    bears = Equations(scenario).bears(own)
+    if not bears.any():
+        return None
+    return replace(at, states=own.rows(bears), times=np.array(times)[bears])
+
+
+def _ratios(scenario: Scenario, run: MadeRun, found: StepEvidence) -> FloatArray:
+    """What each interval gains, over the most that a step with that timestep gained, (n − 1,)."""
+    motion, spans = run.motion, np.diff(run.motion.t)
+    if fastest_rate(scenario, motion.omega_body) * float(motion.t[-1]) > FARTHEST_TURN:
+        return np.zeros(0)
+    states = states_of(motion)
+    starts, ends = states.rows(slice(None, -1)), states.rows(slice(1, None))
+    exact, equations = flowed(scenario, starts, spans), Equations(scenario)
+    sizes = np.maximum(term_sizes(equations, states).max(axis=0), np.finfo(float).tiny)
+    turned = norms(rotation_vectors(exact.q_world_body_wxyz, ends.q_world_body_wxyz))
+    gained = norms((ends.omega_body - exact.omega_body) @ equations.inertia.T)
+    largest = np.zeros(len(spans))
+    for curve in found.curves:
+        if curve.quantity not in ("attitude", "angular momentum"):
+            continue
+        q = 0 if curve.quantity == "attitude" else 1
+        of_steps = np.interp(run.rung.timestep, curve.timesteps[::-1], curve.largest[::-1])
+        noise = NOISE * sizes[0] if q == 0 else NOISE * sizes[1]
+        gain = (turned, gained)[q] / spans / sizes[q]
+        largest = np.maximum(largest, gain / max(float(of_steps), float(noise / sizes[q])))
+    return largest

@@ -1,0 +1,95 @@
+"""How the gains of steps are not those of a method that converges: when, and by how much."""
+
+from typing import Any
+
+import numpy as np
+
+from ....scenarios import FloatArray
+from ....scenarios.rotation import norms
+from ...results.evidence import (
+    LEVEL,
+    QUANTITIES,
+    Explanation,
+    FaultKind,
+    StepFault,
+    Vector,
+)
+from .explanations import explanation, gains_of
+from .gain_series import LEAST, fitted
+from .look import Look
+from .places import Places
+
+#: So many of the shortest steps have to show that an error does not depend on their length.
+LEAPS = 4
+#: Standard errors of a limit within which an explanation must come.
+SURE = 8.0
+
+
+def fault_of(look: Look, at: Places) -> StepFault | None:
+    """How the gains are not those of a method that converges; None if they are."""
+    if look.tail >= LEVEL:
+        return None
+    q = int(np.argmin([one.least_tails.min() * one.tests for one in look.series]))
+    series = look.series[q]
+    k = int(series.least_tails.argmin())
+    kind, j = _shape(look, q, k)
+    if kind == "limit":
+        k = int((norms(series.limit) / series.known_to).argmax())
+    wanted, change = _explained(look, k, q, is_limit=kind == "limit")
+    off = series.limit[k] if kind == "limit" else look.gains[j, k, q]
+    if kind == "leap":
+        wanted = np.zeros(3)
+        off = off * look.steps.timesteps[j]
+    time = None if np.isnan(at.times[k]) else float(at.times[k])
+    timestep = float(look.steps.timesteps[j])
+    return StepFault(
+        kind, QUANTITIES[q], time, timestep, _vector(wanted + off), _vector(wanted), change
+    )
+
+
+def _shape(look: Look, q: int, k: int) -> tuple[FaultKind, int]:
+    """How the gains of state k are off, and the index of the timestep that shows it."""
+    series, timesteps = look.series[q], look.steps.timesteps
+    gains, noise, count = look.gains[:, :, q], look.noise[:, :, q], len(timesteps)
+    bad = np.flatnonzero(series.tails[:, k] * series.tests < look.level)
+    leaps = norms(gains[-LEAPS:, k]) * timesteps[-LEAPS:]
+    if len(bad) and np.ptp(leaps) < leaps.min() / 2:
+        return "leap", count - 1
+
+    def explains(kept: Any) -> bool:
+        part = fitted(timesteps[kept], gains[kept], noise[kept], 0.0)
+        return bool(part.least_tails.min() * part.tests >= look.level)
+
+    if len(bad) and explains(np.arange(count) != bad[0]):
+        return "timestep", int(bad[0])
+    for first in range(LEAST, count - LEAST + 1):
+        if explains(slice(first, None)):
+            return "longer", first - 1
+    if len(bad) and bad[0] >= LEAST:
+        longer = slice(None, int(bad[0]))
+        part = fitted(timesteps[longer], gains[longer], noise[longer], 0.0)
+        off = float(norms(series.limit[k : k + 1])[0])
+        if SURE * part.known_to[k] < off and 2 * norms(part.limit[k : k + 1])[0] < off:
+            return "shorter", int(bad[0])
+    return "limit", count - 1
+
+
+def _explained(
+    look: Look, k: int, q: int, *, is_limit: bool
+) -> tuple[FloatArray, Explanation | None]:
+    """What state k should gain in a quantity, (3,), and the change that explains all limits."""
+    steps, count = look.steps, look.gains.shape[1]
+    last = slice(len(steps.spans) - count, None)
+    limits = np.stack([one.limit for one in look.series], axis=1)
+    before, exact = steps.before.rows(last), steps.exact.rows(last)
+    gains = gains_of(look.equations, before, exact, steps.spans[last], limits)
+    wanted = gains[k].wanted[q]
+    if not is_limit:
+        return wanted, None
+    errors = np.stack([one.known_to for one in look.series], axis=1)
+    return wanted, explanation(look.equations, gains, SURE * errors)
+
+
+def _vector(values: FloatArray) -> Vector:
+    x, y, z = map(float, values)
+    return x, y, z

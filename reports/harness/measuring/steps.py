@@ -1,0 +1,178 @@
+"""Single steps of a method from given states, and what they gain beyond the exact motion."""
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from types import TracebackType
+from typing import Self
+
+import numpy as np
+
+from ....engines import EngineError, Session, State
+from ....engines.checks.equations import Equations
+from ....reference import flow
+from ....scenarios import FloatArray, Scenario, Trajectory
+from ....scenarios.fastest_rate import decay_rate
+from ....scenarios.rotation import matrices, norms, rotation_vectors, turned
+from ....scenarios.scenario import started_at
+from .places import states_of
+
+
+class Sessions:
+    """Sessions of a method on a scene, which are set to a state.
+
+    One is kept and restarted, as opening one takes as long as some hundred steps. Where it cannot
+    be restarted one is opened for each state.
+
+    Parameters
+    ----------
+    open_at : opens a scene with a timestep, s
+    """
+
+    def __init__(
+        self, open_at: Callable[[Scenario, float], Session], scenario: Scenario, timestep: float
+    ) -> None:
+        self._open_at, self.scenario = open_at, scenario
+        self.first = open_at(scenario, timestep)
+
+    @contextmanager
+    def at(self, state: State, timestep: float) -> Iterator[Session]:
+        """A session at a state, with a timestep, s."""
+        if self.first.can_restart:
+            self.first.restart(state, timestep)
+            yield self.first
+            return
+        with self._open_at(started_at(self.scenario, **vars(state)), timestep) as own:
+            yield own
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        self.first.close()
+
+
+@dataclass(frozen=True, eq=False)
+class Steps:
+    """States before and after a step, and where the exact motion goes from those before.
+
+    Each column has J R K rows: K states R times with the first timestep, then with the next.
+
+    Attributes
+    ----------
+    timesteps : (J,) s
+    spans : from before to after, s, (J R K,); of a single step the timestep
+    repeats : R, of each state with small changes
+    """
+
+    timesteps: FloatArray
+    spans: FloatArray
+    before: State
+    after: State
+    exact: State
+    repeats: int = 1
+
+    def by_timestep(self, rows: FloatArray) -> FloatArray:
+        """One value a row, of any shape (J R K, …), as (J, R, K, …)."""
+        return rows.reshape(len(self.timesteps), self.repeats, -1, *rows.shape[1:])
+
+
+def steps_from(
+    sessions: Sessions, states: State, timesteps: FloatArray, settle: int = 0, repeats: int = 1
+) -> Steps:
+    """Take one step from each of R K states with each of J timesteps.
+
+    Parameters
+    ----------
+    settle : steps before that one, from where the exact motion was so long before each state
+
+    Raises
+    ------
+    EngineError
+        If a state is not finite, as where an engine's numbers overflow.
+    """
+    scenario, count = sessions.scenario, len(states.omega_body)
+    before, after = [], []
+    for timestep in map(float, timesteps):
+        earlier = _earlier(scenario, states, settle * timestep)
+        for k in range(count):
+            with sessions.at(earlier.rows(k), timestep) as session:
+                if settle:
+                    session.advance(settle)
+                before.append(session.snapshot())
+                session.advance(1)
+                after.append(session.snapshot())
+    befores, ends = sessions.first.states(before), sessions.first.states(after)
+    if not all(np.isfinite(column).all() for column in (*befores.columns, *ends.columns)):
+        raise EngineError("a step from an exact state ends in numbers that are not finite")
+    spans = np.repeat(timesteps, count)
+    return Steps(timesteps, spans, befores, ends, flowed(scenario, befores, spans), repeats)
+
+
+def flowed(scenario: Scenario, states: State, spans: FloatArray) -> State:
+    """The exact states a time after each of n states, s, (n,)."""
+    lengths = norms(states.q_world_body_wxyz)[:, None]
+    q = states.q_world_body_wxyz / lengths
+    start = Trajectory(np.arange(float(len(spans))), q, *states.columns[1:])
+    return states_of(flow(scenario, start, spans))
+
+
+def _earlier(scenario: Scenario, states: State, span: float) -> State:
+    """Where the exact motion was a time before each of n states, so that a run gets there.
+
+    Runs with all timesteps then end in states that differ by the error of their steps alone. A
+    motion that is slowed came from beyond all bounds, and is followed back for a time of decay at
+    most; from where nothing can hold the body a run does not start.
+    """
+    decay = decay_rate(scenario)
+    span = min(span, 1 / decay) if decay else span
+    if not span:
+        return states
+    earlier = flowed(scenario, states, np.full(len(states.omega_body), -span))
+    bears = Equations(scenario).bears(earlier)[:, None]
+    pairs = zip(vars(earlier).values(), vars(states).values(), strict=True)
+    return State(*(np.where(bears, came, column) for came, column in pairs))
+
+
+def step_gains(equations: Equations, steps: Steps) -> FloatArray:
+    """What each step gains beyond the exact motion, a second, (J, R, K, 4, 3).
+
+    The quantities are: of the attitude rad/s and of I ω N m, body axes; of a free body's velocity
+    m/s² and place m/s, world axes; of a body on a pivot how far velocity (m/s) and com (m) are from
+    where ω and attitude put them.
+    """
+    spans, after, exact = steps.spans[:, None], steps.after, steps.exact
+    attitude = rotation_vectors(exact.q_world_body_wxyz, after.q_world_body_wxyz) / spans
+    torque = (after.omega_body - exact.omega_body) @ equations.inertia.T / spans
+    if equations.scenario.constraint.is_pivot:
+        velocity, place = off_the_constraint(equations, after)
+    else:
+        # A contact lets a body sink in: that is not a step's doing, and the exact motion has none.
+        off_velocity, off_place = off_the_constraint(equations, steps.before)
+        velocity = (after.velocity_world - exact.velocity_world - off_velocity) / spans
+        place = (after.com_world - exact.com_world - off_place) / spans
+    return steps.by_timestep(np.stack([attitude, torque, velocity, place], axis=1))
+
+
+def off_the_constraint(equations: Equations, states: State) -> tuple[FloatArray, FloatArray]:
+    """How far velocity, m/s, and com, m, are from where ω and attitude put them, (n, 3) each."""
+    constraint = equations.scenario.constraint
+    R_world_body = matrices(states.q_world_body_wxyz)
+    swing_world = turned(R_world_body, np.cross(states.omega_body, constraint.lever))
+    lever_world = R_world_body @ constraint.lever
+    return (
+        states.velocity_world - constraint.velocity_world(swing_world, states.velocity_world),
+        states.com_world - constraint.com_world(lever_world, states.com_world),
+    )
+
+
+def apart(states: State, others: State) -> FloatArray:
+    """How far states are from others: ω, relative to the largest, and attitude, rad, (n, 6)."""
+    speed = float(norms(others.omega_body).max()) or 1.0
+    turns = rotation_vectors(others.q_world_body_wxyz, states.q_world_body_wxyz)
+    return np.hstack([(states.omega_body - others.omega_body) / speed, turns])

@@ -1,0 +1,215 @@
+"""The sentences of verdicts, made of the numbers of their evidence."""
+
+import math
+from collections.abc import Callable, Sequence
+
+from ...scenarios import EFFECTS
+from .evidence import (
+    CONSISTENT,
+    LEVEL,
+    SEEN,
+    ChangeKind,
+    Explanation,
+    ReplayEvidence,
+    StepEvidence,
+    StepFault,
+)
+from .verdict_words import VerdictWord
+
+#: Digits printed of a number; more if they are needed to show a difference.
+DIGITS = 3
+#: A change of a factor that seven digits show to a tenth.
+VISIBLE = 1e-5
+#: What the rate of each quantity is called, with its unit.
+RATES = {
+    "attitude": "dR/dt, rad/s in body axes,",
+    "angular momentum": "I dω/dt, N m in body axes,",
+    "velocity": "the com's velocity or its rate, m/s or m/s² in world axes,",
+    "place": "the com or its rate, m or m/s in world axes,",
+}
+#: Name and unit of what leaps, and how much of it an SI unit is.
+LEAPING = {
+    "attitude": ("attitude", "°", math.degrees(1.0)),
+    "angular momentum": ("I ω", " N m s", 1.0),
+    "velocity": ("the com's velocity", " m/s", 1.0),
+    "place": ("com", " m", 1.0),
+}
+_MOMENTUM = next(one.wrong_momentum for one in EFFECTS.values() if one.wrong_momentum)
+
+
+def reason_in_words(
+    word: VerdictWord,
+    quoted: str,
+    steps: StepEvidence | None,
+    own_steps: StepEvidence | None,
+    replays: Sequence[ReplayEvidence],
+) -> str:
+    """Why a verdict is what it is: what decides comes first."""
+    parts: list[str] = []
+    if word == "disagrees":
+        parts += [fault_in_words(one.fault) for one in (steps, own_steps) if one and one.fault]
+        parts += [_replay(one) for one in replays if one.tail < LEVEL]
+    if quoted:
+        parts.append(quoted)
+    if word == "converges" and steps:
+        parts.append(_consistent(steps, replays))
+    if word == "unresolved" and steps:
+        parts.append(_open(steps))
+    return "; ".join(parts)
+
+
+def ground_in_words(steps: StepEvidence, replays: Sequence[ReplayEvidence]) -> str:
+    """What a verdict `converges` rests on."""
+    intervals = sum(one.intervals for one in replays)
+    return f"in steps from {steps.states} states, and {intervals} intervals of runs"
+
+
+def _consistent(steps: StepEvidence, replays: Sequence[ReplayEvidence]) -> str:
+    known = f"to {steps.known_to:.1e} of the largest terms"
+    if steps.of_an_effect > steps.known_to:
+        known += f" and {steps.of_an_effect:.1e} of the weakest effect"
+    settled = (
+        f", after {steps.settled} steps in which a constraint settled" if steps.settled else ""
+    )
+    parts = [
+        f"steps from {steps.states} states are consistent with the equations of motion {known}, "
+        f"at order {steps.order}{settled}"
+    ]
+    if replays:
+        runs = " and ".join(f"{one.timestep:.3g}" for one in replays)
+        off = max(one.off for one in replays)
+        parts.append(
+            f"each interval of the runs at {runs} s is the same from its own start, to {off:.1e} "
+            "a radian"
+        )
+    if order := max((one.order for one in replays), default=0):
+        parts[-1] += f", which vanishes with the timestep at order {order}"
+    if steps.changes_below:
+        parts.append(
+            f"steps shorter than {steps.changes_below:.3g} s are computed otherwise, which "
+            "vanishes with the timestep"
+        )
+    return "; ".join(parts)
+
+
+def _open(steps: StepEvidence) -> str:
+    if steps.known_to > CONSISTENT:
+        what, known, needed = "largest terms", steps.known_to, CONSISTENT
+    else:
+        what, known, needed = "weakest effect", steps.of_an_effect, SEEN
+    return (
+        f"the limit of what steps gain is known to {known:.2g} of the {what} only, and {needed:g} "
+        "is needed"
+    )
+
+
+def fault_in_words(fault: StepFault) -> str:
+    """How steps are not those of a method that converges."""
+    when = _when(fault)
+    if fault.kind == "misread":
+        omega, turn, _ = fault.got
+        return (
+            f"a state that is set reads back otherwise, {when}: off by {omega:.2g} in ω, relative, "
+            f"and {math.degrees(turn):.2g}° in attitude"
+        )
+    if fault.kind == "leap":
+        what, unit, factor = LEAPING[fault.quantity]
+        return (
+            f"{what} is off by {factor * math.hypot(*fault.got):.2g}{unit} after a step, however "
+            f"short it is, down to {fault.timestep:.2g} s"
+        )
+    what = _gained(fault)
+    if fault.kind == "limit":
+        as_if = f"behaves as if {explained(fault.change)}: " if fault.change else ""
+        return f"{as_if}{what}"
+    where = {
+        "timestep": "alone, of all lengths of steps",
+        "shorter": "and shorter ones, though not with longer ones",
+        "longer": "and longer ones, though not with shorter ones",
+    }[fault.kind]
+    return (
+        f"with a timestep of {fault.timestep:.3g} s {where}, {what}: what acts depends on the "
+        "timestep"
+    )
+
+
+def _when(fault: StepFault) -> str:
+    if fault.time is None:
+        return "at the start with ω along a skew axis"
+    return f"at t = {fault.time:.3g} s"
+
+
+def _gained(fault: StepFault) -> str:
+    """What a quantity of a gain is, and what it should be."""
+    size = max(map(abs, fault.wanted)) or 1.0
+    part = max(abs(a - b) for a, b in zip(fault.got, fault.wanted, strict=True)) / size
+    digits = DIGITS + max(0, math.ceil(-math.log10(part or 1.0)) - 1)
+    got, wanted = (
+        f"[{', '.join(f'{value:.{digits}g}' for value in one)}]"
+        for one in (fault.got, fault.wanted)
+    )
+    return f"{RATES[fault.quantity]} is {got} {_when(fault)}, not {wanted}"
+
+
+def _replay(replay: ReplayEvidence) -> str:
+    at = f"at a timestep of {replay.timestep:.3g} s"
+    if replay.spread:
+        return (
+            f"the engine is not deterministic: two runs of one interval {at} differ by "
+            f"{replay.spread:.2g} a radian of turn"
+        )
+    since = "" if replay.since is None else f" from t = {replay.since:.4g} s on"
+    return (
+        f"a step depends on more than the state: {at} a run goes on otherwise than from its own "
+        f"states{since}, by up to {replay.off:.2g} a radian of turn"
+    )
+
+
+def explained(change: Explanation) -> str:
+    """A change of the equations of motion: what follows "as if"."""
+    return _WORDS[change.kind](change.numbers)
+
+
+def _gyroscopic(numbers: Sequence[float]) -> str:
+    if numbers[0] == 1:
+        return "there were no gyroscopic torque"
+    return f"the gyroscopic torque ω × Iω were {_factor(-numbers[0])} times as strong"
+
+
+def _strength(numbers: Sequence[float]) -> str:
+    whole = {-2.0: "gravity were turned round", -1.0: "there were no gravity"}
+    return whole.get(numbers[0], f"gravity were {_factor(numbers[0])} times as strong")
+
+
+def _slowed(number: float) -> str:
+    return f"{'slowed' if number > 0 else 'sped up'} by {abs(number):.3g}"
+
+
+def _decays(numbers: Sequence[float]) -> str:
+    sign = "-" if numbers[1] < 0 else "+"
+    return f"L were slowed by {numbers[0]:.3g} {sign} {abs(numbers[1]):.3g} ‖ω‖ /s"
+
+
+def _factor(change: float) -> str:
+    """One and a change, with as many digits as show it."""
+    return f"{1 + change:.{7 if abs(change) > VISIBLE else 11}g}"
+
+
+def _vector(numbers: Sequence[float]) -> str:
+    return f"[{', '.join(f'{value:.7g}' for value in numbers)}]"
+
+
+_WORDS: dict[ChangeKind, Callable[[Sequence[float]], str]] = {
+    "gyroscopic": _gyroscopic,
+    "gravity's size": _strength,
+    "gravity": lambda n: f"gravity were {_vector(n)} m/s²",
+    "resistance": lambda n: f"it were {_slowed(n[0])} N m s",
+    "decay": lambda n: f"L were {_slowed(n[0])} /s",
+    "decays": _decays,
+    "momentum": lambda n: _MOMENTUM.format(_factor(n[0])),
+    "step": lambda n: f"a step took {_factor(n[0])} timesteps",
+    "omega": lambda n: f"ω were read multiplied by {_factor(n[0])}",
+    "velocity": lambda n: f"the velocity were read multiplied by {_factor(n[0])}",
+    "moments": lambda n: f"the moments were {_vector(n)} kg m²",
+    "com": lambda n: f"the com were at {_vector(n)} m",
+}

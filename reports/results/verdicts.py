@@ -1,0 +1,84 @@
+"""The verdict on a method on a scene: a word, and the numbers that it rests on."""
+
+from dataclasses import dataclass
+
+from .evidence import LEVEL, ReplayEvidence, StepEvidence
+from .reasons import ground_in_words, reason_in_words
+from .records import Count, MethodKey, Record, Size
+from .verdict_words import VERDICT, VerdictWord
+
+
+@dataclass(frozen=True)
+class Verdict(Record):
+    """The verdict on a method on a scene.
+
+    Attributes
+    ----------
+    quoted : what a run, the engine or the scene's file says of it, in their own words
+    steps, own_steps, replays : what it rests on, as in `Evidence`, without the curves
+    unmet : expectations in the scene's file that this method did not meet, in words
+    as_shipped : whether the method is the engine with all its defaults
+    expected_failure : whether it is an expected failure of the scene's file
+    timesteps : s, those asked for, increasing; empty for the verdict on a ladder
+    step_limit : of a ladder that this limit cut short; else None
+    """
+
+    key: MethodKey
+    verdict: VerdictWord
+    quoted: str = ""
+    steps: StepEvidence | None = None
+    own_steps: StepEvidence | None = None
+    replays: tuple[ReplayEvidence, ...] = ()
+    unmet: tuple[str, ...] = ()
+    as_shipped: bool = False
+    expected_failure: bool = False
+    timesteps: tuple[Size, ...] = ()
+    step_limit: Count | None = None
+
+    @property
+    def reason(self) -> str:
+        """Why, in words, made of the numbers."""
+        return reason_in_words(self.verdict, self.quoted, self.steps, self.own_steps, self.replays)
+
+    @property
+    def ground(self) -> str:
+        """What a verdict `converges` rests on, in words; else empty."""
+        converges = self.verdict == "converges" and self.steps is not None
+        return ground_in_words(self.steps, self.replays) if converges and self.steps else ""
+
+    @property
+    def tail(self) -> float | None:
+        """The probability of evidence as unlikely as this of a method that converges."""
+        found = [one.tail for one in (self.steps, self.own_steps, *self.replays) if one]
+        return min(1.0, min(found) * len(found)) if found else None
+
+    @property
+    def level(self) -> float:
+        """The level that the tail is held to."""
+        return LEVEL
+
+    @property
+    def order(self) -> int | None:
+        """The order at which what steps gain vanishes; None where no step was taken."""
+        return self.steps.order if self.steps and not self.steps.fault else None
+
+    @property
+    def agrees(self) -> bool:
+        """Whether a study with this verdict passes."""
+        return not self._is_wrong and not self.unmet
+
+    @property
+    def findings(self) -> list[str]:
+        """The verdict with its reason, and the unmet expectations: what fails the study first."""
+        judged = f"{self.verdict}: {self.reason}"
+        return [judged, *self.unmet] if self._is_wrong else [*self.unmet, judged]
+
+    @property
+    def _is_wrong(self) -> bool:
+        return VERDICT[self.verdict].fails and not (self.as_shipped or self.expected_failure)
+
+    @property
+    def is_unproven(self) -> bool:
+        """Whether a method, not as shipped, is shown neither to converge nor to be wrong."""
+        expected = self.as_shipped or self.expected_failure
+        return VERDICT[self.verdict].is_unproven and not expected
