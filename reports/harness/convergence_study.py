@@ -62,7 +62,7 @@ class ConvergenceStudy:
     rows, single_rows, above_rows, stock_rows : the runs so far
     unmet : expectations of the scene that were not met, in words
     places : exact states that the method is tested from, if there are any
-    steps, own_steps, replays : what it is judged by (`Evidence`)
+    steps, own_steps, replays, refusal : what it is judged by (`Evidence`)
     """
 
     scenario: Scenario
@@ -82,11 +82,14 @@ class ConvergenceStudy:
     steps: StepEvidence | None = None
     own_steps: StepEvidence | None = None
     replays: tuple[ReplayEvidence, ...] = ()
+    refusal: str = ""
 
     @property
     def evidence(self) -> Evidence:
         """What the method is judged by besides its rows: as before, if that is stored."""
-        return self.before or Evidence(self.key, self.steps, self.own_steps, self.replays)
+        return self.before or Evidence(
+            self.key, self.steps, self.own_steps, self.replays, self.refusal
+        )
 
     @property
     def records(self) -> Records:

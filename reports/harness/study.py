@@ -204,8 +204,10 @@ def _examine_runs(study: ConvergenceStudy, executor: Executor) -> None:
         return
     arguments = (study.engine, study.scenario, study.method.name, at, steps, ladder, others)
     found = executor.call_at(site, examine_runs, *arguments).value
-    if not isinstance(found, CallFailed):
-        study.replays, study.own_steps = found
+    if isinstance(found, CallFailed):
+        study.refusal = found.reason
+    else:
+        study.replays, study.own_steps, study.refusal = found
 
 
 def _unsolved(

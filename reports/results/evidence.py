@@ -152,6 +152,7 @@ class ReplayEvidence:
     since : s; the start of the first interval that differs; None where none does
     spread : how far two runs of one interval differ, likewise; 0 where the engine is deterministic
     order : at which the differences vanish with the timestep; 0 where they do not
+    declared : the order of accuracy that is declared
     """
 
     timestep: Size
@@ -161,6 +162,12 @@ class ReplayEvidence:
     since: Size | None = None
     spread: Size = 0.0
     order: Count = 0
+    declared: Count = 1
+
+    @property
+    def is_wrong(self) -> bool:
+        """Whether differences do not vanish with the timestep, or at too low an order."""
+        return self.tail < LEVEL or 0 < self.order < self.declared
 
 
 @dataclass(frozen=True)
@@ -173,9 +180,11 @@ class Evidence(Record):
     own_steps : from states of its own runs, in intervals that gain the most; None where none gains
         more than steps from exact states do
     replays : of its runs
+    refusal : why the runs could not be replayed, in the engine's words; else empty
     """
 
     key: MethodKey
     steps: StepEvidence | None = None
     own_steps: StepEvidence | None = None
     replays: tuple[ReplayEvidence, ...] = ()
+    refusal: str = ""

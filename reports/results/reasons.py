@@ -6,7 +6,6 @@ from collections.abc import Callable, Sequence
 from ...scenarios import EFFECTS
 from .evidence import (
     CONSISTENT,
-    LEVEL,
     SEEN,
     ChangeKind,
     Explanation,
@@ -48,12 +47,12 @@ def reason_in_words(
     parts: list[str] = []
     if word == "disagrees":
         parts += [fault_in_words(one.fault) for one in (steps, own_steps) if one and one.fault]
-        parts += [_replay(one) for one in replays if one.tail < LEVEL]
+        parts += [_replay(one) for one in replays if one.is_wrong]
     if quoted:
         parts.append(quoted)
     if word == "converges" and steps:
         parts.append(_consistent(steps, replays))
-    if word == "unresolved" and steps:
+    if word == "unresolved" and steps and not steps.is_known:
         parts.append(_open(steps))
     return "; ".join(parts)
 
@@ -157,6 +156,11 @@ def _replay(replay: ReplayEvidence) -> str:
         return (
             f"the engine is not deterministic: two runs of one interval {at} differ by "
             f"{replay.spread:.2g} a radian of turn"
+        )
+    if replay.order:
+        return (
+            f"a step depends on more than the state, which vanishes with the timestep at order "
+            f"{replay.order}, though {replay.declared} is declared"
         )
     since = "" if replay.since is None else f" from t = {replay.since:.4g} s on"
     return (

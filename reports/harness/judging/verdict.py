@@ -7,7 +7,7 @@ second by replays; each has a tail, which is held to one level.
 
 from dataclasses import replace
 
-from ...results.evidence import CONSISTENT, LEVEL, Evidence
+from ...results.evidence import CONSISTENT, Evidence
 from ...results.verdict_words import VerdictWord
 from ...results.verdicts import Verdict
 from .expected_failures import compared_with_expected_failures
@@ -49,24 +49,21 @@ def _judged(records: Records) -> tuple[VerdictWord, str]:
         return last.outcome, last.ending_in_words
     # Of an engine as shipped: how its model differs from the scene.
     quoted = last.reason if last else ""
-    if is_wrong(evidence, records.order) or (last and last.cause == "precision"):
+    if is_wrong(evidence) or (last and last.cause == "precision"):
         return "disagrees", quoted
     if last and last.outcome == "diverged":
         return "diverges", last.ending_in_words
     if evidence.steps is None:
         return "unresolved", quoted or "no step could be taken from the states of the motion"
+    if evidence.refusal:
+        return "unresolved", f"its runs cannot be run again from their states: {evidence.refusal}"
     if not evidence.steps.is_known:
         return "unresolved", quoted
     return "converges", ""
 
 
-def is_wrong(evidence: Evidence, order: int) -> bool:
-    """Whether steps are inconsistent, or depend on more than the state.
-
-    Parameters
-    ----------
-    order : of accuracy, that is declared
-    """
+def is_wrong(evidence: Evidence) -> bool:
+    """Whether steps are inconsistent, or depend on more than the state."""
     if any(one and one.fault for one in (evidence.steps, evidence.own_steps)):
         return True
-    return any(one.tail < LEVEL or 0 < one.order < order for one in evidence.replays)
+    return any(one.is_wrong for one in evidence.replays)

@@ -26,6 +26,8 @@ from .steps import Sessions, Steps, apart, off_the_constraint, step_gains, steps
 SETTLING, FURTHER = 128, 16
 #: Times that each state is repeated in single precision: no more than it takes.
 REPEATS = (4, 16, 64)
+#: Four times the repeats halve what chance leaves. Where more than this is left, it is no chance.
+STILL_GAINING = 0.75
 #: Halved timesteps in single precision: shorter steps show rounding alone.
 HALVINGS_SINGLE = 7
 #: rad, and relative to the spin, by which the repeats of a state differ: of a step's change of
@@ -97,20 +99,22 @@ class _Examination:
     @property
     def look(self) -> Look:
         """The look that decides."""
-        engine, is_single = self.engine, self.engine.single_precision
+        is_single = self.engine.single_precision
         look = self._taken(0, REPEATS[0] if is_single else 1)
-        is_wrong, settle = look.tail < LEVEL, 0
-        # In single precision rounding hides that a constraint gives way.
-        hidden = is_single and is_wrong and self.sessions.scenario.is_jointed
-        if self._gives_way(look.steps) or hidden:
+        settle = 0
+        if self._gives_way(look.steps):
             settle = SETTLING // (1 + is_single)
             look = self._settled(settle, look.steps.repeats)
-        elif is_wrong and not is_single:
+        elif look.tail < LEVEL and not is_single:
             return self._taken_again()
-        for repeats in REPEATS[1:] if engine.single_precision else ():
+        for repeats in REPEATS[1:] if is_single else ():
             if look.tail < LEVEL or look.is_known:
                 break
-            look = self._settled(settle, repeats) if settle else self._taken(0, repeats)
+            more = self._settled(settle, repeats) if settle else self._taken(0, repeats)
+            is_in_vain = max(more.known_to) > STILL_GAINING * max(look.known_to)
+            look = more
+            if is_in_vain:
+                break
         return look
 
     def _taken(self, settle: int, repeats: int) -> Look:
@@ -175,8 +179,7 @@ class _Examination:
         """
         equations = Equations(self.sessions.scenario)
         off = steps.by_timestep(norms(off_the_constraint(equations, steps.after)[1]))
-        held = max(self.engine.slack, rounding_of_body(self.at.condition, self.engine.ulp))
-        return bool(np.ptp(off, axis=0).max() > 2 * ULPS * held * equations.reach)
+        return bool(np.ptp(off, axis=0).max() > 2 * ULPS * self.engine.slack * equations.reach)
 
 
 def _misread(sessions: Sessions, engine: Engine, at: Places) -> StepFault | None:
@@ -185,11 +188,12 @@ def _misread(sessions: Sessions, engine: Engine, at: Places) -> StepFault | None
     for k in range(len(at.times)):
         with sessions.at(at.states.rows(k), float(at.timesteps[0])) as one:
             starts.append(one.read_state())
-    off = apart(at.states, stacked(starts))
-    k = int(np.abs(off).max(axis=1).argmax())
+    reach = Equations(sessions.scenario).reach
+    off = apart(at.states, stacked(starts), reach)[:, :2]
+    k = int(np.abs(off).max(axis=(1, 2)).argmax())
     if np.abs(off[k]).max() <= 2 * ULPS * max(engine.slack, rounding_of_body(at.condition)):
         return None
-    omega, turn = norms(off[k].reshape(2, 3))
+    turn, omega = norms(off[k])
     zero = (0.0, 0.0, 0.0)
     time = None if np.isnan(at.times[k]) else float(at.times[k])
     return StepFault("misread", "attitude", time, 0.0, (float(omega), float(turn), 0.0), zero)

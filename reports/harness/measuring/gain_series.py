@@ -32,7 +32,7 @@ SPACING = 10**0.5
 LEAK, ESTIMATIONS = 0.1, 3
 #: Gains with longer timesteps that a prediction needs.
 PREDICTED_FROM = 2
-#: Gains at least on either side of a timestep at which steps begin to be computed otherwise.
+#: Gains at least with timesteps below the one from which on steps are computed otherwise.
 LEAST = 4
 
 
@@ -78,7 +78,8 @@ def fitted(timesteps: FloatArray, gains: FloatArray, noise: FloatArray, level: f
     """Fit the model to what steps gain.
 
     Where one series leaves a tail below the level, two are tried: of a method that computes shorter
-    steps otherwise, both of which must vanish with the timestep.
+    steps otherwise, both of which must vanish with the timestep. So may the longest timesteps be
+    beyond the radius of convergence.
 
     Parameters
     ----------
@@ -89,7 +90,7 @@ def fitted(timesteps: FloatArray, gains: FloatArray, noise: FloatArray, level: f
     """
     measured = _Measured.of(timesteps, gains, noise)
     one = _one_series(measured)
-    if one.least_tails.min() * one.tests >= level or len(timesteps) < 2 * LEAST:
+    if one.least_tails.min() * one.tests >= level or len(timesteps) <= LEAST:
         return one
     two = _two_series(measured, one)
     return two if two.least_tails.min() * two.tests >= level else one
@@ -306,7 +307,7 @@ def _two_series(measured: _Measured, one: GainSeries) -> GainSeries:
     body turns; order and radius are those of all.
     """
     count = len(measured.x)
-    starts = range(LEAST, count - LEAST + 1)
+    starts = range(1, count - LEAST + 1)
     flat = np.full(len(measured.amplitudes), 1 / len(measured.amplitudes))
 
     def evidence(part: _Whitened) -> FloatArray:
@@ -338,7 +339,7 @@ def _two_series(measured: _Measured, one: GainSeries) -> GainSeries:
         limit_tails=limit_tails,
         limit=limit,
         known_to=known_to,
-        changes=np.where(best.chosen > 0, best.chosen + LEAST - 1, 0),
+        changes=best.chosen,
     )
 
 

@@ -74,9 +74,9 @@ def noise_of(
 
 
 def noise_of_steps(equations: Equations, steps: Steps) -> FloatArray:
-    """What noise of `NOISE` a step makes of a gain, (J, K, 4)."""
-    read = steps.by_timestep(_roundings(equations, steps)).max(axis=1)
-    return np.asarray(NOISE * read)
+    """What noise of `NOISE` of the fastest state makes of a gain in a step, (J, 1, 4)."""
+    read = steps.by_timestep(_roundings(equations, steps)).max(axis=(1, 2))
+    return np.asarray(NOISE * read[:, None])
 
 
 def largest_terms(equations: Equations, steps: Steps) -> FloatArray:

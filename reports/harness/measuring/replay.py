@@ -27,7 +27,7 @@ from ....scenarios.rotation import norms, rotation_vectors
 from ...results.evidence import LEVEL, ReplayEvidence, StepEvidence
 from ..ladder import Rung
 from .examine import examined
-from .gain_series import PREDICTED_FROM, fitted
+from .gain_series import fitted
 from .noise import NOISE, ULPS, term_sizes
 from .places import Places, states_of
 from .steps import Sessions, apart, flowed
@@ -37,6 +37,9 @@ INTERVALS, OPENED = 64, 8
 #: Intervals that are run from changed states too, to see what rounding grows to, and that change,
 #: in ulp.
 CHANGED, CHANGE = 5, 64
+#: Steps before and after a restart that show a memory, and the factor by which a run may differ
+#: more than from exact states.
+REMEMBERED, EXPLAINED = 8, 3.0
 #: Intervals that steps are taken from, and states in each.
 GAINING, STATES = 4, 5
 #: rad; a motion that turns by more is not followed: it would take longer than a second.
@@ -59,7 +62,7 @@ def examine_runs(
     found: StepEvidence,
     ladder: Sequence[MadeRun],
     others: Sequence[MadeRun],
-) -> tuple[tuple[ReplayEvidence, ...], StepEvidence | None]:
+) -> tuple[tuple[ReplayEvidence, ...], StepEvidence | None, str]:
     """Replay the finest run of a ladder and others, and take steps from states of theirs.
 
     Parameters
@@ -69,7 +72,8 @@ def examine_runs(
 
     Returns
     -------
-    What each replay shows, and what steps from states of these runs do; None where none were taken.
+    What each replay shows; what steps from states of these runs do, None where none were taken; and
+    why the engine refuses to be replayed, else empty.
     """
     method = engine.method(method_name)
     runs = [*ladder[-1:], *others]
@@ -82,13 +86,13 @@ def examine_runs(
             replays = [_replay(sessions, engine, run) for run in runs]
             shown = [one.evidence for one in replays]
             if any(one.tail < LEVEL for one in shown):
-                shown = _vanishing(sessions, engine, ladder, shown)
+                shown = _with_memory(sessions, engine, at, replays, method.order)
             own = _own_places(sessions, at, runs, found)
         if own is None:
-            return tuple(shown), None
-        return tuple(shown), examined(open_at, engine, scenario, own, method)
-    except (EngineError, IntegrationError):
-        return (), None
+            return tuple(shown), None, ""
+        return tuple(shown), examined(open_at, engine, scenario, own, method), ""
+    except (EngineError, IntegrationError) as error:
+        return (), None, str(error)
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,12 +101,9 @@ class _Replay:
 
     Attributes
     ----------
-    spans : of the intervals, s, (n,)
-    off : of ω, relative to the largest, and of attitude, rad, (n, 6)
-    noise : its standard deviation, (n,)
+    off, noise : as `apart` has it, (n, 4, 3), and its standard deviation, (n,)
     """
 
-    spans: FloatArray
     off: FloatArray
     noise: FloatArray
     evidence: ReplayEvidence
@@ -111,7 +112,7 @@ class _Replay:
 def _replay(sessions: Sessions, engine: Engine, run: MadeRun) -> _Replay:
     edges = _edges(len(run.motion.t), sessions.first.can_restart)
     first, last = edges[:-1], edges[1:]
-    states = states_of(run.motion)
+    states, reach = states_of(run.motion), Equations(sessions.scenario).reach
     steps = np.diff(run.rung.sample_steps[edges])
 
     def again(k: int, start: State) -> State:
@@ -123,28 +124,28 @@ def _replay(sessions: Sessions, engine: Engine, run: MadeRun) -> _Replay:
 
     starts = [states.rows(int(k)) for k in first]
     ends = stacked([again(k, start) for k, start in enumerate(starts)])
-    off = apart(ends, states.rows(last))
-    worst = np.argsort(norms(off))[-CHANGED:]
+    off = apart(ends, states.rows(last), reach)
+    squares = (off**2).sum(axis=(1, 2))
+    worst = np.argsort(squares)[-CHANGED:]
     changed = [again(int(k), _changed(starts[k], engine.ulp)) for k in worst]
-    grown = norms(apart(stacked(changed), ends.rows(worst))) / (CHANGE * engine.ulp)
-    noise = max(NOISE, ULPS * engine.ulp) * max(1.0, float(grown.max())) * np.sqrt(steps)
-    tails = chdtrc(6, (norms(off) / noise) ** 2)
-    spans = np.diff(run.motion.t[edges])
-    turns = spans * np.maximum(norms(states.omega_body)[first], 1 / run.motion.t[-1])
+    grown = np.abs(apart(stacked(changed), ends.rows(worst), reach)).max() / (CHANGE * engine.ulp)
+    noise = max(NOISE, ULPS * engine.ulp) * max(1.0, float(grown)) * np.sqrt(steps)
+    tails = chdtrc(off[0].size, squares / noise**2)
+    turns = np.diff(run.motion.t[edges])
+    turns *= np.maximum(norms(states.omega_body)[first], 1 / run.motion.t[-1])
     tail = float(min(1.0, tails.min() * len(tails)))
-    evidence = ReplayEvidence(
-        run.rung.timestep, len(tails), tail, float((norms(off) / turns).max())
-    )
+    largest = float((np.sqrt(squares) / turns).max())
+    evidence = ReplayEvidence(run.rung.timestep, len(tails), tail, largest)
     if tail < LEVEL:
         differing = int(np.argmax(tails * len(tails) < LEVEL))
         k = int(tails.argmin())
-        spread = apart(again(k, starts[k]), again(k, starts[k]))
+        one, other = (stacked([again(k, starts[k])]) for _ in range(2))
         evidence = replace(
             evidence,
             since=float(run.motion.t[first[differing]]),
-            spread=float(norms(spread)[0] / turns[k]),
+            spread=float(np.abs(apart(one, other, reach)).max() / turns[k]),
         )
-    return _Replay(spans, off, noise, evidence)
+    return _Replay(off, noise, evidence)
 
 
 def _edges(samples: int, can_restart: bool) -> NDArray[np.intp]:
@@ -163,24 +164,45 @@ def _changed(state: State, ulp: float) -> State:
     return replace(state, omega_body=state.omega_body + size * direction)
 
 
-def _vanishing(
-    sessions: Sessions, engine: Engine, ladder: Sequence[MadeRun], shown: list[ReplayEvidence]
+def _with_memory(
+    sessions: Sessions, engine: Engine, at: Places, replays: list[_Replay], declared: int
 ) -> list[ReplayEvidence]:
-    """The same, with the order at which differences vanish with the timestep, if they do."""
-    if len(ladder) <= PREDICTED_FROM:
+    """What replays show, where a memory that vanishes with the timestep may explain it.
+
+    From exact states a method takes some steps at once, and others after it was restarted between
+    them. What that changes, over the length of the one step that lacks its memory, is a gain like
+    any other. It explains a run that differs from its replays by no more.
+    """
+    equations, timesteps = Equations(sessions.scenario), at.timesteps
+    at_once, restarted = [], []
+    for timestep in map(float, timesteps):
+        for k in range(len(at.times)):
+            with sessions.at(at.states.rows(k), timestep) as session:
+                session.advance(REMEMBERED)
+                middle = session.read_state()
+                session.advance(REMEMBERED)
+                at_once.append(session.read_state())
+            with sessions.at(middle, timestep) as session:
+                session.advance(REMEMBERED)
+                restarted.append(session.read_state())
+    off = apart(stacked(at_once), stacked(restarted), equations.reach)
+    gains = off.reshape(len(timesteps), -1, *off.shape[1:]) / timesteps[:, None, None, None]
+    noise = max(NOISE, ULPS * engine.ulp) * np.sqrt(REMEMBERED) / timesteps
+    table = np.broadcast_to(noise[:, None], gains.shape[:2])
+    series = [fitted(timesteps, gains[:, :, q], table, LEVEL) for q in range(gains.shape[2])]
+    tail = min(1.0, *(len(series) * one.least_tails.min() * one.tests for one in series))
+    sizes = np.abs(gains).max(axis=(1, 2, 3))
+    shown = [one.evidence for one in replays]
+    if tail < LEVEL or not (sizes > EXPLAINED * noise).any():
         return shown
-    replays = [_replay(sessions, engine, run) for run in ladder]
-    timesteps = np.array([run.rung.timestep for run in ladder])
-    tails, orders = [], []
-    for part in (slice(0, 3), slice(3, 6)):
-        gains = np.array([one.off[:, part] / one.spans[:, None] for one in replays])
-        noise = np.array([one.noise / one.spans for one in replays])
-        series = fitted(timesteps, gains, noise, LEVEL)
-        tails.append(float(series.least_tails.min() * series.tests))
-        orders.append(series.order)
-    if min(tails) < LEVEL:
-        return shown
-    return [replace(one, tail=min(1.0, min(tails)), order=min(orders)) for one in shown]
+    order = min(one.order for q, one in enumerate(series) if gains[:, :, q].any())
+    return [
+        replace(evidence, tail=float(tail), order=order, declared=declared)
+        if np.abs(one.off).max() / evidence.timestep
+        <= EXPLAINED * np.interp(evidence.timestep, timesteps[::-1], sizes[::-1])
+        else evidence
+        for one, evidence in zip(replays, shown, strict=True)
+    ]
 
 
 def _own_places(

@@ -171,8 +171,22 @@ def off_the_constraint(equations: Equations, states: State) -> tuple[FloatArray,
     )
 
 
-def apart(states: State, others: State) -> FloatArray:
-    """How far states are from others: ω, relative to the largest, and attitude, rad, (n, 6)."""
+def apart(states: State, others: State, reach: float) -> FloatArray:
+    """How far states are from others, (n, 4, 3).
+
+    The quantities are attitude, rad; ω, the com's velocity and the com, relative to their sizes.
+
+    Parameters
+    ----------
+    reach : m, from the point that is held to the com, or the radius of gyration
+    """
     speed = float(norms(others.omega_body).max()) or 1.0
-    turns = rotation_vectors(others.q_world_body_wxyz, states.q_world_body_wxyz)
-    return np.hstack([(states.omega_body - others.omega_body) / speed, turns])
+    fast = float(norms(others.velocity_world).max()) + reach * speed
+    far = float(norms(others.com_world).max()) + reach
+    off = (
+        rotation_vectors(others.q_world_body_wxyz, states.q_world_body_wxyz),
+        (states.omega_body - others.omega_body) / speed,
+        (states.velocity_world - others.velocity_world) / fast,
+        (states.com_world - others.com_world) / far,
+    )
+    return np.stack(off, axis=1)
