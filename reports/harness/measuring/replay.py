@@ -7,7 +7,7 @@ vanish with the timestep, as every gain must. Intervals are of irregular length 
 in irregular strides, so that nothing hides in the rhythm of the samples.
 
 Beside that each interval is compared with the exact flow from its start. From states in those that
-gain most, if that is more than any step did, steps are taken as from exact states.
+gain far more than any step did, steps are taken as from exact states.
 """
 
 from collections.abc import Sequence
@@ -40,8 +40,9 @@ CHANGED, CHANGE = 5, 64
 #: Steps before and after a restart that show a memory, and the factor by which a run may differ
 #: more than from exact states.
 REMEMBERED, EXPLAINED = 8, 3.0
-#: Intervals that steps are taken from, and states in each.
-GAINING, STATES = 4, 5
+#: Intervals that steps are taken from if they gain so many times what any step did, and states in
+#: each.
+GAINING, TIMES, STATES = 4, 2.0, 5
 #: rad; a motion that turns by more is not followed: it would take longer than a second.
 FARTHEST_TURN = 1e5
 
@@ -190,14 +191,14 @@ def _with_memory(
     noise = max(NOISE, ULPS * engine.ulp) * np.sqrt(REMEMBERED) / timesteps
     table = np.broadcast_to(noise[:, None], gains.shape[:2])
     series = [fitted(timesteps, gains[:, :, q], table, LEVEL) for q in range(gains.shape[2])]
-    tail = min(1.0, *(len(series) * one.least_tails.min() * one.tests for one in series))
+    tail = min(1.0, *(len(series) * one.tail for one in series))
     sizes = np.abs(gains).max(axis=(1, 2, 3))
     shown = [one.evidence for one in replays]
     if tail < LEVEL or not (sizes > EXPLAINED * noise).any():
         return shown
     order = min(one.order for q, one in enumerate(series) if gains[:, :, q].any())
     return [
-        replace(evidence, tail=float(tail), order=order, declared=declared)
+        replace(evidence, tail=tail, order=order, declared=declared)
         if np.abs(one.off).max() / evidence.timestep
         <= EXPLAINED * np.interp(evidence.timestep, timesteps[::-1], sizes[::-1])
         else evidence
@@ -221,7 +222,7 @@ def _own_places(
     )
     states, times = [], []
     for ratio, r, k in ranked[:GAINING]:
-        if not ratio > 1:
+        if not ratio > TIMES:
             break
         run = runs[r]
         start = states_of(run.motion).rows(k)

@@ -29,7 +29,7 @@ def fault_of(look: Look, at: Places) -> StepFault | None:
     """How the gains are not those of a method that converges; None if they are."""
     if look.tail >= LEVEL:
         return None
-    q = int(np.argmin([one.least_tails.min() * one.tests for one in look.series]))
+    q = int(np.argmin([one.tail for one in look.series]))
     series = look.series[q]
     k = int(series.least_tails.argmin())
     kind, j = _shape(look, q, k)
@@ -57,14 +57,15 @@ def _shape(look: Look, q: int, k: int) -> tuple[FaultKind, int]:
         return "leap", count - 1
 
     def explains(kept: Any) -> bool:
-        part = fitted(timesteps[kept], gains[kept], noise[kept], 0.0)
-        return bool(part.least_tails.min() * part.tests >= look.level)
+        return fitted(timesteps[kept], gains[kept], noise[kept], 0.0).tail >= look.level
 
     if len(bad) and explains(np.arange(count) != bad[0]):
         return "timestep", int(bad[0])
-    for first in range(LEAST, count - LEAST + 1):
-        if explains(slice(first, None)):
-            return "longer", first - 1
+    # Where the shortest steps do not vanish, no more of them do.
+    firsts = range(LEAST, count - LEAST + 1)
+    if firsts and explains(slice(firsts[-1], None)):
+        first = next(first for first in firsts if explains(slice(first, None)))
+        return "longer", first - 1
     if len(bad) and bad[0] >= LEAST:
         longer = slice(None, int(bad[0]))
         part = fitted(timesteps[longer], gains[longer], noise[longer], 0.0)
