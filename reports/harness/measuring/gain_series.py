@@ -27,7 +27,7 @@ from ....scenarios import FloatArray
 #: Orders and inverse radii of convergence that are tried, and terms of the series that are kept.
 ORDERS, RADII, TERMS = (1, 2, 3, 4, 5, 6), (0.5, 1.0, 2.0, 4.0), 9
 #: Ratio of neighbouring amplitudes of the grid that is integrated over.
-SPACING = 10.0
+SPACING = 10**0.25
 #: Share of the amplitude's prior that is the same everywhere, and steps of its estimation.
 LEAK, ESTIMATIONS = 0.1, 3
 #: Gains with longer timesteps that a prediction needs.
