@@ -31,7 +31,6 @@ REASONS = {
     "reports/harness/comparison.py": "turns until 1° of attitude, errors a turn, a blown-up energy",
     "reports/pages/scene/default_tables.py": "three columns chosen for a narrow table",
     "reports/pages/scene/scene_answer.py": "three columns chosen for a narrow table",
-    "reports/harness/judging/signal_ladder.py": "gives verdicts",
     "reports/harness/judging/verdict.py": "gives verdicts, and reads outcomes of runs",
     "reports/pages/overview/protocol.md": "the rule by which a method disagrees, in words",
     "reports/pages/templates/style.css": "outcomes of runs, in the colours of verdicts",

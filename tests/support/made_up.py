@@ -7,10 +7,17 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 from spincheck.engines import Method
 from spincheck.reference import Solution
+from spincheck.reports.results.evidence import (
+    CONSISTENT,
+    Explanation,
+    ReplayEvidence,
+    StepEvidence,
+    StepFault,
+)
 from spincheck.reports.results.records import Key, Row
-from spincheck.reports.results.verdicts import Verdict
 from spincheck.reports.results.results import Results, SceneResult
 from spincheck.reports.results.store import Store
+from spincheck.reports.results.verdicts import Verdict
 from spincheck.scenarios import EFFECTS, Errors, Scenario, Trajectory, errors_between, loads
 
 #: What the made-up exact motion is good for; the finest runs of high order are below it.
@@ -25,6 +32,18 @@ STOCK = TIMESTEPS[1:3]
 SIZE = {1: 0.05, 2: 1e-3, 3: 1e-5, 4: 1e-8}
 SECONDS_PER_STEP = 1.5e-6
 WALL_SECONDS_PER_STEP = 1.75e-6
+#: What verdicts rest on: numbers of states and of intervals, and how well limits are known.
+STATES, INTERVALS, KNOWN_TO = 17, 64, 1e-12
+#: What steps of a method that disagrees show.
+HEAVIER = StepFault(
+    "limit",
+    "angular momentum",
+    0.5,
+    TIMESTEPS[-1],
+    (0.0, 0.2, 0.0),
+    (0.0, 0.1, 0.0),
+    Explanation("gravity's size", (1.0,)),
+)
 #: In titles and descriptions, where a user could have written it.
 MISCHIEF = "<script>alert('x')</script>"
 
@@ -75,7 +94,7 @@ class MadeUp:
     method: str
     order: int
     verdict: str = "converges"
-    reason: str = "order as declared"
+    reason: str = ""
 
 
 METHODS = (
@@ -169,19 +188,14 @@ def _verdict(key: Key, method: MadeUp) -> Verdict:
     if method.verdict in ("unsupported", "failed", "diverges"):
         return Verdict(key, method.verdict, method.reason)
     broken = ("omega error 1e-2 exceeds the expected 1e-3",) if method.method == "Euler" else ()
-    # The limit of one is closer to the exact motion than the exact motion is sure.
-    limit_error = UNCERTAINTY.omega / 100 if method.method == "RK4" else 1e-5
-    return Verdict(
-        key,
-        method.verdict,
-        method.reason,
-        "omega",
-        method.order - 0.01,
-        limit_error,
-        2e-5,
-        unmet=broken,
-        ground="over the whole window" if method.verdict == "converges" else "",
-    )
+    steps = StepEvidence(STATES, 0.3, KNOWN_TO, 2 * KNOWN_TO, method.order)
+    if method.verdict == "disagrees":
+        steps = replace(steps, tail=0.0, fault=HEAVIER)
+    if method.verdict == "unresolved":
+        steps = replace(steps, known_to=2 * CONSISTENT)
+    replays = (ReplayEvidence(TIMESTEPS[-1], INTERVALS, 0.5, 1e-14),)
+    quoted = "" if method.verdict == "converges" else method.reason
+    return Verdict(key, method.verdict, quoted, steps, replays=replays, unmet=broken)
 
 
 def _exact(scenario: Scenario, samples: int) -> Trajectory:
