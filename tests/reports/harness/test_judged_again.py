@@ -10,8 +10,8 @@ from spincheck.engines import Engine, Method, Session
 from spincheck.reports.harness.choice import Choice
 from spincheck.reports.harness.judging import best_window, signal_ladder
 from spincheck.reports.results import fingerprints
-from spincheck.reports.results.verdicts import Verdict
 from spincheck.reports.results.store import open_store
+from spincheck.reports.results.verdicts import Verdict
 from spincheck.scenarios import Scenario, loads
 from studies import study as study_of
 
