@@ -6,7 +6,7 @@
 - Moments that differ: `ULPS` ulp times the condition number of the tensor, of I dω/dt, and by how
   far that turns the body (Higham, Accuracy and Stability of Numerical Algorithms, §7.1).
 - Flight: `ULPS` ulp of m v², a torque, as engines may solve for rotation and flight together
-  (measured in MuJoCo 4.0).
+  (measured in MuJoCo 4.0), with v that of the body's origin, which engines move.
 - Rotors: `ULPS` ulp of the forces that cancel between them (`Scenario.cancelling`).
 - A turn that a solver leaves out in a step, as the adapter declares (`Engine.least_turn`).
 - A constraint's solver: measured, by settling further (`examine.py`), and `SOLVED`.
@@ -63,7 +63,9 @@ def noise_of(
     if settled:
         variance[..., 0] += (engine.least_turn / spans) ** 2
     if not scenario.constraint.is_pivot:
-        speeds = steps.by_timestep(norms(steps.before.velocity_world)).max(axis=1)
+        before = steps.before
+        fast = norms(before.velocity_world) + equations.arm * norms(before.omega_body)
+        speeds = steps.by_timestep(fast).max(axis=1)
         variance[..., 1] += (rounding * scenario.body.mass * speeds**2) ** 2
     if steps.before.spins.size and scenario.constraint.is_free:
         force, _ = scenario.cancelling(np.abs(steps.before.spins))
