@@ -34,9 +34,9 @@ from .steps import Sessions, apart, flowed
 
 #: Intervals of a run at most; where a scene is opened anew for each, which takes long.
 INTERVALS, OPENED = 64, 8
-#: Intervals that are run from changed states too, to see what rounding grows to, and that change,
-#: in ulp.
-CHANGED, CHANGE = 5, 64
+#: Intervals that are run from changed states too, to see what rounding grows to. The change is the
+#: root of an ulp: an engine's own noise would pass for growth of a change that is as small.
+CHANGED = 5
 #: Steps before and after a restart that show a memory, and the factor by which a run may differ
 #: more than from exact states.
 REMEMBERED, EXPLAINED = 8, 3.0
@@ -129,7 +129,7 @@ def _replay(sessions: Sessions, engine: Engine, run: MadeRun) -> _Replay:
     squares = (off**2).sum(axis=(1, 2))
     worst = np.argsort(squares)[-CHANGED:]
     changed = [again(int(k), _changed(starts[k], engine.ulp)) for k in worst]
-    grown = np.abs(apart(stacked(changed), ends.rows(worst), reach)).max() / (CHANGE * engine.ulp)
+    grown = np.abs(apart(stacked(changed), ends.rows(worst), reach)).max() / engine.ulp**0.5
     noise = max(NOISE, ULPS * engine.ulp) * max(1.0, float(grown)) * np.sqrt(steps)
     tails = chdtrc(off[0].size, squares / noise**2)
     turns = np.diff(run.motion.t[edges])
@@ -159,10 +159,9 @@ def _edges(samples: int, can_restart: bool) -> NDArray[np.intp]:
 
 
 def _changed(state: State, ulp: float) -> State:
-    """A state whose ω is changed by some ulp, in a direction of its own."""
-    direction = np.random.default_rng(CHANGE).standard_normal(3)
-    size = CHANGE * ulp * np.linalg.norm(state.omega_body) / np.linalg.norm(direction)
-    return replace(state, omega_body=state.omega_body + size * direction)
+    """A state whose ω is changed by the root of an ulp in each component, whichever grows most."""
+    size = ulp**0.5 * float(np.linalg.norm(state.omega_body))
+    return replace(state, omega_body=state.omega_body + size * np.array([1.0, -1.0, 1.0]))
 
 
 def _with_memory(
