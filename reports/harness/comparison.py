@@ -97,7 +97,7 @@ def _of_other_law(run: Run | CallFailed, steps: StepEvidence | None) -> Run | Ca
     if run.outcome == "ok":
         return replace(run, cause="law", reason=reason)
     # A lag at however small a step is not a clamp.
-    is_clock = run.cause == "lag"
+    is_clock = run.cause == "lag" and steps.fault.kind == "limit"
     return replace(run, outcome="failed", cause="clock", reason=reason) if is_clock else run
 
 
