@@ -85,8 +85,8 @@ def _consistent(steps: StepEvidence, replays: Sequence[ReplayEvidence]) -> str:
         parts[-1] += f", which vanishes with the timestep at order {order}"
     if steps.changes_below:
         parts.append(
-            f"steps shorter than {steps.changes_below:.3g} s are computed otherwise, which "
-            "vanishes with the timestep"
+            f"with timesteps below {steps.changes_below:.3g} s what steps gain is another "
+            "function of the timestep, which vanishes as well"
         )
     return "; ".join(parts)
 

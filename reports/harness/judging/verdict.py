@@ -48,7 +48,7 @@ def _judged(records: Records) -> tuple[VerdictWord, str]:
         # What a method cannot simulate it cannot at any timestep.
         return last.outcome, last.ending_in_words
     # Of an engine as shipped: how its model differs from the scene.
-    quoted = last.reason if last else ""
+    quoted = last.reason if last and last.cause != "law" else ""
     if is_wrong(evidence) or (last and last.cause == "precision"):
         return "disagrees", quoted
     if last and last.outcome == "diverged":
