@@ -187,18 +187,19 @@ def constants_of(problem: Problem) -> Tables:
             for terms in TERMS.values():
                 for row, value in terms.constants(problem, i, j, k).items():
                     rows[row, i] = value
-    return _tables(rows)
+    return tables(rows)
 
 
 @cache
 def inverses_to(order: int) -> Tables:
     """Return 1/n in row 0 and 1/(2n) in row 1, (hi, lo), n = 0 left out."""
     with workprec(_CONSTANT_BITS):
-        return _tables(
+        return tables(
             [[mpf(0)] + [1 / mpf(factor * n) for n in range(1, order + 1)] for factor in (1, 2)]
         )
 
 
-def _tables(rows: Iterable[Iterable[mpf]]) -> Tables:
+def tables(rows: Iterable[Iterable[mpf]]) -> Tables:
+    """Return a table of extended numbers as (hi, lo)."""
     pairs = np.array([[split(x) for x in row] for row in rows])
     return np.ascontiguousarray(pairs[..., 0]), np.ascontiguousarray(pairs[..., 1])

@@ -1,0 +1,306 @@
+"""The exact derivatives of an exact motion by its start and by the parameters of its scene.
+
+Derivation, conventions and what was measured: docs/explanation/sensitivities.md.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import final
+
+import numpy as np
+from mpmath import mp, mpf
+
+from ..scenarios import FloatArray, Scenario, Trajectory, read_only
+from ..scenarios.exact import DIGITS, product
+from ..scenarios.fastest_rate import fastest_rate
+from ..scenarios.principal import principal_axes
+from ..scenarios.rotation import cross, matrix
+from .doubledouble import split
+from .parameter_changes import ENTRIES, Change, changes, derivative_problem
+from .problem import Problem
+from .rotational_problem import rotational_problem
+from .solve import ROUNDING
+from .tangent_march import WIDTH, march_with_tangent
+from .taylor import (
+    CHECK_ORDERS,
+    FINE_ORDERS,
+    TRUTH_ORDERS,
+    IntegrationError,
+    Orders,
+    constants_of,
+    inverses_to,
+    tables,
+)
+from .taylor_coefficients import EULER, INVERSE_MOMENT, OMEGA, STATE, UP_WORLD, Q, Terms
+from .taylor_march import DONE, PAUSED, Tables
+from .taylor_numbers import Dual
+
+#: Steps of some 30 µs, in each of up to thirty directions and two series.
+MAX_STEPS = 100_000
+STEPS_AT_ONCE = 2_000
+#: An uncertainty above this, relative, has the dearest series asked.
+GOOD = 1e-12
+#: Columns of one kind and unit: of an array, each three.
+KIND = 3
+#: By name, derivatives of six numbers, (n, 6, k).
+Arrays = dict[str, FloatArray]
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class Sensitivity:
+    """Derivatives of a motion's state; arrays are read-only, None where the scene has no such term.
+
+    Rows: a turn of the attitude, δR = R [δθ]×, rad, then ω, rad/s, both in body axes. Columns are
+    what it is derived by. Whatever is not named stays as it is: ω at the start in body axes, the
+    inertia about the com when mass or com change. Masses and places are those of `[body]`.
+
+    Attributes
+    ----------
+    t : (n,) s
+    state_transition : (n, 6, 6), by attitude, rad, and ω, rad/s, at t = 0, both in body axes
+    inertia : (n, 6, 6), by the entries Ixx, Iyy, Izz, Ixy, Ixz, Iyz of the tensor about the com,
+        kg m², body axes, which stays symmetric
+    moments : (n, 6, 3), by the principal moments about the com, kg m², whose axes stay
+    mass : (n, 6), by the mass, kg
+    com : (n, 6, 3), by the com from the body's origin, m, body axes
+    gravity : (n, 6, 3), by the acceleration, m/s², world axes
+    drag : (n, 6), by the coefficient c of the torque −c ω, N m s
+    torque_body, torque_world : (n, 6, 3), by the constant torques, N m, in the axes they are
+        constant in
+    spins : (n, 6, rotors), by the rotors' spins at t = 0, rad/s; zero of locked ones
+    translation : of a body that is free or on a table, arrays of the same names and columns whose
+        rows are the com, m, and its velocity, m/s, world axes; `state_transition` (n, 6, 12) has
+        columns for com and velocity at t = 0 besides, zero along z on a table, which gives these
+    rate : rad/s, the fastest of the motion: what ω is measured in by the two below
+    conditioning : (n,), the largest singular value of the state transition: what a small change of
+        the start is at most multiplied by
+    uncertainty : by array, a bound on its errors over its largest value, both over all samples
+    """
+
+    t: FloatArray
+    state_transition: FloatArray
+    inertia: FloatArray
+    moments: FloatArray
+    mass: FloatArray
+    com: FloatArray
+    gravity: FloatArray | None
+    drag: FloatArray | None
+    torque_body: FloatArray | None
+    torque_world: FloatArray | None
+    spins: FloatArray | None
+    translation: Mapping[str, FloatArray] | None
+    rate: float
+    conditioning: FloatArray
+    uncertainty: Mapping[str, float]
+
+
+#: Parameters that a scene may be without.
+OPTIONAL = ("gravity", "drag", "torque_body", "torque_world", "spins")
+
+
+def sensitivity(scenario: Scenario, motion: Trajectory) -> Sensitivity:
+    """Return the derivatives of a scene's motion at the times of its samples.
+
+    Parameters
+    ----------
+    motion : the exact motion, as far as it is known
+
+    Raises
+    ------
+    IntegrationError
+        If a derivative leaves the range of doubles, or takes more than `MAX_STEPS` steps.
+    """
+    problem = rotational_problem(scenario)
+    by_name = changes(scenario, problem)
+    rate = fastest_rate(scenario, motion.omega_body) or 1.0
+
+    def found(orders: Orders) -> tuple[Arrays, Arrays]:
+        turned = {
+            name: np.stack([_turned(scenario, problem, motion.t, one, orders) for one in each], -1)
+            for name, each in by_name.items()
+        }
+        pivoted = scenario.constraint.is_pivot
+        translated = {} if pivoted else _translated(scenario, motion, by_name, turned)
+        return _named(scenario, turned), _named(scenario, translated)
+
+    coarser, finer = found(CHECK_ORDERS), found(TRUTH_ORDERS)
+    if max(_apart(coarser, finer, rate).values()) > GOOD:
+        coarser, finer = finer, found(FINE_ORDERS)
+    turned, translated = finer
+    return Sensitivity(
+        t=motion.t,
+        **(dict.fromkeys(OPTIONAL) | turned),
+        translation=MappingProxyType(translated) if translated else None,
+        rate=rate,
+        conditioning=_conditioning(turned["state_transition"], rate),
+        uncertainty=MappingProxyType(_apart(coarser, finer, rate)),
+    )
+
+
+def _turned(
+    scenario: Scenario, problem: Problem, times: FloatArray, change: Change, orders: Orders
+) -> FloatArray:
+    """The derivative of attitude and ω along a change, (n, 6), body axes."""
+    states, tangents = _marched(scenario, problem, times, change, orders)
+    (w, x, y, z), (dw, dx, dy, dz) = states[:, Q : Q + 4].T, tangents[:, Q : Q + 4].T
+    # The vector part of q̄ δq is δθ/2.
+    turn_axes = 2 * np.stack(
+        [
+            w * dx - x * dw - (y * dz - z * dy),
+            w * dy - y * dw - (z * dx - x * dz),
+            w * dz - z * dw - (x * dy - y * dx),
+        ],
+        axis=-1,
+    )
+    R_axes_body = matrix(np.array(problem.q_axes_body, dtype=float))
+    return np.hstack([turn_axes @ R_axes_body, tangents[:, OMEGA : OMEGA + 3] @ R_axes_body])
+
+
+def _marched(
+    scenario: Scenario, problem: Problem, times: FloatArray, change: Change, orders: Orders
+) -> tuple[FloatArray, FloatArray]:
+    """The states and their derivatives along a change, (n, STATE) each, principal axes."""
+    with mp.workdps(DIGITS):
+        turn = product(problem.q_world_axes, (mpf(0), *change.turn_axes))
+        start = (*problem.omega_axes, *problem.q_world_axes)
+        tangent = (*change.omega_axes, *(x / 2 for x in turn))
+    series = Dual(*(_first_order(numbers, orders) for numbers in (start, tangent)))
+    high, low = inverses_to(orders.total)
+    counts = np.arange(orders.total + 1.0)
+    inverses = np.vstack([high, counts]), np.vstack([low, 0 * counts])
+    numbers = (
+        Dual(constants_of(problem), _derived_constants(problem, change)),
+        Dual(inverses, (np.zeros_like(inverses[0]), np.zeros_like(inverses[0]))),
+        _terms(scenario),
+        tables(change.inertia_axes),
+        orders.double_double,
+        series,
+    )
+    clock, (states, tangents) = np.zeros(2), np.zeros((2, len(times), STATE))
+    sample, steps, outcome = 0, 0, PAUSED
+    while outcome == PAUSED and steps < MAX_STEPS:
+        outcome, sample = march_with_tangent(
+            *numbers, clock, times, states, tangents, sample, STEPS_AT_ONCE
+        )
+        steps += STEPS_AT_ONCE
+    if outcome != DONE:
+        why = "take too many steps" if outcome == PAUSED else "leave the range of doubles"
+        raise IntegrationError(
+            f"The derivatives of the motion {why} after {clock[0]:.6g} s, got times up to "
+            f"{times[-1]:.6g} s. Ask for earlier times."
+        )
+    return states, tangents
+
+
+def _first_order(numbers: tuple[mpf, ...], orders: Orders) -> Tables:
+    """A series whose order 0 is given."""
+    high, low = np.zeros((orders.total + 1, WIDTH)), np.zeros((orders.total + 1, WIDTH))
+    for column, x in enumerate(numbers):
+        high[0, column], low[0, column] = split(x)
+    return high, low
+
+
+def _derived_constants(problem: Problem, change: Change) -> Tables:
+    """The derivatives of the table of constants, at moments that stay."""
+    derived = constants_of(derivative_problem(problem, change))
+    for part in derived:
+        part[[EULER, INVERSE_MOMENT, UP_WORLD]] = 0.0
+    return derived
+
+
+def _terms(scenario: Scenario) -> Terms:
+    """All terms that a scene has: a lever that is zero may have a derivative that is not."""
+    acting = scenario.called_for
+    lever = {"gravity", "pivot"} <= acting
+    vectors = lever, "torque_world" in acting, "table" in acting
+    return Terms(vectors, linear="drag" in acting, momentum="rotors" in acting)
+
+
+def _translated(
+    scenario: Scenario, motion: Trajectory, by_name: dict[str, tuple[Change, ...]], turned: Arrays
+) -> Arrays:
+    """Derivatives of com and velocity along the world's axes, (n, 6, k), of a body without a pivot.
+
+    Along axes that are not held it flies; on a table its height is that of R lever.
+    """
+    flying = ~np.array(scenario.constraint.is_held)
+    t = motion.t[:, None, None]
+    flown = np.diag(flying.astype(float)) + 0 * t
+    nothing = np.zeros_like(flown)
+    derived = {name: np.zeros_like(values) for name, values in turned.items()}
+    if "gravity" in derived:
+        derived["gravity"] = np.concatenate([flown * t**2 / 2, flown * t], 1)
+    if not flying.all():
+        for name, values in turned.items():
+            levers = np.array([one.lever_body for one in by_name[name]], dtype=float)
+            derived[name][:, 2::3] = _heaved(scenario, motion, values, levers)
+    derived["com_start"] = np.concatenate([flown, nothing], 1)
+    derived["velocity_start"] = np.concatenate([flown * t, flown], 1)
+    return derived
+
+
+def _heaved(
+    scenario: Scenario, motion: Trajectory, turned: FloatArray, levers: FloatArray
+) -> FloatArray:
+    """Derivatives of ẑ·R lever and of its rate, ẑ·R (ω × lever), (n, 2, k)."""
+    up_body, lever = motion.R_world_body.as_matrix()[:, 2], scenario.constraint.lever
+    heaved = np.empty((len(motion.t), 2, len(levers)))
+    for k, longer in enumerate(levers):
+        turn, spin = turned[:, :3, k], turned[:, 3:, k]
+        swing = cross(turn, cross(motion.omega_body, lever)) + cross(spin, lever)
+        heaved[:, 0, k] = ((cross(turn, lever) + longer) * up_body).sum(1)
+        heaved[:, 1, k] = ((swing + cross(motion.omega_body, longer)) * up_body).sum(1)
+    return heaved
+
+
+def _named(scenario: Scenario, derived: Arrays) -> Arrays:
+    """The arrays as a `Sensitivity` has them: a transition by the whole start, also the moments."""
+    if not derived:
+        return {}
+    arrays = dict(derived)
+    of_start = ("attitude", "omega", "com_start", "velocity_start")
+    arrays["state_transition"] = np.concatenate(
+        [arrays.pop(name) for name in of_start if name in arrays], 2
+    )
+    axes = np.array(principal_axes(scenario.carrier.inertia_com_exact)[1], dtype=float)
+    arrays["moments"] = arrays["inertia"] @ np.array([axes[i] * axes[j] for i, j in ENTRIES])
+    for name in {"mass", "drag"} & arrays.keys():
+        arrays[name] = arrays[name][..., 0]
+    return {name: read_only(values) for name, values in arrays.items()}
+
+
+def _apart(
+    coarser: tuple[Arrays, Arrays], finer: tuple[Arrays, Arrays], rate: float
+) -> dict[str, float]:
+    """By array, how far two series are apart, relative to the largest; columns by kind."""
+    return {
+        name: ROUNDING
+        + max(
+            _relative(one[name] - other[name], other[name], rate)
+            for one, other in zip(coarser, finer, strict=True)
+            if one
+        )
+        for name in finer[0]
+    }
+
+
+def _relative(difference: FloatArray, values: FloatArray, rate: float) -> float:
+    """The larger, over kinds of columns, of largest differences over largest values."""
+    unit = np.repeat([1.0, rate], 3)[:, None]
+    worst = 0.0
+    for first in range(0, values[0, 0].size, KIND):
+        sizes = []
+        for array in (difference, values):
+            kind = array.reshape(len(array), 6, -1)[..., first : first + KIND] / unit
+            largest = np.abs(kind).max()
+            # Scaled: the squares of derivatives by a grain's moments leave the range of doubles.
+            sizes.append(largest and largest * np.linalg.norm(kind / largest, axis=(1, 2)).max())
+        worst = max(worst, sizes[0] / sizes[1] if sizes[1] else 0.0)
+    return float(worst)
+
+
+def _conditioning(state_transition: FloatArray, rate: float) -> FloatArray:
+    unit = np.repeat([1.0, rate], 3)
+    return read_only(np.linalg.norm(state_transition / unit[:, None] * unit, 2, axis=(1, 2)))
