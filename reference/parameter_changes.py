@@ -1,148 +1,121 @@
 """What a unit change of a start or a parameter changes in the equations of motion.
 
-Every constant of the equations is linear in one such number, at moments that stay: those of the
-changed problem with all other numbers zero are therefore the derivatives of the constants. A change
-of mass, com or inertia is a change δI of the tensor besides.
+At moments that stay, every constant of the equations is linear in one such number: those of a
+problem with the change in place of the number, and zero for all others, are the derivatives. A
+change of mass, com or inertia is a change δI of the tensor besides.
 """
 
-from collections.abc import Iterator
-from dataclasses import replace
-from typing import Any, NamedTuple
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from typing import Any
 
+import numpy as np
 from mpmath import mp, mpf
 
 from ..scenarios import Scenario
-from ..scenarios.exact import (
-    DIGITS,
-    ZERO,
-    Tensor,
-    Vector,
-    add,
-    conjugate,
-    dot,
-    rotate,
-    steiner,
-    turned_tensor,
-)
+from ..scenarios.exact import DIGITS, ZERO, rotate
 from ..scenarios.principal import IDENTITY
 from .problem import Problem
 
-NO_TENSOR: Tensor = (ZERO, ZERO, ZERO)
+#: Of mpf.
+Array = Any
 #: The entries of an inertia tensor, in the order in which they are listed everywhere.
 ENTRIES = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
 
 
-class Change(NamedTuple):
-    """A unit change of one number, in extended precision, along the principal axes.
+def exact(values: Any) -> Array:
+    """Numbers as an array of mpf, of the same shape."""
+    return np.vectorize(mpf, otypes=[object])(np.array(values, dtype=object))
+
+
+_UNITS, _NONE = exact(IDENTITY), exact(ZERO)
+
+
+@dataclass(frozen=True, eq=False)
+class Change:
+    """A unit change of one number, in extended precision.
 
     Attributes
     ----------
-    turn_axes, omega_axes : of the start, rad and rad/s
-    inertia_axes : δI about the fixed point, kg m²
+    turn_axes, omega_axes : of the start, rad and rad/s, along the principal axes
+    inertia_axes : δI about the fixed point, kg m², along them
     constants : of what the constants are linear in, by attribute of a `Problem`
     lever_body : of the vector from what holds the body to the com, m, body axes
     """
 
-    turn_axes: Vector = ZERO
-    omega_axes: Vector = ZERO
-    inertia_axes: Tensor = NO_TENSOR
-    constants: dict[str, Any] = {}  # noqa: RUF012
-    lever_body: Vector = ZERO
+    turn_axes: Array = field(default_factory=_NONE.copy)
+    omega_axes: Array = field(default_factory=_NONE.copy)
+    inertia_axes: Array = field(default_factory=lambda: exact(np.zeros((3, 3))))
+    constants: dict[str, Any] = field(default_factory=dict)
+    lever_body: Array = field(default_factory=_NONE.copy)
 
 
-def changes(scenario: Scenario, problem: Problem) -> dict[str, tuple[Change, ...]]:
-    """The changes by the start and by all parameters that a scene has, by name.
+def changes(scenario: Scenario, problem: Problem) -> dict[str, list[Change]]:
+    """The changes by attitude and ω at the start, and by all parameters that a scene has, by name.
 
-    Masses, places and moments are those of `[body]`, which is without its rotors; the inertia is
-    that about its com.
+    Masses and places are those of `[body]`, which is without its rotors; the inertia, that about
+    its com.
     """
-    q, rotors = problem.q_axes_body, scenario.rotors
     with mp.workdps(DIGITS):
-        axes = [rotate(q, axis) for axis in IDENTITY]
+        axes = [exact(rotate(problem.q_axes_body, axis)) for axis in IDENTITY]
+        rotors, of_body = scenario.rotors.each, _of_body(scenario, problem, axes)
+        free = [one.along * exact(one.axis) * (one.hinge == "free") for one in rotors]
         found = {
             "attitude": [Change(turn_axes=axis) for axis in axes],
             "omega": [
-                Change(omega_axes=rotate(q, axis), constants={"kept": _kept_by(scenario, axis)})
-                for axis in IDENTITY
+                Change(omega_axes=axis, constants={"kept": [row[k] for row in free]})
+                for k, axis in enumerate(axes)
             ],
-            "inertia": [_of_body(scenario, problem, inertia=_entry(i, j)) for i, j in ENTRIES],
-            "mass": [_of_body(scenario, problem, mass=mpf(1))],
-            "com": [_of_body(scenario, problem, com=axis) for axis in IDENTITY],
+            "inertia": [of_body(_entry(i, j), mpf(0), _NONE) for i, j in ENTRIES],
+            "mass": [of_body(0 * _UNITS, mpf(1), _NONE)],
+            "com": [of_body(0 * _UNITS, mpf(0), unit) for unit in _UNITS],
         }
-        in_scene = {
-            "gravity": [Change(constants={"gravity_world": axis}) for axis in IDENTITY],
+        of_effects = {
+            "gravity": [Change(constants={"gravity_world": unit}) for unit in _UNITS],
             "drag": [Change(constants={"drag": mpf(1)})],
             "torque_body": [Change(constants={"torque_axes": axis}) for axis in axes],
-            "torque_world": [Change(constants={"torque_world": axis}) for axis in IDENTITY],
+            "torque_world": [Change(constants={"torque_world": unit}) for unit in _UNITS],
         }
-        found |= {name: each for name, each in in_scene.items() if name in scenario.called_for}
+        found |= {name: each for name, each in of_effects.items() if name in scenario.called_for}
         if rotors:
-            spun = [one.along * (one.hinge != "locked") for one in rotors.each]
-            found["spins"] = [Change(constants={"kept": row}) for row in _diagonal(spun)]
-    return {name: tuple(each) for name, each in found.items()}
+            spun = np.diag([one.along * (one.hinge != "locked") for one in rotors])
+            found["spins"] = [Change(constants={"kept": list(row)}) for row in spun]
+    return found
 
 
 def derivative_problem(problem: Problem, change: Change) -> Problem:
-    """The problem whose constants are the derivatives, but for those of the moments alone."""
-    nothing = dict.fromkeys(
-        ("lever_axes", "gravity_world", "torque_axes", "torque_world", "tip_axes"), ZERO
-    )
-    none = mpf(0)
-    zeros = {"drag": none, "mass": none, "tip_radius": none, "kept": (none,) * len(problem.kept)}
-    return replace(problem, ends_at_lift_off=False, **nothing | zeros | change.constants)
+    """The problem whose constants are derivatives, but for those that only moments are in."""
+    vectors = ("lever_axes", "gravity_world", "torque_axes", "torque_world", "tip_axes")
+    numbers: dict[str, Any] = dict.fromkeys(("drag", "mass", "tip_radius"), mpf(0))
+    numbers |= dict.fromkeys(vectors, ZERO) | {"kept": [mpf(0)] * len(problem.kept)}
+    return replace(problem, **numbers | {"ends_at_lift_off": False} | change.constants)
 
 
 def _of_body(
-    scenario: Scenario,
-    problem: Problem,
-    inertia: Tensor = NO_TENSOR,
-    mass: mpf = ZERO[0],
-    com: Vector = ZERO,
-) -> Change:
-    """The change by one of the inertia about the com, kg m², the mass, kg, and the com, m."""
-    body, whole, q = scenario.carrier, scenario.body, problem.q_axes_body
-    constraint, moved = scenario.constraint, _scaled(mass, body.com_exact, body.mass_exact, com)
-    fixed = ZERO if constraint.is_pivot else whole.com_exact
-    arm = _scaled(mpf(1), body.com_exact, mpf(-1), fixed)
-    # d(|r|² 1 − r rᵀ) along d, by the polar form of the square: S(r + d) − S(r) − S(d).
-    square = add(steiner(mpf(1), _scaled(mpf(1), arm, mpf(1), com)), steiner(mpf(1), com), -1)
-    shifted = add(square, steiner(mpf(1), arm), -1)
-    tensor = add(inertia, steiner(mass, arm))
-    tensor = add(tensor, _times(body.mass_exact, shifted))
-    constants: dict[str, Any] = {"mass": mass}
-    if {"pivot", "gravity"} <= scenario.called_for:
-        constants["lever_axes"] = rotate(q, moved)
-    # M δC = δ(Σ m r) − δM C.
-    lever = _scaled(1 / whole.mass_exact, moved, -mass / whole.mass_exact, whole.com_exact)
-    if scenario.effects.table:
-        constants["tip_axes"] = rotate(q, _scaled(mpf(-1), lever, mpf(0), ZERO))
-    along_axes = turned_tensor(tensor, conjugate(q))
-    return Change(inertia_axes=along_axes, constants=constants, lever_body=lever)
+    scenario: Scenario, problem: Problem, axes: list[Array]
+) -> Callable[[Array, mpf, Array], Change]:
+    """What makes a change of the inertia about the com, kg m², the mass, kg, and the com, m."""
+    own, whole, R_axes_body = scenario.carrier, scenario.body, np.stack(axes, axis=1)
+    mass, com, whole_com = own.mass_exact, exact(own.com_exact), exact(whole.com_exact)
+    arm = com if scenario.constraint.is_pivot else com - whole_com
+
+    def change(inertia: Array, heavier: mpf, moved: Array) -> Change:
+        # δ of m (r·r 1 − r rᵀ); about a com that moves itself its motion adds nothing.
+        square = 2 * (arm @ moved) * _UNITS - np.outer(arm, moved) - np.outer(moved, arm)
+        point = (arm @ arm) * _UNITS - np.outer(arm, arm)
+        tensor = inertia + heavier * point + mass * square
+        lever = (heavier * (com - whole_com) + mass * moved) / whole.mass_exact
+        constants: dict[str, Any] = {"mass": heavier}
+        if {"pivot", "gravity"} <= scenario.called_for:
+            constants["lever_axes"] = R_axes_body @ (heavier * com + mass * moved)
+        if problem.slides:
+            constants["tip_axes"] = -R_axes_body @ lever
+        along_axes = R_axes_body @ tensor @ R_axes_body.T
+        return Change(inertia_axes=along_axes, constants=constants, lever_body=lever)
+
+    return change
 
 
-def _kept_by(scenario: Scenario, axis: Vector) -> tuple[mpf, ...]:
-    """What free hinges keep the more where ω at the start has a unit more along an axis."""
-    return tuple(
-        one.along * dot(one.axis, axis) * (one.hinge == "free") for one in scenario.rotors.each
-    )
-
-
-def _diagonal(values: list[mpf]) -> Iterator[tuple[mpf, ...]]:
-    for k, value in enumerate(values):
-        yield tuple(value if j == k else mpf(0) for j in range(len(values)))
-
-
-def _entry(i: int, j: int) -> Tensor:
+def _entry(i: int, j: int) -> Array:
     """A unit of an entry of a symmetric tensor."""
-    row = [tuple(mpf({r, c} == {i, j}) for c in range(3)) for r in range(3)]
-    return row[0], row[1], row[2]  # type: ignore[return-value]
-
-
-def _scaled(a: mpf, u: Vector, b: mpf, v: Vector) -> Vector:
-    """A u + b v."""
-    return (a * u[0] + b * v[0], a * u[1] + b * v[1], a * u[2] + b * v[2])
-
-
-def _times(factor: mpf, tensor: Tensor) -> Tensor:
-    first, second, third = (_scaled(factor, row, mpf(0), ZERO) for row in tensor)
-    return (first, second, third)
+    return exact([[{row, column} == {i, j} for column in range(3)] for row in range(3)])

@@ -6,7 +6,7 @@ Derivation, conventions and what was measured: docs/explanation/sensitivities.md
 from collections.abc import Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
-from typing import final
+from typing import Any, final
 
 import numpy as np
 from mpmath import mp, mpf
@@ -16,7 +16,7 @@ from ..scenarios.exact import DIGITS, product
 from ..scenarios.fastest_rate import fastest_rate
 from ..scenarios.principal import principal_axes
 from ..scenarios.rotation import cross, matrix
-from .doubledouble import split
+from .dual_numbers import Dual
 from .parameter_changes import ENTRIES, Change, changes, derivative_problem
 from .problem import Problem
 from .rotational_problem import rotational_problem
@@ -34,7 +34,6 @@ from .taylor import (
 )
 from .taylor_coefficients import EULER, INVERSE_MOMENT, OMEGA, STATE, UP_WORLD, Q, Terms
 from .taylor_march import DONE, PAUSED, Tables
-from .taylor_numbers import Dual
 
 #: Steps of some 30 µs, in each of up to thirty directions and two series.
 MAX_STEPS = 100_000
@@ -96,6 +95,8 @@ class Sensitivity:
     uncertainty: Mapping[str, float]
 
 
+#: What a state transition is made of.
+OF_START = ("attitude", "omega", "com_start", "velocity_start")
 #: Parameters that a scene may be without.
 OPTIONAL = ("gravity", "drag", "torque_body", "torque_world", "spins")
 
@@ -129,12 +130,13 @@ def sensitivity(scenario: Scenario, motion: Trajectory) -> Sensitivity:
     if max(_apart(coarser, finer, rate).values()) > GOOD:
         coarser, finer = finer, found(FINE_ORDERS)
     turned, translated = finer
+    arrays: dict[str, Any] = dict.fromkeys(OPTIONAL) | turned
     return Sensitivity(
         t=motion.t,
-        **(dict.fromkeys(OPTIONAL) | turned),
+        **arrays,
         translation=MappingProxyType(translated) if translated else None,
         rate=rate,
-        conditioning=_conditioning(turned["state_transition"], rate),
+        conditioning=_conditioning(arrays["state_transition"], rate),
         uncertainty=MappingProxyType(_apart(coarser, finer, rate)),
     )
 
@@ -196,10 +198,9 @@ def _marched(
 
 def _first_order(numbers: tuple[mpf, ...], orders: Orders) -> Tables:
     """A series whose order 0 is given."""
-    high, low = np.zeros((orders.total + 1, WIDTH)), np.zeros((orders.total + 1, WIDTH))
-    for column, x in enumerate(numbers):
-        high[0, column], low[0, column] = split(x)
-    return high, low
+    series = np.zeros((2, orders.total + 1, WIDTH))
+    series[:, :1, : len(numbers)] = tables([numbers])
+    return series[0], series[1]
 
 
 def _derived_constants(problem: Problem, change: Change) -> Tables:
@@ -219,7 +220,7 @@ def _terms(scenario: Scenario) -> Terms:
 
 
 def _translated(
-    scenario: Scenario, motion: Trajectory, by_name: dict[str, tuple[Change, ...]], turned: Arrays
+    scenario: Scenario, motion: Trajectory, by_name: dict[str, list[Change]], turned: Arrays
 ) -> Arrays:
     """Derivatives of com and velocity along the world's axes, (n, 6, k), of a body without a pivot.
 
@@ -259,11 +260,9 @@ def _named(scenario: Scenario, derived: Arrays) -> Arrays:
     """The arrays as a `Sensitivity` has them: a transition by the whole start, also the moments."""
     if not derived:
         return {}
-    arrays = dict(derived)
-    of_start = ("attitude", "omega", "com_start", "velocity_start")
-    arrays["state_transition"] = np.concatenate(
-        [arrays.pop(name) for name in of_start if name in arrays], 2
-    )
+    starts = [derived[name] for name in OF_START if name in derived]
+    arrays = {"state_transition": np.concatenate(starts, 2)}
+    arrays |= {name: values for name, values in derived.items() if name not in OF_START}
     axes = np.array(principal_axes(scenario.carrier.inertia_com_exact)[1], dtype=float)
     arrays["moments"] = arrays["inertia"] @ np.array([axes[i] * axes[j] for i, j in ENTRIES])
     for name in {"mass", "drag"} & arrays.keys():

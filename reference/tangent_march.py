@@ -13,6 +13,7 @@ import numpy as np
 
 from ..scenarios import FloatArray
 from .doubledouble import quick_two_sum, two_sum
+from .dual_numbers import Dual
 from .kernel import kernel
 from .taylor_coefficients import (
     COLUMNS,
@@ -40,7 +41,6 @@ from .taylor_march import (
     step_size,
 )
 from .taylor_numbers import (
-    Dual,
     Table,
     add,
     add_product,
@@ -56,6 +56,8 @@ from .taylor_numbers import (
 MOVED, WIDTH = COLUMNS, COLUMNS + 3
 #: Row of n in the table whose other rows are 1/n and 1/(2n).
 COUNT = 2
+#: The first of so many parts of the orders are the lower terms of a derivative.
+LOWER = 4
 
 
 @kernel
@@ -119,10 +121,10 @@ def _tangent_step(tangent: FloatArray, order: int) -> float:
             if not math.isfinite(size):
                 return 0.0
             nearest = 0.0
-            for k in range(order // 2):
+            for k in range(order // LOWER):
                 lower = np.abs(tangent[k, first:last]).sum()
                 nearest = max(nearest, (lower / max(size, SMALLEST)) ** (1.0 / (n - k)))
-            if size > 0.0:
+            if nearest > 0.0 and size > 0.0:
                 radius = min(radius, nearest)
     return STEP * radius
 

@@ -75,9 +75,7 @@ def derivative(
     """At each time the derivative of attitude and ω, (6,), body axes; of `column` of an array."""
     with mp.workdps(DIGITS):
         by = NUDGE * size_of(scene, name)
-        states = [
-            nudged(scene, name, column, sign * by).motion(times, rate) for sign in (-1, 0, 1)
-        ]
+        states = [nudged(scene, name, column, sign * by).motion(times, rate) for sign in (-1, 0, 1)]
         for before, middle, after in zip(*states, strict=True):
             turned = middle.R.T @ (after.R - before.R) / (2 * by)
             turn = [(turned[j, i] - turned[i, j]) / 2 for i, j in ((1, 2), (2, 0), (0, 1))]
