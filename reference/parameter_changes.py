@@ -1,11 +1,10 @@
 """What a unit change of a start or a parameter changes in the equations of motion.
 
-At moments that stay, every constant of the equations is linear in one such number: those of a
-problem with the change in place of the number, and zero for all others, are the derivatives. A
-change of mass, com or inertia is a change δI of the tensor besides.
+At moments that stay, every constant of the equations is linear in each such number. A change of
+mass, com or inertia is a change δI of the tensor besides.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -13,8 +12,9 @@ import numpy as np
 from mpmath import mp, mpf
 
 from ..scenarios import Scenario
-from ..scenarios.exact import DIGITS, ZERO, rotate
+from ..scenarios.exact import DIGITS, ZERO, Quaternion, conjugate, rotate, turned_tensor
 from ..scenarios.principal import IDENTITY
+from .effect_terms import TERMS, BodyChange, EffectTerms, Numbers
 from .problem import Problem
 
 #: Of mpf.
@@ -46,56 +46,59 @@ class Change:
     turn_axes: Array = field(default_factory=_NONE.copy)
     omega_axes: Array = field(default_factory=_NONE.copy)
     inertia_axes: Array = field(default_factory=lambda: exact(np.zeros((3, 3))))
-    constants: dict[str, Any] = field(default_factory=dict)
+    constants: Numbers = field(default_factory=dict)
     lever_body: Array = field(default_factory=_NONE.copy)
 
 
-def changes(scenario: Scenario, problem: Problem) -> dict[str, list[Change]]:
+def changes(scenario: Scenario, problem: Problem) -> dict[str, list[Change] | Change]:
     """The changes by attitude and ω at the start, and by all parameters that a scene has, by name.
 
-    Masses and places are those of `[body]`, which is without its rotors; the inertia, that about
-    its com.
+    Those by the components of a vector are a list, that by a single number is none.
+    Mass, com and inertia are those of `[body]`, without parts that turn in it; the inertia, that
+    about its com.
     """
+    q, acting = problem.q_axes_body, [TERMS[name] for name in TERMS if name in scenario.called_for]
     with mp.workdps(DIGITS):
-        axes = [exact(rotate(problem.q_axes_body, axis)) for axis in IDENTITY]
-        rotors, of_body = scenario.rotors.each, _of_body(scenario, problem, axes)
-        free = [one.along * exact(one.axis) * (one.hinge == "free") for one in rotors]
-        found = {
+        axes = [exact(rotate(q, axis)) for axis in IDENTITY]
+        of_body = _of_body(scenario, q, acting)
+        found: dict[str, list[Change] | Change] = {
             "attitude": [Change(turn_axes=axis) for axis in axes],
             "omega": [
-                Change(omega_axes=axis, constants={"kept": [row[k] for row in free]})
-                for k, axis in enumerate(axes)
+                Change(
+                    omega_axes=axis,
+                    constants=_joined(one.by_omega(scenario, unit) for one in acting),
+                )
+                for unit, axis in zip(IDENTITY, axes, strict=True)
             ],
             "inertia": [of_body(_entry(i, j), mpf(0), _NONE) for i, j in ENTRIES],
-            "mass": [of_body(0 * _UNITS, mpf(1), _NONE)],
+            "mass": of_body(0 * _UNITS, mpf(1), _NONE),
             "com": [of_body(0 * _UNITS, mpf(0), unit) for unit in _UNITS],
         }
-        of_effects = {
-            "gravity": [Change(constants={"gravity_world": unit}) for unit in _UNITS],
-            "drag": [Change(constants={"drag": mpf(1)})],
-            "torque_body": [Change(constants={"torque_axes": axis}) for axis in axes],
-            "torque_world": [Change(constants={"torque_world": unit}) for unit in _UNITS],
-        }
-        found |= {name: each for name, each in of_effects.items() if name in scenario.called_for}
-        if rotors:
-            spun = np.diag([one.along * (one.hinge != "locked") for one in rotors])
-            found["spins"] = [Change(constants={"kept": list(row)}) for row in spun]
+        for terms in acting:
+            for name, each in terms.parameters(scenario, q).items():
+                found[name] = (
+                    Change(constants=each)
+                    if isinstance(each, dict)
+                    else [Change(constants=numbers) for numbers in each]
+                )
     return found
 
 
-def derivative_problem(problem: Problem, change: Change) -> Problem:
-    """The problem whose constants are derivatives, but for those that only moments are in."""
-    vectors = ("lever_axes", "gravity_world", "torque_axes", "torque_world", "tip_axes")
-    numbers: dict[str, Any] = dict.fromkeys(("drag", "mass", "tip_radius"), mpf(0))
-    numbers |= dict.fromkeys(vectors, ZERO) | {"kept": [mpf(0)] * len(problem.kept)}
-    return replace(problem, **numbers | {"ends_at_lift_off": False} | change.constants)
+def changed_problem(problem: Problem, change: Change) -> Problem:
+    """The problem with the change of what its constants are linear in."""
+    with mp.workdps(DIGITS):
+        numbers = {
+            name: np.array(getattr(problem, name)) + np.array(by)
+            for name, by in change.constants.items()
+        }
+    return replace(problem, **numbers)
 
 
 def _of_body(
-    scenario: Scenario, problem: Problem, axes: list[Array]
+    scenario: Scenario, q: Quaternion, acting: list[EffectTerms]
 ) -> Callable[[Array, mpf, Array], Change]:
     """What makes a change of the inertia about the com, kg m², the mass, kg, and the com, m."""
-    own, whole, R_axes_body = scenario.carrier, scenario.body, np.stack(axes, axis=1)
+    own, whole = scenario.carrier, scenario.body
     mass, com, whole_com = own.mass_exact, exact(own.com_exact), exact(whole.com_exact)
     arm = com if scenario.constraint.is_pivot else com - whole_com
 
@@ -105,15 +108,18 @@ def _of_body(
         point = (arm @ arm) * _UNITS - np.outer(arm, arm)
         tensor = inertia + heavier * point + mass * square
         lever = (heavier * (com - whole_com) + mass * moved) / whole.mass_exact
-        constants: dict[str, Any] = {"mass": heavier}
-        if {"pivot", "gravity"} <= scenario.called_for:
-            constants["lever_axes"] = R_axes_body @ (heavier * com + mass * moved)
-        if problem.slides:
-            constants["tip_axes"] = -R_axes_body @ lever
-        along_axes = R_axes_body @ tensor @ R_axes_body.T
-        return Change(inertia_axes=along_axes, constants=constants, lever_body=lever)
+        body_change = BodyChange(heavier, heavier * com + mass * moved, lever)
+        return Change(
+            inertia_axes=turned_tensor(tensor.tolist(), conjugate(q)),
+            constants=_joined(one.by_body(scenario, q, body_change) for one in acting),
+            lever_body=lever,
+        )
 
     return change
+
+
+def _joined(each: Iterable[Numbers]) -> Numbers:
+    return {name: by for numbers in each for name, by in numbers.items()}
 
 
 def _entry(i: int, j: int) -> Array:

@@ -5,8 +5,7 @@ Derivation, conventions and what was measured: docs/explanation/sensitivities.md
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from types import MappingProxyType
-from typing import Any, final
+from typing import final
 
 import numpy as np
 from mpmath import mp, mpf
@@ -17,7 +16,8 @@ from ..scenarios.fastest_rate import fastest_rate
 from ..scenarios.principal import principal_axes
 from ..scenarios.rotation import cross, matrix
 from .dual_numbers import Dual
-from .parameter_changes import ENTRIES, Change, changes, derivative_problem
+from .effect_terms import TERMS
+from .parameter_changes import ENTRIES, Change, changed_problem, changes
 from .problem import Problem
 from .rotational_problem import rotational_problem
 from .solve import ROUNDING
@@ -29,10 +29,12 @@ from .taylor import (
     IntegrationError,
     Orders,
     constants_of,
+    derived_constants,
     inverses_to,
     tables,
+    terms_of,
 )
-from .taylor_coefficients import EULER, INVERSE_MOMENT, OMEGA, STATE, UP_WORLD, Q, Terms
+from .taylor_coefficients import OMEGA, STATE, Q
 from .taylor_march import DONE, PAUSED, Tables
 
 #: Steps of some 30 µs, in each of up to thirty directions and two series.
@@ -49,29 +51,29 @@ Arrays = dict[str, FloatArray]
 @final
 @dataclass(frozen=True, eq=False)
 class Sensitivity:
-    """Derivatives of a motion's state; arrays are read-only, None where the scene has no such term.
+    """Derivatives of a motion's state; arrays are read-only.
 
     Rows: a turn of the attitude, δR = R [δθ]×, rad, then ω, rad/s, both in body axes. Columns are
     what it is derived by. Whatever is not named stays as it is: ω at the start in body axes, the
-    inertia about the com when mass or com change. Masses and places are those of `[body]`.
+    inertia about the com where mass or com change. These are those of `[body]`, without parts that
+    turn in it.
 
     Attributes
     ----------
     t : (n,) s
     state_transition : (n, 6, 6), by attitude, rad, and ω, rad/s, at t = 0, both in body axes
-    inertia : (n, 6, 6), by the entries Ixx, Iyy, Izz, Ixy, Ixz, Iyz of the tensor about the com,
-        kg m², body axes, which stays symmetric
-    moments : (n, 6, 3), by the principal moments about the com, kg m², whose axes stay
-    mass : (n, 6), by the mass, kg
-    com : (n, 6, 3), by the com from the body's origin, m, body axes
-    gravity : (n, 6, 3), by the acceleration, m/s², world axes
-    drag : (n, 6), by the coefficient c of the torque −c ω, N m s
-    torque_body, torque_world : (n, 6, 3), by the constant torques, N m, in the axes they are
-        constant in
-    spins : (n, 6, rotors), by the rotors' spins at t = 0, rad/s; zero of locked ones
-    translation : of a body that is free or on a table, arrays of the same names and columns whose
-        rows are the com, m, and its velocity, m/s, world axes; `state_transition` (n, 6, 12) has
-        columns for com and velocity at t = 0 besides, zero along z on a table, which gives these
+    parameters : by the name of a parameter that the scene has; each is also an attribute
+
+        - `inertia` (n, 6, 6), by the entries Ixx, Iyy, Izz, Ixy, Ixz, Iyz of the tensor about the
+          com, kg m², body axes, which stays symmetric
+        - `moments` (n, 6, 3), by the principal moments about the com, kg m², whose axes stay
+        - `mass` (n, 6), kg; `com` (n, 6, 3), from the body's origin, m, body axes
+        - of each effect its own, such as `gravity` (n, 6, 3), m/s², world axes; constant torques
+          (n, 6, 3), N m, in the axes that they are constant in; coefficients (n, 6); the spins of
+          parts at t = 0 (n, 6, parts), rad/s, zero of those that cannot turn
+    translation : of a body without a pivot, arrays of the same names and columns whose rows are the
+        com, m, and its velocity, m/s, world axes; `state_transition` (n, 6, 12) has columns for com
+        and velocity at t = 0 besides, zero along axes along which the body is held
     rate : rad/s, the fastest of the motion: what ω is measured in by the two below
     conditioning : (n,), the largest singular value of the state transition: what a small change of
         the start is at most multiplied by
@@ -80,25 +82,23 @@ class Sensitivity:
 
     t: FloatArray
     state_transition: FloatArray
-    inertia: FloatArray
-    moments: FloatArray
-    mass: FloatArray
-    com: FloatArray
-    gravity: FloatArray | None
-    drag: FloatArray | None
-    torque_body: FloatArray | None
-    torque_world: FloatArray | None
-    spins: FloatArray | None
+    parameters: Mapping[str, FloatArray]
     translation: Mapping[str, FloatArray] | None
     rate: float
     conditioning: FloatArray
     uncertainty: Mapping[str, float]
 
+    def __getattr__(self, name: str) -> FloatArray:
+        parameters: Mapping[str, FloatArray] = vars(self).get("parameters", {})
+        if name not in parameters:
+            raise AttributeError(
+                f"'{name}' must be a parameter of the scene, which has {', '.join(parameters)}."
+            )
+        return parameters[name]
+
 
 #: What a state transition is made of.
 OF_START = ("attitude", "omega", "com_start", "velocity_start")
-#: Parameters that a scene may be without.
-OPTIONAL = ("gravity", "drag", "torque_body", "torque_world", "spins")
 
 
 def sensitivity(scenario: Scenario, motion: Trajectory) -> Sensitivity:
@@ -114,7 +114,11 @@ def sensitivity(scenario: Scenario, motion: Trajectory) -> Sensitivity:
         If a derivative leaves the range of doubles, or takes more than `MAX_STEPS` steps.
     """
     problem = rotational_problem(scenario)
-    by_name = changes(scenario, problem)
+    by_parameter = changes(scenario, problem)
+    by_name = {
+        name: [each] if isinstance(each, Change) else each for name, each in by_parameter.items()
+    }
+    single = {name for name, each in by_parameter.items() if isinstance(each, Change)}
     rate = fastest_rate(scenario, motion.omega_body) or 1.0
 
     def found(orders: Orders) -> tuple[Arrays, Arrays]:
@@ -124,20 +128,21 @@ def sensitivity(scenario: Scenario, motion: Trajectory) -> Sensitivity:
         }
         pivoted = scenario.constraint.is_pivot
         translated = {} if pivoted else _translated(scenario, motion, by_name, turned)
-        return _named(scenario, turned), _named(scenario, translated)
+        return _named(scenario, turned, single), _named(scenario, translated, single)
 
     coarser, finer = found(CHECK_ORDERS), found(TRUTH_ORDERS)
     if max(_apart(coarser, finer, rate).values()) > GOOD:
         coarser, finer = finer, found(FINE_ORDERS)
     turned, translated = finer
-    arrays: dict[str, Any] = dict.fromkeys(OPTIONAL) | turned
+    transition = turned["state_transition"]
     return Sensitivity(
         t=motion.t,
-        **arrays,
-        translation=MappingProxyType(translated) if translated else None,
+        state_transition=transition,
+        parameters={name: turned[name] for name in turned if name != "state_transition"},
+        translation=translated or None,
         rate=rate,
-        conditioning=_conditioning(arrays["state_transition"], rate),
-        uncertainty=MappingProxyType(_apart(coarser, finer, rate)),
+        conditioning=_conditioning(transition, rate),
+        uncertainty=_apart(coarser, finer, rate),
     )
 
 
@@ -173,9 +178,10 @@ def _marched(
     counts = np.arange(orders.total + 1.0)
     inverses = np.vstack([high, counts]), np.vstack([low, 0 * counts])
     numbers = (
-        Dual(constants_of(problem), _derived_constants(problem, change)),
+        Dual(constants_of(problem), derived_constants(problem, changed_problem(problem, change))),
         Dual(inverses, (np.zeros_like(inverses[0]), np.zeros_like(inverses[0]))),
-        _terms(scenario),
+        # All that the scene has: a lever that is zero may have a derivative that is not.
+        terms_of(problem, scenario.called_for & TERMS.keys()),
         tables(change.inertia_axes),
         orders.double_double,
         series,
@@ -201,22 +207,6 @@ def _first_order(numbers: tuple[mpf, ...], orders: Orders) -> Tables:
     series = np.zeros((2, orders.total + 1, WIDTH))
     series[:, :1, : len(numbers)] = tables([numbers])
     return series[0], series[1]
-
-
-def _derived_constants(problem: Problem, change: Change) -> Tables:
-    """The derivatives of the table of constants, at moments that stay."""
-    derived = constants_of(derivative_problem(problem, change))
-    for part in derived:
-        part[[EULER, INVERSE_MOMENT, UP_WORLD]] = 0.0
-    return derived
-
-
-def _terms(scenario: Scenario) -> Terms:
-    """All terms that a scene has: a lever that is zero may have a derivative that is not."""
-    acting = scenario.called_for
-    lever = {"gravity", "pivot"} <= acting
-    vectors = lever, "torque_world" in acting, "table" in acting
-    return Terms(vectors, linear="drag" in acting, momentum="rotors" in acting)
 
 
 def _translated(
@@ -256,7 +246,7 @@ def _heaved(
     return heaved
 
 
-def _named(scenario: Scenario, derived: Arrays) -> Arrays:
+def _named(scenario: Scenario, derived: Arrays, single: set[str]) -> Arrays:
     """The arrays as a `Sensitivity` has them: a transition by the whole start, also the moments."""
     if not derived:
         return {}
@@ -265,15 +255,14 @@ def _named(scenario: Scenario, derived: Arrays) -> Arrays:
     arrays |= {name: values for name, values in derived.items() if name not in OF_START}
     axes = np.array(principal_axes(scenario.carrier.inertia_com_exact)[1], dtype=float)
     arrays["moments"] = arrays["inertia"] @ np.array([axes[i] * axes[j] for i, j in ENTRIES])
-    for name in {"mass", "drag"} & arrays.keys():
-        arrays[name] = arrays[name][..., 0]
+    arrays |= {name: arrays[name][..., 0] for name in single}
     return {name: read_only(values) for name, values in arrays.items()}
 
 
 def _apart(
     coarser: tuple[Arrays, Arrays], finer: tuple[Arrays, Arrays], rate: float
 ) -> dict[str, float]:
-    """By array, how far two series are apart, relative to the largest; columns by kind."""
+    """How far two series are apart, by array, relative to the largest; columns by kind."""
     return {
         name: ROUNDING
         + max(

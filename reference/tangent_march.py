@@ -19,15 +19,13 @@ from .taylor_coefficients import (
     COLUMNS,
     INVERSE_MOMENT,
     OMEGA,
-    ON_TABLE,
     OTHER,
     STATE,
     Q,
     Terms,
+    accelerate,
     cross_omega,
     extend,
-    press,
-    pressed_acceleration,
 )
 from .taylor_march import (
     CLOCK_TICK,
@@ -83,13 +81,7 @@ def _add_inertia(
         rate = load(series, n, OTHER + i)
         gained = multiply(load(constants.value, INVERSE_MOMENT, i), torque)
         store(series, n, OTHER + i, Dual(rate.value, add(rate.tangent, gained)))
-    if terms.world_vectors[ON_TABLE]:
-        press(series, constants, n)
-    for i in range(3):
-        rate = load(series, n, OTHER + i)
-        if terms.world_vectors[ON_TABLE]:
-            rate = pressed_acceleration(series, n, i)
-        store(series, n + 1, OMEGA + i, multiply(load(inverses, 0, n + 1), rate))
+    accelerate(series, constants, inverses, terms, n)
 
 
 @kernel

@@ -179,7 +179,7 @@ def _dot(series: Table, n: int, left: int, right: int) -> Number:
 
 
 @kernel
-def press(series: Table, constants: Table, n: int) -> None:
+def _press(series: Table, constants: Table, n: int) -> None:
     """Write order n of f, the force of the table over the mass, and of all that it takes."""
     rate = cross_omega(series, UP, n)
     for i in range(3):
@@ -207,13 +207,25 @@ def press(series: Table, constants: Table, n: int) -> None:
 
 
 @kernel
-def pressed_acceleration(series: Table, n: int, i: int) -> Number:
+def _pressed_acceleration(series: Table, n: int, i: int) -> Number:
     """Order n of component i of ω' on a table: u + f e."""
     total = load(series, n, OTHER + i)
     for k in range(n + 1):
         gain = load(series, n - k, GAIN + i)
         total = add_product(total, load(series, k, PRESSED), gain)
     return rounded(total)
+
+
+@kernel
+def accelerate(series: Table, constants: Table, inverses: Table, terms: Terms, n: int) -> None:
+    """Write order n + 1 of ω from order n of ω' without a table, whose force is found first."""
+    if terms.world_vectors[ON_TABLE]:
+        _press(series, constants, n)
+    for i in range(3):
+        rate = load(series, n, OTHER + i)
+        if terms.world_vectors[ON_TABLE]:
+            rate = _pressed_acceleration(series, n, i)
+        store(series, n + 1, OMEGA + i, multiply(load(inverses, 0, n + 1), rate))
 
 
 @kernel
@@ -228,13 +240,8 @@ def extend(
         products = _omega_products(series, n)
         for i in range(3):
             rate = _acceleration(series, constants, terms, n, i, products[i])
-            store(series, n + 1, OMEGA + i, multiply(load(inverses, 0, n + 1), rate))
             store(series, n, OTHER + i, rate)
-        if terms.world_vectors[ON_TABLE]:
-            press(series, constants, n)
-            for i in range(3):
-                rate = pressed_acceleration(series, n, i)
-                store(series, n + 1, OMEGA + i, multiply(load(inverses, 0, n + 1), rate))
+        accelerate(series, constants, inverses, terms, n)
         turn = _q_times_omega(series, n)
         for i in range(4):
             store(series, n + 1, Q + i, multiply(load(inverses, 1, n + 1), turn[i]))

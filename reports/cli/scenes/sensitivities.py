@@ -1,12 +1,11 @@
 """The derivatives of the exact motion, as `reference --sensitivities` and `export` give them."""
 
 from collections.abc import Iterator
-from dataclasses import fields
 from typing import Any
 
 import numpy as np
 
-from ....reference import IntegrationError, Sensitivity, sensitivity
+from ....reference import IntegrationError, sensitivity
 from ....scenarios import Scenario, Trajectory
 from ..terminal import NOT_RUN, as_complaint, table
 
@@ -15,28 +14,25 @@ ROWS = ["attitude, rad, body axes", "omega, rad/s, body axes"]
 ROWS_OF_TRANSLATION = ["com, m, world axes", "velocity, m/s, world axes"]
 HEADS = ("θx", "θy", "θz", "ωx", "ωy", "ωz")
 HEADS_OF_TRANSLATION = ("x", "y", "z", "vx", "vy", "vz")
-#: What the columns of an array are derivatives by; of the others they are numbered.
+#: What the columns of an array are derivatives by, where these are no numbers or vectors.
 COLUMNS = {
     "state_transition": [
         f"{what} {x}" for what in ("attitude", "ω", "com", "velocity") for x in "xyz"
     ],
     "inertia": ["Ixx", "Iyy", "Izz", "Ixy", "Ixz", "Iyz"],
-    "mass": ["mass"],
-    "drag": ["drag"],
-} | {
-    name: [f"{name} {x}" for x in "xyz"]
-    for name in ("com", "gravity", "torque_body", "torque_world")
+    "moments": ["moment 1", "moment 2", "moment 3"],
 }
 
 
 def derivatives(scenario: Scenario, motion: Trajectory) -> dict[str, Any]:
-    """A `Sensitivity` at the times of an exact motion, its arrays as lists, with what rows are."""
+    """The `Sensitivity` at the times of a motion, its arrays as lists, with what rows are."""
     with as_complaint(IntegrationError, before=f"{scenario.name}: ", exit_code=NOT_RUN):
         found = sensitivity(scenario, motion)
-    record = {"rows": ROWS} | {one.name: getattr(found, one.name) for one in fields(Sensitivity)}
-    if found.translation is not None:
+    record = {"rows": ROWS} | vars(found) | dict(found.parameters)
+    del record["parameters"]
+    if found.translation:
         record["translation"] = {"rows": ROWS_OF_TRANSLATION} | _listed(found.translation)
-    return _listed(record | {"uncertainty": dict(found.uncertainty)})
+    return _listed(record)
 
 
 def _listed(record: Any) -> dict[str, Any]:
@@ -66,6 +62,9 @@ def _rows(
 ) -> Iterator[dict[str, object]]:
     for name in names:
         columns = np.atleast_2d(np.array(record[name][k]).T).tolist()
-        numbered = [f"{name} {j + 1}" for j in range(len(columns))]
-        for label, column in zip(COLUMNS.get(name, numbered), columns, strict=False):
+        ends = {1: [""], len("xyz"): [" x", " y", " z"]}.get(
+            len(columns), [f" {j + 1}" for j in range(len(columns))]
+        )
+        labels = COLUMNS.get(name) or [f"{name}{end}" for end in ends]
+        for label, column in zip(labels, columns, strict=False):
             yield {"by": label} | dict(zip(heads, column, strict=True))
