@@ -20,7 +20,7 @@ from .effect_terms import TERMS
 from .parameter_changes import ENTRIES, Change, changed_problem, changes
 from .problem import Problem
 from .rotational_problem import rotational_problem
-from .solve import ROUNDING
+from .solve import EPS, ROUNDING
 from .tangent_march import WIDTH, march_with_tangent
 from .taylor import (
     CHECK_ORDERS,
@@ -37,11 +37,16 @@ from .taylor import (
 from .taylor_coefficients import OMEGA, STATE, Q
 from .taylor_march import DONE, PAUSED, Tables
 
-#: Steps of some 30 µs, in each of up to thirty directions and two series.
+#: Steps of some 15 µs, in each of up to thirty directions and two series.
 MAX_STEPS = 100_000
 STEPS_AT_ONCE = 2_000
-#: An uncertainty above this, relative, has the dearest series asked.
+#: An uncertainty above this, relative, has the next dearer series asked.
 GOOD = 1e-12
+#: Beside a saddle second derivatives are as large as the square of the first, and so is their part
+#: in errors.
+SERIES = (CHECK_ORDERS, TRUTH_ORDERS, FINE_ORDERS, Orders(40, 24))
+#: Of the start and the constants, which all series share: rounded to double-double, relative.
+PAIR = EPS**2
 #: Columns of one kind and unit: of an array, each three.
 KIND = 3
 #: By name, derivatives of six numbers, (n, 6, k).
@@ -130,19 +135,23 @@ def sensitivity(scenario: Scenario, motion: Trajectory) -> Sensitivity:
         translated = {} if pivoted else _translated(scenario, motion, by_name, turned)
         return _named(scenario, turned, single), _named(scenario, translated, single)
 
-    coarser, finer = found(CHECK_ORDERS), found(TRUTH_ORDERS)
-    if max(_apart(coarser, finer, rate).values()) > GOOD:
-        coarser, finer = finer, found(FINE_ORDERS)
+    finer, uncertainty = found(SERIES[0]), {"": np.inf}
+    for orders in SERIES[1:]:
+        if max(uncertainty.values()) > GOOD:
+            coarser, finer = finer, found(orders)
+            uncertainty = _apart(coarser, finer, rate)
     turned, translated = finer
     transition = turned["state_transition"]
+    conditioning = _conditioning(transition, rate)
+    started = PAIR * float(conditioning.max())
     return Sensitivity(
         t=motion.t,
         state_transition=transition,
         parameters={name: turned[name] for name in turned if name != "state_transition"},
         translation=translated or None,
         rate=rate,
-        conditioning=_conditioning(transition, rate),
-        uncertainty=_apart(coarser, finer, rate),
+        conditioning=conditioning,
+        uncertainty={name: value + started for name, value in uncertainty.items()},
     )
 
 
