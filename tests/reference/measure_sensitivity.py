@@ -8,7 +8,7 @@ from time import process_time
 
 import numpy as np
 from differenced import derivatives
-from spincheck.reference import ExactMotion, Sensitivity, sensitivity
+from spincheck.reference import ExactMotion, IntegrationError, Sensitivity, sensitivity
 from spincheck.scenarios import LIBRARY, Scenario, find, load
 from spincheck.scenarios.fastest_rate import fastest_rate
 
@@ -35,6 +35,8 @@ def apart(
         return 0.0
     array = getattr(found, name).reshape(1, 6, -1)[0]
     direction = np.random.default_rng(1).choice([-1.0, 1.0], array.shape[-1])
+    if name == "state_transition":
+        direction *= np.repeat([1.0, rate], 3)
     if name == "spins":
         direction *= [rotor.hinge != "locked" for rotor in scenario.rotors.each]
     right = derivatives(scenario, name, direction, times, 2 * rate)[0, :6]
@@ -60,8 +62,12 @@ def measured(scenario: Scenario) -> dict[str, float]:
 if __name__ == "__main__":
     rows = {}
     for path in find([str(LIBRARY / folder) for folder in sys.argv[1:] or FOLDERS]):
-        rows[path.stem] = measured(load(path))
+        try:
+            rows[path.stem] = measured(load(path))
+        except IntegrationError as error:
+            print(f"{path.stem}: {error}")
+            continue
         print(path.stem, *(f"{name} {x:.1e}" for name, x in rows[path.stem].items()), flush=True)
-    for name in rows[path.stem]:
+    for name in ("seconds", "conditioning", "uncertainty", "from differences"):
         worst = max(rows, key=lambda scene: rows[scene][name])
         print(f"largest {name}: {rows[worst][name]:.1e}, {worst}")
