@@ -203,9 +203,13 @@ def _marched(
         )
         steps += STEPS_AT_ONCE
     if outcome != DONE:
-        why = "take too many steps" if outcome == PAUSED else "leave the range of doubles"
+        why = (
+            f"take more than {MAX_STEPS} steps"
+            if outcome == PAUSED
+            else "leave the range of doubles"
+        )
         raise IntegrationError(
-            f"The derivatives of the motion {why} after {clock[0]:.6g} s, got times up to "
+            f"The derivatives of the motion {why} beyond {clock[0]:.6g} s, got times up to "
             f"{times[-1]:.6g} s. Ask for earlier times."
         )
     return states, tangents

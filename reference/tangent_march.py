@@ -23,9 +23,9 @@ from .taylor_coefficients import (
     STATE,
     Q,
     Terms,
-    accelerate,
     cross_omega,
     extend,
+    support,
 )
 from .taylor_march import (
     CLOCK_TICK,
@@ -78,10 +78,11 @@ def _add_inertia(
     for i in range(3):
         moved = multiply(load(inverses.value, COUNT, n + 1), load(series.value, n + 1, MOVED + i))
         torque = add(turned[i], negative(moved))
-        rate = load(series, n, OTHER + i)
-        gained = multiply(load(constants.value, INVERSE_MOMENT, i), torque)
-        store(series, n, OTHER + i, Dual(rate.value, add(rate.tangent, gained)))
-    accelerate(series, constants, inverses, terms, n)
+        rate, factor = load(series, n, OTHER + i), load(constants.value, INVERSE_MOMENT, i)
+        rate = Dual(rate.value, add(rate.tangent, multiply(factor, torque)))
+        store(series, n, OTHER + i, rate)
+        store(series, n + 1, OMEGA + i, multiply(load(inverses, 0, n + 1), rate))
+    support(series, constants, inverses, terms, n)
 
 
 @kernel

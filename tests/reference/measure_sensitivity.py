@@ -39,7 +39,7 @@ def apart(
         direction *= np.repeat([1.0, rate], 3)
     if name == "spins":
         direction *= [rotor.hinge != "locked" for rotor in scenario.rotors.each]
-    right = derivatives(scenario, name, direction, times, 2 * rate)[0, :6]
+    right = derivatives(scenario, name, direction, times, 2 * max(rate, found.rate))[0, :6]
     unit = np.repeat([1.0, found.rate], 3)
     size = np.abs(right / unit).max()
     return float(np.abs((array @ direction - right) / unit).max() / size) if size else 0.0
