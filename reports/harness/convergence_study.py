@@ -107,6 +107,7 @@ class ConvergenceStudy:
             engine.unsupported(scenario, self.method),
             engine.single_precision,
             rounding_of_body(self.places.condition, engine.ulp) if self.places else 0.0,
+            self.places is not None,
             tuple(self.unmet),
             scenario.document.known,
         )

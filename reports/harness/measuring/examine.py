@@ -18,7 +18,7 @@ from .gain_series import GainSeries
 from .look import Look
 from .noise import SOLVED, ULPS, noise_of, noise_of_steps, rounding_of_body
 from .places import FINER, Places, places
-from .shapes import SURE, fault_of
+from .shapes import SURE, fault_of, without_longer
 from .steps import Sessions, Steps, apart, off_the_constraint, step_gains, steps_from
 
 #: Steps until a constraint has settled, and more steps that show what was left. Bullet removes a
@@ -205,18 +205,22 @@ def _misread(sessions: Sessions, engine: Engine, at: Places) -> StepFault | None
         with sessions.at(at.states.rows(k), float(at.timesteps[0])) as one:
             starts.append(one.read_state())
     reach = Equations(sessions.scenario).reach
-    off = apart(at.states, stacked(starts), reach)[:, :2]
+    # A contact or a joint puts the com where it belongs.
+    off = apart(at.states, stacked(starts), reach)[:, [0, 1, 4]]
     k = int(np.abs(off).max(axis=(1, 2)).argmax())
     if np.abs(off[k]).max() <= 2 * ULPS * max(engine.slack, rounding_of_body(at.condition)):
         return None
-    turn, omega = norms(off[k])
+    turn, omega, spins = norms(off[k])
     zero = (0.0, 0.0, 0.0)
     time = None if np.isnan(at.times[k]) else float(at.times[k])
-    return StepFault("misread", "attitude", time, 0.0, (float(omega), float(turn), 0.0), zero)
+    return StepFault(
+        "misread", "attitude", time, 0.0, (float(omega), float(turn), float(spins)), zero
+    )
 
 
 def evidence_of(look: Look, at: Places, order: int) -> StepEvidence:
     """What a look shows, as it is stored; `order` is the one that is declared."""
+    look, apart_from = without_longer(look)
     known_to, of_an_effect = look.known_to
     return StepEvidence(
         len(at.times),
@@ -228,6 +232,7 @@ def evidence_of(look: Look, at: Places, order: int) -> StepEvidence:
         fault_of(look, at),
         look.settled,
         _changes_below(look),
+        apart_from,
     )
 
 

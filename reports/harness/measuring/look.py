@@ -31,6 +31,13 @@ class Look:
     settled: int
     may_split: bool = True
 
+    def from_timestep(self, first: int) -> "Look":
+        """Without the longest timesteps."""
+        steps = self.steps.from_timestep(first)
+        return Look(
+            self.equations, steps, self.gains[first:], self.noise[first:], self.settled, False
+        )
+
     @cached_property
     def series(self) -> tuple[GainSeries, ...]:
         """The series of each quantity."""

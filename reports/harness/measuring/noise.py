@@ -17,7 +17,6 @@ import numpy as np
 
 from ....engines import Engine
 from ....engines.checks.equations import Equations
-from ....engines.checks.precision import single_precision
 from ....engines.checks.read_back import State
 from ....scenarios import FloatArray, push
 from ....scenarios.rotation import norms
@@ -36,12 +35,6 @@ NEGLIGIBLE = 2e-6
 NO_SIZE = 1e-150
 
 
-def rounding_of(engine: Engine, states: State) -> float:
-    """The relative rounding of states as an engine holds them, whether it declares it or not."""
-    is_single = engine.single_precision or single_precision(states)
-    return float(np.finfo(np.float32 if is_single else float).eps)
-
-
 def rounding_of_body(condition: float, ulp: float = float(np.finfo(float).eps)) -> float:
     """What rounding of its moments changes of a body's angular acceleration, relative."""
     return ULPS * ulp * condition
@@ -51,7 +44,7 @@ def noise_of(
     equations: Equations, steps: Steps, engine: Engine, condition: float, *, settled: bool
 ) -> FloatArray:
     """The standard deviation of the mean gain of the repeats, of derived sources, (J, K, 4)."""
-    scenario, rounding = equations.scenario, ULPS * rounding_of(engine, steps.before)
+    scenario, rounding = equations.scenario, ULPS * engine.ulp
     spans, sizes = steps.timesteps[:, None], largest_terms(equations, steps)
     of_body = rounding * condition
     held = of_body if engine.single_precision else max(engine.slack, of_body)
