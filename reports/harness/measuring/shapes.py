@@ -57,9 +57,11 @@ def without_longer(look: Look) -> tuple[Look, float]:
 
 
 def _worst(look: Look) -> tuple[int, int]:
-    """The quantity and the state that are the least likely."""
-    q = int(np.argmin([one.tail for one in look.series]))
-    return q, int(look.series[q].least_tails.argmin())
+    """The quantity and the state that are the least likely; what leaps, of those alike."""
+    tails = [one.tail for one in look.series]
+    alike = [q for q, tail in enumerate(tails) if tail == min(tails)]
+    pairs = [(q, int(look.series[q].least_tails.argmin())) for q in alike]
+    return next((pair for pair in pairs if _shape(look, *pair)[0] == "leap"), pairs[0])
 
 
 def fault_of(look: Look, at: Places) -> StepFault | None:

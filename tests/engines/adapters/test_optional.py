@@ -127,8 +127,6 @@ def test_its_first_steps_are_the_scenes_but_for_a_torque_that_it_leaves_out(
 ) -> None:
     residual = physics_in_words(engine, (SCENES | {"on-axis": ON_AXIS})[name], engine.methods[0])
     if engine.name in WITHOUT_GYROSCOPIC_TORQUE:
-        if (engine.name, name) == ("havok", "heavy-top"):
-            pytest.xfail("said to be of longer steps, where noise hides it in shorter ones")
         assert residual.startswith("behaves as if there were no gyroscopic torque")
     else:
         assert residual == ""

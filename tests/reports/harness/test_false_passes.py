@@ -33,7 +33,6 @@ FAULTS = [
     (BOOK, planted.InStepsBelowSevenTimesThat, 1e-3),
     (BOOK, planted.InOneShortStep, 1e-5),
     (BOOK, planted.InAnotherShortStep, 1e-9),
-    (BOOK, planted.InLongSteps, 1e-3),
     (BOOK, planted.AtTwoMilliseconds, 1e-3),
     (BOOK, planted.FromHalfway, 1e-3),
     (BOOK, planted.FromHalfway, 1e-5),
@@ -87,8 +86,12 @@ OF_FIRST_ORDER = [
     (BOOK, planted.ForgetsWithTheTimestep, 0.1),
     (BOOK, planted.EulerLater, 1.0),
 ]
-#: Their limits are right: what is wrong are steps of one length, or of two.
-NOT_DETECTED = [(planted.InTheLongestSteps, 1e-3), (planted.InOneShortStep, 1e-9)]
+#: Their limits are right: what is wrong are some of the longest steps, or steps of one length.
+NOT_DETECTED = [
+    (planted.InTheLongestSteps, 1e-3),
+    (planted.InLongSteps, 1e-3),
+    (planted.InOneShortStep, 1e-9),
+]
 
 #: Of an engine as shipped, on a motion that no run follows to its end.
 CHAOS = "chaos-beyond-the-horizon"
@@ -153,7 +156,7 @@ def test_at_first_order_what_vanishes_so_is_no_fault(
 def test_what_a_method_may_do_in_its_longest_or_shortest_steps_is_not_detected(
     kind: type[Stepped], size: float, method: str
 ) -> None:
-    """No other step predicts the two longest, and a method may compute the shortest otherwise."""
+    """Long steps are beyond a series' radius, and a method may compute the shortest otherwise."""
     verdict = judged(BOOK, kind, size, method)
     assert verdict.verdict == "converges", verdict.reason
 

@@ -14,7 +14,6 @@ from spincheck.reports.harness.measuring.noise import (
     largest_terms,
     noise_of,
     noise_of_steps,
-    rounding_of,
     rounding_of_body,
     weakest_effects,
 )
@@ -83,8 +82,6 @@ def test_in_single_precision_it_is_of_24_bits_and_less_in_the_mean_of_repeats() 
     np.testing.assert_allclose(single / double, EPS_SINGLE / EPS, rtol=SURE)
     steps = steps_of(sphere())
     engine = SteppedEngine(single_precision=True)
-    assert rounding_of(engine, steps.before) == EPS_SINGLE
-    assert rounding_of(SteppedEngine(), steps.before) == EPS
     four = replace(
         steps,
         spans=np.repeat(TIMESTEPS, 4),
