@@ -27,9 +27,9 @@ from ....scenarios.rotation import norms
 from ...results.evidence import LEVEL, QUANTITIES, ReplayEvidence, StepEvidence
 from ...results.records import LARGEST
 from ..ladder import Rung
-from .examine import examined
+from .examine import examine
 from .gain_series import fitted
-from .noise import NOISE, ULPS, largest_terms
+from .noise import NOISE, ULPS, largest_terms, rounding_of_body
 from .places import Places, states_of
 from .steps import Sessions, Steps, apart, flowed, step_gains
 
@@ -37,6 +37,10 @@ from .steps import Sessions, Steps, apart, flowed, step_gains
 INTERVALS, OPENED = 64, 8
 #: Intervals that are run from changed states too, to see what rounding grows to.
 CHANGED = 5
+#: Part of a memory of impulses that need not be a smooth function of the timestep.
+SMOOTH = 0.1
+#: rad, or relative: changes that have grown to this are as large as the motion.
+LOST = 0.1
 #: Steps of a run that is made to be replayed where there is none.
 BEGINNING = 4096
 #: Steps before and after a restart that show a memory, and the factor by which a run may differ
@@ -86,18 +90,19 @@ def examine_runs(
         return engine.open(scene, method, timestep)
 
     try:
-        with Sessions(open_at, scenario, float(at.timesteps[0])) as sessions:
-            runs = [*ladder[-1:], *others] or [_beginning(sessions, at)]
-            replays = [_replay(sessions, engine, run) for run in runs]
+        runs = [*ladder[-1:], *others]
+        timestep = runs[0].rung.timestep if runs else float(at.timesteps[0])
+        with Sessions(open_at, scenario, timestep) as sessions:
+            runs = runs or [_beginning(sessions, at)]
+            replays = [_replay(sessions, engine, run, at.condition) for run in runs]
             shown = [one.evidence for one in replays]
             if any(one.tail < LEVEL for one in shown):
-                shown = _with_memory(sessions, engine, at, replays, method.order)
+                shown = _with_memory(sessions, engine, at, replays, method.order, found.settled)
             own = _own_places(sessions, at, runs, found)
-        if own is None:
-            return tuple(shown), None, ""
-        return tuple(shown), examined(open_at, engine, scenario, own, method), ""
     except (EngineError, IntegrationError) as error:
-        return tuple(shown), None, str(error)
+        return tuple(shown), None, "" if shown else str(error)
+    own_steps = examine(engine, scenario, method_name, own) if own else None
+    return tuple(shown), own_steps, ""
 
 
 def _beginning(sessions: Sessions, at: Places) -> MadeRun:
@@ -126,7 +131,7 @@ class _Replay:
     evidence: ReplayEvidence
 
 
-def _replay(sessions: Sessions, engine: Engine, run: MadeRun) -> _Replay:
+def _replay(sessions: Sessions, engine: Engine, run: MadeRun, condition: float) -> _Replay:
     edges = _edges(len(run.motion.t), sessions.first.can_restart)
     first, last = edges[:-1], edges[1:]
     states, reach = states_of(run.motion), Equations(sessions.scenario).reach
@@ -147,30 +152,65 @@ def _replay(sessions: Sessions, engine: Engine, run: MadeRun) -> _Replay:
     starts = [states.rows(int(k)) for k in first]
     made = {int(k): again(int(k), starts[k]) for k in chance.permutation(len(starts))}
     ends = stacked([made[k] for k in range(len(starts))])
-    off = apart(ends, states.rows(last), reach)
-    squares = np.nan_to_num((off**2).sum(axis=(1, 2)), nan=np.inf)
-    worst = np.argsort(squares)[-CHANGED:]
+    off = np.nan_to_num(apart(ends, states.rows(last), reach), nan=np.inf)
+    sizes = np.sqrt((off**2).sum(axis=(1, 2)))
+    worst = np.argsort(sizes)[-CHANGED:]
+    k = int(worst[-1])
+    twice = stacked([again(k, starts[k])])
+    spread = float(np.nan_to_num(np.abs(apart(twice, ends.rows(worst[-1:]), reach)).max()))
+    noise = _noise(sessions.scenario, engine, run, states, condition, steps)
     # So large a change is no noise of the engine, of which nothing may be excused by itself.
     change = float(np.sqrt(max(NOISE, engine.ulp)))
     speed = change * float(norms(states.omega_body).max())
-    changed = [again(int(k), _changed(starts[k], speed)) for k in worst]
-    grown = np.abs(apart(stacked(changed), ends.rows(worst), reach)).max() / change
-    growth = max(1.0, float(np.nan_to_num(grown, nan=1.0)))
-    noise = max(NOISE, ULPS * engine.ulp) * growth * np.sqrt(steps)
-    tails = chdtrc(off[0].size, squares / noise**2)
+    changed = stacked([again(int(k), _changed(starts[int(k)], speed)) for k in worst])
+    grown = np.abs(apart(changed, ends.rows(worst), reach)).max(axis=(1, 2))
+    # Where a change has grown to the motion's own size no more can be said of an interval.
+    is_lost = (grown > LOST) & (spread <= LOST * change)
+    growth = float(max(1.0, np.nan_to_num(np.minimum(grown, LOST) / change, nan=1.0).max()))
+    squares = ((off / (growth * noise)[:, :, None]) ** 2).sum(axis=(1, 2))
+    squares[worst[is_lost]] = 0.0
+    tails = chdtrc(off[0].size, squares)
     turns = np.diff(run.motion.t[edges])
     turns *= np.maximum(norms(states.omega_body)[first], 1 / run.motion.t[-1])
     tail = float(min(1.0, tails.min() * len(tails)))
-    largest = min(LARGEST, float((np.sqrt(squares) / turns).max()))
+    largest = min(LARGEST, float((sizes / turns)[squares.argmax()]))
     evidence = ReplayEvidence(run.rung.timestep, len(tails), tail, largest)
     if tail < LEVEL:
-        differing = int(np.argmax(tails * len(tails) < LEVEL))
-        k = int(tails.argmin())
-        one, other = (stacked([again(k, starts[k])]) for _ in range(2))
-        spread = np.nan_to_num(np.abs(apart(one, other, reach)).max() / turns[k])
-        since = float(run.motion.t[first[differing]])
-        evidence = replace(evidence, since=since, spread=min(LARGEST, float(spread)))
-    return _Replay(float(np.sqrt(squares.max())), growth, evidence)
+        since = float(run.motion.t[first[int(np.argmax(tails * len(tails) < LEVEL))]])
+        is_chance = spread > growth * float(noise[k].max())
+        spread = min(LARGEST, spread / turns[k]) if is_chance else 0.0
+        evidence = replace(evidence, since=since, spread=spread)
+    return _Replay(float(sizes[squares.argmax()]), growth, evidence)
+
+
+def _noise(
+    scenario: Scenario,
+    engine: Engine,
+    run: MadeRun,
+    states: State,
+    condition: float,
+    steps: NDArray[np.int64],
+) -> FloatArray:
+    """The noise of n intervals in each quantity of `apart`, of the sources of `noise.py`, (n, 5).
+
+    Rounding of steps adds up as a random walk; that of where a body is, which hardly changes, adds
+    up in one direction.
+    """
+    walk = max(NOISE, rounding_of_body(condition, engine.ulp)) * np.sqrt(steps)
+    noise = np.repeat(walk[:, None], 5, axis=1)
+    if scenario.constraint.is_pivot:
+        return noise
+    speed = float(norms(states.omega_body).max())
+    body, rounding = scenario.body, ULPS * engine.ulp * run.rung.timestep * steps[:, None]
+    equations, fast = Equations(scenario), float(norms(states.velocity_world).max())
+    if speed:
+        torque = body.mass * (fast + equations.arm * speed) ** 2
+        noise += rounding * torque / (float(body.principal_moments[0]) * speed)
+    if states.spins.size:
+        force, _ = scenario.cancelling(np.abs(states.spins))
+        scale = fast + equations.reach * speed
+        noise[:, 2:4] += rounding * float(force.max()) / (body.mass * scale) if scale else 0.0
+    return noise
 
 
 def _edges(samples: int, can_restart: bool) -> NDArray[np.intp]:
@@ -190,7 +230,12 @@ def _changed(state: State, speed: float) -> State:
 
 
 def _with_memory(
-    sessions: Sessions, engine: Engine, at: Places, replays: list[_Replay], declared: int
+    sessions: Sessions,
+    engine: Engine,
+    at: Places,
+    replays: list[_Replay],
+    declared: int,
+    settled: int,
 ) -> list[ReplayEvidence]:
     """What replays show, where a memory that vanishes with the timestep may explain it.
 
@@ -199,26 +244,34 @@ def _with_memory(
     any other. It explains a run that differs from its replays by no more.
     """
     equations, timesteps = Equations(sessions.scenario), at.timesteps
+    remembered = max(REMEMBERED, settled)
+    # Of a constraint that has settled its memory is in what steps gain: that of a restart vanishes.
+    spans = np.full_like(timesteps, timesteps[0]) if settled else timesteps
     at_once, restarted = [], []
+    if not sessions.first.can_restart:
+        at = at.thinned(OPENED)
     for timestep in map(float, timesteps):
         for k in range(len(at.times)):
             with sessions.at(at.states.rows(k), timestep) as session:
-                session.advance(REMEMBERED)
+                session.advance(remembered)
                 middle = session.read_state()
-                session.advance(REMEMBERED)
+                session.advance(remembered)
                 at_once.append(session.read_state())
             with sessions.at(middle, timestep) as session:
-                session.advance(REMEMBERED)
+                session.advance(remembered)
                 restarted.append(session.read_state())
     off = apart(stacked(at_once), stacked(restarted), equations.reach)
-    gains = off.reshape(len(timesteps), -1, *off.shape[1:]) / timesteps[:, None, None, None]
-    noise = max(NOISE, ULPS * engine.ulp) * np.sqrt(REMEMBERED) / timesteps
+    gains = off.reshape(len(timesteps), -1, *off.shape[1:]) / spans[:, None, None, None]
+    sizes = np.abs(gains).max(axis=(1, 2, 3))
+    noise = max(NOISE, ULPS * engine.ulp) * np.sqrt(remembered) / spans
+    if settled:
+        # Impulses are no smooth function of the timestep.
+        noise = np.hypot(noise, SMOOTH * sizes)
     table = np.broadcast_to(noise[:, None], gains.shape[:2])
     series = [fitted(timesteps, gains[:, :, q], table, LEVEL) for q in range(gains.shape[2])]
     tail = min(1.0, *(len(series) * one.tail for one in series))
-    sizes = np.abs(gains).max(axis=(1, 2, 3))
     shown = [one.evidence for one in replays]
-    if tail < LEVEL or not (sizes > EXPLAINED * noise).any():
+    if tail < LEVEL or not (sizes > noise).any():
         return shown
     order = min(
         one.order
@@ -227,7 +280,7 @@ def _with_memory(
     )
     return [
         replace(evidence, tail=tail, order=order, declared=declared)
-        if one.off / evidence.timestep
+        if one.off / (float(timesteps[0]) if settled else evidence.timestep)
         <= EXPLAINED * one.growth * np.interp(evidence.timestep, timesteps[::-1], sizes[::-1])
         else evidence
         for one, evidence in zip(replays, shown, strict=True)
@@ -282,7 +335,10 @@ def _ratios(scenario: Scenario, run: MadeRun, found: StepEvidence) -> FloatArray
         equations, steps
     )
     ratios = [np.zeros(len(spans))]
-    for curve in found.curves:
-        most = np.interp(run.rung.timestep, curve.timesteps[::-1], curve.largest[::-1])
-        ratios.append(gains[:, QUANTITIES.index(curve.quantity)] / max(float(most), READABLE))
+    curves = {curve.quantity: curve for curve in found.curves}
+    for q, quantity in enumerate(QUANTITIES):
+        most = 0.0
+        if curve := curves.get(quantity):
+            most = float(np.interp(run.rung.timestep, curve.timesteps[::-1], curve.largest[::-1]))
+        ratios.append(gains[:, q] / max(most, READABLE))
     return np.asarray(np.max(ratios, axis=0))

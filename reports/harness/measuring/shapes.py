@@ -19,6 +19,8 @@ from .gain_series import LEAST, fitted
 from .look import Look
 from .places import Places
 
+#: So many of the shortest steps have to vanish where longer ones do something else.
+VANISHING = 8
 #: So many of the shortest steps have to show that an error does not depend on their length.
 LEAPS = 4
 #: Standard errors of a limit within which an explanation must come.
@@ -50,7 +52,7 @@ def without_longer(look: Look) -> tuple[Look, float]:
         is_sharp = SURE * shorter.series[q].known_to[k] < off
         return shorter if is_sharp and shorter.tail >= LEVEL else None
 
-    if from_on(count - LEAST) is None:
+    if count <= VANISHING or from_on(count - VANISHING) is None:
         return look, 0.0
     first = next(first for first in range(1, count) if from_on(first))
     return look.from_timestep(first), float(look.steps.timesteps[first - 1])
