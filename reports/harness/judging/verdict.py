@@ -7,7 +7,7 @@ second by replays; each has a tail, which is held to one level.
 
 from dataclasses import replace
 
-from ...results.evidence import CONSISTENT, Evidence
+from ...results.evidence import CONSISTENT
 from ...results.verdict_words import VerdictWord
 from ...results.verdicts import Verdict
 from .expected_failures import compared_with_expected_failures
@@ -44,10 +44,14 @@ def _judged(records: Records) -> tuple[VerdictWord, str]:
         return last.outcome, last.ending_in_words
     # Of an engine as shipped: how its model differs from the scene.
     quoted = last.reason if last and last.cause != "law" else ""
-    if is_wrong(evidence) or (last and last.cause == "precision"):
+    faults = (one.fault for one in (evidence.steps, evidence.own_steps) if one)
+    if any(faults) or (last and last.cause == "precision"):
         return "disagrees", quoted
+    # Runs that blow up cannot be replayed to any accuracy.
     if last and last.outcome == "diverged":
         return "diverges", last.ending_in_words
+    if any(one.is_wrong for one in evidence.replays):
+        return "disagrees", quoted
     if evidence.refusal:
         return "unresolved", f"it cannot be examined from other states: {evidence.refusal}"
     if evidence.steps is None:
@@ -57,10 +61,3 @@ def _judged(records: Records) -> tuple[VerdictWord, str]:
     if not evidence.replays and records.is_replayed:
         return "unresolved", "; ".join(filter(None, (quoted, "no run could be run again")))
     return "converges", ""
-
-
-def is_wrong(evidence: Evidence) -> bool:
-    """Whether steps are inconsistent, or depend on more than the state."""
-    if any(one and one.fault for one in (evidence.steps, evidence.own_steps)):
-        return True
-    return any(one.is_wrong for one in evidence.replays)
