@@ -15,7 +15,8 @@ def is_down(records: Records) -> bool:
     if records.is_hopeless(last) or _diverges_at_any_timestep(records):
         return True
     most = DECIDED_STEPS * (2 if records.order >= HIGH_ORDER else 1)
-    if 2 * last.steps > (EXCESS if count < LEAST_RUNGS else 1) * most:
+    # Where a run blew up a finer one may tell whether the method does.
+    if 2 * last.steps > (EXCESS if count < LEAST_RUNGS or last.outcome != "ok" else 1) * most:
         return True
     errors = [max(value for _, value in row.errors) for row in records.rows[-3:] if row.errors]
     if count < MIN_RUNGS or len(errors) < 3:

@@ -30,7 +30,7 @@ from ..ladder import Rung
 from .examine import examine
 from .gain_series import fitted
 from .noise import NOISE, ULPS, largest_terms
-from .places import Places, states_of
+from .places import FINER, Places, states_of
 from .steps import Sessions, Steps, apart, flowed, step_gains
 
 #: Intervals of a run at most; where a scene is opened anew for each, which takes long.
@@ -107,7 +107,7 @@ def examine_runs(
 
 def _beginning(sessions: Sessions, at: Places) -> MadeRun:
     """The first steps of a motion of which no run was made, as it takes too many steps."""
-    timestep, strides = float(at.timesteps[0]), [0, *[BEGINNING // INTERVALS] * INTERVALS]
+    timestep, strides = float(at.timesteps[FINER]), [0, *[BEGINNING // INTERVALS] * INTERVALS]
     snapshots: list[object] = []
     with sessions.at(at.states.rows(0), timestep) as session:
         session.record(strides, snapshots.append)
@@ -124,10 +124,12 @@ class _Replay:
     ----------
     off : the largest difference, as `apart` has it
     growth : the factor by which a small change of a state grows in an interval
+    steps : of the longest interval
     """
 
     off: float
     growth: float
+    steps: int
     evidence: ReplayEvidence
 
 
@@ -180,7 +182,7 @@ def _replay(sessions: Sessions, engine: Engine, run: MadeRun) -> _Replay:
         is_chance = spread > growth * float(noise[k].max())
         spread = min(LARGEST, spread / turns[k]) if is_chance else 0.0
         evidence = replace(evidence, since=since, spread=spread)
-    return _Replay(float(sizes[squares.argmax()]), growth, evidence)
+    return _Replay(float(sizes[squares.argmax()]), growth, int(steps.max()), evidence)
 
 
 def _noise(
@@ -277,12 +279,20 @@ def _with_memory(
         for q, one in enumerate(series)
         if (np.abs(gains[:, :, q]).max(axis=(1, 2)) > EXPLAINED * noise).any()
     )
+
+    def explains(one: _Replay) -> bool:
+        timestep = one.evidence.timestep
+        size = float(np.interp(timestep, timesteps[::-1], sizes[::-1]))
+        # What is left of an impulse goes on for as long as an interval lasts.
+        lasting = max(1.0, one.steps / remembered) if settled else 1.0
+        span = float(timesteps[0]) if settled else timestep
+        return one.off <= EXPLAINED * one.growth * lasting * size * span
+
     return [
-        replace(evidence, tail=tail, order=order, declared=declared)
-        if one.off / (float(timesteps[0]) if settled else evidence.timestep)
-        <= EXPLAINED * one.growth * np.interp(evidence.timestep, timesteps[::-1], sizes[::-1])
-        else evidence
-        for one, evidence in zip(replays, shown, strict=True)
+        replace(one.evidence, tail=tail, order=order, declared=declared)
+        if explains(one)
+        else one.evidence
+        for one in replays
     ]
 
 
