@@ -142,7 +142,7 @@ def _gained(fault: StepFault) -> str:
     """What a quantity of a gain is, and what it should be."""
     size = max(map(abs, fault.wanted)) or 1.0
     part = max(abs(a - b) for a, b in zip(fault.got, fault.wanted, strict=True)) / size
-    digits = DIGITS + max(0, math.ceil(-math.log10(part or 1.0)) - 1)
+    digits = DIGITS + max(0, math.ceil(-math.log10(min(part, 1.0) or 1.0)) - 1)
     got, wanted = (
         f"[{', '.join(f'{value:.{digits}g}' for value in one)}]"
         for one in (fault.got, fault.wanted)
