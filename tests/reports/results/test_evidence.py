@@ -1,5 +1,6 @@
 """Evidence from a file may be anybody's: what no judging can have made is refused."""
 
+import json
 from dataclasses import replace
 
 import pytest
@@ -20,9 +21,7 @@ def path(tmp_path):
 
 def steps(path, **changed: object) -> None:
     """Forge the steps of the one piece of evidence."""
-    with open_store(path) as store:
-        (stored,) = store.read().evidence
-    as_json = EVIDENCE._adapter.dump_python(stored, mode="json")["steps"]
+    as_json = json.loads(EVIDENCE.columns(small_result_file.EVIDENCE)["record"])["steps"]
     forge(path, [("evidence", "record.steps")], as_json | changed)
 
 
