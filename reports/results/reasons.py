@@ -48,8 +48,8 @@ def reason_in_words(
     if word == "disagrees":
         parts += [fault_in_words(one.fault) for one in (steps, own_steps) if one and one.fault]
         parts += [_replay(one) for one in replays if one.is_wrong]
-    if quoted:
-        parts.append(quoted)
+    # A run is cut off for the same fault, in the same words.
+    parts += [part for part in quoted.split("; ") if part and part not in parts]
     if word == "converges" and steps:
         parts.append(_consistent(steps, replays))
     if word == "unresolved" and steps and not steps.is_known:
@@ -75,12 +75,10 @@ def _consistent(steps: StepEvidence, replays: Sequence[ReplayEvidence]) -> str:
         f"at order {steps.order}{settled}"
     ]
     if replays:
-        runs = " and ".join(f"{one.timestep:.3g}" for one in replays)
+        runs = ", ".join(f"{one.timestep:.3g}" for one in replays)
         off = max(one.off for one in replays)
-        parts.append(
-            f"each interval of the runs at {runs} s is the same from its own start, to {off:.1e} "
-            "a radian"
-        )
+        to = f"{off:.1e} a radian" if off else "the last bit"
+        parts.append(f"each interval of runs at {runs} s is the same from its own start, to {to}")
     if order := max((one.order for one in replays), default=0):
         parts[-1] += f", which vanishes with the timestep at order {order}"
     if steps.changes_below:

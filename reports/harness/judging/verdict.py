@@ -54,7 +54,8 @@ def _judged(records: Records) -> tuple[VerdictWord, str]:
     if last and last.outcome == "diverged":
         return "diverges", last.ending_in_words
     if evidence.steps is None:
-        return "unresolved", quoted or "no step could be taken from the states of the motion"
+        no_steps = "no step could be taken from the states of the motion"
+        return "unresolved", quoted or evidence.refusal or no_steps
     if evidence.refusal:
         return "unresolved", f"its runs cannot be run again from their states: {evidence.refusal}"
     if not evidence.steps.is_known:

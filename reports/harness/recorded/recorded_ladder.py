@@ -90,6 +90,11 @@ def study_of_files(
     study = ConvergenceStudy(scenario, engine, engine.methods[0], solution, ladder)
     resolution = max(one.resolution for one in by_timestep)
     study.steps = _steps(study, np.array(timesteps), at_times, resolution)
+    if study.steps is None:
+        study.refusal = (
+            f"a verdict takes {FEWEST_FILES} files at halved timesteps or more, of which the first "
+            f"is within {TOGETHER:g} rad of the exact motion for an interval, got {len(motions)}"
+        )
     _take(study, dict(zip(timesteps, at_times, strict=True)))
     return study
 

@@ -1,6 +1,7 @@
 """What single steps gain against the timestep, and what the model of verdicts predicts of it."""
 
 from collections.abc import Iterator
+from html import escape
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,6 +22,8 @@ NOT_PREDICTED = 2
 #: parts of it.
 BESIDE, ABOVE, BELOW = 1.3, 3.0, 0.1
 HEIGHT, MARKER, RING = 360, 6, 15
+#: So few methods that a panel is of are named: the others have nothing but noise there.
+FEW = 3
 
 
 def gain_figures(scene: SceneRuns) -> list[Figure]:
@@ -45,7 +48,8 @@ def _is_shown(curve: GainCurve) -> bool:
 
 
 def _figure(scene: SceneRuns, quantity: Quantity) -> Figure:
-    shown = list(_curves(scene, quantity))
+    shown = [(runs, curve) for runs, curve in _curves(scene, quantity) if _is_shown(curve)]
+    alone = f" of {' and '.join(runs.label for runs, _ in shown)} alone" if len(shown) < FEW else ""
     timesteps = [h for _, curve in shown for h in curve.timesteps]
     noise = min(min(curve.predicted_to[NOT_PREDICTED:]) for _, curve in shown)
     largest = max(max(curve.gains) for _, curve in shown)
@@ -53,7 +57,7 @@ def _figure(scene: SceneRuns, quantity: Quantity) -> Figure:
     panel = Panel(
         "timestep, s",
         "gain a second, relative",
-        quantity.capitalize(),
+        f"{quantity.capitalize()}{escape(alone, quote=False)}",
         log_x=True,
         x_range=(min(timesteps) / BESIDE, max(timesteps) * BESIDE),
         log_y=True,
