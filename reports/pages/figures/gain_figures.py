@@ -49,7 +49,9 @@ def _is_shown(curve: GainCurve) -> bool:
 
 def _figure(scene: SceneRuns, quantity: Quantity) -> Figure:
     shown = [(runs, curve) for runs, curve in _curves(scene, quantity) if _is_shown(curve)]
-    alone = f" of {' and '.join(runs.label for runs, _ in shown)} alone" if len(shown) < FEW else ""
+    examined = sum(bool(runs.evidence and runs.evidence.steps) for runs in scene.methods)
+    is_few = len(shown) < min(FEW, examined)
+    alone = f" of {' and '.join(runs.label for runs, _ in shown)} alone" if is_few else ""
     timesteps = [h for _, curve in shown for h in curve.timesteps]
     noise = min(min(curve.predicted_to[NOT_PREDICTED:]) for _, curve in shown)
     largest = max(max(curve.gains) for _, curve in shown)
