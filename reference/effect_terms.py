@@ -7,8 +7,8 @@ is why the equations are about the body's origin.
 """
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
-from typing import Any, Literal
+from dataclasses import dataclass, replace
+from typing import Any, Literal, NamedTuple
 
 from mpmath import mpf
 
@@ -16,6 +16,7 @@ from ..scenarios import Scenario
 from ..scenarios.effects.rotors import gyroscopic_rate
 from ..scenarios.exact import ZERO, Quaternion, Vector, rotate, vector
 from ..scenarios.gyrostat import kept_exact
+from ..scenarios.principal import IDENTITY
 from .fact import Fact
 from .problem import Problem
 from .symmetry import moment_about, norm, symmetry_axis
@@ -39,8 +40,33 @@ from .taylor_coefficients import (
 Form = Literal["lever", "world", "constant", "linear", "plane", "momentum"]
 
 
+#: Changes of a problem, by its attributes, in extended precision.
+Numbers = dict[str, Any]
+#: Those by parameters: by the components of a vector in a list, by a single number in none.
+ByParameter = dict[str, list[Numbers] | Numbers]
+
+
+class BodyChange(NamedTuple):
+    """A change of `[body]`: of its mass, kg, and, in body axes, of Σ m r, kg m, and of its lever.
+
+    The lever, m, is the vector to the com from what holds the body.
+    """
+
+    mass: mpf
+    moment_body: Vector
+    lever_body: Vector
+
+
 def _no_facts(scenario: Scenario, problem: Problem) -> Iterator[Fact]:  # noqa: ARG001
     yield from ()
+
+
+def _no_parameters(scenario: Scenario, q: Quaternion) -> ByParameter:  # noqa: ARG001
+    return {}
+
+
+def _no_change(*_: object) -> Numbers:
+    return {}
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,6 +81,10 @@ class EffectTerms:
     constants : by row of the table of constants, for one axis i and the next two j and k
     keeps : the conservation laws that hold still where it turns the body, by name
     facts : derived numbers of a scene that it gives rise to
+    parameters : what one more of each of its own numbers changes of those that are posed; all
+        constants are linear in these
+    by_omega, by_body : the same of one more rad/s at the start along an axis of the body, and of
+        a change of the body
     """
 
     form: Form
@@ -63,6 +93,9 @@ class EffectTerms:
     constants: Callable[[Problem, int, int, int], dict[int, mpf]]
     keeps: frozenset[str] = frozenset()
     facts: Callable[[Scenario, Problem], Iterator[Fact]] = _no_facts
+    parameters: Callable[[Scenario, Quaternion], ByParameter] = _no_parameters
+    by_omega: Callable[[Scenario, Vector], Numbers] = _no_change
+    by_body: Callable[[Scenario, Quaternion, BodyChange], Numbers] = _no_change
 
     @property
     def pulls(self) -> bool:
@@ -92,6 +125,10 @@ GRAVITY = EffectTerms(
         GRAVITY_WORLD: problem.gravity_world[i],
     },
     keeps=frozenset({"energy", "L_vertical", "L_axial"}),
+    parameters=lambda *_: {"gravity": [{"gravity_world": unit} for unit in IDENTITY]},
+    by_body=lambda scenario, q, change: (
+        {"lever_axes": rotate(q, change.moment_body)} if scenario.constraint.is_pivot else {}
+    ),
 )
 
 
@@ -109,6 +146,7 @@ DRAG = EffectTerms(
     turns=lambda problem: bool(problem.drag),
     constants=lambda problem, i, *_: {LINEAR: -problem.drag / problem.moments[i]},
     facts=_spin_down,
+    parameters=lambda *_: {"drag": {"drag": mpf(1)}},
 )
 
 TORQUE_OF_BODY = EffectTerms(
@@ -117,6 +155,7 @@ TORQUE_OF_BODY = EffectTerms(
     turns=lambda problem: any(problem.torque_axes),
     constants=lambda problem, i, *_: {CONSTANT: problem.torque_axes[i] / problem.moments[i]},
     keeps=frozenset({"L_axial"}),
+    parameters=lambda _, q: {"torque_body": [{"torque_axes": rotate(q, u)} for u in IDENTITY]},
 )
 
 TORQUE_OF_WORLD = EffectTerms(
@@ -125,6 +164,7 @@ TORQUE_OF_WORLD = EffectTerms(
     turns=lambda problem: any(problem.torque_world),
     constants=lambda problem, i, *_: {TORQUE_WORLD: problem.torque_world[i]},
     keeps=frozenset({"L_world", "L_vertical"}),
+    parameters=lambda *_: {"torque_world": [{"torque_world": unit} for unit in IDENTITY]},
 )
 
 
@@ -135,6 +175,11 @@ def _posed_table(scenario: Scenario, q: Quaternion) -> dict[str, Vector | mpf]:
     x, y, z = rotate(q, scenario.constraint.lever_exact)
     radius, mass = mpf(table.radius), scenario.body.mass_exact
     return {"tip_axes": (-x, -y, -z), "tip_radius": radius, "mass": mass}
+
+
+def _body_on_table(scenario: Scenario, q: Quaternion, change: BodyChange) -> Numbers:  # noqa: ARG001
+    x, y, z = rotate(q, change.lever_body)
+    return {"tip_axes": (-x, -y, -z), "mass": change.mass}
 
 
 TABLE = EffectTerms(
@@ -152,6 +197,7 @@ TABLE = EffectTerms(
         )[i],
     },
     keeps=GRAVITY.keeps,
+    by_body=_body_on_table,
 )
 
 
@@ -160,6 +206,21 @@ def _momentum_of_rotors(scenario: Scenario, problem: Problem) -> Iterator[Fact]:
         kept, rate = float(norm(problem.kept_momentum)), gyroscopic_rate(scenario)
         yield Fact("rotors' momentum", kept, "kg m²/s", "‖h‖, what free and driven hinges keep")
         yield Fact("gyroscopic rate", rate, "rad/s", "‖h‖ over the least moment across h")
+
+
+def _spins(scenario: Scenario, q: Quaternion) -> ByParameter:  # noqa: ARG001
+    rotors = scenario.rotors.each
+    return {
+        "spins": [
+            {"kept": [one.along * (one is other and one.hinge != "locked") for other in rotors]}
+            for one in rotors
+        ]
+    }
+
+
+def _kept_of_omega(scenario: Scenario, omega_body: Vector) -> Numbers:
+    still = [replace(rotor, spin=mpf(0)) for rotor in scenario.rotors.each]
+    return {"kept": [kept_exact(rotor, omega_body) for rotor in still]}
 
 
 ROTORS = EffectTerms(
@@ -174,6 +235,8 @@ ROTORS = EffectTerms(
     constants=lambda problem, i, *_: {MOMENTUM: problem.kept_momentum[i]},
     keeps=frozenset({"energy", "L_world", "L_norm", "L_vertical"}),
     facts=_momentum_of_rotors,
+    parameters=_spins,
+    by_omega=_kept_of_omega,
 )
 
 #: By the effect's name.

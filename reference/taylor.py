@@ -10,6 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 from mpmath import mpf, workprec
+from numpy.typing import NDArray
 
 from ..scenarios import FloatArray
 from .doubledouble import split
@@ -170,15 +171,25 @@ def _march(problem: Problem, times: FloatArray, orders: Orders, states: Tables) 
         )
 
 
-def terms_of(problem: Problem) -> Terms:
-    """Return which terms a motion calls for."""
-    forms = {TERMS[name].form for name in turning(problem)}
+def terms_of(problem: Problem, effects: Iterable[str] | None = None) -> Terms:
+    """Return which terms a motion calls for: those of the effects that turn it, or of others."""
+    forms = {TERMS[name].form for name in (turning(problem) if effects is None else effects)}
     vectors = "lever" in forms, "world" in forms, "plane" in forms
     return Terms(world_vectors=vectors, linear="linear" in forms, momentum="momentum" in forms)
 
 
 def constants_of(problem: Problem) -> Tables:
     """Return the table of constants that `taylor_coefficients` names, (hi, lo), once rounded."""
+    return tables(_exact_constants(problem))
+
+
+def derived_constants(problem: Problem, changed: Problem) -> Tables:
+    """Return the derivatives of that table by numbers that it is linear in, each one more there."""
+    with workprec(_CONSTANT_BITS):
+        return tables(_exact_constants(changed) - _exact_constants(problem))
+
+
+def _exact_constants(problem: Problem) -> NDArray[np.object_]:
     moments, rows = problem.moments, np.full((ROWS, 3), mpf(0))
     with workprec(_CONSTANT_BITS):
         for i, j, k in zip(range(3), NEXT, AFTER, strict=True):
@@ -187,18 +198,19 @@ def constants_of(problem: Problem) -> Tables:
             for terms in TERMS.values():
                 for row, value in terms.constants(problem, i, j, k).items():
                     rows[row, i] = value
-    return _tables(rows)
+    return rows
 
 
 @cache
 def inverses_to(order: int) -> Tables:
     """Return 1/n in row 0 and 1/(2n) in row 1, (hi, lo), n = 0 left out."""
     with workprec(_CONSTANT_BITS):
-        return _tables(
+        return tables(
             [[mpf(0)] + [1 / mpf(factor * n) for n in range(1, order + 1)] for factor in (1, 2)]
         )
 
 
-def _tables(rows: Iterable[Iterable[mpf]]) -> Tables:
+def tables(rows: Iterable[Iterable[mpf]]) -> Tables:
+    """Return a table of extended numbers as (hi, lo)."""
     pairs = np.array([[split(x) for x in row] for row in rows])
     return np.ascontiguousarray(pairs[..., 0]), np.ascontiguousarray(pairs[..., 1])

@@ -120,7 +120,7 @@ def _q_times_omega(series: Table, n: int) -> tuple[Number, Number, Number, Numbe
 
 
 @kernel
-def _cross_omega(series: Table, column: int, n: int) -> Vector:
+def cross_omega(series: Table, column: int, n: int) -> Vector:
     """Order n of v × ω, v in the three columns from one on."""
     a = b = c = zero(series)
     for k in range(n + 1):
@@ -162,7 +162,7 @@ def _acceleration(
 
 @kernel
 def _turn_world_vector(series: Table, inverses: Table, n: int, column: int) -> None:
-    rate = _cross_omega(series, column, n)
+    rate = cross_omega(series, column, n)
     for i in range(3):
         store(series, n + 1, column + i, multiply(load(inverses, 0, n + 1), rate[i]))
 
@@ -181,7 +181,7 @@ def _dot(series: Table, n: int, left: int, right: int) -> Number:
 @kernel
 def _press(series: Table, constants: Table, n: int) -> None:
     """Write order n of f, the force of the table over the mass, and of all that it takes."""
-    rate = _cross_omega(series, UP, n)
+    rate = cross_omega(series, UP, n)
     for i in range(3):
         store(series, n, UP_RATE + i, rate[i])
         after, next_ = load(series, n, UP + AFTER[i]), load(series, n, UP + NEXT[i])
@@ -191,7 +191,7 @@ def _press(series: Table, constants: Table, n: int) -> None:
         store(series, n, GAIN + i, multiply(load(constants, MASS_OVER_MOMENT, i), arm))
     mobility = _dot(series, n, ARM, GAIN)
     total = _dot(series, n, ARM, OTHER)
-    bend = _cross_omega(series, UP_RATE, n)
+    bend = cross_omega(series, UP_RATE, n)
     for i in range(3):
         total = add_product(total, load(constants, TIP, i), bend[i])
     total = negative(rounded(total))
@@ -214,6 +214,19 @@ def _pressed_acceleration(series: Table, n: int, i: int) -> Number:
         gain = load(series, n - k, GAIN + i)
         total = add_product(total, load(series, k, PRESSED), gain)
     return rounded(total)
+
+
+@kernel
+def support(series: Table, constants: Table, inverses: Table, terms: Terms, n: int) -> None:
+    """Add to order n + 1 of ω what the force of a table does, given order n of ω' without it.
+
+    `extend` has the same lines: a call there costs a fifth of the time.
+    """
+    if terms.world_vectors[ON_TABLE]:
+        _press(series, constants, n)
+        for i in range(3):
+            rate = _pressed_acceleration(series, n, i)
+            store(series, n + 1, OMEGA + i, multiply(load(inverses, 0, n + 1), rate))
 
 
 @kernel

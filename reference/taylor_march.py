@@ -81,7 +81,7 @@ def step_size(coefficients: FloatArray, order: int) -> float:
 
 
 @kernel
-def _evaluate(
+def evaluate(
     series: Tables, total: int, paired: int, t: DoubleDouble, state: FloatArray, low: FloatArray
 ) -> None:
     """Write the state at time t from the centre, by Horner's rule."""
@@ -188,11 +188,11 @@ def march(
         while first < times.size and times[first] <= clock[0] + h:
             s, f = two_sum(times[first], -clock[0])
             inside = quick_two_sum(s, f - clock[1])
-            _evaluate(series, total, paired, inside, states[0][first], states[1][first])
+            evaluate(series, total, paired, inside, states[0][first], states[1][first])
             first += 1
         if first == times.size:
             return DONE, first
-        _evaluate(series, total, paired, (h, 0.0), state, low)
+        evaluate(series, total, paired, (h, 0.0), state, low)
         for i in range(STATE):
             store(series, 0, i, (state[i], low[i]))
         t, e = two_sum(clock[0], h)

@@ -2,7 +2,7 @@
 
 A table of numbers is one array, or two: (high parts, low parts). Each function here has a body
 for doubles and another for pairs, and numba picks one by type when it compiles: a recurrence is
-written once and runs at full speed in either arithmetic.
+written once and runs at full speed in either arithmetic. Duals of both kinds: `dual_numbers`.
 """
 
 from collections.abc import Callable
@@ -17,12 +17,17 @@ from .kernel import kernel
 Number = Any
 Table = Any
 
+#: The bodies for duals, by those for doubles.
+FOR_DUALS: dict[Callable[..., Any], Callable[..., Any]] = {}
+
 
 def for_pairs(in_double_double: Callable[..., Any]) -> Callable[[Any], Any]:
     """Let compiled code run another function where the first argument is made of pairs."""
 
     def decorate(in_double: Any) -> Any:
         def choose(first: types.Type, *_: types.Type) -> Callable[..., Any]:
+            if isinstance(first, types.BaseNamedTuple):
+                return FOR_DUALS[in_double]
             double = isinstance(first, types.Array | types.Float)
             chosen: Callable[..., Any] = in_double if double else in_double_double
             return chosen

@@ -31,8 +31,8 @@ REASONS = {
     "reports/harness/comparison.py": "turns until 1° of attitude, errors a turn, a blown-up energy",
     "reports/pages/scene/default_tables.py": "three columns chosen for a narrow table",
     "reports/pages/scene/scene_answer.py": "three columns chosen for a narrow table",
-    "reports/harness/judging/signal_ladder.py": "gives verdicts",
     "reports/harness/judging/verdict.py": "gives verdicts, and reads outcomes of runs",
+    "reports/results/reasons.py": "the sentences of three words",
     "reports/pages/overview/protocol.md": "the rule by which a method disagrees, in words",
     "reports/pages/templates/style.css": "outcomes of runs, in the colours of verdicts",
     "reports/pages/users_models/model_page.py": "colours of cells that are no verdicts",
@@ -214,7 +214,7 @@ def test_one_entry_more_in_the_tables_is_all_that_a_new_name_takes(with_one_more
     finished = [row for row in ran["rows"] if row["outcome"] == "ok"]
     assert all(row["upright_error"] > 0 for row in finished)
     (verdict,) = ran["verdicts"]
-    assert verdict["signals"]["upright"]["verdict"] == "converges"
+    assert verdict["verdict"] == "converges"
     assert any("Lz error" in unmet for unmet in verdict["unmet"])
     assert "upright_error" in rows
     assert recommended["checks"][-1]["upright"] <= 1e-3

@@ -10,7 +10,7 @@ from ...scenarios import SIGNAL, ErrorSeries, Expect, Scenario, Trajectory, erro
 from ..results.evidence import StepEvidence
 from ..results.reasons import fault_in_words
 from ..results.records import Key, Row
-from .defects import turns_made, with_defects
+from .defects import turns_made
 from .executors import Answer, CallFailed
 from .ladder import Rung
 from .stock import stock_timesteps
@@ -83,23 +83,21 @@ def compared(
     solution: Solution,
     steps: StepEvidence | None,
 ) -> Row:
-    """A run of a study as a row, with its defects, and with what its single steps show."""
+    """A run of a study as a row, with what its single steps show."""
     run = _of_other_law(answer.value, steps)
     row = row_of(scenario, key, engine.version, rung, run, solution)
-    row = replace(row, printed=answer.printed, stock=rung.timestep in stock_timesteps(engine))
-    is_single = engine.single_precision
-    return with_defects(row, scenario, solution.trajectory, is_single=is_single)
+    return replace(row, printed=answer.printed, stock=rung.timestep in stock_timesteps(engine))
 
 
 def _of_other_law(run: Run | CallFailed, steps: StepEvidence | None) -> Run | CallFailed:
     """The run, marked where single steps do not obey the scene's equations of motion."""
-    if isinstance(run, CallFailed) or steps is None or not steps.fault:
+    if isinstance(run, CallFailed) or run.cause == "precision" or not (steps and steps.fault):
         return run
     reason = "; ".join(filter(None, (run.reason, fault_in_words(steps.fault))))
     if run.outcome == "ok":
         return replace(run, cause="law", reason=reason)
     # A lag at however small a step is not a clamp.
-    is_clock = run.cause == "lag"
+    is_clock = run.cause == "lag" and steps.fault.kind == "limit"
     return replace(run, outcome="failed", cause="clock", reason=reason) if is_clock else run
 
 

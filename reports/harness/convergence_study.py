@@ -11,6 +11,7 @@ from ...scenarios import Expect, Scenario
 from ..results.evidence import Evidence, ReplayEvidence, StepEvidence
 from ..results.records import Key, Row
 from .comparison import compared, unmet_expectations
+from .defects import with_defects
 from .executors import Answer
 from .judging import Records
 from .judging.ladder_end import cut_short, is_down
@@ -18,7 +19,7 @@ from .ladder import Ladder, Rung
 from .measuring.noise import rounding_of_body
 from .measuring.places import Places
 from .measuring.replay import MadeRun
-from .stock import StockRun
+from .stock import StockRun, stock_timestep
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,16 +107,18 @@ class ConvergenceStudy:
             engine.unsupported(scenario, self.method),
             engine.single_precision,
             rounding_of_body(self.places.condition, engine.ulp) if self.places else 0.0,
+            self.places is not None,
             tuple(self.unmet),
             scenario.document.known,
         )
 
     @property
     def made_runs(self) -> tuple[list[MadeRun], list[MadeRun]]:
-        """The runs that came to their end: of the ladder, coarse to fine, and the others."""
+        """The runs that are replayed: of the ladder, coarse to fine; singles and the stock one."""
         ladder = self.ladder.rungs if self.ladder else ()
         others = [planned.rung for planned in self.singles]
-        others += [run.rung for run in self.stock if run.rung]
+        own = stock_timestep(self.engine)
+        others += [run.rung for run in self.stock if run.rung and run.timestep == own]
 
         def made(rungs: Iterable[Rung], rows: list[Row]) -> list[MadeRun]:
             by_timestep = {row.timestep: row for row in rows if row.outcome == "ok"}
@@ -176,9 +179,12 @@ class ConvergenceStudy:
             # What differs in an engine as shipped is expected.
             None if self.method.as_shipped else self.steps,
         )
-        if self.rows and planned.use == "above" and not row.stock:
+        if row.stock or planned.use == "single":
+            exact, is_single = planned.solution.trajectory, self.engine.single_precision
+            return with_defects(row, self.scenario, exact, is_single=is_single)
+        if self.rows and planned.use == "above":
             # Its samples are not needed: finer runs are judged and drawn.
-            row = replace(row, motion=None)
+            return replace(row, motion=None)
         return row
 
     def refusals(self) -> list[Row]:

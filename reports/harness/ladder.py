@@ -21,14 +21,12 @@ LEAST_STEPS = 10
 MAX_STEPS = 1 << 20
 #: A quick study's ladders end before a run would take more steps than this.
 QUICK_STEPS = 1 << 14
-#: And where single steps and pieces decide, except at a high order: they only show what accuracy
-#: costs.
-DECIDED_STEPS = 1 << 13
+#: And a ladder before a run would take more than this, as errors of finer ones follow by the order.
+DECIDED_STEPS = 1 << 12
 #: A ladder is not ended early after fewer rungs than this.
 MIN_RUNGS = 6
-#: For so many rungs, runs may take more steps than the limit: three make a verdict, and one more
-#: confirms it.
-LEAST_RUNGS = 4
+#: For so many rungs, which show an order, runs may take more steps than the limit.
+LEAST_RUNGS = 3
 EXCESS = 4
 #: Largest step count: beyond it a step's number is no longer exact as a double.
 MOST_STEPS = 2.0**53

@@ -1,6 +1,7 @@
 """Runs at stock timesteps: the engine's default, and one that is the same for all engines.
 
-They are made and stored in addition to a method's ladder, and take no part in its verdict.
+They are made and stored in addition to a method's ladder; the one at its own stock timestep is
+replayed for its verdict (`measuring/replay.py`).
 """
 
 import math

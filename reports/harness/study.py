@@ -193,14 +193,17 @@ def _examine(study: ConvergenceStudy, executor: Executor) -> None:
     if at is not None and study.before is None:
         arguments = (study.engine, study.scenario, study.method.name, at)
         found = executor.call_at(site, examine, *arguments).value
-        study.steps = None if isinstance(found, CallFailed) else found
+        if isinstance(found, CallFailed):
+            study.refusal = found.reason
+        else:
+            study.steps = found
 
 
 def _examine_runs(study: ConvergenceStudy, executor: Executor) -> None:
     """Replay the finest run, and those at other timesteps, in a worker; unless steps are wrong."""
     at, steps, site = study.places, study.steps, study.engine.site
     ladder, others = study.made_runs
-    if at is None or steps is None or steps.fault or not (ladder or others):
+    if at is None or steps is None or steps.fault:
         return
     arguments = (study.engine, study.scenario, study.method.name, at, steps, ladder, others)
     found = executor.call_at(site, examine_runs, *arguments).value

@@ -6,6 +6,7 @@ from typing import final
 import numpy as np
 from numpy.typing import ArrayLike
 from spincheck.reference import ExactMotion as Solver
+from spincheck.reference import Sensitivity, Solution, sensitivity
 from spincheck.scenarios import (
     Errors,
     FloatArray,
@@ -66,17 +67,8 @@ class ExactMotion:
         spincheck.reference.IntegrationError
             If the motion cannot be integrated that far.
         """
-        wanted = np.atleast_1d(np.asarray(times, dtype=float))
-        if wanted.ndim > 1 or not len(wanted):
-            raise ValueError(f"'times' must have the shape (n,), got {wanted.shape}.")
-        check_scales(self._scenario, until=max(self._scenario.window.duration, float(wanted[-1])))
-        solution = self._solver.solve(wanted)
+        solution = self._known(times)
         motion = solution.trajectory
-        if len(motion.t) < len(wanted):
-            raise ValueError(
-                f"'times' must not reach {solution.horizon:.6g} s, got {wanted[-1]:.6g}: "
-                f"{solution.ending}."
-            )
         return ExactStates(
             motion.t,
             motion.q_world_body_wxyz,
@@ -90,3 +82,35 @@ class ExactMotion:
             solution.uncertainty,
             solution.method,
         )
+
+    def sensitivity(self, times: ArrayLike) -> Sensitivity:
+        """Return the exact derivatives of the states by the start and by the scene's parameters.
+
+        The first call on a machine compiles for some ten seconds.
+
+        Parameters
+        ----------
+        times : as of `at`
+
+        Raises
+        ------
+        ValueError
+            As `at`.
+        spincheck.reference.IntegrationError
+            As `at`, or if the derivatives take too many steps or leave the range of doubles.
+        """
+        return sensitivity(self._scenario, self._known(times).trajectory)
+
+    def _known(self, times: ArrayLike) -> Solution:
+        """The motion at times, all of which it is known at."""
+        wanted = np.atleast_1d(np.asarray(times, dtype=float))
+        if wanted.ndim > 1 or not len(wanted):
+            raise ValueError(f"'times' must have the shape (n,), got {wanted.shape}.")
+        check_scales(self._scenario, until=max(self._scenario.window.duration, float(wanted[-1])))
+        solution = self._solver.solve(wanted)
+        if len(solution.trajectory.t) < len(wanted):
+            raise ValueError(
+                f"'times' must not reach {solution.horizon:.6g} s, got {wanted[-1]:.6g}: "
+                f"{solution.ending}."
+            )
+        return solution

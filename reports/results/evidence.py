@@ -43,10 +43,10 @@ COUNTS: dict[ChangeKind, int] = {"gravity": 3, "decays": 2, "moments": 3, "com":
 #:
 #: limit : they tend to something else than zero
 #: timestep : at one timestep alone they are not those that others predict
-#: shorter, longer : with that timestep, and shorter or longer ones, they tend to something else
+#: shorter : with that timestep, and shorter ones, they tend to something else
 #: leap : a step changes the state by as much however short it is
 #: misread : a state that is set reads back otherwise
-FaultKind = Literal["limit", "timestep", "shorter", "longer", "leap", "misread"]
+FaultKind = Literal["limit", "timestep", "shorter", "leap", "misread"]
 
 
 @dataclass(frozen=True)
@@ -127,8 +127,10 @@ class StepEvidence:
     order : the least order that gains show
     curves : one a quantity that is not zero throughout
     settled : steps in which a constraint settled first
-    changes_below : s; shorter steps are computed otherwise, which vanishes with the timestep; 0
-        where they are not
+    changes_below : s; what shorter steps gain is another function of the timestep, which vanishes
+        as well; 0 where it is not
+    apart_from : s; from this timestep on steps gain what shorter ones, which vanish, do not
+        predict; 0 where they do
     """
 
     states: Count
@@ -140,6 +142,7 @@ class StepEvidence:
     fault: StepFault | None = None
     settled: Count = 0
     changes_below: Size = 0.0
+    apart_from: Size = 0.0
 
     @property
     def is_known(self) -> bool:
@@ -175,7 +178,8 @@ class ReplayEvidence:
     @property
     def is_wrong(self) -> bool:
         """Whether differences do not vanish with the timestep, or at too low an order."""
-        return self.tail < LEVEL or 0 < self.order < self.declared
+        # What a restart lacks it lacks once: one order less is enough.
+        return self.tail < LEVEL or 0 < self.order < self.declared - 1
 
 
 @dataclass(frozen=True)

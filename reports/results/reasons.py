@@ -48,8 +48,8 @@ def reason_in_words(
     if word == "disagrees":
         parts += [fault_in_words(one.fault) for one in (steps, own_steps) if one and one.fault]
         parts += [_replay(one) for one in replays if one.is_wrong]
-    # A run is cut off for the same fault, in the same words.
-    parts += [part for part in quoted.split("; ") if part and part not in parts]
+    if quoted:
+        parts.append(quoted)
     if word == "converges" and steps:
         parts.append(_consistent(steps, replays))
     if word == "unresolved" and steps and not steps.is_known:
@@ -83,8 +83,13 @@ def _consistent(steps: StepEvidence, replays: Sequence[ReplayEvidence]) -> str:
         parts[-1] += f", which vanishes with the timestep at order {order}"
     if steps.changes_below:
         parts.append(
-            f"steps shorter than {steps.changes_below:.3g} s are computed otherwise, which "
-            "vanishes with the timestep"
+            f"with timesteps below {steps.changes_below:.3g} s what steps gain is another "
+            "function of the timestep, which vanishes as well"
+        )
+    if steps.apart_from:
+        parts.append(
+            f"but with timesteps of {steps.apart_from:.3g} s and longer steps gain what shorter "
+            "ones do not predict: what acts depends on the timestep"
         )
     return "; ".join(parts)
 
@@ -104,10 +109,11 @@ def fault_in_words(fault: StepFault) -> str:
     """How steps are not those of a method that converges."""
     when = _when(fault)
     if fault.kind == "misread":
-        omega, turn, _ = fault.got
+        omega, turn, spins = fault.got
+        of_spins = f", by {spins:.2g} in the rotors' spins" if spins else ""
         return (
             f"a state that is set reads back otherwise, {when}: off by {omega:.2g} in ω, relative, "
-            f"and {math.degrees(turn):.2g}° in attitude"
+            f"and {math.degrees(turn):.2g}° in attitude{of_spins}"
         )
     if fault.kind == "leap":
         what, unit, factor = LEAPING[fault.quantity]
@@ -122,7 +128,6 @@ def fault_in_words(fault: StepFault) -> str:
     where = {
         "timestep": "alone, of all lengths of steps",
         "shorter": "and shorter ones, though not with longer ones",
-        "longer": "and longer ones, though not with shorter ones",
     }[fault.kind]
     return (
         f"with a timestep of {fault.timestep:.3g} s {where}, {what}: what acts depends on the "

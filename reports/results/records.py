@@ -186,7 +186,8 @@ class Row(Record):
         timestep, and 1 ms
     unasked : of an engine as shipped, what acted though the scene does not call for it, by the
         engine's names
-    defects : by signal (`harness/defects.py`); None where the motion turns too far to be followed
+    defects : by signal (`harness/defects.py`), at stock timesteps and those asked for; None where
+        the motion turns too far to be followed
     turns : of the exact motion over the samples; 2π rad each
     turns_within_1deg : likewise until the attitude is off by more than 1°; None if it never is
     attitude_a_turn : rad; the median error that a turn of the run adds to the attitude, of its

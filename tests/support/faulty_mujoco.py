@@ -10,9 +10,8 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 from spincheck.engines import BodyReading, Method, Session, State
 from spincheck.engines.adapters.mujoco.engine import MuJoCo
-from spincheck.engines.checks.equation_residuals import starting_with
 from spincheck.scenarios import Scenario, loads, radius_of_gyration
-from spincheck.scenarios.scenario import with_tables
+from spincheck.scenarios.scenario import started_at, with_tables
 
 #: About this axis what is turned is turned.
 AXIS = np.array([2.0, -1.0, 2.0]) / 3
@@ -204,7 +203,10 @@ class UpsideDown(MuJoCo):
     def open(self, scenario: Scenario, method: Method, timestep: float) -> Session:
         flipped = scenario.text.replace("-9.81]", "9.81]")
         assert flipped != scenario.text
-        other = starting_with(loads(flipped, scenario.name), scenario.start.omega_body)
+        start = scenario.start
+        flight = start.position_world, start.velocity_world
+        q, omega_body = start.q_world_body_wxyz, start.omega_body
+        other = started_at(loads(flipped, scenario.name), q, omega_body, *flight)
         return super().open(other, method, timestep)
 
 

@@ -34,6 +34,18 @@ STOCK = TIMESTEPS[1:3]
 SIZE = {1: 0.05, 2: 1e-3, 3: 1e-5, 4: 1e-8}
 SECONDS_PER_STEP = 1.5e-6
 WALL_SECONDS_PER_STEP = 1.75e-6
+#: What verdicts rest on: numbers of states and of intervals, and how well limits are known.
+STATES, INTERVALS, KNOWN_TO = 17, 64, 1e-12
+#: What steps of a method that disagrees show.
+HEAVIER = StepFault(
+    "limit",
+    "angular momentum",
+    0.5,
+    TIMESTEPS[-1],
+    (0.0, 0.2, 0.0),
+    (0.0, 0.1, 0.0),
+    Explanation("gravity's size", (1.0,)),
+)
 #: In titles and descriptions, where a user could have written it.
 MISCHIEF = "<script>alert('x')</script>"
 
@@ -183,16 +195,12 @@ def evidence(key: Key, method: MadeUp) -> Evidence:
         return Evidence(key)
     wrong = method.verdict == "disagrees"
     curves = tuple(_curve(quantity, method, wrong) for quantity in ("attitude", "angular momentum"))
-    fault = StepFault(
-        *("limit", "angular momentum", 0.5, TIMESTEPS[-1], (0.0, 0.1, 0.0), (0.0, 0.0, 0.0)),
-        Explanation("gravity's size", (-0.5,)),
-    )
-    known_to = 3 * CONSISTENT if method.verdict == "unresolved" else 1e-9
+    known_to = 2 * CONSISTENT if method.verdict == "unresolved" else KNOWN_TO
     steps = StepEvidence(
-        *(12, 0.0 if wrong else 0.3, known_to, known_to, method.order, curves),
-        fault if wrong else None,
+        *(STATES, 0.0 if wrong else 0.3, known_to, known_to, method.order, curves),
+        HEAVIER if wrong else None,
     )
-    replays = () if wrong else (ReplayEvidence(TIMESTEPS[-1], 64, 0.2, 1e-15),)
+    replays = () if wrong else (ReplayEvidence(TIMESTEPS[-1], INTERVALS, 0.2, 1e-15),)
     return Evidence(key, steps, None, replays)
 
 

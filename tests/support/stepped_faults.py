@@ -13,9 +13,9 @@ from stepped import GRAVITY, LEVER, Stepped, with_omega
 
 #: A torque acts about this axis of the body, askew to all.
 ASKEW = np.array([0.62, 0.55, 0.56])
-#: h times the rate of the start, rad: a check of vanishing timesteps is below the first, the finest
-#: rungs of a ladder are below the second; of the steps that are looked at one is below the last.
-TINY, FINE, SHORT = 3e-5, 1e-2, 3e-4
+#: h times the rate of the start, rad: of steps that are looked at none is below the first, and half
+#: are below the second; one is below the third, four are above the fourth, two above the last.
+TINY, FINE, SHORT, LONG, LONGEST = 3e-5, 1e-2, 3e-4, 0.0125, 0.05
 SEED = 20
 #: Draws that differ from run to run, and are the same in each test: see `begin`.
 CHANCE = np.random.default_rng(SEED)
@@ -52,7 +52,7 @@ def _pushed(name: str, is_on: Callable[[Pushed], bool]) -> type[Pushed]:
     return type(name, (Pushed,), {"is_on": is_on})
 
 
-# At every timestep but tiny ones; at the finest rungs, and not at tiny steps.
+# At every timestep but tiny ones; in the finer half of them.
 ButForTinySteps = _pushed("ButForTinySteps", lambda one: one.turn > TINY)
 AtFineSteps = _pushed("AtFineSteps", lambda one: TINY < one.turn < FINE)
 # In short steps, however short: their limit is another motion; in those of one length alone.
@@ -60,11 +60,14 @@ InShortSteps = _pushed("InShortSteps", lambda one: one.turn < SHORT)
 InStepsBelowTwiceThat = _pushed("InStepsBelowTwiceThat", lambda one: one.turn < 2 * SHORT)
 InStepsBelowSevenTimesThat = _pushed("InStepsBelowSevenTimesThat", lambda one: one.turn < 7 * SHORT)
 InOneShortStep = _pushed("InOneShortStep", lambda one: SHORT / 2 < one.turn < SHORT)
+InAnotherShortStep = _pushed("InAnotherShortStep", lambda one: SHORT < one.turn < 2 * SHORT)
 # At the nearest rung of a ladder to 2 ms; at 2 ms, which is on no ladder.
 AtTwoMilliseconds = _pushed(
     "AtTwoMilliseconds", lambda one: 2e-3 / 2**0.5 < one.timestep <= 2e-3 * 2**0.5
 )
 AtExactlyTwoMilliseconds = _pushed("AtExactlyTwoMilliseconds", lambda one: one.timestep == 2e-3)
+InLongSteps = _pushed("InLongSteps", lambda one: one.turn > LONG)
+InTheLongestSteps = _pushed("InTheLongestSteps", lambda one: one.turn > LONGEST)
 FromHalfway = _pushed("FromHalfway", lambda one: one.share > 0.5)
 InTheLastTenth = _pushed("InTheLastTenth", lambda one: one.share > 0.9)
 # Between two samples of four hundred.
@@ -130,6 +133,13 @@ class Slowed(Pushed):
 
     def torque(self):
         return -self.size * self.rate * (self.inertia @ self.omega) if self.share > 1 / 3 else None
+
+
+class SmoothlyLater(Pushed):
+    """It grows as the eighth power of the time: nothing at first, and no jump."""
+
+    def torque(self):
+        return super().torque() * self.share**8
 
 
 class LeavesOneGyroscopicTermOut(Pushed):

@@ -11,10 +11,10 @@ from spincheck.reports.harness.plan import plan
 from spincheck.reports.harness.study import run_and_judge, run_study
 from spincheck.reports.harness.sweep import plan_sweep, run_sweep
 from spincheck.reports.results.records import Record, Row
-from spincheck.reports.results.verdicts import Verdict
 from spincheck.reports.results.results import Results
 from spincheck.reports.results.store import Store, open_store
 from spincheck.reports.results.sweep_records import Ensemble, Map, PlacedRow, points_of
+from spincheck.reports.results.verdicts import Verdict
 from spincheck.scenarios import Scenario
 
 Progress = Callable[[str], object]

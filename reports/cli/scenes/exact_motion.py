@@ -23,6 +23,7 @@ from ....scenarios import (
 )
 from ..choosing import compile_first
 from ..terminal import NOT_RUN, Complaint, as_complaint, table
+from .sensitivities import derivatives, print_derivatives
 
 #: What each column is, with its unit and its axes.
 COLUMNS = {
@@ -47,8 +48,8 @@ def solved(scenario: Scenario, times: FloatArray) -> Solution:
         return solve(scenario, times)
 
 
-def truth_files(scenario: Scenario) -> dict[str, str]:
-    """The texts of truth.csv, truth.json and truth.h."""
+def truth_files(scenario: Scenario, sensitivities: bool = False) -> dict[str, str]:
+    """The texts of truth.csv, truth.json and truth.h, and of sensitivities.json if wanted."""
     solution = solved(scenario, scenario.times)
     motion = solution.trajectory
     columns = {
@@ -61,7 +62,11 @@ def truth_files(scenario: Scenario) -> dict[str, str]:
         "energy": energy(scenario, motion),
     }
     formats = {"truth.csv": _csv, "truth.json": _json, "truth.h": _c_header}
-    return {name: text_of(scenario, solution, columns) for name, text_of in formats.items()}
+    texts = {name: text_of(scenario, solution, columns) for name, text_of in formats.items()}
+    if sensitivities:
+        derived = {"scenario": scenario.name} | derivatives(scenario, motion)
+        texts["sensitivities.json"] = json.dumps(derived, indent=1, allow_nan=False) + "\n"
+    return texts
 
 
 def _header_lines(scenario: Scenario, solution: Solution) -> Iterator[str]:
@@ -133,8 +138,13 @@ def _c_row(row: list[float]) -> str:
 QUARTERS = 5
 
 
-def describe(scenario: Scenario, at: Sequence[float]) -> dict[str, Any]:
-    """States, uncertainty, conserved quantities and facts of a scene, SI units."""
+def describe(
+    scenario: Scenario, at: Sequence[float], sensitivities: bool = False
+) -> dict[str, Any]:
+    """States, uncertainty, conserved quantities and facts of a scene, SI units.
+
+    And its derivatives, if they are wanted.
+    """
     for time in at:
         if not 0 <= time < float("inf"):
             raise Complaint(f"'--at' must be a time from 0 on, got {time:g}")
@@ -163,6 +173,7 @@ def describe(scenario: Scenario, at: Sequence[float]) -> dict[str, Any]:
     for effect in scenario.acting:
         if effect.force is not None:
             columns[f"{effect.name}_force"] = effect.force_along(scenario, motion)
+    derived = {"sensitivities": derivatives(scenario, motion)} if sensitivities else {}
     return {
         "scenario": scenario.name,
         "method": solution.method,
@@ -176,7 +187,7 @@ def describe(scenario: Scenario, at: Sequence[float]) -> dict[str, Any]:
         ],
         "drifts": drifts(scenario, motion),
         "facts": [asdict(fact) for fact in facts(scenario)],
-    }
+    } | derived
 
 
 def _upright(q_world_body_wxyz: FloatArray, uncertainty: float) -> FloatArray:
@@ -207,6 +218,8 @@ def print_truth(truth: dict[str, Any]) -> None:
     )
     table([{"conserved": name, "drift": drift} for name, drift in truth["drifts"].items()])
     table([{**fact, "value": _shown(fact["value"])} for fact in truth["facts"]])
+    if "sensitivities" in truth:
+        print_derivatives(truth["sensitivities"])
 
 
 _ERRORS = ("uncertainty", "conditioning")

@@ -18,6 +18,9 @@ def reference(
     at: Annotated[
         list[float] | None, typer.Option("--at", metavar="S", help="A time, s; may be repeated.")
     ] = None,
+    sensitivities: Annotated[
+        bool, typer.Option("--sensitivities", help="Its derivatives by start and parameters too.")
+    ] = False,
     as_json: AsJson = False,
 ) -> None:
     """Print the exact motion: states, L, energy, invariants, and how exact they are."""
@@ -25,7 +28,7 @@ def reference(
     from .exact_motion import describe, print_truth
 
     scene = _scenario(scenario)
-    truth = describe(scene, at or [])
+    truth = describe(scene, at or [], sensitivities)
     if as_json:
         print(to_json(truth))
     else:
@@ -95,6 +98,9 @@ def export(
     truth: Annotated[
         bool, typer.Option("--truth", help="The exact motion instead: truth.csv, .json, .h (C).")
     ] = False,
+    sensitivities: Annotated[
+        bool, typer.Option("--sensitivities", help="With --truth: sensitivities.json as well.")
+    ] = False,
 ) -> None:
     """Write a scene as scene.xml (MJCF) and scene.urdf, or its exact motion.
 
@@ -105,7 +111,10 @@ def export(
     from .exact_motion import truth_files
     from .scene import model_files
 
-    texts = (truth_files if truth else model_files)(_scenario(scenario))
+    if sensitivities and not truth:
+        raise Complaint("'--sensitivities' goes with '--truth', which is missing; add it")
+    scene = _scenario(scenario)
+    texts = truth_files(scene, sensitivities) if truth else model_files(scene)
     with written(folder):
         folder.mkdir(parents=True, exist_ok=True)
         for name, text in texts.items():

@@ -23,6 +23,7 @@ class Records:
     is_single : whether the engine computes in single precision
     rounding : what rounding of the body's moments to that precision changes of its angular
         acceleration, relative
+    is_replayed : whether runs can be replayed: those of a file cannot
     unmet : expectations of the scene that were not met, in words
     known : the expected failures of the scene's file
     """
@@ -37,6 +38,7 @@ class Records:
     lacking: str = ""
     is_single: bool = False
     rounding: float = 0.0
+    is_replayed: bool = True
     unmet: tuple[str, ...] = ()
     known: Sequence[Known] = ()
 

@@ -26,16 +26,11 @@ def judge(records: Records) -> Verdict:
         )
     evidence = records.evidence
     steps, own = (one and replace(one, curves=()) for one in (evidence.steps, evidence.own_steps))
-    verdict = Verdict(
-        evidence.key,
-        word,
-        quoted,
-        steps,
-        own,
-        evidence.replays,
-        records.unmet,
-        records.as_shipped,
-    )
+    verdict = Verdict(evidence.key, word, quoted, steps, own, evidence.replays, records.unmet)
+    verdict = replace(verdict, as_shipped=records.as_shipped)
+    if records.last and records.last.cause == "precision":
+        # Its rounding is what single steps show.
+        verdict = replace(verdict, steps=None, own_steps=None, replays=())
     return compared_with_expected_failures(records.known, verdict)
 
 
@@ -48,18 +43,19 @@ def _judged(records: Records) -> tuple[VerdictWord, str]:
         # What a method cannot simulate it cannot at any timestep.
         return last.outcome, last.ending_in_words
     # Of an engine as shipped: how its model differs from the scene.
-    quoted = last.reason if last else ""
+    quoted = last.reason if last and last.cause != "law" else ""
     if is_wrong(evidence) or (last and last.cause == "precision"):
         return "disagrees", quoted
     if last and last.outcome == "diverged":
         return "diverges", last.ending_in_words
-    if evidence.steps is None:
-        no_steps = "no step could be taken from the states of the motion"
-        return "unresolved", quoted or evidence.refusal or no_steps
     if evidence.refusal:
-        return "unresolved", f"its runs cannot be run again from their states: {evidence.refusal}"
+        return "unresolved", f"it cannot be examined from other states: {evidence.refusal}"
+    if evidence.steps is None:
+        return "unresolved", quoted or "no step could be taken from the states of the motion"
     if not evidence.steps.is_known:
         return "unresolved", quoted
+    if not evidence.replays and records.is_replayed:
+        return "unresolved", "; ".join(filter(None, (quoted, "no run could be run again")))
     return "converges", ""
 
 

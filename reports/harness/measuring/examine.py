@@ -1,7 +1,7 @@
 """Examines a method by single steps from known states, with the model of `gain_series.py`."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -18,12 +18,14 @@ from .gain_series import GainSeries
 from .look import Look
 from .noise import SOLVED, ULPS, noise_of, noise_of_steps, rounding_of_body
 from .places import FINER, Places, places
-from .shapes import fault_of
+from .shapes import SURE, fault_of, without_longer
 from .steps import Sessions, Steps, apart, off_the_constraint, step_gains, steps_from
 
 #: Steps until a constraint has settled, and more steps that show what was left. Bullet removes a
-#: fifth of its error in a step: 0.8^128 = 4e-13 of it is left. Half as many in single precision.
-SETTLING, FURTHER = 128, 16
+#: fifth of its error in a step: 0.8^96 = 5e-10 of it is left. Half as many in single precision.
+SETTLING, FURTHER = 96, 16
+#: States at most where a scene is opened anew for each step, which takes long.
+OPENED = 8
 #: Times that each state is repeated in single precision: no more than it takes.
 REPEATS = (4, 16, 64)
 #: Four times the repeats halve what chance leaves. Where more than this is left, it is no chance.
@@ -83,6 +85,8 @@ def examined(
         If a session cannot be opened or stepped.
     """
     with Sessions(open_at, scenario, float(at.timesteps[0])) as sessions:
+        if not sessions.first.can_restart:
+            at = at.thinned(OPENED)
         if fault := _misread(sessions, engine, at):
             return StepEvidence(len(at.times), 0.0, 0.0, 0.0, 0, fault=fault)
         return evidence_of(_Examination(sessions, engine, at).look, at, method.order)
@@ -105,7 +109,7 @@ class _Examination:
         if self._gives_way(look.steps):
             settle = SETTLING // (1 + is_single)
             look = self._settled(settle, look.steps.repeats)
-        elif look.tail < LEVEL and not is_single:
+        elif look.tail < LEVEL and not is_single and not _is_plain(look):
             return self._taken_again()
         for repeats in REPEATS[1:] if is_single else ():
             if look.tail < LEVEL or look.is_known:
@@ -118,7 +122,9 @@ class _Examination:
         return look
 
     def _taken(self, settle: int, repeats: int) -> Look:
-        return self._look(self._steps(settle, repeats, self._timesteps(self.at.timesteps)), settle)
+        steps = self._steps(settle, repeats, self._timesteps(self.at.timesteps))
+        # In double precision another look with shorter steps shows that.
+        return replace(self._look(steps, settle), may_split=self.engine.single_precision)
 
     def _settled(self, settle: int, repeats: int) -> Look:
         """Steps after a constraint has settled; what further settling changes is their noise.
@@ -182,6 +188,16 @@ class _Examination:
         return bool(np.ptp(off, axis=0).max() > 2 * ULPS * self.engine.slack * equations.reach)
 
 
+def _is_plain(look: Look) -> bool:
+    """Whether a limit makes most of what the shortest steps gain, and is no noise."""
+    noise = noise_of_steps(look.equations, look.steps)[-1]
+    for q, series in enumerate(look.series):
+        sizes, left = norms(series.limit), norms(look.gains[-1, :, q] - series.limit)
+        if ((sizes > 2 * left) & (sizes > SURE * noise[:, q])).any():
+            return True
+    return False
+
+
 def _misread(sessions: Sessions, engine: Engine, at: Places) -> StepFault | None:
     """The state that reads back otherwise than it was set; None if none does."""
     starts = []
@@ -189,18 +205,22 @@ def _misread(sessions: Sessions, engine: Engine, at: Places) -> StepFault | None
         with sessions.at(at.states.rows(k), float(at.timesteps[0])) as one:
             starts.append(one.read_state())
     reach = Equations(sessions.scenario).reach
-    off = apart(at.states, stacked(starts), reach)[:, :2]
+    # A contact or a joint puts the com where it belongs.
+    off = apart(at.states, stacked(starts), reach)[:, [0, 1, 4]]
     k = int(np.abs(off).max(axis=(1, 2)).argmax())
     if np.abs(off[k]).max() <= 2 * ULPS * max(engine.slack, rounding_of_body(at.condition)):
         return None
-    turn, omega = norms(off[k])
+    turn, omega, spins = norms(off[k])
     zero = (0.0, 0.0, 0.0)
     time = None if np.isnan(at.times[k]) else float(at.times[k])
-    return StepFault("misread", "attitude", time, 0.0, (float(omega), float(turn), 0.0), zero)
+    return StepFault(
+        "misread", "attitude", time, 0.0, (float(omega), float(turn), float(spins)), zero
+    )
 
 
 def evidence_of(look: Look, at: Places, order: int) -> StepEvidence:
     """What a look shows, as it is stored; `order` is the one that is declared."""
+    look, apart_from = without_longer(look)
     known_to, of_an_effect = look.known_to
     return StepEvidence(
         len(at.times),
@@ -212,6 +232,7 @@ def evidence_of(look: Look, at: Places, order: int) -> StepEvidence:
         fault_of(look, at),
         look.settled,
         _changes_below(look),
+        apart_from,
     )
 
 

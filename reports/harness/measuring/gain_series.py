@@ -15,8 +15,8 @@ over, with a prior that is estimated from the amplitudes of all states (Kiefer &
 Math. Stat. 27 (1956) 887).
 """
 
-from collections.abc import Iterable
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,7 +27,7 @@ from ....scenarios import FloatArray
 #: Orders and inverse radii of convergence that are tried, and terms of the series that are kept.
 ORDERS, RADII, TERMS = (1, 2, 3, 4, 5, 6), (0.5, 1.0, 2.0, 4.0), 9
 #: Ratio of neighbouring amplitudes of the grid that is integrated over.
-SPACING = 10**0.5
+SPACING = 10**0.25
 #: Share of the amplitude's prior that is the same everywhere, and steps of its estimation.
 LEAK, ESTIMATIONS = 0.1, 3
 #: Gains with longer timesteps that a prediction needs.
@@ -68,13 +68,25 @@ class GainSeries:
         return np.asarray(np.minimum(self.tails.min(axis=0), self.limit_tails))
 
     @property
+    def tail(self) -> float:
+        """The probability that some gain is as unlikely as the least likely one."""
+        return float(min(1.0, self.least_tails.min() * self.tests))
+
+    @property
     def tests(self) -> int:
         """How many tails there are that could have been small."""
         J, K = self.tails.shape
         return int((J - PREDICTED_FROM + 1) * K)
 
 
-def fitted(timesteps: FloatArray, gains: FloatArray, noise: FloatArray, level: float) -> GainSeries:
+def fitted(
+    timesteps: FloatArray,
+    gains: FloatArray,
+    noise: FloatArray,
+    level: float,
+    *,
+    may_split: bool = True,
+) -> GainSeries:
     """Fit the model to what steps gain.
 
     Where one series leaves a tail below the level, two are tried: of a method that computes shorter
@@ -87,13 +99,17 @@ def fitted(timesteps: FloatArray, gains: FloatArray, noise: FloatArray, level: f
     gains : a second, (J, K, 3)
     noise : its standard deviation in each component, (J, K)
     level : tails below it, together, are a fault
+    may_split : whether two series are tried
     """
     measured = _Measured.of(timesteps, gains, noise)
     one = _one_series(measured)
-    if one.least_tails.min() * one.tests >= level or len(timesteps) <= LEAST:
+    if one.tail >= level:
         return one
-    two = _two_series(measured, one)
-    return two if two.least_tails.min() * two.tests >= level else one
+    if may_split and len(timesteps) > LEAST:
+        two = _two_series(measured, one)
+        if two.tail >= level:
+            return two
+    return _off_limit(measured, one)
 
 
 @dataclass(frozen=True, eq=False)
@@ -171,25 +187,25 @@ class _Whitened:
             self.innovations[:, :beyond], self.ones[:, :beyond], self.sigma[:, :beyond]
         )
 
-    @property
+    @cached_property
     def likelihoods(self) -> FloatArray:
         """The logarithm of the density of each gain, given those before it, (A, J, K)."""
         squares = (self.innovations**2).sum(axis=3)
         return np.asarray(-squares / 2 - 3 * np.log(self.sigma)[:, :, None])
 
-    @property
+    @cached_property
     def evidence(self) -> FloatArray:
         """The same of all gains together, (A, K)."""
         return np.asarray(self.likelihoods.sum(axis=1))
 
-    @property
+    @cached_property
     def constants(self) -> tuple[FloatArray, FloatArray]:
         """The constant that fits best, (A, K, 3), and its standard error, (A,)."""
         precision = (self.ones**2).sum(axis=1)
         summed = np.einsum("aj,ajkc->akc", self.ones, self.innovations)
         return summed / precision[:, None, None], 1 / np.sqrt(precision)
 
-    @property
+    @cached_property
     def evidence_with_constant(self) -> FloatArray:
         """The evidence if a constant is added, of any size, (A, K)."""
         constants, error = self.constants
@@ -260,37 +276,29 @@ class _Fit:
     white: _Whitened
 
 
-def _fits(measured: _Measured, order: int, radius: float) -> tuple[_Fit, _Fit]:
-    """Without a constant, and with one."""
-    white = _Whitened.of(measured, order, radius)
-    fits = []
-    for evidence in (white.evidence, white.evidence_with_constant):
-        prior, total = _prior(evidence)
-        fits.append(_Fit(total, order, radius, prior, white))
-    return fits[0], fits[1]
+def _most_likely(measured: _Measured, *, constant: bool) -> _Fit:
+    """The most likely order, and then radius, of a series with a constant or without."""
 
+    def tried(order: int, radius: float) -> _Fit:
+        white = _Whitened.of(measured, order, radius)
+        prior, total = _prior(white.evidence_with_constant if constant else white.evidence)
+        return _Fit(total, order, radius, prior, white)
 
-def _best(fits: Iterable[_Fit]) -> _Fit:
-    return max(fits, key=lambda one: one.total)
+    first = max((tried(order, 1.0) for order in ORDERS), key=lambda one: one.total)
+    others = (tried(first.order, radius) for radius in RADII if radius != 1.0)
+    return max([first, *others], key=lambda one: one.total)
 
 
 def _one_series(measured: _Measured) -> GainSeries:
-    """What one series leaves; its order is found first, then its radius."""
-    by_order = [_fits(measured, order, 1.0) for order in ORDERS]
-    chosen = []
-    for k in (0, 1):
-        first = _best(pair[k] for pair in by_order)
-        others = (_fits(measured, first.order, radius)[k] for radius in RADII if radius != 1.0)
-        chosen.append(_best([first, *others]))
-    fit, with_constant = chosen
-    white, prior = fit.white, fit.prior
-    limit, known_to, limit_tails = with_constant.white.limit(with_constant.prior)
-    mean, error = white.predictions(measured.gains, prior)
+    """What one series leaves."""
+    fit = _most_likely(measured, constant=False)
+    limit, known_to, limit_tails = fit.white.limit(fit.prior)
+    mean, error = fit.white.predictions(measured.gains, fit.prior)
     units = measured.units
     return GainSeries(
         fit.order,
         fit.radius,
-        white.tails(prior),
+        fit.white.tails(fit.prior),
         limit_tails,
         limit * units[:, None],
         known_to * units,
@@ -298,6 +306,14 @@ def _one_series(measured: _Measured) -> GainSeries:
         error * units,
         np.zeros(len(units), dtype=int),
     )
+
+
+def _off_limit(measured: _Measured, one: GainSeries) -> GainSeries:
+    """The same, with the limit by the order and radius that are most likely if it is not zero."""
+    fit = _most_likely(measured, constant=True)
+    limit, known_to, _ = fit.white.limit(fit.prior)
+    units = measured.units
+    return replace(one, limit=limit * units[:, None], known_to=known_to * units)
 
 
 def _two_series(measured: _Measured, one: GainSeries) -> GainSeries:

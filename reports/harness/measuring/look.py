@@ -21,6 +21,7 @@ class Look:
     ----------
     gains, noise : (J, K, 4, 3) and (J, K, 4)
     settled : steps in which a constraint settled first
+    may_split : whether steps may be computed otherwise with other timesteps
     """
 
     equations: Equations
@@ -28,12 +29,26 @@ class Look:
     gains: FloatArray
     noise: FloatArray
     settled: int
+    may_split: bool = True
+
+    def from_timestep(self, first: int) -> "Look":
+        """Without the longest timesteps."""
+        steps = self.steps.from_timestep(first)
+        return Look(
+            self.equations, steps, self.gains[first:], self.noise[first:], self.settled, False
+        )
 
     @cached_property
     def series(self) -> tuple[GainSeries, ...]:
         """The series of each quantity."""
         return tuple(
-            fitted(self.steps.timesteps, self.gains[:, :, q], self.noise[:, :, q], self.level)
+            fitted(
+                self.steps.timesteps,
+                self.gains[:, :, q],
+                self.noise[:, :, q],
+                self.level,
+                may_split=self.may_split,
+            )
             for q in range(len(QUANTITIES))
         )
 
@@ -45,8 +60,7 @@ class Look:
     @property
     def tail(self) -> float:
         """The probability of gains as unlikely as these."""
-        each = [one.least_tails.min() * one.tests for one in self.series]
-        return float(min(1.0, len(each) * min(each)))
+        return min(1.0, len(self.series) * min(one.tail for one in self.series))
 
     @cached_property
     def sizes(self) -> FloatArray:

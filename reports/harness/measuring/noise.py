@@ -6,7 +6,7 @@
 - Moments that differ: `ULPS` ulp times the condition number of the tensor, of I dω/dt, and by how
   far that turns the body (Higham, Accuracy and Stability of Numerical Algorithms, §7.1).
 - Flight: `ULPS` ulp of m v², a torque, as engines may solve for rotation and flight together
-  (measured in MuJoCo 4.0).
+  (measured in MuJoCo 4.0), with v that of the body's origin, which engines move.
 - Rotors: `ULPS` ulp of the forces that cancel between them (`Scenario.cancelling`).
 - A turn that a solver leaves out in a step, as the adapter declares (`Engine.least_turn`).
 - A constraint's solver: measured, by settling further (`examine.py`), and `SOLVED`.
@@ -17,7 +17,6 @@ import numpy as np
 
 from ....engines import Engine
 from ....engines.checks.equations import Equations
-from ....engines.checks.precision import single_precision
 from ....engines.checks.read_back import State
 from ....scenarios import FloatArray, push
 from ....scenarios.rotation import norms
@@ -36,12 +35,6 @@ NEGLIGIBLE = 2e-6
 NO_SIZE = 1e-150
 
 
-def rounding_of(engine: Engine, states: State) -> float:
-    """The relative rounding of states as an engine holds them, whether it declares it or not."""
-    is_single = engine.single_precision or single_precision(states)
-    return float(np.finfo(np.float32 if is_single else float).eps)
-
-
 def rounding_of_body(condition: float, ulp: float = float(np.finfo(float).eps)) -> float:
     """What rounding of its moments changes of a body's angular acceleration, relative."""
     return ULPS * ulp * condition
@@ -51,7 +44,7 @@ def noise_of(
     equations: Equations, steps: Steps, engine: Engine, condition: float, *, settled: bool
 ) -> FloatArray:
     """The standard deviation of the mean gain of the repeats, of derived sources, (J, K, 4)."""
-    scenario, rounding = equations.scenario, ULPS * rounding_of(engine, steps.before)
+    scenario, rounding = equations.scenario, ULPS * engine.ulp
     spans, sizes = steps.timesteps[:, None], largest_terms(equations, steps)
     of_body = rounding * condition
     held = of_body if engine.single_precision else max(engine.slack, of_body)
@@ -63,7 +56,9 @@ def noise_of(
     if settled:
         variance[..., 0] += (engine.least_turn / spans) ** 2
     if not scenario.constraint.is_pivot:
-        speeds = steps.by_timestep(norms(steps.before.velocity_world)).max(axis=1)
+        before = steps.before
+        fast = norms(before.velocity_world) + equations.arm * norms(before.omega_body)
+        speeds = steps.by_timestep(fast).max(axis=1)
         variance[..., 1] += (rounding * scenario.body.mass * speeds**2) ** 2
     if steps.before.spins.size and scenario.constraint.is_free:
         force, _ = scenario.cancelling(np.abs(steps.before.spins))

@@ -47,6 +47,11 @@ class Places:
         copies = [_changed(scenario, self.states, size, chance) for _ in range(repeats)]
         return stacked(copies)
 
+    def thinned(self, most: int) -> "Places":
+        """So many of the states at most."""
+        kept = np.unique(np.linspace(0, len(self.times) - 1, most).astype(int))
+        return replace(self, states=self.states.rows(kept), times=self.times[kept])
+
     def milder(self) -> "Places":
         """Shorter timesteps, from states of the motion alone, for a method that refuses these."""
         along = ~np.isnan(self.times)

@@ -7,7 +7,7 @@ vanish with the timestep, as every gain must. Intervals are of irregular length 
 in irregular strides, so that nothing hides in the rhythm of the samples.
 
 Beside that each interval is compared with the exact flow from its start. From states in those that
-gain most, if that is more than any step did, steps are taken as from exact states.
+gain far more than any step did, steps are taken as from exact states.
 """
 
 from collections.abc import Sequence
@@ -23,25 +23,30 @@ from ....engines.checks.read_back import stacked
 from ....reference import IntegrationError
 from ....scenarios import FloatArray, Scenario, Trajectory
 from ....scenarios.fastest_rate import fastest_rate
-from ....scenarios.rotation import norms, rotation_vectors
-from ...results.evidence import LEVEL, ReplayEvidence, StepEvidence
+from ....scenarios.rotation import norms
+from ...results.evidence import LEVEL, QUANTITIES, ReplayEvidence, StepEvidence
+from ...results.records import LARGEST
 from ..ladder import Rung
 from .examine import examined
 from .gain_series import fitted
-from .noise import NOISE, ULPS, term_sizes
+from .noise import NOISE, ULPS, largest_terms
 from .places import Places, states_of
-from .steps import Sessions, apart, flowed
+from .steps import Sessions, Steps, apart, flowed, step_gains
 
 #: Intervals of a run at most; where a scene is opened anew for each, which takes long.
 INTERVALS, OPENED = 64, 8
-#: Intervals that are run from changed states too, to see what rounding grows to, and that change,
-#: in ulp.
-CHANGED, CHANGE = 5, 64
+#: Intervals that are run from changed states too, to see what rounding grows to.
+CHANGED = 5
+#: Steps of a run that is made to be replayed where there is none.
+BEGINNING = 4096
 #: Steps before and after a restart that show a memory, and the factor by which a run may differ
 #: more than from exact states.
 REMEMBERED, EXPLAINED = 8, 3.0
-#: Intervals that steps are taken from, and states in each.
-GAINING, STATES = 4, 5
+#: Intervals that steps are taken from if they gain so many times what any step did, and states in
+#: each.
+GAINING, TIMES, STATES = 4, 2.0, 5
+#: Relative gain below which no interval is looked at: what is read is no better.
+READABLE = 1e-9
 #: rad; a motion that turns by more is not followed: it would take longer than a second.
 FARTHEST_TURN = 1e5
 
@@ -75,14 +80,14 @@ def examine_runs(
     What each replay shows; what steps from states of these runs do, None where none were taken; and
     why the engine refuses to be replayed, else empty.
     """
-    method = engine.method(method_name)
-    runs = [*ladder[-1:], *others]
+    method, shown = engine.method(method_name), []
 
     def open_at(scene: Scenario, timestep: float) -> Session:
         return engine.open(scene, method, timestep)
 
     try:
         with Sessions(open_at, scenario, float(at.timesteps[0])) as sessions:
+            runs = [*ladder[-1:], *others] or [_beginning(sessions, at)]
             replays = [_replay(sessions, engine, run) for run in runs]
             shown = [one.evidence for one in replays]
             if any(one.tail < LEVEL for one in shown):
@@ -92,7 +97,18 @@ def examine_runs(
             return tuple(shown), None, ""
         return tuple(shown), examined(open_at, engine, scenario, own, method), ""
     except (EngineError, IntegrationError) as error:
-        return (), None, str(error)
+        return tuple(shown), None, str(error)
+
+
+def _beginning(sessions: Sessions, at: Places) -> MadeRun:
+    """The first steps of a motion of which no run was made, as it takes too many steps."""
+    timestep, strides = float(at.timesteps[0]), [0, *[BEGINNING // INTERVALS] * INTERVALS]
+    snapshots: list[object] = []
+    with sessions.at(at.states.rows(0), timestep) as session:
+        session.record(strides, snapshots.append)
+    counts = np.cumsum(strides)
+    states = sessions.first.states(snapshots)
+    return MadeRun(Rung(timestep, counts), Trajectory(counts * timestep, *states.columns))
 
 
 @dataclass(frozen=True, eq=False)
@@ -101,11 +117,12 @@ class _Replay:
 
     Attributes
     ----------
-    off, noise : as `apart` has it, (n, 4, 3), and its standard deviation, (n,)
+    off : the largest difference, as `apart` has it
+    growth : the factor by which a small change of a state grows in an interval
     """
 
-    off: FloatArray
-    noise: FloatArray
+    off: float
+    growth: float
     evidence: ReplayEvidence
 
 
@@ -115,37 +132,45 @@ def _replay(sessions: Sessions, engine: Engine, run: MadeRun) -> _Replay:
     states, reach = states_of(run.motion), Equations(sessions.scenario).reach
     steps = np.diff(run.rung.sample_steps[edges])
 
+    chance = np.random.default_rng(len(edges))
+    parts = chance.integers(1, np.maximum(steps, 2))
+
     def again(k: int, start: State) -> State:
-        with sessions.at(start, run.rung.timestep) as session:
-            # In other strides than the run was made in.
-            session.advance(int(steps[k]) // 3)
-            session.advance(int(steps[k]) - int(steps[k]) // 3)
-            return session.read_state()
+        # From another session in its midst: nothing hides in the rhythm of samples or strides.
+        for count in (int(parts[k]), int(steps[k] - parts[k])):
+            with sessions.at(start, run.rung.timestep) as session:
+                if count:
+                    session.advance(count)
+                start = session.read_state()
+        return start
 
     starts = [states.rows(int(k)) for k in first]
-    ends = stacked([again(k, start) for k, start in enumerate(starts)])
+    made = {int(k): again(int(k), starts[k]) for k in chance.permutation(len(starts))}
+    ends = stacked([made[k] for k in range(len(starts))])
     off = apart(ends, states.rows(last), reach)
-    squares = (off**2).sum(axis=(1, 2))
+    squares = np.nan_to_num((off**2).sum(axis=(1, 2)), nan=np.inf)
     worst = np.argsort(squares)[-CHANGED:]
-    changed = [again(int(k), _changed(starts[k], engine.ulp)) for k in worst]
-    grown = np.abs(apart(stacked(changed), ends.rows(worst), reach)).max() / (CHANGE * engine.ulp)
-    noise = max(NOISE, ULPS * engine.ulp) * max(1.0, float(grown)) * np.sqrt(steps)
+    # So large a change is no noise of the engine, of which nothing may be excused by itself.
+    change = float(np.sqrt(max(NOISE, engine.ulp)))
+    speed = change * float(norms(states.omega_body).max())
+    changed = [again(int(k), _changed(starts[k], speed)) for k in worst]
+    grown = np.abs(apart(stacked(changed), ends.rows(worst), reach)).max() / change
+    growth = max(1.0, float(np.nan_to_num(grown, nan=1.0)))
+    noise = max(NOISE, ULPS * engine.ulp) * growth * np.sqrt(steps)
     tails = chdtrc(off[0].size, squares / noise**2)
     turns = np.diff(run.motion.t[edges])
     turns *= np.maximum(norms(states.omega_body)[first], 1 / run.motion.t[-1])
     tail = float(min(1.0, tails.min() * len(tails)))
-    largest = float((np.sqrt(squares) / turns).max())
+    largest = min(LARGEST, float((np.sqrt(squares) / turns).max()))
     evidence = ReplayEvidence(run.rung.timestep, len(tails), tail, largest)
     if tail < LEVEL:
         differing = int(np.argmax(tails * len(tails) < LEVEL))
         k = int(tails.argmin())
         one, other = (stacked([again(k, starts[k])]) for _ in range(2))
-        evidence = replace(
-            evidence,
-            since=float(run.motion.t[first[differing]]),
-            spread=float(np.abs(apart(one, other, reach)).max() / turns[k]),
-        )
-    return _Replay(off, noise, evidence)
+        spread = np.nan_to_num(np.abs(apart(one, other, reach)).max() / turns[k])
+        since = float(run.motion.t[first[differing]])
+        evidence = replace(evidence, since=since, spread=min(LARGEST, float(spread)))
+    return _Replay(float(np.sqrt(squares.max())), growth, evidence)
 
 
 def _edges(samples: int, can_restart: bool) -> NDArray[np.intp]:
@@ -157,11 +182,11 @@ def _edges(samples: int, can_restart: bool) -> NDArray[np.intp]:
     return np.sort(np.concatenate([[0, samples - 1], inner])).astype(np.intp)
 
 
-def _changed(state: State, ulp: float) -> State:
-    """A state whose ω is changed by some ulp, in a direction of its own."""
-    direction = np.random.default_rng(CHANGE).standard_normal(3)
-    size = CHANGE * ulp * np.linalg.norm(state.omega_body) / np.linalg.norm(direction)
-    return replace(state, omega_body=state.omega_body + size * direction)
+def _changed(state: State, speed: float) -> State:
+    """A state whose ω is changed by so much, rad/s, in a direction of its own."""
+    direction = np.random.default_rng(CHANGED).standard_normal(3)
+    change = speed / np.linalg.norm(direction) * direction
+    return replace(state, omega_body=state.omega_body + change)
 
 
 def _with_memory(
@@ -190,16 +215,20 @@ def _with_memory(
     noise = max(NOISE, ULPS * engine.ulp) * np.sqrt(REMEMBERED) / timesteps
     table = np.broadcast_to(noise[:, None], gains.shape[:2])
     series = [fitted(timesteps, gains[:, :, q], table, LEVEL) for q in range(gains.shape[2])]
-    tail = min(1.0, *(len(series) * one.least_tails.min() * one.tests for one in series))
+    tail = min(1.0, *(len(series) * one.tail for one in series))
     sizes = np.abs(gains).max(axis=(1, 2, 3))
     shown = [one.evidence for one in replays]
     if tail < LEVEL or not (sizes > EXPLAINED * noise).any():
         return shown
-    order = min(one.order for q, one in enumerate(series) if gains[:, :, q].any())
+    order = min(
+        one.order
+        for q, one in enumerate(series)
+        if (np.abs(gains[:, :, q]).max(axis=(1, 2)) > EXPLAINED * noise).any()
+    )
     return [
-        replace(evidence, tail=float(tail), order=order, declared=declared)
-        if np.abs(one.off).max() / evidence.timestep
-        <= EXPLAINED * np.interp(evidence.timestep, timesteps[::-1], sizes[::-1])
+        replace(evidence, tail=tail, order=order, declared=declared)
+        if one.off / evidence.timestep
+        <= EXPLAINED * one.growth * np.interp(evidence.timestep, timesteps[::-1], sizes[::-1])
         else evidence
         for one, evidence in zip(replays, shown, strict=True)
     ]
@@ -221,7 +250,7 @@ def _own_places(
     )
     states, times = [], []
     for ratio, r, k in ranked[:GAINING]:
-        if not ratio > 1:
+        if not ratio > TIMES:
             break
         run = runs[r]
         start = states_of(run.motion).rows(k)
@@ -245,19 +274,15 @@ def _ratios(scenario: Scenario, run: MadeRun, found: StepEvidence) -> FloatArray
     motion, spans = run.motion, np.diff(run.motion.t)
     if fastest_rate(scenario, motion.omega_body) * float(motion.t[-1]) > FARTHEST_TURN:
         return np.zeros(0)
-    states = states_of(motion)
+    states, equations = states_of(motion), Equations(scenario)
     starts, ends = states.rows(slice(None, -1)), states.rows(slice(1, None))
-    exact, equations = flowed(scenario, starts, spans), Equations(scenario)
-    sizes = np.maximum(term_sizes(equations, states).max(axis=0), np.finfo(float).tiny)
-    turned = norms(rotation_vectors(exact.q_world_body_wxyz, ends.q_world_body_wxyz))
-    gained = norms((ends.omega_body - exact.omega_body) @ equations.inertia.T)
-    largest = np.zeros(len(spans))
+    timestep = np.array([run.rung.timestep])
+    steps = Steps(timestep, spans, starts, ends, flowed(scenario, starts, spans))
+    gains = np.linalg.norm(step_gains(equations, steps)[0, 0], axis=2) / largest_terms(
+        equations, steps
+    )
+    ratios = [np.zeros(len(spans))]
     for curve in found.curves:
-        if curve.quantity not in ("attitude", "angular momentum"):
-            continue
-        q = 0 if curve.quantity == "attitude" else 1
-        of_steps = np.interp(run.rung.timestep, curve.timesteps[::-1], curve.largest[::-1])
-        noise = NOISE * sizes[0] if q == 0 else NOISE * sizes[1]
-        gain = (turned, gained)[q] / spans / sizes[q]
-        largest = np.maximum(largest, gain / max(float(of_steps), float(noise / sizes[q])))
-    return largest
+        most = np.interp(run.rung.timestep, curve.timesteps[::-1], curve.largest[::-1])
+        ratios.append(gains[:, QUANTITIES.index(curve.quantity)] / max(float(most), READABLE))
+    return np.asarray(np.max(ratios, axis=0))

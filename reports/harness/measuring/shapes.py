@@ -25,13 +25,51 @@ LEAPS = 4
 SURE = 8.0
 
 
+def without_longer(look: Look) -> tuple[Look, float]:
+    """The look without the longest timesteps, if the shorter ones alone vanish.
+
+    A method may compute long steps otherwise, or adapt their number: then what it does there is no
+    series. The shorter steps must be known well enough to show what the longer ones are off by. One
+    timestep alone that is off is none of these.
+
+    Returns
+    -------
+    The look, and the shortest timestep that was left out, s, 0 if none was.
+    """
+    count = len(look.steps.timesteps)
+    if look.tail >= LEVEL or count <= LEAST:
+        return look, 0.0
+    q, k = _worst(look)
+    if _shape(look, q, k)[0] == "timestep":
+        return look, 0.0
+    series = look.series[q]
+    off = float(norms(look.gains[:, k, q] - series.predicted[:, k])[series.tails[:, k].argmin()])
+
+    def from_on(first: int) -> Look | None:
+        shorter = look.from_timestep(first)
+        is_sharp = SURE * shorter.series[q].known_to[k] < off
+        return shorter if is_sharp and shorter.tail >= LEVEL else None
+
+    if from_on(count - LEAST) is None:
+        return look, 0.0
+    first = next(first for first in range(1, count) if from_on(first))
+    return look.from_timestep(first), float(look.steps.timesteps[first - 1])
+
+
+def _worst(look: Look) -> tuple[int, int]:
+    """The quantity and the state that are the least likely; what leaps, of those alike."""
+    tails = [one.tail for one in look.series]
+    alike = [q for q, tail in enumerate(tails) if tail == min(tails)]
+    pairs = [(q, int(look.series[q].least_tails.argmin())) for q in alike]
+    return next((pair for pair in pairs if _shape(look, *pair)[0] == "leap"), pairs[0])
+
+
 def fault_of(look: Look, at: Places) -> StepFault | None:
     """How the gains are not those of a method that converges; None if they are."""
     if look.tail >= LEVEL:
         return None
-    q = int(np.argmin([one.least_tails.min() * one.tests for one in look.series]))
+    q, k = _worst(look)
     series = look.series[q]
-    k = int(series.least_tails.argmin())
     kind, j = _shape(look, q, k)
     if kind == "limit":
         k = int((norms(series.limit) / series.known_to).argmax())
@@ -57,14 +95,10 @@ def _shape(look: Look, q: int, k: int) -> tuple[FaultKind, int]:
         return "leap", count - 1
 
     def explains(kept: Any) -> bool:
-        part = fitted(timesteps[kept], gains[kept], noise[kept], 0.0)
-        return bool(part.least_tails.min() * part.tests >= look.level)
+        return fitted(timesteps[kept], gains[kept], noise[kept], 0.0).tail >= look.level
 
     if len(bad) and explains(np.arange(count) != bad[0]):
         return "timestep", int(bad[0])
-    for first in range(LEAST, count - LEAST + 1):
-        if explains(slice(first, None)):
-            return "longer", first - 1
     if len(bad) and bad[0] >= LEAST:
         longer = slice(None, int(bad[0]))
         part = fitted(timesteps[longer], gains[longer], noise[longer], 0.0)

@@ -77,6 +77,13 @@ class Steps:
     exact: State
     repeats: int = 1
 
+    def from_timestep(self, first: int) -> "Steps":
+        """Without those with the longest timesteps."""
+        rows = slice(first * (len(self.spans) // len(self.timesteps)), None)
+        before, after, exact = (one.rows(rows) for one in (self.before, self.after, self.exact))
+        timesteps, spans = self.timesteps[first:], self.spans[rows]
+        return Steps(timesteps, spans, before, after, exact, self.repeats)
+
     def by_timestep(self, rows: FloatArray) -> FloatArray:
         """One value a row, of any shape (J R K, …), as (J, R, K, …)."""
         return rows.reshape(len(self.timesteps), self.repeats, -1, *rows.shape[1:])
@@ -172,9 +179,10 @@ def off_the_constraint(equations: Equations, states: State) -> tuple[FloatArray,
 
 
 def apart(states: State, others: State, reach: float) -> FloatArray:
-    """How far states are from others, (n, 4, 3).
+    """How far states are from others, (n, 5, 3).
 
-    The quantities are attitude, rad; ω, the com's velocity and the com, relative to their sizes.
+    The quantities are attitude, rad; ω, the com's velocity and the com, relative to their sizes;
+    and in the first component of the last all rotors' spins together, relative likewise.
 
     Parameters
     ----------
@@ -189,4 +197,8 @@ def apart(states: State, others: State, reach: float) -> FloatArray:
         (states.velocity_world - others.velocity_world) / fast,
         (states.com_world - others.com_world) / far,
     )
-    return np.stack(off, axis=1)
+    spins = np.zeros_like(states.omega_body)
+    if states.spins.size:
+        fastest = speed + float(np.abs(others.spins).max())
+        spins[:, 0] = norms(states.spins - others.spins) / fastest
+    return np.stack([*off, spins], axis=1)

@@ -123,8 +123,6 @@ def _names(quantity: Quantity) -> str:
     return ", ".join(f"'{name}'" for name in quantity.columns)
 
 
-#: Decimal places that printed numbers are looked for with, and how well they must be whole.
-MOST_PLACES, WHOLE = 13, 1e-14
 #: How far a quaternion's norm may be off: what is printed with four digits passes.
 UNIT_SLACK = 1e-3
 
@@ -160,19 +158,16 @@ class Recording:
     @property
     def resolution(self) -> float:
         """The relative distance of the numbers of attitude and ω, as they are printed."""
-        eps = np.finfo(np.float32 if self.is_single else float).eps
-        columns = (self.arrays[name] for name in ("q", "omega") if name in self.arrays)
-        return max(float(eps), *map(_last_digit, columns))
+        eps = float(np.finfo(np.float32 if self.is_single else float).eps)
+        columns = [self.arrays[name] for name in ("q", "omega") if name in self.arrays]
+        digits = max(map(_digits, np.concatenate([column.ravel() for column in columns])))
+        return max(eps, 10.0 ** (1 - digits))
 
 
-def _last_digit(values: FloatArray) -> float:
-    """What one in the last decimal place is, relative to the largest number; 0 if below 1e-12."""
-    size = float(np.abs(values).max()) or 1.0
-    for places in range(MOST_PLACES):
-        scaled = values * 10.0**places
-        if (np.abs(scaled - np.rint(scaled)) <= WHOLE * np.maximum(1.0, np.abs(scaled))).all():
-            return 10.0**-places / size
-    return 0.0
+def _digits(value: float) -> int:
+    """How many decimal digits it takes to print a number exactly."""
+    mantissa = repr(float(abs(value))).partition("e")[0]
+    return len(mantissa.replace(".", "").strip("0"))
 
 
 def check_motion(arrays: dict[str, FloatArray]) -> None:

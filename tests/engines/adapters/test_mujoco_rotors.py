@@ -16,6 +16,7 @@ from spincheck.engines.adapters.mujoco.engine import ANY_TIMESTEP
 from spincheck.engines.adapters.mujoco.session import MuJoCoSession
 from spincheck.engines.models.mjcf import mjcf
 from spincheck.reference import solve
+from spincheck.reports.harness.measuring.examine import physics_in_words
 from spincheck.scenarios import Scenario, errors_between
 from spincheck.suite.contract_scenes import SCENES
 
@@ -133,6 +134,6 @@ def test_single_steps_show_a_faint_fault_of_a_hinge(
         model.opt.disableflags = 0
 
     engine, scene = opened(monkeypatch, plant), library_scene(BOX)
-    found = engine.equation_residuals(scene, engine.method("RK4"))
+    found = physics_in_words(engine, scene, engine.method("RK4"))
     assert words in found
     assert bool(found) == bool(fault)

@@ -13,6 +13,7 @@ from spincheck.engines.users_models import named_link as of_scene
 from spincheck.engines.users_models.users_urdf import body_alone
 from spincheck.reference import solve
 from spincheck.reports.cli.users_models.import_links import link_scenes
+from spincheck.reports.harness.measuring.examine import physics_in_words
 from spincheck.scenarios import Scenario, load
 from spincheck.scenarios.users_models import IDENTITY, RigidBody, read_model
 from users_models import TENSOR, arm, body, diagonal, inertial, joint, link, robot, written
@@ -52,7 +53,7 @@ def test_a_link_of_a_urdf_moves_as_its_numbers_say(tmp_path, name):
     done = run(name, scenario)
     assert (done.outcome, done.reason, done.active) == ("ok", "", frozenset())
     engine = engines()[name]
-    assert engine.equation_residuals(scenario, engine.methods[0]) == ""
+    assert physics_in_words(engine, scenario, engine.methods[0]) == ""
     exact = solve(scenario, STEPS * TIMESTEP).trajectory
     # Of order 1: a step is off by the square of the turn it makes.
     turn = float(np.linalg.norm(scenario.start.omega_body)) * TIMESTEP

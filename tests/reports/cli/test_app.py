@@ -13,6 +13,7 @@ import pytest
 from command_line import ended
 from library_scenes import library_scene
 from scene_texts import sphere_text
+from spincheck import exact, load
 from spincheck.reports.cli import stopping
 from spincheck.reports.cli.scenes.scene import EXPORTED_TURN
 from spincheck.reports.cli.terminal import BAD_INPUT
@@ -77,6 +78,25 @@ def test_reference_prints_states_at_the_times_asked_for(spincheck, sphere):
     assert [state["t"] for state in exact["states"]] == [0.5, 1.0]
     assert exact["states"][1]["omega_body"] == [0.0, 1.0, 2.0]
     assert exact["states"][1]["energy"] == pytest.approx(2.5, rel=1e-15)
+
+
+def test_derivatives_are_printed_with_all_digits_and_exported(spincheck, sphere, tmp_path):
+    code, out, _ = spincheck("reference", sphere, "--at", 0.5, "--sensitivities", "--json")
+    assert code == 0
+    printed = json.loads(out)["sensitivities"]
+    found = exact(sphere).sensitivity(0.5)
+    assert printed["t"] == [0.5]
+    assert printed["state_transition"] == found.state_transition.tolist()
+    assert printed["inertia"] == found.inertia.tolist()
+    assert printed["translation"]["com"] == found.translation["com"].tolist()
+    assert printed["uncertainty"] == found.uncertainty
+    assert "gravity" not in printed
+    code, out, _ = spincheck("reference", sphere, "--at", 0.5, "--sensitivities")
+    assert code == 0
+    assert all(label in out for label in ("attitude x", "Ixy", "com z", "velocity y", "moment 3"))
+    assert spincheck("export", sphere, "out", "--truth", "--sensitivities")[0] == 0
+    written = json.loads((tmp_path / "out/sensitivities.json").read_text("utf-8"))
+    assert len(written["t"]) == len(written["state_transition"]) == load(sphere).window.samples
 
 
 def test_export_writes_files_whose_timestep_resolves_the_fastest_rate(spincheck, tmp_path):
@@ -144,6 +164,8 @@ def test_run_as_json_has_rows_and_verdicts(spincheck, sphere):
         ),
         (["check", "nowhere.toml"], "neither a file, a folder, nor a scene of the library"),
         (["export", "sphere", "/proc/nowhere"], "cannot be written"),
+        (["export", "sphere", "out", "--sensitivities"], "'--sensitivities' goes with '--truth'"),
+        (["reference", "sphere", "--sensitivities", "--at", "-3"], "'--at' must be a time from 0"),
     ],
     ids=lambda value: " ".join(value) if isinstance(value, list) else "",
 )

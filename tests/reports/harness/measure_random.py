@@ -1,166 +1,251 @@
-"""Faultless methods on random scenes: false verdicts, and errors above their tolerances, counted.
+"""Honest methods on random scenes of wide ranges: false accusations, and the smallest tails.
 
-Bodies have skew tensors, effects come in all combinations, windows are of 2 to 20 periods.
+Each scene is seen by single steps and by replays of a ladder of a few runs. Several processes may
+share the scenes, one part each:
+
+    measure_random.py COUNT FIRST
+
+runs scenes FIRST to FIRST + COUNT - 1. The page is of all parts in build/random-scenes.
 """
 
+import json
 import sys
 from collections import Counter
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
+from time import process_time
 
 import numpy as np
+from kinds_of_engines import why_missing
 from scipy.spatial.transform import Rotation
 from spincheck.engines import Engine, Method, engines
-from spincheck.reports.harness.judging.best_window import SHARP
-from spincheck.reports.harness.prepared import Prepared, prepare
+from spincheck.reports.harness.prepared import prepare
 from spincheck.reports.harness.study import convergence_study_of
+from spincheck.reports.results.evidence import LEVEL
 from spincheck.reports.results.verdicts import Verdict
 from spincheck.scenarios import Scenario, loads
 from studies import verdict_of
 
 COUNT, SEED = 1000, 1
-#: Largest number of steps of a ladder: where errors over the whole window are large, pieces decide.
-MOST_STEPS = 1 << 12
-#: Of ladders that are run again as they were too short.
-RESOLVING_STEPS = 1 << 19
+#: Largest number of steps of a run: two or three halvings.
+MOST_STEPS = 1 << 8
 PAGE = Path(__file__).parents[3] / "docs/measured/random-scenes.md"
-#: Of first order in two engines, and of fourth.
-METHODS = (("mujoco", "Euler"), ("pybullet", "multibody"), ("mujoco", "RK4"))
+#: Those that are there are run.
+METHODS = (
+    ("mujoco", "Euler"),
+    ("mujoco", "implicitfast"),
+    ("mujoco", "RK4"),
+    ("pybullet", "multibody"),
+    ("dartpy", "semi-implicit"),
+    ("drake", "runge_kutta3"),
+    ("exudyn", "RK44"),
+    ("pin", "RK4"),
+)
 SAMPLES = 41
-#: Said of `unresolved` ladders that no method can resolve.
-TOO_UNCERTAIN = f", as the exact motion, body and start are uncertain by more than {SHARP:g}"
-HEAD = f"""# Verdicts on faultless methods on random scenes
+#: Verdicts that accuse an honest method.
+ACCUSING = ("disagrees", "failed")
+#: Smallest tails that are printed.
+SHOWN = 10
+KEPT = Path("build/random-scenes")
+HEAD = """# Verdicts on honest methods on random scenes
 
-Made by `make random` from {{scenes}} scenes and {{methods}}.
-Bodies have skew tensors, effects come in all combinations, windows are of 2 to 20 periods. Ladders
-have runs of up to {MOST_STEPS} steps; where the verdict is not `converges`, they are run again, up
-to {RESOLVING_STEPS} steps. A limit's error that exceeds its tolerance makes a signal
-`unresolved`; four times that, over two rungs, `disagrees`.
+Made by `make random` from {scenes} scenes, {pairs} pairs of a scene and a method, in
+{seconds:.2f} s of CPU time each. Bodies have skew tensors, of any shape down to rods whose moments
+differ by a factor of 1000, and spin with 0.1 to 1000 rad/s. Effects come in all combinations; drag
+is up to 100 times as fast as the body turns, and the com up to 1000 radii of gyration from the
+origin of a body that is free. A pair is judged by single steps and by replays of runs of up to
+{steps} steps.
 
-| | number |
-|---|---|
-{{table}}
+| method | {words} |
+|---|{rule}|
+{table}
 
-Judged wrongly (`disagrees` or `failed`; at fourth order also `diverges`, and `unresolved` though
-the exact motion, body and start are known well enough for a verdict):
+False accusations (`disagrees` or `failed`): {accused}.
 
-{{wrong}}
+The smallest tails (one of so many is as small as {expected:.0e}; a verdict is held to {level:.0e}):
+
+| scene | method | tail |
+|---|---|---|
+{smallest}
+
+Accused:
+
+{wrong}
 """
 
 
 def random_scene(number: int) -> Scenario:
     """The scene of that number: the same however many there are."""
     rng = np.random.default_rng([SEED, number])
-    # Moments of three masses on the axes obey the triangle inequality.
-    a, b, c = rng.uniform(0.1, 1.0, 3)
+    # Moments of three masses on the axes obey the triangle inequality; of a rod two are small.
+    a, b, c = 10 ** rng.uniform(-3.0 if rng.random() < 0.5 else -1.0, 0.0, 3)
     R = Rotation.random(rng=rng).as_matrix()
     inertia = R @ np.diag([b + c, a + c, a + b]) @ R.T
     inertia = (inertia + inertia.T) / 2
-    speed = 10 ** rng.uniform(0, 1.5)
-    direction = rng.normal(size=3)
-    omega = speed * direction / np.linalg.norm(direction)
+    mass, speed = rng.uniform(0.5, 2.0), 10 ** rng.uniform(-1, 3)
+    gyration = float(np.sqrt(np.trace(inertia) / 3 / mass))
     has = dict(zip(("gravity", "pivot", "drag", "torque"), rng.random(4) < 0.5, strict=True))
-    duration = rng.uniform(2, 20) * 2 * np.pi / speed
+    # Of a body on a pivot far from its com the motion is a pendulum's, and its spin adds nothing.
+    far = 10 ** rng.uniform(-2, 0 if has["pivot"] else 3)
+    unit = float(np.trace(inertia)) / 3 * speed
+    duration = rng.uniform(0.5, 5) * 2 * np.pi / speed
     lines = [
         "spincheck = 1",
         'title = "random"',
         'source = "a generator"',
         "[body]",
-        f"mass = {rng.uniform(0.5, 2.0)!r}",
+        f"mass = {mass!r}",
         f"inertia = {inertia.tolist()!r}",
-        f"com = {rng.uniform(-0.3, 0.3, 3).tolist()!r}",
+        f"com = {(far * gyration * _direction(rng)).tolist()!r}",
         "[start]",
         f"rotation_vector_deg = {rng.uniform(-90, 90, 3).tolist()!r}",
-        f"omega_body = {omega.tolist()!r}",
+        f"omega_body = {(speed * _direction(rng)).tolist()!r}",
     ]
     if has["gravity"]:
         lines += ["[effects.gravity]", f"acceleration = {rng.uniform(-10, 10, 3).tolist()!r}"]
     if has["pivot"]:
         lines += ["[effects.pivot]"]
     if has["drag"]:
-        lines += ["[effects.drag]", f"rotational = {rng.uniform(0.01, 0.1)!r}"]
+        lines += ["[effects.drag]", f"rotational = {unit * 10 ** rng.uniform(-3, 2)!r}"]
     if has["torque"]:
-        axes = rng.choice(["body", "world"])
-        lines += ["[effects.torque]", f"{axes} = {rng.uniform(-0.5, 0.5, 3).tolist()!r}"]
+        axes, size = rng.choice(["body", "world"]), unit * speed * 10 ** rng.uniform(-3, 0)
+        lines += ["[effects.torque]", f"{axes} = {(size * _direction(rng)).tolist()!r}"]
     lines += ["[window]", f"duration = {duration!r}", f"samples = {SAMPLES}"]
     return loads("\n".join(lines) + "\n", f"random-{number}")
 
 
-def verdicts(number: int) -> Iterator[tuple[Method, Verdict, bool]]:
-    """Of every method, on ladders that resolve it.
+def _direction(rng: np.random.Generator) -> np.ndarray:
+    vector = rng.normal(size=3)
+    return np.asarray(vector / np.linalg.norm(vector))
 
-    And whether the exact motion, body and start are known too badly for any other verdict.
-    """
+
+def methods() -> Iterator[tuple[Engine, Method]]:
+    """Of the engines that are there."""
+    for name, of_engine in METHODS:
+        if not why_missing(name):
+            engine = engines()[name]
+            yield engine, engine.method(of_engine)
+
+
+def verdicts(number: int) -> Iterator[Verdict]:
+    """Of every method that can simulate the scene."""
     scenario = random_scene(number)
     prepared = prepare(scenario, [], MOST_STEPS)
-    for name, of_engine in METHODS:
-        engine = engines()[name]
-        method = engine.method(of_engine)
-        verdict, is_too_uncertain = judged(scenario, engine, method, prepared)
-        if verdict.verdict != "converges":
-            longer = prepare(scenario, [], RESOLVING_STEPS)
-            verdict, is_too_uncertain = judged(scenario, engine, method, longer)
-        yield method, verdict, is_too_uncertain
+    for engine, method in methods():
+        if not engine.unsupported(scenario, method):
+            yield verdict_of(convergence_study_of(scenario, engine, method, prepared))
 
 
-def judged(
-    scenario: Scenario, engine: Engine, method: Method, prepared: Prepared
-) -> tuple[Verdict, bool]:
-    """Run the ladder in this process."""
-    study = convergence_study_of(scenario, engine, method, prepared)
-    verdict = verdict_of(study)
-    signals = study.records.ladder.signals
-    return verdict, any(one.sequence.uncertainty > SHARP for one in signals)
+def is_wrong(verdict: Verdict) -> bool:
+    """Whether an honest method is accused."""
+    return verdict.verdict in ACCUSING
 
 
-def is_wrong(method: Method, verdict: Verdict) -> bool:
-    """Whether a faultless method is judged wrongly; at first order a ladder may be too short."""
-    return verdict.verdict in ("disagrees", "failed") or (
-        method.order == 4 and verdict.verdict != "converges"
-    )
+@dataclass
+class Counts:
+    """What was counted of so many scenes, as it is kept beside the page.
+
+    Attributes
+    ----------
+    words : verdicts by method and word
+    tails : the smallest, each with scene and method
+    wrong : a line each
+    """
+
+    scenes: int = 0
+    seconds: float = 0.0
+    words: Counter[str] = field(default_factory=Counter)
+    tails: list[tuple[float, str, str]] = field(default_factory=list)
+    wrong: list[str] = field(default_factory=list)
+
+    def add(self, verdict: Verdict) -> None:
+        """Count a verdict."""
+        key, method = verdict.key, f"{verdict.key.engine} {verdict.key.method}"
+        self.words[f"{method}: {verdict.verdict}"] += 1
+        if verdict.tail is not None:
+            self.tails = sorted([*self.tails, (verdict.tail, key.scenario, method)])[:SHOWN]
+        if is_wrong(verdict):
+            told = f"{verdict.verdict}: {verdict.reason}"
+            self.wrong.append(f"{key.scenario}, {method}: {told}")
+
+    def joined(self, other: "Counts") -> "Counts":
+        """Of the scenes of both."""
+        return Counts(
+            self.scenes + other.scenes,
+            self.seconds + other.seconds,
+            self.words + other.words,
+            sorted([*self.tails, *other.tails])[:SHOWN],
+            self.wrong + other.wrong,
+        )
+
+    @staticmethod
+    def read(text: str) -> "Counts":
+        """As `written` wrote it."""
+        stored = json.loads(text)
+        tails = [tuple(one) for one in stored["tails"]]
+        return Counts(**stored | {"words": Counter(stored["words"]), "tails": tails})
+
+    @property
+    def written(self) -> str:
+        """As JSON."""
+        return json.dumps(vars(self))
+
+    @property
+    def page(self) -> str:
+        """As Markdown."""
+        found = sorted({line.split(": ")[1] for line in self.words})
+        pairs = sum(self.words.values())
+        names = sorted({line.split(": ")[0] for line in self.words})
+        rows = [[name, *(str(self.words[f"{name}: {one}"]) for one in found)] for name in names]
+        smallest = [[scene, method, f"{tail:.1e}"] for tail, scene, method in self.tails]
+        return HEAD.format(
+            scenes=self.scenes,
+            pairs=pairs,
+            seconds=self.seconds / max(1, pairs),
+            steps=MOST_STEPS,
+            words=" | ".join(found),
+            rule="|".join("---" for _ in found),
+            table=_lines(rows),
+            accused=len(self.wrong),
+            expected=1 / max(1, pairs),
+            level=LEVEL,
+            smallest=_lines(smallest),
+            wrong="\n".join(f"- {line}" for line in self.wrong) or "None.",
+        )
 
 
-def is_too_sure(signal: SignalVerdict) -> bool:
-    """Whether the limit's error exceeds its stated tolerance."""
-    return signal.limit_error is not None and signal.limit_error > (signal.tolerance or 0.0)
+def _lines(rows: Sequence[Sequence[str]]) -> str:
+    return "\n".join(f"| {' | '.join(row)} |" for row in rows)
 
 
-def page(scenes: int, counts: Counter[str], wrong: Sequence[str]) -> str:
-    """The counts as Markdown."""
-    lines = [f"| {what} | {times} |" for what, times in sorted(counts.items())]
-    return HEAD.format(
-        scenes=scenes,
-        methods=", ".join(f"{of} {engines()[of].version} {name}" for of, name in METHODS),
-        table="\n".join(lines),
-        wrong="\n".join(f"- {line}" for line in wrong) or "None.",
-    )
+def measured(numbers: Sequence[int]) -> Counts:
+    """Of the scenes of these numbers."""
+    counts, begun = Counts(), process_time()
+    for number in numbers:
+        for verdict in verdicts(number):
+            counts.add(verdict)
+            if is_wrong(verdict):
+                print(counts.wrong[-1], flush=True)
+        counts.scenes += 1
+        counts.seconds = process_time() - begun
+    return counts
 
 
-def main() -> int:
-    """Run so many scenes, and write the page; 1 if anything is judged wrongly."""
-    count = int(sys.argv[1]) if len(sys.argv) > 1 else COUNT
-    counts: Counter[str] = Counter()
-    wrong: list[str] = []
-    for number in range(count):
-        for method, verdict, is_too_uncertain in verdicts(number):
-            order = "fourth order" if method.order == 4 else "first order"
-            is_open = is_too_uncertain and verdict.verdict == "unresolved"
-            counts[f"{order}: {verdict.verdict}{TOO_UNCERTAIN if is_open else ''}"] += 1
-            counts[f"{order}: signals judged"] += len(verdict.signals)
-            counts[f"{order}: signals whose limit's error exceeds its tolerance"] += sum(
-                is_too_sure(signal) for signal in verdict.signals
-            )
-            if is_wrong(method, verdict) and not is_open:
-                key = verdict.key
-                wrong.append(
-                    f"{key.scenario}, {key.engine} {key.method}: {verdict.verdict}: "
-                    f"{verdict.reason}"
-                )
-        # A study that is stopped leaves the page of the scenes so far.
-        PAGE.write_text(page(number + 1, counts, wrong), encoding="utf-8")
-    print(PAGE.read_text(encoding="utf-8"))
-    return int(bool(wrong))
+def main(arguments: Sequence[str]) -> int:
+    """Run so many scenes, and write the page; 1 if a method is accused."""
+    count, first, *_ = [*map(int, arguments), *(COUNT, 0)[len(arguments) :]]
+    counts = measured(range(first, first + count))
+    KEPT.mkdir(parents=True, exist_ok=True)
+    (KEPT / f"{first}.json").write_text(counts.written, encoding="utf-8")
+    parts = [Counts.read(one.read_text(encoding="utf-8")) for one in sorted(KEPT.glob("*.json"))]
+    joined = Counts()
+    for part in parts:
+        joined = joined.joined(part)
+    PAGE.write_text(joined.page, encoding="utf-8")
+    print(joined.page)
+    return int(bool(joined.wrong))
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(main(sys.argv[1:]))

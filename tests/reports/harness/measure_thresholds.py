@@ -44,7 +44,12 @@ def name_of_fault(scenario: Scenario, prepared: Prepared, method: str, fault: Pl
     _, is_explained, words = verdict.reason.partition("as if ")
     if is_explained:
         return words.split(":")[0]
-    return BITS if BITS in verdict.reason else verdict.signal
+    if BITS in verdict.reason:
+        return BITS
+    fault = next(
+        (one.fault for one in (verdict.steps, verdict.own_steps) if one and one.fault), None
+    )
+    return f"{fault.quantity}: {fault.kind}" if fault else verdict.reason.split(":")[0]
 
 
 def threshold(scenario: Scenario, prepared: Prepared, method: str, kind: str) -> tuple[str, str]:
@@ -76,7 +81,8 @@ The table has the smallest fault of each kind that spincheck detects, out of siz
 MuJoCo was run with the fault planted, hidden from the read-back before the first step, on
 ladders of up to {MOST_STEPS} steps. Sizes are relative; of turns in rad; of a com and its drift
 relative to the radius of gyration. *Named* is what the verdict says: the change of the model that
-single steps show, else the signal that decides. Made by `make thresholds`.
+single steps show, else the quantity that shows the fault, and in which way. Made by
+`make thresholds`.
 
 | scene | method | fault | smallest detected | named |
 |---|---|---|---|---|

@@ -48,10 +48,3 @@ def test_what_the_library_knows_of_engines_is_so():
             engine = engines()[fault.engine]
             study = convergence_study_of(scene, engine, engine.method(fault.method), prepared)
             assert verdict_of(study).expected_failure
-
-
-def test_a_ladder_that_was_cut_short_does_not_refute_it():
-    key = Key("drag-until-rest", FAULT.engine, FAULT.method)
-    converged = Verdict(key, "converges", "to a coarse tolerance")
-    assert compared_with_expected_failures([FAULT], converged, cut_short=True).agrees
-    assert not compared_with_expected_failures([FAULT], converged).agrees

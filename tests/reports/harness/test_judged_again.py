@@ -8,10 +8,11 @@ from box import BOX
 from planted import HeunSession, RaisingSession, planted
 from spincheck.engines import Engine, Method, Session
 from spincheck.reports.harness.choice import Choice
-from spincheck.reports.harness.judging import best_window, signal_ladder
+from spincheck.reports.harness.judging import ladder_end
 from spincheck.reports.results import fingerprints
-from spincheck.reports.results.verdicts import Verdict
+from spincheck.reports.results.evidence import StepEvidence
 from spincheck.reports.results.store import open_store
+from spincheck.reports.results.verdicts import Verdict
 from spincheck.scenarios import Scenario, loads
 from studies import study as study_of
 
@@ -20,9 +21,9 @@ pytestmark = pytest.mark.slow
 #: Steps; Heun's method in Python takes some 30 µs each.
 BUDGET = 1 << 9
 ENGINES = (planted(HeunSession), planted(RaisingSession))
+#: Errors that need no finer rung.
+EASY = 1e-2
 LADDER = Choice(ENGINES, max_steps=BUDGET, timed=False)
-#: A threshold that no limit meets.
-NEVER = 1e-30
 
 
 @pytest.fixture
@@ -48,9 +49,9 @@ def verdicts(path: Path) -> list[Verdict]:
     return study_of(path, [loads(BOX, "box")], LADDER).verdicts
 
 
-def never_sharp(patch: pytest.MonkeyPatch) -> None:
-    for module in (best_window, signal_ladder):
-        patch.setattr(module, "SHARP", NEVER)
+def nothing_is_known(patch: pytest.MonkeyPatch) -> None:
+    """No limit is known well enough for a verdict."""
+    patch.setattr(StepEvidence, "is_known", property(lambda _: False))
 
 
 def judging_is_another(patch: pytest.MonkeyPatch) -> None:
@@ -76,7 +77,7 @@ def test_verdicts_are_made_again_to_the_last_bit_without_a_run(path, monkeypatch
 
 def test_a_changed_threshold_changes_the_verdict_without_a_run(path, monkeypatch, opened):
     with monkeypatch.context() as patch:
-        never_sharp(patch)
+        nothing_is_known(patch)
         judging_is_another(patch)
         assert verdicts(path)[0].verdict == "unresolved"
     assert opened
@@ -89,10 +90,11 @@ def test_a_changed_threshold_changes_the_verdict_without_a_run(path, monkeypatch
 def test_a_ladder_that_a_changed_threshold_makes_longer_is_run(path, monkeypatch, opened):
     choice = Choice(ENGINES[:1], max_steps=1 << 14, timed=False)
     scenes = [loads(BOX, "box")]
-    short = study_of(path, scenes, choice)
+    with monkeypatch.context() as patch:
+        patch.setattr(ladder_end, "GOAL", EASY)
+        short = study_of(path, scenes, choice)
     assert opened
     opened.clear()
-    never_sharp(monkeypatch)
     judging_is_another(monkeypatch)
     longer = study_of(path, scenes, choice)
     assert len(longer.rows) > len(short.rows)

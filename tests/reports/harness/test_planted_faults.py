@@ -74,7 +74,7 @@ def test_the_faultless_engine_is_as_if_it_were_alone_or_twice_as_heavy(rows, tmp
         assert (row.outcome, row.cause, row.reason, row.errors) == ("ok", "", "", alone.errors)
 
 
-def test_a_planted_fault_that_begins_later_shows_in_no_single_run_but_in_the_ladder(rows, path):
+def test_a_planted_fault_that_begins_later_shows_in_no_single_run_but_in_its_replays(rows, path):
     row = rows["SpunUpFromHalfway"]
     assert (row.outcome, row.cause, row.reason) == ("ok", "", "")
     faulty = engine(planted.SpunUpFromHalfwaySession)

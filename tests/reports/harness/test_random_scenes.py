@@ -1,72 +1,69 @@
-"""The study of random scenes: single scenes of it, and what it counts as wrong."""
+"""The bench of random scenes: some scenes of it, and what it counts."""
 
-from dataclasses import replace
-
-import numpy as np
+import measure_random
 import pytest
-from library_scenes import library_scene
-from measure_random import is_too_sure, is_wrong, judged, random_scene
-from spincheck.engines import engines
-from spincheck.reference import solve
-from spincheck.reports.harness.judging import contradictions
-from spincheck.reports.harness.measuring import richardson
-from spincheck.reports.harness.measuring.rounding import roundings_in_flight
-from spincheck.reports.harness.prepared import prepare
+from measure_random import Counts, is_wrong, measured, random_scene
+from spincheck.reports.results.evidence import ReplayEvidence, StepEvidence
+from spincheck.reports.results.records import Key
 from spincheck.reports.results.verdicts import Verdict
 
 pytestmark = pytest.mark.slow
 
-MUJOCO = engines()["mujoco"]
-RK4 = MUJOCO.method("RK4")
-#: The number of a scene whose body falls for 98 s, up to 957 m/s.
-FALLS_FAST = 264
-#: The number of one whose motion is too uncertain by its end for any verdict but `unresolved`.
-CHAOTIC = 30
-STEPS = 1 << 15
-#: One that methods of first order lose, and whose defects then scatter.
-LOST = 18
+#: Scenes that are run.
+FEW = 6
+KEY = Key("random-0", "engine", "method")
+STEPS = StepEvidence(3, 0.5, 0.0, 0.0, 1)
 
 
-def verdict_of(number: int) -> tuple[Verdict, bool]:
-    """The verdict on a ladder alone, without single steps and pieces, which decide all of these."""
-    scenario = random_scene(number)
-    return judged(scenario, MUJOCO, RK4, replace(prepare(scenario, [], STEPS), places=None))
+@pytest.fixture(scope="module")
+def counts() -> Counts:
+    return measured(range(FEW))
 
 
-def test_defects_of_a_run_that_lost_the_motion_scatter_without_a_fault(monkeypatch) -> None:
-    method, scenario = MUJOCO.method("implicit"), random_scene(LOST)
-    prepared = prepare(scenario, [], STEPS)
-    assert judged(scenario, MUJOCO, method, prepared)[0].verdict == "converges"
-    monkeypatch.setattr(contradictions, "_own", lambda *_: 0.0)
-    assert judged(scenario, MUJOCO, method, prepared)[0].verdict == "disagrees"
+def test_no_honest_method_is_accused_on_some_random_scenes(counts: Counts) -> None:
+    assert counts.wrong == []
+    assert counts.scenes == FEW
+    # Of the engines that are always there.
+    assert sum(counts.words.values()) >= 3 * FEW
 
 
-def test_the_limits_error_of_a_fast_fall_is_within_its_tolerance(monkeypatch) -> None:
-    verdict, _ = verdict_of(FALLS_FAST)
-    assert verdict.verdict == "converges"
-    assert not any(is_too_sure(signal) for signal in verdict.signals)
-    monkeypatch.setattr(richardson, "roundings_in_flight", lambda *_: 0.0)
-    verdict, _ = verdict_of(FALLS_FAST)
-    too_sure = [signal.signal for signal in verdict.signals if is_too_sure(signal)]
-    assert too_sure == ["angular_momentum"]
+def test_scenes_are_of_wide_ranges() -> None:
+    scenes = [random_scene(number) for number in range(100)]
+    assert random_scene(7).text == scenes[7].text
+    sets = {frozenset(scene.called_for) for scene in scenes}
+    assert len(sets) > 16
+    stretched = [
+        max(moments) / min(moments) for moments in (s.body.principal_moments for s in scenes)
+    ]
+    assert max(stretched) > 50 > 2 > min(stretched)
 
 
-def test_a_flights_roundings_are_those_of_its_momentum_flux_by_a_random_walk() -> None:
-    hammer = library_scene("hammer")
-    solution = solve(hammer, hammer.times)
-    fast = np.linalg.norm(solution.trajectory.velocity_world, axis=1).max()
-    L = np.linalg.norm(solution.trajectory.omega_body @ hammer.body.inertia_com, axis=1).max()
-    flux = hammer.body.mass * fast**2
-    assert roundings_in_flight(hammer, solution, 1) == pytest.approx(flux * hammer.times[-1] / L)
-    assert roundings_in_flight(hammer, solution, 4) == pytest.approx(
-        roundings_in_flight(hammer, solution, 1) / 2
-    )
-    top = library_scene("fast-top")
-    assert roundings_in_flight(top, solve(top, top.times), 1) == 0.0
+def test_parts_that_are_kept_are_joined(counts: Counts) -> None:
+    assert Counts.read(counts.written) == counts
+    both = counts.joined(measured(range(FEW, FEW + 1)))
+    assert both.scenes == FEW + 1
+    assert both.tails == sorted(both.tails)
 
 
-def test_a_motion_too_uncertain_for_a_verdict_is_told_from_a_ladder_that_is_too_short() -> None:
-    verdict, is_too_uncertain = verdict_of(CHAOTIC)
-    assert (verdict.verdict, is_too_uncertain) == ("unresolved", True)
-    assert is_wrong(RK4, verdict)
-    assert verdict_of(FALLS_FAST)[1] is False
+def test_the_page_has_what_was_counted(tmp_path, monkeypatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(measure_random, "PAGE", tmp_path / "page.md")
+    for first in ("0", "1"):
+        assert measure_random.main(["1", first]) == 0
+    page = (tmp_path / "page.md").read_text(encoding="utf-8")
+    assert "from 2 scenes" in page
+    assert "False accusations (`disagrees` or `failed`): 0." in page
+    assert "| mujoco RK4 | 2 |" in page
+
+
+@pytest.mark.parametrize("word", ["disagrees", "failed"])
+def test_an_accusation_is_counted_with_its_tail(word: str) -> None:
+    counts = Counts()
+    counts.add(Verdict(KEY, "converges", "", STEPS))
+    unlikely = (ReplayEvidence(0.1, 4, 1e-20, 1e-3),)
+    accusing = Verdict(KEY, word, "why", STEPS, replays=unlikely)
+    counts.add(accusing)
+    assert is_wrong(accusing)
+    assert counts.tails[0] == (2e-20, "random-0", "engine method")
+    assert len(counts.wrong) == 1
+    assert counts.wrong[0].startswith(f"random-0, engine method: {word}: ")

@@ -58,11 +58,14 @@ def test_an_engine_is_run_at_its_own_stock_timestep_and_at_one_for_all(stock_res
         assert row.motion.t[-1] == pytest.approx(1.0, abs=row.timestep / 2)
 
 
-def test_the_verdict_is_that_of_the_ladder_alone(stock_results, path, monkeypatch):
+def test_the_verdict_is_that_without_them(stock_results, path, monkeypatch):
+    """Their replays are among what it rests on."""
     monkeypatch.setattr("spincheck.reports.harness.prepared.stock_timesteps", lambda _: ())
     without = study(path, HeunAsSold())
     assert not stock_rows(without)
-    assert without.verdicts == stock_results.verdicts
+    for verdict, other in zip(without.verdicts, stock_results.verdicts, strict=True):
+        assert (verdict.verdict, verdict.steps) == (other.verdict, other.steps)
+        assert len(verdict.replays) == len(other.replays) - len(stock_rows(stock_results))
 
 
 def test_a_blow_up_at_a_stock_timestep_leaves_the_verdict(path):

@@ -64,6 +64,18 @@ def test_exact_states_have_what_their_names_say(exact):
             spincheck.exact(scene).at(times)
 
 
+def test_derivatives_are_at_the_times_asked_for_and_none_are_beyond_what_is_known():
+    motion = spincheck.exact("fast-top")
+    assert motion.sensitivity([0.0, 1.0]).state_transition.shape == (2, 6, 6)
+    assert motion.sensitivity(1.0).gravity.shape == (1, 6, 3)
+    for times in ([], [[0.0, 1.0]]):
+        with pytest.raises(ValueError, match=r"'times' must have the shape \(n,\), got"):
+            motion.sensitivity(times)
+    scene = library_scene("chaos-beyond-the-horizon")
+    with pytest.raises(ValueError, match=r"'times' must not reach .*: it is chaotic"):
+        spincheck.exact(scene).sensitivity([0.0, scene.window.duration * 10])
+
+
 def test_a_motion_is_judged_in_every_form_that_it_may_have(exact):
     xyzw = np.roll(exact.q_world_body_wxyz, -1, axis=1)
     forms = [

@@ -1,0 +1,127 @@
+"""What a unit change of a start or a parameter changes in the equations of motion.
+
+At moments that stay, every constant of the equations is linear in each such number. A change of
+mass, com or inertia is a change δI of the tensor besides.
+"""
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+from mpmath import mp, mpf
+
+from ..scenarios import Scenario
+from ..scenarios.exact import DIGITS, ZERO, Quaternion, conjugate, rotate, turned_tensor
+from ..scenarios.principal import IDENTITY
+from .effect_terms import TERMS, BodyChange, EffectTerms, Numbers
+from .problem import Problem
+
+#: Of mpf.
+Array = Any
+#: The entries of an inertia tensor, in the order in which they are listed everywhere.
+ENTRIES = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
+
+
+def exact(values: Any) -> Array:
+    """Numbers as an array of mpf, of the same shape."""
+    return np.vectorize(mpf, otypes=[object])(np.array(values, dtype=object))
+
+
+_UNITS, _NONE = exact(IDENTITY), exact(ZERO)
+
+
+@dataclass(frozen=True, eq=False)
+class Change:
+    """A unit change of one number, in extended precision.
+
+    Attributes
+    ----------
+    turn_axes, omega_axes : of the start, rad and rad/s, along the principal axes
+    inertia_axes : δI about the fixed point, kg m², along them
+    constants : of what the constants are linear in, by attribute of a `Problem`
+    lever_body : of the vector from what holds the body to the com, m, body axes
+    """
+
+    turn_axes: Array = field(default_factory=_NONE.copy)
+    omega_axes: Array = field(default_factory=_NONE.copy)
+    inertia_axes: Array = field(default_factory=lambda: exact(np.zeros((3, 3))))
+    constants: Numbers = field(default_factory=dict)
+    lever_body: Array = field(default_factory=_NONE.copy)
+
+
+def changes(scenario: Scenario, problem: Problem) -> dict[str, list[Change] | Change]:
+    """The changes by attitude and ω at the start, and by all parameters that a scene has, by name.
+
+    Those by the components of a vector are a list, that by a single number is none.
+    Mass, com and inertia are those of `[body]`, without parts that turn in it; the inertia, that
+    about its com.
+    """
+    q, acting = problem.q_axes_body, [TERMS[name] for name in TERMS if name in scenario.called_for]
+    with mp.workdps(DIGITS):
+        axes = [exact(rotate(q, axis)) for axis in IDENTITY]
+        of_body = _of_body(scenario, q, acting)
+        found: dict[str, list[Change] | Change] = {
+            "attitude": [Change(turn_axes=axis) for axis in axes],
+            "omega": [
+                Change(
+                    omega_axes=axis,
+                    constants=_joined(one.by_omega(scenario, unit) for one in acting),
+                )
+                for unit, axis in zip(IDENTITY, axes, strict=True)
+            ],
+            "inertia": [of_body(_entry(i, j), mpf(0), _NONE) for i, j in ENTRIES],
+            "mass": of_body(0 * _UNITS, mpf(1), _NONE),
+            "com": [of_body(0 * _UNITS, mpf(0), unit) for unit in _UNITS],
+        }
+        for terms in acting:
+            for name, each in terms.parameters(scenario, q).items():
+                found[name] = (
+                    Change(constants=each)
+                    if isinstance(each, dict)
+                    else [Change(constants=numbers) for numbers in each]
+                )
+    return found
+
+
+def changed_problem(problem: Problem, change: Change) -> Problem:
+    """The problem with the change of what its constants are linear in."""
+    with mp.workdps(DIGITS):
+        numbers = {
+            name: np.array(getattr(problem, name)) + np.array(by)
+            for name, by in change.constants.items()
+        }
+    return replace(problem, **numbers)
+
+
+def _of_body(
+    scenario: Scenario, q: Quaternion, acting: list[EffectTerms]
+) -> Callable[[Array, mpf, Array], Change]:
+    """What makes a change of the inertia about the com, kg m², the mass, kg, and the com, m."""
+    own, whole = scenario.carrier, scenario.body
+    mass, com, whole_com = own.mass_exact, exact(own.com_exact), exact(whole.com_exact)
+    arm = com if scenario.constraint.is_pivot else com - whole_com
+
+    def change(inertia: Array, heavier: mpf, moved: Array) -> Change:
+        # δ of m (r·r 1 − r rᵀ); about a com that moves itself its motion adds nothing.
+        square = 2 * (arm @ moved) * _UNITS - np.outer(arm, moved) - np.outer(moved, arm)
+        point = (arm @ arm) * _UNITS - np.outer(arm, arm)
+        tensor = inertia + heavier * point + mass * square
+        lever = (heavier * (com - whole_com) + mass * moved) / whole.mass_exact
+        body_change = BodyChange(heavier, heavier * com + mass * moved, lever)
+        return Change(
+            inertia_axes=turned_tensor(tensor.tolist(), conjugate(q)),
+            constants=_joined(one.by_body(scenario, q, body_change) for one in acting),
+            lever_body=lever,
+        )
+
+    return change
+
+
+def _joined(each: Iterable[Numbers]) -> Numbers:
+    return {name: by for numbers in each for name, by in numbers.items()}
+
+
+def _entry(i: int, j: int) -> Array:
+    """A unit of an entry of a symmetric tensor."""
+    return exact([[{row, column} == {i, j} for column in range(3)] for row in range(3)])

@@ -1,0 +1,307 @@
+"""The exact derivatives of an exact motion by its start and by the parameters of its scene.
+
+Derivation, conventions and what was measured: docs/explanation/sensitivities.md.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+from mpmath import mp, mpf
+
+from ..scenarios import FloatArray, Scenario, Trajectory, read_only
+from ..scenarios.exact import DIGITS, product
+from ..scenarios.fastest_rate import fastest_rate
+from ..scenarios.principal import principal_axes
+from ..scenarios.rotation import cross, matrix
+from .dual_numbers import Dual
+from .effect_terms import TERMS
+from .parameter_changes import ENTRIES, Change, changed_problem, changes
+from .problem import Problem
+from .rotational_problem import rotational_problem
+from .solve import EPS, ROUNDING
+from .tangent_march import WIDTH, march_with_tangent
+from .taylor import (
+    CHECK_ORDERS,
+    FINE_ORDERS,
+    TRUTH_ORDERS,
+    IntegrationError,
+    Orders,
+    constants_of,
+    derived_constants,
+    inverses_to,
+    tables,
+    terms_of,
+)
+from .taylor_coefficients import OMEGA, STATE, Q
+from .taylor_march import DONE, PAUSED, Tables
+
+#: Steps of some 15 µs, in each of up to thirty directions and two series.
+MAX_STEPS = 100_000
+STEPS_AT_ONCE = 2_000
+#: An uncertainty above this, relative, has the next dearer series asked.
+GOOD = 1e-12
+#: Beside a saddle second derivatives are as large as the square of the first, and so is their part
+#: in errors.
+SERIES = (CHECK_ORDERS, TRUTH_ORDERS, FINE_ORDERS, Orders(40, 24))
+#: Of the start and the constants, which all series share: rounded to double-double, relative.
+PAIR = EPS**2
+#: Columns of one kind and unit: of an array, each three.
+KIND = 3
+#: By name, derivatives of six numbers, (n, 6, k).
+Arrays = dict[str, FloatArray]
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class Sensitivity:
+    """Derivatives of a motion's state; arrays are read-only.
+
+    Rows: a turn of the attitude, δR = R [δθ]×, rad, then ω, rad/s, both in body axes. Columns are
+    what it is derived by. Whatever is not named stays as it is: ω at the start in body axes, the
+    inertia about the com where mass or com change. These are those of `[body]`, without parts that
+    turn in it.
+
+    Attributes
+    ----------
+    t : (n,) s
+    state_transition : (n, 6, 6), by attitude, rad, and ω, rad/s, at t = 0, both in body axes
+    parameters : by the name of a parameter that the scene has; each is also an attribute
+
+        - `inertia` (n, 6, 6), by the entries Ixx, Iyy, Izz, Ixy, Ixz, Iyz of the tensor about the
+          com, kg m², body axes, which stays symmetric
+        - `moments` (n, 6, 3), by the principal moments about the com, kg m², whose axes stay
+        - `mass` (n, 6), kg; `com` (n, 6, 3), from the body's origin, m, body axes
+        - of each effect its own, such as `gravity` (n, 6, 3), m/s², world axes; constant torques
+          (n, 6, 3), N m, in the axes that they are constant in; coefficients (n, 6); the spins of
+          parts at t = 0 (n, 6, parts), rad/s, zero of those that cannot turn
+    translation : of a body without a pivot, arrays of the same names and columns whose rows are the
+        com, m, and its velocity, m/s, world axes; `state_transition` (n, 6, 12) has columns for com
+        and velocity at t = 0 besides, zero along axes along which the body is held
+    rate : rad/s, the fastest of the motion: what ω is measured in by the two below
+    conditioning : (n,), the largest singular value of the state transition: what a small change of
+        the start is at most multiplied by
+    uncertainty : by array, a bound on its errors over its largest value, both over all samples
+    """
+
+    t: FloatArray
+    state_transition: FloatArray
+    parameters: Mapping[str, FloatArray]
+    translation: Mapping[str, FloatArray] | None
+    rate: float
+    conditioning: FloatArray
+    uncertainty: Mapping[str, float]
+
+    def __getattr__(self, name: str) -> FloatArray:
+        parameters: Mapping[str, FloatArray] = vars(self).get("parameters", {})
+        if name not in parameters:
+            raise AttributeError(
+                f"'{name}' must be a parameter of the scene, which has {', '.join(parameters)}."
+            )
+        return parameters[name]
+
+
+#: What a state transition is made of.
+OF_START = ("attitude", "omega", "com_start", "velocity_start")
+
+
+def sensitivity(scenario: Scenario, motion: Trajectory) -> Sensitivity:
+    """Return the derivatives of a scene's motion at the times of its samples.
+
+    Parameters
+    ----------
+    motion : the exact motion, as far as it is known
+
+    Raises
+    ------
+    IntegrationError
+        If a derivative leaves the range of doubles, or takes more than `MAX_STEPS` steps.
+    """
+    problem = rotational_problem(scenario)
+    by_parameter = changes(scenario, problem)
+    by_name = {
+        name: [each] if isinstance(each, Change) else each for name, each in by_parameter.items()
+    }
+    single = {name for name, each in by_parameter.items() if isinstance(each, Change)}
+    rate = fastest_rate(scenario, motion.omega_body) or 1.0
+
+    def found(orders: Orders) -> tuple[Arrays, Arrays]:
+        turned = {
+            name: np.stack([_turned(scenario, problem, motion.t, one, orders) for one in each], -1)
+            for name, each in by_name.items()
+        }
+        pivoted = scenario.constraint.is_pivot
+        translated = {} if pivoted else _translated(scenario, motion, by_name, turned)
+        return _named(scenario, turned, single), _named(scenario, translated, single)
+
+    finer, uncertainty = found(SERIES[0]), {"": np.inf}
+    for orders in SERIES[1:]:
+        if max(uncertainty.values()) > GOOD:
+            coarser, finer = finer, found(orders)
+            uncertainty = _apart(coarser, finer, rate)
+    turned, translated = finer
+    transition = turned["state_transition"]
+    conditioning = _conditioning(transition, rate)
+    started = PAIR * float(conditioning.max())
+    return Sensitivity(
+        t=motion.t,
+        state_transition=transition,
+        parameters={name: turned[name] for name in turned if name != "state_transition"},
+        translation=translated or None,
+        rate=rate,
+        conditioning=conditioning,
+        uncertainty={name: value + started for name, value in uncertainty.items()},
+    )
+
+
+def _turned(
+    scenario: Scenario, problem: Problem, times: FloatArray, change: Change, orders: Orders
+) -> FloatArray:
+    """The derivative of attitude and ω along a change, (n, 6), body axes."""
+    states, tangents = _marched(scenario, problem, times, change, orders)
+    (w, x, y, z), (dw, dx, dy, dz) = states[:, Q : Q + 4].T, tangents[:, Q : Q + 4].T
+    # The vector part of q̄ δq is δθ/2.
+    turn_axes = 2 * np.stack(
+        [
+            w * dx - x * dw - (y * dz - z * dy),
+            w * dy - y * dw - (z * dx - x * dz),
+            w * dz - z * dw - (x * dy - y * dx),
+        ],
+        axis=-1,
+    )
+    R_axes_body = matrix(np.array(problem.q_axes_body, dtype=float))
+    return np.hstack([turn_axes @ R_axes_body, tangents[:, OMEGA : OMEGA + 3] @ R_axes_body])
+
+
+def _marched(
+    scenario: Scenario, problem: Problem, times: FloatArray, change: Change, orders: Orders
+) -> tuple[FloatArray, FloatArray]:
+    """The states and their derivatives along a change, (n, STATE) each, principal axes."""
+    with mp.workdps(DIGITS):
+        turn = product(problem.q_world_axes, (mpf(0), *change.turn_axes))
+        start = (*problem.omega_axes, *problem.q_world_axes)
+        tangent = (*change.omega_axes, *(x / 2 for x in turn))
+    series = Dual(*(_first_order(numbers, orders) for numbers in (start, tangent)))
+    high, low = inverses_to(orders.total)
+    counts = np.arange(orders.total + 1.0)
+    inverses = np.vstack([high, counts]), np.vstack([low, 0 * counts])
+    numbers = (
+        Dual(constants_of(problem), derived_constants(problem, changed_problem(problem, change))),
+        Dual(inverses, (np.zeros_like(inverses[0]), np.zeros_like(inverses[0]))),
+        # All that the scene has: a lever that is zero may have a derivative that is not.
+        terms_of(problem, scenario.called_for & TERMS.keys()),
+        tables(change.inertia_axes),
+        orders.double_double,
+        series,
+    )
+    clock, (states, tangents) = np.zeros(2), np.zeros((2, len(times), STATE))
+    sample, steps, outcome = 0, 0, PAUSED
+    while outcome == PAUSED and steps < MAX_STEPS:
+        outcome, sample = march_with_tangent(
+            *numbers, clock, times, states, tangents, sample, STEPS_AT_ONCE
+        )
+        steps += STEPS_AT_ONCE
+    if outcome != DONE:
+        why = (
+            f"take more than {MAX_STEPS} steps"
+            if outcome == PAUSED
+            else "leave the range of doubles"
+        )
+        raise IntegrationError(
+            f"The derivatives of the motion {why} beyond {clock[0]:.6g} s, got times up to "
+            f"{times[-1]:.6g} s. Ask for earlier times."
+        )
+    return states, tangents
+
+
+def _first_order(numbers: tuple[mpf, ...], orders: Orders) -> Tables:
+    """A series whose order 0 is given."""
+    series = np.zeros((2, orders.total + 1, WIDTH))
+    series[:, :1, : len(numbers)] = tables([numbers])
+    return series[0], series[1]
+
+
+def _translated(
+    scenario: Scenario, motion: Trajectory, by_name: dict[str, list[Change]], turned: Arrays
+) -> Arrays:
+    """Derivatives of com and velocity along the world's axes, (n, 6, k), of a body without a pivot.
+
+    Along axes that are not held it flies; on a table its height is that of R lever.
+    """
+    flying = ~np.array(scenario.constraint.is_held)
+    t = motion.t[:, None, None]
+    flown = np.diag(flying.astype(float)) + 0 * t
+    nothing = np.zeros_like(flown)
+    derived = {name: np.zeros_like(values) for name, values in turned.items()}
+    if "gravity" in derived:
+        derived["gravity"] = np.concatenate([flown * t**2 / 2, flown * t], 1)
+    if not flying.all():
+        for name, values in turned.items():
+            levers = np.array([one.lever_body for one in by_name[name]], dtype=float)
+            derived[name][:, 2::3] = _heaved(scenario, motion, values, levers)
+    derived["com_start"] = np.concatenate([flown, nothing], 1)
+    derived["velocity_start"] = np.concatenate([flown * t, flown], 1)
+    return derived
+
+
+def _heaved(
+    scenario: Scenario, motion: Trajectory, turned: FloatArray, levers: FloatArray
+) -> FloatArray:
+    """Derivatives of ẑ·R lever and of its rate, ẑ·R (ω × lever), (n, 2, k)."""
+    up_body, lever = motion.R_world_body.as_matrix()[:, 2], scenario.constraint.lever
+    heaved = np.empty((len(motion.t), 2, len(levers)))
+    for k, longer in enumerate(levers):
+        turn, spin = turned[:, :3, k], turned[:, 3:, k]
+        swing = cross(turn, cross(motion.omega_body, lever)) + cross(spin, lever)
+        heaved[:, 0, k] = ((cross(turn, lever) + longer) * up_body).sum(1)
+        heaved[:, 1, k] = ((swing + cross(motion.omega_body, longer)) * up_body).sum(1)
+    return heaved
+
+
+def _named(scenario: Scenario, derived: Arrays, single: set[str]) -> Arrays:
+    """The arrays as a `Sensitivity` has them: a transition by the whole start, also the moments."""
+    if not derived:
+        return {}
+    starts = [derived[name] for name in OF_START if name in derived]
+    arrays = {"state_transition": np.concatenate(starts, 2)}
+    arrays |= {name: values for name, values in derived.items() if name not in OF_START}
+    axes = np.array(principal_axes(scenario.carrier.inertia_com_exact)[1], dtype=float)
+    arrays["moments"] = arrays["inertia"] @ np.array([axes[i] * axes[j] for i, j in ENTRIES])
+    arrays |= {name: arrays[name][..., 0] for name in single}
+    return {name: read_only(values) for name, values in arrays.items()}
+
+
+def _apart(
+    coarser: tuple[Arrays, Arrays], finer: tuple[Arrays, Arrays], rate: float
+) -> dict[str, float]:
+    """How far two series are apart, by array, relative to the largest; columns by kind."""
+    return {
+        name: ROUNDING
+        + max(
+            _relative(one[name] - other[name], other[name], rate)
+            for one, other in zip(coarser, finer, strict=True)
+            if one
+        )
+        for name in finer[0]
+    }
+
+
+def _relative(difference: FloatArray, values: FloatArray, rate: float) -> float:
+    """The larger, over kinds of columns, of largest differences over largest values."""
+    unit = np.repeat([1.0, rate], 3)[:, None]
+    worst = 0.0
+    for first in range(0, values[0, 0].size, KIND):
+        sizes = []
+        for array in (difference, values):
+            kind = array.reshape(len(array), 6, -1)[..., first : first + KIND] / unit
+            largest = np.abs(kind).max()
+            # Scaled: the squares of derivatives by a grain's moments leave the range of doubles.
+            sizes.append(largest and largest * np.linalg.norm(kind / largest, axis=(1, 2)).max())
+        worst = max(worst, sizes[0] / sizes[1] if sizes[1] else 0.0)
+    return float(worst)
+
+
+def _conditioning(state_transition: FloatArray, rate: float) -> FloatArray:
+    unit = np.repeat([1.0, rate], 3)
+    return read_only(np.linalg.norm(state_transition / unit[:, None] * unit, 2, axis=(1, 2)))

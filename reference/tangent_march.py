@@ -1,0 +1,175 @@
+"""The march of a motion together with its derivative by one parameter, in duals.
+
+The recurrences of `taylor_coefficients` are those of the motion: in duals they are the variational
+equations, term by term (docs/explanation/sensitivities.md). Only a change δI of the inertia is
+added here: the axes stay those in which I is diagonal, so that δI may have any entries::
+
+    I δω' = … − δI ω' + (δI ω) × ω
+"""
+
+import math
+
+import numpy as np
+
+from ..scenarios import FloatArray
+from .doubledouble import quick_two_sum, two_sum
+from .dual_numbers import Dual
+from .kernel import kernel
+from .taylor_coefficients import (
+    COLUMNS,
+    INVERSE_MOMENT,
+    OMEGA,
+    OTHER,
+    STATE,
+    Q,
+    Terms,
+    cross_omega,
+    extend,
+    support,
+)
+from .taylor_march import (
+    CLOCK_TICK,
+    DONE,
+    PAUSED,
+    SMALLEST,
+    STEP,
+    STUCK,
+    evaluate,
+    start_from_state,
+    step_size,
+)
+from .taylor_numbers import (
+    Table,
+    add,
+    add_product,
+    load,
+    multiply,
+    negative,
+    rounded,
+    store,
+    zero,
+)
+
+#: Columns of δI ω in the series of the motion, and of that in all.
+MOVED, WIDTH = COLUMNS, COLUMNS + 3
+#: Row of n in the table whose other rows are 1/n and 1/(2n).
+COUNT = 2
+#: The first of so many parts of the orders are the lower terms of a derivative.
+LOWER = 4
+
+
+@kernel
+def _move(series: Dual, tensor: Table, n: int) -> None:
+    """Write order n of δI ω."""
+    for i in range(3):
+        moved = zero(series.value)
+        for j in range(3):
+            moved = add_product(moved, load(tensor, i, j), load(series.value, n, OMEGA + j))
+        store(series.value, n, MOVED + i, rounded(moved))
+
+
+@kernel
+def _add_inertia(
+    series: Dual, constants: Dual, inverses: Dual, terms: Terms, tensor: Table, n: int
+) -> None:
+    """Add to order n of ω' what δI does; ω' of the motion itself is known by then."""
+    _move(series, tensor, n + 1)
+    turned = cross_omega(series.value, MOVED, n)
+    for i in range(3):
+        moved = multiply(load(inverses.value, COUNT, n + 1), load(series.value, n + 1, MOVED + i))
+        torque = add(turned[i], negative(moved))
+        rate, factor = load(series, n, OTHER + i), load(constants.value, INVERSE_MOMENT, i)
+        rate = Dual(rate.value, add(rate.tangent, multiply(factor, torque)))
+        store(series, n, OTHER + i, rate)
+        store(series, n + 1, OMEGA + i, multiply(load(inverses, 0, n + 1), rate))
+    support(series, constants, inverses, terms, n)
+
+
+@kernel
+def _extend_with_inertia(
+    series: Dual,
+    constants: Dual,
+    inverses: Dual,
+    terms: Terms,
+    tensor: Table,
+    first: int,
+    last: int,
+) -> None:
+    for n in range(first, last):
+        extend(series, constants, inverses, terms, n, n + 1)
+        _add_inertia(series, constants, inverses, terms, tensor, n)
+
+
+@kernel
+def _tangent_step(tangent: FloatArray, order: int) -> float:
+    """Return the step for which the derivative's series ends at e⁻²ᴺ of its lower terms.
+
+    A derivative may begin with zeros, and that of a body at rest need not be at rest, so that each
+    of the lower terms may be the one that the last are small beside.
+    """
+    radius = np.inf
+    for first, last in ((OMEGA, OMEGA + 3), (Q, Q + 4)):
+        for n in range(order - 1, order + 1):
+            size = np.abs(tangent[n, first:last]).sum()
+            if not math.isfinite(size):
+                return 0.0
+            nearest = 0.0
+            for k in range(order // LOWER):
+                lower = np.abs(tangent[k, first:last]).sum()
+                nearest = max(nearest, (lower / max(size, SMALLEST)) ** (1.0 / (n - k)))
+            if nearest > 0.0 and size > 0.0:
+                radius = min(radius, nearest)
+    return STEP * radius
+
+
+@kernel
+def march_with_tangent(
+    constants: Dual,
+    inverses: Dual,
+    terms: Terms,
+    tensor: Table,
+    paired: int,
+    series: Dual,
+    clock: FloatArray,
+    times: FloatArray,
+    states: FloatArray,
+    tangents: FloatArray,
+    first: int,
+    steps: int,
+) -> tuple[int, int]:
+    """Fill states and their derivatives, (n, STATE) each, from sample `first` on.
+
+    As `taylor_march.march`, but that a lift-off is not looked for, and what is written is rounded.
+    `tensor` is δI along the principal axes, (3, 3).
+    """
+    total = series.value[0].shape[0] - 1
+    state, low = np.empty(STATE), np.empty(STATE)
+    tangent, tangent_low = np.empty(STATE), np.empty(STATE)
+    rounded_series = Dual(series.value[0], series.tangent[0])
+    rounded_constants = Dual(constants.value[0], constants.tangent[0])
+    rounded_inverses = Dual(inverses.value[0], inverses.tangent[0])
+    for _ in range(steps):
+        start_from_state(series, constants, terms)
+        _move(series, tensor, 0)
+        _extend_with_inertia(series, constants, inverses, terms, tensor, 0, paired)
+        _extend_with_inertia(
+            rounded_series, rounded_constants, rounded_inverses, terms, tensor[0], paired, total
+        )
+        h = min(step_size(series.value[0], total), _tangent_step(series.tangent[0], total))
+        if not h > CLOCK_TICK * clock[0]:
+            return STUCK, first
+        while first < times.size and times[first] <= clock[0] + h:
+            s, f = two_sum(times[first], -clock[0])
+            inside = quick_two_sum(s, f - clock[1])
+            evaluate(series.value, total, paired, inside, states[first], low)
+            evaluate(series.tangent, total, paired, inside, tangents[first], tangent_low)
+            first += 1
+        if first == times.size:
+            return DONE, first
+        evaluate(series.value, total, paired, (h, 0.0), state, low)
+        evaluate(series.tangent, total, paired, (h, 0.0), tangent, tangent_low)
+        for i in range(STATE):
+            store(series, 0, i, Dual((state[i], low[i]), (tangent[i], tangent_low[i])))
+        t, e = two_sum(clock[0], h)
+        clock[0], clock[1] = quick_two_sum(t, e + clock[1])
+    return PAUSED, first

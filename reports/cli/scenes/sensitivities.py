@@ -1,0 +1,70 @@
+"""The derivatives of the exact motion, as `reference --sensitivities` and `export` give them."""
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+
+from ....reference import IntegrationError, sensitivity
+from ....scenarios import Scenario, Trajectory
+from ..terminal import NOT_RUN, as_complaint, table
+
+#: What the six rows of each array are, and those of the arrays in `translation`.
+ROWS = ["attitude, rad, body axes", "omega, rad/s, body axes"]
+ROWS_OF_TRANSLATION = ["com, m, world axes", "velocity, m/s, world axes"]
+HEADS = ("θx", "θy", "θz", "ωx", "ωy", "ωz")
+HEADS_OF_TRANSLATION = ("x", "y", "z", "vx", "vy", "vz")
+#: What the columns of an array are derivatives by, where these are no numbers or vectors.
+COLUMNS = {
+    "state_transition": [
+        f"{what} {x}" for what in ("attitude", "ω", "com", "velocity") for x in "xyz"
+    ],
+    "inertia": ["Ixx", "Iyy", "Izz", "Ixy", "Ixz", "Iyz"],
+    "moments": ["moment 1", "moment 2", "moment 3"],
+}
+
+
+def derivatives(scenario: Scenario, motion: Trajectory) -> dict[str, Any]:
+    """The `Sensitivity` at the times of a motion, its arrays as lists, with what rows are."""
+    with as_complaint(IntegrationError, before=f"{scenario.name}: ", exit_code=NOT_RUN):
+        found = sensitivity(scenario, motion)
+    record = {"rows": ROWS} | vars(found) | dict(found.parameters)
+    del record["parameters"]
+    if found.translation:
+        record["translation"] = {"rows": ROWS_OF_TRANSLATION} | _listed(found.translation)
+    return _listed(record)
+
+
+def _listed(record: Any) -> dict[str, Any]:
+    return {k: v.tolist() if isinstance(v, np.ndarray) else v for k, v in record.items()}
+
+
+def print_derivatives(record: dict[str, Any]) -> None:
+    """Print tables a time: a row for each number that the six of the heading are derived by."""
+    for k, t in enumerate(record["t"]):
+        print(f"Derivatives at t = {t:.10g} s by the start and by parameters, SI units:")
+        table(list(_rows(record, HEADS, k, record["uncertainty"])))
+        if record["translation"]:
+            table(
+                list(_rows(record["translation"], HEADS_OF_TRANSLATION, k, record["uncertainty"]))
+            )
+    print(
+        f"Largest singular value of the state transition, ω in units of {record['rate']:.4g} rad/s:"
+    )
+    pairs = zip(record["t"], record["conditioning"], strict=True)
+    table([{"t": t, "conditioning": value} for t, value in pairs])
+    rows = record["uncertainty"].items()
+    table([{"derivatives by": name, "uncertainty, relative": value} for name, value in rows])
+
+
+def _rows(
+    record: dict[str, Any], heads: tuple[str, ...], k: int, names: Any
+) -> Iterator[dict[str, object]]:
+    for name in names:
+        columns = np.atleast_2d(np.array(record[name][k]).T).tolist()
+        ends = {1: [""], len("xyz"): [" x", " y", " z"]}.get(
+            len(columns), [f" {j + 1}" for j in range(len(columns))]
+        )
+        labels = COLUMNS.get(name) or [f"{name}{end}" for end in ends]
+        for label, column in zip(labels, columns, strict=False):
+            yield {"by": label} | dict(zip(heads, column, strict=True))

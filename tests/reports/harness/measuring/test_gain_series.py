@@ -1,0 +1,211 @@
+"""The model of gains: of honest ones every tail is as probable as it says, and faults have none.
+
+Honest gains are drawn from the model itself, with noise of known scale. Verified is that tails are
+uniform, so that a level means what it says, and what is detected at which size. That engines' gains
+are of this model is verified on engines, in `test_examine.py` and `test_false_passes.py`.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+from scipy.stats import kstest
+from spincheck.reports.harness.measuring.gain_series import (
+    LEAST,
+    PREDICTED_FROM,
+    TERMS,
+    GainSeries,
+    fitted,
+)
+from spincheck.reports.results.evidence import LEVEL
+
+EPS, EPS_SINGLE = (float(np.finfo(kind).eps) for kind in (np.float64, np.float32))
+SEED = 7
+#: s; each timestep is half of the one before, so many in double and single precision.
+LONGEST, DOUBLE, SINGLE = 0.1, 11, 7
+#: States of a method, methods of a sample, and decades by which amplitudes of states differ.
+STATES, METHODS, DECADES = 16, 30, 1.0
+#: Methods that a fault is planted in.
+FAULTY = 5
+#: Largest distance of two distributions by chance, times the root of the number: with a probability
+#: of 2 exp(−2 · 2.5²) = 8e-6 (Smirnov, Ann. Math. Stat. 19 (1948) 279).
+BY_CHANCE = 2.5
+#: What the model may add to it, which estimates order, radius and amplitudes.
+ESTIMATED = 0.02
+#: The direction of a fault, askew to all axes.
+ASKEW = np.array([0.6, -0.48, 0.64])
+
+
+@dataclass(frozen=True, eq=False)
+class Drawn:
+    """Gains drawn from the model: timesteps, (J,), gains, (J, K, 3), and their noise, (J, K)."""
+
+    timesteps: np.ndarray
+    gains: np.ndarray
+    noise: np.ndarray
+
+    def fitted(self, level: float = LEVEL, noise: float = 1.0) -> GainSeries:
+        """With the noise taken for so many times what it is."""
+        return fitted(self.timesteps, self.gains, noise * self.noise, level)
+
+    def with_fault(self, sizes: np.ndarray | float) -> "Drawn":
+        """Each state gains as much besides, one size a timestep."""
+        fault = np.broadcast_to(sizes, self.timesteps.shape)[:, None, None] * ASKEW
+        return Drawn(self.timesteps, self.gains + fault, self.noise)
+
+
+def drawn(chance: np.random.Generator, order: int, eps: float = EPS, radius: float = 1.0) -> Drawn:
+    """Gains of amplitude 0.01 or so at the longest timestep, with noise of a few ulp a step."""
+    timesteps = LONGEST / 2.0 ** np.arange(DOUBLE if eps == EPS else SINGLE)
+    x, powers = timesteps / LONGEST, np.arange(TERMS)
+    amplitudes = 10 ** chance.normal(-2.0, DECADES, STATES)
+    of_terms = amplitudes[:, None] * radius ** powers[:, None, None]
+    coefficients = of_terms * chance.standard_normal((TERMS, STATES, 3))
+    basis = x[:, None] ** (order + powers)
+    noise = np.broadcast_to((4 * eps / timesteps)[:, None], (len(x), STATES))
+    gains = np.einsum("ji,ikc->jkc", basis, coefficients)
+    return Drawn(timesteps, gains + noise[..., None] * chance.standard_normal(gains.shape), noise)
+
+
+def sample(order: int, eps: float = EPS, radius: float = 1.0) -> list[Drawn]:
+    chance = np.random.default_rng(SEED)
+    return [drawn(chance, order, eps, radius) for _ in range(METHODS)]
+
+
+def tails_of(methods: list[Drawn], noise: float = 1.0) -> np.ndarray:
+    """Of every gain that is predicted, by one series."""
+    return np.ravel([one.fitted(0.0, noise).tails[PREDICTED_FROM:] for one in methods])
+
+
+def distance(values: np.ndarray) -> float:
+    """From a uniform distribution, beyond what chance makes."""
+    return float(kstest(values, "uniform").statistic - BY_CHANCE / np.sqrt(len(values)))
+
+
+def is_accused(found: GainSeries) -> bool:
+    return bool(found.least_tails.min() * found.tests < LEVEL)
+
+
+EVERY = pytest.mark.parametrize("order", [1, 2, 4])
+PRECISIONS = pytest.mark.parametrize("eps", [EPS, EPS_SINGLE], ids=["double", "single"])
+
+
+@PRECISIONS
+@EVERY
+def test_tails_of_honest_gains_are_uniform(order: int, eps: float) -> None:
+    methods = sample(order, eps)
+    tails = tails_of(methods)
+    assert distance(tails) <= ESTIMATED
+    # Nor is the least likely of n less likely than one of n².
+    assert tails.min() * len(tails) ** 2 >= 1
+    # With noise that is taken for less or more than it is they are not.
+    for mistaken in (0.1, 10.0):
+        assert distance(tails_of(methods, mistaken)) > ESTIMATED
+
+
+@pytest.mark.parametrize("radius", [0.5, 2.0, 4.0])
+def test_so_are_those_of_series_that_converge_faster_or_slower(radius: float) -> None:
+    assert distance(tails_of(sample(1, radius=radius))) <= ESTIMATED
+
+
+@PRECISIONS
+@EVERY
+def test_a_limit_is_as_far_from_zero_as_its_standard_error_says(order: int, eps: float) -> None:
+    methods = sample(order, eps)
+
+    def scores(noise: float) -> np.ndarray:
+        found = [one.fitted(0.0, noise) for one in methods]
+        return np.ravel([one.limit / one.known_to[:, None] for one in found])
+
+    by_chance = 5 / np.sqrt(2 * len(scores(1.0)))
+    assert scores(1.0).std() == pytest.approx(1.0, abs=by_chance + 2 * ESTIMATED)
+    assert scores(0.1).std() > 2
+    assert distance(np.ravel([one.fitted(0.0).limit_tails for one in methods])) <= ESTIMATED
+
+
+@PRECISIONS
+@EVERY
+def test_the_order_is_that_of_the_gains_and_no_honest_method_is_accused(
+    order: int, eps: float
+) -> None:
+    for one in sample(order, eps):
+        found = one.fitted()
+        assert found.order == order
+        assert not is_accused(found)
+        assert not found.changes.any()
+
+
+@pytest.mark.parametrize(
+    ("order", "eps", "size"),
+    [(1, EPS, 1e-9), (2, EPS, 1e-10), (4, EPS, 1e-10), (1, EPS_SINGLE, 1e-2)],
+)
+def test_a_constant_is_detected_and_known(order: int, eps: float, size: float) -> None:
+    for one in sample(order, eps)[:FAULTY]:
+        found = one.with_fault(size).fitted()
+        assert is_accused(found)
+        surest = int(found.known_to.argmin())
+        limit = float(np.linalg.norm(found.limit[surest]))
+        assert limit == pytest.approx(size, abs=6 * found.known_to[surest])
+
+
+def at_one(h: np.ndarray) -> np.ndarray:
+    return (np.arange(len(h)) == len(h) - 4).astype(float)
+
+
+Shape = Callable[[np.ndarray], np.ndarray]
+#: What faults are at timesteps h, and sizes that are detected.
+SHAPES: dict[str, tuple[Shape, float]] = {
+    "the root of the timestep": (lambda h: np.sqrt(h / LONGEST), 1e-6),
+    "one timestep": (at_one, 1e-7),
+    "shorter steps": (lambda h: (h < LONGEST / 20).astype(float), 1e-5),
+    "longer steps": (lambda h: (h > LONGEST / 20).astype(float), 1e-2),
+    "the inverse of the timestep": (lambda h: h[-1] / h, 1e-6),
+}
+
+
+@pytest.mark.parametrize("name", SHAPES)
+@EVERY
+def test_what_is_no_series_of_the_timestep_is_detected(order: int, name: str) -> None:
+    shape, size = SHAPES[name]
+    for one in sample(order)[:FAULTY]:
+        assert is_accused(one.with_fault(size * shape(one.timesteps)).fitted())
+
+
+@pytest.mark.parametrize("constant", [0.0, 1e-5])
+def test_steps_that_are_computed_otherwise_below_some_timestep_must_vanish_too(
+    constant: float,
+) -> None:
+    """Of one method the longer steps, of another the shorter ones, which gain a constant or not."""
+    first = 6
+    methods = sample(1)
+    for long, short in zip(methods[:FAULTY], methods[FAULTY : 2 * FAULTY], strict=True):
+        sizes = constant * (np.arange(DOUBLE) >= first)
+        gains = np.concatenate([long.gains[:first], short.gains[first:]])
+        both = Drawn(long.timesteps, gains, long.noise).with_fault(sizes)
+        found = both.fitted()
+        assert is_accused(both.fitted(0.0)), "one series explains both"
+        assert is_accused(found) == bool(constant)
+        assert constant or set(found.changes) <= {0, first}
+        assert found.changes.any() == (not constant)
+
+
+def test_fewer_timesteps_than_a_change_needs_are_one_series() -> None:
+    one = sample(1)[0].with_fault(1.0)
+    few = Drawn(one.timesteps[:LEAST], one.gains[:LEAST], one.noise[:LEAST])
+    assert not few.fitted().changes.any()
+
+
+def test_a_state_that_gains_nothing_says_nothing_of_the_others() -> None:
+    """Such as one at rest."""
+    one = sample(1)[0]
+    one.gains[:, 0] = 0.0
+    assert not is_accused(one.fitted())
+    assert is_accused(one.with_fault(1e-9).fitted())
+
+
+def test_units_make_no_difference() -> None:
+    one, size = sample(2)[0], 2.0**-100
+    other = fitted(2.0**30 * one.timesteps, size * one.gains, size * one.noise, LEVEL)
+    np.testing.assert_allclose(other.tails, one.fitted().tails, rtol=1e-6)
+    np.testing.assert_allclose(other.limit / size, one.fitted().limit, rtol=1e-6)
