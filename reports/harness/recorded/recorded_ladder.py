@@ -137,8 +137,8 @@ def verdict_on_files(study: ConvergenceStudy) -> Verdict:
     if verdict.verdict != "unresolved" or study.steps is not None:
         return verdict
     takes = (
-        f"a verdict takes {FEWEST_FILES} files at halved timesteps or more, within {TOGETHER:g} rad "
-        f"of the exact motion over the first interval, got {len(study.rows)}"
+        f"a verdict takes {FEWEST_FILES} files at halved timesteps or more, within {TOGETHER:g} "
+        f"rad of the exact motion over the first interval, got {len(study.rows)}"
     )
     return replace(verdict, quoted=takes)
 

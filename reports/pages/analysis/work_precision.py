@@ -82,7 +82,6 @@ class Curve(OfMethod):
         order = observed_order(timesteps, errors, floors, self.uncertainty)
         return self.order if order is None else order
 
-
     @cached_property
     def least(self) -> CurvePoint | None:
         """The run of the least error, if errors grow below its timestep, as rounding makes them."""

@@ -86,8 +86,8 @@ def signals_table(scene: SceneRuns) -> Table:
             "error": figure(number(runs.finest.errors[signal.name] * signal.shown)),
             "order found": figure(order(curve.observed_order)),
             "declared": figure(_declared(runs, signal)),
-            "rounding takes over below, s": figure(number(floor and floor.timestep)),
-            "where the error is": figure(number(floor and floor.error * signal.shown)),
+            "rounding takes over below, s": figure(number(floor.timestep if floor else None)),
+            "where the error is": figure(number(floor.error * signal.shown if floor else None)),
         }
         for runs in scene.methods
         for signal in scene.signals

@@ -2,16 +2,16 @@
 
 import json
 from dataclasses import replace
+from typing import get_args
 
 import pytest
 import small_result_file
 from forging import forge
-from spincheck.reports.results.evidence import COUNTS, Explanation, StepEvidence
+from spincheck.reports.results.evidence import COUNTS, Explanation, FaultKind, StepEvidence
 from spincheck.reports.results.reasons import fault_in_words
 from spincheck.reports.results.result_file import ResultFileError
 from spincheck.reports.results.store import open_store
 from spincheck.reports.results.tables import EVIDENCE
-
 
 
 @pytest.fixture
@@ -47,7 +47,7 @@ COLUMNS = ("gains", "predicted", "predicted_to", "largest")
 @pytest.mark.parametrize("column", COLUMNS)
 @pytest.mark.parametrize("values", [[], [1.0], [1.0] * 3, [1.0, -1.0], [1.0, "1"]], ids=str)
 def test_a_curve_has_a_size_a_timestep_in_each_column(path, column, values):
-    steps(path, curves=[CURVE | dict.fromkeys(COLUMNS, [1.0, 0.5]) | {column: values}])
+    steps(path, curves=[CURVE | {name: [1.0, 0.5] for name in COLUMNS} | {column: values}])
     assert is_refused(path)
 
 
@@ -77,7 +77,7 @@ def test_any_fault_that_is_accepted_can_be_put_in_words():
     steps: StepEvidence = small_result_file.EVIDENCE.steps
     for got in (0.0, 1e-300, 1.0, 1e150):
         for wanted in (0.0, 1e-300, 1.0, 1e150):
-            for kind in ("limit", "timestep", "shorter", "longer", "leap", "misread"):
+            for kind in get_args(FaultKind):
                 vectors = {"got": (got, 0.0, -got), "wanted": (0.0, wanted, -wanted)}
                 change = Explanation("decays", (got, -wanted))
                 fault = replace(steps.fault, kind=kind, change=change, **vectors)

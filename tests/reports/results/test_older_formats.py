@@ -1,4 +1,4 @@
-"""Result files that an earlier spincheck wrote are refused, with what to do, and left as they are."""
+"""Result files of an earlier spincheck are refused, with what to do, and left as they are."""
 
 import sqlite3
 from contextlib import closing
