@@ -8,7 +8,7 @@ from typing import Any, Self, final
 
 from spincheck.reports.results.records import Row
 from spincheck.reports.results.store import open_store
-from spincheck.reports.results.verdicts import Verdict
+from spincheck.reports.results.verdicts import MADE, Verdict
 
 
 @final
@@ -50,7 +50,9 @@ class StoredResults:
         ImportError
             If pandas is not installed.
         """
-        return _frame(asdict(one) | {"reason": one.reason} for one in self.verdicts)
+        return _frame(
+            asdict(one) | {name: getattr(one, name) for name in MADE} for one in self.verdicts
+        )
 
 
 def _frame(records: Iterable[dict[str, Any]]) -> Any:

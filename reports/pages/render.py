@@ -15,7 +15,7 @@ from ...scenarios import EFFECTS, Scenario
 from ..harness import comparison, ladder, step_cost
 from ..harness.executors import worker_slot
 from ..harness.judging import ladder_end
-from ..harness.measuring import noise, replay
+from ..harness.measuring import noise, places
 from ..results import evidence
 from ..results.results import Results
 from .analysis import observed_order
@@ -30,7 +30,7 @@ from .page_data import PageData
 from .scene import scene_tables
 from .scene.default_tables import default_tables, encoding_tables
 from .scene.motion_data import motion_data
-from .scene.scene_answer import scene_answer, shown_at_first
+from .scene.scene_answer import gains_shown_at_first, scene_answer, shown_at_first
 from .sweeps.sweep_pages import sweep_pages, sweeps_table, write_sweeps
 from .tables import table
 from .templating import ReportFolder, templates, write_assets
@@ -41,7 +41,7 @@ RULES: dict[str, Any] = {
 } | {
     module.__name__.rpartition(".")[2]: module
     for module in (
-        *(comparison, evidence, ladder, ladder_end, noise, observed_order, read_back, replay),
+        *(comparison, evidence, ladder, ladder_end, noise, observed_order, places, read_back),
         *(solution, step_cost, worker_slot),
     )
 }
@@ -115,6 +115,7 @@ def _write_scenes(
             "figures": figures(scene),
             "motions": motion_data(scene),
             "shown_at_first": shown_at_first(scene),
+            "gains_shown_at_first": gains_shown_at_first(scene),
             "methods_drawn": [(runs.label, runs.style) for runs in scene.methods if runs.drawn],
         }
         html = page.render(root="../", **drawn, **content, **around)

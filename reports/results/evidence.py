@@ -8,7 +8,7 @@ from typing import Literal
 
 from pydantic import model_validator
 
-from .records import Count, MethodKey, Record, Size
+from .records import Count, MethodKey, Record, Signed, Size
 
 #: The probability that a method that converges is accused by one of the checks of its evidence.
 LEVEL = 1e-9
@@ -21,7 +21,7 @@ SEEN = 0.1
 Quantity = Literal["attitude", "angular momentum", "velocity", "place"]
 QUANTITIES: tuple[Quantity, ...] = ("attitude", "angular momentum", "velocity", "place")
 #: A vector, SI.
-Vector = tuple[float, float, float]
+Vector = tuple[Signed, Signed, Signed]
 #: Which change of the equations of motion explains what steps gain; the words are in `reasons`.
 ChangeKind = Literal[
     "gyroscopic",
@@ -37,6 +37,8 @@ ChangeKind = Literal[
     "moments",
     "com",
 ]
+#: How many numbers a change has; those that are not here have one.
+COUNTS: dict[ChangeKind, int] = {"gravity": 3, "decays": 2, "moments": 3, "com": 3}
 #: How gains depend on the timestep where they are not those of a method that converges.
 #:
 #: limit : they tend to something else than zero
@@ -52,7 +54,13 @@ class Explanation:
     """A change of the equations of motion, and its numbers, SI."""
 
     kind: ChangeKind
-    numbers: tuple[float, ...]
+    numbers: tuple[Signed, ...]
+
+    @model_validator(mode="after")
+    def _has_its_numbers(self) -> "Explanation":
+        if len(self.numbers) != COUNTS.get(self.kind, 1):
+            raise ValueError(f"must have {COUNTS.get(self.kind, 1)} numbers")
+        return self
 
 
 @dataclass(frozen=True)

@@ -75,12 +75,10 @@ def _consistent(steps: StepEvidence, replays: Sequence[ReplayEvidence]) -> str:
         f"at order {steps.order}{settled}"
     ]
     if replays:
-        runs = " and ".join(f"{one.timestep:.3g}" for one in replays)
+        runs = ", ".join(f"{one.timestep:.3g}" for one in replays)
         off = max(one.off for one in replays)
-        parts.append(
-            f"each interval of the runs at {runs} s is the same from its own start, to {off:.1e} "
-            "a radian"
-        )
+        to = f"{off:.1e} a radian" if off else "the last bit"
+        parts.append(f"each interval of runs at {runs} s is the same from its own start, to {to}")
     if order := max((one.order for one in replays), default=0):
         parts[-1] += f", which vanishes with the timestep at order {order}"
     if steps.changes_below:
@@ -147,7 +145,7 @@ def _gained(fault: StepFault) -> str:
     """What a quantity of a gain is, and what it should be."""
     size = max(map(abs, fault.wanted)) or 1.0
     part = max(abs(a - b) for a, b in zip(fault.got, fault.wanted, strict=True)) / size
-    digits = DIGITS + max(0, math.ceil(-math.log10(part or 1.0)) - 1)
+    digits = DIGITS + max(0, math.ceil(-math.log10(min(part, 1.0) or 1.0)) - 1)
     got, wanted = (
         f"[{', '.join(f'{value:.{digits}g}' for value in one)}]"
         for one in (fault.got, fault.wanted)

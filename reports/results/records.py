@@ -40,6 +40,13 @@ def _size(value: float) -> float:
     return value
 
 
+def _finite(value: float) -> float:
+    """The number, which must be one, and not so large that its square overflows."""
+    if not abs(value) <= LARGEST:
+        raise ValueError(f"must be from -{LARGEST:g} to {LARGEST:g}")
+    return value
+
+
 def _name_of_scene(name: str) -> str:
     """The name, which must be one of a scene: pages are named after scenes."""
     if not is_scene_name(name):
@@ -56,6 +63,7 @@ def _name(name: str) -> str:
 #: Of numbers, and names, of a file that may come from anyone.
 Size = Annotated[float, AfterValidator(_size)]
 Count = Annotated[int, AfterValidator(_size)]
+Signed = Annotated[float, AfterValidator(_finite)]
 SceneName = Annotated[str, AfterValidator(_name_of_scene)]
 Name = Annotated[str, AfterValidator(_name)]
 

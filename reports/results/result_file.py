@@ -15,7 +15,7 @@ import json
 import secrets
 import sqlite3
 import stat
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator
 from contextlib import closing, contextmanager, suppress
 from functools import cache
 from hashlib import sha256
@@ -28,7 +28,7 @@ from .only_writer import check_journals, has_log, log_of, only_writer
 
 #: "spin" in ASCII: distinguishes a result file from other SQLite databases.
 APPLICATION_ID = 0x7370696E
-FORMAT = 13
+FORMAT = 14
 #: Bytes of a record, at most; the motion of the longest window, 10⁶ samples, has 112 MB.
 LARGEST_RECORD = 1 << 28
 
@@ -59,26 +59,21 @@ class OpenFile(NamedTuple):
     Attributes
     ----------
     check : raises `ResultFileError` if the file was removed or replaced
-    format : the version of its format; an older one than `FORMAT` is only read
     log_missing : whether it is a copy without its log, made while a run was writing
     """
 
     connection: sqlite3.Connection
     check: Callable[[], None]
     log_missing: bool
-    format: int = FORMAT
 
 
 @contextmanager
-def opened(
-    path: Path, schema: str, older: Mapping[int, str], *, writing: bool
-) -> Iterator[OpenFile]:
+def opened(path: Path, schema: str, *, writing: bool) -> Iterator[OpenFile]:
     """Open a result file for reading, or for writing; a new one is created if there is none.
 
     Parameters
     ----------
     schema : the tables as SQL
-    older : of the older formats that are read, the digests of their schemas (`digest_of`)
 
     Raises
     ------
@@ -87,7 +82,6 @@ def opened(
         format, or is being written by another process.
     """
     schema = _SCHEMA + schema
-    own = {FORMAT: _digest_of_tables(schema)}
     try:
         if not _is_there(path, "written" if writing else "read") and not writing:
             raise ResultFileError(
@@ -98,9 +92,7 @@ def opened(
         place = path.resolve()
         check_journals(place)
         _check_log(place)
-        with (
-            _to_write(place, schema, own) if writing else _to_read(place, {**older, **own}) as file
-        ):
+        with _to_write(place, schema) if writing else _to_read(place, schema) as file:
             yield file
     except sqlite3.DatabaseError as error:
         code = getattr(error, "sqlite_errorcode", 0)
@@ -130,21 +122,21 @@ def _is_there(path: Path, purpose: str) -> bool:
 
 
 @contextmanager
-def _to_read(path: Path, digests: Mapping[int, str]) -> Iterator[OpenFile]:
+def _to_read(path: Path, schema: str) -> Iterator[OpenFile]:
     # Before it is opened: opening creates an empty file.
     log_missing = not has_log(path)
     with _connected(path, "mode=ro") as connection:
         connection.execute("PRAGMA query_only = ON")
-        version = _check(connection, digests)
+        _check(connection, schema)
         (whole,) = connection.execute("SELECT min(whole) FROM file").fetchone()
-        yield OpenFile(connection, lambda: None, log_missing and not whole, version)
+        yield OpenFile(connection, lambda: None, log_missing and not whole)
 
 
 @contextmanager
-def _to_write(path: Path, schema: str, own: Mapping[int, str]) -> Iterator[OpenFile]:
+def _to_write(path: Path, schema: str) -> Iterator[OpenFile]:
     with only_writer(path) as check, _connected(path, "mode=rw") as connection:
         if connection.execute("SELECT count(*) FROM sqlite_master").fetchone()[0]:
-            _check(connection, own)
+            _check(connection, schema)
         else:
             _begin(connection, schema)
         # Before there is a log, so that the file records that it has one, and which.
@@ -228,25 +220,29 @@ def _begin(connection: sqlite3.Connection, schema: str) -> None:
     )
 
 
-def _check(connection: sqlite3.Connection, digests: Mapping[int, str]) -> int:
-    """The file's format, after a check that it is one of ours and undamaged."""
+def _check(connection: sqlite3.Connection, schema: str) -> None:
+    """Check that the file is one of this format, with this schema, and undamaged."""
     if connection.execute("PRAGMA application_id").fetchone()[0] != APPLICATION_ID:
         raise ResultFileError("not a result file of spincheck")
     version = connection.execute("PRAGMA user_version").fetchone()[0]
-    if version not in digests:
-        known = " and ".join(map(str, sorted(digests)))
-        does = "reads" if len(digests) > 1 else "continues"
-        raise ResultFileError(f"result file format {version}, this version {does} {known}")
-    if digest_of(connection) != digests[version]:
+    if version != FORMAT:
+        remedy = (
+            "move it away, and start that 'spincheck run' again, which makes its results anew"
+            if version < FORMAT
+            else "a newer spincheck reads it"
+        )
+        raise ResultFileError(
+            f"result file format {version}, this version has format {FORMAT}: {remedy}"
+        )
+    if _digest_of(connection) != _digest_of_tables(schema):
         raise ResultFileError(f"its schema is not that of a result file of format {version}")
     # Damage is reported here, not in the middle of a report.
     first_damage = connection.execute("PRAGMA quick_check(1)").fetchone()[0]
     if first_damage != "ok":
         raise ResultFileError(f"damaged: {printable(first_damage)}")
-    return int(version)
 
 
-def digest_of(connection: sqlite3.Connection) -> str:
+def _digest_of(connection: sqlite3.Connection) -> str:
     """SHA-256 of type, name, table and text of everything that a schema holds."""
     query = "SELECT type, name, tbl_name, sql FROM sqlite_master"
     objects = sorted([*map(str, columns)] for columns in connection.execute(query))
@@ -262,4 +258,4 @@ def _text(content: bytes) -> str:
 def _digest_of_tables(schema: str) -> str:
     with closing(sqlite3.connect(":memory:")) as connection:
         connection.executescript(schema)
-        return digest_of(connection)
+        return _digest_of(connection)

@@ -8,6 +8,7 @@ from ...scenarios import Scenario
 from .cost_records import EffectsCost, PassCosts
 from .default_records import DefaultEffects
 from .encoding_records import EncodedRuns
+from .evidence import Evidence
 from .records import Pair, Row
 from .sweep_records import SweepResult
 from .verdicts import Verdict
@@ -39,6 +40,7 @@ class Results:
     passes: list[PassCosts] = field(default_factory=list)
     defaults: list[DefaultEffects] = field(default_factory=list)
     encodings: list[EncodedRuns] = field(default_factory=list)
+    evidence: list[Evidence] = field(default_factory=list)
     methods: dict[Pair, Method] = field(default_factory=dict)
     stock_timesteps: dict[str, float] = field(default_factory=dict)
     sweeps: list[SweepResult] = field(default_factory=list)

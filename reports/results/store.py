@@ -16,12 +16,12 @@ from typing import Any, TypeVar
 from ...engines import Engine
 from ...reference import Solution
 from ...scenarios import Scenario
-from . import format_12, tables
+from . import tables
 from .database import Database, put
 from .evidence import Evidence
 from .provenance_records import DeclaredEngine, EnvironmentEntry, Fingerprint
 from .records import UNSOLVED, Key, Record, Row, SolvedScene
-from .result_file import FORMAT, OpenFile, ResultFileError, opened
+from .result_file import OpenFile, ResultFileError, opened
 from .results import Results, SceneResult
 from .sweep_records import PlacedRow, SweepResult, swept
 from .tables import DIGEST, Table, as_result_file_error
@@ -35,8 +35,6 @@ DIGITS = 16
 _TABLE_OF: dict[type[Record], Table[Any]] = {table.record: table for table in tables.TABLES}
 _ONE_METHOD = "scenario = ? AND engine = ? AND method = ?"
 _SORTED = "scenario, engine, method"
-#: Earlier versions stored points that are no scene without an engine.
-_RUN_BY_AN_ENGINE = "engine <> ''"
 
 
 class Store:
@@ -228,6 +226,7 @@ class Store:
             passes=self.select(tables.PASS_COSTS, order=_SORTED),
             defaults=self.select(tables.DEFAULT_EFFECTS, order=_SORTED),
             encodings=self.select(tables.ENCODINGS, order=_SORTED),
+            evidence=self.select(tables.EVIDENCE, order=_SORTED),
             sweeps=self._sweeps(),
             methods={(e.name, method.name): method for e in engines for method in e.methods},
             stock_timesteps={e.name: e.stock_timestep for e in engines if e.stock_timestep},
@@ -235,11 +234,11 @@ class Store:
 
     def points(self, scenario: str) -> list[PlacedRow]:
         """The stored points of a scene, of all sweeps: two maps that share a place share them."""
-        return self.select(tables.POINTS, f"scenario = ? AND {_RUN_BY_AN_ENGINE}", (scenario,))
+        return self.select(tables.POINTS, "scenario = ?", (scenario,))
 
     def _sweeps(self) -> list[SweepResult]:
         stored = self.select(tables.SWEEPS, order="scenario, sweep")
-        return as_result_file_error(swept)(stored, self.select(tables.POINTS, _RUN_BY_AN_ENGINE))
+        return as_result_file_error(swept)(stored, self.select(tables.POINTS))
 
     def _verdicts(self, timesteps: str) -> list[Verdict]:
         where, values = ("timesteps = ?", (timesteps,)) if timesteps != _LADDER else ("TRUE", ())
@@ -272,5 +271,5 @@ def open_store(path: Path, *, create: bool = False) -> Iterator[Store]:
     ResultFileError
         As `result_file.opened`.
     """
-    with opened(path, SCHEMA, {12: format_12.SCHEMA_DIGEST}, writing=create) as file:
-        yield Store(file if file.format == FORMAT else format_12.converted(file, SCHEMA))
+    with opened(path, SCHEMA, writing=create) as file:
+        yield Store(file)

@@ -9,9 +9,8 @@ from dataclasses import dataclass, field, replace
 from itertools import pairwise, product
 from typing import Annotated, Any, ClassVar
 
-from pydantic import AfterValidator, BeforeValidator, Field
+from pydantic import AfterValidator, Field
 
-from ...engines import Cause, Outcome
 from ...scenarios import Scenario, loads
 from ...scenarios.vary import MAX_COUNT, TIMESTEP, Axis, check_path
 from .records import Pair, Record, Row, SceneName
@@ -20,8 +19,6 @@ from .records import Pair, Record, Row, SceneName
 MAX_MEMBERS = 1_000_000
 #: As many bits as numpy asks of a seed (`numpy.random.SeedSequence`).
 MAX_SEED = (1 << 128) - 1
-#: Outcomes and causes of points, as earlier versions named them.
-_EARLIER = {"skipped": "unsupported", "steps": "timestep"}
 
 
 @dataclass(frozen=True)
@@ -188,11 +185,6 @@ def _is_on(axis: Axis, value: object) -> bool:
     return at < len(axis.values) and axis.values[at] == value
 
 
-def _now(name: str) -> str:
-    """An outcome or cause of any version as it is named now."""
-    return _EARLIER.get(name, name)
-
-
 @dataclass(frozen=True)
 class PlacedRow(Row):
     """A run at a point of a sweep, without its samples.
@@ -204,8 +196,6 @@ class PlacedRow(Row):
     """
 
     engine_version: str = field(default="", kw_only=True)
-    outcome: Annotated[Outcome, BeforeValidator(_now)]
-    cause: Annotated[Cause, BeforeValidator(_now)] = ""
     at: tuple[float, ...] = ()
     place: str = ""
 

@@ -46,8 +46,8 @@ VERDICTS = (
         "converges",
         sign="✓",
         phrases=("converges to the exact motion", "converge to the exact motion"),
-        meaning="errors shrink at the declared order or faster, and the limit dt → 0 is the exact "
-        "motion; or errors are at round-off throughout",
+        meaning="single steps are consistent with the equations of motion, and depend on the state "
+        "alone: runs tend to the exact motion as dt → 0",
         light=("#cdeee4", "#07493a"),
         dark=("#12453a", "#b9f2e0"),
     ),
@@ -55,8 +55,8 @@ VERDICTS = (
         "unresolved",
         sign="?",
         phrases=("is unresolved", "are unresolved"),
-        meaning="the timesteps were too long to decide, and the reason says which one would; or "
-        "round-off hides the answer at every timestep",
+        meaning="noise hides what steps tend to, or no step could be taken from given states; the "
+        "reason says which",
         light=("#fbf0b4", "#4f4000"),
         dark=("#4b4212", "#fbeeb0"),
         is_unproven=True,
@@ -84,8 +84,8 @@ VERDICTS = (
         "disagrees",
         sign="✗",
         phrases=("settles on a wrong motion", "settle on a wrong motion"),
-        meaning="it settles on another motion, is of a lower order than declared, or its first "
-        "steps break the equations of motion: no smaller timestep mends it",
+        meaning="its steps are not those of the equations of motion, or depend on more than the "
+        "state: no smaller timestep mends it",
         light=("#b0261c", "#ffffff"),
         dark=("#c8372c", "#ffffff"),
         fails=True,

@@ -7,6 +7,9 @@ from .reasons import ground_in_words, reason_in_words
 from .records import Count, MethodKey, Record, Size
 from .verdict_words import VERDICT, VerdictWord
 
+#: What JSON and tables show of a verdict besides its fields.
+MADE = ("reason", "tail", "level", "order", "ground")
+
 
 @dataclass(frozen=True)
 class Verdict(Record):

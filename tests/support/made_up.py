@@ -9,7 +9,9 @@ from spincheck.engines import Method
 from spincheck.reference import Solution
 from spincheck.reports.results.evidence import (
     CONSISTENT,
+    Evidence,
     Explanation,
+    GainCurve,
     ReplayEvidence,
     StepEvidence,
     StepFault,
@@ -100,11 +102,9 @@ class MadeUp:
 METHODS = (
     MadeUp("mujoco", "Euler", 1),
     MadeUp("mujoco", "RK4", 4),
-    MadeUp("mujoco-urdf", "RK4", 4, "disagrees", "settles elsewhere: the limit dt → 0 is off"),
+    MadeUp("mujoco-urdf", "RK4", 4, "disagrees"),
     MadeUp("pybullet", "multibody", 1, "diverges", "the state is no longer finite at 1.2 s"),
-    MadeUp(
-        "pybullet", "maximal", 1, "unresolved", "not in its asymptotic range, 1e-6 s would tell"
-    ),
+    MadeUp("pybullet", "maximal", 1, "unresolved"),
     MadeUp("elsewhere", "fancy<i>", 2, "failed", "did not finish within 120 s"),
     MadeUp("elsewhere", "plain", 2, "unsupported", "elsewhere plain cannot simulate pivot"),
 )
@@ -112,7 +112,7 @@ METHODS = (
 
 def results(samples: int = 101, methods: Sequence[MadeUp] = METHODS) -> Results:
     """Two scenes, one that could not be solved, and every kind of verdict."""
-    scenes, rows, verdicts = {}, [], []
+    scenes, rows, verdicts, judged_by = {}, [], [], []
     for name, text in (("made-up-top", TOP), ("made-up-brick", BRICK)):
         scenario = loads(text, name)
         exact = _exact(scenario, samples)
@@ -122,21 +122,22 @@ def results(samples: int = 101, methods: Sequence[MadeUp] = METHODS) -> Results:
         for method in methods:
             key = Key(name, method.engine, method.method)
             rows += _rows(scenario, exact, key, method)
-            verdicts.append(_verdict(key, method))
+            judged_by.append(evidence(key, method))
+            verdicts.append(_verdict(judged_by[-1], method))
     unsolved = Key("unsolved", "mujoco", "Euler")
     reason = "the reference could not be solved: it blew up"
     rows.append(Row(unsolved, "1.0", 0.0, "failed", reason))
     verdicts.append(Verdict(unsolved, "failed", reason))
     environment = {"date": "2026-01-01T00:00:00+00:00", "processor": "a <fast> one"}
     declared = {(m.engine, m.method): _declared(m) for m in methods}
-    return Results(environment, scenes, rows, verdicts, methods=declared)
+    return Results(environment, scenes, rows, verdicts, methods=declared, evidence=judged_by)
 
 
 def put(store: Store, stored: Results) -> None:
     """Store scenes, rows and verdicts."""
     for result in stored.scenes.values():
         store.put_scene(result.scenario, result.solution)
-    store.put(*stored.rows)
+    store.put(*stored.rows, *stored.evidence)
     for verdict in stored.verdicts:
         store.put_verdict(verdict)
 
@@ -184,18 +185,43 @@ def _rows(scenario: Scenario, exact: Trajectory, key: Key, method: MadeUp) -> li
     return rows
 
 
-def _verdict(key: Key, method: MadeUp) -> Verdict:
-    if method.verdict in ("unsupported", "failed", "diverges"):
-        return Verdict(key, method.verdict, method.reason)
+#: Noise of what steps gain, relative; a wrong limit, which is no noise.
+NOISE, OFF = 1e-13, 1e-4
+
+
+def evidence(key: Key, method: MadeUp) -> Evidence:
+    """What its steps and its finest run show: nothing where a method has no steps."""
+    if method.verdict in ("unsupported", "failed"):
+        return Evidence(key)
+    wrong = method.verdict == "disagrees"
+    curves = tuple(_curve(quantity, method, wrong) for quantity in ("attitude", "angular momentum"))
+    known_to = 2 * CONSISTENT if method.verdict == "unresolved" else KNOWN_TO
+    steps = StepEvidence(
+        *(STATES, 0.0 if wrong else 0.3, known_to, known_to, method.order, curves),
+        HEAVIER if wrong else None,
+    )
+    replays = () if wrong else (ReplayEvidence(TIMESTEPS[-1], INTERVALS, 0.2, 1e-15),)
+    return Evidence(key, steps, None, replays)
+
+
+def _curve(quantity: str, method: MadeUp, wrong: bool) -> GainCurve:
+    """Gains of the declared order, which the longer timesteps predict, and a wrong limit."""
+    predicted = [0.1 * (dt / TIMESTEPS[0]) ** method.order for dt in TIMESTEPS]
+    gains = [gain + NOISE + OFF * wrong for gain in predicted]
+    known_to = [*(1.0, 0.1), *(0.01 * gain + NOISE for gain in predicted[2:])]
+    return GainCurve(quantity, TIMESTEPS, *map(tuple, (gains, predicted, known_to, gains)))
+
+
+def _verdict(judged_by: Evidence, method: MadeUp) -> Verdict:
     broken = ("omega error 1e-2 exceeds the expected 1e-3",) if method.method == "Euler" else ()
-    steps = StepEvidence(STATES, 0.3, KNOWN_TO, 2 * KNOWN_TO, method.order)
-    if method.verdict == "disagrees":
-        steps = replace(steps, tail=0.0, fault=HEAVIER)
-    if method.verdict == "unresolved":
-        steps = replace(steps, known_to=2 * CONSISTENT)
-    replays = (ReplayEvidence(TIMESTEPS[-1], INTERVALS, 0.5, 1e-14),)
-    quoted = "" if method.verdict == "converges" else method.reason
-    return Verdict(key, method.verdict, quoted, steps, replays=replays, unmet=broken)
+    return Verdict(
+        judged_by.key,
+        method.verdict,
+        method.reason,
+        judged_by.steps and replace(judged_by.steps, curves=()),
+        replays=judged_by.replays,
+        unmet=broken,
+    )
 
 
 def _exact(scenario: Scenario, samples: int) -> Trajectory:

@@ -6,7 +6,6 @@ from types import SimpleNamespace
 
 import made_up
 import made_up_sweeps
-import numpy as np
 from spincheck.reports.results.cost_records import (
     EffectsCost,
     MethodCost,
@@ -16,7 +15,6 @@ from spincheck.reports.results.cost_records import (
     StepCost,
 )
 from spincheck.reports.results.default_records import DefaultEffect, DefaultEffects
-from spincheck.reports.results.evidence import Deviation, Evidence, JudgedRung, Refinement
 from spincheck.reports.results.provenance_records import Fingerprint
 from spincheck.reports.results.records import Key
 from spincheck.reports.results.store import open_store
@@ -33,10 +31,8 @@ EXACT = Errors(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 DEFAULTS = DefaultEffects(KEY, 0.002, EXACT, None, (DefaultEffect("damping", None, EXACT),))
 PASSES = PassCosts(KEY, 1e-6, 0.01, (PassCost("contact", 0.2, 0.1),))
 MEMBERS = 2
-NUMBERS = np.arange(1.0, 7.0)
-DEVIATIONS = (*(None,) * 5, Deviation(0.1, 0.2, 3.0, 1.0))
-REFINEMENT = Refinement(NUMBERS, NUMBERS, NUMBERS, NUMBERS > 2, NUMBERS, DEVIATIONS)
-EVIDENCE = Evidence(KEY, (JudgedRung(0.01, NUMBERS, NUMBERS, NUMBERS, REFINEMENT),))
+#: With a fault, so that there is something in each field.
+EVIDENCE = made_up.evidence(KEY, made_up.METHODS[2])
 
 
 def write(path: Path) -> Path:
@@ -59,7 +55,7 @@ def write(path: Path) -> Path:
             store.put(row)
         for verdict in stored.verdicts:
             if verdict.key == KEY:
-                store.put_verdict(verdict)
+                store.put_verdict(replace(verdict, steps=EVIDENCE.steps, own_steps=EVIDENCE.steps))
         store.put(MethodCost(KEY, "a processor", StepCost(1e-6, 1e-7, 1e-6)))
         store.put(EVIDENCE)
         store.put(EFFECTS)

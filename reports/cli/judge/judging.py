@@ -11,11 +11,10 @@ import typer
 
 from ....scenarios import SIGNAL, Scenario, did_you_mean, printable
 from ...harness.convergence_study import ConvergenceStudy
-from ...harness.judging import judge
 from ...harness.recorded.judged import JudgedMotion, judged_motion
 from ...harness.recorded.motion import OmegaFrame, QuaternionOrder
 from ...harness.recorded.read import read_recording
-from ...harness.recorded.recorded_ladder import results_of, study_of_files
+from ...harness.recorded.recorded_ladder import results_of, study_of_files, verdict_on_files
 from ...harness.recorded.recording import RecordingError
 from ...results.verdicts import Verdict
 from ..choosing import compile_first
@@ -52,7 +51,7 @@ class Judgement:
     @cached_property
     def verdict(self) -> Verdict | None:
         """The verdict on several files; None for a single one."""
-        return judge(self.study.records) if len(self.motions) > 1 else None
+        return verdict_on_files(self.study) if len(self.motions) > 1 else None
 
     @property
     def exit_code(self) -> int:

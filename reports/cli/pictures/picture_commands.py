@@ -31,7 +31,8 @@ def plot(
     what: Annotated[
         str,
         typer.Option(
-            help="theta, omega, polhode, herpolhode, axis, potential, convergence, work-precision."
+            help="theta, omega, polhode, herpolhode, axis, potential, gains, convergence, "
+            "work-precision."
         ),
     ],
     out: Annotated[Path, typer.Option("--out", "-o", help="The file to write: .svg, .png, .pdf.")],
@@ -48,7 +49,7 @@ def plot(
     """Draw one figure of a scene as a file; needs matplotlib.
 
     It shows the exact motion, and of the result file the runs of engines and methods that are
-    named; convergence and work-precision show every method.
+    named; gains, convergence and work-precision show every method.
     """
     from .pictures import plot as draw
 

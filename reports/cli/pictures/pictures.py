@@ -27,13 +27,14 @@ WHAT: dict[str, tuple[str, int | None]] = {
     "herpolhode": ("polhode", 1),
     "axis": ("axis", None),
     "potential": ("potential", None),
+    "gains": ("gains", None),
     "convergence": ("convergence", None),
     "work-precision": ("cost", None),
 }
 #: Of files that are written.
 ENDINGS = (".svg", ".png", ".pdf")
 #: Figures that show runs only, and not the exact motion.
-OF_RUNS = ("convergence", "work-precision")
+OF_RUNS = ("gains", "convergence", "work-precision")
 
 
 def view(scene: str, jobs: int, out: Path) -> Path:

@@ -13,7 +13,7 @@ from ...results.as_json import as_json
 from ...results.records import Key, Row
 from ...results.results import Results
 from ...results.verdict_words import VERDICT
-from ...results.verdicts import Verdict
+from ...results.verdicts import MADE, Verdict
 from ..sweeps.sweep_running import flat_records
 
 WIDTH = 80
@@ -170,8 +170,7 @@ def row_record(row: Row) -> dict[str, Any]:
 
 def verdict_record(verdict: Verdict) -> dict[str, Any]:
     """A verdict with the names that scripts rely on."""
-    made = ("reason", "tail", "level", "order", "ground")
-    return as_json(verdict) | {name: getattr(verdict, name) for name in made}
+    return as_json(verdict) | {name: getattr(verdict, name) for name in MADE}
 
 
 Printed = tuple[list[dict[str, Any]], Iterator[str]]

@@ -16,11 +16,10 @@ from spincheck.suite import SCENES, VERSION, test_adapter, test_physics
 from ....engines import Engine, Method, NameTaken, add
 from ....scenarios import Scenario, did_you_mean, load
 from ...harness.executors import InProcess
-from ...harness.judging import judge
 from ...harness.prepared import Prepared, prepare
 from ...harness.recorded.judged import judged_motion
 from ...harness.recorded.read import READERS, read_recording
-from ...harness.recorded.recorded_ladder import study_of_files
+from ...harness.recorded.recorded_ladder import study_of_files, verdict_on_files
 from ...harness.recorded.recording import RecordingError
 from ...harness.study import convergence_study_of, run_and_judge
 from ...results.verdict_words import VERDICT
@@ -112,7 +111,7 @@ class RecordedSubject(Subject):
         scenario = _scene(name)
         try:
             motions = [judged_motion(scenario, read_recording(file)) for file in files]
-            verdict = judge(study_of_files(scenario, motions, order=1).records)
+            verdict = verdict_on_files(study_of_files(scenario, motions, order=1))
         except RecordingError as error:
             pytest.fail(f"{self.folder / name}: {error}", pytrace=False)
         explained = [one.explained_by for one in motions if one.explained_by]

@@ -17,6 +17,7 @@ from ....engines.checks.read_back import stacked
 from ....scenarios import FloatArray, Scenario, Trajectory, error_series
 from ...results.evidence import StepEvidence
 from ...results.results import Results, SceneResult
+from ...results.verdicts import Verdict
 from ..convergence_study import ConvergenceStudy
 from ..executors import Answer
 from ..judging import judge
@@ -130,6 +131,18 @@ def _steps(
     return evidence_of(look, at, study.method.order)
 
 
+def verdict_on_files(study: ConvergenceStudy) -> Verdict:
+    """Return the verdict; where files are too few, or nowhere near, with what it takes."""
+    verdict = judge(study.records)
+    if verdict.verdict != "unresolved" or study.steps is not None:
+        return verdict
+    takes = (
+        f"a verdict takes {FEWEST_FILES} files at halved timesteps or more, within {TOGETHER:g} "
+        f"rad of the exact motion over the first interval, got {len(study.rows)}"
+    )
+    return replace(verdict, quoted=takes)
+
+
 def results_of(study: ConvergenceStudy, explained_by: Sequence[str]) -> Results:
     """Return the runs and the verdict as a result file has them, for pages.
 
@@ -137,7 +150,7 @@ def results_of(study: ConvergenceStudy, explained_by: Sequence[str]) -> Results:
     ----------
     explained_by : what explains the motion, in words, if anything does: then it is another one
     """
-    verdict = judge(study.records)
+    verdict = verdict_on_files(study)
     if explained_by:
         quoted = "; ".join(filter(None, [*explained_by, verdict.quoted]))
         verdict = replace(verdict, verdict="disagrees", quoted=quoted)

@@ -122,13 +122,13 @@ def _verdict(key: Key, old: Verdict | None, new: Verdict | None) -> Iterator[Cha
 
 
 def _order(key: Key, old: Verdict | None, new: Verdict | None) -> Iterator[Change]:
-    """Observed orders of accuracy that differ as whole numbers."""
+    """Orders at which what steps gain vanishes."""
     before, after = (v.order if v and v.verdict == "converges" else None for v in (old, new))
-    if before is None or after is None or round(before) == round(after):
+    if before is None or after is None or before == after:
         return
     worse = after < before
     direction: Direction = "worse" if worse else "better"
-    yield Change("order", "order", round(before), round(after), direction, worse, **_where(key))
+    yield Change("order", "order", before, after, direction, worse, **_where(key))
 
 
 def _expectations(key: Key, old: Verdict | None, new: Verdict | None) -> Iterator[Change]:

@@ -22,6 +22,7 @@ from ....scenarios.fastest_rate import fastest_rate
 from ...harness.defects import defects
 from ...results.default_records import DefaultEffects
 from ...results.encoding_records import EncodedRuns
+from ...results.evidence import Evidence
 from ...results.records import Key, OfMethod, Pair, Row
 from ...results.results import Results, SceneResult
 from ...results.verdicts import Verdict
@@ -38,6 +39,7 @@ class MethodRuns(OfMethod):
     rows : coarse to fine
     verdict : None if the study was stopped before there was one
     declared : what the adapter declared of the method when it ran; None if not in the file
+    evidence : what the verdict rests on; None where there is none
     """
 
     engine: str
@@ -46,6 +48,7 @@ class MethodRuns(OfMethod):
     verdict: Verdict | None
     declared: Method | None
     style: TraceStyle
+    evidence: Evidence | None = None
 
     def setup(self, timestep: float) -> str:
         """What users write to have it at a timestep, s; empty if its adapter does not say."""
@@ -239,13 +242,15 @@ def report_data(results: Results) -> ReportData:
     names = sorted({key.scenario for key in keys} | set(results.scenes))
     drawn = trace_styles(pairs)
     verdicts = {verdict.key: verdict for verdict in results.verdicts}
+    evidence = {one.key: one for one in results.evidence}
     tried: dict[Key, list[Row]] = {}
     for row in sorted(results.rows, key=lambda row: -row.timestep):
         tried.setdefault(row.key, []).append(row)
 
     def method_runs(key: Key) -> MethodRuns:
         rows, declared = tuple(tried.get(key, ())), results.methods.get(key.pair)
-        return MethodRuns(*key.pair, rows, verdicts.get(key), declared, drawn[key.pair])
+        style, judged_by = drawn[key.pair], evidence.get(key)
+        return MethodRuns(*key.pair, rows, verdicts.get(key), declared, style, judged_by)
 
     scenes = tuple(
         SceneRuns(

@@ -17,6 +17,9 @@ from ...results.verdict_words import VerdictWord
 from .observed_order import observed_order
 from .report_data import MethodRuns, SceneRuns
 
+#: Factor by which errors have to grow at shorter timesteps: that of rounding grows by two or more,
+#: or by the root of two, when a timestep is halved.
+GROWN = 2**0.5
 #: Two doubles are not known to differ by less, relative to their size.
 EPS = float(np.finfo(float).eps)
 
@@ -78,6 +81,15 @@ class Curve(OfMethod):
         floors = np.array([self.floor(timestep) for timestep in timesteps])
         order = observed_order(timesteps, errors, floors, self.uncertainty)
         return self.order if order is None else order
+
+    @cached_property
+    def least(self) -> CurvePoint | None:
+        """The run of the least error, if errors grow below its timestep, as rounding makes them."""
+        if not self.stable:
+            return None
+        least = min(self.stable, key=lambda point: point.error)
+        finer = [point.error for point in self.stable if point.timestep < least.timestep]
+        return least if max(finer, default=0.0) > GROWN * least.error else None
 
 
 def curves(scene: SceneRuns, signal: str) -> list[Curve]:

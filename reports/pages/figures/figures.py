@@ -19,6 +19,7 @@ from ....scenarios import FloatArray, Scenario
 from ..analysis.report_data import SceneRuns
 from .axis_path import axis_path, polhode
 from .drawn_body import drawn_body
+from .gain_figures import BAND, OFF, gain_figures
 from .ladder_figures import convergence, work_precision
 from .plot import INK, REFERENCE_WIDTH, Figure, Panel, Range, drawing, line
 from .signal_figures import defect_figure, omega_figures, tilt_figure
@@ -101,12 +102,16 @@ class Titled:
     parts: Sequence[Figure]
 
 
-def figures(scene: SceneRuns) -> dict[Literal["signals", "ladder", "geometry"], list[Titled]]:
+Section = Literal["signals", "steps", "ladder", "geometry"]
+
+
+def figures(scene: SceneRuns) -> dict[Section, list[Titled]]:
     """Every figure that the scene has data for, by the section of the page it stands in."""
     if scene.solved is None:
-        return {"signals": [], "ladder": [], "geometry": []}
+        return {"signals": [], "steps": [], "ladder": [], "geometry": []}
     return {
         "signals": list(_signals(scene)),
+        "steps": list(_steps(scene)),
         "ladder": list(_ladder(scene)),
         "geometry": list(_geometry(scene)),
     }
@@ -136,6 +141,20 @@ def _signals(scene: SceneRuns) -> Iterator[Titled]:
         "before does not count. Grey: round-off.",
         [defect_figure(scene)],
     )
+
+
+def _steps(scene: SceneRuns) -> Iterator[Titled]:
+    if parts := gain_figures(scene):
+        yield Titled(
+            "gains",
+            "What a step gains, against its length",
+            "How far a single step ends from the exact motion, a second, relative to the largest "
+            "terms of the equations of motion, from the state that fits least. Band: what longer "
+            f"steps predict, ± {BAND:g} standard deviations. A method that converges stays in its "
+            "band, down to the noise; one that does not leaves it, mostly for a constant. Rings: "
+            f"gains more than {OFF:.2g} standard deviations off.",
+            parts,
+        )
 
 
 def _ladder(scene: SceneRuns) -> Iterator[Titled]:

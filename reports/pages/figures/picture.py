@@ -99,7 +99,11 @@ def _draw(cell: Any, part: Figure) -> None:
 
 def _panel(axes: Axes, layout: dict[str, Any], suffix: str, traces: list[Trace]) -> None:
     for trace in traces:
-        axes.plot(_values(trace["x"]), _values(trace["y"]), **_style(trace))
+        x, y = _values(trace["x"]), _values(trace["y"])
+        if "fill" in trace:
+            axes.fill(x, y, color=trace["fillcolor"], linewidth=0)
+        else:
+            axes.plot(x, y, **_style(trace))
     for name, spec in (("x", layout[f"xaxis{suffix}"]), ("y", layout[f"yaxis{suffix}"])):
         limits = spec.get("range")
         if spec.get("type") == "log":
@@ -151,7 +155,7 @@ def _legend(canvas: Canvas, parts: Sequence[Figure]) -> None:
     for part in parts:
         for trace in part["data"]:
             name = "exact" if trace.get("name") == "exact" else trace.get("legendgroup")
-            if name and "lines" in trace.get("mode", "lines"):
+            if name and "lines" in trace.get("mode", "lines") and "fill" not in trace:
                 shown.setdefault(name, _style(trace))
     lines = [mpl.lines.Line2D([], [], label=name, **style) for name, style in shown.items()]
     if lines:

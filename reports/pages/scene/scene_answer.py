@@ -33,6 +33,8 @@ HEADINGS = (
 
 #: Number of engines whose defaults are described, and drawn at first.
 SHOWN_DEFAULTS = 2
+#: Number of methods that are wrong whose gains are drawn at first.
+SHOWN_WRONG = 2
 
 
 def scene_answer(scene: SceneRuns) -> dict[str, Any] | None:
@@ -70,6 +72,16 @@ def shown_at_first(scene: SceneRuns) -> set[str]:
     best = best_choice(scene)
     closest = [runs.label for runs, _ in closest_defaults(scene)[:SHOWN_DEFAULTS]]
     return {*closest, *([best.runs.label] if best else [])}
+
+
+def gains_shown_at_first(scene: SceneRuns) -> set[str]:
+    """Labels in the figures of gains: some that are wrong, and of the others the best choice."""
+    examined = [one for one in scene.methods if one.verdict and one.evidence and one.evidence.steps]
+    wrong = [one.label for one in examined if one.verdict and one.verdict.verdict == "disagrees"]
+    right = [one.label for one in examined if one.label not in wrong]
+    best = best_choice(scene)
+    first = [best.runs.label] if best and best.runs.label in right else right[:1]
+    return {*wrong[:SHOWN_WRONG], *first}
 
 
 def closest_defaults(scene: SceneRuns) -> list[tuple[MethodRuns, Row]]:

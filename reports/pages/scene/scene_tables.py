@@ -77,19 +77,23 @@ def verdict_table(scene: SceneRuns) -> Table:
 
 
 def signals_table(scene: SceneRuns) -> Table:
-    """Table of the errors of each method's finest run by signal, and the order that they show."""
+    """Table of the errors of each method's finest run by signal, their order, and their floor."""
     return records(
         {
             **named(runs.pair),
             "signal": signal.error_title,
             "timestep, s": figure(number(runs.finest.timestep)),
             "error": figure(number(runs.finest.errors[signal.name] * signal.shown)),
-            "order found": figure(order(curve_of(scene, runs, signal.name).observed_order)),
+            "order found": figure(order(curve.observed_order)),
             "declared": figure(_declared(runs, signal)),
+            "rounding takes over below, s": figure(number(floor.timestep if floor else None)),
+            "where the error is": figure(number(floor.error * signal.shown if floor else None)),
         }
         for runs in scene.methods
         for signal in scene.signals
         if scene.solved and runs.finest and runs.finest.errors
+        for curve in [curve_of(scene, runs, signal.name)]
+        for floor in [curve.least]
     )
 
 
@@ -195,7 +199,7 @@ def _verdict_row(scene: SceneRuns, runs: MethodRuns) -> dict[str, Cell | str]:
     stable = Cell(survives, "number", f"{turn} rad a step" if turn != NOTHING else "")
     declared = f"declared {runs.declared.order}" if runs.declared and verdict.order else ""
     tail, known_to = verdict.tail, verdict.steps.known_to if verdict.steps else None
-    level = f"level {verdict.level:g}" if tail is not None else ""
+    level = f"level {verdict.level:.0e}" if tail is not None and tail < verdict.level else ""
     return {
         **named(runs.pair),
         "verdict": verdict_cell(verdict.verdict, verdict.ground),

@@ -19,8 +19,8 @@ from spincheck.reports.pages.overview.overview import complaints, headline
 from spincheck.reports.pages.render import render
 from spincheck.reports.pages.scene import scene_tables
 from spincheck.reports.pages.templating import source
-from spincheck.reports.results.verdicts import Verdict
 from spincheck.reports.results.results import SceneResult
+from spincheck.reports.results.verdicts import Verdict
 from spincheck.scenarios import SIGNAL
 
 pytestmark = pytest.mark.slow

@@ -1,40 +1,84 @@
-"""Evidence from a file may be anybody's: it has each signal once, and a value for each."""
+"""Evidence from a file may be anybody's: what no judging can have made is refused."""
 
-import numpy as np
+import json
+from dataclasses import replace
+from typing import get_args
+
 import pytest
-from spincheck.reports.results.evidence import Evidence, JudgedRung, LadderBasis
-from spincheck.reports.results.records import Key
-from spincheck.scenarios import EVERYWHERE
-
-KEY = Key("made-up-top", "mujoco", "Euler")
-
-
-def basis(signals: tuple[str, ...]) -> LadderBasis:
-    values = np.ones(len(signals))
-    return LadderBasis(values, values, duration=1.0, rate=1.0, signals=signals)
+import small_result_file
+from forging import forge
+from spincheck.reports.results.evidence import COUNTS, Explanation, FaultKind, StepEvidence
+from spincheck.reports.results.reasons import fault_in_words
+from spincheck.reports.results.result_file import ResultFileError
+from spincheck.reports.results.store import open_store
+from spincheck.reports.results.tables import EVIDENCE
 
 
-@pytest.mark.parametrize(
-    "signals",
-    [(), EVERYWHERE[1:], (*EVERYWHERE, EVERYWHERE[0]), (*EVERYWHERE[1:], "spins")],
-    ids=["none", "one less", "one twice", "another for one"],
-)
-def test_no_signal_of_every_scene_is_missing_or_there_twice(signals: tuple[str, ...]) -> None:
-    """A fault in a signal that is left out would not be judged."""
-    with pytest.raises(ValueError, match="must have each signal of every scene once"):
-        basis(signals)
+@pytest.fixture
+def path(tmp_path):
+    return small_result_file.write(tmp_path / "forged.sqlite")
 
 
-@pytest.mark.parametrize("more", [-1, 1])
-def test_every_rung_has_one_value_a_signal(more: int) -> None:
-    values = np.ones(len(EVERYWHERE) + more)
-    rung = JudgedRung(1e-3, values, values)
-    with pytest.raises(ValueError, match="must have one value a signal throughout"):
-        Evidence(KEY, (rung,), basis(EVERYWHERE))
+def steps(path, **changed: object) -> None:
+    """Forge the steps of the one piece of evidence."""
+    as_json = json.loads(EVIDENCE.columns(small_result_file.EVIDENCE)["record"])["steps"]
+    forge(path, [("evidence", "record.steps")], as_json | changed)
 
 
-def test_spins_are_a_signal_of_some_scenes() -> None:
-    signals = (*EVERYWHERE, "spins")
-    values = np.ones(len(signals))
-    rungs = (JudgedRung(1e-3, values, values),)
-    assert Evidence(KEY, rungs, basis(signals)).rungs == rungs
+def is_refused(path) -> bool:
+    try:
+        with open_store(path) as store:
+            store.read()
+    except ResultFileError as error:
+        return "cannot be read" in str(error)
+    return False
+
+
+def test_it_comes_back(path):
+    steps(path)
+    with open_store(path) as store:
+        assert store.read().evidence == [small_result_file.EVIDENCE]
+
+
+CURVE = {"quantity": "attitude", "timesteps": [2e-3, 1e-3]}
+COLUMNS = ("gains", "predicted", "predicted_to", "largest")
+
+
+@pytest.mark.parametrize("column", COLUMNS)
+@pytest.mark.parametrize("values", [[], [1.0], [1.0] * 3, [1.0, -1.0], [1.0, "1"]], ids=str)
+def test_a_curve_has_a_size_a_timestep_in_each_column(path, column, values):
+    steps(path, curves=[CURVE | {name: [1.0, 0.5] for name in COLUMNS} | {column: values}])
+    assert is_refused(path)
+
+
+@pytest.mark.parametrize("number", [float("nan"), float("inf"), 1e300])
+def test_what_a_fault_gains_is_a_number(path, number):
+    for field in ("got", "wanted"):
+        fault = {"kind": "limit", "quantity": "attitude", "time": 1.0, "timestep": 1e-3}
+        fault |= {"got": [0.0] * 3, "wanted": [0.0] * 3, field: [0.0, number, 0.0]}
+        steps(path, fault=fault)
+        assert is_refused(path)
+
+
+def test_a_change_has_all_its_numbers(path):
+    """They are put in words: what is missing would end the report."""
+    fault = {"kind": "limit", "quantity": "attitude", "time": 1.0, "timestep": 1e-3}
+    fault |= {"got": [0.0] * 3, "wanted": [0.0] * 3}
+    for kind, count in {**COUNTS, "gyroscopic": 1}.items():
+        for numbers in ([], [1.0] * (count - 1), [1.0] * (count + 1)):
+            steps(path, fault=fault | {"change": {"kind": kind, "numbers": numbers}})
+            assert is_refused(path)
+        steps(path, fault=fault | {"change": {"kind": kind, "numbers": [1.0] * count}})
+        assert not is_refused(path)
+
+
+def test_any_fault_that_is_accepted_can_be_put_in_words():
+    """The largest and the smallest numbers, whichever is wanted."""
+    steps: StepEvidence = small_result_file.EVIDENCE.steps
+    for got in (0.0, 1e-300, 1.0, 1e150):
+        for wanted in (0.0, 1e-300, 1.0, 1e150):
+            for kind in get_args(FaultKind):
+                vectors = {"got": (got, 0.0, -got), "wanted": (0.0, wanted, -wanted)}
+                change = Explanation("decays", (got, -wanted))
+                fault = replace(steps.fault, kind=kind, change=change, **vectors)
+                assert fault_in_words(fault).isprintable()

@@ -20,16 +20,17 @@ ROOT = Path(__file__).parents[3]
 NAME = "mujoco@3.3.0"
 ADAPTERS = ("mujoco", "pybullet")
 ADDED = ("\nfrom ", "\nCHANGED = 1\nfrom ")
-STRETCHES = ("STRETCHES, FEW_STEPS = 64", "STRETCHES, FEW_STEPS = 32")
+INTERVALS = ("INTERVALS, OPENED = 64", "INTERVALS, OPENED = 32")
 ABSURD = ("ABSURD_ENERGY = 10.0", "ABSURD_ENERGY = 9.0")
 #: By file a change of a value in it, and which kinds of results rest on it.
 CHANGES = {
     "engines/adapters/pybullet/engine.py": (ADDED, {"pybullet"}),
-    "reports/harness/judging/best_window.py": (("SHARP = 1e-2", "SHARP = 2e-2"), {"verdict"}),
-    "reports/harness/measuring/memory.py": (STRETCHES, {"run"}),
+    "reports/harness/judging/ladder_end.py": (("GOAL = 1e-9", "GOAL = 1e-8"), {"verdict"}),
+    "reports/harness/measuring/replay.py": (INTERVALS, {"run", "verdict"}),
+    "reports/results/evidence.py": (("LEVEL = 1e-9", "LEVEL = 1e-8"), {"run", "verdict"}),
     "reports/harness/comparison.py": (ABSURD, {"run", "verdict"}),
     "reports/harness/timing.py": (ADDED, {"timing"}),
-    "reference/lagrange.py": (ADDED, {"motion", "run"}),
+    "reference/lagrange.py": (ADDED, {"motion", "run", "verdict"}),
     "reports/pages/render.py": (ADDED, set()),
     "reports/cli/app.py": (ADDED, set()),
     "reports/results/store.py": (ADDED, set()),

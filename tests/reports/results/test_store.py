@@ -17,20 +17,20 @@ from spincheck.reports.results.cost_records import MethodCost, StepCost
 from spincheck.reports.results.default_records import DefaultEffect, DefaultEffects
 from spincheck.reports.results.provenance_records import Fingerprint
 from spincheck.reports.results.records import Defect, Key, Row
-from spincheck.reports.results.verdicts import Verdict
 from spincheck.reports.results.result_file import ResultFileError
 from spincheck.reports.results.store import open_store
+from spincheck.reports.results.verdicts import Verdict
 from spincheck.scenarios import Errors, Trajectory
 
 KEY = Key("tennis-racket", "mujoco", "RK4")
 ERRORS = Errors(1e-9, 2e-9, 3e-9, 4e-9, 5e-9, 6e-9)
 TIMES = ("seconds_per_step", "seconds_spread", "wall_seconds_per_step")
 COST = MethodCost(KEY, "a processor", StepCost(3e-6, 1e-7, 4e-6))
-JUDGED = ("attitude", "converges", "order 4.00", 4, 4.0, 1e-9, 2e-9)
-RESTS_ON = ("attitude", 4.0, 1e-9, 2e-9, (SignalVerdict(*JUDGED),))
+EVIDENCE = replace(small_result_file.EVIDENCE, key=KEY, refusal="cannot be restarted")
 TAKEN_AWAY = (DefaultEffect("damping", ERRORS, None), DefaultEffect("clamp", None, ERRORS))
 COME_BACK = {
-    "verdicts": Verdict(KEY, "converges", "order 4.00", *RESTS_ON, unmet=("a promise",)),
+    "verdicts": Verdict(KEY, "disagrees", "it says", EVIDENCE.steps, unmet=("a promise",)),
+    "evidence": EVIDENCE,
     "defaults": DefaultEffects(KEY, 0.002, ERRORS, None, TAKEN_AWAY),
     "effects": small_result_file.EFFECTS,
     "passes": small_result_file.PASSES,

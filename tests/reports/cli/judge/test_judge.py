@@ -58,7 +58,7 @@ def test_a_page_shows_the_files_as_the_runs_of_one_method(recorded, tmp_path):
     assert "What the files show" in page
     assert "recommended" not in page
     assert "ω is in world axes" in page
-    assert "a verdict needs 3 timesteps that run to the end, got 1" in page
+    assert "a verdict takes 3 files at halved timesteps or more" in page
 
 
 @pytest.mark.parametrize(

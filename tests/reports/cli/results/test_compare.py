@@ -10,13 +10,13 @@ import pytest
 from case_loops import each_case
 from command_line import spincheck
 from spincheck.reports.cli.results.compare import changes_as_json, exit_code, print_changes
-from spincheck.reports.harness.measuring.asymptotic import ASYMPTOTIC
 from spincheck.reports.pages.analysis.changes import COST_FACTOR, ERROR_FACTOR, OUTCOMES, changes
+from spincheck.reports.pages.analysis.observed_order import ASYMPTOTIC
 from spincheck.reports.results.records import Key, Row
-from spincheck.reports.results.verdicts import Verdict
 from spincheck.reports.results.results import Results
 from spincheck.reports.results.store import open_store
 from spincheck.reports.results.verdict_words import RANKS
+from spincheck.reports.results.verdicts import Verdict
 from spincheck.scenarios import Errors, loads
 
 KEY = Key("made-up-top", "mujoco", "Euler")
@@ -53,6 +53,11 @@ def with_cost(results: Results, seconds: float, spread: float) -> Results:
 def with_verdict(results: Results, **changed: object) -> Results:
     verdicts = [replace(v, **changed) if v.key == KEY else v for v in results.verdicts]
     return replace(results, verdicts=verdicts)
+
+
+def with_order(results: Results, word: str, order: int) -> Results:
+    (verdict,) = (verdict for verdict in results.verdicts if verdict.key == KEY)
+    return with_verdict(results, verdict=word, steps=replace(verdict.steps, order=order))
 
 
 def with_text(results: Results, old: str, new: str) -> Results:
@@ -106,15 +111,15 @@ def test_a_worse_verdict_is_a_regression_and_a_better_one_is_not(before, old, ne
 
 @pytest.mark.parametrize(
     ("old", "new", "words"),
-    [(1.98, 4.02, (2, 4, "better")), (4.02, 1.98, (4, 2, "worse")), (3.9, 4.1, None)],
+    [(2, 4, (2, 4, "better")), (4, 2, (4, 2, "worse")), (4, 4, None)],
 )
-def test_an_order_that_is_another_whole_number_is_reported(before, old, new, words):
-    converging = with_verdict(before, verdict="converges")
-    differences = changes(with_verdict(converging, order=old), with_verdict(converging, order=new))
-    found = [(change.old, change.new, change.direction) for change in differences]
+def test_an_order_that_is_another_is_reported(before, old, new, words):
+    found = [
+        (change.old, change.new, change.direction)
+        for change in changes(*(with_order(before, "converges", order) for order in (old, new)))
+    ]
     assert found == ([words] if words else [])
-    open_ended = with_verdict(before, verdict="unresolved")
-    assert not changes(with_verdict(open_ended, order=old), with_verdict(open_ended, order=new))
+    assert not changes(*(with_order(before, "unresolved", order) for order in (old, new)))
 
 
 @each_case(("old", "new"), product(OUTCOMES, OUTCOMES))

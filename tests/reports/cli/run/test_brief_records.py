@@ -16,7 +16,7 @@ ROW = Row(Key(LONG, "an-engine", "a-method"), "1", 1.2345e-300, "ok", errors=TIN
 def everything() -> tuple[list[str], list[str]]:
     stored = at_stock(results(methods=(MadeUp("e" * 30, "m" * 30, 1), MadeUp("e", "m", 4))))
     rows = [replace(row, reason="because " * 40) for row in stored.rows]
-    verdicts = [replace(v, verdict="disagrees", reason="because " * 80) for v in stored.verdicts]
+    verdicts = [replace(v, verdict="disagrees", quoted="because " * 80) for v in stored.verdicts]
     return list(run_lines([*rows, ROW])), list(verdict_lines(verdicts))
 
 

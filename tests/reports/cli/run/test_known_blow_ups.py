@@ -78,7 +78,9 @@ def test_a_blow_up_that_is_known_passes_and_one_that_does_not_happen_is_reported
     engine, method, timestep, _ = case
     verdict = judged(loads(top(*case), "top"), engine, method, timestep)
     if case in BLOW_UPS:
-        assert (verdict.agrees, verdict.verdict) == (True, "diverges")
+        # A clamp shows in single steps, too.
+        wrong = engine == "pybullet" and method == "default"
+        assert (verdict.agrees, verdict.verdict) == (True, "disagrees" if wrong else "diverges")
         return
     assert not verdict.agrees
     (reason,) = verdict.unmet

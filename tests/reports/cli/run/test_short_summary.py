@@ -27,7 +27,7 @@ def test_every_verdict_is_counted_once():
 def test_what_fails_is_reported_with_its_reason_and_how_many_more_there_are():
     as_clean = {"expected_failure": False, "as_shipped": False}
     wrong = [
-        replace(verdict, verdict="disagrees", reason="R" * 500, **as_clean)
+        replace(verdict, verdict="disagrees", quoted="R" * 500, **as_clean)
         for verdict in FOUND.verdicts
     ]
     lines = short_summary(replace(FOUND, verdicts=wrong))

@@ -7,9 +7,9 @@ from itertools import pairwise
 from pathlib import Path
 
 import pytest
-from laws import ROUNDING, RUNGS, curve_of_law, law
+from laws import ROUNDING, RUNGS, curve_of_errors, curve_of_law, law
 from made_up import METHODS, SECONDS_PER_STEP, TIMESTEPS, UNCERTAINTY, results
-from spincheck.reports.harness.measuring.asymptotic import ASYMPTOTIC
+from spincheck.reports.pages.analysis.observed_order import ASYMPTOTIC
 from spincheck.reports.pages.analysis.report_data import SceneRuns, report_data
 from spincheck.reports.pages.analysis.work_precision import cost, curves, front
 from spincheck.scenarios import EVERYWHERE
@@ -72,6 +72,15 @@ def test_the_order_of_a_law_is_found_negative_if_errors_grow(order: int, coarses
     # Too few of saturated errors are asymptotic: the order is the verdict's.
     saturated = curve_of_law(law(1, ASYMPTOTIC * 2 ** (RUNGS - 1)), order=1.5)
     assert saturated.observed_order == 1.5
+
+
+def test_rounding_takes_over_where_errors_grow_again() -> None:
+    """From the run of the least error on; not where they are level, as at their uncertainty."""
+    falling = (1e-2, 1e-3, 1e-4)
+    bent = curve_of_errors(*falling, 2e-4, 4e-4)
+    assert bent.least == bent.points[2]
+    for errors in (falling, (*falling, 1e-4), (*falling, 1.2e-4), ()):
+        assert curve_of_errors(*errors).least is None
 
 
 def test_every_point_of_the_front_is_better_than_all_cheaper_ones(top: SceneRuns) -> None:

@@ -11,7 +11,7 @@ import numpy as np
 import plotly.graph_objects as go
 import pytest
 from contrast import contrast
-from made_up import METHODS, STOCK, TIMESTEPS, UNCERTAINTY, at_stock, results
+from made_up import METHODS, STOCK, TIMESTEPS, UNCERTAINTY, at_stock, evidence, results
 from plotted import coloured, values_of
 from spincheck.reference import facts, solve
 from spincheck.reports.pages.analysis.report_data import SceneRuns, report_data
@@ -19,6 +19,7 @@ from spincheck.reports.pages.analysis.trace_style import COLOURS, DASHES, SYMBOL
 from spincheck.reports.pages.figures import ladder_figures
 from spincheck.reports.pages.figures.drawn_body import MOST as MOST_DENSE
 from spincheck.reports.pages.figures.figures import Titled, figures
+from spincheck.reports.pages.figures.gain_figures import is_off
 from spincheck.reports.pages.figures.ladder_figures import cost
 from spincheck.reports.pages.figures.plot import (
     MOST_SAMPLES,
@@ -41,6 +42,7 @@ TOP, BRICK, UNSOLVED = "made-up-top", "made-up-brick", "unsolved"
 #: WCAG 2.1, 1.4.11: contrast of what must be seen in a figure.
 GRAPHICS = 3.0
 LADDER = ("convergence", "cost")
+KEY = Key(TOP, "engine", "method")
 
 
 def scene(name: str, samples: int = 101) -> SceneRuns:
@@ -64,7 +66,7 @@ def brick() -> dict[str, Titled]:
 def test_a_scene_has_the_figures_of_its_kind(
     top: dict[str, Titled], brick: dict[str, Titled]
 ) -> None:
-    motion, ladder = ["tilt", "omega", "defect"], ["convergence", "cost"]
+    motion, ladder = ["tilt", "omega", "defect"], ["gains", "convergence", "cost"]
     assert list(top) == [*motion, *ladder, "axis", "polhode", "potential"]
     assert list(brick) == [*motion, *ladder, "polhode"]
     assert drawn(scene(UNSOLVED)) == {}
@@ -93,6 +95,31 @@ def test_every_method_that_ran_is_in_every_figure(top: dict[str, Titled], figure
         traced = {trace.get("legendgroup") for trace in part["data"]}
         # What failed was not timed.
         assert ran - traced == (set() if figure == "convergence" else {"elsewhere fancy<i>"})
+
+
+def test_gains_that_leave_what_longer_steps_predict_have_rings(top: dict[str, Titled]) -> None:
+    """Those of the one method with a wrong limit, from where it shows; bands are of all methods."""
+    stepped = {f"{m.engine} {m.method}" for m in METHODS if evidence(KEY, m).steps}
+    parts = top["gains"].parts
+    assert [part["layout"]["annotations"][0]["text"] for part in parts] == [
+        "<b>Attitude</b>",
+        "<b>Angular momentum</b>",
+    ]
+    for part in parts:
+        assert {t["legendgroup"] for t in part["data"] if "fill" in t} == stepped
+        rings = [t for t in part["data"] if t.get("marker", {}).get("symbol") == "circle-open"]
+        assert {t["legendgroup"] for t in rings} == {"mujoco-urdf RK4"}
+    curve = evidence(KEY, METHODS[2]).steps.curves[0]
+    assert list(is_off(curve)[-3:]) == [True] * 3
+    assert not is_off(replace(curve, gains=curve.predicted)).any()
+
+
+def test_a_line_of_gains_is_those_that_were_measured(top: dict[str, Titled]) -> None:
+    gains = evidence(KEY, METHODS[0]).steps.curves[0].gains
+    euler = traces(top["gains"].parts[0], "mujoco Euler")
+    (line,) = (t for t in euler if "markers" in t["mode"])
+    np.testing.assert_array_equal(values_of(line["x"]), np.float32(TIMESTEPS))
+    np.testing.assert_array_equal(values_of(line["y"]), np.float32(gains))
 
 
 def test_no_line_has_more_samples_than_a_page_carries_and_each_has_both_ends() -> None:

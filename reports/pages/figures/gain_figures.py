@@ -1,0 +1,117 @@
+"""What single steps gain against the timestep, and what the model of verdicts predicts of it."""
+
+from collections.abc import Iterator
+from html import escape
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.special import chdtri
+
+from ...results.evidence import LEVEL, QUANTITIES, GainCurve, Quantity
+from ..analysis.report_data import MethodRuns, SceneRuns
+from .plot import OFF_THE_CHART, Figure, Panel, Trace, drawing, line, method_style
+
+#: Standard deviations of the band; and its opacity, as two hexadecimal digits after a colour.
+BAND, OPACITY = 2.0, "30"
+#: Standard deviations that a gain, three numbers, is off its prediction by with the probability of
+#: the level of verdicts.
+OFF = float(np.sqrt(chdtri(3, LEVEL)))
+#: Gains that no prediction is made of: with the longest timesteps.
+NOT_PREDICTED = 2
+#: Room beside the outermost timesteps, and above the largest gain, as factors; below the noise, in
+#: parts of it.
+BESIDE, ABOVE, BELOW = 1.3, 3.0, 0.1
+HEIGHT, MARKER, RING = 360, 6, 15
+#: So few methods that a panel is of are named: the others have nothing but noise there.
+FEW = 3
+
+
+def gain_figures(scene: SceneRuns) -> list[Figure]:
+    """A figure for each quantity in which any method gains more than noise."""
+    return [
+        _figure(scene, quantity)
+        for quantity in QUANTITIES
+        if any(_is_shown(curve) for _, curve in _curves(scene, quantity))
+    ]
+
+
+def _curves(scene: SceneRuns, quantity: Quantity) -> Iterator[tuple[MethodRuns, GainCurve]]:
+    for runs in scene.methods:
+        steps = runs.evidence.steps if runs.evidence else None
+        for curve in steps.curves if steps else ():
+            if curve.quantity == quantity and len(curve.timesteps) > NOT_PREDICTED:
+                yield runs, curve
+
+
+def _is_shown(curve: GainCurve) -> bool:
+    return max(curve.largest) > min(curve.predicted_to[NOT_PREDICTED:])
+
+
+def _figure(scene: SceneRuns, quantity: Quantity) -> Figure:
+    shown = [(runs, curve) for runs, curve in _curves(scene, quantity) if _is_shown(curve)]
+    examined = sum(bool(runs.evidence and runs.evidence.steps) for runs in scene.methods)
+    is_few = len(shown) < min(FEW, examined)
+    alone = f" of {' and '.join(runs.label for runs, _ in shown)} alone" if is_few else ""
+    timesteps = [h for _, curve in shown for h in curve.timesteps]
+    noise = min(min(curve.predicted_to[NOT_PREDICTED:]) for _, curve in shown)
+    largest = max(max(curve.gains) for _, curve in shown)
+    low, high = BELOW * noise, min(ABOVE * max(largest, noise), OFF_THE_CHART)
+    panel = Panel(
+        "timestep, s",
+        "gain a second, relative",
+        f"{quantity.capitalize()}{escape(alone, quote=False)}",
+        log_x=True,
+        x_range=(min(timesteps) / BESIDE, max(timesteps) * BESIDE),
+        log_y=True,
+        y_range=(low, high),
+    )
+    bands = [_band(runs, curve, low) for runs, curve in shown]
+    traces = [trace for runs, curve in shown for trace in _gains(runs, curve, low)]
+    return drawing([*bands, *traces], [panel], HEIGHT)
+
+
+def _band(runs: MethodRuns, curve: GainCurve, low: float) -> Trace:
+    """What the gains with longer timesteps predict, as an outline that is filled."""
+    timesteps, predicted, known_to = (
+        np.array(column[NOT_PREDICTED:])
+        for column in (curve.timesteps, curve.predicted, curve.predicted_to)
+    )
+    top = np.maximum(predicted + BAND * known_to, low)
+    bottom = np.maximum(predicted - BAND * known_to, low)
+    return line(
+        np.concatenate([timesteps, timesteps[::-1]]),
+        np.concatenate([top, bottom[::-1]]),
+        1,
+        **method_style(runs.label, runs.style)
+        | {
+            "line": {"color": runs.style.colour, "width": 0},
+            "fill": "toself",
+            "fillcolor": f"{runs.style.colour}{OPACITY}",
+            "hoverinfo": "skip",
+        },
+    )
+
+
+def _gains(runs: MethodRuns, curve: GainCurve, low: float) -> Iterator[Trace]:
+    """The gains joined by a line, those that are off their prediction with a ring."""
+    timesteps, gains = np.array(curve.timesteps), np.array(curve.gains)
+    drawn = np.where(gains > low, gains, np.nan)
+    style = method_style(runs.label, runs.style)
+    marker = {"color": runs.style.colour, "symbol": runs.style.symbol, "size": MARKER}
+    said = f"{style['name']}<br>%{{x:.3g}} s: %{{y:.2e}}<extra></extra>"
+    lines = {"mode": "lines+markers", "marker": marker, "hovertemplate": said}
+    yield line(timesteps, drawn, 1, **style | lines)
+    off = is_off(curve)
+    if off.any():
+        ring = {"color": runs.style.colour, "symbol": "circle-open", "size": RING}
+        rings = {"mode": "markers", "marker": ring, "hoverinfo": "skip"}
+        yield line(timesteps[off], drawn[off], 1, **style | rings)
+
+
+def is_off(curve: GainCurve) -> NDArray[np.bool_]:
+    """Which gains are further off their prediction than chance makes them, (J,)."""
+    columns = (curve.gains, curve.predicted, curve.predicted_to)
+    gains, predicted, known_to = map(np.array, columns)
+    off = np.abs(gains - predicted) > OFF * known_to
+    off[:NOT_PREDICTED] = False
+    return np.asarray(off)
