@@ -69,8 +69,17 @@ class GainSeries:
 
     @property
     def tail(self) -> float:
-        """The probability that some gain is as unlikely as the least likely one."""
-        return float(min(1.0, self.least_tails.min() * self.tests))
+        """The probability that some gain, or all limits together, are as unlikely as they are."""
+        return float(min(1.0, 2 * min(self.least_tails.min() * self.tests, self.pooled_tail)))
+
+    @property
+    def pooled_tail(self) -> float:
+        """The probability that the limits of all states are as far from zero together.
+
+        A fault that moves all of them a little shows in none by itself.
+        """
+        squares = (self.limit**2).sum(axis=1) / self.known_to**2
+        return float(chdtrc(3 * len(squares), squares.sum()))
 
     @property
     def tests(self) -> int:
