@@ -58,7 +58,7 @@ HEAD = f"""# Which engines get tops right, and at what price
 
 Scenes are counted by [verdict](../explanation/outcomes.md); the methods that converge on most
 scenes come first. `default` is the engine as shipped. Ladders are short: where they do not decide,
-single steps and short pieces from exact states do. Made by `make engine-verdicts`, with all engines
+single steps and replayed intervals do. Made by `make engine-verdicts`, with all engines
 installed.
 
 - *Error* and *survives*, with steps of up to {math.degrees(TURN):.2g}°: the median error of the
