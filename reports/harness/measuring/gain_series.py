@@ -61,6 +61,7 @@ class GainSeries:
     predicted: FloatArray
     predicted_to: FloatArray
     changes: NDArray[np.intp]
+    is_pooled: bool = True
 
     @property
     def least_tails(self) -> FloatArray:
@@ -78,6 +79,8 @@ class GainSeries:
 
         A fault that moves all of them a little shows in none by itself.
         """
+        if not self.is_pooled:
+            return 1.0
         squares = (self.limit**2).sum(axis=1) / self.known_to**2
         return float(chdtrc(3 * len(squares), squares.sum()))
 
@@ -95,6 +98,7 @@ def fitted(
     level: float,
     *,
     may_split: bool = True,
+    is_pooled: bool = True,
 ) -> GainSeries:
     """Fit the model to what steps gain.
 
@@ -109,9 +113,10 @@ def fitted(
     noise : its standard deviation in each component, (J, K)
     level : tails below it, together, are a fault
     may_split : whether two series are tried
+    is_pooled : whether the limits of states are independent, and are judged together, too
     """
     measured = _Measured.of(timesteps, gains, noise)
-    one = _one_series(measured)
+    one = replace(_one_series(measured), is_pooled=is_pooled)
     if one.tail >= level:
         return one
     if may_split and len(timesteps) > LEAST:

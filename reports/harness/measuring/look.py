@@ -21,6 +21,7 @@ class Look:
     ----------
     gains, noise : (J, K, 4, 3) and (J, K, 4)
     settled : steps in which a constraint settled first
+    is_pooled : whether what states show is independent: neighbours of a recording share much
     may_split : whether steps may be computed otherwise with other timesteps
     """
 
@@ -30,6 +31,7 @@ class Look:
     noise: FloatArray
     settled: int
     may_split: bool = True
+    is_pooled: bool = True
 
     def from_timestep(self, first: int) -> "Look":
         """Without the longest timesteps."""
@@ -48,6 +50,7 @@ class Look:
                 self.noise[:, :, q],
                 self.level,
                 may_split=self.may_split,
+                is_pooled=self.is_pooled,
             )
             for q in range(len(QUANTITIES))
         )

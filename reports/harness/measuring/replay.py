@@ -29,7 +29,7 @@ from ...results.records import LARGEST
 from ..ladder import Rung
 from .examine import examine
 from .gain_series import fitted
-from .noise import NOISE, ULPS, largest_terms
+from .noise import NOISE, ULPS, largest_terms, rounding_of_body
 from .places import FINER, Places, states_of
 from .steps import Sessions, Steps, apart, flowed, step_gains
 
@@ -94,7 +94,7 @@ def examine_runs(
         timestep = runs[0].rung.timestep if runs else float(at.timesteps[0])
         with Sessions(open_at, scenario, timestep) as sessions:
             runs = runs or [_beginning(sessions, at)]
-            replays = [_replay(sessions, engine, run) for run in runs]
+            replays = [_replay(sessions, engine, run, at.condition) for run in runs]
             shown = [one.evidence for one in replays]
             if any(one.tail < LEVEL for one in shown):
                 shown = _with_memory(sessions, engine, at, replays, method.order, found.settled)
@@ -133,7 +133,7 @@ class _Replay:
     evidence: ReplayEvidence
 
 
-def _replay(sessions: Sessions, engine: Engine, run: MadeRun) -> _Replay:
+def _replay(sessions: Sessions, engine: Engine, run: MadeRun, condition: float) -> _Replay:
     edges = _edges(len(run.motion.t), sessions.first.can_restart)
     first, last = edges[:-1], edges[1:]
     states, reach = states_of(run.motion), Equations(sessions.scenario).reach
@@ -160,7 +160,7 @@ def _replay(sessions: Sessions, engine: Engine, run: MadeRun) -> _Replay:
     k = int(worst[-1])
     twice = stacked([again(k, starts[k])])
     spread = float(np.nan_to_num(np.abs(apart(twice, ends.rows(worst[-1:]), reach)).max()))
-    noise = _noise(sessions.scenario, engine, run, states, steps)
+    noise = _noise(sessions.scenario, engine, run, states, condition, steps)
     # So large a change is no noise of the engine, of which nothing may be excused by itself.
     change = float(np.sqrt(max(NOISE, engine.ulp)))
     speed = change * float(norms(states.omega_body).max())
@@ -190,6 +190,7 @@ def _noise(
     engine: Engine,
     run: MadeRun,
     states: State,
+    condition: float,
     steps: NDArray[np.int64],
 ) -> FloatArray:
     """The noise of n intervals in each quantity of `apart`, of the sources of `noise.py`, (n, 5).
@@ -197,7 +198,9 @@ def _noise(
     Rounding of steps adds up as a random walk; that of where a body is, which hardly changes, adds
     up in one direction.
     """
-    walk = max(NOISE, ULPS * engine.ulp) * np.sqrt(steps)
+    # In double precision a body may be composed anew where it is restarted.
+    composed = 0.0 if engine.single_precision else rounding_of_body(condition)
+    walk = max(NOISE, ULPS * engine.ulp, composed) * np.sqrt(steps)
     noise = np.repeat(walk[:, None], 5, axis=1)
     if scenario.constraint.is_pivot:
         return noise

@@ -125,7 +125,12 @@ def _steps(
     taken = np.sqrt(spans.reshape(len(motions), -1) / timesteps[:, None])[..., None]
     of_files = noise_of_steps(equations, steps) * (taken + resolution / NOISE)
     look = Look(
-        equations, steps, step_gains(equations, steps)[:, 0], np.hypot(of_numbers, of_files), 0
+        equations,
+        steps,
+        step_gains(equations, steps)[:, 0],
+        np.hypot(of_numbers, of_files),
+        0,
+        is_pooled=False,
     )
     at = Places(before.rows(slice(len(kept))), exact.t[kept], timesteps, condition)
     return evidence_of(look, at, study.method.order)
