@@ -141,7 +141,8 @@ class _Examination:
         around = np.pad(left, ((1, 1), (0, 0)), mode="edge")
         seen = MEASURED * np.maximum(np.maximum(around[:-2], around[1:-1]), around[2:])
         noise = np.sqrt(look.noise**2 + seen[:, None] ** 2 + (SOLVED * look.sizes) ** 2)
-        return Look(look.equations, look.steps, look.gains, noise, settle)
+        # What a solver leaves of one state it leaves of others alike.
+        return replace(look, noise=noise, is_pooled=False)
 
     def _taken_again(self) -> Look:
         """Steps with shorter timesteps besides, and from states that differ by some ulp.

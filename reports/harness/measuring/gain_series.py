@@ -146,7 +146,7 @@ class _Measured:
 
     @staticmethod
     def of(timesteps: FloatArray, gains: FloatArray, noise: FloatArray) -> "_Measured":
-        """In units of each state's noise; how that depends on timesteps is as in the noisiest."""
+        """Scale gains by each state's noise; how it depends on timesteps is as in the noisiest."""
         units = np.median(noise / np.median(noise, axis=1, keepdims=True), axis=0)
         scaled, alike = gains / units[:, None], (noise / units).max(axis=1)
         least, largest = 0.1 * alike.min(), 1e3 * (np.abs(scaled).max() + alike.max())
@@ -172,7 +172,7 @@ class _Whitened:
 
     @staticmethod
     def of(measured: _Measured, order: int, radius: float, first: int = 0) -> "_Whitened":
-        """Of the gains from the first on.
+        """Whiten the gains from the first on.
 
         The Cholesky factor of their covariance, noise² + amplitude² · basis · basisᵀ, is found by
         orthogonal triangularisation, as the two terms differ by up to 10²⁶.

@@ -47,9 +47,9 @@ def noise_of(
     scenario, rounding = equations.scenario, ULPS * engine.ulp
     spans, sizes = steps.timesteps[:, None], largest_terms(equations, steps)
     of_body = rounding * condition
-    held = of_body if engine.single_precision else max(engine.slack, of_body)
+    of_reading = of_body if engine.single_precision else max(engine.slack, of_body)
     read = steps.by_timestep(_roundings(equations, steps)).max(axis=1)
-    variance = (rounding * read) ** 2 / steps.repeats + (held * sizes) ** 2
+    variance = (rounding * read) ** 2 / steps.repeats + (of_reading * sizes) ** 2
     variance[..., 1] += (of_body * sizes[1]) ** 2
     # An angular acceleration that is off turns the body by half of what it adds to ω.
     variance[..., 0] += (of_body * sizes[0] * np.minimum(1.0, spans * sizes[0] / 2)) ** 2

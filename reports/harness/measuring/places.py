@@ -48,7 +48,7 @@ class Places:
         return stacked(copies)
 
     def thinned(self, most: int) -> "Places":
-        """So many of the states at most."""
+        """The places with so many of the states at most, spread over all of them."""
         kept = np.unique(np.linspace(0, len(self.times) - 1, most).astype(int))
         return replace(self, states=self.states.rows(kept), times=self.times[kept])
 
