@@ -124,7 +124,8 @@ class StepEvidence:
         converges: the smallest tail times the number of tails
     known_to, of_an_effect : standard error of the gains' limit, relative to the largest terms, and
         to the weakest effect of the scene
-    order : the least order that gains show
+    order, declared : the least order that gains show, and the one that is declared; the latter is
+        0 in single precision, where rounding hides it
     curves : one a quantity that is not zero throughout
     settled : steps in which a constraint settled first
     changes_below : s; what shorter steps gain is another function of the timestep, which vanishes
@@ -143,6 +144,12 @@ class StepEvidence:
     settled: Count = 0
     changes_below: Size = 0.0
     apart_from: Size = 0.0
+    declared: Count = 0
+
+    @property
+    def is_of_low_order(self) -> bool:
+        """Whether gains are of half of the declared order, or less."""
+        return not self.fault and 0 < 2 * self.order <= self.declared
 
     @property
     def is_known(self) -> bool:

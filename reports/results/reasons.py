@@ -48,6 +48,9 @@ def reason_in_words(
     if word == "disagrees":
         parts += [fault_in_words(one.fault) for one in (steps, own_steps) if one and one.fault]
         parts += [_replay(one) for one in replays if one.is_wrong]
+        if steps and steps.is_of_low_order:
+            orders = f"order {steps.order}, though {steps.declared} is declared"
+            parts.append(f"what steps gain vanishes with the timestep at {orders}")
     if quoted:
         parts.append(quoted)
     if word == "converges" and steps:
@@ -110,7 +113,7 @@ def fault_in_words(fault: StepFault) -> str:
     when = _when(fault)
     if fault.kind == "misread":
         omega, turn, spins = fault.got
-        of_spins = f", by {spins:.2g} in the rotors' spins" if spins else ""
+        of_spins = f", by {spins:.2g} in the spins of parts" if spins else ""
         return (
             f"a state that is set reads back otherwise, {when}: off by {omega:.2g} in ω, relative, "
             f"and {math.degrees(turn):.2g}° in attitude{of_spins}"

@@ -114,10 +114,10 @@ class RecordedSubject(Subject):
             verdict = verdict_on_files(study_of_files(scenario, motions, order=1))
         except RecordingError as error:
             pytest.fail(f"{self.folder / name}: {error}", pytrace=False)
-        explained = [one.explained_by for one in motions if one.explained_by]
-        if not explained or verdict.verdict == "converges":
+        finest = min(motions, key=lambda one: one.timestep or 0.0)
+        if not finest.explained_by:
             return verdict
-        quoted = "; ".join(filter(None, [*explained[0], verdict.quoted]))
+        quoted = "; ".join(filter(None, [*finest.explained_by, verdict.quoted]))
         return replace(verdict, verdict="disagrees", quoted=quoted)
 
 

@@ -47,6 +47,8 @@ def _judged(records: Records) -> tuple[VerdictWord, str]:
     faults = (one.fault for one in (evidence.steps, evidence.own_steps) if one)
     if any(faults) or (last and last.cause == "precision"):
         return "disagrees", quoted
+    if evidence.steps and evidence.steps.is_of_low_order:
+        return "disagrees", quoted
     # Runs that blow up cannot be replayed to any accuracy.
     if last and last.outcome == "diverged":
         return "diverges", last.ending_in_words

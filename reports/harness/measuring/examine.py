@@ -89,7 +89,8 @@ def examined(
             at = at.thinned(OPENED)
         if fault := _misread(sessions, engine, at):
             return StepEvidence(len(at.times), 0.0, 0.0, 0.0, 0, fault=fault)
-        return evidence_of(_Examination(sessions, engine, at).look, at, method.order)
+        order = 0 if engine.single_precision else method.order
+        return evidence_of(_Examination(sessions, engine, at).look, at, order)
 
 
 @dataclass(frozen=True, eq=False)
@@ -234,6 +235,7 @@ def evidence_of(look: Look, at: Places, order: int) -> StepEvidence:
         look.settled,
         _changes_below(look),
         apart_from,
+        order,
     )
 
 

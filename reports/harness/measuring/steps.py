@@ -182,7 +182,7 @@ def apart(states: State, others: State, reach: float) -> FloatArray:
     """How far states are from others, (n, 5, 3).
 
     The quantities are attitude, rad; ω, the com's velocity and the com, relative to their sizes;
-    and in the first component of the last all rotors' spins together, relative likewise.
+    and in the first component of the last the spins of all parts, relative likewise.
 
     Parameters
     ----------
