@@ -115,7 +115,7 @@ class RecordedSubject(Subject):
         except RecordingError as error:
             pytest.fail(f"{self.folder / name}: {error}", pytrace=False)
         finest = min(motions, key=lambda one: one.timestep or 0.0)
-        if not finest.explained_by:
+        if not finest.explained_by or verdict.verdict == "converges":
             return verdict
         quoted = "; ".join(filter(None, [*finest.explained_by, verdict.quoted]))
         return replace(verdict, verdict="disagrees", quoted=quoted)

@@ -68,7 +68,12 @@ def examine(
 
 
 def physics_in_words(engine: Engine, scenario: Scenario, method: Method) -> str:
-    """How single steps break a scene's equations of motion, in words; empty if they do not."""
+    """How single steps break a scene's equations of motion, in words; empty if they do not.
+
+    Empty of an engine as shipped, too, which need not obey them.
+    """
+    if method.as_shipped:
+        return ""
     outline = ExactMotion(scenario).outline(scenario.times)
     found = examine(engine, scenario, method.name, places(scenario, outline, None))
     return fault_in_words(found.fault) if found and found.fault else ""
@@ -158,7 +163,7 @@ class _Examination:
         again = self._look(steps_from(self.sessions, changed, timesteps), 0)
         drawn = np.sqrt(((again.gains - look.gains) ** 2).mean(axis=(1, 3)))[:, None]
         seen = np.minimum(drawn, noise_of_steps(look.equations, look.steps))
-        return Look(look.equations, look.steps, look.gains, np.hypot(look.noise, seen), 0)
+        return replace(look, noise=np.hypot(look.noise, seen))
 
     def _steps(self, settle: int, repeats: int, timesteps: FloatArray) -> Steps:
         states = self.at.states
@@ -170,7 +175,7 @@ class _Examination:
         equations = Equations(self.sessions.scenario)
         gains = step_gains(equations, steps).mean(axis=1)
         noise = noise_of(equations, steps, self.engine, self.at.condition, settled=bool(settle))
-        return Look(equations, steps, gains, noise, settle)
+        return Look(equations, steps, gains, noise, settle, is_pooled=self.at.are_apart)
 
     def _timesteps(self, halved: FloatArray) -> FloatArray:
         """Those halved, one between two of them, and the engine's stock ones in between, s."""

@@ -1,12 +1,13 @@
 """Steps from known states, what they gain, and the series that explain it."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 
 from ....engines.checks.equations import Equations
 from ....scenarios import FloatArray
+from ....scenarios.rotation import norms
 from ...results.evidence import CONSISTENT, LEVEL, QUANTITIES, SEEN
 from .gain_series import GainSeries, fitted
 from .noise import largest_terms, weakest_effects
@@ -36,9 +37,8 @@ class Look:
     def from_timestep(self, first: int) -> "Look":
         """Without the longest timesteps."""
         steps = self.steps.from_timestep(first)
-        return Look(
-            self.equations, steps, self.gains[first:], self.noise[first:], self.settled, False
-        )
+        gains, noise = self.gains[first:], self.noise[first:]
+        return replace(self, steps=steps, gains=gains, noise=noise, may_split=False)
 
     @cached_property
     def series(self) -> tuple[GainSeries, ...]:
@@ -72,8 +72,12 @@ class Look:
 
     @property
     def known_to(self) -> tuple[float, float]:
-        """Standard error of the limit, relative to the largest terms, and to the weakest effect."""
-        errors = np.array([one.known_to.max() for one in self.series])
+        """To what the limit is known to be zero: its standard error, or its own size.
+
+        The first is relative to the largest terms, the second to the weakest effect.
+        """
+        sizes = (np.maximum(one.known_to, norms(one.limit)) for one in self.series)
+        errors = np.array([size.max() for size in sizes])
         weakest = weakest_effects(self.equations, self.steps)
         return float((errors / self.sizes).max()), float((errors / weakest).max())
 

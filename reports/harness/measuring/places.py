@@ -34,12 +34,14 @@ class Places:
     timesteps : s, each half of the one before, (J,)
     condition : of the tensor of inertia about the fixed point: the factor by which relative
         rounding grows in the angular acceleration
+    are_apart : whether states are so far apart that what they show is independent
     """
 
     states: State
     times: FloatArray
     timesteps: FloatArray
     condition: float
+    are_apart: bool = True
 
     def changed(self, scenario: Scenario, size: float, repeats: int = 1) -> State:
         """All states so many times over, each number changed at random by about `size` of it."""

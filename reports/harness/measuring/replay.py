@@ -37,8 +37,6 @@ from .steps import Sessions, Steps, apart, flowed, step_gains
 INTERVALS, OPENED = 64, 8
 #: Intervals that are run from changed states too, to see what rounding grows to.
 CHANGED = 5
-#: Part of a memory of impulses that need not be a smooth function of the timestep.
-SMOOTH = 0.1
 #: rad, or relative: changes that have grown to this are as large as the motion.
 LOST = 0.1
 #: Steps of a run that is made to be replayed where there is none.
@@ -245,12 +243,12 @@ def _with_memory(
 
     From exact states a method takes some steps at once, and others after it was restarted between
     them. What that changes, over the length of the one step that lacks its memory, is a gain like
-    any other. It explains a run that differs from its replays by no more.
+    any other. It explains a run that differs from its replays by no more. Of a method whose steps
+    are those of a settled constraint, impulses of earlier steps are in what these gain: they need
+    explain no more than the size of the difference.
     """
     equations, timesteps = Equations(sessions.scenario), at.timesteps
     remembered = max(REMEMBERED, settled)
-    # Of a constraint that has settled its memory is in what steps gain: that of a restart vanishes.
-    spans = np.full_like(timesteps, timesteps[0]) if settled else timesteps
     at_once, restarted = [], []
     if not sessions.first.can_restart:
         at = at.thinned(OPENED)
@@ -265,31 +263,27 @@ def _with_memory(
                 session.advance(remembered)
                 restarted.append(session.read_state())
     off = apart(stacked(at_once), stacked(restarted), equations.reach)
-    gains = off.reshape(len(timesteps), -1, *off.shape[1:]) / spans[:, None, None, None]
-    sizes = np.abs(gains).max(axis=(1, 2, 3))
-    noise = max(NOISE, ULPS * engine.ulp) * np.sqrt(remembered) / spans
-    if settled:
-        # Impulses are no smooth function of the timestep.
-        noise = np.hypot(noise, SMOOTH * sizes)
-    table = np.broadcast_to(noise[:, None], gains.shape[:2])
-    series = [fitted(timesteps, gains[:, :, q], table, LEVEL) for q in range(gains.shape[2])]
-    tail = min(1.0, *(len(series) * one.tail for one in series))
+    off = off.reshape(len(timesteps), -1, *off.shape[1:])
+    sizes = np.abs(off).max(axis=(1, 2, 3))
+    noise = max(NOISE, ULPS * engine.ulp) * np.sqrt(remembered)
     shown = [one.evidence for one in replays]
-    if tail < LEVEL or not (sizes > noise).any():
-        return shown
-    order = min(
-        one.order
-        for q, one in enumerate(series)
-        if (np.abs(gains[:, :, q]).max(axis=(1, 2)) > EXPLAINED * noise).any()
-    )
+    tail, order = 1.0, 1
+    if not settled:
+        gains, table = off / timesteps[:, None, None, None], np.empty(off.shape[:2])
+        table[:] = noise / timesteps[:, None]
+        series = [fitted(timesteps, gains[:, :, q], table, LEVEL) for q in range(off.shape[2])]
+        tail = min(1.0, *(len(series) * one.tail for one in series))
+        is_seen = np.abs(off).max(axis=(0, 1, 3)) > EXPLAINED * noise
+        orders = [one.order for one, seen in zip(series, is_seen, strict=True) if seen]
+        if tail < LEVEL or not orders:
+            return shown
+        order = min(orders)
 
     def explains(one: _Replay) -> bool:
-        timestep = one.evidence.timestep
-        size = float(np.interp(timestep, timesteps[::-1], sizes[::-1]))
+        size = float(np.interp(one.evidence.timestep, timesteps[::-1], sizes[::-1]))
         # What is left of an impulse goes on for as long as an interval lasts.
         lasting = max(1.0, one.steps / remembered) if settled else 1.0
-        span = float(timesteps[0]) if settled else timestep
-        return one.off <= EXPLAINED * one.growth * lasting * size * span
+        return one.off <= EXPLAINED * one.growth * lasting * size
 
     return [
         replace(one.evidence, tail=tail, order=order, declared=declared)
@@ -331,7 +325,8 @@ def _own_places(
     bears = Equations(scenario).bears(own)
     if not bears.any():
         return None
-    return replace(at, states=own.rows(bears), times=np.array(times)[bears])
+    kept = np.array(times)[bears]
+    return replace(at, states=own.rows(bears), times=kept, are_apart=False)
 
 
 def _ratios(scenario: Scenario, run: MadeRun, found: StepEvidence) -> FloatArray:
