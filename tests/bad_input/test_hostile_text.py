@@ -104,14 +104,14 @@ def hostile(results):
     (scene_result,) = results.scenes.values()
 
     def renamed(record):
-        return replace(record, key=replace(record.key, engine=TEXT), reason=TEXT)
+        return replace(record, key=replace(record.key, engine=TEXT))
 
     return replace(
         results,
         environment=results.environment | {TEXT: TEXT},
         scenes={"made": SceneResult(hostile_scene(), scene_result.solution)},
-        rows=[replace(renamed(row), printed=TEXT) for row in results.rows],
-        verdicts=[replace(renamed(v), unmet=(TEXT,)) for v in results.verdicts],
+        rows=[replace(renamed(row), reason=TEXT, printed=TEXT) for row in results.rows],
+        verdicts=[replace(renamed(v), quoted=TEXT, unmet=(TEXT,)) for v in results.verdicts],
         effects=[EffectsCost(KEY, (TEXT,), 1e-6, 2e-6, Ratio(2.0, 0.1), 1e-3, 1.0, 0.0)],
         passes=[PassCosts(KEY, 1e-6, 0.01, (PassCost(TEXT, 0.2, 0.1),))],
     )
