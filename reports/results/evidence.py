@@ -122,8 +122,8 @@ class StepEvidence:
     states : number of states
     tail : the probability of gains as unlikely as these, if the steps are those of a method that
         converges: the smallest tail times the number of tails
-    known_to, of_an_effect : standard error of the gains' limit, relative to the largest terms, and
-        to the weakest effect of the scene
+    known_to, of_an_effect : the larger of the standard error and the size of the gains' limit,
+        relative to the largest terms, and to the weakest effect of the scene
     order, declared : the least order that gains show, and the one that is declared; the latter is
         0 in single precision, where rounding hides it
     curves : one a quantity that is not zero throughout

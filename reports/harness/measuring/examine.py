@@ -24,7 +24,7 @@ from .steps import Sessions, Steps, apart, off_the_constraint, step_gains, steps
 #: Steps until a constraint has settled, and more steps that show what was left. Bullet removes a
 #: fifth of its error in a step: 0.8^96 = 5e-10 of it is left. Half as many in single precision.
 SETTLING, FURTHER = 96, 16
-#: States at most where a scene is opened anew for each step, which takes long.
+#: States or intervals at most where a scene is opened anew for each, which takes long.
 OPENED = 8
 #: Times that each state is repeated in single precision: no more than it takes.
 REPEATS = (4, 16, 64)

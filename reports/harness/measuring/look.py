@@ -72,7 +72,7 @@ class Look:
 
     @property
     def known_to(self) -> tuple[float, float]:
-        """How well the limit is known to be zero: its standard error, or its own size.
+        """How well the limit is known to be zero: the larger of its standard error and size.
 
         The first is relative to the largest terms, the second to the weakest effect.
         """

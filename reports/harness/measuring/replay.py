@@ -3,8 +3,9 @@
 Every interval of a run is run again from its own start in a session that remembers nothing. With
 consistent steps that is convergence on any window, also where the motion is chaotic (Hairer,
 Nørsett & Wanner I, theorem II.3.4). What a run does otherwise than its replays, a second, must
-vanish with the timestep, as every gain must. Intervals are of irregular length and are gone through
-in irregular strides, so that nothing hides in the rhythm of the samples.
+vanish with the timestep, as every gain must. Intervals are of random length and are run again in
+random order, and each is restarted once more at a random step in its midst, so that nothing hides
+in the rhythm of the samples.
 
 Beside that each interval is compared with the exact flow from its start. From states in those that
 gain far more than any step did, steps are taken as from exact states.
@@ -27,14 +28,14 @@ from ....scenarios.rotation import norms
 from ...results.evidence import LEVEL, QUANTITIES, ReplayEvidence, StepEvidence
 from ...results.records import LARGEST
 from ..ladder import Rung
-from .examine import examine
+from .examine import OPENED, examine
 from .gain_series import fitted
 from .noise import NOISE, ULPS, largest_terms, rounding_of_body
 from .places import FINER, Places, states_of
 from .steps import Sessions, Steps, apart, flowed, step_gains
 
-#: Intervals of a run at most; where a scene is opened anew for each, which takes long.
-INTERVALS, OPENED = 64, 8
+#: Intervals of a run at most.
+INTERVALS = 64
 #: Intervals that are run from changed states too, to see what rounding grows to.
 CHANGED = 5
 #: rad, or relative: changes that have grown to this are as large as the motion.
