@@ -20,7 +20,7 @@ ROOT = Path(__file__).parents[3]
 NAME = "mujoco@3.3.0"
 ADAPTERS = ("mujoco", "pybullet")
 ADDED = ("\nfrom ", "\nCHANGED = 1\nfrom ")
-INTERVALS = ("INTERVALS, OPENED = 64", "INTERVALS, OPENED = 32")
+INTERVALS = ("INTERVALS = 64", "INTERVALS = 32")
 ABSURD = ("ABSURD_ENERGY = 10.0", "ABSURD_ENERGY = 9.0")
 #: By file a change of a value in it, and which kinds of results rest on it.
 CHANGES = {
