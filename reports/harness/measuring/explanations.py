@@ -122,9 +122,11 @@ def explanation(
         # Numbers without an effect, such as the scale of a free body's tensor, are not changed.
         theta, _, count, _ = np.linalg.lstsq(matrix, seen, rcond=RANK)
         rest = float(np.abs(seen - matrix @ theta).max())
+        # What the noise, or what is left, may make of the numbers.
+        unsure = max(1.0, rest) * np.linalg.norm(np.linalg.pinv(matrix, RANK), axis=1)
+        if not (np.abs(theta) > unsure).any():
+            continue
         if change.is_factor:
-            # What is left, or the noise, may be of any sign in every number seen.
-            unsure = max(1.0, rest) * np.abs(np.linalg.pinv(matrix, RANK)).sum(axis=1)
             whole = np.round(theta)
             near = np.maximum(WHOLE * (whole != 0), unsure)
             theta = np.where(np.abs(theta - whole) <= near, whole, theta)

@@ -32,7 +32,7 @@ SPACING = 10**0.25
 LEAK, ESTIMATIONS = 0.1, 3
 #: Gains with longer timesteps that a prediction needs.
 PREDICTED_FROM = 2
-#: Gains at least with timesteps below the one from which on steps are computed otherwise.
+#: Gains that tell a limit, if steps are computed otherwise from some timestep on.
 LEAST = 4
 
 
@@ -97,6 +97,7 @@ def fitted(
     noise: FloatArray,
     level: float,
     *,
+    rates: FloatArray | None = None,
     may_split: bool = True,
     is_pooled: bool = True,
 ) -> GainSeries:
@@ -112,10 +113,11 @@ def fitted(
     gains : a second, (J, K, 3)
     noise : its standard deviation in each component, (J, K)
     level : tails below it, together, are a fault
+    rates : how fast the body turns in each state, rad/s, (K,); None where it is not known
     may_split : whether two series are tried
     is_pooled : whether the limits of states are independent, and are judged together, too
     """
-    measured = _Measured.of(timesteps, gains, noise)
+    measured = _Measured.of(timesteps, gains, noise, rates)
     one = replace(_one_series(measured), is_pooled=is_pooled)
     if one.tail >= level:
         return one
@@ -136,6 +138,7 @@ class _Measured:
     gains, noise : (J, K, 3) and (J,)
     units : what a gain of each state is to be multiplied by, (K,)
     amplitudes : those that are integrated over, (A,)
+    turns : of each state in each timestep, in any unit, (J, K)
     """
 
     x: FloatArray
@@ -143,16 +146,32 @@ class _Measured:
     noise: FloatArray
     units: FloatArray
     amplitudes: FloatArray
+    turns: FloatArray
 
     @staticmethod
-    def of(timesteps: FloatArray, gains: FloatArray, noise: FloatArray) -> "_Measured":
+    def of(
+        timesteps: FloatArray, gains: FloatArray, noise: FloatArray, rates: FloatArray | None
+    ) -> "_Measured":
         """Scale gains by each state's noise; how it depends on timesteps is as in the noisiest."""
         units = np.median(noise / np.median(noise, axis=1, keepdims=True), axis=0)
         scaled, alike = gains / units[:, None], (noise / units).max(axis=1)
         least, largest = 0.1 * alike.min(), 1e3 * (np.abs(scaled).max() + alike.max())
         count = int(np.ceil(np.log(largest / least) / np.log(SPACING)))
         amplitudes = least * SPACING ** np.arange(count + 1)
-        return _Measured(timesteps / timesteps[0], scaled, alike, units, amplitudes)
+        x = timesteps / timesteps[0]
+        turns = x[:, None] * (np.ones(len(units)) if rates is None else rates)
+        return _Measured(x, scaled, alike, units, amplitudes, turns)
+
+    def changes(self, last: int) -> NDArray[np.intp]:
+        """The index of the timestep from which on steps may be computed otherwise, (n, K).
+
+        One row for each timestep, the same for all states, and one for each turn. 0 in states whose
+        gains are one series: all of their steps are on one side, or those beyond `last` are.
+        """
+        by_timestep = np.repeat(np.arange(1, last + 1)[:, None], self.turns.shape[1], axis=1)
+        by_turn = (self.turns[:, :, None] > np.unique(self.turns)).sum(axis=0).T
+        found = np.unique(np.concatenate([by_timestep, by_turn]), axis=0)
+        return np.where(found <= last, found, 0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -331,36 +350,26 @@ def _off_limit(measured: _Measured, one: GainSeries) -> GainSeries:
 
 
 def _two_series(measured: _Measured, one: GainSeries) -> GainSeries:
-    """Where two series explain the gains of states better, what these leave.
+    """What is left where steps shorter than one timestep or one turn are computed otherwise.
 
-    At which timestep the second begins is a property of a state, as it may depend on how fast the
-    body turns; order and radius are those of all.
+    The timestep or turn is the most likely one, and is the same for all states, as are order and
+    radius.
     """
-    count = len(measured.x)
-    starts = range(1, count - LEAST + 1)
-    flat = np.full(len(measured.amplitudes), 1 / len(measured.amplitudes))
-
-    def evidence(part: _Whitened) -> FloatArray:
-        return _log_sum(part.evidence - np.log(len(flat)))
-
-    def split(order: int, radius: float) -> _Split:
-        whole = _Whitened.of(measured, order, radius)
-        parts = [(whole.until(c), _Whitened.of(measured, order, radius, c)) for c in starts]
-        joined = [evidence(long) + evidence(short) - np.log(len(parts)) for long, short in parts]
-        each = np.array([evidence(whole), *joined])
-        return _Split(float(_log_sum(each).sum()), order, radius, whole, parts, each.argmax(axis=0))
-
-    first = max((split(order, 1.0) for order in ORDERS), key=lambda one: one.total)
-    others = (split(first.order, radius) for radius in RADII if radius != 1.0)
+    first = max((_Split.of(measured, order, 1.0) for order in ORDERS), key=lambda one: one.total)
+    others = (_Split.of(measured, first.order, radius) for radius in RADII if radius != 1.0)
     best = max([first, *others], key=lambda one: one.total)
-    tails, limit_tails = best.whole.tails(flat), best.whole.limit(flat)[2]
+    tails, limit_tails = one.tails.copy(), one.limit_tails.copy()
     limit, known_to = one.limit.copy(), one.known_to.copy()
-    for k in np.flatnonzero(best.chosen):
-        long, short = best.parts[best.chosen[k] - 1]
-        tails[:, k] = np.concatenate([long.tails(flat)[:, k], short.tails(flat)[:, k]])
-        finest, to, of_short = short.limit(flat)
-        limit[k], known_to[k] = finest[k] * measured.units[k], to[k] * measured.units[k]
-        limit_tails[k] = min(of_short[k], long.limit(flat)[2][k])
+    flat = np.full(len(measured.amplitudes), 1 / len(measured.amplitudes))
+    for change in np.unique(best.changes):
+        states, parts = best.changes == change, best.parts[change]
+        tails[:, states] = np.concatenate([part.tails(flat) for part in parts])[:, states]
+        limits, errors, of_limits = zip(*(part.limit(flat) for part in parts), strict=True)
+        limit[states] = (limits[-1] * measured.units[:, None])[states]
+        known_to[states] = (errors[-1] * measured.units)[states]
+        # Fewer gains than that tell no limit from a series.
+        tested = of_limits if change == 0 or change >= LEAST else of_limits[1:]
+        limit_tails[states] = np.min(tested, axis=0)[states]
     return replace(
         one,
         order=best.order,
@@ -369,23 +378,38 @@ def _two_series(measured: _Measured, one: GainSeries) -> GainSeries:
         limit_tails=limit_tails,
         limit=limit,
         known_to=known_to,
-        changes=best.chosen,
+        changes=best.changes,
     )
 
 
 @dataclass(frozen=True, eq=False)
 class _Split:
-    """Gains as one series or two: of each state, which of them is the most likely.
+    """Gains as two series, of longer and shorter timesteps.
 
     Attributes
     ----------
-    parts : the longer and the shorter timesteps of each pair of series
-    chosen : 0 for one series, else which pair, counted from one, (K,)
+    total : the logarithm of how likely the gains of all states are
+    parts : the series of the whole, then those of which the second begins at each timestep
+    changes : which of `parts` is that of each state, (K,)
     """
 
     total: float
     order: int
     radius: float
-    whole: _Whitened
-    parts: list[tuple[_Whitened, _Whitened]]
-    chosen: NDArray[np.intp]
+    parts: list[tuple[_Whitened, ...]]
+    changes: NDArray[np.intp]
+
+    @staticmethod
+    def of(measured: _Measured, order: int, radius: float) -> "_Split":
+        """The most likely change, by one order and radius."""
+        whole, count = _Whitened.of(measured, order, radius), len(measured.x)
+        starts = range(1, count - LEAST + 1)
+        pairs = [(whole.until(c), _Whitened.of(measured, order, radius, c)) for c in starts]
+        parts = [(whole,), *pairs]
+        each = np.array([sum(_log_sum(part.evidence) for part in one) for one in parts])
+        # A pair has two amplitudes, each of which may be any of the grid.
+        each[1:] -= np.log(len(measured.amplitudes))
+        tried = measured.changes(count - LEAST)
+        totals = np.take_along_axis(each, tried, axis=0).sum(axis=1)
+        best = int(totals.argmax())
+        return _Split(float(totals[best]), order, radius, parts, tried[best])

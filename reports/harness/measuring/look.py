@@ -49,11 +49,18 @@ class Look:
                 self.gains[:, :, q],
                 self.noise[:, :, q],
                 self.level,
+                rates=self.rates,
                 may_split=self.may_split,
                 is_pooled=self.is_pooled,
             )
             for q in range(len(QUANTITIES))
         )
+
+    @property
+    def rates(self) -> FloatArray:
+        """How fast the body turns in each state, rad/s, (K,)."""
+        speeds = self.steps.by_timestep(norms(self.steps.before.omega_body))
+        return np.asarray(speeds.mean(axis=(0, 1)))
 
     @property
     def level(self) -> float:

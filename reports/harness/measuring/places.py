@@ -32,8 +32,8 @@ class Places:
     states : K of them
     times : s, of the states; nan where a state is not of the motion, (K,)
     timesteps : s, each half of the one before, (J,)
-    condition : of the tensor of inertia about the fixed point: the factor by which relative
-        rounding grows in the angular acceleration
+    condition : the factor by which relative rounding grows in the angular acceleration: of the
+        tensor of inertia about the fixed point, of flight, and of parts that turn
     are_apart : whether states are so far apart that what they show is independent
     """
 
@@ -77,7 +77,8 @@ def places(scenario: Scenario, motion: Trajectory, coarsest: float | None) -> Pl
     bears = Equations(scenario).bears(states)
     when = np.append(along.t, [np.nan] * len(ASKEW))
     timesteps = (coarsest or COARSEST_TURN / rate) / 2.0 ** np.arange(HALVINGS)
-    condition = float(np.linalg.cond(scenario.inertia)) + _of_parts(scenario, motion)
+    condition = float(np.linalg.cond(scenario.inertia))
+    condition += _of_parts(scenario, motion) + _of_flight(scenario)
     return Places(states.rows(bears), when[bears], np.asarray(timesteps), condition)
 
 
@@ -134,6 +135,18 @@ def _changed(scenario: Scenario, states: State, size: float, chance: np.random.G
 def _by(vectors: FloatArray, share: FloatArray) -> FloatArray:
     """Rows, changed by so much relative to their norms."""
     return np.asarray(vectors + norms(vectors)[:, None] * share)
+
+
+def _of_flight(scenario: Scenario) -> float:
+    """What a com off the body's origin adds to the condition of its mass matrix, if it can fly.
+
+    Engines that solve for rotation and flight together divide by what m arm² leaves of the moment
+    about the origin.
+    """
+    if scenario.constraint.is_pivot:
+        return 0.0
+    body = scenario.body
+    return float(body.mass * (body.com @ body.com) / body.principal_moments[0])
 
 
 def _of_parts(scenario: Scenario, motion: Trajectory) -> float:
