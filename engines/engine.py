@@ -9,12 +9,10 @@ from typing import Any, Literal, final
 import numpy as np
 from numpy.typing import NDArray
 
-from ..scenarios import Scenario, Trajectory
-from ..scenarios.fastest_rate import decay_rate, parts_rate
+from ..scenarios import FloatArray, Scenario, Trajectory
 from .checks.audit import audit
-from .checks.bounds import Bounds
 from .checks.equations import NO_ARM, Equations
-from .checks.faults import clamped_turn
+from .checks.faults import Bounds, clamped_turn
 from .checks.precision import single_precision
 from .checks.read_back import (
     READ_BACK_SLACK,
@@ -154,10 +152,6 @@ class Engine(ABC):
         """Differences between a freshly loaded model and the scene."""
         return differences(scenario, body, state, self.slack)
 
-    def steps_angles(self, scenario: Scenario, method: Method) -> bool:
-        """Whether the attitude is stepped as three angles."""
-        return method.by_angles and not scenario.constraint.is_free
-
     def applies_to(self, scenario: Scenario) -> bool:  # noqa: ARG002
         """Whether the engine can load anything of the scene."""
         return True
@@ -219,7 +213,8 @@ class Engine(ABC):
                 unlike = self.differences(scenario, method.name, body, session.read_state())
                 if unlike and is_strict:
                     return ended("failed", unlike[0].complaint, "read-back")
-                bounds = self._bounds(scenario, method, timestep, body)
+                most_turn = method.max_rotation_per_step
+                bounds = Bounds(timestep, most_turn, _arm(scenario, body))
                 sampled = sample(session, sample_steps, bounds)
                 audited = audit(session, scenario, sampled)
         except UnsupportedError as error:
@@ -236,19 +231,11 @@ class Engine(ABC):
             cause = "precision"
         return ended(sampled.outcome, "; ".join(filter(None, remarks)), cause, **ending)
 
-    def _bounds(
-        self, scenario: Scenario, method: Method, timestep: float, body: BodyReading
-    ) -> Bounds:
-        """What the states of a run are checked against."""
-        has_arm = float(np.linalg.norm(body.com)) > NO_ARM * Equations(scenario).reach
-        return Bounds(
-            timestep,
-            method.max_rotation_per_step,
-            self.slack,
-            decay_rate(scenario) + parts_rate(scenario) + method.damping,
-            body.com if has_arm and scenario.constraint.is_pivot else None,
-            self.steps_angles(scenario, method),
-        )
+
+def _arm(scenario: Scenario, body: BodyReading) -> FloatArray | None:
+    """From the pivot to the com of the body as it is held, m, body axes; None without a pivot."""
+    has_arm = float(np.linalg.norm(body.com)) > NO_ARM * Equations(scenario).reach
+    return body.com if has_arm and scenario.constraint.is_pivot else None
 
 
 def clamped_start(scenario: Scenario, method: Method, timestep: float) -> str:

@@ -11,8 +11,6 @@ Cause = Literal[
     "not-unit",
     "reset",
     "clamp",
-    "lag",
-    "parted",
     "pivot",
     "energy",
     "warning",
@@ -20,9 +18,6 @@ Cause = Literal[
     "read-back",
     "model",
     "clock",
-    "frozen",
-    "late",
-    "frames",
     "refused",
     "bug",
     "crash",
@@ -46,7 +41,7 @@ Cause = Literal[
 ENVIRONMENTAL: frozenset[Cause] = frozenset({"killed", "environment"})
 #: Causes that no smaller timestep removes: such a run is `failed`, not `diverged`.
 WRONG_AT_ANY_TIMESTEP: frozenset[Cause] = ENVIRONMENTAL | frozenset(
-    {"clock", "frozen", "late", "frames", "crash", "time-out", "protocol"}
+    {"clock", "crash", "time-out", "protocol"}
 )
 
 

@@ -28,8 +28,6 @@ class Method:
     clamps_parts : whether it clamps parts of the body too, as they turn relative to it
     as_shipped : the engine with all its defaults: how it differs from the scene is reported as a
         remark, and does not fail a run
-    by_angles : whether the attitude of a held body is stepped as roll, pitch and yaw
-    damping : 1/s, at which it slows bodies that nothing slows
     reader : whether it differs from a method of another engine only in how models are read
     setup : what users of the engine write to have it, with `TIMESTEP` for the timestep in s; empty
         if that is no matter of a few lines
@@ -44,8 +42,6 @@ class Method:
     max_rotation_per_step: Distance = np.inf
     clamps_parts: bool = False
     as_shipped: bool = False
-    by_angles: bool = False
-    damping: Distance = 0.0
     reader: bool = False
     setup: str = ""
 

@@ -7,10 +7,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .checks.bounds import Bounds
-from .checks.faults import faults
+from .checks.faults import Bounds, faults
 from .checks.read_back import EngineError, State, stacked
-from .checks.turn_faults import Reading
 from .fault import WRONG_AT_ANY_TIMESTEP, Cause, Fault
 from .run import Outcome
 from .session import Session
@@ -24,10 +22,6 @@ BLOCK_STEPS = 1 << 14
 BLOCK = 1 << 11
 #: States of which there are none.
 NOTHING = State(np.empty((0, 4)), *(np.empty((0, 3)) for _ in range(3)))
-#: A run of no more steps is read at every step: coarse timesteps are those that fail.
-READ_THROUGHOUT = 1 << 10
-#: In longer runs, so many samples, the first included, are read once more one step later.
-READ_IN_PAIRS = 64
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,36 +52,24 @@ def sample(session: Session, sample_steps: NDArray[np.int64], bounds: Bounds) ->
     ----------
     sample_steps : (n,) increasing whole numbers of steps, the first of them 0
     """
-    steps = steps_to_read(sample_steps)
-    is_sample = np.zeros(len(steps), dtype=bool)
-    is_sample[np.searchsorted(steps, sample_steps)] = True
     parts: list[State] = []
-    start = NOTHING
-    end = Sampled(start)
-    last: list[Any] = []
-    for first, beyond in _blocks(steps):
-        taken = int(steps[first - 1]) if first else 0
-        new, end = _read(session, np.diff(steps[first:beyond], prepend=taken).tolist())
-        # The last state of the previous block is checked again, together with the one after it.
-        snapshots, first = last + new, first - len(last)
-        if new:
+    end = Sampled(NOTHING)
+    for first, beyond in _blocks(sample_steps):
+        taken = int(sample_steps[first - 1]) if first else 0
+        strides = np.diff(sample_steps[first:beyond], prepend=taken)
+        snapshots, end = _read(session, strides.tolist())
+        if snapshots:
             # After a blow-up this may overflow; the state is then detected as infinite.
             with np.errstate(all="ignore"):
-                states = session.states(snapshots)
-                start = start if first else states.rows(slice(2))
-                reading = Reading(states, steps[first : first + len(snapshots)], start)
-                end = _checked(session, snapshots, reading, end, bounds)
-            kept = is_sample[first : first + end.count].copy()
-            kept[: len(last)] = False
-            parts.append(end.states.rows(kept))
+                end = _checked(session, snapshots, session.states(snapshots), end, bounds)
+            parts.append(end.states)
         if end.outcome != "ok":
             break
-        last = snapshots[-1:]
     return replace(end, states=stacked(parts or [NOTHING]))
 
 
 def _blocks(steps: NDArray[np.int64]) -> Iterator[tuple[int, int]]:
-    """First and last reading of each block."""
+    """The first sample of each block, and the first beyond it."""
     first = 0
     while first < len(steps):
         worth_a_look = int(np.searchsorted(steps, steps[first] + BLOCK_STEPS))
@@ -95,15 +77,6 @@ def _blocks(steps: NDArray[np.int64]) -> Iterator[tuple[int, int]]:
         beyond = min(beyond, first + BLOCK, len(steps))
         yield first, beyond
         first = beyond
-
-
-def steps_to_read(sample_steps: NDArray[np.int64]) -> NDArray[np.int64]:
-    """The samples, and additional steps next to each other, as faults show best in single steps."""
-    last = int(sample_steps[-1])
-    if last <= READ_THROUGHOUT:
-        return np.arange(last + 1)
-    every = -(-len(sample_steps) // READ_IN_PAIRS)
-    return np.union1d(sample_steps, sample_steps[:-1:every] + 1)
 
 
 def _read(session: Session, strides: Sequence[int]) -> tuple[list[Any], Sampled]:
@@ -135,11 +108,11 @@ def _blown_up(session: Session) -> Cause:
 
 
 def _checked(
-    session: Session, snapshots: list[Any], reading: Reading, end: Sampled, bounds: Bounds
+    session: Session, snapshots: list[Any], states: State, end: Sampled, bounds: Bounds
 ) -> Sampled:
     """A block's states up to the first that is bad."""
-    block_faults = list(faults(reading, bounds))
-    if fault := session.first_fault(snapshots, reading.states):
+    block_faults = list(faults(states, bounds))
+    if fault := session.first_fault(snapshots, states):
         block_faults.insert(0, fault)
     elif end.outcome == "ok":
         try:
@@ -148,7 +121,7 @@ def _checked(
             # At a step of the block that is not known.
             block_faults.insert(0, Fault(0, error.cause or "warning", str(error)))
     if not block_faults:
-        return replace(end, states=reading.states)
+        return replace(end, states=states)
     worst = min(block_faults, key=lambda fault: fault.index)
     outcome: Outcome = "failed" if worst.cause in WRONG_AT_ANY_TIMESTEP else "diverged"
-    return Sampled(reading.states.rows(slice(worst.index)), outcome, worst.reason, worst.cause)
+    return Sampled(states.rows(slice(worst.index)), outcome, worst.reason, worst.cause)

@@ -1,6 +1,7 @@
 """Checks on the states of a run that hold for any engine and scene."""
 
 from collections.abc import Iterator
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -8,17 +9,31 @@ import numpy as np
 from ...scenarios import FloatArray, Trajectory
 from ...scenarios.rotation import matrices, norms
 from ..fault import Fault
-from .bounds import Bounds
 from .read_back import State
-from .turn_faults import Reading, turn_faults
 
 #: Every n-th state, and the last, is checked for whether the pivot holds; n.
 PIVOT_EVERY = 8
 
 
-def faults(reading: Reading, bounds: Bounds) -> Iterator[Fault]:
-    """The first bad state for each kind of fault."""
-    states, timestep = reading.states, bounds.timestep
+@dataclass(frozen=True, eq=False)
+class Bounds:
+    """Bounds that every state of a run must keep.
+
+    Attributes
+    ----------
+    timestep : s
+    most_turn : rad a step, beyond which the engine clamps the rotation
+    arm : m, body axes, from the pivot to the com, (3,); None where nothing holds the body
+    """
+
+    timestep: float
+    most_turn: float
+    arm: FloatArray | None = None
+
+
+def faults(states: State, bounds: Bounds) -> Iterator[Fault]:
+    """The first bad state of n for each kind of fault."""
+    timestep = bounds.timestep
     # The sum is not finite if any number is not, and much faster than a search.
     if not np.isfinite(sum(float(column.sum()) for column in states.columns)):
         finite = np.hstack([np.isfinite(column) for column in states.columns])
@@ -38,7 +53,6 @@ def faults(reading: Reading, bounds: Bounds) -> Iterator[Fault]:
         yield Fault(_first(clamped), "clamp", clamped_turn(speed, timestep, bounds.most_turn))
     if bounds.arm is not None:
         yield from _pivot_faults(states, bounds.arm)
-    yield from turn_faults(reading, bounds)
 
 
 def clamped_turn(speed: float, timestep: float, most: float) -> str:

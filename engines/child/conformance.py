@@ -19,9 +19,7 @@ STEPS = 64
 #: Angle turned in a step, rad; so small that no method blows up.
 TURN = 1e-2
 #: Causes that are faults in any method, even of an engine as shipped.
-BROKEN: frozenset[Cause] = frozenset(
-    {"protocol", "crash", "killed", "time-out", "clock", "late", "frozen", "bug"}
-)
+BROKEN: frozenset[Cause] = frozenset({"protocol", "crash", "killed", "time-out", "clock", "bug"})
 
 
 @dataclass(frozen=True)

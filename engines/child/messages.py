@@ -74,7 +74,6 @@ class ChildMethod(ChildAnswer):
     max_rotation_per_step: Positive | None = None
     clamps_parts: bool = False
     as_shipped: bool = False
-    damping: Positive | None = None
 
     def method(self) -> Method:
         """The method as the harness uses it."""

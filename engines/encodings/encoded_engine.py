@@ -53,11 +53,6 @@ class EncodedEngine(Engine):
             session = self.base.open_with(changed, method, timestep, description=description)
         return EncodedSession(session, scenario, change, timestep)
 
-    def steps_angles(self, scenario: Scenario, method: Method) -> bool:
-        """Whether the attitude is stepped as three angles."""
-        hinged = self.encoding.description.joint == "hinges"
-        return hinged or self.base.steps_angles(scenario, method)
-
     def differences(
         self,
         scenario: Scenario,

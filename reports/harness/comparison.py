@@ -94,11 +94,7 @@ def _of_other_law(run: Run | CallFailed, steps: StepEvidence | None) -> Run | Ca
     if isinstance(run, CallFailed) or run.cause == "precision" or not (steps and steps.fault):
         return run
     reason = "; ".join(filter(None, (run.reason, fault_in_words(steps.fault))))
-    if run.outcome == "ok":
-        return replace(run, cause="law", reason=reason)
-    # A lag at however small a step is not a clamp.
-    is_clock = run.cause == "lag" and steps.fault.kind == "limit"
-    return replace(run, outcome="failed", cause="clock", reason=reason) if is_clock else run
+    return replace(run, cause=run.cause or "law", reason=reason)
 
 
 def unmet_expectations(

@@ -3,10 +3,8 @@
 from collections.abc import Collection
 from functools import cache
 
-import numpy as np
-
 from ...engines import Engine, EngineError, Method
-from ...engines.checks.bounds import Bounds
+from ...engines.checks.faults import Bounds
 from ...engines.engine import clamped_start
 from ...engines.sampling import sample
 from ...reference import Solution
@@ -107,7 +105,7 @@ def _errors(
     defaults: Collection[str],
 ) -> Errors | None:
     """Errors of a run with these defaults; None if it did not finish."""
-    bounds = Bounds(rung.timestep, method.max_rotation_per_step, engine.slack, np.inf)
+    bounds = Bounds(rung.timestep, method.max_rotation_per_step)
     try:
         with engine.open_with(scenario, method, rung.timestep, defaults=defaults) as session:
             sampled = sample(session, rung.sample_steps, bounds)

@@ -4,7 +4,7 @@ They can be judged again, and put in other words, without a run.
 """
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, get_args
 
 from pydantic import model_validator
 
@@ -22,23 +22,41 @@ Quantity = Literal["attitude", "angular momentum", "velocity", "place"]
 QUANTITIES: tuple[Quantity, ...] = ("attitude", "angular momentum", "velocity", "place")
 #: A vector, SI.
 Vector = tuple[Signed, Signed, Signed]
-#: Which change of the equations of motion explains what steps gain; the words are in `reasons`.
-ChangeKind = Literal[
-    "gyroscopic",
-    "gravity's size",
-    "gravity",
-    "resistance",
-    "decay",
-    "decays",
-    "momentum",
-    "step",
-    "omega",
-    "velocity",
-    "moments",
-    "com",
+#: Which mistake in reading states explains what steps gain.
+ReadingKind = Literal[
+    "scalar last",
+    "scalar first",
+    "conjugated",
+    "ω in the world",
+    "ω turned twice",
+    "ω reversed",
 ]
+#: Or which change of the equations of motion. The words of both are in `reasons`.
+ChangeKind = (
+    ReadingKind
+    | Literal[
+        "gyroscopic",
+        "gravity's size",
+        "gravity",
+        "resistance",
+        "decay",
+        "decays",
+        "momentum",
+        "step",
+        "omega",
+        "velocity",
+        "moments",
+        "com",
+    ]
+)
 #: How many numbers a change has; those that are not here have one.
-COUNTS: dict[ChangeKind, int] = {"gravity": 3, "decays": 2, "moments": 3, "com": 3}
+COUNTS: dict[ChangeKind, int] = {
+    **dict.fromkeys(get_args(ReadingKind), 0),
+    "gravity": 3,
+    "decays": 2,
+    "moments": 3,
+    "com": 3,
+}
 #: How gains depend on the timestep where they are not those of a method that converges.
 #:
 #: limit : they tend to something else than zero
@@ -51,7 +69,7 @@ FaultKind = Literal["limit", "timestep", "shorter", "leap", "misread"]
 
 @dataclass(frozen=True)
 class Explanation:
-    """A change of the equations of motion, and its numbers, SI."""
+    """A change of the equations of motion or of reading, and its numbers, SI."""
 
     kind: ChangeKind
     numbers: tuple[Signed, ...]

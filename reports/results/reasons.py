@@ -109,6 +109,12 @@ def _open(steps: StepEvidence) -> str:
 
 
 def fault_in_words(fault: StepFault) -> str:
+    """How steps are not those of a method that converges, and what explains it."""
+    as_if = f"behaves as if {explained(fault.change)}: " if fault.change else ""
+    return f"{as_if}{_shown(fault)}"
+
+
+def _shown(fault: StepFault) -> str:
     """How steps are not those of a method that converges."""
     when = _when(fault)
     if fault.kind == "misread":
@@ -126,8 +132,7 @@ def fault_in_words(fault: StepFault) -> str:
         )
     what = _gained(fault)
     if fault.kind == "limit":
-        as_if = f"behaves as if {explained(fault.change)}: " if fault.change else ""
-        return f"{as_if}{what}"
+        return what
     where = {
         "timestep": "alone, of all lengths of steps",
         "shorter": "and shorter ones, though not with longer ones",
@@ -222,4 +227,10 @@ _WORDS: dict[ChangeKind, Callable[[Sequence[float]], str]] = {
     "velocity": lambda n: f"the velocity were read multiplied by {_factor(n[0])}",
     "moments": lambda n: f"the moments were {_vector(n)} kg m²",
     "com": lambda n: f"the com were at {_vector(n)} m",
+    "scalar last": lambda _: "the quaternion were read as x, y, z, w",
+    "scalar first": lambda _: "the quaternion's last component were taken for its first",
+    "conjugated": lambda _: "the quaternion were read conjugated",
+    "ω in the world": lambda _: "ω were read along the world's axes",
+    "ω turned twice": lambda _: "ω were turned from world to body axes once more than it needs",
+    "ω reversed": lambda _: "ω were read with the opposite sign",
 }

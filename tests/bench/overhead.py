@@ -17,8 +17,7 @@ from rich.console import Console
 from rich.table import Table
 from spincheck.engines import Engine, Method, Session, engines
 from spincheck.engines.adapters.mujoco.session import MuJoCoSession
-from spincheck.engines.checks.bounds import Bounds
-from spincheck.engines.checks.read_back import READ_BACK_SLACK
+from spincheck.engines.checks.faults import Bounds
 from spincheck.engines.native_output import native_output
 from spincheck.engines.sampling import sample
 from spincheck.reports.harness.step_cost import timed_timestep
@@ -83,7 +82,7 @@ def overhead(engine: Engine, method: Method, scene: str) -> Overhead:
     timestep = timed_timestep(scenario)
     counts = np.arange(0, STEPS + 1, PER_SAMPLE)
     arm = np.array(scenario.body.com) if scenario.constraint.is_pivot else None
-    bounds = Bounds(timestep, method.max_rotation_per_step, READ_BACK_SLACK, arm=arm)
+    bounds = Bounds(timestep, method.max_rotation_per_step, arm)
     with (
         engine.open(scenario, method, timestep) as bare,
         engine.open(scenario, method, timestep) as timed,

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 from quiet_session import QuietSession
 from spincheck.engines import BodyReading, Engine, EngineError, Fault, Method, Run, State
-from spincheck.engines.checks.bounds import Bounds
-from spincheck.engines.sampling import BLOCK, BLOCK_STEPS, FIRST_BLOCK, sample, steps_to_read
+from spincheck.engines.checks.faults import Bounds
+from spincheck.engines.sampling import BLOCK, BLOCK_STEPS, FIRST_BLOCK, sample
 from spincheck.scenarios import Scenario
 from spincheck.suite.contract_scenes import scene
 
@@ -19,7 +19,6 @@ SPIN = "\nquaternion_wxyz = [1.0, 0.0, 0.0, 0.0]\nomega_body = [0.0, 0.0, 1.0]\n
 SCENE = scene("spin", start=SPIN)
 STRIDE = 2
 SAMPLES = np.arange(0, STRIDE * BLOCK + 40, STRIDE)
-READ = steps_to_read(SAMPLES)
 #: Steps after which a faulty one goes wrong: in the first block, and in the second.
 EARLY, LATE = 21, STRIDE * BLOCK + 21
 MOST_TURN = 0.5
@@ -198,13 +197,13 @@ def test_a_run_that_goes_wrong_at_its_last_sample_is_not_ok(kind: type[Turning])
 def test_an_engine_that_stops_is_not_stepped_on(kind: type[Turning]) -> None:
     engine = Spinner(kind, EARLY)
     engine.run(SCENE, METHOD, TIMESTEP, SAMPLES)
-    assert engine.session.steps == READ[np.searchsorted(READ, EARLY)]
+    assert engine.session.steps == SAMPLES[np.searchsorted(SAMPLES, EARLY)]
 
 
 def test_an_engine_with_parts_may_stop_at_any_step() -> None:
     # So far apart that blocks begin among them, of which there is no state then.
     samples = np.arange(0, 2 * FIRST_BLOCK * BLOCK_STEPS, BLOCK_STEPS)
-    bounds = Bounds(TIMESTEP, MOST_TURN, 0.0, 0.0)
+    bounds = Bounds(TIMESTEP, MOST_TURN)
     for stops_at in samples[1:]:
         sampled = sample(GaveUpWithASpin(int(stops_at)), samples, bounds)
         assert (sampled.outcome, sampled.reason) == ("failed", "out of memory")
@@ -212,24 +211,23 @@ def test_an_engine_with_parts_may_stop_at_any_step() -> None:
 
 def test_what_goes_wrong_unnoticed_is_stepped_on_no_longer_than_it_has_gone() -> None:
     samples = np.arange(0, 100 * BLOCK_STEPS, BLOCK_STEPS)
-    read = steps_to_read(samples)
     wrong = FIRST_BLOCK + 1
-    engine = Spinner(NotFinite, int(read[wrong]))
+    engine = Spinner(NotFinite, int(samples[wrong]))
     engine.run(SCENE, METHOD, TIMESTEP, samples)
-    assert engine.session.steps <= read[2 * wrong]
+    assert engine.session.steps <= samples[2 * wrong]
 
 
 def test_no_look_is_taken_at_fewer_steps_than_it_is_worth() -> None:
     engine = Spinner(NotFinite, EARLY)
     engine.run(SCENE, METHOD, TIMESTEP, SAMPLES)
-    assert engine.session.steps == READ[min(BLOCK, np.searchsorted(READ, BLOCK_STEPS)) - 1]
+    assert engine.session.steps == SAMPLES[min(BLOCK, np.searchsorted(SAMPLES, BLOCK_STEPS)) - 1]
 
 
 def test_what_goes_wrong_late_is_stepped_on_for_a_block_at_most() -> None:
     engine = Spinner(NotFinite, LATE)
     engine.run(SCENE, METHOD, TIMESTEP, SAMPLES)
-    wrong = np.searchsorted(READ, LATE)
-    assert engine.session.steps <= READ[min(wrong + BLOCK, len(READ) - 1)]
+    wrong = np.searchsorted(SAMPLES, LATE)
+    assert engine.session.steps <= SAMPLES[min(wrong + BLOCK, len(SAMPLES) - 1)]
 
 
 class CheckedAtTheEnd(Turning):
@@ -246,9 +244,9 @@ class CheckedAtTheEnd(Turning):
 def test_a_block_that_went_wrong_nobody_knows_when_is_not_kept() -> None:
     done = run(CheckedAtTheEnd, LATE)
     assert (done.outcome, done.reason) == ("diverged", "the clock was set by somebody else")
-    wrong = np.searchsorted(READ, LATE)
-    assert READ[wrong - BLOCK] <= done.steps < LATE
-    assert run(CheckedAtTheEnd, int(READ[FIRST_BLOCK - 1])).trajectory is None
+    wrong = np.searchsorted(SAMPLES, LATE)
+    assert SAMPLES[wrong - BLOCK] <= done.steps < LATE
+    assert run(CheckedAtTheEnd, int(SAMPLES[FIRST_BLOCK - 1])).trajectory is None
 
 
 class Unauditable(Turning):

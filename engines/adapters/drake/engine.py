@@ -33,7 +33,6 @@ ApplySimulatorConfig(config, simulator)"""
         summary,
         EFFECTS,
         as_shipped=as_shipped,
-        by_angles=True,
         setup="plant = MultibodyPlant(time_step=TIMESTEP)" if name == "discrete" else setup,
     )
 

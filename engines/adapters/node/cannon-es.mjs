@@ -54,4 +54,4 @@ serve({ name: 'cannon-es', version: version('cannon-es'), precision: 'double', s
     damping: bodies.some((one) => one.linearDamping > 0 || one.angularDamping > 0), sleeping: world.allowSleep,
     'a collision shape': world.bodies.some((one) => one.shapes.length > 0), contacts: world.contacts.length > 0 } }),
   methods: [method('point', 'symplectic Euler, a stiff point-to-point constraint'),
-    method('default', 'as shipped: with damping, a softer constraint', { as_shipped: true, damping: 0.01 })] });
+    method('default', 'as shipped: with damping, a softer constraint', { as_shipped: true })] });

@@ -65,4 +65,4 @@ serve({ name: 'havok', version: version('@babylonjs/havok'), precision: 'single'
     damping: bodies.some((one) => H.HP_Body_GetLinearDamping(one) > 0 || H.HP_Body_GetAngularDamping(one) > 0),
     'a velocity clamp': H.HP_World_GetSpeedLimit(world)[1] < FAST } }),
   methods: [method('plain', 'semi-implicit Euler, damping and clamps off'),
-    method('default', 'as shipped: with damping, a velocity clamp, sleeping', { as_shipped: true, damping: 0.1 })] });
+    method('default', 'as shipped: with damping, a velocity clamp, sleeping', { as_shipped: true })] });

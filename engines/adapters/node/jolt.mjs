@@ -69,4 +69,4 @@ serve({ name: 'jolt', version: version('jolt-physics'), precision: 'single', sto
       damping: motions.some((one) => one.GetLinearDamping() > 0 || one.GetAngularDamping() > 0), sleeping: bodies[0].GetAllowSleeping(),
       'a velocity clamp': motions.some((one) => one.GetMaxAngularVelocity() < FAST), 'no gyroscopic torque': !bodies.every((one) => one.GetApplyGyroscopicForce()) } }; },
   methods: [method('gyroscopic', 'semi-implicit Euler, the gyroscopic torque switched on'),
-    method('default', 'as shipped: without the gyroscopic torque, with damping and a velocity clamp', { as_shipped: true, damping: 0.05 })] });
+    method('default', 'as shipped: without the gyroscopic torque, with damping and a velocity clamp', { as_shipped: true })] });

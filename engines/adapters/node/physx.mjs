@@ -68,4 +68,4 @@ serve({ name: 'physx', version: version('physx-js-webidl'), precision: 'single',
     'a velocity clamp': bodies.some((one) => one.getMaxAngularVelocity() < FAST), 'no gyroscopic torque': !bodies.every((one) => one.getRigidBodyFlags().isSet(GYROSCOPIC)) } }),
   methods: [method('pgs', 'projected Gauss-Seidel, the gyroscopic torque switched on'),
     method('tgs', 'temporal Gauss-Seidel, the gyroscopic torque switched on'),
-    method('default', 'as shipped: without the gyroscopic torque, with damping and a velocity clamp', { as_shipped: true, damping: 0.05 })] });
+    method('default', 'as shipped: without the gyroscopic torque, with damping and a velocity clamp', { as_shipped: true })] });

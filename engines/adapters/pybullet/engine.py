@@ -30,8 +30,6 @@ with native_output():
 #: rad: ANGULAR_MOTION_THRESHOLD of Bullet's LinearMath/btTransformUtil.h, for every kind of body.
 #: Beyond it the attitude turns only by this much a step, while ω still reads its full value.
 MOST_ROTATION_A_STEP = pi / 4
-#: 1/s, linear and angular. (Source: Bullet's user manual; measured.)
-DEFAULT_DAMPING = 0.04
 
 #: What bodies in joint coordinates have besides.
 JOINTED = COMMON_EFFECTS | {"rotors"}
@@ -70,9 +68,7 @@ def _method(
 
 
 def _as_shipped(name: str, summary: str) -> Method:
-    return bullet_method(
-        name=name, summary=summary, effects=JOINTED, as_shipped=True, damping=DEFAULT_DAMPING
-    )
+    return bullet_method(name=name, summary=summary, effects=JOINTED, as_shipped=True)
 
 
 class PyBullet(Engine):

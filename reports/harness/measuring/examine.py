@@ -18,6 +18,7 @@ from .gain_series import GainSeries
 from .look import Look
 from .noise import SOLVED, ULPS, noise_of, noise_of_steps, rounding_of_body
 from .places import FINER, Places, places
+from .readings import misreading
 from .shapes import SURE, fault_of, without_longer
 from .steps import Sessions, Steps, apart, off_the_constraint, step_gains, steps_from
 
@@ -213,15 +214,16 @@ def _misread(sessions: Sessions, engine: Engine, at: Places) -> StepFault | None
             starts.append(one.read_state())
     reach = Equations(sessions.scenario).reach
     # A contact or a joint puts the com where it belongs.
-    off = apart(at.states, stacked(starts), reach)[:, [0, 1, 4]]
+    read = stacked(starts)
+    off = apart(at.states, read, reach)[:, [0, 1, 4]]
     k = int(np.abs(off).max(axis=(1, 2)).argmax())
     if np.abs(off[k]).max() <= 2 * ULPS * max(engine.slack, rounding_of_body(at.condition)):
         return None
     turn, omega, spins = norms(off[k])
-    zero = (0.0, 0.0, 0.0)
+    zero, change = (0.0, 0.0, 0.0), misreading(read, at.states, reach)
     time = None if np.isnan(at.times[k]) else float(at.times[k])
     return StepFault(
-        "misread", "attitude", time, 0.0, (float(omega), float(turn), float(spins)), zero
+        "misread", "attitude", time, 0.0, (float(omega), float(turn), float(spins)), zero, change
     )
 
 

@@ -18,6 +18,7 @@ from .explanations import explanation, gains_of
 from .gain_series import LEAST, fitted
 from .look import Look
 from .places import Places
+from .readings import misreading
 
 #: So many of the shortest steps have to vanish where longer ones do something else.
 VANISHING = 8
@@ -80,6 +81,9 @@ def fault_of(look: Look, at: Places) -> StepFault | None:
     if kind == "leap":
         wanted = np.zeros(3)
         off = off * look.steps.timesteps[j]
+        shortest = slice(-look.gains.shape[1], None)
+        ends = look.steps.after.rows(shortest), look.steps.exact.rows(shortest)
+        change = misreading(*ends, look.equations.reach)
     time = None if np.isnan(at.times[k]) else float(at.times[k])
     timestep = float(look.steps.timesteps[j])
     return StepFault(

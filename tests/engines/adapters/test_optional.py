@@ -2,7 +2,6 @@
 
 import ast
 import sys
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -149,17 +148,6 @@ def test_turns_that_jolt_drops_as_too_small_are_no_other_equation_of_motion() ->
     engine = installed("jolt")
     scenario = library_scene("motor-through-the-threshold")
     assert physics_in_words(engine, scenario, engine.methods[0]) == ""
-
-
-def test_a_damping_that_an_engine_ships_with_is_no_step_of_another_length() -> None:
-    """Where a torque makes up for it ω hardly changes, and is larger within each step."""
-    engine, timestep = installed("havok"), 0.0125
-    samples = np.arange(0, 641, 64)
-    run = engine.run(library_scene("sphere-pushed"), engine.method("default"), timestep, samples)
-    assert run.outcome == "ok"
-    without = replace(engine.method("default"), damping=0.0)
-    run = engine.run(library_scene("sphere-pushed"), without, timestep, samples)
-    assert run.cause == "clock"
 
 
 @pytest.mark.parametrize(("name", "method"), CONTRACT)

@@ -15,9 +15,7 @@ from pybullet_planted import (
 from spincheck.engines import Method
 from spincheck.engines.adapters.pybullet.engine import REPRESENTATIONS
 from spincheck.engines.adapters.pybullet.session import PyBulletSession
-from spincheck.engines.checks.bounds import Bounds
-from spincheck.engines.checks.faults import faults
-from spincheck.engines.checks.turn_faults import Reading
+from spincheck.engines.checks.faults import Bounds, faults
 from spincheck.reports.harness.measuring.examine import physics_in_words
 from spincheck.suite.contract_scenes import PIVOT, SCENES, SKEW_GRAVITY, scene
 
@@ -34,8 +32,8 @@ def test_a_constraint_that_is_taken_away_is_noticed() -> None:
         p.removeConstraint(p.getConstraintUniqueId(0, session.client), session.client)
         session.advance(1000)
         states = session.states([session.snapshot()])
-        bounds = Bounds(TIMESTEP, np.inf, EPS, arm=session.read_body().com)
-        (fault,) = faults(Reading(states, np.array([1001]), states), bounds)
+        bounds = Bounds(TIMESTEP, np.inf, session.read_body().com)
+        (fault,) = faults(states, bounds)
         assert fault.cause == "pivot"
         assert "pivot" not in session.active()
 

@@ -26,22 +26,25 @@ DETECTED = {
     planted.NotANumberSession: ("diverged", "not-finite", "no longer finite"),
     planted.ResetSession: ("diverged", "warning", "the clock went back"),
     planted.ExplodingSession: ("diverged", "energy", "the energy exceeds 10 times its base"),
-    planted.XyzwSession: ("failed", "frames", "about another axis"),
+    planted.XyzwSession: ("ok", "law", "as if the quaternion were read as x, y, z, w"),
     planted.DampedInSecretSession: ("ok", "law", "as if L were slowed by 0.001 /s"),
     planted.SwappedMomentsSession: ("ok", "law", "I dω/dt, N m in body axes, is"),
-    planted.ResetInSecretSession: ("diverged", "reset", "that of the start again"),
-    planted.FrozenSession: ("failed", "frozen", "the state stands still"),
-    planted.WorldOmegaSession: ("failed", "frames", "about another axis"),
-    planted.NegatedSession: ("failed", "frames", "about another axis"),
-    planted.SlowClockSession: ("failed", "clock", "as if a step took 0.99 timesteps"),
+    planted.WorldOmegaSession: ("ok", "law", "as if ω were read along the world's axes"),
+    planted.NegatedSession: ("ok", "law", "after a step, however short it is"),
+    planted.SlowClockSession: ("ok", "law", "as if a step took 0.99 timesteps"),
     planted.SpunUpInSecretSession: ("ok", "law", "as if L were sped up by 0.001 /s"),
-    planted.LaggingSession: ("diverged", "lag", "in a step the attitude turns by 0.573°"),
-    planted.LateSession: ("failed", "late", "what is read is a step old"),
+    planted.LateSession: ("ok", "law", "as if a step took -"),
     planted.AnotherStartSession: ("ok", "law", "after a step, however short it is"),
     planted.BarelyDampedSession: ("ok", "law", "as if L were slowed by 1e-09 /s"),
 }
 #: By its row alone none of these can be told from an honest engine.
-UNDETECTED = (planted.TwiceTheMassSession, planted.SpunUpFromHalfwaySession)
+UNDETECTED = (planted.TwiceTheMassSession, planted.LaggingSession)
+#: Nor these: their runs are not what they are from their own states, which their replays show.
+LATER = (
+    planted.SpunUpFromHalfwaySession,
+    planted.ResetInSecretSession,
+    planted.FrozenSession,
+)
 
 
 def rows_of(tmp_path, engines, scene, timestep):
@@ -53,7 +56,7 @@ def rows_of(tmp_path, engines, scene, timestep):
 
 @pytest.fixture(scope="module")
 def rows(tmp_path_factory):
-    kinds = [HeunSession, *DETECTED, *UNDETECTED]
+    kinds = [HeunSession, *DETECTED, *UNDETECTED, *LATER]
     folder = tmp_path_factory.mktemp("together")
     return rows_of(folder, map(engine, kinds), loads(BOX, "box"), TIMESTEP)
 
@@ -74,13 +77,21 @@ def test_the_faultless_engine_is_as_if_it_were_alone_or_twice_as_heavy(rows, tmp
         assert (row.outcome, row.cause, row.reason, row.errors) == ("ok", "", "", alone.errors)
 
 
-def test_a_planted_fault_that_begins_later_shows_in_no_single_run_but_in_its_replays(rows, path):
-    row = rows["SpunUpFromHalfway"]
-    assert (row.outcome, row.cause, row.reason) == ("ok", "", "")
-    faulty = engine(planted.SpunUpFromHalfwaySession)
-    choice = Choice((faulty,), max_steps=BUDGET, timed=False)
-    (verdict,) = study(path, [loads(BOX, "box")], choice).verdicts
+@each_case("kind", LATER)
+def test_a_planted_fault_that_begins_later_shows_in_replays(rows, tmp_path, kind):
+    row = rows[engine(kind).name]
+    assert (row.outcome, row.cause) in (("ok", ""), ("ok", "lost"))
+    choice = Choice((engine(kind),), max_steps=BUDGET, timed=False)
+    (verdict,) = study(tmp_path / f"{kind.__name__}.sqlite", [loads(BOX, "box")], choice).verdicts
     assert verdict.verdict == "disagrees"
+    assert "a step depends on more than the state" in verdict.reason
+
+
+def test_turns_that_are_clamped_with_long_timesteps_are_remarked(path):
+    choice = Choice((engine(planted.LaggingSession),), max_steps=BUDGET, timed=False)
+    (verdict,) = study(path, [loads(BOX, "box")], choice).verdicts
+    assert verdict.verdict == "converges"
+    assert "what acts depends on the timestep" in verdict.reason
 
 
 @pytest.mark.parametrize("name", ["nutation-loops", "hammer"])

@@ -1,0 +1,55 @@
+"""Mistakes in reading a state that explain why it is off by as much after any step."""
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+
+from ....engines import State
+from ....scenarios import FloatArray
+from ....scenarios.rotation import matrices, turned, turned_back
+from ...results.evidence import Explanation, ReadingKind
+from .steps import apart
+
+#: A mistake explains states if it leaves less than this of what they are off by.
+EXPLAINS = 1e-3
+
+
+def misreading(read: State, exact: State, reach: float) -> Explanation | None:
+    """The mistake in reading that explains n states; None if none does.
+
+    Parameters
+    ----------
+    read, exact : states after a step, and what they should be
+    reach : m, as of `apart`
+    """
+    off = _off(read, exact, reach)
+    for kind, mistaken in MISTAKES.items():
+        if _off(read, mistaken(exact), reach) < EXPLAINS * off:
+            return Explanation(kind, ())
+    return None
+
+
+def _off(read: State, exact: State, reach: float) -> float:
+    """The largest difference of attitude and ω."""
+    return float(np.abs(apart(read, exact, reach)[:, :2]).max())
+
+
+def _with_q(state: State, q_wxyz: FloatArray) -> State:
+    return replace(state, q_world_body_wxyz=q_wxyz)
+
+
+def _with_omega(state: State, as_read: Callable[[FloatArray, FloatArray], FloatArray]) -> State:
+    omega = as_read(matrices(state.q_world_body_wxyz), state.omega_body)
+    return replace(state, omega_body=omega)
+
+
+#: How a state that is right would be read.
+MISTAKES: dict[ReadingKind, Callable[[State], State]] = {
+    "scalar last": lambda s: _with_q(s, np.roll(s.q_world_body_wxyz, -1, axis=1)),
+    "scalar first": lambda s: _with_q(s, np.roll(s.q_world_body_wxyz, 1, axis=1)),
+    "conjugated": lambda s: _with_q(s, s.q_world_body_wxyz * [1, -1, -1, -1]),
+    "ω in the world": lambda s: _with_omega(s, turned),
+    "ω turned twice": lambda s: _with_omega(s, turned_back),
+    "ω reversed": lambda s: _with_omega(s, lambda R, omega: -omega),  # noqa: ARG005
+}
