@@ -1,11 +1,10 @@
 """Examines a method by single steps from known states, with the model of `gain_series.py`."""
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ....engines import Engine, EngineError, Method, Session, UnsupportedError
+from ....engines import Engine, EngineError, Method, UnsupportedError
 from ....engines.checks.equations import Equations
 from ....engines.checks.read_back import stacked
 from ....reference import ExactMotion
@@ -20,7 +19,16 @@ from .noise import SOLVED, ULPS, noise_of, noise_of_steps, rounding_of_body
 from .places import FINER, Places, places
 from .readings import misreading
 from .shapes import SURE, fault_of, without_longer
-from .steps import Sessions, Steps, apart, off_the_constraint, step_gains, steps_from
+from .steps import (
+    Open,
+    Sessions,
+    Steps,
+    apart,
+    off_the_constraint,
+    sessions_of,
+    step_gains,
+    steps_from,
+)
 
 #: Steps until a constraint has settled, and more steps that show what was left. Bullet removes a
 #: fifth of its error in a step: 0.8^96 = 5e-10 of it is left. Half as many in single precision.
@@ -40,8 +48,6 @@ NUDGE = 2.0**-7
 MEASURED = 3.0
 #: Relative change of a state that draws an engine's noise anew: 64 ulp.
 REDRAWN = 2.0**-46
-
-Open = Callable[[Scenario, float], Session]
 
 
 def examine(
@@ -90,7 +96,7 @@ def examined(
     EngineError
         If a session cannot be opened or stepped.
     """
-    with Sessions(open_at, scenario, float(at.timesteps[0])) as sessions:
+    with sessions_of(open_at, scenario, float(at.timesteps[0])) as sessions:
         if not sessions.first.can_restart:
             at = at.thinned(OPENED)
         if fault := _misread(sessions, engine, at):

@@ -15,10 +15,9 @@ from ....engines.checks.equations import Equations
 from ....scenarios import FloatArray
 from ....scenarios.rotation import cross, matrix, rotation_vectors
 from ...results.evidence import ChangeKind, Explanation
+from .noise import NO_SIZE
 from .steps import flowed
 
-#: Replaces a size of zero; its inverse can be squared.
-NO_SIZE = 1e-100
 #: Fraction that may be left unexplained: the fit is linear in θ, the model need not be.
 LINEAR, LINEAR_AT_MOST = 1e-2, 0.2
 #: A change of a factor this close to ±1, … is taken for it, as is one within its uncertainty.

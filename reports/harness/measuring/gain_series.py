@@ -16,22 +16,18 @@ Math. Stat. 27 (1956) 887).
 """
 
 from dataclasses import dataclass, replace
-from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.special import chdtrc
 
 from ....scenarios import FloatArray
+from .whitened import PREDICTED_FROM, Measured, Whitened, log_sum, normalised
 
-#: Orders and inverse radii of convergence that are tried, and terms of the series that are kept.
-ORDERS, RADII, TERMS = (1, 2, 3, 4, 5, 6), (0.5, 1.0, 2.0, 4.0), 9
-#: Ratio of neighbouring amplitudes of the grid that is integrated over.
-SPACING = 10**0.25
+#: Orders and inverse radii of convergence that are tried.
+ORDERS, RADII = (1, 2, 3, 4, 5, 6), (0.5, 1.0, 2.0, 4.0)
 #: Share of the amplitude's prior that is the same everywhere, and steps of its estimation.
 LEAK, ESTIMATIONS = 0.1, 3
-#: Gains with longer timesteps that a prediction needs.
-PREDICTED_FROM = 2
 #: Gains that tell a limit, if steps are computed otherwise from some timestep on.
 LEAST = 4
 
@@ -117,7 +113,7 @@ def fitted(
     may_split : whether two series are tried
     is_pooled : whether the limits of states are independent, and are judged together, too
     """
-    measured = _Measured.of(timesteps, gains, noise, rates)
+    measured = Measured.of(timesteps, gains, noise, rates)
     one = replace(_one_series(measured), is_pooled=is_pooled)
     if one.tail >= level:
         return one
@@ -128,174 +124,14 @@ def fitted(
     return _off_limit(measured, one)
 
 
-@dataclass(frozen=True, eq=False)
-class _Measured:
-    """Gains in units in which the noise of all states is alike.
-
-    Attributes
-    ----------
-    x : timesteps, relative to the longest, (J,)
-    gains, noise : (J, K, 3) and (J,)
-    units : what a gain of each state is to be multiplied by, (K,)
-    amplitudes : those that are integrated over, (A,)
-    turns : of each state in each timestep, in any unit, (J, K)
-    """
-
-    x: FloatArray
-    gains: FloatArray
-    noise: FloatArray
-    units: FloatArray
-    amplitudes: FloatArray
-    turns: FloatArray
-
-    @staticmethod
-    def of(
-        timesteps: FloatArray, gains: FloatArray, noise: FloatArray, rates: FloatArray | None
-    ) -> "_Measured":
-        """Scale gains by each state's noise; how it depends on timesteps is as in the noisiest."""
-        units = np.median(noise / np.median(noise, axis=1, keepdims=True), axis=0)
-        scaled, alike = gains / units[:, None], (noise / units).max(axis=1)
-        least, largest = 0.1 * alike.min(), 1e3 * (np.abs(scaled).max() + alike.max())
-        count = int(np.ceil(np.log(largest / least) / np.log(SPACING)))
-        amplitudes = least * SPACING ** np.arange(count + 1)
-        x = timesteps / timesteps[0]
-        turns = x[:, None] * (np.ones(len(units)) if rates is None else rates)
-        return _Measured(x, scaled, alike, units, amplitudes, turns)
-
-    def changes(self, last: int) -> NDArray[np.intp]:
-        """The index of the timestep from which on steps may be computed otherwise, (n, K).
-
-        One row for each timestep, the same for all states, and one for each turn. 0 in states whose
-        gains are one series: all of their steps are on one side, or those beyond `last` are.
-        """
-        by_timestep = np.repeat(np.arange(1, last + 1)[:, None], self.turns.shape[1], axis=1)
-        by_turn = (self.turns[:, :, None] > np.unique(self.turns)).sum(axis=0).T
-        found = np.unique(np.concatenate([by_timestep, by_turn]), axis=0)
-        return np.where(found <= last, found, 0)
-
-
-@dataclass(frozen=True, eq=False)
-class _Whitened:
-    """Innovations of J gains of K states, in standard deviations, at each of A amplitudes.
-
-    Attributes
-    ----------
-    innovations : (A, J, K, 3)
-    ones : a constant of one, likewise, (A, J)
-    sigma : the standard deviations of the predictions, (A, J)
-    """
-
-    innovations: FloatArray
-    ones: FloatArray
-    sigma: FloatArray
-
-    @staticmethod
-    def of(measured: _Measured, order: int, radius: float, first: int = 0) -> "_Whitened":
-        """Whiten the gains from the first on.
-
-        The Cholesky factor of their covariance, noise² + amplitude² · basis · basisᵀ, is found by
-        orthogonal triangularisation, as the two terms differ by up to 10²⁶.
-        """
-        x, noise, gains = measured.x[first:], measured.noise[first:], measured.gains[first:]
-        J, K, _ = gains.shape
-        basis = x**order * (radius * x) ** np.arange(TERMS)[:, None]
-        stacked = np.empty((len(measured.amplitudes), J + TERMS, J))
-        stacked[:, :J] = np.diag(noise)
-        stacked[:, J:] = measured.amplitudes[:, None, None] * basis
-        upper = np.linalg.qr(stacked, mode="r")
-        diagonal = np.diagonal(upper, axis1=1, axis2=2)
-        lower = np.swapaxes(upper * np.sign(diagonal)[:, :, None], 1, 2)
-        sigma = np.abs(diagonal)
-        columns = np.concatenate([gains.reshape(J, -1), np.ones((J, 1))], axis=1)
-        white = np.empty((len(sigma), *columns.shape))
-        for j in range(J):
-            known = (lower[:, j, None, :j] @ white[:, :j])[:, 0]
-            white[:, j] = (columns[j] - known) / sigma[:, j, None]
-        innovations = white[:, :, :-1].reshape(len(sigma), J, K, 3)
-        return _Whitened(innovations, white[:, :, -1], sigma)
-
-    def until(self, beyond: int) -> "_Whitened":
-        """The first gains alone."""
-        return _Whitened(
-            self.innovations[:, :beyond], self.ones[:, :beyond], self.sigma[:, :beyond]
-        )
-
-    @cached_property
-    def likelihoods(self) -> FloatArray:
-        """The logarithm of the density of each gain, given those before it, (A, J, K)."""
-        squares = (self.innovations**2).sum(axis=3)
-        return np.asarray(-squares / 2 - 3 * np.log(self.sigma)[:, :, None])
-
-    @cached_property
-    def evidence(self) -> FloatArray:
-        """The same of all gains together, (A, K)."""
-        return np.asarray(self.likelihoods.sum(axis=1))
-
-    @cached_property
-    def constants(self) -> tuple[FloatArray, FloatArray]:
-        """The constant that fits best, (A, K, 3), and its standard error, (A,)."""
-        precision = (self.ones**2).sum(axis=1)
-        summed = np.einsum("aj,ajkc->akc", self.ones, self.innovations)
-        return summed / precision[:, None, None], 1 / np.sqrt(precision)
-
-    @cached_property
-    def evidence_with_constant(self) -> FloatArray:
-        """The evidence if a constant is added, of any size, (A, K)."""
-        constants, error = self.constants
-        gained = ((constants / error[:, None, None]) ** 2).sum(axis=2) / 2
-        return np.asarray(self.evidence + gained + 3 * np.log(error)[:, None])
-
-    def tails(self, prior: FloatArray) -> FloatArray:
-        """The probability that a gain is so far off its prediction, (J, K)."""
-        tails = (self._weights(prior) * chdtrc(3, (self.innovations**2).sum(axis=3))).sum(axis=0)
-        tails[:PREDICTED_FROM] = 1.0
-        return np.asarray(tails)
-
-    def predictions(self, gains: FloatArray, prior: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Mean, (J, K, 3), and standard deviation, (J, K), of what is predicted of each gain."""
-        weights = self._weights(prior)
-        means = gains - self.innovations * self.sigma[:, :, None, None]
-        mean = (weights[..., None] * means).sum(axis=0)
-        spread = ((means - mean) ** 2).mean(axis=3) + self.sigma[:, :, None] ** 2
-        return mean, np.sqrt((weights * spread).sum(axis=0))
-
-    def _weights(self, prior: FloatArray) -> FloatArray:
-        """The probability of each amplitude, given the gains before each, (A, J, K)."""
-        each = self.likelihoods
-        before = np.cumsum(each, axis=1) - each + np.log(prior)[:, None, None]
-        return _normalised(before)
-
-    def limit(self, prior: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """The limit, (K, 3), its standard error, (K,), and the tail of its being zero, (K,)."""
-        constants, error = self.constants
-        weights = _normalised(self.evidence_with_constant + np.log(prior)[:, None])
-        limit = (weights[..., None] * constants).sum(axis=0)
-        spread = ((constants - limit) ** 2).mean(axis=2) + error[:, None] ** 2
-        squares = ((constants / error[:, None, None]) ** 2).sum(axis=2)
-        tails = (weights * chdtrc(3, squares)).sum(axis=0)
-        return limit, np.sqrt((weights * spread).sum(axis=0)), tails
-
-
-def _log_sum(logarithms: FloatArray) -> FloatArray:
-    """The logarithm of the sum over the first axis; scipy's takes ten times as long."""
-    largest = logarithms.max(axis=0)
-    return np.asarray(largest + np.log(np.exp(logarithms - largest).sum(axis=0)))
-
-
-def _normalised(logarithms: FloatArray) -> FloatArray:
-    """Probabilities over the first axis."""
-    weights = np.exp(logarithms - logarithms.max(axis=0))
-    return np.asarray(weights / weights.sum(axis=0))
-
-
 def _prior(evidence: FloatArray) -> tuple[FloatArray, float]:
     """The distribution of amplitudes that the states show, (A,), and how likely they are by it."""
     count = len(evidence)
     prior = np.full(count, 1 / count)
     for _ in range(ESTIMATIONS):
-        posterior = _normalised(evidence + np.log(prior)[:, None])
+        posterior = normalised(evidence + np.log(prior)[:, None])
         prior = (1 - LEAK) * posterior.mean(axis=1) + LEAK / count
-    return prior, float(_log_sum(evidence + np.log(prior)[:, None]).sum())
+    return prior, float(log_sum(evidence + np.log(prior)[:, None]).sum())
 
 
 @dataclass(frozen=True, eq=False)
@@ -306,14 +142,14 @@ class _Fit:
     order: int
     radius: float
     prior: FloatArray
-    white: _Whitened
+    white: Whitened
 
 
-def _most_likely(measured: _Measured, *, constant: bool) -> _Fit:
+def _most_likely(measured: Measured, *, constant: bool) -> _Fit:
     """The most likely order, and then radius, of a series with a constant or without."""
 
     def tried(order: int, radius: float) -> _Fit:
-        white = _Whitened.of(measured, order, radius)
+        white = Whitened.of(measured, order, radius)
         prior, total = _prior(white.evidence_with_constant if constant else white.evidence)
         return _Fit(total, order, radius, prior, white)
 
@@ -322,7 +158,7 @@ def _most_likely(measured: _Measured, *, constant: bool) -> _Fit:
     return max([first, *others], key=lambda one: one.total)
 
 
-def _one_series(measured: _Measured) -> GainSeries:
+def _one_series(measured: Measured) -> GainSeries:
     """What one series leaves."""
     fit = _most_likely(measured, constant=False)
     limit, known_to, limit_tails = fit.white.limit(fit.prior)
@@ -341,7 +177,7 @@ def _one_series(measured: _Measured) -> GainSeries:
     )
 
 
-def _off_limit(measured: _Measured, one: GainSeries) -> GainSeries:
+def _off_limit(measured: Measured, one: GainSeries) -> GainSeries:
     """The same, with the limit by the order and radius that are most likely if it is not zero."""
     fit = _most_likely(measured, constant=True)
     limit, known_to, _ = fit.white.limit(fit.prior)
@@ -349,7 +185,7 @@ def _off_limit(measured: _Measured, one: GainSeries) -> GainSeries:
     return replace(one, limit=limit * units[:, None], known_to=known_to * units)
 
 
-def _two_series(measured: _Measured, one: GainSeries) -> GainSeries:
+def _two_series(measured: Measured, one: GainSeries) -> GainSeries:
     """What is left where steps shorter than one timestep or one turn are computed otherwise.
 
     The timestep or turn is the most likely one, and is the same for all states, as are order and
@@ -396,17 +232,17 @@ class _Split:
     total: float
     order: int
     radius: float
-    parts: list[tuple[_Whitened, ...]]
+    parts: list[tuple[Whitened, ...]]
     changes: NDArray[np.intp]
 
     @staticmethod
-    def of(measured: _Measured, order: int, radius: float) -> "_Split":
+    def of(measured: Measured, order: int, radius: float) -> "_Split":
         """The most likely change, by one order and radius."""
-        whole, count = _Whitened.of(measured, order, radius), len(measured.x)
+        whole, count = Whitened.of(measured, order, radius), len(measured.x)
         starts = range(1, count - LEAST + 1)
-        pairs = [(whole.until(c), _Whitened.of(measured, order, radius, c)) for c in starts]
+        pairs = [(whole.until(c), Whitened.of(measured, order, radius, c)) for c in starts]
         parts = [(whole,), *pairs]
-        each = np.array([sum(_log_sum(part.evidence) for part in one) for one in parts])
+        each = np.array([sum(log_sum(part.evidence) for part in one) for one in parts])
         # A pair has two amplitudes, each of which may be any of the grid.
         each[1:] -= np.log(len(measured.amplitudes))
         tried = measured.changes(count - LEAST)

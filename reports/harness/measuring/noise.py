@@ -3,8 +3,9 @@
 - Reading: `ULPS` ulp of each number of a state; a step of an engine rounds a few times.
 - The body as it is held: what it may differ by when it is read back (`Engine.slack`); in single
   precision what rounding of its moments makes.
-- Moments that differ: `ULPS` ulp times the condition number of the tensor, of I dω/dt, and by how
-  far that turns the body (Higham, Accuracy and Stability of Numerical Algorithms, §7.1).
+- Moments that differ: `ULPS` ulp times the condition number of the tensor, or of the mass matrix
+  where the com is far off, of I dω/dt, and by how far that turns the body (Higham, Accuracy and
+  Stability of Numerical Algorithms, §7.1).
 - Flight: `ULPS` ulp of m v², a torque, as engines may solve for rotation and flight together
   (measured in MuJoCo 4.0), with v that of the body's origin, which engines move.
 - Rotors: `ULPS` ulp of the forces that cancel between them (`Scenario.cancelling`).
@@ -31,7 +32,7 @@ NOISE = 1e-12
 SOLVED = 1e-9
 #: Fraction of the largest terms below which an effect is as good as absent.
 NEGLIGIBLE = 2e-6
-#: Smallest size that is divided by.
+#: Smallest size that is divided by; its inverse can be squared.
 NO_SIZE = 1e-150
 
 

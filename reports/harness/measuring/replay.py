@@ -32,7 +32,7 @@ from .examine import OPENED, examine
 from .gain_series import fitted
 from .noise import NOISE, ULPS, largest_terms, rounding_of_body
 from .places import FINER, Places, states_of
-from .steps import Sessions, Steps, apart, flowed, step_gains
+from .steps import Sessions, Steps, apart, flowed, sessions_of, step_gains
 
 #: Intervals of a run at most.
 INTERVALS = 64
@@ -91,7 +91,7 @@ def examine_runs(
     try:
         runs = [*ladder[-1:], *others]
         timestep = runs[0].rung.timestep if runs else float(at.timesteps[0])
-        with Sessions(open_at, scenario, timestep) as sessions:
+        with sessions_of(open_at, scenario, timestep) as sessions:
             runs = runs or [_beginning(sessions, at)]
             replays = [_replay(sessions, engine, run, at.condition) for run in runs]
             shown = [one.evidence for one in replays]

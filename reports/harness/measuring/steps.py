@@ -3,8 +3,6 @@
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
-from types import TracebackType
-from typing import Self
 
 import numpy as np
 
@@ -17,23 +15,25 @@ from ....scenarios.rotation import matrices, norms, rotation_vectors, turned
 from ....scenarios.scenario import started_at
 from .places import states_of
 
+Open = Callable[[Scenario, float], Session]
 
+
+@dataclass(frozen=True, eq=False)
 class Sessions:
     """Sessions of a method on a scene, which are set to a state.
 
     One is kept and restarted, as opening one takes as long as some hundred steps. Where it cannot
     be restarted one is opened for each state.
 
-    Parameters
+    Attributes
     ----------
     open_at : opens a scene with a timestep, s
+    first : the one that is kept
     """
 
-    def __init__(
-        self, open_at: Callable[[Scenario, float], Session], scenario: Scenario, timestep: float
-    ) -> None:
-        self._open_at, self.scenario = open_at, scenario
-        self.first = open_at(scenario, timestep)
+    open_at: Open
+    scenario: Scenario
+    first: Session
 
     @contextmanager
     def at(self, state: State, timestep: float) -> Iterator[Session]:
@@ -42,19 +42,15 @@ class Sessions:
             self.first.restart(state, timestep)
             yield self.first
             return
-        with self._open_at(started_at(self.scenario, **vars(state)), timestep) as own:
+        with self.open_at(started_at(self.scenario, **vars(state)), timestep) as own:
             yield own
 
-    def __enter__(self) -> Self:
-        return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
-        self.first.close()
+@contextmanager
+def sessions_of(open_at: Open, scenario: Scenario, timestep: float) -> Iterator[Sessions]:
+    """Sessions of a method, the first of them with a timestep, s."""
+    with open_at(scenario, timestep) as first:
+        yield Sessions(open_at, scenario, first)
 
 
 @dataclass(frozen=True, eq=False)
