@@ -25,19 +25,19 @@ from .options import (
     Jobs,
     MemberCount,
     Methods,
+    Out,
     Python,
     Scene,
     Scenes,
     Seed,
     TimeLimit,
     Timesteps,
+    Vary,
 )
 from .pictures.picture_commands import app as picture_commands
 from .results.result_commands import app as result_commands
 from .scenes.scene_commands import app as scene_commands
 from .stopping import Stopped, open_closed_streams, raise_when_stopped, say_last_words
-from .sweeps.sweep_commands import app as sweep_commands
-from .sweeps.sweep_commands import print_swept
 from .terminal import (
     DISAGREES,
     Complaint,
@@ -60,7 +60,6 @@ app = typer.Typer(
 app.add_typer(judge_command)
 app.add_typer(result_commands)
 app.add_typer(scene_commands)
-app.add_typer(sweep_commands)
 app.add_typer(engine_commands)
 app.add_typer(model_commands)
 app.add_typer(picture_commands)
@@ -126,7 +125,7 @@ def run(
     timestep: Timesteps = None,
     as_encoded: AsEncoded = "",
     jobs: Jobs = CORES,
-    out: Annotated[Path, typer.Option(help="The result file; added to.")] = RESULT_FILE,
+    out: Out = RESULT_FILE,
     quick: Annotated[
         bool,
         typer.Option("--quick", help="Fewer timesteps, without timing; hard scenes only if named."),
@@ -140,6 +139,7 @@ def run(
     ] = False,
     time_limit: TimeLimit = None,
     python: Python = "",
+    vary: Vary = None,
     ensemble: MemberCount = None,
     seed: Seed = None,
     dask: Dask = None,
@@ -155,6 +155,8 @@ def run(
 ) -> None:
     """Simulate scenes, compare with the exact motion, and store the results.
 
+    '--vary' and '--ensemble' run many varied scenes instead, each at one timestep.
+
     Results that the file has already are not made again, unless the scene, the engine or spincheck
     has changed since, the run failed because of the machine, or '--again' is given.
     """
@@ -163,23 +165,22 @@ def run(
     from .run.encodings import are_alike, encoding_lines, named_encodings
     from .run.short_summary import short_summary
     from .run.summary import results_as_json, verdict_lines
-    from .sweeps.sweep_running import choose_for_sweep, run_ensembles
+    from .sweeps.sweep_running import choose_for_sweep, exit_code_of, print_sweeps, run_sweeps
 
     named, where = (engine or [], method or [], timestep or []), Where(jobs, dask)
+    is_sweep = bool(vary) or ensemble is not None
     if instructions:
-        running.check_counting(timed=not quick and ensemble is None)
-    if ensemble is not None:
-        if quick:
-            raise Complaint("'--quick' is for ladders; an ensemble has none")
-        if as_encoded:
-            raise Complaint("'--as' is for scenes, not for members of an ensemble")
-        choice = choose_for_sweep(*named, time_limit, again=again, python=python)
-        swept = run_ensembles(scenes or [], ensemble, seed or 0, choice, where, out)
-        member = f"spincheck member SCENE --seed {seed or 0} --member N"
-        said = f"Members are in {out}; '{member}' prints one"
-        raise typer.Exit(print_swept(swept, said, out, as_json))
-    if seed is not None:
+        running.check_counting(timed=not (quick or is_sweep))
+    if seed is not None and ensemble is None:
         raise Complaint("'--seed' is for an ensemble; '--ensemble' scatters a scene into one")
+    if is_sweep:
+        for option, is_given in {"--quick": quick, "--as": as_encoded, "--strict": strict}.items():
+            if is_given:
+                raise Complaint(f"'{option}' is for ladders; '--vary' and '--ensemble' have none")
+        choice = choose_for_sweep(*named, time_limit, again=again, python=python)
+        swept = run_sweeps(scenes or [], vary or [], ensemble, seed or 0, choice, where, out)
+        print_sweeps(swept, out, as_json)
+        raise typer.Exit(exit_code_of(swept))
     results = running.run(
         scenes or [],
         *named,
@@ -215,7 +216,7 @@ def report(
     results: Annotated[
         Path | None, typer.Argument(metavar="[RESULT FILE]", help="What 'spincheck run' wrote.")
     ] = None,
-    out: Annotated[Path, typer.Option(help="The folder to write.")] = REPORT_FOLDER,
+    out: Annotated[Path, typer.Option(metavar="DIR", help="The folder to write.")] = REPORT_FOLDER,
 ) -> None:
     """Make HTML and Markdown pages of a result file."""
     from ..pages.render import render
@@ -232,15 +233,21 @@ def report(
 
 @app.command(epilog="Example: spincheck compare before.sqlite after.sqlite")
 def compare(
-    old: Annotated[Path, typer.Argument(metavar="OLD", help="A result file.")],
-    new: Annotated[Path, typer.Argument(metavar="NEW", help="Another one, made later.")],
+    old: Annotated[
+        str, typer.Argument(metavar="OLD", help="A result file, or ENGINE@VERSION in '--from'.")
+    ],
+    new: Annotated[str, typer.Argument(metavar="NEW", help="Another one, made later.")],
+    stored: From = RESULT_FILE,
     as_json: AsJson = False,
 ) -> None:
-    """Show what changed between two result files; exits with 1 if anything got worse."""
+    """Show what changed between two result files, or two versions of an engine in one.
+
+    Exits with 1 if anything got worse.
+    """
     from .results.compare import changes_as_json, exit_code, print_changes
     from .results.compare import compare as find_changes
 
-    changed = find_changes(old, new)
+    changed = find_changes(old, new, stored)
     if as_json:
         print(to_json(changes_as_json(changed)))
     else:

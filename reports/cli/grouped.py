@@ -14,12 +14,12 @@ if TYPE_CHECKING:
     from ...scenarios import Signal
 
 GROUPS = {
-    "Run and judge": ["run", "judge", "map", "report", "view", "plot", "versions"],
+    "Run and judge": ["run", "judge", "report", "view", "plot"],
     "Choose and compare": ["recommend", "compare", "reproduce"],
-    "Look at results": ["rows", "verdicts", "points", "tidy"],
-    "Scenes": ["list", "show", "new", "check", "reference", "export", "vary", "member"],
+    "Look at results": ["rows", "tidy"],
+    "Scenes": ["list", "show", "new", "check", "reference", "export"],
     "Robot models": ["inspect", "import"],
-    "Engines": ["engines", "encodings", "conform"],
+    "Engines": ["engines", "conform"],
 }
 _OTHERS = "Others"
 
@@ -36,6 +36,16 @@ class GroupedCommands(TyperGroup):
             if rows:
                 with formatter.section(heading):
                     formatter.write_dl(rows)
+
+    def get_command(self, ctx: Any, cmd_name: str) -> Any:
+        """Return a command whose help shows no types of Python's."""
+        command = super().get_command(ctx, cmd_name)
+        for one in command.params if command else ():
+            if one.param_type_name == "argument":
+                one.__dict__["display_type_rich"] = lambda **_: ""
+            elif not getattr(one, "is_flag", False):
+                one.metavar = one.metavar or one.name.upper()
+        return command
 
     def resolve_command(self, ctx: Any, args: list[str]) -> Any:
         """Find a command; its name may be in any case."""

@@ -80,15 +80,16 @@ TimeLimit = Annotated[
     float | None,
     typer.Option("--time-limit", metavar="S", help="CPU seconds that a run may take: 120."),
 ]
-SweepTimesteps = Annotated[
-    list[float] | None,
+Vary = Annotated[
+    list[str] | None,
     typer.Option(
-        "--timestep",
-        parser=_seconds,
-        metavar="S",
-        help="Of all points, s; not to be repeated; chosen from each point's spin if left out.",
+        "--vary",
+        metavar="PATH=LO:HI[:COUNT][:log]",
+        help="Run at every value of this number of the scene file, such as start.omega_body[2], or "
+        "of timestep; to be repeated once, for a second number.",
     ),
 ]
+Out = Annotated[Path, typer.Option("--out", metavar="FILE", help="The result file; added to.")]
 From = Annotated[
     Path,
     typer.Option(
@@ -113,7 +114,7 @@ AsEncoded = Annotated[
         "--as",
         metavar="ENCODINGS",
         help="Run each body also in other descriptions that mean the same: 'all', or names of "
-        "'spincheck encodings' with commas between.",
+        "'spincheck engines --encodings' with commas between.",
     ),
 ]
 Seed = Annotated[

@@ -13,9 +13,9 @@ from functools import partial
 from ...scenarios import Scenario
 from ..results.environment import environment
 from ..results.fingerprints import fingerprints
-from ..results.records import Pair
+from ..results.records import Pair, Row, variation
 from ..results.store import Store
-from ..results.sweep_records import DefinedSweep, Ensemble, Map, PlacedRow, SweepPoint
+from ..results.sweep_records import DefinedSweep, Ensemble, Map, SweepPoint
 from .choice import Choice, EngineMethod
 from .executors import CallFailed, Executor, cause_of_unsolved, may_succeed_if_repeated
 from .executors.compiling import compile_side_by_side
@@ -39,7 +39,7 @@ class SweepPlan:
     Attributes
     ----------
     pairs : the methods asked for
-    stored : engine and method of the stored results, by the point's identity
+    stored : engine and method of the stored results, by what is varied
     total, complete : number of points asked for, and of complete ones
     """
 
@@ -57,7 +57,8 @@ class SweepPlan:
     def left(self) -> Iterator[PointLeft]:
         """The incomplete points, one by one: a sweep may have more than fit into memory."""
         for point in self.sweep.points():
-            if to_run := _to_run(self.pairs, self.stored.get(point.identity, ())):
+            there = self.stored.get(variation(point.varied), ())
+            if to_run := _to_run(self.pairs, there):
                 yield PointLeft(point, to_run)
 
 
@@ -69,12 +70,12 @@ def plan_sweep(sweep: Map | Ensemble, base: Scenario, choice: Choice, store: Sto
     store.put(DefinedSweep(base.name, sweep, base.text))
     pairs = list(choice.methods_on(base).values())
     stored: dict[str, set[Pair]] = {}
-    for row in [] if choice.again else store.points(base.name):
+    for row in [] if choice.again else store.varied(base.name):
         if not may_succeed_if_repeated(row.cause, row.reason, choice.time_limit):
-            stored.setdefault(row.place, set()).add(row.pair)
+            stored.setdefault(row.variation, set()).add(row.pair)
     complete = sum(
-        not _to_run(pairs, there) and sweep.point(json.loads(identity)) is not None
-        for identity, there in stored.items()
+        not _to_run(pairs, there) and sweep.point(json.loads(varied)) is not None
+        for varied, there in stored.items()
     )
     return SweepPlan(sweep, pairs, stored, len(sweep), complete)
 
@@ -103,7 +104,7 @@ def study_point(left: PointLeft, base: Scenario, store: Store, executor: Executo
 
 def _rows(
     left: PointLeft, base: Scenario, executor: Executor, *, is_solved: bool = False
-) -> list[PlacedRow]:
+) -> list[Row]:
     """The results at a point; where the call that is to run all methods fails, of one by one.
 
     Parameters
@@ -124,5 +125,5 @@ def _rows(
     return [row for one in alone for row in _rows(one, base, executor, is_solved=True)]
 
 
-def _failed(left: PointLeft, base: Scenario, pair: EngineMethod, failure: CallFailed) -> PlacedRow:
+def _failed(left: PointLeft, base: Scenario, pair: EngineMethod, failure: CallFailed) -> Row:
     return not_run(base, left.point, pair, "failed", failure.cause, failure.reason)

@@ -1,12 +1,13 @@
 """Runs one point of a sweep: one scene and timestep, each method against the scene's own motion."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 from ...engines import Cause, Engine, Outcome
 from ...reference import Solution, solve_cheaply
 from ...scenarios import Scenario, ScenarioError
-from ..results.records import Key
-from ..results.sweep_records import PlacedRow, SweepPoint
+from ..results.records import Key, Row, variation
+from ..results.sweep_records import SweepPoint
 from .choice import EngineMethod
 from .comparison import row_of
 from .defects import with_defects
@@ -18,7 +19,7 @@ from .sweep_points import rung_at, scene_at
 Solved = dict[float, Solution] | str
 
 
-def run_point(base: Scenario, point: SweepPoint, pairs: Sequence[EngineMethod]) -> list[PlacedRow]:
+def run_point(base: Scenario, point: SweepPoint, pairs: Sequence[EngineMethod]) -> list[Row]:
     """One row for each method.
 
     Without methods the exact motion is found, and there are no rows.
@@ -46,11 +47,12 @@ def run_point(base: Scenario, point: SweepPoint, pairs: Sequence[EngineMethod]) 
 
 def not_run(
     base: Scenario, point: SweepPoint, pair: EngineMethod, outcome: Outcome, cause: Cause, why: str
-) -> PlacedRow:
+) -> Row:
     """The row of a method that was not run at a point, or whose call has failed."""
     engine, method = pair
     key, timestep = Key(base.name, engine.name, method.name), _timestep(base, point, engine)
-    return PlacedRow(key, timestep, outcome, why, cause, at=point.at, place=point.identity)
+    varied = variation(point.varied)
+    return Row(key, "", timestep, outcome, why, cause, variation=varied)
 
 
 def _timestep(base: Scenario, point: SweepPoint, engine: Engine) -> float:
@@ -94,7 +96,7 @@ def _solved(scenario: Scenario, rungs: Sequence[Rung]) -> Solved:
 
 def _row(
     scenario: Scenario, point: SweepPoint, pair: EngineMethod, rung: Rung, solved: Solved
-) -> PlacedRow:
+) -> Row:
     if isinstance(solved, str):
         return not_run(scenario, point, pair, "failed", "unsolved", solved)
     engine, method = pair
@@ -106,5 +108,4 @@ def _row(
     exact, is_single = solution.trajectory, engine.single_precision
     row = with_defects(row, scenario, exact, is_single=is_single)
     # What is kept of one of many: a few numbers.
-    kept = vars(row) | {"motion": None, "defects": None}
-    return PlacedRow(**kept, at=point.at, place=point.identity)
+    return replace(row, variation=variation(point.varied), motion=None, defects=None)

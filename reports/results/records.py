@@ -4,9 +4,11 @@ A record's fields are what is stored of it (`tables`), and what JSON and CSV sho
 field is added by adding it here, with a default that says that it is absent.
 """
 
+import json
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, fields
-from typing import Annotated, ClassVar
+from typing import Annotated, Any, ClassVar
 
 from pydantic import AfterValidator, ConfigDict
 
@@ -60,12 +62,25 @@ def _name(name: str) -> str:
     return name
 
 
+def variation(varied: Mapping[str, Any]) -> str:
+    """Return what is varied of a run as the text that identifies it; empty if nothing is."""
+    return json.dumps(varied, sort_keys=True) if varied else ""
+
+
+def _variation(text: str) -> str:
+    """The text, which must be as `variation` writes it."""
+    if text and (not isinstance(varied := json.loads(text), dict) or variation(varied) != text):
+        raise ValueError(f"{printable(text)!r} says of nothing that it is varied")
+    return text
+
+
 #: Of numbers, and names, of a file that may come from anyone.
 Size = Annotated[float, AfterValidator(_size)]
 Count = Annotated[int, AfterValidator(_size)]
 Signed = Annotated[float, AfterValidator(_finite)]
 SceneName = Annotated[str, AfterValidator(_name_of_scene)]
 Name = Annotated[str, AfterValidator(_name)]
+Variation = Annotated[str, AfterValidator(_variation)]
 
 
 @dataclass(frozen=True, eq=False)
@@ -168,6 +183,7 @@ class Row(Record):
 
     Attributes
     ----------
+    variation : JSON of what is varied, such as the place in a map; empty where nothing is
     reason : why, where the outcome is not ok; of an engine as shipped, what differs from the scene
     cause : the same in a word
     without_skill : whether a run that is ok is no better than no motion
@@ -218,10 +234,21 @@ class Row(Record):
     turns: Size | None = None
     turns_within_1deg: Size | None = None
     attitude_a_turn: Size | None = None
+    variation: Variation = ""
 
     def __post_init__(self) -> None:
         if self.errors is not None and self.outcome != "ok":
             raise ValueError(f"a run that is not ok has no errors: {self.outcome}, {self.key}")
+
+    @property
+    def varied(self) -> dict[str, Any]:
+        """What is varied, by name: paths of the scene's file, or seed and member."""
+        return json.loads(self.variation) if self.variation else {}
+
+    @property
+    def pair(self) -> Pair:
+        """Engine and method."""
+        return self.key.pair
 
     @property
     def made(self) -> bool:

@@ -44,3 +44,9 @@ class Results:
     methods: dict[Pair, Method] = field(default_factory=dict)
     stock_timesteps: dict[str, float] = field(default_factory=dict)
     sweeps: list[SweepResult] = field(default_factory=list)
+
+    @property
+    def every_row(self) -> list[Row]:
+        """The runs of scenes as they are, then those of sweeps, each once."""
+        points = {(p.key, p.variation): p for sweep in self.sweeps for p in sweep.points}
+        return [*self.rows, *points.values()]

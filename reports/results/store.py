@@ -23,7 +23,7 @@ from .provenance_records import DeclaredEngine, EnvironmentEntry, Fingerprint
 from .records import UNSOLVED, Key, Record, Row, SolvedScene
 from .result_file import OpenFile, ResultFileError, opened
 from .results import Results, SceneResult
-from .sweep_records import PlacedRow, SweepResult, swept
+from .sweep_records import DefinedSweep, swept
 from .tables import DIGEST, Table, as_result_file_error
 from .verdicts import Verdict
 
@@ -34,6 +34,8 @@ SCHEMA = "".join(table.sql for table in tables.TABLES)
 DIGITS = 16
 _TABLE_OF: dict[type[Record], Table[Any]] = {table.record: table for table in tables.TABLES}
 _ONE_METHOD = "scenario = ? AND engine = ? AND method = ?"
+#: Its runs in which nothing is varied.
+_AS_IT_IS = f"{_ONE_METHOD} AND variation = ''"
 _SORTED = "scenario, engine, method"
 
 
@@ -123,14 +125,15 @@ class Store:
         with self._database.transaction() as connection:
             for key in keys:
                 for table in tables.OF_STUDIES:
-                    connection.execute(f"DELETE FROM {table.name} WHERE {_ONE_METHOD}", _names(key))
+                    where = _AS_IT_IS if table is tables.ROWS else _ONE_METHOD
+                    connection.execute(f"DELETE FROM {table.name} WHERE {where}", _names(key))
 
     def put_scene(self, scenario: Scenario, solution: Solution) -> None:
         """Record a scene and its exact motion."""
         with self._database.transaction() as connection:
             self._put(connection, SolvedScene.of(scenario, solution))
             # That row says that the scene could not be solved, which is now outdated.
-            unsolved = "DELETE FROM rows WHERE scenario = ? AND timestep = ?"
+            unsolved = "DELETE FROM rows WHERE scenario = ? AND timestep = ? AND variation = ''"
             connection.execute(unsolved, (scenario.name, UNSOLVED))
 
     def put_verdict(
@@ -147,7 +150,7 @@ class Store:
             if evidence:
                 self._put(connection, evidence)
             digest = self._digest(tables.ROWS, vars(verdict.key))
-            where = f"{_ONE_METHOD} AND timestep = ? AND {DIGEST} = ?"
+            where = f"{_AS_IT_IS} AND timestep = ? AND {DIGEST} = ?"
             connection.executemany(
                 f"UPDATE rows SET motion = NULL WHERE {where}",
                 [(*_names(verdict.key), timestep, digest) for timestep in discardable],
@@ -170,12 +173,12 @@ class Store:
         return [v for v in stored if v.step_limit is None or v.step_limit >= step_limit]
 
     def rows_of(self, key: Key) -> list[Row]:
-        """The stored runs of a method on a scene."""
-        return self.select(tables.ROWS, _ONE_METHOD, _names(key))
+        """The stored runs of a method on a scene as it is."""
+        return self.select(tables.ROWS, _AS_IT_IS, _names(key))
 
     def failed_rows(self, scenario: str) -> list[Row]:
-        """The runs of a scene that failed."""
-        rows = self.select(tables.ROWS, "scenario = ?", (scenario,))
+        """The runs of a scene as it is that failed."""
+        rows = self.select(tables.ROWS, "scenario = ? AND variation = ''", (scenario,))
         return [row for row in rows if row.outcome == "failed"]
 
     def forget_costs_of_other_processors(self, processor: str) -> None:
@@ -203,9 +206,12 @@ class Store:
             If a record cannot be read.
         """
         costs = {one.key: one.cost for one in self.select(tables.COSTS)}
+        stored = self.select(tables.ROWS, order=f"{_SORTED}, -timestep")
+        varied = [row for row in stored if row.variation]
         rows = [
             replace(row, **vars(cost)) if (cost := costs.get(row.key)) else row
-            for row in self.select(tables.ROWS, order=f"{_SORTED}, -timestep")
+            for row in stored
+            if not row.variation
         ]
         scenes = {
             stored.scenario: SceneResult(*as_result_file_error(stored.solved)())
@@ -227,18 +233,17 @@ class Store:
             defaults=self.select(tables.DEFAULT_EFFECTS, order=_SORTED),
             encodings=self.select(tables.ENCODINGS, order=_SORTED),
             evidence=self.select(tables.EVIDENCE, order=_SORTED),
-            sweeps=self._sweeps(),
+            sweeps=as_result_file_error(swept)(self._sweeps(), varied),
             methods={(e.name, method.name): method for e in engines for method in e.methods},
             stock_timesteps={e.name: e.stock_timestep for e in engines if e.stock_timestep},
         )
 
-    def points(self, scenario: str) -> list[PlacedRow]:
-        """The stored points of a scene, of all sweeps: two maps that share a place share them."""
-        return self.select(tables.POINTS, "scenario = ?", (scenario,))
+    def varied(self, scenario: str) -> list[Row]:
+        """The stored runs of a scene that is varied: two maps that share a place share them."""
+        return self.select(tables.ROWS, "scenario = ? AND variation != ''", (scenario,))
 
-    def _sweeps(self) -> list[SweepResult]:
-        stored = self.select(tables.SWEEPS, order="scenario, sweep")
-        return as_result_file_error(swept)(stored, self.select(tables.POINTS))
+    def _sweeps(self) -> list[DefinedSweep]:
+        return self.select(tables.SWEEPS, order="scenario, sweep")
 
     def _verdicts(self, timesteps: str) -> list[Verdict]:
         where, values = ("timesteps = ?", (timesteps,)) if timesteps != _LADDER else ("TRUE", ())

@@ -1,11 +1,10 @@
 """What a sweep is: a scene run at many points, on a grid of two numbers or at random."""
 
-import json
 import math
 from bisect import bisect_left
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass
 from itertools import pairwise, product
 from typing import Annotated, Any, ClassVar
 
@@ -13,7 +12,7 @@ from pydantic import AfterValidator, Field
 
 from ...scenarios import Scenario, loads
 from ...scenarios.vary import MAX_COUNT, TIMESTEP, Axis, check_path
-from .records import Pair, Record, Row, SceneName
+from .records import Record, Row, SceneName
 
 #: A month on one core.
 MAX_MEMBERS = 1_000_000
@@ -27,26 +26,24 @@ class SweepPoint:
 
     Attributes
     ----------
-    at : the axes' values in the order of the axes; of an ensemble the member's number
     numbers : what is varied, by path, in the order of the axes; none for a member
     member : seed and number; None of a map
     timestep : s; None if it is chosen from the scene at the point, or is each engine's stock one
     """
 
-    at: tuple[float, ...]
     numbers: tuple[tuple[str, float], ...] = ()
     member: tuple[int, int] | None = None
     timestep: float | None = None
 
     @property
-    def identity(self) -> str:
-        """JSON that identifies scene and timestep, whichever sweep the point belongs to."""
+    def varied(self) -> dict[str, float]:
+        """Scene and timestep, which identify the point, whichever sweep it belongs to."""
         parts: dict[str, float] = dict(self.numbers)
         if self.member is not None:
             parts["seed"], parts["member"] = self.member
         if self.timestep is not None:
             parts[TIMESTEP] = self.timestep
-        return json.dumps(parts, sort_keys=True)
+        return parts
 
     def __str__(self) -> str:
         """The sweep in words."""
@@ -112,7 +109,7 @@ class Map:
         if not all(_is_on(axis, value) for value, axis in zip(at, self.axes, strict=True)):
             return None
         point = self._at(at)
-        return point if json.loads(point.identity) == parts else None
+        return point if point.varied == parts else None
 
     def check(self, scenario: Scenario) -> None:
         """Check that the scene has both numbers; raises a ValueError that names the path."""
@@ -127,7 +124,7 @@ class Map:
     def _at(self, at: tuple[float, ...]) -> SweepPoint:
         numbers = dict(zip(self.names, at, strict=True))
         timestep = numbers.pop(TIMESTEP, self.timestep)
-        return SweepPoint(at, tuple(numbers.items()), None, timestep)
+        return SweepPoint(tuple(numbers.items()), None, timestep)
 
 
 @dataclass(frozen=True)
@@ -165,7 +162,7 @@ class Ensemble:
         if type(number) is not int or not 0 <= number < self.members:
             return None
         point = self._member(number)
-        return point if json.loads(point.identity) == parts else None
+        return point if point.varied == parts else None
 
     def check(self, scenario: Scenario) -> None:
         """Nothing to do: every scene can be scattered."""
@@ -175,7 +172,7 @@ class Ensemble:
         return f"{self.members} members of seed {self.seed}"
 
     def _member(self, number: int) -> SweepPoint:
-        return SweepPoint((float(number),), (), (self.seed, number), self.timestep)
+        return SweepPoint((), (self.seed, number), self.timestep)
 
 
 def _is_on(axis: Axis, value: object) -> bool:
@@ -183,26 +180,6 @@ def _is_on(axis: Axis, value: object) -> bool:
         return False
     at = bisect_left(axis.values, value)
     return at < len(axis.values) and axis.values[at] == value
-
-
-@dataclass(frozen=True)
-class PlacedRow(Row):
-    """A run at a point of a sweep, without its samples.
-
-    Attributes
-    ----------
-    at : the axes' values in the order of the axes; of an ensemble the member's number
-    place : the point's identity
-    """
-
-    engine_version: str = field(default="", kw_only=True)
-    at: tuple[float, ...] = ()
-    place: str = ""
-
-    @property
-    def pair(self) -> Pair:
-        """Engine and method."""
-        return self.key.engine, self.key.method
 
 
 @dataclass(frozen=True)
@@ -234,18 +211,27 @@ class SweepResult:
 
     sweep: Map | Ensemble
     scenario: Scenario
-    points: tuple[PlacedRow, ...]
+    points: tuple[Row, ...]
+
+    def at(self, point: Row) -> tuple[float, ...]:
+        """Return a point's values in the order of the axes; of an ensemble the member's number."""
+        return place(self.sweep, point)
 
 
-def swept(stored: Iterable[DefinedSweep], points: Iterable[PlacedRow]) -> list[SweepResult]:
+def place(sweep: Map | Ensemble, point: Row) -> tuple[float, ...]:
+    """As `SweepResult.at`."""
+    return tuple(map(point.varied.__getitem__, sweep.names))
+
+
+def swept(stored: Iterable[DefinedSweep], points: Iterable[Row]) -> list[SweepResult]:
     """The sweeps with their points.
 
     Raises
     ------
     ValueError
-        If a definition, or a point's identity, is none.
+        If a definition is none.
     """
-    of_scene: dict[str, list[PlacedRow]] = defaultdict(list)
+    of_scene: dict[str, list[Row]] = defaultdict(list)
     for row in points:
         of_scene[row.key.scenario].append(row)
     return [
@@ -254,14 +240,10 @@ def swept(stored: Iterable[DefinedSweep], points: Iterable[PlacedRow]) -> list[S
     ]
 
 
-def points_of(sweep: Map | Ensemble, stored: Iterable[PlacedRow]) -> tuple[PlacedRow, ...]:
+def points_of(sweep: Map | Ensemble, stored: Iterable[Row]) -> tuple[Row, ...]:
     """The points of a sweep among those of its scene, in its order.
 
     It loops over the stored points, not over all of the sweep: few may have been run.
     """
-    found = [
-        replace(row, at=point.at)
-        for row in stored
-        if (point := sweep.point(json.loads(row.place))) is not None
-    ]
-    return tuple(sorted(found, key=lambda row: (row.at, row.pair)))
+    found = [row for row in stored if sweep.point(row.varied) is not None]
+    return tuple(sorted(found, key=lambda row: (place(sweep, row), row.pair)))

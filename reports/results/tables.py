@@ -32,7 +32,7 @@ from .evidence import Evidence
 from .provenance_records import DeclaredEngine, EnvironmentEntry, Fingerprint
 from .records import MOTIONS, Key, Record, Row, SolvedScene
 from .result_file import ResultFileError
-from .sweep_records import DefinedSweep, PlacedRow
+from .sweep_records import DefinedSweep
 from .verdicts import Verdict
 
 #: Bytes of an array's header: magic, shape and type (numpy.lib.format).
@@ -142,14 +142,12 @@ class Table(Generic[R]):
     key : the columns that identify a record: fields of it, or of its `Key`
     rests_on : the kinds of fingerprints that a record rests on, if any; it has their digest beside
         its key, so that records of several programs, scenes and engines can be kept
-    with_motion : whether the motion of a record that has one is kept
     """
 
     name: str
     record: type[R]
     key: tuple[str, ...]
     rests_on: tuple[str, ...] = ()
-    with_motion: bool = True
 
     @property
     def sql(self) -> str:
@@ -164,8 +162,7 @@ class Table(Generic[R]):
     @cached_property
     def motions(self) -> tuple[str, ...]:
         """The columns of blobs."""
-        names = MOTIONS if self.with_motion else ()
-        return tuple(field.name for field in fields(self.record) if field.name in names)
+        return tuple(field.name for field in fields(self.record) if field.name in MOTIONS)
 
     def columns(self, record: R) -> dict[str, Any]:
         """A record as it is stored; a field that is None, as it is by default, is left out."""
@@ -251,7 +248,7 @@ ENGINES = Table("engines", DeclaredEngine, ("name",))
 FINGERPRINTS = Table("fingerprints", Fingerprint, ("scenario", "engine", "kind"))
 SCENES = Table("scenes", SolvedScene, ("scenario",), ("motion",))
 _RUN, _COST = ("motion", "run", "engine"), ("motion", "timing", "engine")
-ROWS = Table("rows", Row, (*_ONE_METHOD, "timestep"), _RUN)
+ROWS = Table("rows", Row, (*_ONE_METHOD, "variation", "timestep"), _RUN)
 EVIDENCE = Table("evidence", Evidence, _ONE_METHOD, _RUN)
 VERDICTS = Table("verdicts", Verdict, (*_ONE_METHOD, "timesteps"), (*_RUN, "verdict"))
 COSTS = Table("costs", MethodCost, _ONE_METHOD, _COST)
@@ -271,8 +268,7 @@ OF_STUDIES = (
     ENCODINGS,
 )
 SWEEPS = Table("sweeps", DefinedSweep, ("scenario", "sweep"), ("motion",))
-POINTS = Table("points", PlacedRow, ("scenario", "place", "engine", "method"), _RUN, False)
 TABLES: tuple[Table[Any], ...] = (
-    *(ENVIRONMENT, ENGINES, FINGERPRINTS, SCENES, SWEEPS, POINTS),
+    *(ENVIRONMENT, ENGINES, FINGERPRINTS, SCENES, SWEEPS),
     *OF_STUDIES,
 )

@@ -28,7 +28,7 @@ pytestmark = pytest.mark.slow
 FULL = 100_000
 #: A file is cut at this many places, and damaged at as many.
 STRIDES = 20
-READERS = (["rows"], ["verdicts"], ["report", "--out", "pages"], ["compare"])
+READERS = (["rows"], ["report", "--out", "pages"], ["compare"])
 #: Nothing that a record holds may be any of these.
 DAMAGE = {
     "half JSON": "{",

@@ -275,7 +275,7 @@ ASKED = {
 @pytest.mark.parametrize(("kind", "changed"), ASKED.values(), ids=ASKED)
 def test_a_sweep_that_nobody_can_ask_for_is_one_message(path, kind, changed):
     with_asked(path, kind, **changed)
-    for command in ("rows", "points", "report"):
+    for command in ("rows", "report"):
         done = command_line.spincheck(command, str(path))
         assert (done.returncode, done.stdout) == (BAD_INPUT, "")
         assert len(done.stderr.splitlines()) == 1
@@ -285,22 +285,23 @@ def test_a_sweep_that_nobody_can_ask_for_is_one_message(path, kind, changed):
 def test_reading_the_largest_ensemble_takes_as_long_as_what_there_is_of_it(path):
     with_asked(path, "members", members=MAX_MEMBERS)
     places = 0
-    identity = SweepPoint.identity.fget
+    varied = SweepPoint.varied.fget
 
-    def counted(place: SweepPoint) -> str:
+    def counted(place: SweepPoint) -> dict[str, float]:
         nonlocal places
         places += 1
-        return identity(place)
+        return varied(place)
 
-    with open_store(path) as store, patch.object(SweepPoint, "identity", property(counted)):
+    with open_store(path) as store, patch.object(SweepPoint, "varied", property(counted)):
         (ensemble,) = (one for one in store.read().sweeps if one.sweep.kind == "ensemble")
     assert len(ensemble.points) == small_result_file.MEMBERS
     assert places < 10 * len(columns(path))
 
 
+FORMS = ([], ["--csv"], ["--json"])
 OUTPUTS = (
-    *(["rows"], ["rows", "--csv"], ["rows", "--json"], ["points"], ["points", "--csv"]),
-    *(["verdicts"], ["verdicts", "--csv"], ["verdicts", "--json"], ["report"]),
+    *(["rows", *verdicts, *form] for verdicts in ([], ["--verdicts"]) for form in FORMS),
+    ["report"],
 )
 
 
@@ -308,7 +309,6 @@ def test_nothing_in_a_file_commands_a_terminal_or_a_page(path):
     kept = {"rows": "printed", "verdicts": "quoted", "environment": "value"}
     forge(path, [(table, f"record.{name}") for table, name in kept.items()], HOSTILE)
     forge(path, [("rows", "record.reason"), ("rows", "record.engine_version")], HOSTILE)
-    forge(path, [("points", "record.reason")], HOSTILE)
     forge(path, [("verdicts", "record.unmet")], [HOSTILE])
     shown = "".join(command_line.spincheck(*arguments, str(path)).stdout for arguments in OUTPUTS)
     pages = [page for page in path.parent.rglob("*") if page.suffix in (".html", ".md")]

@@ -69,7 +69,7 @@ def test_a_temporary_folder_that_fills_is_no_verdict_on_an_engine(folder, monkey
 
 READING = {
     "rows": ["rows", "results.sqlite"],
-    "verdicts": ["verdicts", "results.sqlite"],
+    "verdicts": ["rows", "--verdicts", "results.sqlite"],
     "report": ["report", "results.sqlite", "--out", "../pages"],
 }
 WRITING = {

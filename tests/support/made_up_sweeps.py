@@ -1,9 +1,9 @@
 """Maps and ensembles without a run: points whose errors and ends are known."""
 
 from spincheck.engines import Method
-from spincheck.reports.results.records import Key
+from spincheck.reports.results.records import Key, Row, variation
 from spincheck.reports.results.results import Results
-from spincheck.reports.results.sweep_records import Ensemble, Map, PlacedRow, SweepResult
+from spincheck.reports.results.sweep_records import Ensemble, Map, SweepResult
 from spincheck.scenarios import EFFECTS, Errors, Scenario, loads
 from spincheck.scenarios.vary import Axis, parse_axis
 
@@ -67,22 +67,21 @@ def axes(*texts: str) -> tuple[Axis, Axis]:
     return first, second
 
 
-def point(
-    at: tuple[float, float], pair: tuple[str, str], timestep: float, base: Scenario
-) -> PlacedRow:
+def point(at: tuple[float, float], pair: tuple[str, str], timestep: float, base: Scenario) -> Row:
     """Diverges where Euler turns by more than 1, fails beyond 10; PyBullet clamps beyond π/4."""
     key = Key(base.name, *pair)
+    varied = {"variation": variation({"start.omega_body[2]": at[0], "timestep": at[1]})}
     turn = at[0] * timestep
     if pair == ("pybullet", "multibody") and turn > METHODS[pair].max_rotation_per_step:
-        return PlacedRow(key, timestep, "unsupported", f"too far {MISCHIEF}", "clamp", at=at)
+        return Row(key, "", timestep, "unsupported", f"too far {MISCHIEF}", "clamp", **varied)
     if pair[1] == "Euler" and turn > 1:
         cause = "not-finite" if turn < 10 else "energy"
-        return PlacedRow(key, timestep, "diverged", f"blew up {MISCHIEF}", cause, 0.25, at=at)
+        return Row(key, "", timestep, "diverged", f"blew up {MISCHIEF}", cause, 0.25, **varied)
     error = timestep ** ORDERS[pair[1]]
     errors = Errors(*(k * error for k in range(1, 7)))
     steps = round(base.window.duration / timestep)
-    kept = {"errors": errors, "reference_uncertainty": UNCERTAINTY, "steps": steps, "at": at}
-    return PlacedRow(key, timestep, "ok", turns=TURNS, **kept)
+    kept = {"errors": errors, "reference_uncertainty": UNCERTAINTY, "steps": steps} | varied
+    return Row(key, "", timestep, "ok", turns=TURNS, **kept)
 
 
 def map_result(text: str = DISC, name: str = "disc") -> SweepResult:
@@ -106,18 +105,17 @@ def ensemble_result(members: int = 10, name: str = "disc") -> SweepResult:
     for k in range(members):
         for pair in METHODS:
             key = Key(name, *pair)
+            varied = {"variation": variation({"member": k, "seed": 7, "timestep": 0.01})}
             if pair[0] == "pybullet" and k % 2:
                 ended = ("diverged", f"blew up {MISCHIEF}", "not-finite", 10.0 - k)
-                points.append(
-                    PlacedRow(key, 0.01, *ended, at=(float(k),), place=str(k), turns=k / 10)
-                )
+                points.append(Row(key, "", 0.01, *ended, turns=k / 10, **varied))
                 continue
             error = (k + 1) / 100 * (1e-6 if pair[1] == "RK4" else 1.0)
             errors = Errors(*(k * error for k in range(1, 7)))
             kept = {"errors": errors, "reference_uncertainty": UNCERTAINTY, "steps": 1000}
             within = TURNS / (k + 1) if pair == ("mujoco", "Euler") else None
             kept |= {"turns": TURNS, "turns_within_1deg": within, "attitude_a_turn": error / TURNS}
-            points.append(PlacedRow(key, 0.01, "ok", at=(float(k),), place=str(k), **kept))
+            points.append(Row(key, "", 0.01, "ok", **kept, **varied))
     return SweepResult(Ensemble(name, members, 7, 0.01), base, tuple(points))
 
 

@@ -16,7 +16,7 @@ from spincheck.reports.results.cost_records import (
 )
 from spincheck.reports.results.default_records import DefaultEffect, DefaultEffects
 from spincheck.reports.results.provenance_records import Fingerprint
-from spincheck.reports.results.records import Key
+from spincheck.reports.results.records import Key, variation
 from spincheck.reports.results.store import open_store
 from spincheck.reports.results.sweep_records import DefinedSweep, Ensemble, Map
 from spincheck.scenarios import Errors
@@ -71,6 +71,6 @@ def _put_sweeps(store) -> None:
     for definition in (Map(SWEPT, axes, None), Ensemble(SWEPT, MEMBERS, 7, 0.01)):
         store.put(DefinedSweep(SWEPT, definition, base.text))
         for place in definition.points():
-            at = (*place.at, 0.0)[:2]
-            point = made_up_sweeps.point(at, ("mujoco", "RK4"), place.timestep, base)
-            store.put(replace(point, place=place.identity))
+            spin = dict(place.numbers).get("start.omega_body[2]", 0.0)
+            point = made_up_sweeps.point((spin, 0.0), ("mujoco", "RK4"), place.timestep, base)
+            store.put(replace(point, variation=variation(place.varied)))

@@ -1,6 +1,6 @@
 """Studies and sweeps of a result file, in this process unless a test brings an executor."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 
 import pytest
@@ -13,7 +13,7 @@ from spincheck.reports.harness.sweep import plan_sweep, run_sweep
 from spincheck.reports.results.records import Record, Row
 from spincheck.reports.results.results import Results
 from spincheck.reports.results.store import Store, open_store
-from spincheck.reports.results.sweep_records import Ensemble, Map, PlacedRow, points_of
+from spincheck.reports.results.sweep_records import Ensemble, Map, points_of
 from spincheck.reports.results.verdicts import Verdict
 from spincheck.scenarios import Scenario
 
@@ -47,11 +47,11 @@ def sweep(
     choice: Choice,
     executor: Executor | None = None,
     progress: Progress = len,
-) -> tuple[PlacedRow, ...]:
+) -> tuple[Row, ...]:
     """Run what is missing of a sweep; returns its points."""
     with open_store(path, create=True) as store, executor or InProcess() as calls:
         run_sweep(plan_sweep(definition, scene, choice, store), scene, store, calls, progress)
-        return points_of(definition, store.points(scene.name))
+        return points_of(definition, store.varied(scene.name))
 
 
 def stop_at(
@@ -74,3 +74,8 @@ def stop_at(
 def verdict_of(study: ConvergenceStudy) -> Verdict:
     """Run the ladder of one method to its end."""
     return run_and_judge(study, InProcess())
+
+
+def numbers_of(points: Iterable[Row]) -> list[dict[str, object]]:
+    """All that is kept of points, which have no arrays."""
+    return [vars(point) for point in points]

@@ -1,4 +1,4 @@
-"""Commands about engines: a list, versions, a protocol check, one run to paste into an issue."""
+"""Commands about engines: a list, a protocol check, one run to paste into an issue."""
 
 import shlex
 import textwrap
@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from ..options import CORES, RESULT_FILE, AsEncoded, AsJson, Jobs, Methods, Python, Scene, Timestep
+from ..options import AsJson, Scene, Timestep
 from ..terminal import (
     AGREES,
     DISAGREES,
@@ -45,13 +45,24 @@ def list_engines(
             "--remove", metavar="ENGINE@VERSION", help="Remove this version; may be repeated."
         ),
     ] = None,
+    encodings: Annotated[
+        bool,
+        typer.Option(
+            "--encodings", help="List the descriptions of a body that 'run --as' compares."
+        ),
+    ] = False,
 ) -> None:
     """List engines, their methods, orders of accuracy and effects.
 
     'spincheck run --engine mujoco@3.1.6' installs that version, into a folder of its own.
     """
     from ....engines import engines, missing
+    from ..run.encodings import encoding_rows
 
+    if encodings:
+        described = encoding_rows()
+        print(to_json(described)) if as_json else table(described)
+        return
     if installed or remove:
         list_installed(remove or [], as_json)
         return
@@ -61,7 +72,7 @@ def list_engines(
             "version": engine.version,
             "method": method.name,
             "order": method.order,
-            "attitude order": method.attitude_order,
+            "attitude_order": method.attitude_order,
             "effects": ", ".join(sorted(method.effects)),
             "summary": method.summary,
         }
@@ -99,15 +110,6 @@ def _methods_of(engine: "Engine") -> Iterator[str]:
             break_on_hyphens=False,
         )
     yield ""
-
-
-@app.command("encodings", epilog="Example: spincheck encodings --json")
-def list_encodings(as_json: AsJson = False) -> None:
-    """List the descriptions of a body that mean the same, which 'run --as' compares."""
-    from ..run.encodings import encoding_rows
-
-    rows = encoding_rows()
-    print(to_json(rows)) if as_json else table(rows)
 
 
 @app.command(epilog="Example: spincheck conform -- node my-engine.mjs")
@@ -167,10 +169,12 @@ def _conclusion(problems: int, wrong: int, checks: int) -> str:
 )
 def reproduce(
     scenario: Scene,
-    engine: Annotated[str, typer.Option(help="One of 'spincheck engines', or mujoco@VERSION.")],
-    method: Annotated[str, typer.Option(help="One of the engine's methods.")],
+    engine: Annotated[
+        str, typer.Option(metavar="ENGINE", help="One of 'spincheck engines', or mujoco@VERSION.")
+    ],
+    method: Annotated[str, typer.Option(metavar="METHOD", help="One of the engine's methods.")],
     timestep: Timestep,
-    out: Annotated[Path | None, typer.Option(help="The file to write.")] = None,
+    out: Annotated[Path | None, typer.Option(metavar="FILE", help="The file to write.")] = None,
 ) -> None:
     """Write one run as a file that needs the engine alone, for an issue.
 
@@ -216,7 +220,7 @@ def list_installed(remove: list[str], as_json: bool) -> None:
         with as_complaint(VersionError, before="'--remove': "):
             say(f"Removed {remove_version(name)}")
     rows = [
-        {"engine": one.name, "MB": round(one.megabytes), "folder": str(one.folder)}
+        {"engine": one.name, "megabytes": round(one.megabytes), "folder": str(one.folder)}
         for one in installed()
     ]
     if as_json:
@@ -225,62 +229,3 @@ def list_installed(remove: list[str], as_json: bool) -> None:
         table(rows)
     else:
         say("No version is installed; 'spincheck run --engine mujoco@3.1.6' installs one.")
-
-
-@app.command(epilog="Example: spincheck versions mujoco 3.3.0 4.0.0 fast-top")
-def versions(
-    engine: Annotated[str, typer.Argument(metavar="ENGINE", help="Such as mujoco.")],
-    arguments: Annotated[
-        list[str],
-        typer.Argument(
-            metavar="VERSION|SCENARIO",
-            help="Two versions or more, oldest first; then scenes, if any.",
-        ),
-    ],
-    method: Methods = None,
-    jobs: Jobs = CORES,
-    out: Annotated[Path, typer.Option(help="The result file; added to.")] = RESULT_FILE,
-    as_encoded: AsEncoded = "",
-    python: Python = "",
-    as_json: AsJson = False,
-) -> None:
-    """Compare versions of an engine: verdicts, outcomes, errors, cost.
-
-    Each version is installed once, into a folder of its own, and run as 'spincheck run --engine
-    ENGINE@VERSION' does; neighbours are compared as 'spincheck compare' compares result files.
-
-    Exits with 1 if anything got worse from one version to the next.
-    """
-    from ..choosing import Where
-    from ..results.compare import (
-        SCENES,
-        changes_as_json,
-        changes_between_versions,
-        exit_code,
-        print_changes,
-    )
-    from ..run import running
-    from ..run.encodings import encoding_changes, encoding_lines, named_encodings
-
-    numbers = [word for word in arguments if word[:1].isdigit()]
-    if len(numbers) < 2:
-        raise Complaint("'versions' takes two versions at the least, oldest first")
-    scenes = [word for word in arguments if word not in numbers] or list(SCENES)
-    names = [f"{engine}@{number}" for number in numbers]
-    encodings = named_encodings(as_encoded)
-    results = running.run(
-        *(scenes, names, method or [], [], Where(jobs), out), python=python, encodings=encodings
-    )
-    changed = changes_between_versions(results, names)
-    if as_json:
-        print(to_json(changes_as_json(changed)))
-    else:
-        print_changes(changed)
-        if encodings:
-            for line in (
-                *encoding_lines(results.encodings),
-                *encoding_changes(results.encodings, names),
-            ):
-                print(line)
-        say(f"Results are in {out}; 'spincheck report {out}' shows the versions side by side.")
-    raise typer.Exit(exit_code(changed))

@@ -1,50 +1,72 @@
-"""What the commands `compare` and `versions` do: what changed from one result to another."""
+"""What the command `compare` does: what changed from one result to another."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import asdict, replace
-from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
-from ...pages.analysis.changes import COST_FACTOR, ERROR_FACTOR, Change, changes
+from ...pages.analysis.changes import COST_FACTOR, ERROR_FACTOR, Change, Direction, changes
 from ...pages.analysis.wording import plural
+from ...results.encoding_records import WRONG
 from ...results.results import Results
 from ..run import running
-from ..terminal import AGREES, DISAGREES, table
-
-#: The default scenes: a free body, a heavy top, and one whose spin decays.
-SCENES = ("tennis-racket", "fast-top", "book-with-drag")
+from ..terminal import AGREES, DISAGREES, Complaint, table
 
 
-def changes_between_versions(results: Results, names: Sequence[str]) -> list[Change]:
-    """All changes between neighbours; the engine of a change is such as "mujoco@3.3.0 → 4.0.0".
+def compare(old: str, new: str, stored: Path) -> list[Change]:
+    """Return what changed from one result file, or one version of an engine, to another.
 
     Parameters
     ----------
-    names : engine@version, oldest first
+    old, new : two result files, or two engines of `stored`, of which one is a version, such as
+        mujoco@3.3.0
     """
-    return [
-        change
-        for older, newer in pairwise(names)
-        for name in [f"{older} → {newer.partition('@')[2]}"]
-        for change in changes(_alone(results, older, name), _alone(results, newer, name))
-    ]
+    if "@" in old + new and not (Path(old).exists() and Path(new).exists()):
+        return changes_between_versions(running.read(stored), old, new)
+    return _all_changes(running.read(Path(old)), running.read(Path(new)))
+
+
+def changes_between_versions(results: Results, older: str, newer: str) -> list[Change]:
+    """Return the changes; the engine of each is such as "mujoco@3.3.0 → 4.0.0"."""
+    for name in (older, newer):
+        if not any(verdict.key.engine == name for verdict in results.verdicts):
+            raise Complaint(
+                f"{name}: no result of it is in the file; 'spincheck run SCENE --engine {name}' "
+                "makes them"
+            )
+    name = f"{older} → {newer.partition('@')[2] or newer}"
+    return _all_changes(_alone(results, older, name), _alone(results, newer, name))
+
+
+def _all_changes(old: Results, new: Results) -> list[Change]:
+    return [*changes(old, new), *_described_otherwise(old, new)]
+
+
+def _described_otherwise(old: Results, new: Results) -> Iterator[Change]:
+    """Yield a change for each encoding of a body that is answered otherwise."""
+    before, now = (
+        {(runs.key, one.encoding): one.word for runs in results.encodings for one in runs.each}
+        for results in (old, new)
+    )
+    for (key, encoding), word in before.items():
+        if (other := now.get((key, encoding), word)) != word:
+            worse = (other in WRONG) - (word in WRONG)
+            direction: Direction = "worse" if worse > 0 else "better" if worse else "other"
+            name = f"as {encoding}"
+            yield Change("outcome", name, word, other, direction, worse > 0, **vars(key))
 
 
 def _alone(results: Results, engine: str, name: str) -> Results:
     """The results of one engine, under a name that is shared with what they are compared with."""
     rows = [row for row in results.rows if row.key.engine == engine]
     verdicts = [verdict for verdict in results.verdicts if verdict.key.engine == engine]
+    encodings = [runs for runs in results.encodings if runs.key.engine == engine]
     return replace(
         results,
         rows=[replace(row, key=replace(row.key, engine=name)) for row in rows],
         verdicts=[replace(one, key=replace(one.key, engine=name)) for one in verdicts],
+        encodings=[replace(one, key=replace(one.key, engine=name)) for one in encodings],
     )
-
-
-def compare(old: Path, new: Path) -> list[Change]:
-    """What changed from one result file to another."""
-    return changes(running.read(old), running.read(new))
 
 
 def exit_code(changes: Sequence[Change]) -> int:

@@ -3,12 +3,12 @@
 import csv
 import io
 from collections.abc import Iterator, Mapping, Sequence
-from pathlib import Path
+from typing import Annotated
 
 import typer
 
 from ..options import RESULT_FILE, AsCsv, AsJson, Stored
-from ..terminal import Complaint, as_complaint, say, to_json
+from ..terminal import Complaint, as_complaint, to_json
 
 #: What a formula begins with, or white space that spreadsheets pass over before one.
 FORMULA = ("=", "+", "-", "@", "\t", "\n")
@@ -55,53 +55,31 @@ MEGABYTE = 1e6
 
 
 @app.command(epilog="Example: spincheck rows spincheck.sqlite --csv")
-def rows(results: Stored = RESULT_FILE, as_csv: AsCsv = False, as_json: AsJson = False) -> None:
-    """Print every run of a result file.
+def rows(
+    results: Stored = RESULT_FILE,
+    verdicts: Annotated[
+        bool, typer.Option("--verdicts", help="Print every verdict instead.")
+    ] = False,
+    as_csv: AsCsv = False,
+    as_json: AsJson = False,
+) -> None:
+    """Print every run of a result file, those of maps and ensembles too.
 
     The table is cut to 80 columns; --csv and --json have every number in full.
     """
-    _print_all("rows", results, as_csv, as_json)
-
-
-@app.command(epilog="Example: spincheck verdicts spincheck.sqlite --json")
-def verdicts(results: Stored = RESULT_FILE, as_csv: AsCsv = False, as_json: AsJson = False) -> None:
-    """Print every verdict of a result file.
-
-    The table is cut to 80 columns; --csv and --json have every number in full.
-    """
-    _print_all("verdicts", results, as_csv, as_json)
-
-
-@app.command(epilog="Example: spincheck points spincheck.sqlite --csv")
-def points(results: Stored = RESULT_FILE, as_csv: AsCsv = False, as_json: AsJson = False) -> None:
-    """Print every point of every map and ensemble of a result file.
-
-    The table is cut to 80 columns; --csv and --json have every number in full.
-    """
-    _print_all("points", results, as_csv, as_json)
-
-
-def _print_all(name: str, file: Path, as_csv: bool, as_json: bool) -> None:
-    """Print the records of one of `PRINTED`."""
     from ....scenarios import printable
     from ..run import running
-    from ..run.summary import PRINTED
+    from ..run.summary import run_lines, run_records, verdict_lines, verdict_records
 
-    records, lines = PRINTED[name](running.read(file))
     if as_csv and as_json:
         raise Complaint("takes '--csv' or '--json', not both")
-    if not records:
-        command = (
-            "spincheck map' or 'spincheck run --ensemble" if name == "points" else "spincheck run"
-        )
-        say(f"{file}: holds no {name}; '{command}' fills it")
-    if as_csv:
-        print(csv_text(records) if records else "", end="")
-    elif as_json:
-        print(to_json(records))
-    else:
-        for line in lines:
-            print(printable(line))
+    found = running.read(results)
+    if as_csv or as_json:
+        records = verdict_records(found) if verdicts else run_records(found)
+        print(csv_text(records) if as_csv else to_json(records), end="" if as_csv else "\n")
+        return
+    for line in verdict_lines(found.verdicts) if verdicts else run_lines(found.every_row):
+        print(printable(line))
 
 
 @app.command(epilog="Example: spincheck tidy spincheck.sqlite")

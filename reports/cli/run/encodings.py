@@ -1,7 +1,7 @@
-"""The option `--as`, the command `encodings`, and what they print."""
+"""The option `--as`, the list of encodings, and what they print."""
 
 from collections.abc import Iterator, Sequence
-from itertools import groupby, pairwise
+from itertools import groupby
 
 from ....engines import engines
 from ....engines.encodings import ENCODINGS
@@ -24,7 +24,7 @@ def named_encodings(text: str) -> tuple[str, ...]:
         if name not in known:
             raise Complaint(
                 f"'--as' must be {ALL} or out of {', '.join(known)}, got '{name}'"
-                f"{did_you_mean(name, known)}; 'spincheck encodings' explains them"
+                f"{did_you_mean(name, known)}; 'spincheck engines --encodings' explains them"
             )
     return tuple(dict.fromkeys(names))
 
@@ -99,25 +99,3 @@ def _distance(one: EncodedRun) -> float:
 def are_alike(encodings: Sequence[EncodedRuns]) -> bool:
     """Whether no encoding is wrong."""
     return not any(one.word in WRONG for runs in encodings for one in runs.each)
-
-
-def encoding_changes(encodings: Sequence[EncodedRuns], names: Sequence[str]) -> list[str]:
-    """What became of each encoding from one version to the next, in words.
-
-    Parameters
-    ----------
-    names : engine@version, oldest first
-    """
-    words = {
-        (runs.key.engine, runs.key.scenario, runs.key.method, one.encoding): one.word
-        for runs in encodings
-        for one in runs.each
-    }
-    return [
-        f"{older} → {newer.partition('@')[2]}, {scene} {method} {encoding}: {word} → {now}"
-        for older, newer in pairwise(names)
-        for (engine, scene, method, encoding), word in words.items()
-        if engine == older
-        and (now := words.get((newer, scene, method, encoding))) is not None
-        and now != word
-    ]

@@ -75,7 +75,7 @@ def _first_failure(verdicts: Sequence[Verdict]) -> Iterator[str]:
     )
     if len(wrong) > 1:
         more = "1 more fails" if len(wrong) == 2 else f"{len(wrong) - 1} more fail"
-        yield f"{more}: 'spincheck verdicts' has them all."
+        yield f"{more}: 'spincheck rows --verdicts' has them all."
 
 
 def _lost(rows: Sequence[Row]) -> Iterator[str]:

@@ -1,4 +1,4 @@
-"""Runs, verdicts and points: lines of 80 columns where numbers allow, and JSON of everything."""
+"""Runs and verdicts: lines of 80 columns where numbers allow, and JSON of everything."""
 
 import textwrap
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
@@ -14,27 +14,34 @@ from ...results.records import Key, Row
 from ...results.results import Results
 from ...results.verdict_words import VERDICT
 from ...results.verdicts import MADE, Verdict
-from ..sweeps.sweep_running import flat_records
 
 WIDTH = 80
 #: Columns of names in a line of a verdict.
 SCENE, METHOD = 25, 25
 #: Lines that a reason takes at most.
 REASON_LINES = 3
-#: Columns of the coordinates of a point.
-PLACE = 23
+#: Columns of what is varied of a run.
+VARIED = 24
 
 
 def run_lines(rows: Sequence[Row]) -> Iterator[str]:
-    """The runs of each method below its name, coarse to fine; a star marks a stock timestep."""
-    for key, runs in groupby(rows, key=lambda row: row.key):
-        yield cut(f"{key.scenario}: {key.label}", WIDTH)
+    """Yield the runs of each method below its name; a star marks a stock timestep.
+
+    Runs of the scene as it is are listed by timestep, coarse to fine; others by what is varied.
+    """
+    for (key, varied), runs in groupby(rows, key=lambda row: (row.key, tuple(row.varied))):
+        yield cut(
+            "; ".join([f"{key.scenario}: {key.label}", ", ".join(varied)][: 1 + bool(varied)]),
+            WIDTH,
+        )
         group = list(runs)
         finished = [row for row in group if row.errors]
-        costs = ["CPU s/s", *("" if (n := cost(row)) is None else f"{n:.1e}" for row in finished)]
-        errors = (dict(row.errors) for row in finished if row.errors)
-        headings, *numbers = aligned([*of_signals(errors), costs])
-        yield f"  {'timestep, s':>11} {headings}"
+        columns = of_signals(dict(row.errors) for row in finished if row.errors)
+        if not varied:
+            costs = ("" if (n := cost(row)) is None else f"{n:.1e}" for row in finished)
+            columns.append(["CPU s/s", *costs])
+        headings, *numbers = aligned(columns) or [""]
+        yield f"  {'at':{VARIED}}{headings}" if varied else f"  {'timestep, s':>11} {headings}"
         for row in group:
             yield cut(_begun(row) + (numbers.pop(0) if row.errors else _ended(row)), WIDTH)
 
@@ -86,40 +93,15 @@ def verdict_lines(verdicts: Sequence[Verdict]) -> Iterator[str]:
         )
 
 
-def point_lines(records: Sequence[dict[str, Any]]) -> Iterator[str]:
-    """The points of each sweep below its scene and method, as `flat_records` gives them."""
-
-    def sweep_of(record: dict[str, Any]) -> str:
-        method = f"{record['engine']} {record['method']}"
-        return f"{record['scenario']}: {method}; {record['sweep']} of {', '.join(record['at'])}"
-
-    for title, grouped in groupby(sorted(records, key=sweep_of), key=sweep_of):
-        yield cut(title, WIDTH)
-        points = list(grouped)
-        headings, *numbers = aligned(of_signals(map(_errors, filter(_errors, points)))) or [""]
-        yield f"  {'at':{PLACE}} {headings}"
-        for point in points:
-            place = "  ".join(f"{value:<11.6g}" for value in point["at"].values())
-            begun = f"  {cut(place.rstrip(), PLACE):{PLACE}} "
-            if not _errors(point):
-                stopped = point["stopped_at"]
-                when = f" at {stopped:.3g} s" if stopped is not None else ""
-                why = f": {point['reason']}" if point["reason"] else ""
-                yield cut(f"{begun}{point['outcome']}{when}{why}", WIDTH)
-            else:
-                yield begun + numbers.pop(0)
-
-
-def _errors(point: dict[str, Any]) -> dict[str, float]:
-    return {s.name: point[s.key] for s in SIGNALS if point[s.key] is not None}
-
-
 def cut(text: str, width: int) -> str:
     """A text of at most so many characters."""
     return text if len(text) <= width else f"{text[: width - 1]}…"
 
 
 def _begun(row: Row) -> str:
+    if row.varied:
+        values = "  ".join(f"{value:<11.6g}" for value in row.varied.values())
+        return f"  {cut(values.rstrip(), VARIED - 1):{VARIED}}"
     return f"{'*' if row.stock else ' '} {row.timestep:11.5g} "
 
 
@@ -163,27 +145,16 @@ def _survival_record(survival: Survival | None) -> dict[str, Any]:
     }
 
 
+def run_records(results: Results) -> list[dict[str, Any]]:
+    """Return every run of a result file, those of sweeps too, as `row_record` does."""
+    return [row_record(row) for row in results.every_row]
+
+
 def row_record(row: Row) -> dict[str, Any]:
     """A run with the names that scripts rely on."""
-    return as_json(row) | {"survived": row.survived}
+    return as_json(row) | {"variation": row.varied, "survived": row.survived}
 
 
 def verdict_record(verdict: Verdict) -> dict[str, Any]:
     """A verdict with the names that scripts rely on."""
     return as_json(verdict) | {name: getattr(verdict, name) for name in MADE}
-
-
-Printed = tuple[list[dict[str, Any]], Iterator[str]]
-
-
-def _points(results: Results) -> Printed:
-    records = [one for sweep in results.sweeps for one in flat_records(sweep)]
-    return records, point_lines(records)
-
-
-#: By the name of a command, the records of a result file in full, and as lines.
-PRINTED: dict[str, Callable[[Results], Printed]] = {
-    "rows": lambda results: ([row_record(row) for row in results.rows], run_lines(results.rows)),
-    "verdicts": lambda results: (verdict_records(results), verdict_lines(results.verdicts)),
-    "points": _points,
-}

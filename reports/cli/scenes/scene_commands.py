@@ -6,7 +6,7 @@ from typing import Annotated, Any
 
 import typer
 
-from ..options import AsJson, Scene, Scenes
+from ..options import AsJson, Scene, Scenes, Seed
 from ..terminal import DISAGREES, Complaint, table, to_json, written
 
 app = typer.Typer()
@@ -56,14 +56,32 @@ def new(name: Annotated[str, typer.Argument(metavar="NAME", help="The scene's na
     print(f"{path} is written. Edit it, then: spincheck run {path}")
 
 
-@app.command(epilog="Example: spincheck show fast-top")
-def show(scenario: Scene, as_json: AsJson = False) -> None:
+@app.command(epilog="Example: spincheck show fast-top --vary 'start.omega_body[2]=37.3' --toml")
+def show(
+    scenario: Scene,
+    vary: Annotated[
+        list[str] | None,
+        typer.Option("--vary", metavar="PATH=VALUE", help="With another number; may be repeated."),
+    ] = None,
+    member: Annotated[
+        int | None,
+        typer.Option("--member", metavar="N", min=0, help="This member of an ensemble, from 0 on."),
+    ] = None,
+    seed: Seed = None,
+    toml: Annotated[bool, typer.Option("--toml", help="Print the scene's file.")] = False,
+    as_json: AsJson = False,
+) -> None:
     """Show a scene as it was read, with defaults and units resolved."""
+    from ..sweeps.sweep_running import varied_scene
     from .scene import scene_as_json
 
-    scene = _scenario(scenario)
+    if toml and as_json:
+        raise Complaint("takes '--toml' or '--json', not both")
+    scene = varied_scene(scenario, vary or [], member, seed)
     described = scene_as_json(scene)
-    if as_json:
+    if toml:
+        print(scene.text, end="")
+    elif as_json:
         print(to_json(described))
     else:
         print(f"{scene.title}\n\n{scene.document.description}\n\n{scene.path}\n")

@@ -1,4 +1,4 @@
-"""What the commands `map`, `member` and `run --ensemble` do, and print."""
+"""What `run --vary`, `run --ensemble` and `show --vary` do, and print."""
 
 from collections import Counter
 from collections.abc import Iterable, Sequence
@@ -12,7 +12,7 @@ from ....scenarios.vary import TIMESTEP, VaryError, check_path, parse_axis, vari
 from ...harness.choice import Choice
 from ...harness.sweep import plan_sweep, run_sweep
 from ...pages.analysis.measures import A_TURN, ATTITUDE, QUANTILES, TURNS, Members
-from ...results.as_json import as_json
+from ...results.records import Row
 from ...results.result_file import ResultFileError
 from ...results.store import open_store
 from ...results.sweep_records import (
@@ -20,13 +20,13 @@ from ...results.sweep_records import (
     MAX_SEED,
     Ensemble,
     Map,
-    PlacedRow,
     SweepResult,
     points_of,
 )
 from ..choosing import Where, check_timesteps, choose, executor_for, say_if_compiling
 from ..named_scenes import one_scene, scenes_to_run
 from ..run.running import check_all_apply, gone_on_with
+from ..run.summary import row_record
 from ..stopping import saying
 from ..terminal import (
     AGREES,
@@ -37,6 +37,7 @@ from ..terminal import (
     progress,
     say,
     table,
+    to_json,
 )
 
 
@@ -45,7 +46,7 @@ def print_sweep(swept: SweepResult) -> None:
     names = swept.sweep.names
     print(f"{swept.scenario.name}: {swept.sweep}")
     table([_line(points, names) for points in _by_method(swept.points)])
-    no_scene = {point.place: point.reason for point in swept.points if point.cause == "scene"}
+    no_scene = {point.variation: point.reason for point in swept.points if point.cause == "scene"}
     if no_scene:
         first = next(iter(no_scene.values()))
         print(f"{len(no_scene)} points are no scene; the first of them: {first}")
@@ -53,30 +54,17 @@ def print_sweep(swept: SweepResult) -> None:
 
 def sweep_as_json(swept: SweepResult) -> dict[str, Any]:
     """What was asked for, and its points, with the names that scripts rely on."""
-    names = swept.sweep.names
-    return asdict(swept.sweep) | {"points": [point_record(point, names) for point in swept.points]}
+    return asdict(swept.sweep) | {"points": [row_record(point) for point in swept.points]}
 
 
-def point_record(point: PlacedRow, names: Sequence[str]) -> dict[str, Any]:
-    """A point with the names that scripts rely on.
-
-    Parameters
-    ----------
-    names : of the numbers that are varied
-    """
-    record = as_json(point)
-    del record["place"]
-    return record | {"at": dict(zip(names, point.at, strict=True))}
-
-
-def _by_method(points: Iterable[PlacedRow]) -> list[list[PlacedRow]]:
-    by_method: dict[tuple[str, str], list[PlacedRow]] = {}
+def _by_method(points: Iterable[Row]) -> list[list[Row]]:
+    by_method: dict[tuple[str, str], list[Row]] = {}
     for point in points:
         by_method.setdefault(point.pair, []).append(point)
     return [by_method[pair] for pair in sorted(by_method)]
 
 
-def _line(points: Sequence[PlacedRow], names: Sequence[str]) -> dict[str, object]:
+def _line(points: Sequence[Row], names: Sequence[str]) -> dict[str, object]:
     outcomes = Counter(point.outcome for point in points)
     causes = Counter(point.cause for point in points if point.cause)
     run = Members(points[0].pair, tuple(point for point in points if point.simulated))
@@ -94,16 +82,8 @@ def _line(points: Sequence[PlacedRow], names: Sequence[str]) -> dict[str, object
     }
 
 
-def _place(point: PlacedRow, names: Sequence[str]) -> str:
-    return ", ".join(f"{name} {value:.6g}" for name, value in zip(names, point.at, strict=True))
-
-
-def flat_records(swept: SweepResult) -> list[dict[str, Any]]:
-    """The points of a sweep, each with what it belongs to and where it is first."""
-    sweep = swept.sweep
-    kind = f"seed {sweep.seed}" if isinstance(sweep, Ensemble) else sweep.kind
-    records = [point_record(point, sweep.names) for point in swept.points]
-    return [{"sweep": kind, "at": one.pop("at"), **one} for one in records]
+def _place(point: Row, names: Sequence[str]) -> str:
+    return ", ".join(f"{name} {point.varied[name]:.6g}" for name in names)
 
 
 #: Lines of progress that a sweep prints if there is no terminal to draw a bar on.
@@ -112,54 +92,37 @@ PROGRESS_LINES = 50
 _DURATION = "window.duration"
 
 
-def run_map(
-    scene: str,
-    ranges: Sequence[str],
-    choice: Choice,
-    where: Where,
-    out: Path,
-) -> list[SweepResult]:
-    """Run the points that a map still lacks, and read the whole map.
-
-    Parameters
-    ----------
-    ranges : two axes, as `parse_axis` reads them
-    choice : with one timestep at most
-    """
-    base = one_scene(scene)
-    sweep = _map(base, ranges, choice)
-    if _DURATION not in (axis.path for axis in sweep.axes):
-        check_timesteps([base], choice)
-    return _carried_out([(sweep, base)], choice, where, out)
-
-
-def run_ensembles(
+def run_sweeps(
     scenes: Sequence[str],
-    members: int,
+    ranges: Sequence[str],
+    members: int | None,
     seed: int,
     choice: Choice,
     where: Where,
     out: Path,
 ) -> list[SweepResult]:
-    """Run the members that ensembles still lack, and read them; see also `run_map`.
+    """Run the points that a map or an ensemble of each scene still lacks, and read all of it.
 
     Parameters
     ----------
-    members, seed : number of members of each scene, and the seed of their random numbers
+    ranges : of a map, two axes, as `parse_axis` reads them
+    members, seed : of an ensemble, the number of members, and the seed of their random numbers
+    choice : with one timestep at most
     """
+    if ranges and members is not None:
+        raise Complaint("takes '--vary' or '--ensemble', not both")
     if not scenes:
-        raise Complaint("'--ensemble' takes scenes to scatter, got none")
+        raise Complaint("'--vary' and '--ensemble' take scenes to vary, got none")
     bases = scenes_to_run(scenes, expectations=False)
-    check_timesteps(bases, choice)
-    _check_members(members, seed)
-    ensembles = [(Ensemble(base.name, members, seed, _timestep(choice)), base) for base in bases]
-    return _carried_out(ensembles, choice, where, out)
-
-
-def member_text(scene: str, seed: int, number: int) -> str:
-    """A member's scenario file."""
-    _check_members(number + 1, seed)
-    return member(one_scene(scene), seed, number).text
+    if members is None:
+        sweeps: list[Map | Ensemble] = [_map(base, ranges, choice) for base in bases]
+    else:
+        _check_members(members, seed)
+        sweeps = [Ensemble(base.name, members, seed, _timestep(choice)) for base in bases]
+    check_timesteps(
+        [b for b, s in zip(bases, sweeps, strict=True) if _DURATION not in s.names], choice
+    )
+    return _carried_out(list(zip(sweeps, bases, strict=True)), choice, where, out)
 
 
 def _check_members(members: int, seed: int) -> None:
@@ -169,23 +132,31 @@ def _check_members(members: int, seed: int) -> None:
         raise Complaint(f"'--seed' must be less than 2^128, got {seed}")
 
 
-def varied_text(scene: str, numbers: Sequence[str]) -> str:
-    """The scenario file of a scene with other numbers.
+def varied_scene(
+    scene: str, numbers: Sequence[str], number: int | None, seed: int | None
+) -> Scenario:
+    """Return a scene, or a member of an ensemble of it, with other numbers.
 
     Parameters
     ----------
     numbers : as PATH=VALUE
+    number, seed : of the member
     """
     base = one_scene(scene)
+    if number is not None:
+        _check_members(number + 1, seed or 0)
+        base = member(base, seed or 0, number)
+    elif seed is not None:
+        raise Complaint("'--seed' is for a member of an ensemble; add '--member'")
     values = dict(_number(text) for text in numbers)
     if len(values) < len(numbers):
-        raise Complaint(f"takes each number once, got {', '.join(numbers)}")
+        raise Complaint(f"'--vary' takes each number once, got {', '.join(numbers)}")
     with as_complaint(VaryError, ScenarioError):
         for path in values:
             check_path(base, path)
         if TIMESTEP in values:
             raise VaryError("the timestep is no number of the scene; give it to 'spincheck run'")
-        return varied(base, values).text
+        return varied(base, values) if values else base
 
 
 def choose_for_sweep(
@@ -211,9 +182,23 @@ def choose_for_sweep(
     return replace(choice, again=again)
 
 
-def exit_code(points: Iterable[PlacedRow]) -> int:
+def print_sweeps(swept: Sequence[SweepResult], out: Path, as_json: bool) -> None:
+    """Print sweeps, as JSON a single one or a list of them."""
+    if as_json:
+        records = [sweep_as_json(one) for one in swept]
+        print(to_json(records[0] if len(records) == 1 else records))
+        return
+    for one in swept:
+        print_sweep(one)
+    say(
+        f"Runs are in {out}; 'spincheck report {out}' draws them. 'spincheck show SCENE --toml', "
+        "with '--vary' or '--member', prints the scene of one."
+    )
+
+
+def exit_code_of(swept: Iterable[SweepResult]) -> int:
     """0 if every run came to an end of its own, 1 if one failed, 3 if all did."""
-    outcomes = {point.outcome for point in points}
+    outcomes = {point.outcome for one in swept for point in one.points}
     if outcomes <= {"failed"}:
         return NOT_RUN
     return DISAGREES if "failed" in outcomes else AGREES
@@ -224,7 +209,7 @@ def _number(text: str) -> tuple[str, float]:
     try:
         return path, float(value)
     except ValueError:
-        raise Complaint(f"takes PATH=VALUE, VALUE a number, got '{text}'") from None
+        raise Complaint(f"'--vary' takes PATH=VALUE, VALUE a number, got '{text}'") from None
 
 
 def _map(base: Scenario, ranges: Sequence[str], choice: Choice) -> Map:
@@ -270,7 +255,7 @@ def _carried_out(
                 for planned, base in left:
                     run_sweep(planned, base, store, executor, advance)
         for sweep, base in sweeps:
-            points = points_of(sweep, store.points(base.name))
+            points = points_of(sweep, store.varied(base.name))
             pairs = {key.pair for key in choice.methods_on(base)}
             chosen = tuple(row for row in points if row.pair in pairs)
             results.append(SweepResult(sweep, base, chosen))

@@ -59,7 +59,8 @@ def import_links(
     file: Annotated[Path, typer.Argument(metavar="FILE", help="URDF or MJCF.")],
     out: Annotated[Path, typer.Option(metavar="DIR", help="Made if it is not there.")],
     link: Annotated[
-        list[str] | None, typer.Option("--link", help="Only this link; may be repeated.")
+        list[str] | None,
+        typer.Option("--link", metavar="LINK", help="Only this link; may be repeated."),
     ] = None,
 ) -> None:
     """Write a scene for each link of a model, which tumbles with the inertia of the file."""

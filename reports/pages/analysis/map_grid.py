@@ -12,8 +12,8 @@ from ....reference.stability_bounds import StabilityNumbers, stability_numbers
 from ....scenarios import FloatArray
 from ....scenarios.errors import ScenarioError
 from ....scenarios.vary import TIMESTEP, Axis, varied
-from ...results.records import Pair
-from ...results.sweep_records import Map, PlacedRow, SweepResult
+from ...results.records import Pair, Row
+from ...results.sweep_records import Map, SweepResult
 
 #: Units of a scene file's numbers, by the last key of their paths.
 UNITS = {
@@ -68,12 +68,13 @@ class Grid:
         return len(up.values), len(across.values)
 
     @cached_property
-    def points(self) -> dict[Pair, dict[Node, PlacedRow]]:
+    def points(self) -> dict[Pair, dict[Node, Row]]:
         """The points by method and grid point."""
         across, up = ({value: k for k, value in enumerate(axis.values)} for axis in self.axes)
-        by_method: dict[Pair, dict[Node, PlacedRow]] = {pair: {} for pair in self.methods}
+        by_method: dict[Pair, dict[Node, Row]] = {pair: {} for pair in self.methods}
         for point in self.result.points:
-            by_method[point.pair][up[point.at[1]], across[point.at[0]]] = point
+            first, second = self.result.at(point)
+            by_method[point.pair][up[second], across[first]] = point
         return by_method
 
     @cached_property
@@ -108,10 +109,11 @@ class Grid:
                 chosen[node] = point.timestep or math.nan
         return chosen
 
-    def is_cut(self, point: PlacedRow) -> bool:
+    def is_cut(self, point: Row) -> bool:
         """Whether a run ended before the window, where the exact motion is no longer known."""
         across, up = self.axes
-        node = up.values.index(point.at[1]), across.values.index(point.at[0])
+        first, second = self.result.at(point)
+        node = up.values.index(second), across.values.index(first)
         if point.errors is None or node not in self.numbers:
             return False
         # The last sample is at the whole step nearest to the end.

@@ -9,7 +9,6 @@ import numpy as np
 from ....engines import Cause, Outcome
 from ....scenarios import SIGNAL, SIGNALS, FloatArray, Signal
 from ...results.records import Pair, Row
-from ...results.sweep_records import PlacedRow
 
 #: Degrees a rad.
 DEGREES = SIGNAL["attitude"].shown
@@ -105,12 +104,12 @@ class Mark:
 HORIZON = Mark("ok", "compared up to the reference's horizon", "diamond-tall", "#9a6b3f")
 
 
-def is_coloured(point: PlacedRow) -> bool:
+def is_coloured(point: Row) -> bool:
     """Whether a point has an error of a whole run."""
     return point.errors is not None
 
 
-def marks(points: Iterable[PlacedRow]) -> dict[tuple[Outcome, Cause], Mark]:
+def marks(points: Iterable[Row]) -> dict[tuple[Outcome, Cause], Mark]:
     """A mark for every outcome and cause among the points that have no colour."""
     kinds = {(point.outcome, point.cause) for point in points if not is_coloured(point)}
     marks_by_end = {}
@@ -137,10 +136,10 @@ class Members:
     """
 
     pair: Pair
-    points: tuple[PlacedRow, ...]
+    points: tuple[Row, ...]
 
     @property
-    def finished(self) -> tuple[PlacedRow, ...]:
+    def finished(self) -> tuple[Row, ...]:
         """The members whose runs finished."""
         return tuple(point for point in self.points if is_coloured(point))
 
@@ -162,23 +161,23 @@ class Members:
         is_own = [q in (0.5, 1.0) or math.ceil(q * len(values)) < len(values) for q in shares]
         return tuple(float(v) if own else None for v, own in zip(found, is_own, strict=True))
 
-    def worst(self, count: int) -> tuple[PlacedRow, ...]:
+    def worst(self, count: int) -> tuple[Row, ...]:
         """The worst members: those that did not finish, earliest first, then by the error of ω."""
         return tuple(sorted(self.points, key=_badness)[:count])
 
 
-def _known(measure: Measure, points: Iterable[PlacedRow]) -> FloatArray:
+def _known(measure: Measure, points: Iterable[Row]) -> FloatArray:
     values = (measure.of(point) for point in points)
     return np.sort(np.array([value for value in values if value is not None], dtype=float))
 
 
-def _badness(point: PlacedRow) -> tuple[int, float]:
+def _badness(point: Row) -> tuple[int, float]:
     if is_coloured(point):
         return 1, -(OMEGA.of(point) or 0.0)
     return 0, point.stopped_at if point.stopped_at is not None else 0.0
 
 
-def members_of(points: Iterable[PlacedRow], pairs: Iterable[Pair]) -> list[Members]:
+def members_of(points: Iterable[Row], pairs: Iterable[Pair]) -> list[Members]:
     """Sorted by method; members that an engine cannot simulate, or was not run on, are left out."""
     run = [point for point in points if point.simulated]
     return [Members(pair, tuple(point for point in run if point.pair == pair)) for pair in pairs]

@@ -9,8 +9,7 @@ import numpy as np
 
 from ....scenarios import FloatArray
 from ....scenarios.vary import TIMESTEP
-from ...results.records import Pair
-from ...results.sweep_records import PlacedRow
+from ...results.records import Pair, Row
 from ..analysis.map_grid import Grid, place_of, places, with_unit
 from ..analysis.measures import FIRST, HORIZON, Mark, is_coloured, marks
 from ..analysis.wording import ended, number, power_of_ten
@@ -56,7 +55,7 @@ def _least(grid: Grid) -> float:
     return float(math.floor(math.log10(min(positive, default=1e-1))))
 
 
-def _claimed(point: PlacedRow) -> float:
+def _claimed(point: Row) -> float:
     assert point.errors is not None
     return max(point.errors.omega, point.reference_uncertainty)
 
@@ -110,7 +109,7 @@ def _errors(grid: Grid, pair: Pair, k: int) -> Iterator[Trace]:
 
 def _signs(grid: Grid, pair: Pair, k: int, signs: dict[Any, Mark], cell: float) -> Iterator[Trace]:
     size = min(max(SIGN_PART * cell, SMALLEST_SIGN), LARGEST_SIGN)
-    by_mark: dict[Mark, list[PlacedRow]] = {}
+    by_mark: dict[Mark, list[Row]] = {}
     for point in grid.points[pair].values():
         if not is_coloured(point):
             by_mark.setdefault(signs[point.outcome, point.cause], []).append(point)
@@ -121,8 +120,8 @@ def _signs(grid: Grid, pair: Pair, k: int, signs: dict[Any, Mark], cell: float) 
         yield {
             "type": "scatter",
             "mode": "markers",
-            "x": packed(np.array([place_of(across, point.at[0]) for point in points])),
-            "y": packed(np.array([place_of(up, point.at[1]) for point in points])),
+            "x": packed(np.array([place_of(across, grid.result.at(one)[0]) for one in points])),
+            "y": packed(np.array([place_of(up, grid.result.at(one)[1]) for one in points])),
             "marker": _marker(mark, SMALLEST_SIGN if mark is HORIZON else size),
             "text": [_hover_text(grid, point) for point in points],
             "hovertemplate": _hover(pair),
@@ -141,11 +140,13 @@ def _marker(mark: Mark, size: float) -> dict[str, Any]:
     }
 
 
-def _hover_text(grid: Grid, point: PlacedRow) -> str:
+def _hover_text(grid: Grid, point: Row) -> str:
     """The hover text of a point, below the method's name."""
     if math.prod(grid.shape) > MOST_HOVER_TEXTS:
         return f"ω error {_claimed(point):.0e}" if is_coloured(point) else escape(_ended(point))
-    at = (with_unit(axis, value) for axis, value in zip(grid.axes, point.at, strict=True))
+    at = (
+        with_unit(axis, value) for axis, value in zip(grid.axes, grid.result.at(point), strict=True)
+    )
     chosen = not any(axis.path == TIMESTEP for axis in grid.axes) and point.timestep
     said = FIRST if point.errors else ()
     lines = [
@@ -162,7 +163,7 @@ def _hover(pair: Pair) -> str:
     return f"{escape(' '.join(pair))}<br>%{{text}}<extra></extra>"
 
 
-def _ended(point: PlacedRow) -> str:
+def _ended(point: Row) -> str:
     return ended(point) + (f" ({point.cause})" if point.cause else "")
 
 

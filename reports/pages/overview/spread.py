@@ -6,9 +6,9 @@ from typing import Any
 
 from ....engines import Method
 from ....reference.kinds import KINDS, kind_of
-from ...results.records import Pair
+from ...results.records import Pair, Row
 from ...results.results import Results
-from ...results.sweep_records import Ensemble, PlacedRow, SweepResult
+from ...results.sweep_records import Ensemble, SweepResult
 from ..analysis.measures import ATTITUDE, QUANTILES, Members, members_of
 from ..analysis.trace_style import TraceStyle, trace_styles
 from ..analysis.wording import NOTHING, count, duration, readable
@@ -51,7 +51,7 @@ def _of_kind(
     """The members of a kind: each engine's default and best method, the scenes and their pages."""
     # Two ensembles of a scene may have members in common.
     points = {
-        (p.key.scenario, p.place, p.pair): p for one in ensembles.values() for p in one.points
+        (p.key.scenario, p.variation, p.pair): p for one in ensembles.values() for p in one.points
     }
     shown = _shown(list(points.values()), declared)
     if not any((one.errors(ATTITUDE) > 0).any() for one in shown):
@@ -67,7 +67,7 @@ def _of_kind(
     }
 
 
-def _shown(points: Sequence[PlacedRow], declared: dict[Pair, Method | None]) -> list[Members]:
+def _shown(points: Sequence[Row], declared: dict[Pair, Method | None]) -> list[Members]:
     """The members of each engine's first method as shipped, and of the best of the others."""
     chosen: dict[tuple[str, bool], Members] = {}
     members = members_of(points, declared)

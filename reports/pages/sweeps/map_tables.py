@@ -5,8 +5,8 @@ from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from statistics import median_high
 
-from ...results.records import Pair
-from ...results.sweep_records import Ensemble, PlacedRow
+from ...results.records import Pair, Row
+from ...results.sweep_records import Ensemble
 from ..analysis.map_grid import Grid
 from ..analysis.measures import OMEGA, QUANTILES, Measure, Members, is_coloured, marks
 from ..analysis.wording import NOTHING, ended, limited, number
@@ -40,7 +40,7 @@ def worst_table(ensemble: Ensemble, members: Sequence[Members]) -> Table:
 
 def member_command(ensemble: Ensemble, number_of_member: int) -> str:
     """The shell command that writes a member as a scene file."""
-    words = ["spincheck", "member", ensemble.scenario, "--member", str(number_of_member)]
+    words = ["spincheck", "show", ensemble.scenario, "--toml", "--member", str(number_of_member)]
     path = f"{ensemble.scenario}-{ensemble.seed}-{number_of_member}.toml"
     return f"{shlex.join([*words, '--seed', str(ensemble.seed)])} > {shlex.quote(path)}"
 
@@ -54,8 +54,8 @@ def _quantile_row(of_method: Members, measure: Measure) -> Iterator[Cell]:
         yield figure(number(value))
 
 
-def _member(ensemble: Ensemble, point: PlacedRow) -> Iterator[Cell]:
-    member = int(point.at[0])
+def _member(ensemble: Ensemble, point: Row) -> Iterator[Cell]:
+    member = int(point.varied["member"])
     yield figure(str(member))
     error = OMEGA.of(point) if point.errors else None
     yield figure(limited(error, point.reference_uncertainty))
@@ -78,14 +78,14 @@ def survival_table(grid: Grid) -> Table:
 def medians_table(grid: Grid, measure: Measure) -> Table:
     """The median of a measure, likewise."""
 
-    def middle(points: list[PlacedRow]) -> str:
+    def middle(points: list[Row]) -> str:
         values = [value for point in points if (value := measure.of(point)) is not None]
         return number(median_high(values)) if values else NOTHING
 
     return _by_turn(grid, middle)
 
 
-def ends_table(points: Iterable[PlacedRow], pairs: Iterable[Pair]) -> Table:
+def ends_table(points: Iterable[Row], pairs: Iterable[Pair]) -> Table:
     """How many runs of each method finished, and how many ended in each other way."""
     points = list(points)
     marks_by_end = marks(points)
@@ -109,7 +109,7 @@ def _count(amount: int) -> Cell:
     return Cell(str(amount), "number" if amount else "number none")
 
 
-def _by_turn(grid: Grid, said: Callable[[list[PlacedRow]], str]) -> Table:
+def _by_turn(grid: Grid, said: Callable[[list[Row]], str]) -> Table:
     """What is said of the runs of each method in each range of turns that has any."""
     by_turn = {pair: _runs_by_turn(grid, pair) for pair in grid.methods}
     shown = [k for k in range(len(TURNS) + 1) if any(by_turn[pair][k] for pair in by_turn)]
@@ -119,8 +119,8 @@ def _by_turn(grid: Grid, said: Callable[[list[PlacedRow]], str]) -> Table:
     )
 
 
-def _runs_by_turn(grid: Grid, pair: Pair) -> list[list[PlacedRow]]:
-    by_turn: list[list[PlacedRow]] = [[] for _ in range(len(TURNS) + 1)]
+def _runs_by_turn(grid: Grid, pair: Pair) -> list[list[Row]]:
+    by_turn: list[list[Row]] = [[] for _ in range(len(TURNS) + 1)]
     for node, point in grid.points[pair].items():
         if point.simulated and node in grid.numbers:
             turn = grid.numbers[node].turning * point.timestep

@@ -186,7 +186,7 @@ def _ensemble_tables(
 def _words(sweep: Map | Ensemble) -> list[str]:
     """The shell command that makes a sweep, without its methods."""
     if isinstance(sweep, Map):
-        words = ["spincheck", "map", sweep.scenario]
+        words = ["spincheck", "run", sweep.scenario]
         for axis in sweep.axes:
             words += ["--vary", vary_option(axis)]
     else:

@@ -206,11 +206,11 @@ class NewerAndWorse(Newer):
 
 
 def changes_of(older: Engine, newer: Engine, file: Path) -> list[Change]:
-    """From the one to the other, run as `spincheck versions` runs them, without timing."""
+    """From the one to the other, without timing."""
     choice = Choice((older, newer), max_steps=QUICK_STEPS, timed=False)
     with open_store(file, create=True) as store:
         run_study(plan([SCENES["free"]], choice, store), choice, store, InProcess(), print)
-        return changes_between_versions(store.read(), [older.name, newer.name])
+        return changes_between_versions(store.read(), older.name, newer.name)
 
 
 def test_one_engine_twice_is_alike(tmp_path: Path) -> None:

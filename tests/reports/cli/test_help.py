@@ -1,5 +1,7 @@
 """The command line's help, and its messages about unknown names."""
 
+import re
+
 import pytest
 from case_loops import each_case
 from spincheck.reports.cli.app import app
@@ -37,6 +39,7 @@ def test_every_command_has_an_example_and_says_which_options_may_be_repeated(nam
         p for p in get_group(app).get_command(None, name).params if p.param_type_name == "option"
     ]
     assert [p.opts for p in options if p.multiple and "repeated" not in p.help] == []
+    assert not re.search(r"<\w", usage), "a type of Python's"
 
 
 def test_shells_complete_commands(monkeypatch):

@@ -21,17 +21,18 @@ from spincheck.reports.harness.stock import COMMON_TIMESTEP
 from spincheck.reports.harness.sweep import plan_sweep
 from spincheck.reports.harness.sweep_points import STEP_TURN, rung_at
 from spincheck.reports.results import fingerprints as fingerprints
+from spincheck.reports.results.records import Row
 from spincheck.reports.results.store import open_store
 from spincheck.reports.results.sweep_records import (
     MAX_MEMBERS,
     Axis,
     Ensemble,
     Map,
-    PlacedRow,
     SweepPoint,
 )
 from spincheck.scenarios import loads
 from spincheck.scenarios.vary import varied
+from studies import numbers_of
 from studies import sweep as sweep_of
 
 pytestmark = pytest.mark.slow
@@ -53,8 +54,13 @@ def sweep(
     choice: Choice = FAULTLESS,
     scene=SCENE,
     executor: Executor | None = None,
-) -> tuple[PlacedRow, ...]:
+) -> tuple[Row, ...]:
     return sweep_of(path, definition, scene, choice, executor)
+
+
+def at(point: Row) -> tuple[float, ...]:
+    """What is varied, which the axes here have in the order of their names, or the member."""
+    return tuple(value for name, value in point.varied.items() if name != "seed")
 
 
 def crashing(failure: CallFailed) -> Executor:
@@ -82,15 +88,15 @@ def swept(path, finished):
 
 def test_there_is_a_run_for_every_pair_of_values_in_the_order_of_the_axes(finished):
     _, points = finished
-    assert [point.at for point in points] == [(a, b) for a in SPIN.values for b in STEPS.values]
-    assert [point.timestep for point in points] == [point.at[1] for point in points]
+    assert [at(point) for point in points] == [(a, b) for a in SPIN.values for b in STEPS.values]
+    assert [point.timestep for point in points] == [at(point)[1] for point in points]
 
 
 def test_the_method_is_of_second_order_down_each_column(finished):
     """Errors of Heun's method, each against its own exact motion; twice the step, four."""
     _, points = finished
     for spin in SPIN.values:
-        errors = [p.errors.omega for p in points if p.at[0] == spin]
+        errors = [p.errors.omega for p in points if at(p)[0] == spin]
         slopes = np.diff(np.log2(errors))
         assert np.abs(slopes - 2).max() < 0.25
     # With the exact motion of the other column they would be as large as what is varied.
@@ -104,7 +110,8 @@ def test_what_is_read_back_is_what_was_put(finished, path):
     ):
         with open_store(file) as store:
             (stored,) = store.read().sweeps
-        assert (stored.sweep, stored.points) == (definition, points)
+        assert stored.sweep == definition
+        assert numbers_of(stored.points) == numbers_of(points)
         assert stored.scenario.text == SCENE.text
 
 
@@ -156,16 +163,16 @@ def test_stopped_at_any_point_it_goes_on_and_ends_the_same(path, finished):
     for points in (1, 3):
         stop_after(path, points)
     assert points_missing(path) == 2
-    assert sweep(path) == finished[1]
+    assert numbers_of(sweep(path)) == numbers_of(finished[1])
 
 
 def test_nothing_is_stored_twice(swept):
     with closing(sqlite3.connect(swept)) as connection:
-        connection.execute("DELETE FROM points WHERE rowid % 2")
+        connection.execute("DELETE FROM rows WHERE rowid % 2")
         connection.commit()
     sweep(swept)
     with closing(sqlite3.connect(swept)) as connection:
-        (count,) = connection.execute("SELECT count(*) FROM points").fetchone()
+        (count,) = connection.execute("SELECT count(*) FROM rows").fetchone()
     assert count == len(SPIN.values) * len(STEPS.values)
 
 
@@ -174,8 +181,9 @@ def test_a_method_that_is_lost_costs_its_own_point_and_says_why(path, finished, 
     points = sweep(path, MAP, CRASHING, executor=crashing(CallFailed("so it went", cause)))
     crashed = [p for p in points if p.key.engine == "Segfault"]
     assert {(p.outcome, p.cause, p.reason) for p in crashed} == {("failed", cause, "so it went")}
-    assert [(p.at, p.timestep) for p in crashed] == [(p.at, p.at[1]) for p in finished[1]]
-    assert tuple(p for p in points if p.key.engine == "Heun") == finished[1]
+    assert [(at(p), p.timestep) for p in crashed] == [(at(p), at(p)[1]) for p in finished[1]]
+    of_heun = [p for p in points if p.key.engine == "Heun"]
+    assert numbers_of(of_heun) == numbers_of(finished[1])
 
 
 def test_points_that_somebody_killed_or_the_machine_refused_are_tried_again(path):
@@ -188,9 +196,9 @@ def test_points_that_somebody_killed_or_the_machine_refused_are_tried_again(path
 
 def test_the_largest_ensemble_is_planned_member_by_member(path, monkeypatch):
     identities = []
-    identity = SweepPoint.identity.fget
+    identity = SweepPoint.varied.fget
     monkeypatch.setattr(
-        SweepPoint, "identity", property(lambda point: identities.append(point) or identity(point))
+        SweepPoint, "varied", property(lambda point: identities.append(point) or identity(point))
     )
     with open_store(path, create=True) as store:
         plan = plan_sweep(replace(ENSEMBLE, members=MAX_MEMBERS), SCENE, FAULTLESS, store)
@@ -228,7 +236,7 @@ def test_a_place_that_has_no_scene_says_so_and_is_not_tried_again(path):
     definition = Map("box", (moment, STEPS), None)
     points = sweep(path, definition, two)
     without = [p for p in points if (p.outcome, p.cause) == ("unsupported", "scene")]
-    assert [p.at for p in without] == [(9.0, step) for step in STEPS.values for _ in two.engines]
+    assert [at(p) for p in without] == [(9.0, step) for step in STEPS.values for _ in two.engines]
     assert "may exceed the sum of the other two" in without[0].reason
     assert len(points) == len(STEPS.values) * 4
     assert points_missing(path, definition, two) == 0
@@ -267,12 +275,11 @@ def test_a_map_without_timesteps_is_run_at_a_fixed_turn_a_step(path):
     masses = Axis("body.mass", (1.0, 2.0), logarithmic=False)
     duration, intervals = SCENE.window.duration, SCENE.window.samples - 1
     for point in sweep(path, replace(MAP, axes=(SPIN, masses))):
-        numbers = dict(zip((SPIN.path, masses.path), point.at, strict=True))
-        speed = np.linalg.norm(varied(SCENE, numbers).start.omega_body)
+        speed = np.linalg.norm(varied(SCENE, point.varied).start.omega_body)
         assert speed * point.timestep <= STEP_TURN < speed * duration / (point.steps - intervals)
         assert point.steps * point.timestep == pytest.approx(duration)
     at_rest = loads(BOX.replace("[1.0, 2.0, 0.5]", "[0.0, 0.0, 0.0]"), "box")
-    rung = rung_at(SweepPoint(()), at_rest, FAULTLESS.engines[0])
+    rung = rung_at(SweepPoint(), at_rest, FAULTLESS.engines[0])
     assert rung.times == pytest.approx(SCENE.times)
     assert rung.steps == intervals
 
@@ -287,10 +294,10 @@ def test_members_are_those_of_the_seed_and_run_at_each_engines_stock_timestep(pa
     """One engine has a stock timestep of its own, of the other all engines' is taken."""
     own, common = with_stock_timestep("own", 0.004), with_stock_timestep("common", None)
     points = sweep(path, ENSEMBLE, Choice((own, common), timed=False))
-    assert [p.at for p in points] == [(k,) for k in (0.0, 1.0, 2.0) for _ in (own, common)]
+    assert [at(p) for p in points] == [(k,) for k in (0.0, 1.0, 2.0) for _ in (own, common)]
     timesteps = {"own": 0.004, "common": COMMON_TIMESTEP}
     assert {(p.key.engine, p.timestep) for p in points} == {*timesteps.items()}
-    errors = {p.key.engine: p.errors.omega for p in points if p.at == (0.0,)}
+    errors = {p.key.engine: p.errors.omega for p in points if at(p) == (0.0,)}
     # Of second order, each beside the exact motion at its own samples.
     ratio = (0.004 / COMMON_TIMESTEP) ** 2
     assert errors["own"] / errors["common"] == pytest.approx(ratio, rel=0.2)
@@ -311,4 +318,4 @@ def test_a_larger_ensemble_begins_with_the_same_members_and_others_share_none(pa
     assert {p.timestep for p in sweep(path, at_a_timestep)} == {0.02}
     larger = replace(ENSEMBLE, members=5)
     assert points_missing(path, larger) == 2
-    assert sweep(path, larger)[: len(first)] == first
+    assert numbers_of(sweep(path, larger)[: len(first)]) == numbers_of(first)

@@ -18,7 +18,7 @@ def old(tmp_path):
     return path
 
 
-@pytest.mark.parametrize("command", ["rows", "verdicts", "points", "report", "compare", "run"])
+@pytest.mark.parametrize("command", ["rows", "report", "compare", "run"])
 def test_every_command_says_what_to_do_in_one_line(old, command):
     before = old.read_bytes()
     files = {"compare": [str(old)] * 2, "run": ["fast-top", "--out", str(old)]}

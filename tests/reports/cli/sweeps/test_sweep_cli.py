@@ -13,18 +13,15 @@ from command_line import spincheck
 from default_signals import WITH_DEFAULT_SIGNALS
 from made_up_sweeps import map_result
 from spincheck.engines import engines
-from spincheck.reports.cli import app as commands
 from spincheck.reports.cli import choosing
 from spincheck.reports.cli.app import app
 from spincheck.reports.cli.choosing import Where
-from spincheck.reports.cli.run.summary import point_lines
+from spincheck.reports.cli.run.summary import run_lines
 from spincheck.reports.cli.sweeps import sweep_running
 from spincheck.reports.cli.sweeps.sweep_running import choose_for_sweep as choose
 from spincheck.reports.cli.sweeps.sweep_running import (
-    exit_code,
-    flat_records,
-    run_ensembles,
-    run_map,
+    exit_code_of,
+    run_sweeps,
 )
 from spincheck.reports.cli.terminal import AGREES, BAD_INPUT, DISAGREES, NOT_RUN, Complaint
 from spincheck.reports.harness.executors import InProcess, dask_cluster
@@ -40,7 +37,7 @@ SCENE = "fast-top"
 ONE_METHOD = ("--engine", "mujoco", "--method", "RK4")
 SPIN = "start.omega_body[2]=10:40:2:log"
 STEPS = "timestep=1e-3:1e-2:2:log"
-MAP = ("map", SCENE, "--vary", SPIN, "--vary", STEPS)
+MAP = ("run", SCENE, "--vary", SPIN, "--vary", STEPS)
 ENSEMBLE = ("run", SCENE, "--ensemble")
 
 
@@ -64,7 +61,7 @@ def test_a_map_prints_its_axes_and_a_point_for_each_pair(mapped):
     assert [axis["path"] for axis in printed["axes"]] == ["start.omega_body[2]", "timestep"]
     assert len(printed["points"]) == 4
     first = printed["points"][0]
-    assert first["at"] == {"start.omega_body[2]": 10.0, "timestep": 1e-3}
+    assert first["variation"] == {"start.omega_body[2]": 10.0, "timestep": 1e-3}
     assert (first["engine"], first["method"], first["outcome"]) == ("mujoco", "RK4", "ok")
     assert 0 < first["omega_error"] < 1
 
@@ -78,23 +75,22 @@ def test_asked_again_it_answers_from_the_file_in_words_with_the_worst_point_and_
     assert "fast-top: 4 points, start.omega_body[2] 10 to 40, timestep 0.001 to 0.01" in done.stdout
     (line,) = (line for line in done.stdout.splitlines() if "mujoco RK4" in line)
     assert "timestep 0.01" in line
-    first, *others = spincheck("points", path, "--csv").stdout.splitlines()
-    where = "at.start.omega_body[2],at.timestep"
-    assert first.startswith(f"sweep,{where},scenario,engine,method,engine_version,timestep,outcome")
-    assert others[0].startswith("map,10.0,0.001,")
+    first, *others = spincheck("rows", path, "--csv").stdout.splitlines()
+    assert first.startswith("scenario,engine,method,engine_version,timestep,outcome,")
+    assert ",variation.start.omega_body[2],variation.timestep," in first
+    assert all(line.startswith("fast-top,mujoco,RK4,") for line in others)
     assert len(others) == 4
-    listed = json.loads(spincheck("points", path, "--json").stdout)
-    swept = json.loads(before.stdout)["points"]
-    assert [point["at"] for point in listed] == [point["at"] for point in swept]
+    listed = json.loads(spincheck("rows", path, "--json").stdout)
+    assert listed == json.loads(before.stdout)["points"]
 
 
 @pytest.mark.usefixtures("in_process")
 def test_methods_made_for_other_scenes_are_not_run(path):
     """As in a study: `contact` is for bodies on a table, `mujoco-file` for users' files."""
-    (swept,) = run_ensembles([SCENE], 1, 0, choose(["mujoco"], [], [0.5]), Where(1), path)
+    (swept,) = run_sweeps([SCENE], [], 1, 0, choose(["mujoco"], [], [0.5]), Where(1), path)
     methods = {one.name for one in engines()["mujoco"].methods_for(swept.scenario)}
     with open_store(path) as store:
-        assert {point.pair[1] for point in store.points(SCENE)} == methods
+        assert {point.pair[1] for point in store.varied(SCENE)} == methods
     assert {point.pair[1] for point in swept.points} == methods
 
 
@@ -102,13 +98,16 @@ def test_points_are_printed_below_their_method_which_is_named_once():
     swept = map_result()
     methods = {point.pair for point in swept.points}
     assert len(methods) > 1
-    assert len([*point_lines(flat_records(swept))]) == 2 * len(methods) + len(swept.points)
+    points = sorted(swept.points, key=lambda point: point.pair)
+    assert len([*run_lines(points)]) == 2 * len(methods) + len(points)
 
 
 def test_an_ensemble_prints_its_members(path):
     done = spincheck(*ENSEMBLE, 3, "--seed", 7, *ONE_METHOD, "--out", path, "--json")
     printed = json.loads(done.stdout)
-    assert [point["at"] for point in printed["points"]] == [{"member": float(k)} for k in range(3)]
+    assert [p["variation"] for p in printed["points"]] == [
+        {"member": k, "seed": 7} for k in range(3)
+    ]
     with open_store(path) as store:
         (ensemble,) = store.read().sweeps
     assert ensemble.sweep == Ensemble(SCENE, 3, 7, None)
@@ -117,18 +116,20 @@ def test_an_ensemble_prints_its_members(path):
 def test_without_a_number_an_ensemble_has_two_hundred_members(monkeypatch):
     calls = []
     monkeypatch.setattr(
-        sweep_running, "run_ensembles", lambda scenes, members, *_: calls.append((scenes, members))
+        sweep_running, "run_sweeps", lambda scenes, _, members, *__: calls.append((scenes, members))
     )
-    monkeypatch.setattr(commands, "print_swept", lambda *_: AGREES)
+    monkeypatch.setattr(sweep_running, "print_sweeps", lambda *_: None)
+    monkeypatch.setattr(sweep_running, "exit_code_of", lambda _: AGREES)
     for arguments in ([SCENE, "--ensemble"], ["--ensemble", SCENE], ["--ensemble", "3", SCENE]):
         assert run("run", *arguments)[0] == AGREES
     assert calls == [([SCENE], 200), ([SCENE], 200), ([SCENE], 3)]
 
 
 def test_members_and_points_of_a_map_are_printed_as_scenario_files():
-    member = loads(spincheck("member", SCENE, "--seed", 7, "--member", 2).stdout, "member")
+    member = loads(spincheck("show", SCENE, "--toml", "--seed", 7, "--member", 2).stdout, "member")
     assert member.title.endswith("with member 2 of seed 7")
-    done = spincheck("vary", SCENE, "start.omega_body[2]=10", "body.mass=2.5")
+    changes = ("--vary", "start.omega_body[2]=10", "--vary", "body.mass=2.5")
+    done = spincheck("show", SCENE, "--toml", *changes)
     scene = loads(done.stdout, "there")
     assert (float(scene.start.omega_body[2]), scene.body.mass) == (10.0, 2.5)
 
@@ -144,21 +145,21 @@ def run(*arguments: object) -> tuple[int, str]:
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (["map", SCENE], "'--vary' must name two different numbers, got none"),
-        (["map", SCENE, "--vary", SPIN], "must name two different numbers, got start.omega_body"),
-        (["map", SCENE, "--vary", SPIN, "--vary", SPIN], "must name two different numbers"),
-        (["map", SCENE, "--vary", "a=1:2", "--vary", SPIN], "'--vary' a: no number of fast-top"),
-        (["map", SCENE, "--vary", "body.mass=2:1", "--vary", SPIN], "LO must be less than HI"),
-        (["map", SCENE, "--vary", "body.mass", "--vary", SPIN], "'--vary' must be 'PATH=LO:HI"),
+        (["run", SCENE, "--vary", SPIN], "must name two different numbers, got start.omega_body"),
+        (["run", SCENE, "--vary", SPIN, "--vary", SPIN], "must name two different numbers"),
+        (["run", SCENE, "--vary", "a=1:2", "--vary", SPIN], "'--vary' a: no number of fast-top"),
+        (["run", SCENE, "--vary", "body.mass=2:1", "--vary", SPIN], "LO must be less than HI"),
+        (["run", SCENE, "--vary", "body.mass", "--vary", SPIN], "'--vary' must be 'PATH=LO:HI"),
         ([*MAP, "--timestep", "0.01"], "'--timestep' cannot be both given and varied"),
         (
-            ["map", SCENE, "--vary", SPIN, "--vary", "body.mass=1:2", "--timestep", "60"],
+            ["run", SCENE, "--vary", SPIN, "--vary", "body.mass=1:2", "--timestep", "60"],
             "'--timestep' must be shorter than the window of fast-top",
         ),
-        (["map", "no-such-scene", "--vary", SPIN, "--vary", STEPS], "no-such-scene"),
+        (["run", "no-such-scene", "--vary", SPIN, "--vary", STEPS], "no-such-scene"),
         ([*MAP, "--engine", "none"], "'--engine' must be one of"),
-        (["run", "--ensemble", "3"], "'--ensemble' takes scenes to scatter, got none"),
+        (["run", "--ensemble", "3"], "'--vary' and '--ensemble' take scenes to vary, got none"),
         ([*ENSEMBLE, "3", "--quick"], "'--quick' is for ladders"),
+        ([*MAP, "--ensemble", "3"], "takes '--vary' or '--ensemble', not both"),
         (
             [*ENSEMBLE, "3", "--timestep", "0.1", "--timestep", "0.2"],
             "'--timestep' may be given once here, got 2",
@@ -168,12 +169,20 @@ def run(*arguments: object) -> tuple[int, str]:
         ([*ENSEMBLE, "3", "--python", "python3"], "'--python' is for versions"),
         ([*ENSEMBLE, "3", "--engine", "mujoco-file"], "loads links of users'"),
         ([*ENSEMBLE, "3", "--time-limit", "0"], "'--time-limit' must be positive"),
-        (["member", SCENE, "--member", "-1"], "'--member'"),
-        (["vary", SCENE, "body.mass"], "takes PATH=VALUE, VALUE a number, got 'body.mass'"),
-        (["vary", SCENE, "body.mass=1", "body.mass=2"], "takes each number once, got body.mass=1"),
-        (["vary", SCENE, "body.mas=1"], "did you mean 'body.mass'?"),
-        (["vary", SCENE, "body.mass=-1"], "body"),
-        (["vary", SCENE, "timestep=1"], "the timestep is no number of the scene"),
+        (["show", SCENE, "--member", "-1"], "'--member'"),
+        (["show", SCENE, "--seed", "7"], "'--seed' is for a member of an ensemble"),
+        (["show", SCENE, "--toml", "--json"], "takes '--toml' or '--json', not both"),
+        (
+            ["show", SCENE, "--vary", "body.mass"],
+            "takes PATH=VALUE, VALUE a number, got 'body.mass'",
+        ),
+        (
+            ["show", SCENE, "--vary", "body.mass=1", "--vary", "body.mass=2"],
+            "takes each number once, got body.mass=1",
+        ),
+        (["show", SCENE, "--vary", "body.mas=1"], "did you mean 'body.mass'?"),
+        (["show", SCENE, "--vary", "body.mass=-1"], "body"),
+        (["show", SCENE, "--vary", "timestep=1"], "the timestep is no number of the scene"),
     ],
     ids=lambda value: "" if isinstance(value, str) else " ".join(value[:1] + value[2:]),
 )
@@ -224,13 +233,14 @@ def test_ctrl_c_ends_it_with_130_and_the_same_command_goes_on(path):
     ids=["none failed", "one failed", "all failed"],
 )
 def test_a_sweep_fails_only_by_runs_that_failed(outcomes, code):
-    assert exit_code(SimpleNamespace(outcome=outcome) for outcome in outcomes) == code
+    points = [SimpleNamespace(outcome=outcome) for outcome in outcomes]
+    assert exit_code_of([SimpleNamespace(points=points)]) == code
 
 
 @pytest.mark.usefixtures("in_process")
 def test_of_several_engines_in_a_file_those_asked_for_are_reported(mapped):
     choice = choose(["mujoco"], ["Euler"], [])
-    (swept,) = run_map(SCENE, [SPIN, STEPS], choice, Where(1), mapped[0])
+    (swept,) = run_sweeps([SCENE], [SPIN, STEPS], None, 0, choice, Where(1), mapped[0])
     assert {point.key.method for point in swept.points} == {"Euler"}
 
 
@@ -238,9 +248,9 @@ def test_of_several_engines_in_a_file_those_asked_for_are_reported(mapped):
 def test_a_member_runs_as_in_its_ensemble(path, tmp_path):
     """What the command prints is the very scene whose point is in the file."""
     choice = choose(["mujoco"], ["RK4"], [])
-    (ensemble,) = run_ensembles([SCENE], 2, 7, choice, Where(1), path)
+    (ensemble,) = run_sweeps([SCENE], [], 2, 7, choice, Where(1), path)
     point, alone = ensemble.points[1], tmp_path / "alone.toml"
-    alone.write_text(spincheck("member", SCENE, "--seed", 7, "--member", 1).stdout)
+    alone.write_text(spincheck("show", SCENE, "--toml", "--seed", 7, "--member", 1).stdout)
     options = ("--timestep", repr(point.timestep), "--out", tmp_path / "alone.sqlite", "--json")
     done = spincheck("run", alone, *ONE_METHOD, *options)
     (row,) = json.loads(done.stdout)["rows"]

@@ -143,7 +143,7 @@ def test_a_sweep_keeps_what_adapters_declare(tmp_path: Path) -> None:
 def test_the_command_makes_the_same_axes_again_at_the_same_timestep() -> None:
     page, first = sweep_pages(swept())[0], swept().sweeps[0]
     words = shlex.split(page.command)
-    assert words[:3] == ["spincheck", "map", "disc"]
+    assert words[:3] == ["spincheck", "run", "disc"]
     axes = tuple(parse_axis(words[k + 1]) for k, word in enumerate(words) if word == "--vary")
     assert axes == first.sweep.axes
     for text in ("body.mass=0.1:0.3:7", "body.mass=1e-3:2.5e7:20:log"):
@@ -281,7 +281,7 @@ def test_no_error_is_reported_below_the_reference() -> None:
 
 def test_the_worst_are_those_that_did_not_finish_the_earliest_first(pages: dict[str, Page]) -> None:
     (of_method,) = members_of(ensemble_result().points, [MULTIBODY])
-    assert [int(point.at[0]) for point in of_method.worst(7)] == [9, 7, 5, 3, 1, 8, 6]
+    assert [point.varied["member"] for point in of_method.worst(7)] == [9, 7, 5, 3, 1, 8, 6]
     worst = pages["ensembles/disc-1.html"].tables()[-1]
     assert worst[1][:3] == ["mujoco", "Euler", "9"]
     # With the command that writes it.
