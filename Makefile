@@ -93,7 +93,7 @@ known-issues: $(READY)
 # What engines hold of the robots of public packages (200 MB of them): docs/measured/public-models.md.
 survey: $(READY)
 	$(BIN)/pip install --quiet --editable '.[models]'
-	$(BIN)/python tests/reports/harness/users_models/survey.py
+	$(BIN)/python tests/reports/users_models/survey.py
 
 check: lint types contract
 

@@ -4,6 +4,7 @@ import re
 import sys
 import tomllib
 from collections.abc import Iterable, Mapping
+from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +15,7 @@ from .complaints import MAX_SHOWN, at, misfit, validation_message
 from .document import Document
 from .errors import Misfit, ScenarioError, printable
 from .read_text import first_key, is_nested_too_deeply, read_text
+from .regular_files import LARGEST_MODEL, read_regular
 from .scales import check_scales
 from .scenario import Scenario, build
 from .signals import SIGNAL
@@ -135,12 +137,30 @@ def _scenario(tables: dict[str, Any], name: str, text: str, path: Path | None) -
                 raise Misfit(f"the scene has no {SIGNAL[name].quantity}", "expect", k, name)
     for effect in scenario.acting:
         effect.check(scenario, scenario.document.start)
-    if scenario.document.body.model is not None:
-        # Few scenes have one, and readers of model files import much.
-        from .users_models import check_origin
-
-        check_origin(scenario)
+    _check_origin(scenario)
     return scenario
+
+
+def _check_origin(scenario: Scenario) -> None:
+    """Compare the file that `[body] model` names with the digest beside it.
+
+    A scene without a file of its own has no folder that the name could be relative to.
+    """
+    body = scenario.document.body
+    if body.model is None or scenario.path is None:
+        return
+    path = scenario.path.parent / body.model
+    try:
+        digest = sha256(read_regular(path, LARGEST_MODEL)).hexdigest()
+    except OSError as error:
+        where = printable(str(path))
+        raise Misfit(f"{where}: cannot be read: {error.strerror}", "body", "model") from None
+    if digest != body.sha256:
+        raise Misfit(
+            f"'{body.model}' has changed since this scene was made of it: its sha256 is {digest}; "
+            "import it again, or take 'model', 'link' and 'sha256' away",
+            *("body", "sha256"),
+        )
 
 
 def is_scenario(path: Path) -> bool:

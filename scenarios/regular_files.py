@@ -12,6 +12,8 @@ from collections.abc import Collection, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
+#: Bytes of a user's model, URDF or MJCF; the largest of public packages have one million.
+LARGEST_MODEL = 1 << 25
 #: Characters of a name that is made of a text.
 LONGEST_NAME = 100
 #: Opening a pipe would wait for a writer; Windows has no such pipes.

@@ -1,8 +1,19 @@
-"""Users' models in engines: read, run, and compared with what the file states."""
+"""Users' models, URDF and MJCF: what a file states of its links, and what engines hold of them."""
 
-from .cause import Kind, cause, unstated_body
-from .difference import AGREES, BodyDifference, difference
-from .file_engine import FileEngine, model_readers
-from .model_reader import Advice, Configuration, ModelReader, RefusalAdvice
-from .named_link import UsersLink, users_link
-from .users_urdf import body_alone, with_meshes
+from .compare import AGREES, BodyDifference, cause, difference, unstated_body
+from .file_engine import Advice, Configuration, FileEngine, ModelReader, model_readers
+from .file_problems import FileProblem, problems
+from .mjcf import unnamed
+from .model_file import (
+    WORLD,
+    Link,
+    ModelFile,
+    RigidBody,
+    Shape,
+    Stated,
+    principal_moments,
+    rigid_bodies,
+)
+from .read import UsersLink, read_model, users_link
+from .urdf import body_alone, mesh_bytes, with_meshes
+from .xml_tree import ModelFileError

@@ -1,21 +1,89 @@
-"""An engine that loads a link out of the user's own model file, instead of a generated model."""
+"""How engines read users' files, and an engine that runs a link out of such a file."""
 
-from dataclasses import dataclass, replace
+from abc import ABC, abstractmethod
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from functools import cache
-from typing import ClassVar
+from typing import ClassVar, Literal
 
 from ...scenarios import Scenario
-from ...scenarios.users_models import problems
 from ..checks.read_back import BodyReading, Difference, EngineError, State
 from ..discovery import engines
 from ..engine import Engine
-from .cause import cause
-from .difference import AGREES, difference
-from .model_reader import ModelReader
-from .named_link import users_link
+from .compare import AGREES, cause, difference
+from .file_problems import problems
+from .model_file import Format, ModelFile, Stated
+from .read import users_link
 
 #: Names of a body's numbers in `read_back.differences`.
 OF_BODY = frozenset({"mass", "com", "inertia_com"})
+
+
+@dataclass(frozen=True)
+class Advice:
+    """What to do in an engine's own terms.
+
+    Attributes
+    ----------
+    line : of XML to put into the file; empty where the advice is something else
+    is_mended : whether a newer version needs it no longer
+    concerns : of a refused file, the links that it is about: those with an "impossible" tensor, or
+        "massless" ones, which move without mass or tensor
+    """
+
+    text: str
+    line: str = ""
+    is_mended: bool = False
+    concerns: Literal["", "impossible", "massless"] = ""
+
+
+@dataclass(frozen=True)
+class Configuration:
+    """One way in which users have an engine read a file.
+
+    Attributes
+    ----------
+    name : as users type and read it
+    summary : what is set, in one line
+    made_up : the source of tensors that are not taken from the file; else empty
+    advice : by the word of a difference: what mends it, besides what does in every engine
+    """
+
+    name: str
+    summary: str
+    made_up: str = ""
+    advice: Mapping[str, Advice] = field(default_factory=dict)
+
+
+class ModelReader(ABC):
+    """An engine's reader of model files.
+
+    Attributes
+    ----------
+    refusals : by words of the engine's reason for refusing a file: what makes it take the file
+    """
+
+    name: ClassVar[str]
+    formats: ClassVar[frozenset[Format]]
+    configurations: ClassVar[tuple[Configuration, ...]]
+    refusals: ClassVar[Mapping[str, Advice]] = {}
+
+    @property
+    @abstractmethod
+    def version(self) -> str:
+        """The engine's own version."""
+
+    @abstractmethod
+    def read(self, model: ModelFile, configuration: str) -> dict[str, BodyReading]:
+        """The bodies that the engine has after it has read the file, by the links' names.
+
+        A link that was fused with another has no body and is left out.
+
+        Raises
+        ------
+        EngineError
+            If it refuses the file.
+        """
 
 
 class FileEngine(Engine):
@@ -54,20 +122,16 @@ class FileEngine(Engine):
         others = [one for one in differing if one.what not in OF_BODY]
         if len(others) == len(differing):
             return differing
-        users = users_link(scenario)
         # Compared with the scene's numbers; the file is needed for those without the rotation.
-        numbers = scenario.body
-        stated = replace(
-            users.stated, mass=numbers.mass, com=numbers.com, inertia=numbers.inertia_com
-        )
+        users, numbers = users_link(scenario), scenario.body
+        unturned = users.stated.unturned
+        stated = Stated(numbers.mass, numbers.com, numbers.inertia_com, unturned=unturned)
         apart = difference(stated, body)
-        made_up = next(
-            (one.made_up for one in self.reader.configurations if one.name == method), ""
-        )
+        made_up = {one.name: one.made_up for one in self.reader.configurations}.get(method, "")
         wrong = tuple(problem for link, _ in users.body.parts for problem in problems(link))
         _, words = cause(stated, body, apart, wrong, made_up)
-        other = _OtherBody("body", stated.inertia, body.inertia_com, apart.worst, words)
-        return [other, *others]
+        found = _OtherBody("body", stated.inertia_com, body.inertia_com, apart.worst, words)
+        return [found, *others]
 
 
 @cache

@@ -12,6 +12,7 @@ from ..results.verdict_words import UNPROVEN
 from .engines.engine_commands import app as engine_commands
 from .grouped import EnsembleCommand, ErrorBoundsCommand, GroupedCommands, error_bounds
 from .judge.judge_command import app as judge_command
+from .model_commands import app as model_commands
 from .options import (
     CORES,
     REPORT_FOLDER,
@@ -47,7 +48,6 @@ from .terminal import (
     to_json,
     unusable,
 )
-from .users_models import app as model_commands
 
 app = typer.Typer(
     name="spincheck",

@@ -109,8 +109,13 @@ class ReportFolder:
         return {match[0] for match in own if is_scene_name(match["scene"] or "index")}
 
 
-#: A folder a page, and `templates` for what pages share; no two templates have one name.
-FOLDERS = sorted(path for path in Path(str(files(__package__))).iterdir() if path.is_dir())
+_HERE = Path(str(files(__package__)))
+#: A folder a page, and `templates` for what pages share; no two templates have one name. That of
+#: users' models is beside what it shows.
+FOLDERS = [
+    *sorted(path for path in _HERE.iterdir() if path.is_dir()),
+    _HERE.parent / "users_models",
+]
 
 
 @cache

@@ -56,8 +56,7 @@ class MuJoCoFile(FileEngine):
 @lru_cache(maxsize=KEPT)
 def _model(users: UsersLink) -> Any:
     """The compiled link, as it was read."""
-    build = _of_urdf if users.model.format == "urdf" else _of_mjcf
-    return compiled(lambda: build(users).compile())
+    return compiled(lambda: (_of_urdf if users.model.format == "urdf" else _of_mjcf)(users))
 
 
 def _of_urdf(users: UsersLink) -> Any:
@@ -71,8 +70,12 @@ def _of_urdf(users: UsersLink) -> Any:
 
 def _of_mjcf(users: UsersLink) -> Any:
     """The body with its file's compiler settings and defaults, without children that move."""
-    whole = spec_of_mjcf(users.model)
-    name_bodies(whole)
+    with spec_of_mjcf(users.model) as whole:
+        name_bodies(whole)
+        return _alone(whole, users)
+
+
+def _alone(whole: Any, users: UsersLink) -> Any:
     spec = mujoco.MjSpec()
     # Versions from 4.0.0 on warn where options differ; none of the file's is part of the body.
     for name in (name for name in dir(spec.option) if not name.startswith("_")):
@@ -92,8 +95,9 @@ def _of_mjcf(users: UsersLink) -> Any:
 
 
 def _freed(spec: Any, body: Any) -> Any:
+    """The compiled model, in which the body is free."""
     joint = body.add_freejoint()
     if hasattr(joint, "align"):
         # Aligned with the inertial frame, qpos and qvel would be along other axes.
         joint.align = False
-    return spec
+    return spec.compile()

@@ -1,20 +1,35 @@
 """Reads a user's URDF or MJCF with MuJoCo's compiler."""
 
-import contextlib
 import tempfile
+from collections.abc import Iterator
+from contextlib import chdir, contextmanager
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any, final
 
 import mujoco
 
-from ....scenarios.users_models import ModelFile, Shape, unnamed
 from ...checks.read_back import BodyReading, EngineError
-from ...users_models import Advice, Configuration, ModelReader, RefusalAdvice, with_meshes
+from ...users_models import (
+    Advice,
+    Configuration,
+    ModelFile,
+    ModelReader,
+    Shape,
+    mesh_bytes,
+    unnamed,
+    with_meshes,
+)
 from .coordinates import WORLD, one_body
 
 #: Endings of meshes that MuJoCo reads.
 MESHES = frozenset((".obj", ".stl", ".msh"))
+IMPOSSIBLE = Advice("correct the tensors that no body has", concerns="impossible")
+FUSED = Advice(
+    "keep links from being fused",
+    '<mujoco><compiler fusestatic="false"/></mujoco>',
+    is_mended=True,
+)
 
 
 @final
@@ -27,32 +42,19 @@ class MuJoCoModelReader(ModelReader):
     name = "mujoco"
     formats = frozenset({"urdf", "mjcf"})
     configurations = (
-        Configuration("as-is", "compiled with the file's own settings"),
+        Configuration("as-is", "compiled with the file's own settings", advice={"sum": FUSED}),
         Configuration("unfused", "shapes stripped off a URDF, fusestatic = false"),
     )
-    advice = MappingProxyType(
+    refusals = MappingProxyType(
         {
-            "sum": Advice(
-                "keep links from being fused",
-                '<mujoco><compiler fusestatic="false"/></mujoco>',
-                is_mended=True,
-            )
-        }
-    )
-    refusals = (
-        RefusalAdvice(
-            ("A + B >= C", "positive eigenvalues"),
-            "impossible",
-            Advice("correct the tensors that no body has"),
-        ),
-        RefusalAdvice(
-            ("mjMINVAL",),
-            "massless",
-            Advice(
+            "A + B >= C": IMPOSSIBLE,
+            "positive eigenvalues": IMPOSSIBLE,
+            "mjMINVAL": Advice(
                 "give links that move a mass and a tensor; this option gives them small ones",
                 '<mujoco><compiler boundmass="1e-6" boundinertia="1e-9"/></mujoco>',
+                concerns="massless",
             ),
-        ),
+        }
     )
 
     @property
@@ -64,7 +66,7 @@ class MuJoCoModelReader(ModelReader):
         """Compile it."""
         try:
             # MuJoCo writes a log of its warnings into the current folder.
-            with tempfile.TemporaryDirectory() as folder, contextlib.chdir(folder):
+            with tempfile.TemporaryDirectory() as folder, chdir(folder):
                 compiled = _compiled(model, unfused=configuration == "unfused")
         except (ValueError, mujoco.FatalError) as error:
             words = "; ".join(str(error).removeprefix("Error: ").split("\n"))
@@ -76,16 +78,18 @@ class MuJoCoModelReader(ModelReader):
 
 
 def _compiled(model: ModelFile, *, unfused: bool) -> Any:
-    spec = _urdf(model) if model.format == "urdf" else spec_of_mjcf(model)
-    name_bodies(spec)
-    if unfused:
-        spec.compiler.fusestatic = False
-        if model.format == "urdf":
-            _strip(spec)
-    return spec.compile()
+    opened = _urdf(model) if model.format == "urdf" else spec_of_mjcf(model)
+    with opened as spec:
+        name_bodies(spec)
+        if unfused:
+            spec.compiler.fusestatic = False
+            if model.format == "urdf":
+                _strip(spec)
+        return spec.compile()
 
 
-def _urdf(model: ModelFile) -> Any:
+@contextmanager
+def _urdf(model: ModelFile) -> Iterator[Any]:
     """The file with the meshes that it takes an inertia from, under names that lose no folder."""
     stateless = {s.span for link in model.links if link.stated is None for s in link.shapes}
 
@@ -93,17 +97,32 @@ def _urdf(model: ModelFile) -> Any:
         return shape.span in stateless and Path(shape.mesh or "").suffix.lower() in MESHES
 
     data, meshes = with_meshes(model, usable)
-    assets = {name: path.read_bytes() for name, path in meshes.items()}
-    return mujoco.MjSpec.from_string(data.decode(errors="replace"), assets=assets)
+    yield mujoco.MjSpec.from_string(data.decode(errors="replace"), assets=meshes)
 
 
-def spec_of_mjcf(model: ModelFile) -> Any:
-    """The file without visual parts, and without meshes that no inertia comes from."""
-    spec = mujoco.MjSpec.from_file(str(model.folders.own / model.path.name))
+@contextmanager
+def spec_of_mjcf(model: ModelFile) -> Iterator[Any]:
+    """The file without visual parts, and without meshes that no inertia comes from.
+
+    It is read as it was checked, in a folder that has what it may read; compile it in the block.
+    """
+    with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder:
+        for name, file in model.files.items():
+            data = file.encode() if isinstance(file, str) else mesh_bytes(model, str(file))
+            if data is not None:
+                Path(folder, name).write_bytes(data)
+        text = Path(folder, "model.xml")
+        text.write_text(model.checked, encoding="utf-8")
+        spec = mujoco.MjSpec.from_file(str(text))
+        _strip_drawn(model, spec)
+        yield spec
+
+
+def _strip_drawn(model: ModelFile, spec: Any) -> None:
     explicit = spec.compiler.inertiafromgeom != mujoco.mjtInertiaFromGeom.mjINERTIAFROMGEOM_TRUE
     for geom in list(spec.geoms):
         needless = explicit and geom.parent.explicitinertial
-        if geom.meshname and (needless or not _is_there(model, spec, geom)):
+        if geom.meshname and (needless or not _is_there(model, spec.mesh(geom.meshname))):
             spec.delete(geom)
     for drawn in (*spec.geoms, *spec.sites, *spec.tendons, *spec.flexes):
         drawn.material = ""
@@ -111,15 +130,11 @@ def spec_of_mjcf(model: ModelFile) -> Any:
     unused = [mesh for mesh in spec.meshes if mesh.name not in used]
     for part in (*spec.skins, *unused, *spec.materials, *spec.textures):
         spec.delete(part)
-    return spec
 
 
-def _is_there(model: ModelFile, spec: Any, geom: Any) -> bool:
-    """Whether a geom has no mesh file, or one inside the model's folders."""
-    mesh = spec.mesh(geom.meshname)
-    if mesh is None or not mesh.file:
-        return mesh is not None
-    return model.folders.find(str(Path(spec.compiler.meshdir, mesh.file))) is not None
+def _is_there(model: ModelFile, mesh: Any) -> bool:
+    """Whether a mesh has no file, or one inside the model's folders."""
+    return mesh is not None and (not mesh.file or mesh.file in model.files)
 
 
 def name_bodies(spec: Any) -> None:

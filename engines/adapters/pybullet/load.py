@@ -27,10 +27,10 @@ TAKEN_FOR_ZERO = float(np.finfo(float).eps)
 
 @dataclass(frozen=True)
 class OwnURDF:
-    """A user's URDF of one link, and its meshes, which are copied beside it."""
+    """A user's URDF of one link, and its meshes by their names, which are written beside it."""
 
     data: bytes
-    meshes: tuple[tuple[str, Path], ...]
+    meshes: tuple[tuple[str, bytes], ...] = ()
 
 
 @dataclass(frozen=True)
@@ -153,7 +153,7 @@ def scenes_own(
         description=representation.description,
         is_loose=not hung,
     )
-    return OwnURDF(text.encode(), ())
+    return OwnURDF(text.encode())
 
 
 def _loaded(model: OwnURDF, record: dict[str, Any], client: int) -> World:
@@ -165,7 +165,7 @@ def _loaded(model: OwnURDF, record: dict[str, Any], client: int) -> World:
     prefix = f"spincheck-{next(_numbers)}-"
     with tempfile.TemporaryDirectory(prefix=prefix, ignore_cleanup_errors=True) as folder:
         for name, mesh in model.meshes:
-            Path(folder, name).symlink_to(mesh)
+            Path(folder, name).write_bytes(mesh)
         file = Path(folder, "body.urdf")
         file.write_bytes(model.data)
         try:

@@ -3,22 +3,21 @@
 import re
 import tempfile
 from pathlib import Path
-from types import MappingProxyType
 from typing import final
 
 import numpy as np
 import pybullet as p
 from scipy.spatial.transform import Rotation
 
-from ....scenarios.users_models import ModelFile, Shape
 from ...checks.read_back import BodyReading, EngineError
 from ...native_output import native_output
-from ...users_models import Advice, Configuration, ModelReader, with_meshes
+from ...users_models import Advice, Configuration, ModelFile, ModelReader, Shape, with_meshes
 from .engine import installed_version
 from .world import BASE
 
 #: Endings of meshes that PyBullet makes collision shapes of.
 MESHES = frozenset((".obj", ".stl", ".dae"))
+UNSTATED = {"nothing stated": Advice("PyBullet then fixes a root in the world")}
 #: The two ways to load a URDF.
 DEFAULT, FROM_FILE = "default", "inertia-from-file"
 #: First words of what PyBullet prints: file and line of its source.
@@ -38,11 +37,11 @@ class PyBulletModelReader(ModelReader):
             DEFAULT,
             "loadURDF without a flag",
             "made up from the collision shapes",
-            "load it with flags=pybullet.URDF_USE_INERTIA_FROM_FILE",
+            UNSTATED
+            | {"made up": Advice("load it with flags=pybullet.URDF_USE_INERTIA_FROM_FILE")},
         ),
-        Configuration(FROM_FILE, "loadURDF with URDF_USE_INERTIA_FROM_FILE"),
+        Configuration(FROM_FILE, "loadURDF with URDF_USE_INERTIA_FROM_FILE", advice=UNSTATED),
     )
-    advice = MappingProxyType({"nothing stated": Advice("PyBullet then fixes a root in the world")})
 
     @property
     def version(self) -> str:
@@ -59,8 +58,8 @@ class PyBulletModelReader(ModelReader):
         client = p.connect(p.DIRECT)
         try:
             with tempfile.TemporaryDirectory() as folder, native_output() as printed:
-                for name, path in meshes.items():
-                    Path(folder, name).symlink_to(path)
+                for name, mesh in meshes.items():
+                    Path(folder, name).write_bytes(mesh)
                 file = Path(folder, "model.urdf")
                 file.write_bytes(data)
                 body = _load(client, file, flags)

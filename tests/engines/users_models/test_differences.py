@@ -4,10 +4,9 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 from spincheck.engines import BodyReading
-from spincheck.engines.users_models import AGREES, cause, difference
-from spincheck.engines.users_models.difference import angle_between_axes
-from spincheck.reports.harness.users_models.inspect import START, attitude_apart_deg
-from spincheck.scenarios.users_models import FileProblem, Stated
+from spincheck.engines.users_models import AGREES, FileProblem, Stated, cause, difference
+from spincheck.engines.users_models.compare import angle_between_axes
+from spincheck.reports.users_models.inspection import START, TIMES, attitude_apart
 
 EPS = float(np.finfo(float).eps)
 MOMENTS = np.diag([1.0, 2.0, 2.5])
@@ -18,7 +17,8 @@ NO_COM = np.zeros(3)
 
 
 def stated(inertia=MOMENTS, mass=2.0, com=NO_COM, unturned=None):
-    return Stated(mass, np.array(com), inertia, inertia if unturned is None else unturned)
+    unturned = inertia if unturned is None else unturned
+    return Stated(mass, np.array(com), inertia, unturned=unturned)
 
 
 def cause_of(one, other, problems=(), made_up=""):
@@ -105,23 +105,21 @@ def test_what_is_off_by_less_than_the_limit_has_no_cause():
 def test_motions_apart_are_those_of_the_closed_form_of_a_ball():
     """A ball turns steadily about its start; a top precesses: both by hand."""
     top = np.diag([1.0, 1.0, 1.5])
-    angles_by_time = attitude_apart_deg(top, np.eye(3))
-    for time, angle in angles_by_time.items():
+    times = np.array(TIMES)
+    for time, angle in zip(times, attitude_apart(top, np.eye(3), times), strict=True):
         # Goldstein, §5.6: spin about the axis by (1 − I3/I1) ω3 after a turn by L/I1.
         about_L = Rotation.from_rotvec(np.diag(top) * START * time)
         spin = Rotation.from_rotvec([0, 0, (1 - 1.5) * START[2] * time])
         steady = Rotation.from_rotvec(START * time)
-        expected = np.degrees(((about_L * spin).inv() * steady).magnitude())
-        assert angle == pytest.approx(expected, abs=1e-9)
-    assert list(angles_by_time) == [1.0, 3.0]
+        expected = ((about_L * spin).inv() * steady).magnitude()
+        assert angle == pytest.approx(expected, abs=1e-11)
 
 
 def test_a_tensor_of_another_size_moves_alike():
-    angles_by_time = attitude_apart_deg(MOMENTS, 61 * MOMENTS)
-    assert max(angles_by_time.values()) <= np.degrees(1e-12)
+    assert attitude_apart(MOMENTS, 61 * MOMENTS, np.array(TIMES)).max() <= 1e-12
 
 
 @pytest.mark.parametrize("tensor", [np.zeros((3, 3)), np.diag([0.1, 0.3, 0.9])])
 def test_what_no_body_has_does_not_move(tensor):
-    assert attitude_apart_deg(MOMENTS, tensor) is None
-    assert attitude_apart_deg(tensor, MOMENTS) is None
+    assert attitude_apart(MOMENTS, tensor, np.array(TIMES)) is None
+    assert attitude_apart(tensor, MOMENTS, np.array(TIMES)) is None

@@ -8,14 +8,14 @@ import pytest
 from case_loops import each_case
 from library_scenes import library
 from spincheck.engines import engines
-from spincheck.engines.users_models import AGREES
-from spincheck.engines.users_models import named_link as of_scene
-from spincheck.engines.users_models.users_urdf import body_alone
+from spincheck.engines.users_models import AGREES, RigidBody, read_model
+from spincheck.engines.users_models import read as of_scene
+from spincheck.engines.users_models.model_file import Pose
+from spincheck.engines.users_models.urdf import body_alone
 from spincheck.reference import solve
-from spincheck.reports.cli.users_models.import_links import link_scenes
 from spincheck.reports.harness.measuring.examine import physics_in_words
+from spincheck.reports.users_models.scenes import link_scenes
 from spincheck.scenarios import Scenario, load
-from spincheck.scenarios.users_models import IDENTITY, RigidBody, read_model
 from users_models import TENSOR, arm, body, diagonal, inertial, joint, link, robot, written
 
 pytest.importorskip("pybullet")
@@ -170,19 +170,20 @@ def test_a_link_is_cut_out_byte_for_byte(tmp_path):
     )
     text = robot(link("base"), link("arm", odd + BOX), joint("base", "arm"))
     model = read_model(written(tmp_path, text))
-    cut, meshes = body_alone(model, RigidBody(((model.link("arm"), IDENTITY),)))
+    cut, meshes = body_alone(model, RigidBody(((model.link("arm"), Pose()),)))
     assert cut.decode() == f'<robot name="cut"><link name="arm">{odd}</link></robot>'
     assert meshes == {}
 
 
 def test_of_its_shapes_those_are_kept_that_a_tensor_is_made_up_from(tmp_path):
     mesh = '<collision><geometry><mesh filename="a.obj"/></geometry></collision>'
-    written(tmp_path, "v 0 0 0", "a.obj")
+    written(tmp_path, "mtllib /etc/passwd\nv 0 0 0", "a.obj")
     model = read_model(written(tmp_path, arm(inside=BOX + mesh)))
-    cut, meshes = body_alone(model, RigidBody(((model.link("arm"), IDENTITY),)), lambda _: True)
+    cut, meshes = body_alone(model, RigidBody(((model.link("arm"), Pose()),)), lambda _: True)
     assert BOX.encode() in cut
     assert b'filename="mesh-0.obj"' in cut
-    assert meshes == {"mesh-0.obj": tmp_path / "a.obj"}
+    # PyBullet opens the materials that an OBJ file asks for, wherever they are.
+    assert meshes == {"mesh-0.obj": b"# /etc/passwd\nv 0 0 0"}
 
 
 def test_a_file_is_parsed_once_for_all_runs(tmp_path, monkeypatch):

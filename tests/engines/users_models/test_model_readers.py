@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 from spincheck.engines import EngineError
-from spincheck.engines.users_models import model_readers
-from spincheck.scenarios.users_models import read_model
+from spincheck.engines.users_models import model_readers, read_model
 from users_models import arm, arm_with_a_tool, body, diagonal, inertial, joint, link, robot, written
 
 pytest.importorskip("pybullet")
@@ -28,7 +27,7 @@ def test_an_engine_that_is_reported_to_holds_the_files_tensor(tmp_path, who):
     arm_body = held(tmp_path, arm(), who)["arm"]
     assert arm_body.mass == 2
     assert np.abs(arm_body.com - [0.1, 0, 0]).max() <= EPS
-    assert np.abs(arm_body.inertia_com - stated.inertia).max() <= 8 * EPS * 0.05
+    assert np.abs(arm_body.inertia_com - stated.inertia_com).max() <= 8 * EPS * 0.05
     # Teeth: without the rotation of its own frame it would be another.
     assert np.abs(arm_body.inertia_com - stated.unturned).max() > 1e-3
 
@@ -91,7 +90,7 @@ def test_an_mjcfs_body_is_what_the_file_states(tmp_path):
     )
     stated = read_model(written(tmp_path, text, "robot.xml")).link("arm").stated
     mesh_arm = held(tmp_path, text, ("mujoco", "as-is"), "robot.xml")["arm"]
-    assert np.abs(mesh_arm.inertia_com - stated.inertia).max() <= 16 * EPS
+    assert np.abs(mesh_arm.inertia_com - stated.inertia_com).max() <= 16 * EPS
     assert np.abs(mesh_arm.inertia_com - np.diag([1, 2, 2.5])).max() > 0.1
 
 
@@ -120,6 +119,31 @@ def test_replicated_bodies_are_named_as_mujoco_names_them(tmp_path):
     text = body(f'{inner}<geom size="0.1"/></body></replicate>')
     names = {one.name for one in read_model(written(tmp_path, text, "robot.xml")).links}
     assert set(held(tmp_path, text, ("mujoco", "as-is"), "robot.xml")) == names
+
+
+def test_mujoco_is_given_what_was_checked_and_opens_no_file_of_the_users(tmp_path):
+    """Planted: file, include and mesh are others when MuJoCo reads, and name what is elsewhere."""
+    written(tmp_path, body('<include file="geom.xml"/>'), "robot.xml")
+    inner = '<mujoco><freejoint/><geom type="mesh" mesh="m"/></mujoco>'
+    mesh = '<asset><mesh name="m" file="a.obj"/></asset>'
+    written(tmp_path, OBJ, "meshes/a.obj")
+    compiler = '<compiler meshdir="meshes"/>'
+    text = body('<include file="geom.xml"/>', compiler + mesh)
+    written(tmp_path, inner, "geom.xml")
+    model = read_model(written(tmp_path, text, "robot.xml"))
+    elsewhere = written(tmp_path.parent, OBJ.replace("3", "300"), "elsewhere.obj")
+    written(tmp_path, text.replace("a.obj", str(elsewhere)), "robot.xml")
+    written(tmp_path, inner.replace("<geom", '<geom density="1"'), "geom.xml")
+    held_body = READERS["mujoco"].read(model, "as-is")["arm"]
+    # A corner of a box of 3 m³, of water.
+    assert held_body.mass == pytest.approx(1000 * 3 / 6)
+
+
+def test_mujoco_reads_a_model_that_a_model_attaches(tmp_path):
+    written(tmp_path, body('<geom size="1"/>').replace("arm", "hand"), "hand.xml")
+    asset = '<asset><model name="h" file="hand.xml"/></asset>'
+    text = body('<freejoint/><geom size="1"/><attach model="h" body="hand" prefix="l-"/>', asset)
+    assert set(held(tmp_path, text, ("mujoco", "as-is"), "robot.xml")) == {"arm", "l-hand"}
 
 
 def test_nothing_is_written_beside_the_user(tmp_path, monkeypatch):

@@ -9,13 +9,13 @@ import made_up_sweeps
 import pytest
 import users_models
 from spincheck.engines import engines
+from spincheck.engines.users_models import read_model
 from spincheck.reports.harness.choice import Choice
 from spincheck.reports.harness.executors import InProcess
-from spincheck.reports.harness.users_models.inspect import inspect_model, reader_engines
 from spincheck.reports.pages.render import render
-from spincheck.reports.pages.users_models.model_page import write_model_page
+from spincheck.reports.users_models.inspection import inspect_model, reader_engines
+from spincheck.reports.users_models.page import write_model_page
 from spincheck.scenarios import find, load
-from spincheck.scenarios.users_models import read_model
 from studies import study
 
 pytest.importorskip("playwright", reason="playwright is not installed")

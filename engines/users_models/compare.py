@@ -1,0 +1,185 @@
+"""How an engine's body differs from the file's: how far, and in words its size and cause."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from ...scenarios import FloatArray
+from ..checks.read_back import BodyReading
+from .file_problems import FileProblem
+from .model_file import Stated, principal_moments
+
+#: Relative tolerance within which an engine holds the file's link. Some engines diagonalise tensors
+#: with errors of 1e-12 to 1e-6: with a tolerance of 1e-12 a third of all links would be wrong.
+AGREES = 1e-5
+#: Half turns about each axis: principal axes have no sign.
+_SIGNS = [np.diag(signs) for signs in ((1, 1, 1), (1, -1, -1), (-1, 1, -1), (-1, -1, 1))]
+#: Ratios this close to 1 are printed as a percentage.
+NEAR_ONE = 0.1
+
+
+@dataclass(frozen=True)
+class BodyDifference:
+    """How far an engine's body is from the file's.
+
+    Attributes
+    ----------
+    mass : relative
+    com : distance, relative to the file's radius of gyration or |com|, whichever is larger
+    inertia : norm of the difference of the tensors about the com, relative to the file's
+    axes_deg : the smallest rotation between the principal axes; 0 if both have three equal moments
+    """
+
+    mass: float
+    com: float
+    inertia: float
+    axes_deg: float
+
+    @property
+    def worst(self) -> float:
+        """The largest of the three that are judged."""
+        return max(self.mass, self.com, self.inertia)
+
+
+def difference(stated: BodyReading, got: BodyReading) -> BodyDifference:
+    """The difference of the body that an engine holds from the one that a file states."""
+    inertia = stated.inertia_com
+    gyration = np.sqrt(abs(np.trace(inertia)) / (2 * stated.mass)) if stated.mass else 0.0
+    arm = max(float(gyration), float(np.linalg.norm(stated.com)))
+    return BodyDifference(
+        mass=_relative(abs(got.mass - stated.mass), abs(stated.mass)),
+        com=_relative(float(np.linalg.norm(got.com - stated.com)), arm),
+        inertia=_relative(
+            float(np.linalg.norm(got.inertia_com - inertia)), float(np.linalg.norm(inertia))
+        ),
+        axes_deg=float(np.degrees(angle_between_axes(inertia, got.inertia_com))),
+    )
+
+
+def _relative(value: float, size: float) -> float:
+    if size:
+        return value / size
+    return 0.0 if value == 0 else float("inf")
+
+
+def angle_between_axes(one: FloatArray, other: FloatArray) -> float:
+    """The least rotation between the principal axes of two tensors, rad.
+
+    Axes go by the order of their moments, and turn freely where moments are alike.
+    """
+    (moments, axes), (other_moments, other_axes) = np.linalg.eigh(one), np.linalg.eigh(other)
+    free = _equal_pairs(moments) | _equal_pairs(other_moments)
+    if free == {0, 1}:
+        return 0.0
+    if free:
+        # Only one axis is determined; the other two may turn about it.
+        lone = 2 if free == {0} else 0
+        cosine = abs(axes[:, lone] @ other_axes[:, lone])
+        sine = np.linalg.norm(np.cross(axes[:, lone], other_axes[:, lone]))
+        return float(np.arctan2(sine, cosine))
+    axes[:, 2] *= np.sign(np.linalg.det(axes))
+    other_axes[:, 2] *= np.sign(np.linalg.det(other_axes))
+    turns = [other_axes @ sign @ axes.T for sign in _SIGNS]
+    return float(min(Rotation.from_matrix(turn).magnitude() for turn in turns))
+
+
+def _equal_pairs(moments: FloatArray) -> set[int]:
+    """Which of the pairs (0, 1) and (1, 2) of ascending moments are alike."""
+    gaps = np.diff(moments)
+    return {k for k in (0, 1) if gaps[k] <= AGREES * np.abs(moments).max()}
+
+
+def unstated_body(body: BodyReading) -> str:
+    """The cause where an engine holds a body and the file has none."""
+    return (
+        f"held as {body.mass:.3g} kg, {_moments(body.inertia_com)} kg m²: the file states nothing"
+    )
+
+
+def cause(
+    stated: Stated,
+    body: BodyReading,
+    apart: BodyDifference,
+    problems: tuple[FileProblem, ...],
+    made_up: str,
+) -> tuple[str, str]:
+    """Why an engine's body is not the file's, in a word and in a sentence.
+
+    The word is "zero" of a tensor set to zero, "no tensor" where the file has a mass alone, "made
+    up", "rotation lost" of the inertial frame, "turned" axes, "products dropped" of inertia, or
+    "other".
+
+    Parameters
+    ----------
+    problems : faults of the link's numbers in the file
+    made_up : the source of tensors that the engine does not take from the file; else empty
+    """
+    kind = "other"
+    causes = []
+    if apart.mass > AGREES:
+        causes.append(f"{body.mass:.6g} kg, not {stated.mass:.6g} kg")
+    if apart.com > AGREES:
+        distance = float(np.linalg.norm(body.com - stated.com))
+        causes.append(f"com {1000 * distance:.3g} mm off")
+    if apart.inertia > AGREES:
+        kind, sentence = _of_tensor(stated, body.inertia_com, apart, problems, made_up)
+        causes.append(sentence)
+    return kind, "; ".join(causes)
+
+
+def _of_tensor(
+    stated: Stated,
+    got: FloatArray,
+    apart: BodyDifference,
+    problems: tuple[FileProblem, ...],
+    made_up: str,
+) -> tuple[str, str]:
+    tensor = stated.inertia_com
+    size = _size(tensor, got, apart)
+    if not got.any():
+        return "zero", f"tensor set to zero{_why(problems)}"
+    if not tensor.any():
+        made = f"{made_up}: " if made_up else ""
+        return "no tensor", f"{made}{_moments(got)} kg m², the file states a tensor of zero"
+    if made_up:
+        return "made up", f"{made_up}: {size}"
+    if _close(principal_moments(got), principal_moments(tensor)):
+        lost = _close(got, stated.unturned)
+        why = ": the rotation of its inertial frame is lost" if lost else ""
+        sentence = f"moments kept, axes turned by {apart.axes_deg:.3g}°{why}"
+        return ("rotation lost" if lost else "turned"), sentence
+    if _close(got, np.diag(np.diag(tensor))):
+        return "products dropped", f"products of inertia dropped: {size}"
+    return "other", size
+
+
+def _why(problems: tuple[FileProblem, ...]) -> str:
+    """The first thing that no body has, its rule first: ": no body has it, 0.3 + 0.1 < 0.9"."""
+    for problem in problems:
+        if problem.impossible:
+            text, colon, rule = problem.text.partition(": ")
+            return f": {rule}, {text}" if colon else f": {text}"
+    return ""
+
+
+def _size(stated: FloatArray, got: FloatArray, apart: BodyDifference) -> str:
+    total = float(np.trace(stated))
+    ratio = float(np.trace(got)) / total if total > 0 else 0.0
+    if ratio <= 0 or abs(ratio - 1) < NEAR_ONE:
+        turned = f", axes turned by {apart.axes_deg:.3g}°" if apart.axes_deg > 1 else ""
+        return f"tensor off by {apart.inertia:.2%}{turned}"
+    if ratio > 1:
+        return f"tensor {ratio:.3g} times the file's"
+    return f"tensor 1/{1 / ratio:.3g} of the file's"
+
+
+def _close(one: FloatArray, other: FloatArray) -> bool:
+    return bool(np.linalg.norm(one - other) <= AGREES * np.linalg.norm(other))
+
+
+def _moments(inertia: FloatArray) -> str:
+    """The moments as text; one number if all three are equal."""
+    moments = principal_moments(inertia)
+    alike = moments[2] - moments[0] <= AGREES * abs(moments[2])
+    return f"{moments[2]:.3g}" if alike else ", ".join(f"{moment:.3g}" for moment in moments)

@@ -1,0 +1,127 @@
+"""Faults of a model file itself: tensors that no body can have, and placeholders."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...scenarios import FloatArray
+from .model_file import Link, Stated, principal_moments
+
+#: What no body can have; "placeholder", "radius of gyration" and "density" are doubtful.
+IMPOSSIBLE = frozenset(
+    ("negative mass", "zero mass", "zero tensor", "not positive definite", "triangle inequality")
+)
+#: Relative rounding of the eigenvalues of a tensor, in ulp.
+ROUNDING = 16 * float(np.finfo(float).eps)
+#: A link's mass may lie outside the shapes that it is drawn with by so much of their size: shapes
+#: are drawn for looks and for speed, and a doubtful tensor is rarely off by less.
+SHAPE_SLACK = 1.1
+#: kg/m³, of osmium, the densest element (CRC Handbook of Chemistry and Physics, 97th ed., §4).
+DENSEST = 22590.0
+
+
+@dataclass(frozen=True, eq=False)
+class FileProblem:
+    """One thing that a file has wrong of a link; `text` says what, with its numbers."""
+
+    kind: str
+    text: str
+
+    @property
+    def impossible(self) -> bool:
+        """Whether no body can have it, as against a doubtful number."""
+        return self.kind in IMPOSSIBLE
+
+
+def problems(link: Link) -> tuple[FileProblem, ...]:
+    """The faults of a link's inertial; without any, what is doubtful about it."""
+    stated = link.stated
+    if stated is None:
+        return ()
+    found = [*_of_mass(stated), *_of_tensor(stated)]
+    if not found and stated.is_physical:
+        found = [*_placeholder(stated), *_beside_its_shapes(link, stated)]
+    return tuple(FileProblem(kind, text) for kind, text in found)
+
+
+def _of_mass(stated: Stated) -> Iterator[tuple[str, str]]:
+    if stated.mass < 0:
+        yield "negative mass", f"a mass of {stated.mass:g} kg"
+    elif stated.mass == 0 and stated.inertia_com.any():
+        yield "zero mass", "a tensor without a mass"
+    elif stated.mass > 0 and not stated.inertia_com.any():
+        yield "zero tensor", f"a mass of {stated.mass:g} kg without a tensor"
+
+
+def _of_tensor(stated: Stated) -> Iterator[tuple[str, str]]:
+    if not stated.inertia_com.any():
+        return
+    small, middle, large = principal_moments(stated.inertia_com)
+    rounding = ROUNDING * max(abs(small), abs(large))
+    if small <= -rounding or middle <= rounding:
+        moments = ", ".join(f"{moment:.4g}" for moment in (small, middle, large))
+        rule = "principal moments must be positive"
+        yield "not positive definite", f"{rule}, they are {moments} kg m²"
+    elif large - small - middle > rounding:
+        yield "triangle inequality", f"{_digits(small, middle, large)}: no body has it"
+    elif small <= rounding:
+        # A rod: the largest two are equal, and nothing says how fast it turns about itself.
+        yield "not positive definite", f"a principal moment is {small:.3g} kg m²"
+
+
+def _digits(small: float, middle: float, large: float) -> str:
+    """The text "a + b < c", with as many digits as show the inequality."""
+    for digits in range(2, 18):
+        a, b, c = (f"{moment:.{digits}g}" for moment in (small, middle, large))
+        if float(a) + float(b) < float(c):
+            return f"{a} + {b} < {c}"
+    return f"{small!r} + {middle!r} < {large!r}"
+
+
+def _placeholder(stated: Stated) -> Iterator[tuple[str, str]]:
+    """A power of ten times the identity: a number that was put in to have one."""
+    moment = float(stated.unturned[0, 0])
+    exponent = round(np.log10(moment)) if moment > 0 else 0
+    if moment == float(f"1e{exponent}") and (stated.unturned == moment * np.eye(3)).all():
+        yield "placeholder", f"{moment:g} × identity: a placeholder"
+
+
+def _beside_its_shapes(link: Link, stated: Stated) -> Iterator[tuple[str, str]]:
+    """What a mass within the link's shapes cannot have.
+
+    A mass within a width w varies along it by no more than (w/2)² (T. Popoviciu 1935); along x
+    that is (Iyy + Izz − Ixx) / 2m. And it is no denser than any element, if it fills the box about
+    the shapes; of a flat shape, whose box has no volume, that is not known.
+    """
+    extent = _extent(link)
+    if extent is None:
+        return
+    diagonal = np.diag(stated.inertia_com)
+    # Of next to no mass it is infinite.
+    with np.errstate(over="ignore"):
+        spread = np.sqrt((diagonal.sum() / 2 - diagonal) / stated.mass)
+    most = SHAPE_SLACK * extent / 2
+    axis = int(np.argmax(spread / np.maximum(most, np.finfo(float).tiny)))
+    if spread[axis] > most[axis]:
+        yield (
+            "radius of gyration",
+            f"its radius of gyration along {'xyz'[axis]} is {spread[axis]:.3g} m; within its "
+            f"shapes, {extent[axis]:.3g} m wide, at most {extent[axis] / 2:.3g} m are possible",
+        )
+    if 0 < DENSEST * float(np.prod(SHAPE_SLACK * extent)) < stated.mass:
+        sides = " × ".join(f"{side:.3g}" for side in extent)
+        yield (
+            "density",
+            f"{stated.mass:g} kg within shapes of {sides} m are denser than any element, osmium's "
+            f"{DENSEST:.0f} kg/m³: is the mass in grams?",
+        )
+
+
+def _extent(link: Link) -> FloatArray | None:
+    """Sides of the box about a link's shapes, m, along its axes; None where one is not known."""
+    boxes = [shape.box for shape in link.shapes]
+    known = [box for box in boxes if box is not None]
+    if not known or len(known) < len(boxes):
+        return None
+    return np.asarray(np.max(known, axis=0)[1] - np.min(known, axis=0)[0])

@@ -1,0 +1,215 @@
+"""What an MJCF file states: `body/inertial`, after includes, frames and replicates.
+
+Read here and not by `mujoco.MjSpec`: MuJoCo's reading is what is checked, a file may crash it, and
+it keeps no places in the file.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from ...scenarios import FloatArray
+from .mjcf_files import CheckedFiles
+from .model_file import Link, Pose, Stated
+from .xml_tree import Element, shown
+
+#: More bodies than any robot has; `replicate` can ask for any number.
+MAX_BODIES = 10_000
+#: Elements that generate bodies.
+MAKERS = ("attach", "composite", "flexcomp", "flex")
+ZEROS = (0.0, 0.0, 0.0)
+
+
+def read_mjcf(root: Element, files: CheckedFiles) -> tuple[tuple[Link, ...], tuple[str, ...]]:
+    """The bodies of a model, in the file's order, and what was not read of it.
+
+    Raises
+    ------
+    ModelFileError
+        If a number is not one, an include lies outside the folders, or there are too many bodies.
+    """
+    files.check(root)
+    reader = _Reader(_compiler(root))
+    for world in root.all("worldbody"):
+        reader.read(world, "", Pose())
+    if not reader.links:
+        root.refuse("<mujoco> has no <body>: there is nothing to inspect")
+    return tuple(reader.links), tuple(reader.notes)
+
+
+@dataclass(frozen=True)
+class Compiler:
+    """The settings of MuJoCo's compiler that say what the numbers of a file mean."""
+
+    degrees: bool
+    eulerseq: str
+    from_shapes: bool
+
+
+def _compiler(root: Element) -> Compiler:
+    settings: dict[str, str] = {}
+    for element in root.all("compiler"):
+        settings |= element.attributes
+    sequence = settings.get("eulerseq", "xyz")
+    if len(sequence) != 3 or set(sequence) - set("xyzXYZ"):
+        root.refuse(f"'eulerseq' must be three of x, y, z, X, Y, Z, got {shown(sequence)}")
+    return Compiler(
+        degrees=settings.get("angle", "degree") == "degree",
+        eulerseq=sequence,
+        from_shapes=settings.get("inertiafromgeom") == "true",
+    )
+
+
+@dataclass
+class _Reader:
+    """Walks a world's bodies; their nesting is bounded by that of the elements."""
+
+    compiler: Compiler
+    unnamed: int = 0
+    links: list[Link] = field(default_factory=list)
+    notes: list[str] = field(default_factory=list)
+
+    def read(self, element: Element, parent: str, frame: Pose) -> None:
+        """The bodies of an element.
+
+        Parameters
+        ----------
+        parent : name of the body that they hang on; empty for the world
+        frame : of the element in the parent's
+        """
+        for child in element.children:
+            if child.tag == "body":
+                self._body(child, parent, frame)
+            elif child.tag == "frame":
+                self.read(child, parent, frame.then(_pose(child, self.compiler)))
+            elif child.tag == "replicate":
+                self._replicate(child, parent, frame)
+            elif child.tag in MAKERS:
+                self.notes.append(f"{child.where}: bodies that <{child.tag}> makes are not read")
+
+    def _body(self, element: Element, parent: str, frame: Pose) -> None:
+        if len(self.links) == MAX_BODIES:
+            element.refuse(f"more than {MAX_BODIES} bodies")
+        name = element.attributes.get("name", "")
+        if not name:
+            self.unnamed += 1
+            name = unnamed(self.unnamed)
+        inertial = element.only("inertial")
+        by_shapes = self.compiler.from_shapes or (inertial is None and _has_shapes(element))
+        self.links.append(
+            Link(
+                name=name,
+                where=element.where,
+                stated=None if inertial is None or by_shapes else _stated(inertial, self.compiler),
+                parent=parent,
+                pose=frame.then(_pose(element, self.compiler)),
+                moves=any(child.tag in ("joint", "freejoint") for child in element.children),
+                by_shapes=by_shapes,
+            )
+        )
+        self.read(element, name, Pose())
+
+    def _replicate(self, element: Element, parent: str, frame: Pose) -> None:
+        (count,) = element.numbers("count", 1)
+        before, separator = len(self.links), element.attributes.get("sep", "")
+        self.read(element, parent, frame)
+        once = self.links[before:]
+        del self.links[before:]
+        own = {link.name for link in once}
+        for index in range(int(count)):
+            suffix = f"{separator}{index:0{len(str(int(count) - 1))}d}"
+            self.links += [
+                replace(
+                    link,
+                    name=link.name + suffix,
+                    parent=link.parent + suffix if link.parent in own else link.parent,
+                )
+                for link in once
+            ]
+
+
+def _has_shapes(element: Element) -> bool:
+    return any(
+        child.tag == "geom" or (child.tag in ("frame", "replicate") and _has_shapes(child))
+        for child in element.children
+    )
+
+
+def unnamed(number: int) -> str:
+    """What the n-th body without a name is called."""
+    return f"(body {number})"
+
+
+def _stated(inertial: Element, compiler: Compiler) -> Stated:
+    pose = _pose(inertial, compiler)
+    if "fullinertia" in inertial.attributes:
+        xx, yy, zz, xy, xz, yz = inertial.numbers("fullinertia", 6)
+        unturned = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+    else:
+        unturned = np.diag(inertial.numbers("diaginertia", 3))
+    inertia = pose.R @ unturned @ pose.R.T
+    (mass,) = inertial.numbers("mass", 1)
+    return Stated(mass, pose.position, (inertia + inertia.T) / 2, unturned=unturned)
+
+
+def _pose(element: Element, compiler: Compiler) -> Pose:
+    return Pose(np.array(element.numbers("pos", 3, ZEROS)), _rotation(element, compiler))
+
+
+def _rotation(element: Element, compiler: Compiler) -> FloatArray:
+    """The rotation, given in one of MJCF's five ways (XML reference, *Frame orientations*)."""
+    ways = [key for key in _WAYS if key in element.attributes]
+    if len(ways) > 1:
+        element.refuse(f"{element} gives its rotation twice: '{ways[0]}' and '{ways[1]}'")
+    if not ways:
+        return np.eye(3)
+    length, rotation = _WAYS[ways[0]]
+    values = np.array(element.numbers(ways[0], length))
+    if not values.any() and ways[0] != "euler":
+        element.refuse(f"'{ways[0]}' of <{element.tag}> must not be zero")
+    return rotation(values, compiler).as_matrix()
+
+
+def _by_quat(values: FloatArray, _: Compiler) -> Rotation:
+    return Rotation.from_quat(values, scalar_first=True)
+
+
+def _by_axis_angle(values: FloatArray, compiler: Compiler) -> Rotation:
+    axis = values[:3] / np.linalg.norm(values[:3])
+    return Rotation.from_rotvec(axis * values[3], degrees=compiler.degrees)
+
+
+def _by_euler(values: FloatArray, compiler: Compiler) -> Rotation:
+    """Small letters turn with the frame, capitals stay."""
+    total = Rotation.identity()
+    for letter, angle in zip(compiler.eulerseq, values, strict=True):
+        one = Rotation.from_euler(letter.lower(), angle, degrees=compiler.degrees)
+        total = total * one if letter.islower() else one * total
+    return total
+
+
+def _by_xy(values: FloatArray, _: Compiler) -> Rotation:
+    x = values[:3] / np.linalg.norm(values[:3])
+    y = values[3:] - (values[3:] @ x) * x
+    y /= np.linalg.norm(y)
+    return Rotation.from_matrix(np.column_stack([x, y, np.cross(x, y)]))
+
+
+def _by_z(values: FloatArray, _: Compiler) -> Rotation:
+    """The least rotation that takes z there; about x where z is turned over."""
+    x, y, z = values / np.linalg.norm(values)
+    sine = np.hypot(x, y)
+    axis = np.array([-y / sine, x / sine, 0.0]) if sine else np.array([1.0, 0.0, 0.0])
+    return Rotation.from_rotvec(axis * np.arctan2(sine, z))
+
+
+#: By attribute: how many numbers it has, and the rotation that they are.
+_WAYS: dict[str, tuple[int, Callable[[FloatArray, Compiler], Rotation]]] = {
+    "quat": (4, _by_quat),
+    "axisangle": (4, _by_axis_angle),
+    "euler": (3, _by_euler),
+    "xyaxes": (6, _by_xy),
+    "zaxis": (3, _by_z),
+}

@@ -1,0 +1,257 @@
+"""A model as its file states it: links with their mass, centre of mass and inertia."""
+
+from collections.abc import Collection, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+
+from ...scenarios import FloatArray
+from ..checks.read_back import BodyReading, composed
+
+Format = Literal["urdf", "mjcf"]
+#: Bytes of a file, from a model's first to that of an element and behind it.
+Span = tuple[int, int]
+#: Name of a URDF link that engines take for the world itself: what is fixed to it is not its part.
+WORLD = "world"
+
+
+@dataclass(frozen=True, eq=False)
+class Pose:
+    """The pose of a frame in another: `p = position + R @ p_inner`; m."""
+
+    position: FloatArray = field(default_factory=lambda: np.zeros(3))
+    R: FloatArray = field(default_factory=lambda: np.eye(3))
+
+    def then(self, inner: "Pose") -> "Pose":
+        """The pose of a frame that is given in this one."""
+        return Pose(self.position + self.R @ inner.position, self.R @ inner.R)
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Stated(BodyReading):
+    """What a file states of a link, in the link's frame; it need not be possible.
+
+    Attributes
+    ----------
+    unturned : the tensor if the rotation of its own frame (`rpy`, `quat`) were left out, kg m²
+    """
+
+    unturned: FloatArray
+
+    @property
+    def is_physical(self) -> bool:
+        """Whether it has a mass and a tensor at all."""
+        return self.mass > 0 and bool(self.inertia_com.any())
+
+
+@dataclass(frozen=True, eq=False)
+class Shape:
+    """A shape of a URDF link: its bounding box in the link's frame, m, or a mesh.
+
+    Attributes
+    ----------
+    box : lowest and highest corner, (2, 3); None of a mesh, and of a kind that is not known
+    span : of its element
+    mesh : the file it names, if it is a mesh
+    collides : whether it is a collision shape
+    """
+
+    box: FloatArray | None
+    span: Span
+    mesh: str | None
+    collides: bool
+
+
+@dataclass(frozen=True, eq=False)
+class Link:
+    """A link of a URDF, or a body of an MJCF file.
+
+    Attributes
+    ----------
+    where : file and line
+    stated : None if the file has no `inertial` for it
+    parent : the link that it hangs on; empty for a root
+    pose : of its frame in its parent's
+    moves : whether a joint lets it move against its parent
+    by_shapes : whether its inertia is that of its shapes, which is not computed here
+    shapes : that it is drawn and collides with
+    span, joint : of its element, and of the URDF joint that it hangs on
+    """
+
+    name: str
+    where: str
+    stated: Stated | None
+    parent: str
+    pose: Pose
+    moves: bool
+    by_shapes: bool = False
+    shapes: tuple[Shape, ...] = ()
+    span: Span = (0, 0)
+    joint: Span = (0, 0)
+
+
+@dataclass(frozen=True)
+class Folders:
+    """Where a model's files may be: its own folder, and those of packages.
+
+    Attributes
+    ----------
+    own : of the file; absolute, as the others
+    packages : folders by the name that `package://` gives them
+    """
+
+    own: Path
+    packages: tuple[tuple[str, Path], ...] = ()
+
+    def find(self, name: str) -> Path | None:
+        """A file that a model names, if it is there and inside one of the folders.
+
+        The packages that the model itself lies in, as ROS lays them out and installs them, count.
+        """
+        above = [
+            folder
+            for folder in self.own.resolve().parents
+            if (folder / "package.xml").is_file() or folder.parent.name == "share"
+        ]
+        packages = {folder.name: folder for folder in reversed(above)} | dict(self.packages)
+        scheme, separator, rest = name.partition("://")
+        package, _, inner = rest.partition("/")
+        if separator and (scheme not in ("package", "model") or package not in packages):
+            return None
+        try:
+            path = packages[package] / inner if separator else self.own / name
+            path = path.resolve(strict=True)
+        except (OSError, ValueError, RuntimeError):
+            return None
+        roots = (self.own, *above, *packages.values())
+        inside = any(path.is_relative_to(root.resolve()) for root in roots)
+        return path if inside and path.is_file() else None
+
+
+@dataclass(frozen=True, eq=False)
+class ModelFile:
+    """A file as read.
+
+    Attributes
+    ----------
+    data : its bytes
+    links : in the file's order
+    notes : what is odd about the file, and what of it was not read
+    checked : of an MJCF file, the text that engines may read: with the files that it includes
+    files : those that the text names, by the names that it has for them: the text of a model, or
+        where a mesh or a height field is
+    """
+
+    path: Path
+    data: bytes
+    format: Format
+    links: tuple[Link, ...]
+    notes: tuple[str, ...]
+    folders: Folders
+    checked: str = ""
+    files: Mapping[str, str | Path] = field(default_factory=dict)
+
+    def link(self, name: str) -> Link:
+        """The link of that name; KeyError if there is none."""
+        return {link.name: link for link in self.links}[name]
+
+
+@dataclass(frozen=True, eq=False)
+class RigidBody:
+    """A link, and those welded to it: one body, in the frame of that link.
+
+    Attributes
+    ----------
+    parts : the link itself and what is welded to it, with their poses in its frame
+    """
+
+    parts: tuple[tuple[Link, Pose], ...]
+
+    @property
+    def host(self) -> Link:
+        """The link that the others are welded to."""
+        return self.parts[0][0]
+
+    @property
+    def welded(self) -> tuple[str, ...]:
+        """Names of the links welded to it that have an inertia of their own."""
+        return tuple(link.name for link, _ in self.parts[1:] if link.stated is not None)
+
+    @property
+    def unread(self) -> str:
+        """The parts whose inertia is that of their shapes, in words; empty if there are none."""
+        names = [link.name for link, _ in self.parts if link.by_shapes]
+        return f"the inertia of {', '.join(names)} is that of its shapes, not read" if names else ""
+
+    @property
+    def stated(self) -> Stated | None:
+        """Mass, com and tensor of the whole; None if the file states none of any part."""
+        stated = [(link.stated, pose) for link, pose in self.parts if link.stated is not None]
+        if self.welded:
+            return fused(stated)
+        return stated[0][0] if stated else None
+
+    def only(self, names: Collection[str]) -> "RigidBody":
+        """The body of its host, those links, and the links that lie between them and the host."""
+        parents = {link.name: link.parent for link, _ in self.parts[1:]}
+        wanted = {self.host.name}
+        for name in names:
+            while name not in wanted:
+                wanted.add(name)
+                name = parents[name]
+        return RigidBody(tuple(part for part in self.parts if part[0].name in wanted))
+
+
+def rigid_bodies(
+    links: Sequence[Link], gone: Collection[str] | None = None
+) -> tuple[RigidBody, ...]:
+    """The rigid bodies that a model's links make up, in the file's order.
+
+    Parameters
+    ----------
+    gone : links that are part of the one that they hang on; by default those that no joint moves
+    """
+    if gone is None:
+        gone = {li.name for li in links if li.parent and not li.moves and li.parent != WORLD}
+    children: dict[str, list[Link]] = {}
+    for link in links:
+        children.setdefault(link.parent, []).append(link)
+    bodies = []
+    for host in (link for link in links if link.name not in gone):
+        parts = [(host, Pose())]
+        for link, pose in parts:  # grows as it goes
+            fixed = [child for child in children.get(link.name, []) if child.name in gone]
+            parts += [(child, pose.then(child.pose)) for child in fixed]
+        bodies.append(RigidBody(tuple(parts)))
+    return tuple(bodies)
+
+
+def fused(parts: Iterable[tuple[Stated, Pose]]) -> Stated:
+    """Rigidly joined parts as one body, in the frame that the poses are given in.
+
+    What has no mass is nothing.
+    """
+    placed = [(part, pose) for part, pose in parts if part.mass]
+
+    def whole(tensors: Iterable[FloatArray]) -> BodyReading:
+        return composed(
+            [
+                BodyReading(part.mass, part.com, tensor).placed(pose.position, pose.R)
+                for (part, pose), tensor in zip(placed, tensors, strict=True)
+            ]
+        )
+
+    body = whole(part.inertia_com for part, _ in placed)
+    # Turned tensors are symmetric but for rounding.
+    inertia = (body.inertia_com + body.inertia_com.T) / 2
+    unturned = whole(part.unturned for part, _ in placed).inertia_com
+    return Stated(float(body.mass), body.com, inertia, unturned=unturned)
+
+
+def principal_moments(inertia: FloatArray) -> FloatArray:
+    """Ascending, kg m², (3,)."""
+    if not (inertia - np.diag(np.diag(inertia))).any():
+        return np.sort(np.diag(inertia))
+    return np.asarray(np.linalg.eigvalsh(inertia))

@@ -1,0 +1,129 @@
+"""Reads a model file of either format, and the link of one that a scene names."""
+
+from dataclasses import dataclass
+from functools import lru_cache
+from hashlib import sha256
+from pathlib import Path
+
+from ...scenarios import Scenario, printable
+from ..checks.read_back import EngineError, UnsupportedError
+from .mjcf import read_mjcf
+from .mjcf_files import CheckedFiles
+from .model_file import Folders, Link, ModelFile, Pose, RigidBody, Stated, rigid_bodies
+from .urdf import urdf_links
+from .xml_tree import Element, ModelFileError, read_xml, shown
+
+#: Number of files kept: all runs of a ladder need the same one.
+KEPT = 16
+
+
+def read_model(path: str | Path, packages: tuple[tuple[str, Path], ...] = ()) -> ModelFile:
+    """Read a URDF or an MJCF file.
+
+    Parameters
+    ----------
+    packages : folders of its meshes by the name that `package://` gives them
+
+    Raises
+    ------
+    ModelFileError
+        If the file cannot be read, or engines would not read it alike.
+    """
+    path = Path(path)
+    named = tuple((name, folder.absolute()) for name, folder in packages)
+    folders = Folders(path.absolute().parent, named)
+    data, root, notes = read_xml(path)
+    if root.tag == "robot":
+        for element in root.walk():
+            if element.tag == "include":
+                # MuJoCo follows them in a URDF too, wherever they point.
+                element.refuse("<include> has no place in a URDF; expand the file first")
+        links = urdf_links(root)
+        notes += _scaled(root) + _missing_meshes(links, folders, path)
+        return ModelFile(path, data, "urdf", links, tuple(notes), folders)
+    if root.tag == "sdf":
+        root.refuse("SDF is not read; convert it to URDF or MJCF")
+    if root.tag != "mujoco":
+        root.refuse(f"<{root.tag}> is neither URDF (<robot>) nor MJCF (<mujoco>)")
+    files = CheckedFiles(folders)
+    links, unread = read_mjcf(root, files)
+    notes += unread
+    return ModelFile(path, data, "mjcf", links, tuple(notes), folders, root.text(), files.files)
+
+
+def _scaled(robot: Element) -> list[str]:
+    """Links whose tensor Bullet multiplies, by an element of its own."""
+    return [
+        f"{scaling.where}: Bullet multiplies the tensor of {link} by this <inertia_scaling>; no "
+        "other engine does"
+        for link in robot.all("link")
+        for contact in link.all("contact")
+        for scaling in contact.all("inertia_scaling")
+    ]
+
+
+def _missing_meshes(links: tuple[Link, ...], folders: Folders, path: Path) -> list[str]:
+    named = {s.mesh for link in links for s in link.shapes if s.collides and s.mesh is not None}
+    missing = sorted(name for name in named if folders.find(name) is None)
+    if not missing:
+        return []
+    return [
+        f"{printable(str(path))}: {len(missing)} of {len(named)} collision meshes are not inside "
+        f"the model's folders, the first is {shown(missing[0])}; stated inertia needs none, what "
+        "PyBullet makes up by default does; '--package-path NAME=DIR' says where they are"
+    ]
+
+
+@dataclass(frozen=True, eq=False)
+class UsersLink:
+    """A link with what is welded to it, and its file.
+
+    Attributes
+    ----------
+    body : only those welded links that the scene names
+    stated : mass, com and tensor of the whole
+    """
+
+    model: ModelFile
+    body: RigidBody
+    stated: Stated
+
+
+def users_link(scenario: Scenario) -> UsersLink:
+    """The link that a scene names.
+
+    Raises
+    ------
+    UnsupportedError
+        If it names none, or the scene has no file, to which the model's path is relative.
+    EngineError
+        If the file cannot be read, is not the one that the scene was made of, or has no such link.
+    """
+    origin = scenario.document.body
+    file, link, welded = origin.model, origin.link, origin.welded or ()
+    if file is None or link is None or origin.sha256 is None or scenario.path is None:
+        raise UnsupportedError("the scene names no link of a model file", "effects")
+    try:
+        model = _read(scenario.path.absolute().parent / file, origin.sha256)
+    except ModelFileError as error:
+        raise EngineError(str(error), "refused") from None
+    if sha256(model.data).hexdigest() != origin.sha256:
+        raise EngineError(f"'{file}' has changed since the scene was made of it", "refused")
+    if link not in {one.name for one in model.links}:
+        raise EngineError(f"'{file}' has no link '{link}'", "refused")
+    hosted = [body for body in rigid_bodies(model.links) if body.host.name == link]
+    whole = hosted[0] if hosted else RigidBody(((model.link(link), Pose()),))
+    if unknown := sorted({*welded} - {*whole.welded}):
+        raise EngineError(
+            f"in '{file}' no link '{unknown[0]}' with an inertia is welded to '{link}'", "refused"
+        )
+    body = whole.only(welded)
+    if body.stated is None:
+        raise EngineError(f"'{file}' states no inertia of '{link}'", "refused")
+    return UsersLink(model, body, body.stated)
+
+
+@lru_cache(maxsize=KEPT)
+def _read(path: Path, digest: str) -> ModelFile:  # noqa: ARG001
+    """The file; cached by its digest."""
+    return read_model(path)

@@ -1,0 +1,245 @@
+"""URDF: what it states, `link/inertial` and the joints, and the text of it that engines read."""
+
+import re
+from collections.abc import Callable, Iterable
+from pathlib import Path
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from ...scenarios import FloatArray
+from ..checks.read_back import EngineError
+from .model_file import Link, ModelFile, Pose, RigidBody, Shape, Span, Stated
+from .xml_tree import MAX_DEPTH, Element, ModelFileError, read_bytes, shown
+
+ZEROS = (0.0, 0.0, 0.0)
+_TENSOR = (("ixx", "ixy", "ixz"), ("ixy", "iyy", "iyz"), ("ixz", "iyz", "izz"))
+#: The word for a joint that does not move; every other kind does.
+FIXED = "fixed"
+
+
+def urdf_links(robot: Element) -> tuple[Link, ...]:
+    """The links of a robot, in the file's order.
+
+    Raises
+    ------
+    ModelFileError
+        If a number is not one, or links and joints make no tree.
+    """
+    elements: dict[str, Element] = {}
+    for element in robot.all("link"):
+        name = element.attributes.get("name", "")
+        if not name:
+            element.refuse("<link> lacks 'name'")
+        if name in elements:
+            element.refuse(f"a second link is named {shown(name)}; names must differ")
+        elements[name] = element
+    if not elements:
+        robot.refuse(f"<{robot.tag}> has no <link>: there is nothing to inspect")
+    joints = _joints(robot, elements)
+    _check_tree(robot, elements, joints)
+    return tuple(_link(name, element, joints.get(name)) for name, element in elements.items())
+
+
+def _joints(robot: Element, links: dict[str, Element]) -> dict[str, tuple[str, Element]]:
+    """The parent's name and the joint, by the child's name."""
+    joints: dict[str, tuple[str, Element]] = {}
+    for joint in robot.all("joint"):
+        ends = {}
+        for role in ("parent", "child"):
+            end = joint.only(role)
+            ends[role] = "" if end is None else end.attributes.get("link", "")
+            if ends[role] not in links:
+                joint.refuse(
+                    f"{joint} must name a link of the file as its {role}, got {shown(ends[role])}"
+                )
+        if ends["child"] in joints:
+            joint.refuse(f"{joint}: the link {shown(ends['child'])} hangs on a joint already")
+        joints[ends["child"]] = (ends["parent"], joint)
+    return joints
+
+
+def _check_tree(
+    robot: Element, links: dict[str, Element], joints: dict[str, tuple[str, Element]]
+) -> None:
+    roots = [name for name in links if name not in joints]
+    if len(roots) > 1:
+        links[roots[1]].refuse(
+            f"links {shown(roots[0])} and {shown(roots[1])} both hang on no joint; engines want "
+            "one root"
+        )
+    depths = dict.fromkeys(roots, 0)
+    for name in links:
+        path: dict[str, None] = {}
+        while name not in depths:
+            if name in path:
+                robot.refuse(f"joints lead from the link {shown(name)} back to itself")
+            path[name] = None
+            name = joints[name][0]
+        for below in reversed(path):
+            depths[below] = depths[joints[below][0]] + 1
+            if depths[below] > MAX_DEPTH:
+                links[below].refuse(f"links hang on each other more than {MAX_DEPTH} deep")
+
+
+def _link(name: str, element: Element, joint: tuple[str, Element] | None) -> Link:
+    parent, holder = joint or ("", None)
+    inertial = element.only("inertial")
+    return Link(
+        name=name,
+        where=element.where,
+        stated=None if inertial is None else _stated(inertial),
+        parent=parent,
+        pose=Pose() if holder is None else _pose(holder),
+        moves=holder is not None and holder.attributes.get("type") != FIXED,
+        shapes=tuple(_shape(one) for one in element.children if one.tag in ("collision", "visual")),
+        span=element.span,
+        joint=(0, 0) if holder is None else holder.span,
+    )
+
+
+def _stated(inertial: Element) -> Stated:
+    mass, tensor = inertial.only("mass"), inertial.only("inertia")
+    if mass is None or tensor is None:
+        lacked = "mass" if mass is None else "inertia"
+        inertial.refuse(f"<inertial> lacks <{lacked}>: engines do not fill in the same")
+    pose = _pose(inertial)
+    unturned = np.array([[tensor.numbers(key, 1)[0] for key in row] for row in _TENSOR])
+    with np.errstate(over="ignore", invalid="ignore"):
+        inertia = pose.R @ unturned @ pose.R.T
+        inertia = (inertia + inertia.T) / 2
+    if not np.isfinite(inertia).all():
+        inertial.refuse("the inertia is too large to be computed with")
+    return Stated(mass.numbers("value", 1)[0], pose.position, inertia, unturned=unturned)
+
+
+def _pose(element: Element) -> Pose:
+    """The pose in the element's `origin`; R = Rz(yaw) Ry(pitch) Rx(roll)."""
+    origin = element.only("origin")
+    if origin is None:
+        return Pose()
+    rpy = origin.numbers("rpy", 3, ZEROS)
+    R = Rotation.from_euler("xyz", rpy).as_matrix() if any(rpy) else np.eye(3)
+    return Pose(np.array(origin.numbers("xyz", 3, ZEROS)), R)
+
+
+def _shape(element: Element) -> Shape:
+    geometry = element.only("geometry")
+    solid = geometry.children[0] if geometry is not None and geometry.children else None
+    mesh = solid.attributes.get("filename") if solid is not None else None
+    half = None if solid is None or mesh is not None else _half_extents(solid)
+    box = None
+    if half is not None:
+        pose = _pose(element)
+        # Of a turned box, the box around it.
+        reach = np.abs(pose.R) @ half
+        box = np.array([pose.position - reach, pose.position + reach])
+    return Shape(box, element.span, mesh, element.tag == "collision")
+
+
+def _half_extents(solid: Element) -> FloatArray | None:
+    """Half a box around a shape, along its own axes, m; None of a kind that is not known."""
+    if solid.tag == "box":
+        return np.array(solid.numbers("size", 3)) / 2
+    if solid.tag == "sphere":
+        return np.full(3, solid.numbers("radius", 1)[0])
+    if solid.tag in ("cylinder", "capsule"):
+        (radius,), (length,) = solid.numbers("radius", 1), solid.numbers("length", 1)
+        ends = radius if solid.tag == "capsule" else 0.0
+        return np.array([radius, radius, length / 2 + ends])
+    return None
+
+
+_FILENAME = re.compile(rb"""\bfilename\s*=\s*(?:"[^"]*"|'[^']*')""")
+#: Bytes of a mesh; the largest of public packages have 40 million.
+LARGEST_MESH = 1 << 28
+#: Replacements of spans of the file.
+Edits = list[tuple[Span, bytes]]
+
+
+def with_meshes(
+    model: ModelFile, usable: Callable[[Shape], bool]
+) -> tuple[bytes, dict[str, bytes]]:
+    """The file with its meshes renamed, so that an engine finds only those.
+
+    Parameters
+    ----------
+    usable : whether the mesh of a collision shape is to be read
+
+    Returns
+    -------
+    data : the file without visual parts, and without collision shapes whose mesh is missing, lies
+        outside the model's folders, or is not to be read
+    meshes : what the mesh files hold, by their new names
+    """
+    edits, meshes = _edits(model, model.links, usable)
+    return edited(model.data, edits), meshes
+
+
+def body_alone(
+    model: ModelFile, body: RigidBody, usable: Callable[[Shape], bool] | None = None
+) -> tuple[bytes, dict[str, bytes]]:
+    """A URDF of one body, its links and the joints between them cut verbatim out of a model.
+
+    Parameters
+    ----------
+    usable : as in `with_meshes`; if None, the links have no shapes
+    """
+    links = [link for link, _ in body.parts]
+    edits, meshes = _edits(model, links, usable) if usable else ([], {})
+    if not usable:
+        edits = [(shape.span, b"") for link in links for shape in link.shapes]
+    cut = []
+    for start, end in [link.span for link in links] + [link.joint for link in links[1:]]:
+        own = [((a - start, b - start), new) for (a, b), new in edits if start <= a < end]
+        cut.append(edited(model.data[start:end], own))
+    return b"".join([b'<robot name="cut">', *cut, b"</robot>"]), meshes
+
+
+def edited(data: bytes, edits: Edits) -> bytes:
+    """Replace spans, which do not overlap."""
+    parts, at = [], 0
+    for (start, end), new in sorted(edits):
+        parts += [data[at:start], new]
+        at = end
+    return b"".join([*parts, data[at:]])
+
+
+def mesh_bytes(model: ModelFile, name: str) -> bytes | None:
+    """What a mesh that a model names holds, without the materials that an OBJ file asks for.
+
+    PyBullet opens those, wherever they are. None if it is not inside the model's folders.
+
+    Raises
+    ------
+    EngineError
+        If it cannot be read or is too large.
+    """
+    path = model.folders.find(name)
+    if path is None:
+        return None
+    try:
+        data = read_bytes(path, LARGEST_MESH)
+    except ModelFileError as error:
+        raise EngineError(str(error)) from None
+    return data.replace(b"mtllib", b"#") if Path(name).suffix.lower() == ".obj" else data
+
+
+def _edits(
+    model: ModelFile, links: Iterable[Link], usable: Callable[[Shape], bool]
+) -> tuple[Edits, dict[str, bytes]]:
+    edits: Edits = []
+    meshes: dict[str, bytes] = {}
+    for shape in (shape for link in links for shape in link.shapes):
+        mesh = None
+        if shape.collides and shape.mesh is not None and usable(shape):
+            mesh = mesh_bytes(model, shape.mesh)
+        if mesh is not None and shape.mesh is not None:
+            name = f"mesh-{len(meshes)}{Path(shape.mesh).suffix.lower()}"
+            meshes[name] = mesh
+            start, end = shape.span
+            named = f'filename="{name}"'.encode()
+            edits.append((shape.span, _FILENAME.sub(named, model.data[start:end])))
+        elif not shape.collides or shape.mesh is not None:
+            edits.append((shape.span, b""))
+    return edits, meshes

@@ -1,0 +1,292 @@
+"""XML as a tree whose elements know their line and place in the file; DTDs are refused.
+
+expat itself, because its positions are needed for messages and for cutting a link out verbatim,
+which ElementTree and the parsers built on it or on lxml (yourdfpy, urdf_parser_py) do not keep.
+Numbers are read as every engine reads them alike: PyBullet reads `0,5` as 0, some take `1_0` for
+10, both engines load a mass of `nan`.
+"""
+
+import math
+import re
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Never
+from xml.parsers import expat
+from xml.sax.saxutils import quoteattr
+
+from ...scenarios import printable
+from ...scenarios.regular_files import LARGEST_MODEL, read_regular
+
+#: A decimal number. No hexadecimal, no `inf`, no `nan`, no digit grouping.
+_NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?", re.ASCII)
+
+
+class ModelFileError(ValueError):
+    """A model file cannot be read one way; the message names file, line, element and rule."""
+
+
+#: Elements within elements; robots nest one body a joint.
+MAX_DEPTH = 256
+#: Elements of a file, and attributes of an element: a file of the largest size may have millions,
+#: each hundreds of times as large in memory, and an engine compares every two of the latter.
+MAX_ELEMENTS, MAX_ATTRIBUTES = 1 << 18, 1 << 8
+#: Characters of a name, and of what a replicate puts between it and a number: all are shown.
+MAX_NAME, NAMING = 1 << 10, ("name", "sep")
+#: Characters of a value that are shown.
+MAX_SHOWN = 60
+#: An XML declaration, wherever it stands.
+_DECLARATION = re.compile(rb"<\?xml\b[^>]*\?>")
+#: One tag; '>' may stand in quotes.
+_TAG = re.compile(rb"""<(?:[^<>"']++|"[^"]*"|'[^']*')*+>""")
+#: expat's complaints about a declaration: engines read over it, other tools refuse the file.
+_OF_DECLARATIONS = frozenset(
+    {
+        expat.errors.XML_ERROR_MISPLACED_XML_PI,
+        expat.errors.XML_ERROR_XML_DECL,
+        expat.errors.XML_ERROR_UNKNOWN_ENCODING,
+    }
+)
+
+
+@dataclass(eq=False)
+class Element:
+    """One element.
+
+    Attributes
+    ----------
+    file, line : where it begins
+    span : the bytes of the file that it takes up
+    """
+
+    tag: str
+    attributes: dict[str, str]
+    file: str
+    line: int
+    span: tuple[int, int]
+    children: list["Element"] = field(default_factory=list)
+
+    @property
+    def where(self) -> str:
+        """File and line, as "robot.urdf:12"."""
+        return f"{self.file}:{self.line}"
+
+    def all(self, tag: str) -> list["Element"]:
+        """The children of that tag."""
+        return [child for child in self.children if child.tag == tag]
+
+    def only(self, tag: str) -> "Element | None":
+        """The child of that tag, None if there is none.
+
+        Raises
+        ------
+        ModelFileError
+            If there are several: engines do not take the same one.
+        """
+        children = self.all(tag)
+        if len(children) > 1:
+            children[1].refuse(f"a second <{tag}> in {self}: engines do not take the same one")
+        return children[0] if children else None
+
+    def walk(self) -> Iterator["Element"]:
+        """The element and all in it, as they are when it comes to them; nothing recurses."""
+        left = [self]
+        while left:
+            element = left.pop()
+            yield element
+            left += element.children
+
+    def refuse(self, rule: str) -> Never:
+        """Raise a `ModelFileError` about this element."""
+        raise ModelFileError(f"{self.where}: {rule}")
+
+    def numbers(
+        self, key: str, length: int | None = None, default: Sequence[float] | None = None
+    ) -> tuple[float, ...]:
+        """The finite numbers of an attribute.
+
+        Parameters
+        ----------
+        length : how many there must be; any number if None
+        default : what is meant where the attribute is not there; None where it must be
+
+        Raises
+        ------
+        ModelFileError
+            If the attribute is not there, or is anything but so many decimal numbers.
+        """
+        text = self.attributes.get(key)
+        if text is None:
+            if default is None:
+                self.refuse(f"<{self.tag}> lacks '{key}'")
+            return tuple(default)
+        parts = text.split()
+        for part in parts:
+            if not _NUMBER.fullmatch(part) or not math.isfinite(float(part)):
+                self.refuse(
+                    f"'{key}' of <{self.tag}> must be decimal numbers, got {shown(part)}"
+                    f"{_why(part)}"
+                )
+        if length not in (None, len(parts)):
+            count = "one number" if length == 1 else f"{length} numbers"
+            self.refuse(f"'{key}' of <{self.tag}> must be {count}, got {shown(text)}")
+        return tuple(map(float, parts))
+
+    def text(self) -> str:
+        """The element as XML; elements keep their lines, so that messages of engines name them."""
+        parts: list[str] = []
+        line = 1
+        left: list[Element | str] = [self]
+        while left:
+            one = left.pop()
+            if isinstance(one, str):
+                parts.append(one)
+                continue
+            parts.append("\n" * (one.line - line))
+            line = max(line, one.line)
+            inside = "".join(f" {key}={quoteattr(value)}" for key, value in one.attributes.items())
+            parts.append(f"<{one.tag}{inside}>")
+            left += [f"</{one.tag}>", *reversed(one.children)]
+        return "".join(parts)
+
+    def __str__(self) -> str:
+        name = self.attributes.get("name")
+        return f"<{self.tag}>" if name is None else f"<{self.tag} name={shown(name)}>"
+
+
+def _why(part: str) -> str:
+    if "$" in part:
+        return ": it is xacro, expand the file first"
+    if "," in part:
+        return ": engines stop reading at the comma"
+    return ": engines do not read it alike"
+
+
+def shown(value: str) -> str:
+    """A value of the file in a message."""
+    return printable(repr(value), MAX_SHOWN)
+
+
+def read_xml(path: Path) -> tuple[bytes, Element, list[str]]:
+    """Read a file: its bytes, its outermost element, and what other tools refuse it for.
+
+    Raises
+    ------
+    ModelFileError
+        If it cannot be read, is too large or too deep, has a DTD, or is not XML in UTF-8.
+    """
+    file = printable(str(path))
+    data = read_bytes(path)
+    if b"\0" in data:
+        raise ModelFileError(f"{file}: must be a text in UTF-8, no engine reads UTF-16 or zeros")
+    notes: list[str] = []
+    try:
+        root = _Builder(file, data).root
+    except expat.ExpatError as error:
+        if expat.errors.messages[error.code] not in _OF_DECLARATIONS:
+            raise _not_xml(error, file) from None
+        notes.append(
+            f"{file}:{error.lineno}: this XML declaration breaks the standard; engines read over "
+            "it, standard parsers refuse the file"
+        )
+        try:
+            root = _Builder(file, _DECLARATION.sub(lambda m: b" " * len(m[0]), data)).root
+        except expat.ExpatError as again:
+            raise _not_xml(again, file) from None
+    return data, root, notes + _unbound_prefixes(root)
+
+
+def read_bytes(path: Path, limit: int = LARGEST_MODEL) -> bytes:
+    """The bytes of a model file, or of one of its meshes.
+
+    Raises
+    ------
+    ModelFileError
+        If it cannot be read, is no regular file, or is larger than the limit.
+    """
+    file = printable(str(path))
+    try:
+        data = read_regular(path, limit)
+    except OSError as error:
+        raise ModelFileError(f"{file}: cannot be read: {error.strerror}") from None
+    if len(data) > limit:
+        raise ModelFileError(f"{file}: too large for a model, the limit is {limit} bytes")
+    return data
+
+
+def _not_xml(error: expat.ExpatError, file: str) -> ModelFileError:
+    message = expat.errors.messages[error.code]
+    return ModelFileError(f"{file}:{error.lineno}: not well-formed XML: {message}")
+
+
+class _Builder:
+    """Builds the tree as expat goes; nothing recurses."""
+
+    def __init__(self, file: str, data: bytes) -> None:
+        self._file, self._data = file, data
+        self._open = [Element("", {}, file, 0, (0, 0))]
+        self._count = 0
+        # Declared encodings are not asked: engines read bytes, and names are UTF-8 or ASCII.
+        self._parser = expat.ParserCreate("UTF-8")
+        self._parser.StartElementHandler = self._start
+        self._parser.EndElementHandler = self._end
+        self._parser.StartDoctypeDeclHandler = self._doctype
+        self._parser.Parse(data, True)
+        self.root = self._open[0].children[0]
+
+    def _start(self, tag: str, attributes: dict[str, str]) -> None:
+        line, start = self._parser.CurrentLineNumber, self._parser.CurrentByteIndex
+        element = Element(tag, attributes, self._file, line, (start, start))
+        if len(self._open) > MAX_DEPTH:
+            element.refuse(f"elements are nested more than {MAX_DEPTH} deep")
+        self._count += 1
+        if self._count > MAX_ELEMENTS:
+            element.refuse(f"more than {MAX_ELEMENTS} elements, which no model has")
+        if len(attributes) > MAX_ATTRIBUTES:
+            element.refuse(
+                f"<{printable(tag, MAX_SHOWN)}> has more than {MAX_ATTRIBUTES} attributes"
+            )
+        for key in NAMING:
+            if len(attributes.get(key, "")) > MAX_NAME:
+                element.refuse(f"'{key}' must be at most {MAX_NAME} characters")
+        self._open[-1].children.append(element)
+        self._open.append(element)
+
+    def _end(self, tag: str) -> None:  # noqa: ARG002
+        element = self._open.pop()
+        start, own_tag = element.span[0], self._tag_end(element.span[0])
+        # Of an element without an end tag expat reports the position behind it.
+        closed = self._data[own_tag - 2 : own_tag] == b"/>"
+        end = own_tag if closed else self._tag_end(self._parser.CurrentByteIndex)
+        element.span = (start, end)
+
+    def _tag_end(self, start: int) -> int:
+        tag = _TAG.match(self._data, start)
+        assert tag is not None, "expat has read a tag here"
+        return tag.end()
+
+    def _doctype(self, *_: object) -> None:
+        raise ModelFileError(
+            f"{self._file}:{self._parser.CurrentLineNumber}: a DTD (<!DOCTYPE …>) is refused: it "
+            "can make a small file huge or read other files; remove it"
+        )
+
+
+def _unbound_prefixes(root: Element) -> list[str]:
+    """One note a prefix that no `xmlns:` declares."""
+    notes: dict[str, str] = {}
+    left: list[tuple[Element, frozenset[str]]] = [(root, frozenset({"xml"}))]
+    while left:
+        element, bound = left.pop()
+        bound |= {name[6:] for name in element.attributes if name.startswith("xmlns:")}
+        prefix, colon, _ = element.tag.rpartition(":")
+        if colon and prefix == "xacro":
+            element.refuse(f"<{element.tag}> is xacro: expand it first, 'xacro FILE > robot.urdf'")
+        if colon and prefix not in bound:
+            notes.setdefault(
+                prefix,
+                f"{element.where}: the prefix of <{element.tag}> is not declared; engines read "
+                "over it, standard parsers refuse the file",
+            )
+        left += [(child, bound) for child in element.children]
+    return list(notes.values())

@@ -1,0 +1,238 @@
+"""What 'inspect' prints, as text and as JSON, and the files that it and 'import' write."""
+
+import textwrap
+from collections.abc import Iterable, Iterator, Sequence
+from pathlib import Path
+from typing import Any
+
+from ...engines import BodyReading
+from ...engines.users_models import ModelFile, ModelFileError, read_model
+from ...scenarios import printable
+from ...scenarios.regular_files import write_new
+from ..harness.executors import LocalWorkers
+from ..pages.analysis.wording import plural
+from ..users_models.findings import (
+    LEGEND,
+    added_masses,
+    cell_text,
+    composed_bodies,
+    differences,
+    listed,
+    problems_of,
+    remedies,
+    stated_mass,
+    weight_in_words,
+    wrong_readings,
+)
+from ..users_models.inspection import (
+    READ_LIMIT,
+    CannotInspectError,
+    InspectedLink,
+    Inspection,
+    inspect_model,
+    reader_engines,
+)
+from ..users_models.scenes import link_scenes
+from .terminal import NOT_RUN, Complaint, as_complaint, say, table, terminal_width, written
+
+#: Lines of a list that are printed; '--json' has all.
+MOST_LINES = 20
+
+
+def models(
+    files: Sequence[Path], packages: tuple[tuple[str, Path], ...]
+) -> tuple[list[ModelFile], list[str]]:
+    """The models of the files that can be read, and the complaints about the others."""
+    read, wrong = [], []
+    for file in files:
+        try:
+            read.append(read_model(file, packages))
+        except ModelFileError as error:
+            wrong.append(str(error))
+    return read, wrong
+
+
+def inspections(models: Sequence[ModelFile], engines: Sequence[str]) -> Iterator[Inspection]:
+    """Inspect models one after the other; engines read them in one worker process each."""
+    with as_complaint(CannotInspectError):
+        readers = reader_engines(engines, say)
+        if not readers:
+            raise Complaint("no engine is installed that reads model files", NOT_RUN)
+        with LocalWorkers(1, READ_LIMIT) as worker:
+            for model in models:
+                yield inspect_model(model, worker, readers)
+
+
+def write_pages(inspected: Sequence[Inspection], out: Path) -> Iterator[Path]:
+    """Write a page for each model."""
+    from ..users_models.page import page_names, write_model_page
+
+    names = page_names([one.model.path for one in inspected])
+    with written(out):
+        for one, name in zip(inspected, names, strict=True):
+            yield write_model_page(one, out, name)
+
+
+def print_inspection(inspection: Inspection) -> None:
+    """Print the table, the differences (worst first), faults of the file, and remedies."""
+    model = inspection.model
+    stated = plural(len(model.links), "link") + f", {sum(map(_is_stated, inspection.links))}"
+    _print(f"{model.path}: {model.format.upper()}, {stated} with a mass and a tensor")
+    if weight := weight_in_words(inspection):
+        _print(weight)
+    shown = [
+        link
+        for link in inspection.links
+        if link.link.stated is not None
+        or any(reading.agrees is None and reading.body is not None for reading in link.readings)
+    ]
+    table([_row(link) for link in shown])
+    if idle := len(inspection.links) - len(shown):
+        _print(f"Not in the table: {plural(idle, 'link')} of which the file states no inertia.")
+    if not inspection.is_well:
+        _print(LEGEND)
+    print()
+    _print_list("Bodies that engines hold differently, the worst first:", differences(inspection))
+    _print_list("Impossible in the file:", problems_of(inspection, impossible=True))
+    _print_list("Doubtful in the file:", problems_of(inspection, impossible=False))
+    _print_list(
+        "Welded together, each one body and one scene of 'import':", composed_bodies(inspection)
+    )
+    _print_list("What to do:", remedies(inspection))
+    _print_list("Besides:", model.notes)
+    if inspection.is_well:
+        print("No differences found.\n")
+
+
+def _is_stated(link: InspectedLink) -> bool:
+    """Whether the file gives a link a mass and a tensor."""
+    return link.link.stated is not None and link.link.stated.is_physical
+
+
+def _row(link: InspectedLink) -> dict[str, object]:
+    """A line of the table; headings are broken into lines as narrow as the cells."""
+    stated = link.link.stated
+    row: dict[str, object] = {"link": link.link.name, "kg": stated and stated.mass}
+    for reading in link.readings:
+        heading = reading.who.replace("@", " @").replace("-from", "- from")
+        row[heading.replace(" ", "\n")] = cell_text(reading)
+    return row
+
+
+def _print_list(heading: str, lines: Iterable[object]) -> None:
+    lines = list(lines)
+    if not lines:
+        return
+    print(heading)
+    for line in lines[:MOST_LINES]:
+        _print(str(line), "  ", "    ")
+    if len(lines) > MOST_LINES:
+        print(f"  … and {len(lines) - MOST_LINES} more; '--json' has all")
+    print()
+
+
+def _print(text: str, first: str = "", rest: str = "") -> None:
+    """Print a paragraph; wrapped on a terminal only."""
+    text = printable(text)
+    wrap = textwrap.TextWrapper(
+        terminal_width() or len(first) + len(text) + 1,
+        initial_indent=first,
+        subsequent_indent=rest,
+        break_long_words=False,
+        break_on_hyphens=False,
+    )
+    print(wrap.fill(text))
+
+
+def record(inspection: Inspection) -> dict[str, Any]:
+    """An inspection as a JSON object."""
+    wrong = [" ".join(reading.column) for reading, _ in wrong_readings(inspection)]
+    return {
+        "file": str(inspection.model.path),
+        "links": [_link_record(link) for link in inspection.links],
+        "summary": {
+            "well": inspection.is_well,
+            "links": len(inspection.links),
+            "stated": sum(map(_is_stated, inspection.links)),
+            "impossible": sum(not link.is_possible for link in inspection.links),
+            "held_wrongly": {who: wrong.count(who) for who in map(" ".join, inspection.columns)},
+            "mass": {"stated": stated_mass(inspection), "added": added_masses(inspection)},
+            "refused": {" ".join(who): reason for who, reason in inspection.refusals.items()},
+            "composed": [
+                {"link": body.host.name, "welded": list(body.welded)} | _body_record(body.stated)
+                for body in inspection.composed
+            ],
+            "notes": list(inspection.model.notes),
+        },
+    }
+
+
+def _link_record(link: InspectedLink) -> dict[str, Any]:
+    stated = link.link.stated
+    return {
+        "link": link.link.name,
+        "stated": None if stated is None else _body_record(stated),
+        "problems": [
+            {"kind": p.kind, "impossible": p.impossible, "text": p.text} for p in link.problems
+        ],
+        "held": [
+            {
+                "engine": one.engine,
+                "engine_version": one.engine_version,
+                "configuration": one.configuration,
+                **_body_record(one.body),
+                "agrees": one.agrees,
+                "cause": one.cause,
+                "fused": list(one.fused),
+                "difference": None if one.difference is None else vars(one.difference),
+                "attitude_apart_deg": one.attitude_apart_deg
+                and {f"{time:g}": angle for time, angle in one.attitude_apart_deg.items()},
+            }
+            for one in link.readings
+        ],
+    }
+
+
+def _body_record(body: BodyReading | None) -> dict[str, Any]:
+    if body is None:
+        return {"mass": None, "com": None, "inertia": None}
+    return {"mass": body.mass, "com": body.com.tolist(), "inertia": body.inertia_com.tolist()}
+
+
+def import_scenes(file: Path, out: Path, links: Sequence[str]) -> list[str]:
+    """Write the scenes; returns one line for each, and one for each reason why links were left out.
+
+    Parameters
+    ----------
+    links : only these; all if empty
+    """
+    with as_complaint(ModelFileError):
+        model = read_model(file)
+    if unknown := [link for link in links if link not in {one.name for one in model.links}]:
+        raise Complaint(f"{file}: there is no link '{unknown[0]}'")
+    scenes = list(link_scenes(model, out.absolute()))
+    wanted = [s for s in scenes if not links or {s.link, *s.welded}.intersection(links)]
+    if not any(scene.text for scene in wanted):
+        why = f"'{links[0]}' is welded to another and has no inertia of its own" if links else ""
+        if wanted:
+            why = f"'{wanted[0].link}' is left out: {wanted[0].left_out}"
+        raise Complaint(f"{file}: no link makes a scene; {why}")
+    paths = {out / f"{scene.name}.toml": scene for scene in wanted if scene.text}
+    if there_already := [path for path in paths if path.exists()]:
+        raise Complaint(
+            f"{there_already[0]}: a scene of that name exists already; remove it, "
+            "or give another '--out'"
+        )
+    lines = []
+    with written(out):
+        out.mkdir(parents=True, exist_ok=True)
+        for path, scene in paths.items():
+            write_new(path, scene.text, replace=False)
+            with_others = f": {scene.link} with {listed(scene.welded)}, welded to it: one body"
+            lines.append(f"{path}{with_others if scene.welded else ''}")
+    by_reason: dict[str, list[str]] = {}
+    for scene in wanted:
+        if scene.left_out:
+            by_reason.setdefault(scene.left_out, []).append(scene.link)
+    lines += [f"left out: {', '.join(left)}: {reason}" for reason, left in by_reason.items()]
+    return [printable(line) for line in lines]

@@ -1,1 +1,0 @@
-"""Compares users' models as engines hold them with what their files state."""

@@ -1,1 +1,0 @@
-"""The page of a user's model, with its template."""

@@ -1,0 +1,1 @@
+"""Users' models inspected: what engines hold of them beside their files, in words and pages."""

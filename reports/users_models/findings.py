@@ -1,0 +1,260 @@
+"""What an inspection found, as lines: differences, faults of the file, and what to do."""
+
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
+
+from ...engines.models.text import decimals
+from ...engines.users_models import Advice, Configuration, Stated, model_readers, principal_moments
+from .inspection import InspectedLink, Inspection, LinkReading
+
+#: Links that a line names.
+MOST_NAMES = 3
+#: Cells of the table where an engine holds what the file states, and where nothing is compared.
+FINE, NOTHING = "ok", "–"
+#: What the cells of `cell_text` mean.
+LEGEND = (
+    "ok: as in the file. Other cells: the largest relative difference of mass, com and tensor, and "
+    "how far the attitude is off after tumbling for 1 s. fused: part of the body, or of the world, "
+    "that it is fixed to."
+)
+#: What mends a difference in any engine, by its word.
+IN_ANY_ENGINE = {
+    "nothing stated": Advice(
+        "state their inertia, or that they have no mass",
+        '<inertial><mass value="0"/>'
+        '<inertia ixx="0" ixy="0" ixz="0" iyy="0" iyz="0" izz="0"/></inertial>',
+    ),
+    "no tensor": Advice("state their tensors: the file has a mass alone"),
+    "zero": Advice("correct their tensors in the file: no body has them"),
+    "rotation lost": Advice("write the tensor along the link's axes, without 'rpy'", "", True),
+}
+
+
+@dataclass(frozen=True)
+class Finding:
+    """One statement about some links, or what to do about them.
+
+    Attributes
+    ----------
+    who : engines and configurations; empty if it is about the file itself
+    names : of the links; empty if it is about the whole file
+    line : of XML to put into the file; empty where there is none
+    """
+
+    who: tuple[str, ...]
+    names: tuple[str, ...]
+    text: str
+    line: str = ""
+
+    def __str__(self) -> str:
+        about = [part for part in (" and ".join(self.who), listed(self.names)) if part]
+        return ": ".join(part for part in (", ".join(about), self.text, self.line) if part)
+
+
+def listed(names: Sequence[str]) -> str:
+    """The first names, and how many more there are."""
+    more = len(names) - MOST_NAMES
+    return ", ".join(names[:MOST_NAMES]) + (f" and {more} more" if more > 0 else "")
+
+
+def _grouped(entries: Iterable[tuple[str, str, str]]) -> list[Finding]:
+    """One finding for each pair of who and text, with all its links' names."""
+    alike: dict[tuple[str, str], list[str]] = {}
+    for who, text, name in entries:
+        alike.setdefault((who, text), []).append(name)
+    return [
+        Finding((who,) if who else (), tuple(names), text) for (who, text), names in alike.items()
+    ]
+
+
+def wrong_readings(inspection: Inspection) -> list[tuple[LinkReading, str]]:
+    """Bodies that engines hold otherwise, and their links' names, in the file's order."""
+    return [
+        (reading, link.link.name)
+        for link in inspection.links
+        for reading in link.readings
+        if reading.agrees is False
+    ]
+
+
+def differences(inspection: Inspection) -> list[Finding]:
+    """Findings about engines: refusals first, then the others by `badness`."""
+    wrong = sorted(wrong_readings(inspection), key=lambda one: badness(one[0]), reverse=True)
+    return [
+        *(Finding((" ".join(who),), (), reason) for who, reason in inspection.refusals.items()),
+        *_grouped((one.who, f"{one.cause}{_apart(one)}", name) for one, name in wrong),
+    ]
+
+
+def _apart(reading: LinkReading) -> str:
+    apart = reading.attitude_apart_deg
+    if apart is None:
+        return ""
+    angles = " and ".join(f"{angle:.3g}° after {time:g} s" for time, angle in apart.items())
+    return f"; attitude off by {angles} of tumbling"
+
+
+def badness(reading: LinkReading) -> tuple[float, float]:
+    """Attitude apart at the latest time, degrees, and the size of the difference.
+
+    A body for which the file states nothing counts as worse than any that is held wrongly.
+    """
+    if reading.agrees is not False:
+        return (0.0, 0.0)
+    if reading.kind == "nothing stated":
+        return (float("inf"), reading.body.mass if reading.body else 0.0)
+    apart = reading.attitude_apart_deg
+    worst = reading.difference.worst if reading.difference is not None else 0.0
+    return (max(apart.values()) if apart else 0.0, worst)
+
+
+def worst_links(inspection: Inspection) -> list[InspectedLink]:
+    """Links with a stated body and something wrong, the largest attitude error first."""
+    wrong = [
+        link
+        for link in inspection.links
+        if link.link.stated is not None and (not link.is_well or link.problems)
+    ]
+    return sorted(wrong, key=lambda link: max(map(badness, link.readings)), reverse=True)
+
+
+def problems_of(inspection: Inspection, *, impossible: bool) -> list[Finding]:
+    """Findings about the file: impossible or doubtful numbers."""
+    return _grouped(
+        ("", problem.text, f"{link.link.name} (line {link.link.where.rpartition(':')[2]})")
+        for link in inspection.links
+        for problem in link.problems
+        if problem.impossible == impossible
+    )
+
+
+def composed_bodies(inspection: Inspection) -> list[Finding]:
+    """The bodies of several links, with mass and moments of the whole."""
+    lines = []
+    for body in inspection.composed:
+        assert body.stated is not None, "a part states an inertia"
+        moments = ", ".join(f"{one:.4g}" for one in principal_moments(body.stated.inertia_com))
+        text = f"{body.stated.mass:.4g} kg, principal moments {moments} kg m²"
+        lines.append(Finding((), (body.host.name, *body.welded), body.unread or text))
+    return lines
+
+
+def stated_mass(inspection: Inspection) -> float:
+    """Total mass of the file's links, kg."""
+    stated = (link.link.stated for link in inspection.links)
+    return sum(one.mass for one in stated if one is not None)
+
+
+def added_masses(inspection: Inspection) -> dict[str, float]:
+    """The total mass, kg, of bodies for which the file states nothing, by configuration."""
+    added: dict[str, float] = {}
+    for reading, _ in wrong_readings(inspection):
+        if reading.kind == "nothing stated" and reading.body is not None and reading.body.mass:
+            added[reading.who] = added.get(reading.who, 0.0) + reading.body.mass
+    return added
+
+
+def weight_in_words(inspection: Inspection) -> str:
+    """The robot's mass, and the engines that give it more; empty if none does."""
+    stated = stated_mass(inspection)
+    by_mass: dict[str, list[str]] = {}
+    for who, added in added_masses(inspection).items():
+        by_mass.setdefault(f"{stated + added:.4g} kg in", []).append(who)
+    masses = "; ".join(f"{mass} {' and '.join(who)}" for mass, who in by_mass.items())
+    return f"Its links weigh {stated:.4g} kg together; {masses}." if masses else ""
+
+
+def remedies(inspection: Inspection) -> list[Finding]:
+    """All remedies, each once: of refusals first, then in the order of the table's columns."""
+    alike: dict[tuple[str, str, tuple[str, ...]], Finding] = {}
+    for one in (*_of_refusals(inspection), *_of_differences(inspection)):
+        key = (one.text, one.line, one.names)
+        before = alike[key].who if key in alike else ()
+        alike[key] = replace(one, who=before + one.who)
+    return list(alike.values())
+
+
+def configuration_of(engine: str, name: str) -> Configuration:
+    """A configuration of an engine's, at whichever version."""
+    configurations = model_readers()[engine.partition("@")[0]].configurations
+    return next(one for one in configurations if one.name == name)
+
+
+#: Which links the advice about a refused file concerns.
+_CONCERNED: dict[str, Callable[[InspectedLink], bool]] = {
+    "impossible": lambda one: not one.is_possible,
+    "massless": lambda one: (
+        one.link.moves and (one.link.stated is None or not one.link.stated.is_physical)
+    ),
+}
+
+
+def _of_refusals(inspection: Inspection) -> Iterator[Finding]:
+    """What makes an engine accept a file that it refuses."""
+    for (engine, configuration), reason in inspection.refusals.items():
+        refusals = model_readers()[engine.partition("@")[0]].refusals
+        advice = next((one for phrase, one in refusals.items() if phrase in reason), None)
+        if advice is not None:
+            concerned = _CONCERNED[advice.concerns]
+            links = tuple(one.link.name for one in inspection.links if concerned(one))
+            yield Finding((f"{engine} {configuration}",), links, advice.text, advice.line)
+
+
+def _of_differences(inspection: Inspection) -> Iterator[Finding]:
+    """What mends it in any engine, with what the engine itself has to add."""
+    wrong: dict[tuple[tuple[str, str], str], list[str]] = {}
+    for reading, name in wrong_readings(inspection):
+        wrong.setdefault((reading.column, reading.kind), []).append(name)
+    for ((engine, configuration), kind), names in wrong.items():
+        of_both = (
+            IN_ANY_ENGINE.get(kind),
+            configuration_of(engine, configuration).advice.get(kind),
+        )
+        advice = [one for one in of_both if one is not None]
+        if advice:
+            newer = ", or use a newer version" if "@" in engine and advice[0].is_mended else ""
+            text = "; ".join(one.text for one in advice) + newer
+            yield Finding((f"{engine} {configuration}",), tuple(names), text, advice[0].line)
+
+
+def line_without_rotation(link: InspectedLink) -> str:
+    """The link's `<inertial>` without a rotation, if an engine loses the rotation; else empty."""
+    lost = any(reading.kind == "rotation lost" for reading in link.readings)
+    return inertial_line(link.link.stated) if lost and link.link.stated is not None else ""
+
+
+def inertial_line(stated: Stated) -> str:
+    """The `<inertial>` of a link without a rotation, which every reader reads alike."""
+    entries = " ".join(
+        f'i{"xyz"[i]}{"xyz"[j]}="{decimals([stated.inertia_com[i, j]])}"'
+        for i in range(3)
+        for j in range(i, 3)
+    )
+    return (
+        f'<inertial><origin xyz="{decimals(stated.com)}"/>'
+        f'<mass value="{decimals([stated.mass])}"/><inertia {entries}/></inertial>'
+    )
+
+
+def cell_text(reading: LinkReading) -> str:
+    """The text of a cell: how one configuration holds one link."""
+    if reading.kind == "refused":
+        return "refused"
+    if reading.agrees is None:
+        if reading.body is None and reading.cause:
+            return "fused"
+        return "by shapes" if reading.body is not None and reading.cause else NOTHING
+    if reading.agrees:
+        return FINE
+    if reading.difference is None:
+        return f"{reading.body.mass:.3g} kg" if reading.body else NOTHING
+    apart = reading.attitude_apart_deg
+    return _share(reading.difference.worst) + (f", {apart[1.0]:.0f}°" if apart is not None else "")
+
+
+def _share(share: float) -> str:
+    if share == float("inf"):
+        return "not zero"
+    if share >= 10:
+        return f"× {share:.3g}"
+    return f"{share:.2%}" if share < 0.01 else f"{share:.0%}"

@@ -1,0 +1,321 @@
+"""Inspects a model: engines read it in a worker, their bodies are compared with the file's."""
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from ...engines import BodyReading, EngineError
+from ...engines.users_models import (
+    AGREES,
+    WORLD,
+    BodyDifference,
+    Configuration,
+    FileProblem,
+    Link,
+    ModelFile,
+    ModelReader,
+    RigidBody,
+    Stated,
+    cause,
+    difference,
+    model_readers,
+    problems,
+    rigid_bodies,
+    unstated_body,
+)
+from ...engines.versions import VersionError, versioned
+from ...reference import IntegrationError, solve_ode
+from ...scenarios import FloatArray, did_you_mean, loads
+from ..harness.executors import CallFailed, Executor
+
+#: s after which two motions are compared.
+TIMES = (1.0, 3.0)
+#: One turn a second about an axis that is none of the principal ones: ω along the file's principal
+#: axes, ascending, rad/s.
+START = 2 * np.pi * np.array([1.0, 2.0, 3.0]) / np.sqrt(14.0)
+#: A free body along its principal axes: in others the reference would look for them in 60 digits.
+_SCENE = """spincheck = 1
+title = "Tumbling"
+source = "docs/how-to/models.md"
+[body]
+mass = 1.0
+inertia = {}
+[start]
+rotation_vector_deg = [0.0, 0.0, 0.0]
+omega_body = {}
+[window]
+duration = 3.0
+samples = 2
+"""
+#: CPU s for one engine to read one file, meshes included; the largest take a few.
+READ_LIMIT = 60.0
+
+
+@dataclass(frozen=True, eq=False)
+class LinkReading:
+    """One link as one engine holds it.
+
+    Attributes
+    ----------
+    body : None if there is none: the engine refused the file, or fused the link with another
+    agrees : whether it is what the file states; None if there is nothing to compare
+    cause : in words, how it differs and why; empty if it agrees
+    kind : the cause in a word: of `cause`, or "refused", "nothing stated", or a wrong "sum"
+    fused : links whose mass the engine has added to this one
+    expected : the link with these, which `difference` is taken from
+    attitude_apart_deg : by the time in s, between the file's body and the engine's, tumbling from
+        the same start; None where there is no such motion
+    """
+
+    engine: str
+    engine_version: str
+    configuration: str
+    body: BodyReading | None
+    agrees: bool | None
+    cause: str = ""
+    kind: str = ""
+    fused: tuple[str, ...] = ()
+    expected: Stated | None = None
+    difference: BodyDifference | None = None
+    attitude_apart_deg: dict[float, float] | None = None
+
+    @property
+    def column(self) -> tuple[str, str]:
+        """Engine and configuration."""
+        return self.engine, self.configuration
+
+    @property
+    def who(self) -> str:
+        """The same as text."""
+        return " ".join(self.column)
+
+
+@dataclass(frozen=True, eq=False)
+class InspectedLink:
+    """One link, the faults of its numbers in the file, and the bodies that the engines hold."""
+
+    link: Link
+    problems: tuple[FileProblem, ...]
+    readings: tuple[LinkReading, ...]
+
+    @property
+    def is_possible(self) -> bool:
+        """Whether a body can have the numbers in the file."""
+        return not any(problem.impossible for problem in self.problems)
+
+    @property
+    def is_well(self) -> bool:
+        """Whether the numbers in the file are possible and every engine holds them."""
+        return self.is_possible and all(reading.agrees is not False for reading in self.readings)
+
+
+@dataclass(frozen=True, eq=False)
+class Inspection:
+    """A whole file.
+
+    Attributes
+    ----------
+    refusals : why an engine holds nothing of the file, by engine and configuration
+    """
+
+    model: ModelFile
+    links: tuple[InspectedLink, ...]
+    refusals: dict[tuple[str, str], str]
+
+    @property
+    def columns(self) -> list[tuple[str, str]]:
+        """Engine and configuration of each reading of the file."""
+        return [reading.column for reading in self.links[0].readings]
+
+    @property
+    def composed(self) -> list[RigidBody]:
+        """Bodies of several links, which move as one."""
+        return [body for body in rigid_bodies(self.model.links) if body.welded]
+
+    @property
+    def is_well(self) -> bool:
+        """Whether neither the file nor any engine's bodies have a fault."""
+        return not self.refusals and all(link.is_well for link in self.links)
+
+
+class CannotInspectError(Exception):
+    """There is no such engine, or none that reads this kind of file."""
+
+
+@dataclass(frozen=True)
+class ReaderEngine:
+    """An engine that reads model files, at some version.
+
+    Attributes
+    ----------
+    name : as users type it, "mujoco" or "mujoco@3.3.7"
+    site : the folder it is installed in; empty for the version installed in this environment
+    """
+
+    name: str
+    version: str
+    site: str
+    reader: ModelReader
+
+
+def reader_engines(
+    names: Sequence[str] = (), say: Callable[[str], object] = len
+) -> list[ReaderEngine]:
+    """The engines of those names; all that are installed if no name is given.
+
+    An engine@version is installed first if necessary; `say` is given a sentence before.
+
+    Raises
+    ------
+    CannotInspectError
+        If there is no such engine, or version of it.
+    """
+    readers = model_readers()
+    chosen = []
+    for name in dict.fromkeys(names or readers):
+        base, at, _ = name.partition("@")
+        if base not in readers:
+            raise CannotInspectError(
+                f"'--engine' must be one of {', '.join(readers) or 'none'}, which read model "
+                f"files, or a version of one, got '{name}'{did_you_mean(base, readers)}"
+            )
+        try:
+            engine = versioned(name, say=say) if at else None
+        except VersionError as error:
+            raise CannotInspectError(f"'--engine' {error}") from None
+        version, site = (engine.version, engine.site) if engine else (readers[base].version, "")
+        chosen.append(ReaderEngine(name, version, site, readers[base]))
+    return chosen
+
+
+def inspect_model(
+    model: ModelFile, executor: Executor, engines: Sequence[ReaderEngine]
+) -> Inspection:
+    """Read a model with every configuration of some engines, and compare.
+
+    Parameters
+    ----------
+    executor : makes the engines' readings, each in a child that may crash or hang
+
+    Raises
+    ------
+    CannotInspectError
+        If none of the engines reads this kind of file.
+    """
+    able = [engine for engine in engines if model.format in engine.reader.formats]
+    if not able:
+        names = ", ".join(engine.name for engine in engines) or "no installed engine"
+        raise CannotInspectError(f"{names} cannot read {model.format.upper()}")
+    columns: list[list[LinkReading]] = []
+    refusals: dict[tuple[str, str], str] = {}
+    for engine in able:
+        for one in engine.reader.configurations:
+            who = (engine.name, engine.version, one.name)
+            answer = executor.call_at(engine.site, read_held, engine.reader.name, model, one.name)
+            if isinstance(answer.value, dict):
+                columns.append(list(_compared(model, answer.value, who, one)))
+                continue
+            reason = answer.value.reason if isinstance(answer.value, CallFailed) else answer.value
+            refusals[engine.name, one.name] = reason
+            columns.append([LinkReading(*who, None, None, reason, "refused") for _ in model.links])
+    readings = zip(*columns, strict=True)
+    links = [
+        InspectedLink(link, problems(link), row)
+        for link, row in zip(model.links, readings, strict=True)
+    ]
+    return Inspection(model, tuple(links), refusals)
+
+
+def read_held(engine: str, model: ModelFile, configuration: str) -> dict[str, BodyReading] | str:
+    """Run in a worker: the bodies that an engine holds, or why it refuses the file."""
+    reader = model_readers().get(engine)
+    if reader is None:
+        return f"{engine} cannot be imported"
+    try:
+        return reader.read(model, configuration)
+    except EngineError as error:
+        return str(error)
+
+
+def _compared(
+    model: ModelFile,
+    bodies: dict[str, BodyReading],
+    who: tuple[str, str, str],
+    configuration: Configuration,
+) -> Iterator[LinkReading]:
+    """Compare every link of the file with the body that one configuration holds."""
+    wholes = rigid_bodies(model.links, {link.name for link in model.links} - set(bodies))
+    hosts = {part.name: body for body in wholes for part, _ in body.parts}
+    for link in model.links:
+        body = hosts.get(link.name)
+        if link.name in bodies and body is not None:
+            yield _link_reading(model, body, bodies[link.name], who, configuration)
+            continue
+        where = f"'{body.host.name}'" if body else "the world: it cannot move"
+        yield LinkReading(*who, None, None, "" if link.name == WORLD else f"fused with {where}")
+
+
+def _link_reading(
+    model: ModelFile,
+    whole: RigidBody,
+    got: BodyReading,
+    who: tuple[str, str, str],
+    configuration: Configuration,
+) -> LinkReading:
+    """Compare a link, with those that the engine has fused into it, with the body held of it."""
+    stated, others = whole.stated, tuple(link.name for link, _ in whole.parts[1:])
+    if stated is None:
+        empty = got.mass == 0 and not got.inertia_com.any()
+        if model.format == "mjcf":
+            words = "" if empty else "taken from its shapes, as MJCF has it"
+            return LinkReading(*who, got, None, words)
+        if empty:
+            return LinkReading(*who, got, True, fused=others)
+        return LinkReading(*who, got, False, unstated_body(got), "nothing stated", others)
+    apart = difference(stated, got)
+    agrees = apart.worst <= AGREES
+    kind = sentence = ""
+    if not agrees:
+        wrong = tuple(problem for link, _ in whole.parts for problem in problems(link))
+        kind, sentence = cause(stated, got, apart, wrong, configuration.made_up)
+        if others and kind in ("other", "turned", "rotation lost"):
+            kind, sentence = "sum", f"the sum of its fused parts is wrong: {sentence}"
+    angles = attitude_apart(stated.inertia_com, got.inertia_com, np.array(TIMES))
+    in_deg = None
+    if angles is not None:
+        in_deg = dict(zip(TIMES, np.degrees(angles).tolist(), strict=True))
+    return LinkReading(*who, got, agrees, sentence, kind, others, stated, apart, in_deg)
+
+
+def attitude_apart(stated: FloatArray, got: FloatArray, times: FloatArray) -> FloatArray | None:
+    """The angle between two bodies that start alike and tumble freely, rad, (n,).
+
+    Parameters
+    ----------
+    stated, got : tensors about the com in the link's axes, (3, 3); a common factor has no effect
+    times : s, (n,), at most the scene's 3
+
+    Returns
+    -------
+    None if one of them is a tensor that no body can have
+    """
+    omega = np.linalg.eigh(stated)[1] @ START
+    one, other = (_attitudes(tensor, omega, times) for tensor in (stated, got))
+    return None if one is None or other is None else np.asarray((one.inv() * other).magnitude())
+
+
+def _attitudes(tensor: FloatArray, omega: FloatArray, times: FloatArray) -> Rotation | None:
+    """The attitude at each time of a body that starts unturned."""
+    moments, axes = np.linalg.eigh(tensor)
+    axes[:, 2] *= np.sign(np.linalg.det(axes))
+    if not (total := float(moments.sum())) > 0:
+        return None
+    try:
+        scene = loads(_SCENE.format((moments / total).tolist(), (omega @ axes).tolist()), "link")
+        moved = solve_ode(scene, times)
+    except (ValueError, IntegrationError):
+        return None
+    turn = Rotation.from_matrix(axes)
+    return turn * moved.R_world_body * turn.inv()

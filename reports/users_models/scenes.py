@@ -1,0 +1,107 @@
+"""Scenes of a model's links, and what was left out.
+
+Each tumbles on its own, with the numbers that its file states; links that are welded together are
+one body and make one scene.
+"""
+
+import math
+import os
+from collections.abc import Iterator
+from dataclasses import dataclass
+from hashlib import sha256
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ...engines.users_models import ModelFile, RigidBody, Stated, problems, rigid_bodies
+from ...scenarios import ScenarioError, loads
+from ...scenarios.regular_files import file_name
+from ...scenarios.write import to_toml
+
+#: rad/s along the principal axes, ascending moments: a turn a second about the middle axis, which
+#: no body keeps, and a little about the others.
+START = 2 * math.pi * np.array([0.05, 1.0, 0.05])
+#: s, and looks at it.
+DURATION, SAMPLES = 3.0, 301
+
+
+@dataclass(frozen=True)
+class LinkScene:
+    """A link's scene, or why it has none.
+
+    Attributes
+    ----------
+    link : that others may be welded to
+    welded : the links with an inertia that are welded to it: parts of the same body
+    name : of the scene: the link's, in characters that files may have
+    text : of the file; empty if the link is left out
+    left_out : why; empty if it is not
+    """
+
+    link: str
+    welded: tuple[str, ...]
+    name: str
+    text: str
+    left_out: str
+
+
+def link_scenes(model: ModelFile, folder: Path) -> Iterator[LinkScene]:
+    """A scene of every link, with those welded to it, whose inertia a body can have.
+
+    Parameters
+    ----------
+    folder : that the scenes will be in: they name the model relative to it
+    """
+    taken: list[str] = []
+    # With `..` where needed; `Path.relative_to` does that from Python 3.12 on only.
+    file = Path(os.path.relpath(model.folders.own / model.path.name, folder)).as_posix()
+    for body in rigid_bodies(model.links):
+        name, stated = file_name(body.host.name, taken), body.stated
+        taken.append(name)
+        left_out, text = _why_left_out(body, stated), ""
+        if stated is not None and not left_out:
+            text = to_toml(_tables(model, body, stated, file))
+            try:
+                loads(text, name)
+            except ScenarioError as error:
+                left_out, text = str(error), ""
+        yield LinkScene(body.host.name, body.welded, name, text, left_out)
+
+
+def _why_left_out(body: RigidBody, stated: Stated | None) -> str:
+    if stated is None:
+        return "the file states no inertia of it"
+    impossible = [
+        f"{problem.text}{'' if link is body.host else f' (of {link.name}, welded to it)'}"
+        for link, _ in body.parts
+        for problem in problems(link)
+        if problem.impossible
+    ]
+    if impossible:
+        return "; ".join(impossible)
+    return body.unread or ("" if stated.is_physical else "it has no mass")
+
+
+def _tables(model: ModelFile, body: RigidBody, stated: Stated, file: str) -> dict[str, Any]:
+    link, welded = body.host, body.welded
+    axes = np.linalg.eigh(stated.inertia_com)[1]
+    kind = "link" if model.format == "urdf" else "body"
+    others = f" with {', '.join(welded)}, welded to it" if welded else ""
+    return {
+        "spincheck": 1,
+        "title": f"{link.name} of {model.path.name}: tumbles",
+        "source": f"{model.path.name}, {kind} '{link.name}'{others}",
+        "tags": ["free", "imported"],
+        "body": {
+            "mass": stated.mass,
+            "inertia": stated.inertia_com.tolist(),
+            "com": stated.com.tolist(),
+            "model": file,
+            "link": link.name,
+            **({"welded": list(welded)} if welded else {}),
+            "sha256": sha256(model.data).hexdigest(),
+        },
+        "start": {"rotation_vector_deg": [0.0, 0.0, 0.0], "omega_body": (axes @ START).tolist()},
+        "window": {"duration": DURATION, "samples": SAMPLES},
+    }

@@ -1,0 +1,344 @@
+"""Files that parsers or engines do not read alike are refused, with file, line and element."""
+
+import os
+
+import pytest
+from case_loops import each_case
+from spincheck.engines.users_models import ModelFileError, read_model
+from spincheck.engines.users_models.xml_tree import (
+    MAX_ATTRIBUTES,
+    MAX_DEPTH,
+    MAX_ELEMENTS,
+    MAX_NAME,
+)
+from spincheck.scenarios.regular_files import LARGEST_MODEL
+from users_models import arm, body, diagonal, inertial, joint, link, robot, written
+
+MANY_ATTRIBUTES = " ".join(f'a{k}=""' for k in range(MAX_ATTRIBUTES + 1))
+
+
+def refusal(path):
+    with pytest.raises(ModelFileError) as caught:
+        read_model(path)
+    message = str(caught.value)
+    assert "\n" not in message
+    return message.replace(str(path), "FILE")
+
+
+@pytest.mark.parametrize(
+    ("number", "why"),
+    [
+        ("0,5", ": engines stop reading at the comma"),
+        ("1_0", ": engines do not read it alike"),
+        ("${m}", ": it is xacro, expand the file first"),
+        ("nan", ": engines do not read it alike"),
+        ("inf", ": engines do not read it alike"),
+        ("1e999", ": engines do not read it alike"),
+        ("0x10", ": engines do not read it alike"),
+        ("٣", ": engines do not read it alike"),
+    ],
+)
+def test_a_number_that_engines_read_differently_is_refused(tmp_path, number, why):
+    path = written(tmp_path, arm(mass=number))
+    message = f"FILE:3: 'value' of <mass> must be decimal numbers, got '{number}'{why}"
+    assert refusal(path) == message
+
+
+def test_a_file_larger_than_any_model_is_refused(tmp_path):
+    path = tmp_path / "huge.urdf"
+    with path.open("wb") as file:
+        file.truncate(LARGEST_MODEL + 1)
+    message = f"FILE: too large for a model, the limit is {LARGEST_MODEL} bytes"
+    assert refusal(path) == message
+
+
+def test_a_pipe_is_not_waited_for(tmp_path):
+    path = tmp_path / "pipe.urdf"
+    os.mkfifo(path)
+    assert refusal(path) == "FILE: cannot be read: it is not a regular file"
+
+
+def test_a_file_that_is_not_there_is_reported(tmp_path):
+    message = "FILE: cannot be read: No such file or directory"
+    assert refusal(tmp_path / "none.urdf") == message
+
+
+def test_a_version_of_xml_that_there_is_not_is_read_as_engines_read_it(tmp_path):
+    model = read_model(written(tmp_path, '<?xml version="0.0" ?>\n' + arm()))
+    assert [link.name for link in model.links] == ["base", "arm"]
+
+
+@pytest.mark.parametrize(
+    "stray", ['<!-- x -->\n<?xml version="1.0"?>\n', '\n<?xml encoding="none" version="1.0"?>\n']
+)
+def test_a_declaration_that_standard_parsers_refuse_is_noted(tmp_path, stray):
+    path = written(tmp_path, stray + arm())
+    model = read_model(path)
+    (note,) = model.notes
+    assert note.startswith(f"{path}:2: this XML declaration breaks the standard")
+    start, end = model.link("arm").span
+    assert model.data[start:end].decode() == link("arm", inertial()).strip()
+
+
+def test_a_prefix_that_is_not_declared_is_noted(tmp_path):
+    path = written(tmp_path, robot(link("a"), "<sensor:camera/>"))
+    (note,) = read_model(path).notes
+    assert note.startswith(f"{path}:3: the prefix of <sensor:camera> is not declared")
+
+
+def test_bullets_own_scaling_of_a_tensor_is_noted(tmp_path):
+    scaled = '<contact>\n<inertia_scaling value="3.0"/></contact>'
+    path = written(tmp_path, robot(link("a", inertial() + scaled)))
+    assert read_model(path).notes == (
+        f"{path}:3: Bullet multiplies the tensor of <link name='a'> by this <inertia_scaling>; no "
+        "other engine does",
+    )
+
+
+def test_meshes_that_are_not_inside_the_models_folders_are_noted(tmp_path):
+    written(tmp_path, "solid", "outside.stl")
+    mesh = '<collision><geometry><mesh filename="../outside.stl"/></geometry></collision>'
+    path = written(tmp_path, robot(link("a", mesh)), "inner/robot.urdf")
+    assert read_model(path).notes == (
+        f"{path}: 1 of 1 collision meshes are not inside the model's folders, the first is "
+        "'../outside.stl'; stated inertia needs none, what PyBullet makes up by default does; "
+        "'--package-path NAME=DIR' says where they are",
+    )
+
+
+def test_a_prefix_that_is_declared_is_not(tmp_path):
+    text = robot(link("a"), '<s:camera xmlns:s="urn:s"/>')
+    assert read_model(written(tmp_path, text)).notes == ()
+
+
+def test_a_link_of_the_file_system_leads_no_further(tmp_path):
+    outside = written(tmp_path, "<mujoco/>", "outside.xml")
+    (tmp_path / "inner").mkdir()
+    (tmp_path / "inner/inside.xml").symlink_to(outside)
+    path = written(tmp_path, '<mujoco><include file="inside.xml"/></mujoco>', "inner/robot.xml")
+    assert "there is no such file inside the model's folder" in refusal(path)
+
+
+NESTED = {
+    "bodies": '<replicate count="100"><replicate count="100"><body/></replicate></replicate>',
+    "nothing": '<replicate count="5000"><replicate count="5000"/></replicate>',
+    "shapes": '<replicate count="60"><frame><replicate count="60"><geom/></replicate></frame>'
+    "</replicate>",
+    "a cloth": '<replicate count="9"><composite type="cloth" count="99 99 1"/></replicate>',
+    "a grid": '<flexcomp name="x" type="grid" count="999 999 999" dim="3"/>',
+}
+
+
+@pytest.mark.parametrize("inner", NESTED.values(), ids=NESTED)
+def test_what_counts_make_is_bounded_as_a_product(tmp_path, inner):
+    message = refusal(written(tmp_path, body(inner), "robot.xml"))
+    assert "makes more than 4096 elements, nested ones too" in message
+
+
+#: Files that attach themselves, or each other, or are within each other, to no end.
+TO_NO_END = {
+    "itself": ({"robot.xml": ("robot.xml", "")}, "<model> attaches itself"),
+    "each other": ({"robot.xml": ("b.xml", ""), "b.xml": ("robot.xml", "")}, "<model> attaches"),
+    "twice and twice again": (
+        {f"{k}.xml".replace("0.", "robot."): (f"{k + 1}.xml", "<body/>") for k in range(14)},
+        "<attach> makes more than 4096 elements, nested ones too",
+    ),
+    "a bomb": (
+        {"robot.xml": ("b.xml", ""), "b.xml": ("c.xml", NESTED["nothing"])},
+        "makes more than 4096 elements",
+    ),
+}
+
+
+@each_case(("files", "words"), TO_NO_END)
+def test_what_attached_models_make_is_bounded(tmp_path, files, words):
+    for name, (attached, inside) in files.items():
+        asset = f'<asset><model name="m" file="{attached}"/></asset>'
+        written(tmp_path, body(2 * '<attach model="m" body="arm"/>' + inside, asset), name)
+        if attached not in files:
+            written(tmp_path, body("<geom/>"), attached)
+    assert words in refusal(tmp_path / "robot.xml")
+
+
+def test_includes_within_includes_nest_no_deeper_than_a_file_may(tmp_path):
+    for k in range(4):
+        deep = "<body>" * 100 + f'<include file="{k + 1}.xml"/>' + "</body>" * 100
+        inner = deep if k < 3 else "<body/>"
+        written(tmp_path, f"<mujoco>{inner}</mujoco>", f"{k}.xml")
+    path = written(
+        tmp_path, '<mujoco><worldbody><include file="0.xml"/></worldbody></mujoco>', "robot.xml"
+    )
+    with pytest.raises(ModelFileError, match="nest them more than 256 deep"):
+        read_model(path)
+
+
+def test_replicates_beside_each_other_are_a_sum(tmp_path):
+    inner = '<replicate count="1000"><body/></replicate>'
+    read_model(written(tmp_path, body(inner), "robot.xml"))
+    assert "makes more than" in refusal(written(tmp_path, body(3 * inner), "robot.xml"))
+
+
+#: Where a model may read other files from.
+INSIDE = "there is no such file inside the model's folder or one given by '--package-path'"
+CHAIN = "".join(f'<link name="l{k}"/>' for k in range(3000)) + "".join(
+    f'<joint name="j{k}" type="fixed"><parent link="l{k}"/><child link="l{k + 1}"/></joint>'
+    for k in reversed(range(2999))
+)
+BOMB = '<!DOCTYPE r [<!ENTITY a "ha"><!ENTITY b "&a;&a;">]>\n'
+
+
+def sized(key: str) -> str:
+    """An MJCF file with a table of two thousand million entries."""
+    sizes = f'<size memory="1G" njmax="99999" {key}="2000000000"/>'
+    return f"<mujoco>{sizes}<worldbody><body/></worldbody></mujoco>"
+
+
+def reading(tag: str, file: str) -> str:
+    """An MJCF file that names another file."""
+    return body("", f'<asset><{tag} name="m" file="{file}"/></asset>')
+
+
+#: The file's text, the line of the complaint, and the complaint.
+REFUSED = {
+    "no text": ("", 1, "not well-formed XML: no element found"),
+    "an open element": ("<robot><link></robot>", 1, "not well-formed XML: mismatched tag"),
+    "two roots": ("<robot/><robot/>", 1, "not well-formed XML: junk after document element"),
+    "an attribute twice": (
+        *('<robot><link name="a" name="b"/></robot>', 1),
+        "not well-formed XML: duplicate attribute",
+    ),
+    "SDF": ("<sdf/>", 1, "SDF is not read; convert it to URDF or MJCF"),
+    "HTML": ("<html/>", 1, "<html> is neither URDF (<robot>) nor MJCF (<mujoco>)"),
+    "no link": ("<robot/>", 1, "<robot> has no <link>: there is nothing to inspect"),
+    "no body": ("<mujoco/>", 1, "<mujoco> has no <body>: there is nothing to inspect"),
+    "xacro": (
+        *('<robot><xacro:macro name="m"/></robot>', 1),
+        "<xacro:macro> is xacro: expand it first, 'xacro FILE > robot.urdf'",
+    ),
+    "an include in a URDF": (
+        '<robot>\n<mujoco><include file="/etc/passwd"/></mujoco><link name="a"/></robot>',
+        *(2, "<include> has no place in a URDF; expand the file first"),
+    ),
+    "a DTD": (
+        *(robot(link("a"), head=BOMB), 1),
+        "a DTD (<!DOCTYPE …>) is refused: it can make a small file huge or read other files; "
+        "remove it",
+    ),
+    "nested without end": (
+        *(robot("<a>" * MAX_DEPTH + "</a>" * MAX_DEPTH), 2),
+        f"elements are nested more than {MAX_DEPTH} deep",
+    ),
+    "a million elements": (
+        *(robot("<a/>" * MAX_ELEMENTS), 2),
+        f"more than {MAX_ELEMENTS} elements, which no model has",
+    ),
+    "thousands of attributes": (
+        *(f"<robot {MANY_ATTRIBUTES}/>", 1),
+        f"<robot> has more than {MAX_ATTRIBUTES} attributes",
+    ),
+    "a name of a million characters": (
+        *(robot(link("a" * 10**6)), 2),
+        f"'name' must be at most {MAX_NAME} characters",
+    ),
+    "names of replicates of as many": (
+        *(body(f'<replicate count="9" sep="{"a" * 10**6}"><body/></replicate>'), 1),
+        f"'sep' must be at most {MAX_NAME} characters",
+    ),
+    "a chain of thousands of links": (
+        *(f"<robot>{CHAIN}</robot>", 1),
+        "links hang on each other more than 256 deep",
+    ),
+    "too large an inertia": (
+        *(arm(diagonal("1e308", "1e308", "1e308")), 3),
+        "the inertia is too large to be computed with",
+    ),
+    "a number of the tensor": (
+        *(arm(diagonal("0.1", "0,1", "0.1")), 3),
+        "'iyy' of <inertia> must be decimal numbers, got '0,1': engines stop reading at the comma",
+    ),
+    "a vector of two": (
+        *(arm().replace('rpy="0 0 0.5"', 'rpy="0 0.5"'), 3),
+        "'rpy' of <origin> must be 3 numbers, got '0 0.5'",
+    ),
+    "a rotation given twice": (
+        body('<inertial mass="1" diaginertia="1 1 1" quat="1 0 0 0" euler="0 0 0"/>'),
+        *(1, "<inertial> gives its rotation twice: 'quat' and 'euler'"),
+    ),
+    "twins": (
+        *(robot(link("a"), link("a")), 3),
+        "a second link is named 'a'; names must differ",
+    ),
+    "two links on no joint": (
+        *(robot(link("a"), link("b")), 3),
+        "links 'a' and 'b' both hang on no joint; engines want one root",
+    ),
+    "no such link": (
+        *(robot(link("a"), link("b"), joint("a", "c")), 4),
+        "<joint name='to-c'> must name a link of the file as its child, got 'c'",
+    ),
+    "two parents": (
+        *(robot(link("a"), link("b"), joint("a", "b"), joint("a", "b")), 5),
+        "<joint name='to-b'>: the link 'b' hangs on a joint already",
+    ),
+    "a ring": (
+        *(robot(link("a"), link("b"), joint("a", "b"), joint("b", "a")), 1),
+        "joints lead from the link 'a' back to itself",
+    ),
+    "two inertials": (
+        *(robot(link("a", inertial() + inertial())), 2),
+        "a second <inertial> in <link name='a'>: engines do not take the same one",
+    ),
+    "no tensor": (
+        *(robot(link("a", '<inertial><mass value="1"/></inertial>')), 2),
+        "<inertial> lacks <inertia>: engines do not fill in the same",
+    ),
+    "half a tensor": (
+        *(robot(link("a", inertial(tensor='ixx="1" iyy="1" izz="1"'))), 2),
+        "<inertia> lacks 'ixy'",
+    ),
+    **{
+        f"an include of {file}": (
+            *(f'<mujoco>\n<include file="{file}"/></mujoco>', 2),
+            f"<include> of '{file}': {INSIDE}",
+        )
+        for file in ("/etc/passwd", "../outside.xml", "none.xml")
+    },
+    **{
+        f"a {tag} elsewhere": (
+            *(reading(tag, "/etc/passwd"), 1),
+            f"<{tag}> of '/etc/passwd': {INSIDE}",
+        )
+        for tag in ("model", "hfield")
+    },
+    "an include of itself": (
+        *('<mujoco><include file="robot.xml"/></mujoco>', 1),
+        "<include> of 'robot.xml': a file can be included once",
+    ),
+    "bodies without number": (
+        *(body('<replicate count="1e8"><body/></replicate>'), 1),
+        "<replicate> makes more than 4096 elements, nested ones too",
+    ),
+    **{
+        f"a memory full of {key}": (
+            *(sized(key), 1),
+            f"'{key}' of <size> must be at most 10000, got '2000000000'",
+        )
+        for key in ("nkey", "nuserdata", "nuser_body")
+    },
+}
+
+
+@each_case(("text", "line", "message"), REFUSED)
+def test_what_is_no_model_that_all_read_alike_is_refused(tmp_path, text, line, message):
+    written(tmp_path, "<mujoco/>", "outside.xml")
+    kind = "xml" if text.startswith("<mujoco") else "urdf"
+    path = written(tmp_path, text, f"inner/robot.{kind}")
+    assert refusal(path) == f"FILE:{line}: {message}"
+
+
+@pytest.mark.parametrize("encoding", ["utf-16", "utf-16-be", "utf-16-le"])
+def test_a_file_in_another_encoding_is_refused_as_engines_do(tmp_path, encoding):
+    """Where expat reads it, spans of elements would be counted in other bytes."""
+    path = tmp_path / "robot.urdf"
+    path.write_bytes(robot(link("a", inertial())).encode(encoding))
+    assert refusal(path) == "FILE: must be a text in UTF-8, no engine reads UTF-16 or zeros"
