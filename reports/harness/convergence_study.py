@@ -17,8 +17,8 @@ from .judging import Records
 from .judging.ladder_end import cut_short, is_down
 from .ladder import Ladder, Rung
 from .measuring.noise import rounding_of_body
+from .measuring.own_places import MadeRun
 from .measuring.places import Places
-from .measuring.replay import MadeRun
 from .stock import StockRun, stock_timestep
 
 

@@ -1,4 +1,4 @@
-"""Whether a step depends on the state alone, and what runs do where no step was taken from.
+"""Whether a step depends on the state alone.
 
 Every interval of a run is run again from its own start in a session that remembers nothing. With
 consistent steps that is convergence on any window, also where the motion is chaotic (Hairer,
@@ -6,9 +6,6 @@ Nørsett & Wanner I, theorem II.3.4). What a run does otherwise than its replays
 vanish with the timestep, as every gain must. Intervals are of random length and are run again in
 random order, and each is restarted once more at a random step in its midst, so that nothing hides
 in the rhythm of the samples.
-
-Beside that each interval is compared with the exact flow from its start. From states in those that
-gain far more than any step did, steps are taken as from exact states.
 """
 
 from collections.abc import Sequence
@@ -23,16 +20,16 @@ from ....engines.checks.equations import Equations
 from ....engines.checks.read_back import stacked
 from ....reference import IntegrationError
 from ....scenarios import FloatArray, Scenario, Trajectory
-from ....scenarios.fastest_rate import fastest_rate
 from ....scenarios.rotation import norms
-from ...results.evidence import LEVEL, QUANTITIES, ReplayEvidence, StepEvidence
+from ...results.evidence import LEVEL, ReplayEvidence, StepEvidence
 from ...results.records import LARGEST
 from ..ladder import Rung
 from .examine import OPENED, examine
 from .gain_series import fitted
-from .noise import NOISE, ULPS, largest_terms, rounding_of_body
+from .noise import NOISE, ULPS, rounding_of_body
+from .own_places import MadeRun, own_places
 from .places import FINER, Places, states_of
-from .steps import Sessions, Steps, apart, flowed, sessions_of, step_gains
+from .steps import Sessions, apart, sessions_of
 
 #: Intervals of a run at most.
 INTERVALS = 64
@@ -45,21 +42,6 @@ BEGINNING = 4096
 #: Steps before and after a restart that show a memory, and the factor by which a run may differ
 #: more than from exact states.
 REMEMBERED, EXPLAINED = 8, 3.0
-#: Intervals that steps are taken from if they gain so many times what any step did, and states in
-#: each.
-GAINING, TIMES, STATES = 4, 2.0, 5
-#: Relative gain below which no interval is looked at: what is read is no better.
-READABLE = 1e-9
-#: rad; a motion that turns by more is not followed: it would take longer than a second.
-FARTHEST_TURN = 1e5
-
-
-@dataclass(frozen=True, eq=False)
-class MadeRun:
-    """A run that came to its end: its timestep and samples, and its motion at these."""
-
-    rung: Rung
-    motion: Trajectory
 
 
 def examine_runs(
@@ -97,7 +79,7 @@ def examine_runs(
             shown = [one.evidence for one in replays]
             if any(one.tail < LEVEL for one in shown):
                 shown = _with_memory(sessions, engine, at, replays, method.order, found.settled)
-            own = _own_places(sessions, at, runs, found)
+            own = own_places(sessions, at, runs, found)
     except (EngineError, IntegrationError) as error:
         return tuple(shown), None, "" if shown else str(error)
     own_steps = examine(engine, scenario, method_name, own) if own else None
@@ -292,61 +274,3 @@ def _with_memory(
         else one.evidence
         for one in replays
     ]
-
-
-def _own_places(
-    sessions: Sessions, at: Places, runs: Sequence[MadeRun], found: StepEvidence
-) -> Places | None:
-    """States in the intervals of runs that gain more than any step from an exact state did."""
-    scenario = sessions.scenario
-    ratios = [_ratios(scenario, run, found) for run in runs]
-    ranked = sorted(
-        (
-            (float(ratio), r, int(k))
-            for r, part in enumerate(ratios)
-            for k, ratio in enumerate(part)
-        ),
-        reverse=True,
-    )
-    states, times = [], []
-    for ratio, r, k in ranked[:GAINING]:
-        if not ratio > TIMES:
-            break
-        run = runs[r]
-        start = states_of(run.motion).rows(k)
-        steps = int(run.rung.sample_steps[k + 1] - run.rung.sample_steps[k])
-        for count in np.unique(np.linspace(0, steps - 1, STATES).astype(int)):
-            with sessions.at(start, run.rung.timestep) as session:
-                session.advance(int(count))
-                states.append(session.read_state())
-            times.append(float(run.motion.t[k] + count * run.rung.timestep))
-    if not states:
-        return None
-    own = stacked(states)
-    bears = Equations(scenario).bears(own)
-    if not bears.any():
-        return None
-    kept = np.array(times)[bears]
-    return replace(at, states=own.rows(bears), times=kept, are_apart=False)
-
-
-def _ratios(scenario: Scenario, run: MadeRun, found: StepEvidence) -> FloatArray:
-    """What each interval gains, over the most that a step with that timestep gained, (n − 1,)."""
-    motion, spans = run.motion, np.diff(run.motion.t)
-    if fastest_rate(scenario, motion.omega_body) * float(motion.t[-1]) > FARTHEST_TURN:
-        return np.zeros(0)
-    states, equations = states_of(motion), Equations(scenario)
-    starts, ends = states.rows(slice(None, -1)), states.rows(slice(1, None))
-    timestep = np.array([run.rung.timestep])
-    steps = Steps(timestep, spans, starts, ends, flowed(scenario, starts, spans))
-    gains = np.linalg.norm(step_gains(equations, steps)[0, 0], axis=2) / largest_terms(
-        equations, steps
-    )
-    ratios = [np.zeros(len(spans))]
-    curves = {curve.quantity: curve for curve in found.curves}
-    for q, quantity in enumerate(QUANTITIES):
-        most = 0.0
-        if curve := curves.get(quantity):
-            most = float(np.interp(run.rung.timestep, curve.timesteps[::-1], curve.largest[::-1]))
-        ratios.append(gains[:, q] / max(most, READABLE))
-    return np.asarray(np.max(ratios, axis=0))
