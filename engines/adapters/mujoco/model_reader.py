@@ -7,9 +7,9 @@ from types import MappingProxyType
 from typing import Any, final
 
 import mujoco
+from spincheck.engine import BodyReading, EngineError
 
 from ....scenarios.users_models import ModelFile, Shape, unnamed
-from ...checks.read_back import BodyReading, EngineError
 from ...users_models import Advice, Configuration, ModelReader, RefusalAdvice, with_meshes
 from .coordinates import WORLD, one_body
 

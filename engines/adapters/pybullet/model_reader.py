@@ -9,9 +9,9 @@ from typing import final
 import numpy as np
 import pybullet as p
 from scipy.spatial.transform import Rotation
+from spincheck.engine import BodyReading, EngineError
 
 from ....scenarios.users_models import ModelFile, Shape
-from ...checks.read_back import BodyReading, EngineError
 from ...native_output import native_output
 from ...users_models import Advice, Configuration, ModelReader, with_meshes
 from .engine import installed_version
