@@ -11,9 +11,12 @@ from types import ModuleType
 
 from . import adapters
 from .engine import Engine
+from .interface import NEWEST, misfit
 from .missing import Missing
 
 ENTRY_POINTS = "spincheck.engines"
+#: The module that adapters import.
+INTERFACE = "spincheck.engine"
 
 
 class NameTaken(ValueError):
@@ -83,8 +86,11 @@ def _missing(name: str, error: BaseException) -> Missing:
         package = error.name.partition(".")[0]
         if package != "spincheck":
             return Missing(name, package, f"the package '{package}' is not installed")
-    words = " ".join(str(error).split())
-    return Missing(name, "", f"importing it failed: {type(error).__name__}: {words}")
+    words = f"{type(error).__name__}: {' '.join(str(error).split())}"
+    if isinstance(error, ImportError) and error.name == INTERFACE:
+        # Without the path at the end.
+        words = f"{str(error).partition(' (')[0]}: this spincheck has its version {NEWEST}"
+    return Missing(name, "", f"importing it failed: {words}")
 
 
 def _engines_in(module: ModuleType) -> Iterator[Engine | Missing]:
@@ -96,6 +102,10 @@ def _engines_in(module: ModuleType) -> Iterator[Engine | Missing]:
             and not isabstract(cls)
             and f"{cls.__module__}.".startswith(f"{module.__name__}.")
         ):
+            name = str(getattr(cls, "name", cls.__name__))
+            if reason := misfit("interface", getattr(cls, "interface", None)):
+                yield Missing(name, "", reason)
+                continue
             engine = cls()
             absent = engine.package and find_spec(engine.package) is None
             yield _not_installed(engine) if absent else engine

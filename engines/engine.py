@@ -25,6 +25,7 @@ from .checks.read_back import (
     differences,
     start_state,
 )
+from .interface import Adapted
 from .method import Method, Release
 from .models.description import PLAIN, Description
 from .run import Run
@@ -32,11 +33,12 @@ from .sampling import Sampled, sample
 from .session import Session
 
 
-class Engine(ABC):
+class Engine(Adapted, ABC):
     """A physics engine. Subclasses implement `open`; the run is implemented here, once.
 
     Attributes
     ----------
+    interface : the version of `spincheck.engine` that its adapter is written for
     name : as users type it
     methods : what it can simulate with
     single_precision : whether it holds its state in 24 bits
@@ -53,6 +55,7 @@ class Engine(ABC):
     describes : features of `Description` that `open_with` can write
     """
 
+    interface: int
     name: str
     methods: tuple[Method, ...]
     single_precision: bool = False

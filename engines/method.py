@@ -1,6 +1,5 @@
 """What an engine can simulate with: its methods, and those of its other versions."""
 
-import re
 from dataclasses import dataclass
 
 import numpy as np
@@ -68,9 +67,3 @@ class Release:
     methods: tuple[Method, ...]
     installed_as: str = ""
     surplus: tuple[str, ...] = ()
-
-
-def numbers_of(version: str) -> tuple[int, ...]:
-    """The leading numbers of a version, to compare it by: (3, 1, 6) of ``3.1.6.post1``."""
-    leading = re.match(r"\d+(\.\d+)*", version)
-    return tuple(int(part) for part in leading[0].split(".")) if leading else ()

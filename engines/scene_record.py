@@ -10,11 +10,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.spatial.transform import Rotation
+from spincheck.engine import BodyReading, FloatArray, Rotor, Scenario, State, composed, start_state
 
-from ..scenarios import FloatArray, Scenario
-from ..scenarios.gyrostat import Rotor
 from ..scenarios.rotation import cross, matrices, times, turned, turned_back
-from .checks.read_back import BodyReading, State, composed, start_state
 from .models.principal_frame import principal_frame
 
 #: The keys of a record, and what they hold, as scripts say it.

@@ -8,9 +8,10 @@ from typing import Any, Self
 
 from .checks.read_back import BodyReading, State, stacked
 from .fault import Fault
+from .interface import Adapted
 
 
-class Session(ABC):
+class Session(Adapted, ABC):
     """A scene loaded in an engine: set to its start, ready to step.
 
     `read_state` and `check` are enough for most engines. If reading takes as long as stepping, an

@@ -5,10 +5,8 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import ClassVar
 
-from ..scenarios import Scenario
-from .engine import Engine
-from .method import Method
-from .session import Session
+from spincheck.engine import Engine, Method, Scenario, Session
+
 from .world_session import WorldSession, world_script
 
 
@@ -20,6 +18,7 @@ class WorldEngine(Engine):
     session : reads a world
     """
 
+    interface = 1
     session: ClassVar[type[WorldSession]]
 
     @property

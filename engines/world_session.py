@@ -10,12 +10,10 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from spincheck.engine import BodyReading, EngineError, FloatArray, Scenario, Session, State
 
-from ..scenarios import FloatArray, Scenario
 from ..scenarios.effects.push import is_pushed, push
-from .checks.read_back import BodyReading, EngineError, State
 from .scene_record import ABOUT, RecordFrame, WorldBody, scene_record
-from .session import Session
 from .world_parts import matrix
 
 #: The torques that a body at rest feels.

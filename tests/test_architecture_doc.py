@@ -5,14 +5,12 @@ import inspect
 import re
 import sys
 import threading
-from operator import attrgetter
 from pathlib import Path
 from types import FrameType
 
 import pytest
 from case_loops import each_case
 from command_line import spincheck
-from library_scenes import library_scene
 from spincheck.engines import Session
 from spincheck.reference.compiled import compile_kernels
 
@@ -160,11 +158,3 @@ def test_an_engine_has_to_give_what_its_page_lists() -> None:
     text = (ROOT / "docs/how-to/add-an-engine.md").read_text(encoding="utf-8")
     listed = set(re.findall(r"^\| `(\w+)(?:\(k\))?` \|", text, flags=re.MULTILINE))
     assert listed == Session.__abstractmethods__
-
-
-def test_a_scenario_has_what_the_page_says() -> None:
-    text = (ROOT / "docs/how-to/add-an-engine.md").read_text(encoding="utf-8")
-    table = text.partition("| attribute | |")[2].partition("\n\n")[0]
-    names = re.findall(r"`(?:scenario\.)?([a-z_.]+)`", table)
-    assert len(names) > 12
-    assert all(attrgetter(name)(library_scene("fast-top")) is not None for name in names)

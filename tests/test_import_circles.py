@@ -7,17 +7,22 @@ from pathlib import Path
 
 ROOT = Path(__file__).parents[1]
 PACKAGES = ("scenarios", "reference", "engines", "reports")
+INTERFACE = ("reports", "interface")
 
 
 def sources_below(root: Path) -> dict[tuple[str, ...], str]:
     """Sources by their dotted names, of packages those of their `__init__`."""
     return {
-        (*path.relative_to(root).parent.parts, *([path.stem] if path.stem != "__init__" else [])): (
-            path.read_text(encoding="utf-8")
-        )
+        dotted(path, root): path.read_text(encoding="utf-8")
         for package in PACKAGES
         for path in (root / package).rglob("*.py")
     }
+
+
+def dotted(path: Path, root: Path) -> tuple[str, ...]:
+    """The name of a module without `spincheck`, which is what a folder of its own holds."""
+    name = (*path.relative_to(root).parent.parts, *([path.stem] * (path.stem != "__init__")))
+    return name[len(INTERFACE) :] if name[: len(INTERFACE)] == INTERFACE else name
 
 
 def imported(
@@ -39,7 +44,9 @@ def imported(
 def circle(root: Path) -> list[str]:
     """The modules of a circle, or none."""
     sources = sources_below(root)
-    packages = {module for module in sources if root.joinpath(*module, "__init__.py").exists()}
+    packages = {
+        dotted(path, root) for package in PACKAGES for path in (root / package).rglob("__init__.py")
+    }
     graph = {module: set(imported(module, sources, module in packages)) for module in sources}
     try:
         TopologicalSorter(graph).prepare()

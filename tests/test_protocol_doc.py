@@ -25,7 +25,7 @@ CALLS, ANSWERS = (
 def test_the_exchange_is_that_of_the_toy() -> None:
     reads, writes = os.pipe()
     done = subprocess.run(
-        ["node", "tests/engines/child/toy.mjs"],
+        ["node", "tests/engines/interface_1/toy.mjs"],
         cwd=ROOT,
         input="".join(f"{json.dumps(call)}\n" for call in CALLS).encode(),
         env=os.environ | {"SPINCHECK_ANSWERS": str(writes)},

@@ -4,9 +4,8 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import final
 
-from ...scenarios import Scenario
-from ..engine import Engine
-from ..method import Method
+from spincheck.engine import Engine, Method, Scenario
+
 from .messages import Hello
 from .process import ANSWER_LIMIT, ChildProcess, ProtocolError, given_back, taken
 from .session import ChildSession
@@ -25,6 +24,7 @@ class ChildEngine(Engine):
     script : writes a run as JavaScript, of a scene and a method; if None, it has no scripts
     """
 
+    interface = 1
     step_seconds = 15e-6
     script_language = "JavaScript"
 

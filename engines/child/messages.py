@@ -6,17 +6,28 @@ from typing import Annotated, Any, Literal, Self, TypeVar
 
 import numpy as np
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError, model_validator
+from spincheck.engine import FloatArray, Method
 
-from ...scenarios import EFFECTS, FloatArray
+from ...scenarios import EFFECTS
 from ...scenarios.document import MAX_ROTORS
 from ...scenarios.rotation import matrix
 from ...scenarios.scales import LARGEST
-from ..method import Method
+from ..interface import misfit
 
 #: Characters of an answer that a complaint quotes.
 QUOTED = 80
 #: Largest number of methods of an engine, and of names it may list as active.
 MOST_NAMES = 32
+
+
+#: Versions of the protocol that a child may speak: as of the interface in Python.
+NEWEST = OLDEST = 1
+
+
+def _protocol(stated: int) -> int:
+    if reason := misfit("protocol", stated, OLDEST, NEWEST):
+        raise ValueError(reason)
+    return stated
 
 
 def _printable(text: str) -> str:
@@ -31,6 +42,7 @@ def _effect(name: str) -> str:
     return name
 
 
+Protocol = Annotated[int, AfterValidator(_protocol)]
 Name = Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9._-]{0,39}$")]
 Words = Annotated[str, Field(min_length=1, max_length=200), AfterValidator(_printable)]
 Effect = Annotated[str, AfterValidator(_effect)]
@@ -84,7 +96,7 @@ class ChildMethod(ChildAnswer):
 class Hello(ChildAnswer):
     """The engine's description of itself."""
 
-    protocol: Literal[1]
+    protocol: Protocol
     name: Name
     version: Words
     precision: Literal["double", "single"]

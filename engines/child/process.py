@@ -16,9 +16,9 @@ from contextlib import suppress
 from typing import Any, TypeVar
 
 import psutil
+from spincheck.engine import EngineError
 
 from ...scenarios import printable
-from ..checks.read_back import EngineError
 from ..lost_process import death, last_line, wait_for_answer
 from ..start_process import kill, start
 from .messages import ChildAnswer, Hello, Misanswer, Refusal, parse

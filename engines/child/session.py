@@ -5,11 +5,9 @@ from collections.abc import Sequence
 from typing import Any, final
 
 import numpy as np
+from spincheck.engine import BodyReading, EngineError, Scenario, Session, State, start_state
 
-from ...scenarios import Scenario
-from ..checks.read_back import BodyReading, EngineError, State, start_state
 from ..scene_record import HeldRotor, RecordFrame, WorldBody, scene_record
-from ..session import Session
 from .messages import Active, Done, Opened, Seconds, StateRow, Stepped
 from .process import ChildProcess, given_back
 

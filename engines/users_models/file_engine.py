@@ -96,6 +96,7 @@ class FileEngine(Engine):
     reader : how the engine reads whole files; its configurations have the names of methods, if any
     """
 
+    interface = 1
     of_file = True
     slack = AGREES
     reader: ClassVar[ModelReader]

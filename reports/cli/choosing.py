@@ -107,6 +107,9 @@ def choose(
         raise Complaint("'--python' is for versions, such as '--engine mujoco@3.1.6'")
     chosen = [engine for name in names for engine in _engines(name, python, time_limit, scenarios)]
     if not names:
+        for absent in missing():
+            if not (absent.package or absent.family):
+                say(f"{absent.name} cannot be used: {absent.reason}.")
         chosen = [one for one in _applying(scenarios) if not one.is_optional]
     if not chosen:
         raise Complaint("no engine is installed; 'pip install mujoco pybullet'", NOT_RUN)

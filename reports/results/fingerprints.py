@@ -21,6 +21,9 @@ _ROOTS = {
     name: Path(import_module(f"...{name}", __package__).__path__[0])
     for name in ("scenarios", "reference", "engines", "reports")
 }
+#: The module that hands adapters their interface.
+_INTERFACE = "engine"
+_ROOTS[_INTERFACE] = Path(import_module(_PROGRAM).__path__[0]) / _INTERFACE
 #: The modules that decide about each kind of result. What follows from a run's numbers, and not
 #: from the run itself, is judging: it also decides how far down a ladder is run, but the numbers of
 #: a run do not depend on that.
@@ -135,11 +138,12 @@ def _base(one: Import, package: str) -> str | None:
 def _defining(base: str, name: str) -> str:
     """The module that defines a name which is imported from a module or a package.
 
-    A package that imports the name only hands it on; then only the module that defines it counts.
+    A package that imports the name only hands it on, as the interface of adapters does; then only
+    the module that defines it counts.
     """
     if _file(f"{base}.{name}").is_file():
         return f"{base}.{name}"
-    if _file(base).name == "__init__.py":
+    if base == _INTERFACE or _file(base).name == "__init__.py":
         for one in source(_file(base)).imports:
             origin = _base(one, base) if one.outside else None
             for imported, given in one.names:

@@ -5,10 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from adapter_checks import CHECKS, Check
+from interface_1.free_body.toy_engine import Toy, ToySession
 from spincheck.engines import BodyReading, Engine, Method, Session, State
 from spincheck.scenarios import Scenario
 from spincheck.suite import test_adapter
-from stranger.toy_engine import Toy, ToySession
 
 pytestmark = pytest.mark.slow
 

@@ -202,6 +202,7 @@ class Stepped(QuietSession):
 class SteppedEngine(Engine):
     """The engine of a kind of session, with a fault of a size."""
 
+    interface = 1
     version = "1"
     methods = METHODS
 

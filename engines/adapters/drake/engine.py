@@ -7,10 +7,8 @@ from collections.abc import Iterator
 from typing import Any, final
 
 import numpy as np
+from spincheck.engine import COMMON_EFFECTS, EngineError, FloatArray, Method
 
-from ....scenarios import FloatArray
-from ...checks.read_back import EngineError
-from ...method import COMMON_EFFECTS, Method
 from ...scene_record import HeldRotor, WorldBody
 from ...world_engine import WorldEngine
 from ...world_session import WorldSession

@@ -8,13 +8,19 @@ from collections.abc import Iterator, Sequence
 from typing import Any, final
 
 import numpy as np
+from spincheck.engine import (
+    COMMON_EFFECTS,
+    EngineError,
+    FloatArray,
+    Method,
+    Scenario,
+    Session,
+    State,
+    UnsupportedError,
+)
 
-from ....scenarios import FloatArray, Scenario
-from ...checks.read_back import EngineError, State, UnsupportedError
-from ...method import COMMON_EFFECTS, Method
 from ...native_output import native_output
 from ...scene_record import HeldRotor, WorldBody
-from ...session import Session
 from ...world_engine import WorldEngine
 from ...world_session import WorldSession
 

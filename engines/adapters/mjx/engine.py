@@ -5,12 +5,9 @@ from importlib.metadata import version
 from typing import final
 
 import mujoco
+from spincheck.engine import COMMON_EFFECTS, Engine, Method, Scenario, Session
 
-from ....scenarios import Scenario
-from ...engine import Engine
-from ...method import COMMON_EFFECTS, Method
 from ...models.mjcf import mjcf
-from ...session import Session
 from ..mujoco.engine import setup
 from ..mujoco.session import check_not_too_small
 from .script import left_in, script
@@ -37,6 +34,7 @@ CLEAN = (
 class MJX(Engine):
     """MJX in double precision."""
 
+    interface = 1
     name = "mjx"
     package = "mujoco.mjx"
     step_seconds = 10e-6

@@ -2,7 +2,8 @@
 
 from pathlib import Path
 
-from ....scenarios import Scenario
+from spincheck.engine import Scenario
+
 from ...models.mjcf import mjcf, start_coordinates, switched_off
 from ...models.text import python_lines
 from ...world_session import stand_alone

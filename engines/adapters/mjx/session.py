@@ -8,11 +8,9 @@ from typing import Any, final
 
 import mujoco
 import numpy as np
+from spincheck.engine import BodyReading, FloatArray, Scenario, Session, State
 
-from ....scenarios import FloatArray, Scenario
-from ...checks.read_back import BodyReading, State
 from ...models.mjcf import start_coordinates
-from ...session import Session
 from ...user_cache import user_cache
 from ..mujoco.audit import FLAG_WORDS, acting
 from ..mujoco.coordinates import anchor_of, axial_of, body_of, coordinates_of, states_of

@@ -9,9 +9,8 @@ from typing import Any
 
 import mujoco
 import numpy as np
+from spincheck.engine import FloatArray, Rotor, Scenario
 
-from ....scenarios import FloatArray, Scenario
-from ....scenarios.gyrostat import Rotor
 from ...models.mjcf import armature
 from ...models.mjcf_contact import PASSES, sphere_and_plane
 from .world import disabling, flags

@@ -6,10 +6,9 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
+from spincheck.engine import BodyReading, FloatArray, State, composed
 
-from ....scenarios import FloatArray
 from ....scenarios.rotation import across, cross, matrices, matrix, turned
-from ...checks.read_back import BodyReading, State, composed
 
 #: MuJoCo's number of the world, which every model begins with.
 WORLD = 0

@@ -7,14 +7,20 @@ from functools import lru_cache
 from typing import Any, final
 
 import mujoco
+from spincheck.engine import (
+    COMMON_EFFECTS,
+    PLAIN,
+    Description,
+    Engine,
+    Method,
+    Release,
+    Scenario,
+    UnsupportedError,
+)
 
-from ....scenarios import Scenario
-from ...checks.read_back import UnsupportedError
-from ...engine import Engine
-from ...method import COMMON_EFFECTS, Method, Release, numbers_of
-from ...models.description import PLAIN, Description
 from ...models.mjcf import mjcf, switched_off
 from ...models.mjcf_contact import PASSES, off_its_table, with_contact
+from ...version_numbers import numbers_of
 from .clock import CLOCK
 from .script import script
 from .session import MuJoCoSession, check_not_too_small, compiled, left_out
@@ -98,6 +104,7 @@ def _by_contact(integrator: str, order: int) -> Method:
 class MuJoCo(Engine):
     """MuJoCo's rigid-body dynamics in reduced coordinates."""
 
+    interface = 1
     name = "mujoco"
     steps_in = "mj_step"
     # Documentation, XML reference, option/timestep.

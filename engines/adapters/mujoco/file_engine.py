@@ -5,9 +5,8 @@ from functools import lru_cache
 from typing import Any, final
 
 import mujoco
+from spincheck.engine import Method, Release, Scenario
 
-from ....scenarios import Scenario
-from ...method import Method, Release
 from ...models.mjcf import start_coordinates, switched_off
 from ...users_models import FileEngine, UsersLink, body_alone, users_link
 from .engine import KEPT, MuJoCo, release

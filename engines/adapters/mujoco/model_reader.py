@@ -8,8 +8,8 @@ from types import MappingProxyType
 from typing import Any, final
 
 import mujoco
+from spincheck.engine import BodyReading, EngineError
 
-from ...checks.read_back import BodyReading, EngineError
 from ...users_models import (
     Advice,
     Configuration,

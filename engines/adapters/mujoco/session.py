@@ -8,13 +8,19 @@ from typing import Any, final
 
 import mujoco
 import numpy as np
+from spincheck.engine import (
+    BodyReading,
+    EngineError,
+    Fault,
+    FloatArray,
+    Scenario,
+    Session,
+    State,
+    UnsupportedError,
+)
 
-from ....scenarios import FloatArray, Scenario
-from ...checks.read_back import BodyReading, EngineError, State, UnsupportedError
-from ...fault import Fault
 from ...models.hinged import hinged, unhinged
 from ...models.mjcf import switched_off
-from ...session import Session
 from . import clock
 from .audit import acting
 from .coordinates import WORLD, anchor_of, axial_of, body_of, coordinates_of, states_of

@@ -4,10 +4,8 @@ from typing import Any
 
 import mujoco
 import numpy as np
+from spincheck.engine import Description, Scenario, UnsupportedError
 
-from ....scenarios import Scenario
-from ...checks.read_back import UnsupportedError
-from ...models.description import Description
 from ...models.mjcf import START_KEY, armature, start_coordinates
 from ...models.urdf import BODY_LINK, urdf
 

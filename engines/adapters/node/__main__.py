@@ -3,8 +3,9 @@
 import shutil
 import sys
 
+from spincheck.engine import Missing
+
 from ...child.process import end_idle
-from ...missing import Missing
 from ...start_process import run
 from .discovered import HERE, discovered, modules_folder
 

@@ -7,13 +7,12 @@ from functools import partial
 from hashlib import sha256
 from pathlib import Path
 
+from spincheck.engine import Engine, EngineError, Missing
+
 from ....scenarios.regular_files import read_regular, write_new
-from ...checks.read_back import EngineError
 from ...child import ChildEngine, child_engine
 from ...child.messages import Hello
 from ...child.process import LONGEST_ANSWER
-from ...engine import Engine
-from ...missing import Missing
 from ...user_cache import user_cache
 from .script import script
 

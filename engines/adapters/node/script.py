@@ -8,8 +8,8 @@ import json
 import re
 from pathlib import Path
 
-from ....scenarios import Scenario
-from ...method import Method
+from spincheck.engine import Method, Scenario
+
 from ...scene_record import ABOUT, scene_record
 
 HERE = Path(__file__).parent

@@ -7,9 +7,8 @@ by a Runge-Kutta rule. How each effect was measured: docs/measured/engines-more.
 from typing import final
 
 import numpy as np
+from spincheck.engine import COMMON_EFFECTS, FloatArray, Method
 
-from ....scenarios import PUSHED, FloatArray
-from ...method import COMMON_EFFECTS, Method
 from ...scene_record import HeldRotor, WorldBody
 from ...world_engine import WorldEngine
 from ...world_session import WorldSession
@@ -48,7 +47,7 @@ class PinocchioSession(WorldSession):
             **self.gravity_by(np.array(model.gravity.linear)),
             "a gravity that turns": np.any(model.gravity.angular),
             **self._joints(),
-            **dict.fromkeys(scenario.called_for & PUSHED, True),
+            **dict.fromkeys(scenario.called_for & scenario.pushed.keys(), True),
             "joint friction": model.damping.any() or model.friction.any(),
         }
         return frozenset(name for name, acts in named.items() if acts)

@@ -10,8 +10,8 @@ from functools import partial
 
 import numpy as np
 import pybullet as p
+from spincheck.engine import Scenario
 
-from ....scenarios import Scenario
 from ...models.mjcf_contact import sphere_and_plane
 from .model import Model
 from .probe import PROBE_SPIN, SLACK, Probe, near

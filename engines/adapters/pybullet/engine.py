@@ -10,14 +10,21 @@ from functools import cache, partial
 from importlib.metadata import version
 from math import pi
 
-from ....scenarios import Scenario
+from spincheck.engine import (
+    COMMON_EFFECTS,
+    PLAIN,
+    Description,
+    Engine,
+    Method,
+    Release,
+    Scenario,
+    Session,
+    start_state,
+)
+
 from ...checks.equations import Equations
-from ...checks.read_back import start_state
-from ...engine import Engine
-from ...method import COMMON_EFFECTS, Method, Release, numbers_of
-from ...models.description import PLAIN, Description
 from ...native_output import native_output
-from ...session import Session
+from ...version_numbers import numbers_of
 
 with native_output():
     # On import, Bullet prints its build date.
@@ -74,6 +81,7 @@ def _as_shipped(name: str, summary: str) -> Method:
 class PyBullet(Engine):
     """Bullet's two kinds of body, and its two ways to hold one at a point."""
 
+    interface = 1
     name = "pybullet"
     steps_in = "btDiscreteDynamicsWorld::stepSimulation*"
     # PyBullet quickstart guide, setTimeStep.

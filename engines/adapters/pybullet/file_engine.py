@@ -2,8 +2,8 @@
 
 from typing import final
 
-from ....scenarios import Scenario
-from ...method import Method, Release
+from spincheck.engine import Method, Release, Scenario
+
 from ...users_models import FileEngine, body_alone, users_link
 from .engine import PyBullet, bullet_method, release
 from .load import BodyRepresentation, OwnURDF

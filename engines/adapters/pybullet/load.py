@@ -10,10 +10,8 @@ from typing import Any
 import numpy as np
 import pybullet as p
 from scipy.spatial.transform import Rotation
+from spincheck.engine import PLAIN, Description, EngineError, Scenario, UnsupportedError
 
-from ....scenarios import Scenario
-from ...checks.read_back import EngineError, UnsupportedError
-from ...models.description import PLAIN, Description
 from ...models.mjcf_contact import sphere_and_plane
 from ...models.urdf import urdf
 from .model import Model

@@ -8,10 +8,9 @@ from typing import Any
 import numpy as np
 import pybullet as p
 from scipy.spatial.transform import Rotation
+from spincheck.engine import BodyReading, FloatArray, Scenario, State, composed
 
-from ....scenarios import FloatArray, Scenario
 from ....scenarios.rotation import across, cross, matrices, matrix, times, turned, turned_back
-from ...checks.read_back import BodyReading, State, composed
 from .world import BASE, World
 
 #: What a world's `move` takes.

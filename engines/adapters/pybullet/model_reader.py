@@ -8,8 +8,8 @@ from typing import final
 import numpy as np
 import pybullet as p
 from scipy.spatial.transform import Rotation
+from spincheck.engine import BodyReading, EngineError
 
-from ...checks.read_back import BodyReading, EngineError
 from ...native_output import native_output
 from ...users_models import Advice, Configuration, ModelFile, ModelReader, Shape, with_meshes
 from .engine import installed_version

@@ -1,10 +1,10 @@
 """What the pivot of a rigid body bears: beyond it the body falls through."""
 
 import numpy as np
+from spincheck.engine import State, UnsupportedError
 
 from ....scenarios.rotation import cross, matrix
 from ...checks.equations import Equations
-from ...checks.read_back import State, UnsupportedError
 
 #: N s a step, of a constraint between two rigid bodies: PyBullet's default, which it keeps.
 MOST_IMPULSE = 500.0

@@ -5,11 +5,10 @@ from dataclasses import dataclass
 
 import numpy as np
 import pybullet as p
+from spincheck.engine import BodyReading, FloatArray, Scenario, State
 
-from ....scenarios import FloatArray, Scenario
 from ....scenarios.effects.push import push
 from ....scenarios.rotation import cross, matrix
-from ...checks.read_back import BodyReading, State
 from .model import Model
 from .world import BASE
 

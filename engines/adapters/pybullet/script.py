@@ -2,7 +2,8 @@
 
 from pathlib import Path
 
-from ....scenarios import Scenario
+from spincheck.engine import Scenario
+
 from ...models.text import python_lines
 from ...world_session import stand_alone
 from .load import BodyRepresentation, scenes_own

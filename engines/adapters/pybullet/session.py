@@ -9,13 +9,10 @@ from typing import final
 
 import numpy as np
 import pybullet as p
+from spincheck.engine import BodyReading, EngineError, Fault, Scenario, Session, State
 
-from ....scenarios import Scenario
 from ...checks.equations import Equations
-from ...checks.read_back import BodyReading, EngineError, State
-from ...fault import Fault
 from ...native_output import native_output
-from ...session import Session
 from .audit import what_acts
 from .load import BodyRepresentation, load
 from .model import Model, Placed

@@ -4,8 +4,7 @@ Bodies move in an emptied world as in a new one, to the last bit.
 """
 
 import pybullet as p
-
-from ...checks.read_back import EngineError
+from spincheck.engine import EngineError
 
 #: Timestep, s, and steps a call, of a new world.
 DEFAULT_TIMESTEP, DEFAULT_SUBSTEPS = 1 / 240, 0

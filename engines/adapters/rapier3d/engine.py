@@ -8,10 +8,8 @@ from math import pi
 from typing import Any, final
 
 import numpy as np
+from spincheck.engine import COMMON_EFFECTS, EngineError, FloatArray, Method
 
-from ....scenarios import PUSHED, FloatArray
-from ...checks.read_back import EngineError
-from ...method import COMMON_EFFECTS, Method
 from ...scene_record import HeldRotor, WorldBody
 from ...world_engine import WorldEngine
 from ...world_parts import matrix, push
@@ -97,7 +95,7 @@ class Rapier3DSession(WorldSession):
             "a rotation clamp": not body.allow_fast_rotation,
         }
         acting = {name for name, acts in named.items() if acts}
-        stated_effects = scenario.called_for & PUSHED
+        stated_effects = scenario.called_for & scenario.pushed.keys()
         return frozenset(acting | stated_effects if got.any() else acting)
 
     def _wrong_hinges(self) -> Iterator[str]:

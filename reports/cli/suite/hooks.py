@@ -14,6 +14,7 @@ import pytest
 from spincheck.suite import SCENES, VERSION, test_adapter, test_physics
 
 from ....engines import Engine, Method, NameTaken, add
+from ....engines.interface import misfit
 from ....scenarios import Scenario, did_you_mean, load
 from ...harness.executors import InProcess
 from ...harness.prepared import Prepared, prepare
@@ -163,9 +164,11 @@ def _engines(name: str) -> tuple[Engine, ...]:
         raise pytest.UsageError(words) from None
     if not isinstance(engine, Engine):
         raise pytest.UsageError(
-            f"'--spincheck-engine' {name} must be a subclass of spincheck.engines.Engine, or an "
+            f"'--spincheck-engine' {name} must be a subclass of spincheck.engine.Engine, or an "
             f"object of one, got {found!r}"
         )
+    if reason := misfit("interface", getattr(engine, "interface", None)):
+        raise pytest.UsageError(f"'--spincheck-engine' {name}: {reason}")
     try:
         add(engine)
     except NameTaken as error:

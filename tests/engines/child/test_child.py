@@ -124,16 +124,31 @@ def test_a_child_that_is_another_each_time_is_not_opened() -> None:
     assert "engine, version or methods are not those" in run.reason
 
 
-@pytest.mark.parametrize("seconds", ["1e300", "1e400", "0.0", "-1.0"])
-def test_a_stock_timestep_that_no_result_file_holds_breaks_the_protocol(seconds: str) -> None:
-    method = '{"name": "m", "order": 1, "attitude_order": 1, "summary": "s", "effects": []}'
-    line = (
-        '{"id": 1, "protocol": 1, "name": "n", "version": "1", "precision": "double", '
-        f'"stock_timestep": %s, "methods": [{method}]}}'
-    )
-    assert isinstance(parse((line % "0.01").encode(), 1, Hello), Hello)
-    with pytest.raises(Misanswer, match="breaks the protocol at 'stock_timestep'"):
-        parse((line % seconds).encode(), 1, Hello)
+HELLO = (
+    '{"id": 1, "protocol": 1, "name": "n", "version": "1", "precision": "double", '
+    '"stock_timestep": 0.01, "methods": [{"name": "m", "order": 1, "attitude_order": 1, '
+    '"summary": "s", "effects": []}]}'
+)
+
+
+@pytest.mark.parametrize(
+    ("said", "instead", "words"),
+    [
+        *(
+            ("0.01", seconds, "breaks the protocol at 'stock_timestep'")
+            for seconds in ("1e300", "1e400", "0.0", "-1.0")
+        ),
+        ('"protocol": 1', '"protocol": 2', "'protocol' must be 1, got 2: it needs a newer spin"),
+        # A later version may have keys that this one does not know.
+        ('"protocol": 1', '"protocol": 2, "batch": 3', "it needs a newer spincheck"),
+    ],
+)
+def test_a_description_that_breaks_the_protocol_is_refused(
+    said: str, instead: str, words: str
+) -> None:
+    assert isinstance(parse(HELLO.encode(), 1, Hello), Hello)
+    with pytest.raises(Misanswer, match=words):
+        parse(HELLO.replace(said, instead).encode(), 1, Hello)
 
 
 def test_a_child_that_died_leaves_the_next_run_a_new_one() -> None:

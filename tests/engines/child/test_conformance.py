@@ -14,7 +14,7 @@ from typer.testing import CliRunner, Result
 pytestmark = pytest.mark.processes
 
 HERE = Path(__file__).parent
-TOY = HERE / "toy.mjs"
+TOY = HERE.parent / "interface_1/toy.mjs"
 
 
 def conform(*command: str) -> Result:

@@ -1,7 +1,7 @@
 """A free rigid body, by the classical Runge-Kutta method: an engine in a package of its own."""
 
 import numpy as np
-from spincheck.engines import BodyReading, Engine, Method, Session, State
+from spincheck.engine import BodyReading, Engine, Method, Session, State
 
 
 class ToySession(Session):
@@ -51,6 +51,7 @@ class ToySession(Session):
 
 
 class Toy(Engine):
+    interface = 1
     name = "toy"
     version = "1.0"
     methods = (Method("RK4", 4, 4, "classical Runge-Kutta, free bodies", frozenset({"gravity"})),)

@@ -1,0 +1,47 @@
+"""The version of the interface that adapters are written for: `spincheck.engine`.
+
+Rules of growth and deprecation: docs/project/releases.md.
+"""
+
+import warnings
+
+#: Raised by one when something is added; `OLDEST` when something that was deprecated is removed.
+NEWEST = 1
+#: An adapter that is written for this version or a later one, up to `NEWEST`, can be used.
+OLDEST = 1
+
+
+class Adapted:
+    """What adapters implement: a deprecated member that a subclass overrides is warned of.
+
+    A member is deprecated by `typing_extensions.deprecated`, whose message names the replacement;
+    whoever calls such a member is warned by the member itself.
+    """
+
+    def __init_subclass__(cls) -> None:
+        super().__init_subclass__()
+        for name in vars(cls):
+            member = getattr(super(cls, cls), name, None)
+            if message := getattr(getattr(member, "fget", member), "__deprecated__", ""):
+                words = f"{cls.__module__}.{cls.__qualname__}.{name}: {message}"
+                warnings.warn(words, DeprecationWarning, stacklevel=2)
+
+
+def misfit(what: str, stated: object, oldest: int = OLDEST, newest: int = NEWEST) -> str:
+    """Return why an engine that states a version cannot be used; empty if it can.
+
+    Parameters
+    ----------
+    what : the key by which it states the version
+    oldest, newest : versions that can be used
+    """
+    if type(stated) is int and oldest <= stated <= newest:
+        return ""
+    if not isinstance(stated, int):
+        remedy = "state the version that it is written for"
+    elif stated > newest:
+        remedy = "it needs a newer spincheck"
+    else:
+        remedy = "it needs an older spincheck, or a newer version of itself"
+    known = f"{oldest}" if oldest == newest else f"{oldest} to {newest}"
+    return f"'{what}' must be {known}, got {stated!r}: {remedy}"

@@ -1,0 +1,49 @@
+"""What the adapter of a physics engine is written with: docs/how-to/add-an-engine.md.
+
+This is the whole interface between spincheck and adapters, with the attributes of scenes on that
+page. An adapter states the version that it is written for, as `Engine.interface`.
+"""
+
+from spincheck.engines.checks.read_back import (
+    BodyReading,
+    Difference,
+    EngineError,
+    State,
+    UnsupportedError,
+    composed,
+    start_state,
+)
+from spincheck.engines.engine import Engine
+from spincheck.engines.fault import Cause, Fault
+from spincheck.engines.interface import NEWEST, OLDEST
+from spincheck.engines.method import COMMON_EFFECTS, Method, Release
+from spincheck.engines.missing import Missing
+from spincheck.engines.models.description import PLAIN, Description
+from spincheck.engines.session import Session
+from spincheck.scenarios import FloatArray, Scenario
+from spincheck.scenarios.gyrostat import Rotor
+
+__all__ = [
+    "COMMON_EFFECTS",
+    "NEWEST",
+    "OLDEST",
+    "PLAIN",
+    "BodyReading",
+    "Cause",
+    "Description",
+    "Difference",
+    "Engine",
+    "EngineError",
+    "Fault",
+    "FloatArray",
+    "Method",
+    "Missing",
+    "Release",
+    "Rotor",
+    "Scenario",
+    "Session",
+    "State",
+    "UnsupportedError",
+    "composed",
+    "start_state",
+]
