@@ -49,7 +49,7 @@ DIGESTS = {
     "free_body/toy_engine.py": "6f5672508f008e01f548073f558e0d050d786e7fa139e9ba69356f58f18ed3f3",
     "pivot/heavy_top_engine.py": "ca328f39ecaf5ec461776ac16d1aa108aee9d382e14ebbe49056f21f1835977b",
     "toy.mjs": "c5aed1b26d89b30b13aea1d74f45f449b84dba92f97c771b746f50fa2e1ad443",
-    "members.json": "920d635ea0d2820992ca640996c4a63dca3dac2c54ec12f65c24782e2c69db60",
+    "members.json": "ebfa1eb0e6e6ad04c64aad83b99b4ed36f20a1b948b539700128a92239c85b2c",
 }
 #: What version 1 had: parameters by the names of what is called, and what adapters have to write.
 MEMBERS = json.loads((FROZEN / "members.json").read_text(encoding="utf-8"))
