@@ -1,7 +1,7 @@
 """One interface for every physics engine: what it can do, and how all of them are run."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
 from functools import partial
 from pathlib import Path
 from typing import Any, Literal, final
@@ -53,6 +53,8 @@ class Engine(Adapted, ABC):
     steps_in : the native function in which its steps are taken, as valgrind names it, `*` for any
         characters; empty if they are not all native
     describes : features of `Description` that `open_with` can write
+    varied : in which way it opens scenes otherwise than users' engine does, by name; empty for an
+        adapter
     """
 
     interface: int
@@ -69,6 +71,7 @@ class Engine(Adapted, ABC):
     script_language: Literal["Python", "JavaScript"] = "Python"
     steps_in: str = ""
     describes: frozenset[str] = frozenset()
+    varied: Mapping[str, Any] = {}
 
     @property
     def is_optional(self) -> bool:

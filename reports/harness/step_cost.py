@@ -5,7 +5,7 @@ import time
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, field
-from functools import cache
+from functools import cache, partial
 from typing import TypeVar
 
 import numpy as np
@@ -13,7 +13,7 @@ import numpy as np
 from ...engines import EngineError, Session
 from ...engines.fault import ENVIRONMENTAL
 from ...scenarios import Scenario
-from ..results.cost_records import StepCost
+from ..results.cost_records import Ratio, StepCost
 from .choice import EngineMethod
 from .executors import Answer, CallFailed, Executor, is_environmental
 
@@ -110,14 +110,21 @@ def step_costs(scenario: Scenario, pairs: Sequence[EngineMethod]) -> list[StepCo
 
     Parameters
     ----------
-    pairs : engines and their methods
+    pairs : engines and their methods, varied ones after the engine as it is
     """
     timestep = timed_timestep(scenario)
-    openings = [
-        lambda engine=engine, method=method: engine.open(scenario, method, timestep)
-        for engine, method in pairs
+    timed = interleaved(
+        [partial(engine.open, scenario, method, timestep) for engine, method in pairs]
+    )
+    plain = {
+        (engine.name, method.name): stretches
+        for (engine, method), stretches in zip(pairs, timed, strict=True)
+        if not engine.varied
+    }
+    return [
+        _cost(stretches, plain.get((engine.name, method.name), []) if engine.varied else [])
+        for (engine, method), stretches in zip(pairs, timed, strict=True)
     ]
-    return [_cost(stretches) for stretches in interleaved(openings)]
 
 
 def timed_timestep(scenario: Scenario) -> float:
@@ -221,8 +228,19 @@ def resolution() -> float:
     return min(changes)
 
 
-def _cost(stretches: Sequence[TimingSample]) -> StepCost | None:
+def _cost(stretches: Sequence[TimingSample], plain: Sequence[TimingSample]) -> StepCost | None:
+    """The cost by these stretches.
+
+    Parameters
+    ----------
+    plain : of a varied engine, the stretches of the engine as it is, timed in turn with these
+    """
     if not stretches:
         return None
-    cpu = [stretch.cpu for stretch in stretches]
-    return StepCost(min(cpu), max(cpu) - min(cpu), min(stretch.wall for stretch in stretches))
+    cpu, wall = [one.cpu for one in stretches], [one.wall for one in stretches]
+    ratio = None
+    if plain:
+        ratios = [own.cpu / other.cpu for own, other in zip(stretches, plain, strict=True)]
+        low, middle, high = np.quantile(ratios, (0.25, 0.5, 0.75))
+        ratio = Ratio(float(middle), float(high - low))
+    return StepCost(min(cpu), max(cpu) - min(cpu), min(wall), ratio=ratio)

@@ -2,17 +2,18 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from typing import Any
 
-from ...engines import Engine, Method
+from ...engines import Method
+from ...engines.varied_engine import VariedEngine
 from ...scenarios import Scenario
 from ..results.cost_records import MethodCost
 from ..results.environment import processor
+from ..results.records import Key, variation
 from ..results.store import Store
 from .choice import Choice
-from .effects_cost import effects_costs, first_pass_costs
 from .executors import CallFailed, Executor
 from .instructions import instructions_per_step
+from .left_out import motions_apart, with_all_left_in, with_each_left_in
 from .plan import SceneLeft, can_be_timed, settled_verdicts
 from .step_cost import TimingRefused, measure, timed, timed_timestep
 
@@ -24,7 +25,7 @@ def time_scene(
     executor: Executor,
     progress: Callable[[str], None],
 ) -> None:
-    """Time what a scene leaves out, then every method that can simulate it, in one call.
+    """Time every method that can simulate a scene in one call, some with what they leave out, too.
 
     All methods are timed, interleaved, even if only one is missing: times taken at different
     moments cannot be compared. Times are stored last, so a scene with times is complete; if the
@@ -42,38 +43,41 @@ def _time_scene(
     scene: SceneLeft, choice: Choice, store: Store, executor: Executor
 ) -> Sequence[str]:
     scenario = scene.scenario
-    _time_left_out(effects_costs, scenario, choice, store, executor)
-    if scene.by_pass:
-        _time_left_out(first_pass_costs, scenario, choice, store, executor)
+    chosen = list(choice.methods_on(scenario).values())
+    whole = with_all_left_in(scenario, chosen)
+    apart = _motions_apart(scenario, whole, executor)
     verdicts = {verdict.key: verdict for verdict in settled_verdicts(scenario, choice, store)}
-    pairs = {
-        key: pair
+    pairs = [
+        pair
         for key, pair in choice.methods_on(scenario).items()
         if can_be_timed(scenario, pair, verdicts.get(key))
-    }
-    costs, complaints = measure(executor, scenario, list(pairs.values())) if pairs else ([], [])
-    for (key, (engine, method)), cost in zip(pairs.items(), costs, strict=True):
-        if choice.counted and cost is not None:
+    ]
+    varied = [*whole, *(with_each_left_in(scenario, chosen) if scene.by_pass else [])]
+    pairs += [(engine, method) for engine, method in varied if (engine.base, method) in pairs]
+    costs, complaints = measure(executor, scenario, pairs) if pairs else ([], [])
+    made = []
+    for (engine, method), cost in zip(pairs, costs, strict=True):
+        if choice.counted and cost is not None and not engine.varied:
             count = instructions_per_step(scenario, engine, method, timed_timestep(scenario))
             cost = replace(cost, instructions_per_step=count)
-        store.put(MethodCost(key, processor(), cost))
+        key = Key(scenario.name, engine.name, method.name)
+        named = variation(engine.varied)
+        until, difference = apart.get((key, named)) or (None, None)
+        made.append(MethodCost(key, processor(), cost, named, difference, until))
+    store.put(*made)
     return complaints
 
 
-def _time_left_out(
-    call: Callable[[Scenario, Engine, list[Method]], list[Any]],
-    scenario: Scenario,
-    choice: Choice,
-    store: Store,
-    executor: Executor,
-) -> None:
-    """Time what each engine leaves out of a scene."""
-    methods: dict[str, tuple[Engine, list[Method]]] = {}
-    for engine, method in choice.methods_on(scenario).values():
-        if method.reader:
-            continue
-        methods.setdefault(engine.name, (engine, []))[1].append(method)
-    for engine, chosen in methods.values():
-        costs = timed(executor.call_at(engine.site, call, scenario, engine, chosen))
-        for one in [] if isinstance(costs, CallFailed) else costs:
-            store.put(one)
+def _motions_apart(
+    scenario: Scenario, pairs: Sequence[tuple[VariedEngine, Method]], executor: Executor
+) -> dict[tuple[Key, str], tuple[float, float] | None]:
+    """How far motions are apart with and without what is left out, as `motions_apart` finds it."""
+    found: dict[tuple[Key, str], tuple[float, float] | None] = {}
+    for site in dict.fromkeys(engine.site for engine, _ in pairs):
+        there = [(engine, method.name) for engine, method in pairs if engine.site == site]
+        apart = timed(executor.call_at(site, motions_apart, scenario, there))
+        for (engine, name), one in zip(
+            there, [] if isinstance(apart, CallFailed) else apart, strict=False
+        ):
+            found[Key(scenario.name, engine.name, name), variation(engine.varied)] = one
+    return found

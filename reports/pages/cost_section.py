@@ -1,10 +1,10 @@
 """The report's sections on cost: of accuracy, on both kinds of page, and of what is left out."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from statistics import median
 from typing import Any
 
-from ..results.cost_records import EffectsCost, PassCosts
+from ..results.cost_records import MethodCost, Ratio
 from ..results.records import Key
 from .analysis.cost_to_reach import (
     LEVELS,
@@ -111,45 +111,66 @@ def _microseconds(seconds: float | None) -> str:
     return number(None if seconds is None else MICROSECONDS * seconds)
 
 
-#: A pass is listed if its cost exceeds this many times the difference between equal sessions.
+#: A pass is listed if its cost exceeds this many times the spread of the ratios that it is from.
 BEYOND_NOISE = 2.0
 
 
-def effects_table(effects: Sequence[EffectsCost]) -> Table:
-    """Table, scenes × engines, of how much more a step would cost with everything left in."""
-    methods = sorted({cost.key.pair for cost in effects})
-    cells = {cost.key: _effects_cell(cost) for cost in effects}
-    scenes = sorted({cost.key.scenario for cost in effects})
-    return table(
+def left_out_section(costs: Sequence[MethodCost]) -> tuple[Table, list[tuple[str, Table]], str]:
+    """What steps cost with all that is left out, with each pass of it, and what that changes."""
+    whole = [cost for cost in costs if cost.difference is not None]
+    methods = sorted({cost.key.pair for cost in whole})
+    cells = {cost.key: _whole_cell(cost) for cost in whole}
+    scenes = sorted({cost.key.scenario for cost in whole})
+    every = table(
         ["scene", *(f"{engine} {method}" for engine, method in methods)],
         [
             [scene, *(cells.get(Key(scene, *method), figure(NOTHING)) for method in methods)]
             for scene in scenes
         ],
     )
+    same = sum(cost.difference == 0 for cost in whole)
+    passes = [
+        (f"{one.key.label} on {one.key.scenario}", passes_table(one, alike))
+        for one in whole
+        for alike in [{cost.left_in: cost for cost in costs if cost.key == one.key}]
+        if len(alike) > 1
+    ]
+    return every, passes, f"{same} of {len(whole)} motions are identical to the last bit"
 
 
-def harm_in_words(effects: Sequence[EffectsCost]) -> str:
-    """The number of scenes on which leaving passes out changed the motion, in words."""
-    same = sum(cost.difference == 0 for cost in effects)
-    return f"{same} of {len(effects)} motions are identical to the last bit"
+def passes_table(whole: MethodCost, by_passes: Mapping[tuple[str, ...], MethodCost]) -> Table:
+    """Table of the cost of each pass, in percent of a step with none of them.
 
+    Parameters
+    ----------
+    whole : with all passes
+    by_passes : by the passes that are left in
+    """
 
-def passes_table(costs: PassCosts) -> Table:
-    """Table of the cost of each pass, in percent of a pruned step."""
-    least = BEYOND_NOISE * costs.noise
+    def ratio(names: tuple[str, ...]) -> Ratio | None:
+        cost = by_passes.get(names)
+        return cost.cost.ratio if cost and cost.cost else None
 
-    def share(part: float) -> Cell:
-        return figure(f"{part:+.0%}" if abs(part) > least else "noise")
+    def share(over: Ratio | None, under: Ratio | None) -> Cell:
+        if over is None or under is None:
+            return figure(NOTHING)
+        part, noise = over.median - under.median, max(over.spread, under.spread)
+        return figure(f"{part:+.0%}" if abs(part) > BEYOND_NOISE * noise else "noise")
 
+    bare = Ratio(1.0, 0.0)
     return table(
         ["left out", "a step with it alone left in", "saved by leaving it out of the defaults"],
-        [[one.name, share(one.added), share(one.saved)] for one in costs.passes],
+        [
+            [one, share(ratio((one,)), bare), share(ratio(whole.left_in), ratio(others) or bare)]
+            for one in whole.left_in
+            for others in [tuple(name for name in whole.left_in if name != one)]
+        ],
     )
 
 
-def _effects_cell(cost: EffectsCost) -> Cell:
-    more = f"{cost.ratio.median - 1:+.0%} ± {cost.ratio.spread:.0%}"
+def _whole_cell(cost: MethodCost) -> Cell:
+    ratio = cost.cost.ratio if cost.cost else None
+    more = f"{ratio.median - 1:+.0%} ± {ratio.spread:.0%}" if ratio else NOTHING
     same = "motion identical to the last bit"
     harm = f"motion off by {number(cost.difference)}" if cost.difference else same
     return Cell(more, "number", harm)

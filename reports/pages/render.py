@@ -20,7 +20,7 @@ from ..results import evidence
 from ..results.results import Results
 from .analysis import observed_order
 from .analysis.report_data import ReportData, SceneRuns, report_data
-from .cost_section import cost_section, effects_table, harm_in_words, passes_table, scene_costs
+from .cost_section import cost_section, left_out_section, scene_costs
 from .figures.figures import figures
 from .overview import overview
 from .overview.first_screen import answer
@@ -77,11 +77,7 @@ def render(results: Results, folder: Path) -> Path:
     written = ReportFolder(folder)
     write_assets(written, *ASSETS)
     _write_plotly(written)
-    left_out = (
-        effects_table(results.effects),
-        [(f"{p.key.label} on {p.key.scenario}", passes_table(p)) for p in results.passes],
-        harm_in_words(results.effects),
-    )
+    left_out = left_out_section(results.costs)
     shared = {**_overview(gathered, results), "gathered": gathered, "left_out": left_out}
     shared["protocol"] = protocol
     pages = sweep_pages(results)
@@ -128,7 +124,7 @@ def _write_scenes(
 def _overview(gathered: ReportData, results: Results) -> dict[str, Any]:
     plain = gathered.plain
     return {
-        "answer": answer(gathered, results.effects),
+        "answer": answer(gathered, results.costs),
         "spread": spread(results),
         "heat": heat_map(gathered),
         "first_signal": FIRST_SIGNAL,

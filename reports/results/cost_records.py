@@ -1,36 +1,8 @@
-"""Measured times: of a step, and of what is left out."""
+"""Measured times of a step."""
 
 from dataclasses import dataclass
 
-from .records import MethodKey, Record, Size
-
-
-@dataclass(frozen=True)
-class StepCost:
-    """What a step costs.
-
-    Attributes
-    ----------
-    seconds_per_step : CPU seconds of all threads; the minimum over the repeats
-    seconds_spread : maximum minus minimum over the repeats, CPU seconds
-    wall_seconds_per_step : the minimum of the wall time; shorter than the CPU time only if threads
-        share the work, longer if another program had the processor
-    instructions_per_step : None unless they were counted (`harness/instructions.py`)
-    """
-
-    seconds_per_step: Size
-    seconds_spread: Size
-    wall_seconds_per_step: Size
-    instructions_per_step: Size | None = None
-
-
-@dataclass(frozen=True)
-class MethodCost(Record):
-    """The cost of a step of a method on a scene, on one processor; None if it cannot be timed."""
-
-    key: MethodKey
-    processor: str
-    cost: StepCost | None
+from .records import MethodKey, Record, Size, Variation, varied_in
 
 
 @dataclass(frozen=True)
@@ -47,67 +19,46 @@ class Ratio:
 
 
 @dataclass(frozen=True)
-class EffectsCost(Record):
-    """A method on a scene, pruned to what the scene calls for, against what it is by default.
+class StepCost:
+    """What a step costs.
 
     Attributes
     ----------
-    left_out : what is pruned, by the engine's own names
-    pruned, unpruned : CPU seconds a step, the minimum over the rounds
-    ratio : unpruned over pruned
-    timestep : s, at which the motions were compared
+    seconds_per_step : CPU seconds of all threads; the minimum over the repeats
+    seconds_spread : maximum minus minimum over the repeats, CPU seconds
+    wall_seconds_per_step : the minimum of the wall time; shorter than the CPU time only if threads
+        share the work, longer if another program had the processor
+    instructions_per_step : None unless they were counted (`harness/instructions.py`)
+    ratio : of a varied engine, its time over that of the engine as it is
+    """
+
+    seconds_per_step: Size
+    seconds_spread: Size
+    wall_seconds_per_step: Size
+    instructions_per_step: Size | None = None
+    ratio: Ratio | None = None
+
+
+@dataclass(frozen=True)
+class MethodCost(Record):
+    """The cost of a step of a method on a scene, on one processor; None if it cannot be timed.
+
+    Attributes
+    ----------
+    variation : JSON of how the engine is varied; empty where it is not
+    difference : of an engine with all that it leaves out left in, the largest difference of any
+        number of its state from the engine as it is, in its SI unit; 0 if the motions are identical
     compared_until : s; the whole window, unless one of the two diverged
-    difference : the largest difference of any number read, in its SI unit; 0 if identical
     """
 
     key: MethodKey
-    left_out: tuple[str, ...]
-    pruned: Size
-    unpruned: Size
-    ratio: Ratio
-    timestep: Size
-    compared_until: Size
-    difference: Size
+    processor: str
+    cost: StepCost | None
+    variation: Variation = ""
+    difference: Size | None = None
+    compared_until: Size | None = None
 
     @property
-    def sentence(self) -> str:
-        """The result in words, for reports."""
-        return f"{(self.ratio.median - 1):+.0%} a step; {self.same_motion}"
-
-    @property
-    def same_motion(self) -> str:
-        """The answer whether leaving things out changed the motion, in words."""
-        if self.difference == 0:
-            return "the motion is identical to the last bit"
-        return f"the motion differs by {self.difference:.1e}"
-
-
-@dataclass(frozen=True)
-class PassCost:
-    """What one pass costs, as a part of the time of a pruned step.
-
-    Attributes
-    ----------
-    added : when it alone is left in
-    saved : when it alone is left out, and all other passes are left in
-    """
-
-    name: str
-    added: float
-    saved: float
-
-
-@dataclass(frozen=True)
-class PassCosts(Record):
-    """What each pass left out costs a method on a scene, one by one.
-
-    Attributes
-    ----------
-    pruned : CPU seconds a step with none of them
-    noise : by how much equal sessions differ, in the unit of `added` and `saved`
-    """
-
-    key: MethodKey
-    pruned: Size
-    noise: Size
-    passes: tuple[PassCost, ...]
+    def left_in(self) -> tuple[str, ...]:
+        """What is left in that the engine leaves out, by its own names."""
+        return tuple(varied_in(self.variation).get("left_in", ()))

@@ -67,6 +67,11 @@ def variation(varied: Mapping[str, Any]) -> str:
     return json.dumps(varied, sort_keys=True) if varied else ""
 
 
+def varied_in(text: str) -> dict[str, Any]:
+    """Return what `variation` wrote."""
+    return json.loads(text) if text else {}
+
+
 def _variation(text: str) -> str:
     """The text, which must be as `variation` writes it."""
     if text and (not isinstance(varied := json.loads(text), dict) or variation(varied) != text):
@@ -243,7 +248,7 @@ class Row(Record):
     @property
     def varied(self) -> dict[str, Any]:
         """What is varied, by name: paths of the scene's file, or seed and member."""
-        return json.loads(self.variation) if self.variation else {}
+        return varied_in(self.variation)
 
     @property
     def pair(self) -> Pair:

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 from ...engines import Method
 from ...reference import Solution
 from ...scenarios import Scenario
-from .cost_records import EffectsCost, PassCosts
+from .cost_records import MethodCost
 from .default_records import DefaultEffects
 from .encoding_records import EncodedRuns
 from .evidence import Evidence
@@ -28,6 +28,7 @@ class Results:
 
     Attributes
     ----------
+    costs : of engines that are varied; those of engines as they are are in `rows`
     methods : what each engine's adapter declared of its methods, in the order it lists them
     stock_timesteps : s, of the engines that have one
     """
@@ -36,8 +37,7 @@ class Results:
     scenes: dict[str, SceneResult]
     rows: list[Row]
     verdicts: list[Verdict]
-    effects: list[EffectsCost] = field(default_factory=list)
-    passes: list[PassCosts] = field(default_factory=list)
+    costs: list[MethodCost] = field(default_factory=list)
     defaults: list[DefaultEffects] = field(default_factory=list)
     encodings: list[EncodedRuns] = field(default_factory=list)
     evidence: list[Evidence] = field(default_factory=list)

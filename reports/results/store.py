@@ -190,7 +190,7 @@ class Store:
 
     def timed(self) -> set[Key]:
         """The methods whose steps were timed."""
-        return {one.key for one in self.select(tables.COSTS)}
+        return {one.key for one in self.select(tables.COSTS, "variation = ''")}
 
     def read(self, timesteps: Sequence[float] = ()) -> Results:
         """Everything in the file, with one verdict for each method and scene.
@@ -205,11 +205,14 @@ class Store:
         ResultFileError
             If a record cannot be read.
         """
-        costs = {one.key: one.cost for one in self.select(tables.COSTS)}
+        costs = self.select(tables.COSTS, order=f"{_SORTED}, rowid")
+        seconds = {one.key: vars(one.cost) for one in costs if one.cost and not one.variation}
         stored = self.select(tables.ROWS, order=f"{_SORTED}, -timestep")
         varied = [row for row in stored if row.variation]
         rows = [
-            replace(row, **vars(cost)) if (cost := costs.get(row.key)) else row
+            replace(row, **{name: of_step[name] for name in vars(row).keys() & of_step})
+            if (of_step := seconds.get(row.key))
+            else row
             for row in stored
             if not row.variation
         ]
@@ -228,8 +231,7 @@ class Store:
             scenes=scenes,
             rows=rows,
             verdicts=self._verdicts(_as_stored(timesteps)),
-            effects=self.select(tables.EFFECTS_COSTS, order=_SORTED),
-            passes=self.select(tables.PASS_COSTS, order=_SORTED),
+            costs=[one for one in costs if one.variation],
             defaults=self.select(tables.DEFAULT_EFFECTS, order=_SORTED),
             encodings=self.select(tables.ENCODINGS, order=_SORTED),
             evidence=self.select(tables.EVIDENCE, order=_SORTED),

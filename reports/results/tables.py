@@ -24,7 +24,7 @@ from pydantic_core import to_jsonable_python
 
 from ...scenarios import FloatArray, Trajectory, printable
 from ...scenarios.document import MAX_ROTORS, MAX_SAMPLES
-from .cost_records import EffectsCost, MethodCost, PassCosts
+from .cost_records import MethodCost
 from .database import shown
 from .default_records import DefaultEffects
 from .encoding_records import EncodedRuns
@@ -251,9 +251,7 @@ _RUN, _COST = ("motion", "run", "engine"), ("motion", "timing", "engine")
 ROWS = Table("rows", Row, (*_ONE_METHOD, "variation", "timestep"), _RUN)
 EVIDENCE = Table("evidence", Evidence, _ONE_METHOD, _RUN)
 VERDICTS = Table("verdicts", Verdict, (*_ONE_METHOD, "timesteps"), (*_RUN, "verdict"))
-COSTS = Table("costs", MethodCost, _ONE_METHOD, _COST)
-EFFECTS_COSTS = Table("effects_costs", EffectsCost, _ONE_METHOD, _COST)
-PASS_COSTS = Table("pass_costs", PassCosts, _ONE_METHOD, _COST)
+COSTS = Table("costs", MethodCost, (*_ONE_METHOD, "variation"), _COST)
 DEFAULT_EFFECTS = Table("default_effects", DefaultEffects, _ONE_METHOD, _RUN)
 ENCODINGS = Table("encodings", EncodedRuns, _ONE_METHOD, _RUN)
 #: Results of a method on a scene.
@@ -262,8 +260,6 @@ OF_STUDIES = (
     EVIDENCE,
     VERDICTS,
     COSTS,
-    EFFECTS_COSTS,
-    PASS_COSTS,
     DEFAULT_EFFECTS,
     ENCODINGS,
 )

@@ -21,8 +21,8 @@ from spincheck.reports.cli.scenes.scene import model_files
 from spincheck.reports.harness.executors import InProcess
 from spincheck.reports.pages.render import render
 from spincheck.reports.pages.templating import escaped, to_html
-from spincheck.reports.results.cost_records import EffectsCost, PassCost, PassCosts, Ratio
-from spincheck.reports.results.records import Key
+from spincheck.reports.results.cost_records import MethodCost, Ratio, StepCost
+from spincheck.reports.results.records import Key, variation
 from spincheck.reports.results.results import SceneResult
 from spincheck.scenarios import ScenarioError, is_scene_name, load, loads
 
@@ -88,6 +88,9 @@ def results(tmp_path_factory):
         return running.run(scene, ["mujoco"], ["RK4"], [], Where(1), out, quick=True)
 
 
+COST = StepCost(2e-6, 1e-7, 2e-6, ratio=Ratio(2.0, 0.1))
+
+
 def hostile_scene():
     text = json.dumps(TEXT, ensure_ascii=False)
     file = {
@@ -112,8 +115,10 @@ def hostile(results):
         scenes={"made": SceneResult(hostile_scene(), scene_result.solution)},
         rows=[replace(renamed(row), reason=TEXT, printed=TEXT) for row in results.rows],
         verdicts=[replace(renamed(v), quoted=TEXT, unmet=(TEXT,)) for v in results.verdicts],
-        effects=[EffectsCost(KEY, (TEXT,), 1e-6, 2e-6, Ratio(2.0, 0.1), 1e-3, 1.0, 0.0)],
-        passes=[PassCosts(KEY, 1e-6, 0.01, (PassCost(TEXT, 0.2, 0.1),))],
+        costs=[
+            MethodCost(KEY, "", COST, variation({"left_in": left_in}), difference)
+            for left_in, difference in (([TEXT, "another"], 0.0), ([TEXT], None))
+        ],
     )
 
 

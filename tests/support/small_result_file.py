@@ -6,14 +6,7 @@ from types import SimpleNamespace
 
 import made_up
 import made_up_sweeps
-from spincheck.reports.results.cost_records import (
-    EffectsCost,
-    MethodCost,
-    PassCost,
-    PassCosts,
-    Ratio,
-    StepCost,
-)
+from spincheck.reports.results.cost_records import MethodCost, Ratio, StepCost
 from spincheck.reports.results.default_records import DefaultEffect, DefaultEffects
 from spincheck.reports.results.provenance_records import Fingerprint
 from spincheck.reports.results.records import Key, variation
@@ -26,10 +19,16 @@ SCENE = "made-up-top"
 SAMPLES = 5
 SWEPT = "disc"
 KEY = Key(SCENE, "mujoco", "Euler")
-EFFECTS = EffectsCost(KEY, ("contact",), 1e-6, 1.2e-6, Ratio(1.2, 0.02), 1e-3, 1.0, 0.0)
+WHOLE = MethodCost(
+    KEY,
+    "a processor",
+    StepCost(1.2e-6, 1e-7, 1.2e-6, ratio=Ratio(1.2, 0.02)),
+    variation({"left_in": ["contact"]}),
+    difference=0.0,
+    compared_until=1.0,
+)
 EXACT = Errors(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 DEFAULTS = DefaultEffects(KEY, 0.002, EXACT, None, (DefaultEffect("damping", None, EXACT),))
-PASSES = PassCosts(KEY, 1e-6, 0.01, (PassCost("contact", 0.2, 0.1),))
 MEMBERS = 2
 #: With a fault, so that there is something in each field.
 EVIDENCE = made_up.evidence(KEY, made_up.METHODS[2])
@@ -58,8 +57,7 @@ def write(path: Path) -> Path:
                 store.put_verdict(replace(verdict, steps=EVIDENCE.steps, own_steps=EVIDENCE.steps))
         store.put(MethodCost(KEY, "a processor", StepCost(1e-6, 1e-7, 1e-6)))
         store.put(EVIDENCE)
-        store.put(EFFECTS)
-        store.put(PASSES)
+        store.put(WHOLE)
         store.put(DEFAULTS)
         _put_sweeps(store)
     return path

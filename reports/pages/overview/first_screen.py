@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from ...results.cost_records import EffectsCost
+from ...results.cost_records import MethodCost
 from ...results.records import Pair, Row
 from ..analysis.measures import A_TURN, TURNS, Measure
 from ..analysis.report_data import ReportData
@@ -105,7 +105,7 @@ class _AtStock:
         return [v for row in self.rows.values() if (v := measure.of(row)) is not None]
 
 
-def answer(gathered: ReportData, left_out: Collection[EffectsCost] = ()) -> dict[str, Any] | None:
+def answer(gathered: ReportData, left_out: Collection[MethodCost] = ()) -> dict[str, Any] | None:
     """The answer, from the plain scenes alone; None where no default was run.
 
     `lead` has the size of the defaults' errors, and of the methods' that are recommended instead;
@@ -131,7 +131,7 @@ def answer(gathered: ReportData, left_out: Collection[EffectsCost] = ()) -> dict
         return None
     listed, others = shipped[:LISTED], shipped[LISTED:]
     instead = {one.pair: better for one in listed if (better := _instead(one, clean))}
-    harmless = {name for cost in left_out for name in cost.left_out}
+    harmless = {name for cost in left_out for name in cost.left_in}
     measured = {one.key.engine for scene in plain.scenes for one in scene.defaults}
     explained = [one for one in shipped if one in listed or one.pair[0] in measured]
     reasons = [why(one.pair, one.rows, plain.scenes, harmless) for one in explained]
@@ -168,7 +168,7 @@ def _lead(shipped: Sequence[_AtStock], instead: Sequence[_AtStock]) -> str:
     return _sentences(sentences)
 
 
-def _column(one: _AtStock, default: _AtStock, left_out: Collection[EffectsCost]) -> list[Cell]:
+def _column(one: _AtStock, default: _AtStock, left_out: Collection[MethodCost]) -> list[Cell]:
     """The measures of a method: its errors, and the CPU time of its steps beside the default's.
 
     As most readers take it, with everything else as shipped, and with what is left besides where
@@ -176,7 +176,11 @@ def _column(one: _AtStock, default: _AtStock, left_out: Collection[EffectsCost])
     """
     base = {name: row.seconds_per_step for name, row in default.rows.items()}
     pruned = {name: row.seconds_per_step for name, row in one.rows.items()}
-    whole = {cost.key.scenario: cost.unpruned for cost in left_out if cost.key.pair == one.pair}
+    whole = {
+        cost.key.scenario: cost.cost.seconds_per_step
+        for cost in left_out
+        if cost.difference is not None and cost.cost and cost.key.pair == one.pair
+    }
     ratios = (OWN_RATIO, "") if one is default else (_price(whole, base), _price(pruned, base))
     return [
         *map(figure, (duration(one.timestep), one.turns, one.a_turn, one.median)),

@@ -12,7 +12,6 @@ from planted import METHOD, HeunSession, Planted, planted
 from spincheck.engines import EngineError
 from spincheck.engines.fault import ENVIRONMENTAL
 from spincheck.reports.harness.choice import Choice
-from spincheck.reports.harness.effects_cost import effects_costs
 from spincheck.reports.harness.executors import CallFailed, cause_of
 from spincheck.reports.harness.executors.worker_main import NO_THREAD
 from spincheck.reports.harness.prepared import prepare
@@ -68,8 +67,7 @@ def test_a_solver_that_was_killed_by_whatever_signal_is_tried_again(path):
 
 
 @pytest.mark.parametrize("cause", sorted(ENVIRONMENTAL))
-@pytest.mark.parametrize("spoilt", [step_costs, effects_costs], ids=lambda call: call.__name__)
-def test_steps_that_the_machine_did_not_let_be_timed_are_timed_by_the_next_run(path, spoilt, cause):
+def test_steps_that_the_machine_did_not_let_be_timed_are_timed_by_the_next_run(path, cause):
     lines = []
     choice = Choice((planted(HeunSession),), max_steps=SHORT)
 
@@ -78,7 +76,7 @@ def test_steps_that_the_machine_did_not_let_be_timed_are_timed_by_the_next_run(p
         return [row.seconds_per_step for row in found.rows if row.outcome == "ok"]
 
     refused = CallFailed("no worker process could be started", cause)
-    assert set(run(FailingCalls(of_function(spoilt, refused)))) == {None}
+    assert set(run(FailingCalls(of_function(step_costs, refused)))) == {None}
     assert "not timed, the same command times it: no worker process could be started" in lines[-1]
     assert None not in run()
 

@@ -32,8 +32,7 @@ COME_BACK = {
     "verdicts": Verdict(KEY, "disagrees", "it says", EVIDENCE.steps, unmet=("a promise",)),
     "evidence": EVIDENCE,
     "defaults": DefaultEffects(KEY, 0.002, ERRORS, None, TAKEN_AWAY),
-    "effects": small_result_file.EFFECTS,
-    "passes": small_result_file.PASSES,
+    "costs": small_result_file.WHOLE,
 }
 
 

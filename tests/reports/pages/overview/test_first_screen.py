@@ -15,9 +15,9 @@ from spincheck.reports.pages.analysis.wording import NOTHING, number
 from spincheck.reports.pages.overview.first_screen import answer
 from spincheck.reports.pages.overview.heat_map import heat_map, stock_table
 from spincheck.reports.pages.render import render
-from spincheck.reports.results.cost_records import EffectsCost, Ratio
+from spincheck.reports.results.cost_records import MethodCost, StepCost
 from spincheck.reports.results.default_records import DefaultEffect, DefaultEffects
-from spincheck.reports.results.records import Key, Row
+from spincheck.reports.results.records import Key, Row, variation
 from spincheck.reports.results.results import Results
 from spincheck.reports.results.verdict_words import VERDICT
 from spincheck.scenarios import EVERYWHERE, Errors
@@ -136,10 +136,11 @@ def test_a_method_is_offered_if_its_errors_are_half_the_defaults(factor, is_offe
     assert ("use mujoco RK4" in answered(errs)["table"].headings) == is_offered
 
 
-def left_out(*names: str, unpruned: float = SECONDS_PER_STEP) -> EffectsCost:
+def left_out(*names: str, unpruned: float = SECONDS_PER_STEP) -> MethodCost:
     """What was measured of MuJoCo's RK4 with and without some passes."""
     key = Key("made-up-top", "mujoco", "RK4")
-    return EffectsCost(key, names, SECONDS_PER_STEP, unpruned, Ratio(1.0, 0.0), STOCK, 1.0, 0.0)
+    cost, varied = StepCost(unpruned, 0.0, unpruned), variation({"left_in": names})
+    return MethodCost(key, "a processor", cost, varied, difference=0.0, compared_until=1.0)
 
 
 def test_turns_until_a_degree_and_the_error_a_turn_stand_first():

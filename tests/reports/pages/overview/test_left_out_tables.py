@@ -2,36 +2,40 @@
 
 from dataclasses import replace
 
-from spincheck.reports.pages.cost_section import (
-    BEYOND_NOISE,
-    effects_table,
-    harm_in_words,
-    passes_table,
-)
-from spincheck.reports.results.cost_records import EffectsCost, PassCost, PassCosts, Ratio
-from spincheck.reports.results.records import Key
+from spincheck.reports.pages.cost_section import BEYOND_NOISE, left_out_section
+from spincheck.reports.results.cost_records import MethodCost, Ratio, StepCost
+from spincheck.reports.results.records import Key, variation
 
 KEY = Key("box", "mujoco", "Euler")
-NOISE = 0.01
-WHOLE = EffectsCost(KEY, ("contact",), 1e-6, 1.2e-6, Ratio(1.2, 0.02), 1e-3, 1.0, 0.0)
-HARMFUL = replace(WHOLE, difference=3e-5)
-BY_PASS = PassCosts(
-    KEY,
-    1e-6,
-    NOISE,
-    (PassCost("contact", 0.05, 0.08), PassCost("sensor", 0.5 * BEYOND_NOISE * NOISE, 0.0)),
-)
+SPREAD = 0.02
+
+
+def cost(*left_in: str, ratio: float) -> MethodCost:
+    timed = StepCost(1e-6, 1e-7, 1e-6, ratio=Ratio(ratio, SPREAD))
+    return MethodCost(KEY, "a processor", timed, variation({"left_in": left_in}))
+
+
+WHOLE = replace(cost("contact", "sensor", ratio=1.2), difference=0.0, compared_until=1.0)
+HARMFUL = replace(WHOLE, difference=3e-5, key=replace(KEY, scenario="top"))
+BY_PASS = [
+    cost("contact", ratio=1.15),
+    cost("sensor", ratio=1 + 0.5 * BEYOND_NOISE * SPREAD),
+]
 
 
 def test_the_ratio_is_reported_with_its_spread_and_what_it_did_to_the_motion():
-    whole, harmful = (effects_table([cost]).rows[0][1] for cost in (WHOLE, HARMFUL))
+    every, passes, harm = left_out_section([WHOLE, HARMFUL])
+    whole, harmful = (row[1] for row in every.rows)
     assert whole.text == "+20% ± 2%"
     assert whole.detail == "motion identical to the last bit"
     assert "motion off by" in harmful.detail
-    assert harm_in_words([WHOLE, HARMFUL]) == "1 of 2 motions are identical to the last bit"
+    assert harm == "1 of 2 motions are identical to the last bit"
+    assert passes == []
 
 
 def test_a_pass_within_the_noise_is_called_noise():
-    contact, sensor = passes_table(BY_PASS).rows
-    assert [cell.text for cell in contact] == ["contact", "+5%", "+8%"]
-    assert [cell.text for cell in sensor] == ["sensor", "noise", "noise"]
+    _, ((title, table),), _ = left_out_section([WHOLE, *BY_PASS])
+    assert title == "mujoco Euler on box"
+    contact, sensor = table.rows
+    assert [cell.text for cell in contact] == ["contact", "+15%", "+18%"]
+    assert [cell.text for cell in sensor] == ["sensor", "noise", "+5%"]

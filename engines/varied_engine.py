@@ -1,0 +1,40 @@
+"""An engine that opens scenes in another way than its adapter's `open`."""
+
+from typing import Any, final
+
+from ..scenarios import Scenario
+from .engine import Engine
+from .method import Method
+from .session import Session
+
+
+@final
+class VariedEngine(Engine):
+    """An engine that opens scenes by `open_with`; it steps and is run as the engine itself.
+
+    Parameters
+    ----------
+    base : the engine
+    way : the argument of `open_with`, and the names that it is given
+    """
+
+    def __init__(self, base: Engine, way: str, names: tuple[str, ...]) -> None:
+        self.name, self.base = base.name, base
+        self._way: dict[str, Any] = {way: names}
+        self.varied = {way: list(names)}
+        self.methods = base.methods
+        self.single_precision = base.single_precision
+
+    @property
+    def version(self) -> str:
+        """The engine's own version."""
+        return self.base.version
+
+    @property
+    def site(self) -> str:
+        """As of the engine."""
+        return self.base.site
+
+    def open(self, scenario: Scenario, method: Method, timestep: float) -> Session:
+        """Open the scene in this way."""
+        return self.base.open_with(scenario, method, timestep, **self._way)

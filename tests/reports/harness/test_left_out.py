@@ -1,0 +1,168 @@
+"""What steps cost with what engines leave out is measured, and whether that changes the motion."""
+
+from collections.abc import Callable, Collection
+
+import pytest
+from clockwork import METHOD, SCENE, Clock, Clockwork, Works, steadily
+from kinds_of_engines import required_engines
+from library_scenes import library_scene
+from spincheck.engines import Engine, EngineError, Method
+from spincheck.engines.varied_engine import VariedEngine
+from spincheck.reports.harness import step_cost as cost
+from spincheck.reports.harness.left_out import motions_apart, with_all_left_in, with_each_left_in
+from spincheck.reports.harness.step_cost import step_costs
+from spincheck.reports.results.cost_records import Ratio
+from spincheck.scenarios import Scenario
+
+#: s a step with nothing left in.
+TAKES = 3e-6
+#: What each pass adds to that by itself, as a part of it.
+PASSES = {"contact": 0.25, "sensor": 0.0625}
+#: Two stretches are compared, each off by a tick at either end.
+TICK = 4 / cost.RESOLUTIONS
+
+
+def priced(clock: Clock, **unpruned: float) -> Works:
+    """An engine that charges for what is left in; unpruned, it may behave otherwise besides."""
+
+    def make(left_in: Collection[str]) -> Clockwork:
+        price = 1 + sum(PASSES[name] for name in left_in)
+        return Clockwork(clock, steadily(TAKES * price), **(unpruned if left_in else {}))
+
+    return Works(make, tuple(PASSES))
+
+
+def ratios(engine: Engine) -> dict[tuple[str, ...], Ratio | None]:
+    """By what is left in, what a step takes over that of the engine as it is."""
+    pairs = [(engine, METHOD)]
+    varied = [*with_all_left_in(SCENE, pairs), *with_each_left_in(SCENE, pairs)]
+    costs = step_costs(SCENE, [*pairs, *varied])
+    assert costs[0] is not None
+    assert costs[0].ratio is None
+    left_in = [tuple(one.varied["left_in"]) for one, _ in varied]
+    return {names: one and one.ratio for names, one in zip(left_in, costs[1:], strict=True)}
+
+
+def test_all_that_is_left_out_and_each_of_it_have_their_own_price(clock: Clock) -> None:
+    measured = ratios(priced(clock))
+    prices = {tuple(PASSES): 1 + sum(PASSES.values())}
+    prices |= {(name,): 1 + price for name, price in PASSES.items()}
+    assert {names: one.median for names, one in measured.items()} == pytest.approx(prices, rel=TICK)
+    assert max(one.spread for one in measured.values()) <= TICK
+    # They would be told apart.
+    assert min(PASSES.values()) > TICK
+
+
+def test_one_disturbed_round_does_not_change_the_ratio(clock: Clock) -> None:
+    expected = 1 + sum(PASSES.values())
+    stretches: list[int] = []
+
+    def make(left_in: Collection[str]) -> Clockwork:
+        def seconds(steps: int, _: int) -> float:
+            price = expected if left_in else 1.0
+            if steps * TAKES < cost.STRETCH:
+                return steps * TAKES * price
+            stretches.append(steps)
+            # Of those that are long enough, two find how many steps that takes.
+            return steps * TAKES * price * (10 if len(stretches) == 5 else 1)
+
+        return Clockwork(clock, seconds)
+
+    pairs = [(engine := Works(make, tuple(PASSES)), METHOD)]
+    _, charged = step_costs(SCENE, [*pairs, *with_all_left_in(SCENE, pairs)])
+    assert engine.left_out(SCENE, METHOD)
+    assert charged.ratio.median == pytest.approx(expected, rel=TICK)
+    assert len(stretches) > 5
+
+
+def apart(engine: Engine, method: Method = METHOD, scene: Scenario = SCENE) -> object:
+    """The time until which motions were compared, and how far they are apart."""
+    ((varied, _),) = with_all_left_in(scene, [(engine, method)])
+    (found,) = motions_apart(scene, [(varied, method.name)])
+    return found
+
+
+def test_a_motion_is_the_same_to_the_last_bit_or_another_as_far_as_both_go(clock: Clock) -> None:
+    assert apart(priced(clock)) == (SCENE.window.duration, 0.0)
+    until, difference = apart(priced(clock, drift=2.0**-52))
+    assert difference > 0
+    assert round(difference / 2.0**-52) == difference / 2.0**-52
+    assert until == SCENE.window.duration
+    until, difference = apart(priced(clock, gives_up_after=8))
+    assert 0 < until < SCENE.window.duration
+    assert difference == 0.0
+
+
+def test_where_it_does_not_load_with_what_is_left_out_there_is_nothing_to_tell(
+    clock: Clock,
+) -> None:
+    def make(left_in: Collection[str]) -> Clockwork:
+        if left_in:
+            raise EngineError("refused")
+        return Clockwork(clock, steadily(TAKES))
+
+    engine = Works(make, tuple(PASSES))
+    assert set(ratios(engine).values()) == {None}
+    assert apart(engine) is None
+    assert with_all_left_in(SCENE, [(Works(make), METHOD)]) == []
+
+
+class Various(Works):
+    """Its methods leave out different things, the last two the same, the first cannot do it."""
+
+    methods = tuple(
+        Method(name, 1, 1, name, frozenset(), frozenset({"pivot"} if name == "tied" else ()))
+        for name in ("tied", "bare", "one", "both", "both-again")
+    )
+
+    def left_out(self, scenario: Scenario, method: Method) -> tuple[str, ...]:
+        return tuple(PASSES)[: {"bare": 0, "one": 1}.get(method.name, 2)]
+
+
+def test_every_distinct_set_of_what_is_left_out_is_timed_once(clock: Clock) -> None:
+    """And pass by pass, the first method that leaves something out."""
+    engine = Various(lambda _: Clockwork(clock, steadily(TAKES)), tuple(PASSES))
+
+    def timed(
+        choose: Callable[..., list[tuple[VariedEngine, Method]]], methods: Collection[Method]
+    ) -> list[tuple[str, list[str]]]:
+        chosen = choose(SCENE, [(engine, method) for method in methods])
+        return [(method.name, one.varied["left_in"]) for one, method in chosen]
+
+    contact, sensor = PASSES
+    assert timed(with_all_left_in, engine.methods) == [
+        ("one", [contact]),
+        ("both", [contact, sensor]),
+    ]
+    assert timed(with_each_left_in, engine.methods) == []
+    both = [("both", [contact]), ("both", [sensor])]
+    assert timed(with_each_left_in, engine.methods[3:]) == both
+
+
+REAL = [
+    pytest.param(engine, method, id=f"{engine.name}-{method.name}")
+    for engine in required_engines()
+    for method in engine.methods
+]
+
+
+@pytest.mark.parametrize(("engine", "method"), REAL)
+def test_real_engines_move_alike_with_and_without_what_is_left_out(engine, method) -> None:
+    scenario = library_scene("tiring-top")
+    if method.reader or method.as_shipped or engine.unsupported(scenario, method):
+        assert with_all_left_in(scenario, [(engine, method)]) == []
+        return
+    assert apart(engine, method, scenario) == (scenario.window.duration, 0.0)
+
+
+@pytest.mark.parametrize("engine", required_engines(), ids=lambda engine: engine.name)
+def test_real_engines_are_timed_for_all_that_they_leave_out(engine) -> None:
+    scenario = library_scene("fast-top")
+    able = [m for m in engine.methods if not (m.reader or engine.unsupported(scenario, m))]
+    chosen = with_all_left_in(scenario, [(engine, method) for method in able])
+    sets = [tuple(one.varied["left_in"]) for one, _ in chosen]
+    assert set(sets) == {engine.left_out(scenario, method) for method in able} - {()}
+    highest = max((m for m in able if engine.left_out(scenario, m)), key=lambda m: m.order)
+    names = [method.name for _, method in chosen]
+    assert len(names) == len(set(names))
+    assert highest.name in names
