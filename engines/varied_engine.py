@@ -3,6 +3,7 @@
 from typing import Any, final
 
 from ..scenarios import Scenario
+from .checks.read_back import BodyReading, Difference, State
 from .engine import Engine
 from .method import Method
 from .session import Session
@@ -38,3 +39,9 @@ class VariedEngine(Engine):
     def open(self, scenario: Scenario, method: Method, timestep: float) -> Session:
         """Open the scene in this way."""
         return self.base.open_with(scenario, method, timestep, **self._way)
+
+    def differences(
+        self, scenario: Scenario, method: str, body: BodyReading, state: State
+    ) -> list[Difference]:
+        """As of the engine."""
+        return self.base.differences(scenario, method, body, state)

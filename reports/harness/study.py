@@ -10,6 +10,7 @@ from dataclasses import replace
 from functools import partial
 
 from ...engines import Engine, Method, Run
+from ...engines.engine import clamped_start
 from ...scenarios import Scenario
 from ..results.environment import environment
 from ..results.evidence import Evidence
@@ -18,7 +19,6 @@ from ..results.store import Store
 from ..results.verdicts import Verdict
 from .choice import Choice
 from .convergence_study import ConvergenceStudy, PlannedRun
-from .default_effects import take_defaults_away
 from .executors import CallFailed, Executor, cause_of_unsolved, may_succeed_if_repeated
 from .executors.compiling import compile_side_by_side
 from .judging import judge
@@ -29,6 +29,7 @@ from .plan import Plan
 from .prepared import Prepared, SceneReference
 from .stock import stock_runs_of
 from .timing import time_scene
+from .varied_runs import runs_with_defaults
 
 Progress = Callable[[str], None]
 
@@ -85,14 +86,34 @@ def study_method(
         study = begin(None)
         for row in run_rungs(study, executor, stored):
             store.put(row)
-        if method.as_shipped:
-            take_defaults_away(study, executor, store)
+        _take_defaults_away(study, executor, store)
     store.put(*study.refusals())
     verdict = judge(study.records)
     step_limit = choice.max_steps_on(scenario) if study.cut_short else None
     verdict = replace(verdict, timesteps=tuple(sorted(choice.timesteps)), step_limit=step_limit)
     store.put_verdict(verdict, study.evidence, study.discardable_timesteps())
     return verdict
+
+
+def _take_defaults_away(study: ConvergenceStudy, executor: Executor, store: Store) -> None:
+    """Store runs with some of an engine's defaults, at the coarsest stock timestep that can be run.
+
+    Only its first method as shipped is run: it has all of its defaults.
+    """
+    scenario, engine, method = study.scenario, study.engine, study.method
+    first = next((other for other in engine.methods if other.as_shipped), None)
+    made = [(run.rung, run.solution) for run in study.stock if run.rung and run.solution]
+    if not made or method != first or not engine.defaults(scenario, method):
+        return
+    rung, solution = max(made, key=lambda run: run[0].timestep)
+    if clamped_start(scenario, method, rung.timestep):
+        return
+    # The report's first screen, which counts what acts, is of plain scenes.
+    at = None if scenario.hard else study.places
+    arguments = (scenario, engine, method.name, rung, solution, at)
+    rows = executor.call_at(engine.site, runs_with_defaults, *arguments).value
+    if not isinstance(rows, CallFailed):
+        store.put(*rows)
 
 
 def is_run(study: ConvergenceStudy, stored: Mapping[float, Row]) -> bool:

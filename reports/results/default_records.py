@@ -1,9 +1,13 @@
-"""What each default of an engine does to the motion of a scene."""
+"""What each default of an engine does to the motion of a scene, by runs with some of them."""
 
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 from ...scenarios import Errors
-from .records import MethodKey, Record, Size
+from .records import Key, Row
+
+#: The name of what is varied.
+DEFAULTS = "defaults"
 
 
 @dataclass(frozen=True)
@@ -25,7 +29,7 @@ class DefaultEffect:
 
 
 @dataclass(frozen=True)
-class DefaultEffects(Record):
+class DefaultEffects:
     """A method as shipped on a scene, its defaults taken away one at a time.
 
     Attributes
@@ -34,8 +38,43 @@ class DefaultEffects(Record):
     none, all : errors with none and with all of the defaults; None if the run did not finish
     """
 
-    key: MethodKey
-    timestep: Size
+    key: Key
+    timestep: float
     none: Errors | None
     all: Errors | None
     each: tuple[DefaultEffect, ...]
+
+
+def default_effects(rows: Iterable[Row], varied: Iterable[Row]) -> list[DefaultEffects]:
+    """Return what each default does, where that was run.
+
+    Parameters
+    ----------
+    rows, varied : runs of engines as they are, and of varied ones
+    """
+    as_shipped = {(row.key, row.timestep): row for row in rows}
+    found: dict[tuple[Key, float], dict[tuple[str, ...], Row]] = {}
+    for row in varied:
+        names = row.varied.get(DEFAULTS)
+        if isinstance(names, list):
+            found.setdefault((row.key, row.timestep), {})[tuple(map(str, names))] = row
+    return [
+        _effects(key, timestep, by_names | {ALL: as_shipped[key, timestep]})
+        for (key, timestep), by_names in found.items()
+        if (key, timestep) in as_shipped and () in by_names
+    ]
+
+
+#: Stands for the names of all defaults.
+ALL = ("all",)
+
+
+def _effects(key: Key, timestep: float, by_names: Mapping[tuple[str, ...], Row]) -> DefaultEffects:
+    names = dict.fromkeys(name for some in by_names if some != ALL for name in some)
+    each = []
+    for name in names:
+        alone = by_names.get((name,), by_names[ALL])
+        without = by_names.get(tuple(other for other in names if other != name), by_names[()])
+        each.append(DefaultEffect(name, alone.errors, without.errors, alone.acts))
+    none, every = by_names[()], by_names[ALL]
+    return DefaultEffects(key, timestep, none.errors, every.errors, tuple(each))

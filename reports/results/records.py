@@ -213,6 +213,8 @@ class Row(Record):
     turns_within_1deg : likewise until the attitude is off by more than 1°; None if it never is
     attitude_a_turn : rad; the median error that a turn of the run adds to the attitude, of its
         defects while it moves; None if it never does
+    acts : of a run with a single default, whether that alters the equations of motion, in steps
+        however short; None if unknown
     """
 
     key: MethodKey
@@ -239,6 +241,7 @@ class Row(Record):
     turns: Size | None = None
     turns_within_1deg: Size | None = None
     attitude_a_turn: Size | None = None
+    acts: bool | None = None
     variation: Variation = ""
 
     def __post_init__(self) -> None:

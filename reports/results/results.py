@@ -29,6 +29,7 @@ class Results:
     Attributes
     ----------
     costs : of engines that are varied; those of engines as they are are in `rows`
+    varied : the runs in which something is varied, such as the points of sweeps
     methods : what each engine's adapter declared of its methods, in the order it lists them
     stock_timesteps : s, of the engines that have one
     """
@@ -44,9 +45,19 @@ class Results:
     methods: dict[Pair, Method] = field(default_factory=dict)
     stock_timesteps: dict[str, float] = field(default_factory=dict)
     sweeps: list[SweepResult] = field(default_factory=list)
+    varied: list[Row] = field(default_factory=list)
 
     @property
     def every_row(self) -> list[Row]:
-        """The runs of scenes as they are, then those of sweeps, each once."""
-        points = {(p.key, p.variation): p for sweep in self.sweeps for p in sweep.points}
-        return [*self.rows, *points.values()]
+        """The runs in which nothing is varied, then all others, by method and what is varied."""
+        return [*self.rows, *sorted(self.varied, key=_place)]
+
+
+def _place(row: Row) -> tuple[object, ...]:
+    """Where a run stands in a list: numbers that are varied are in their order."""
+    varied = row.varied
+    values = [
+        (one, "") if isinstance(one, int | float) else (0, str(one)) for one in varied.values()
+    ]
+    key = row.key
+    return key.scenario, key.engine, key.method, [*varied], values, -row.timestep

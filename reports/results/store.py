@@ -18,6 +18,7 @@ from ...reference import Solution
 from ...scenarios import Scenario
 from . import tables
 from .database import Database, put
+from .default_records import default_effects
 from .evidence import Evidence
 from .provenance_records import DeclaredEngine, EnvironmentEntry, Fingerprint
 from .records import UNSOLVED, Key, Record, Row, SolvedScene
@@ -207,7 +208,7 @@ class Store:
         """
         costs = self.select(tables.COSTS, order=f"{_SORTED}, rowid")
         seconds = {one.key: vars(one.cost) for one in costs if one.cost and not one.variation}
-        stored = self.select(tables.ROWS, order=f"{_SORTED}, -timestep")
+        stored = self.select(tables.ROWS, order=f"{_SORTED}, -timestep, rowid")
         varied = [row for row in stored if row.variation]
         rows = [
             replace(row, **{name: of_step[name] for name in vars(row).keys() & of_step})
@@ -232,7 +233,8 @@ class Store:
             rows=rows,
             verdicts=self._verdicts(_as_stored(timesteps)),
             costs=[one for one in costs if one.variation],
-            defaults=self.select(tables.DEFAULT_EFFECTS, order=_SORTED),
+            varied=varied,
+            defaults=default_effects(rows, varied),
             encodings=self.select(tables.ENCODINGS, order=_SORTED),
             evidence=self.select(tables.EVIDENCE, order=_SORTED),
             sweeps=as_result_file_error(swept)(self._sweeps(), varied),

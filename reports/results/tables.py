@@ -26,7 +26,6 @@ from ...scenarios import FloatArray, Trajectory, printable
 from ...scenarios.document import MAX_ROTORS, MAX_SAMPLES
 from .cost_records import MethodCost
 from .database import shown
-from .default_records import DefaultEffects
 from .encoding_records import EncodedRuns
 from .evidence import Evidence
 from .provenance_records import DeclaredEngine, EnvironmentEntry, Fingerprint
@@ -252,7 +251,6 @@ ROWS = Table("rows", Row, (*_ONE_METHOD, "variation", "timestep"), _RUN)
 EVIDENCE = Table("evidence", Evidence, _ONE_METHOD, _RUN)
 VERDICTS = Table("verdicts", Verdict, (*_ONE_METHOD, "timesteps"), (*_RUN, "verdict"))
 COSTS = Table("costs", MethodCost, (*_ONE_METHOD, "variation"), _COST)
-DEFAULT_EFFECTS = Table("default_effects", DefaultEffects, _ONE_METHOD, _RUN)
 ENCODINGS = Table("encodings", EncodedRuns, _ONE_METHOD, _RUN)
 #: Results of a method on a scene.
 OF_STUDIES = (
@@ -260,7 +258,6 @@ OF_STUDIES = (
     EVIDENCE,
     VERDICTS,
     COSTS,
-    DEFAULT_EFFECTS,
     ENCODINGS,
 )
 SWEEPS = Table("sweeps", DefinedSweep, ("scenario", "sweep"), ("motion",))

@@ -7,7 +7,6 @@ from types import SimpleNamespace
 import made_up
 import made_up_sweeps
 from spincheck.reports.results.cost_records import MethodCost, Ratio, StepCost
-from spincheck.reports.results.default_records import DefaultEffect, DefaultEffects
 from spincheck.reports.results.provenance_records import Fingerprint
 from spincheck.reports.results.records import Key, variation
 from spincheck.reports.results.store import open_store
@@ -28,7 +27,6 @@ WHOLE = MethodCost(
     compared_until=1.0,
 )
 EXACT = Errors(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
-DEFAULTS = DefaultEffects(KEY, 0.002, EXACT, None, (DefaultEffect("damping", None, EXACT),))
 MEMBERS = 2
 #: With a fault, so that there is something in each field.
 EVIDENCE = made_up.evidence(KEY, made_up.METHODS[2])
@@ -58,7 +56,9 @@ def write(path: Path) -> Path:
         store.put(MethodCost(KEY, "a processor", StepCost(1e-6, 1e-7, 1e-6)))
         store.put(EVIDENCE)
         store.put(WHOLE)
-        store.put(DEFAULTS)
+        store.put(
+            replace(stored.rows[0], variation=variation({"defaults": ["damping"]}), motion=None)
+        )
         _put_sweeps(store)
     return path
 

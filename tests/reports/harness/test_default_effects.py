@@ -9,10 +9,12 @@ from spincheck.engines.adapters.pybullet.engine import PyBullet
 from spincheck.engines.adapters.pybullet.world import CLAMP, DAMPING, INERTIA, JOINT_MOTOR
 from spincheck.reference import solve
 from spincheck.reports.harness.choice import Choice
-from spincheck.reports.harness.default_effects import default_effects
+from spincheck.reports.harness.comparison import row_of
 from spincheck.reports.harness.ladder import single
 from spincheck.reports.harness.prepared import prepare
-from spincheck.reports.results.default_records import DefaultEffects
+from spincheck.reports.harness.varied_runs import runs_with_defaults
+from spincheck.reports.results.default_records import DefaultEffects, default_effects
+from spincheck.reports.results.records import Key
 from spincheck.scenarios import Scenario, loads
 from spincheck.suite.contract_scenes import GRAVITY, PIVOT, SPUN_UP, TOP, scene
 from studies import study
@@ -23,10 +25,15 @@ AXISYMMETRIC = scene("top", body=TOP, start=SPUN_UP, effects=PIVOT + GRAVITY, du
 
 
 def effects_on(scenario: Scenario, engine: Engine = ENGINE) -> DefaultEffects | None:
-    rung = single(TIMESTEP, scenario.times)
+    rung, method = single(TIMESTEP, scenario.times), engine.method("default")
     solution = solve(scenario, rung.sample_steps * TIMESTEP)
     at = prepare(scenario, (), 1 << 10).places
-    return default_effects(scenario, engine, engine.method("default"), rung, solution, at)
+    rows = runs_with_defaults(scenario, engine, method.name, rung, solution, at)
+    run = engine.run(scenario, method, TIMESTEP, rung.sample_steps)
+    key = Key(scenario.name, engine.name, method.name)
+    as_shipped = row_of(scenario, key, engine.version, rung, run, solution)
+    (effects,) = default_effects([as_shipped], rows)
+    return effects
 
 
 @pytest.fixture(scope="module")
@@ -70,8 +77,13 @@ def test_a_run_that_ends_at_the_clamp_has_no_errors() -> None:
     assert clamp.without is not None
 
 
-def test_an_engine_whose_defaults_alter_no_motion_has_none() -> None:
-    assert effects_on(AXISYMMETRIC, MuJoCo()) is None
+def test_runs_with_some_defaults_are_no_runs_of_the_engine_as_it_is(path: Path) -> None:
+    choice = Choice((ENGINE, MuJoCo()), ("default",), max_steps=1 << 10, timed=False)
+    found = study(path, [AXISYMMETRIC], choice)
+    assert {row.key.engine for row in found.varied} == {"pybullet"}, "MuJoCo's alter no motion"
+    names = ENGINE.defaults(AXISYMMETRIC, ENGINE.method("default"))
+    assert len(found.varied) == 1 + 2 * len(names)
+    assert not any(row.variation for row in found.rows)
 
 
 @pytest.mark.parametrize(("tags", "acting"), [("", True), ('tags = ["hard"]\n', None)])

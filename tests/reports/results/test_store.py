@@ -14,7 +14,6 @@ from library_scenes import library_scene
 from same_results import same_arrays
 from spincheck.reference import Solution
 from spincheck.reports.results.cost_records import MethodCost, StepCost
-from spincheck.reports.results.default_records import DefaultEffect, DefaultEffects
 from spincheck.reports.results.provenance_records import Fingerprint
 from spincheck.reports.results.records import Defect, Key, Row
 from spincheck.reports.results.result_file import ResultFileError
@@ -27,11 +26,9 @@ ERRORS = Errors(1e-9, 2e-9, 3e-9, 4e-9, 5e-9, 6e-9)
 TIMES = ("seconds_per_step", "seconds_spread", "wall_seconds_per_step")
 COST = MethodCost(KEY, "a processor", StepCost(3e-6, 1e-7, 4e-6))
 EVIDENCE = replace(small_result_file.EVIDENCE, key=KEY, refusal="cannot be restarted")
-TAKEN_AWAY = (DefaultEffect("damping", ERRORS, None), DefaultEffect("clamp", None, ERRORS))
 COME_BACK = {
     "verdicts": Verdict(KEY, "disagrees", "it says", EVIDENCE.steps, unmet=("a promise",)),
     "evidence": EVIDENCE,
-    "defaults": DefaultEffects(KEY, 0.002, ERRORS, None, TAKEN_AWAY),
     "costs": small_result_file.WHOLE,
 }
 

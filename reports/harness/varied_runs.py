@@ -1,0 +1,49 @@
+"""Runs of one scene at one timestep by engines that are varied, each as a row."""
+
+from dataclasses import replace
+
+from ...engines import Engine, Run
+from ...engines.varied_engine import VariedEngine
+from ...reference import Solution
+from ...scenarios import Scenario
+from ..results.records import Key, Row, variation
+from .comparison import row_of
+from .ladder import Rung
+from .left_out import without
+from .measuring.examine import examine
+from .measuring.places import Places
+
+
+def varied_row(scenario: Scenario, engine: Engine, run: Run, rung: Rung, solution: Solution) -> Row:
+    """Return what is kept of a run by a varied engine: a few numbers, and no motion."""
+    key = Key(scenario.name, engine.name, run.method)
+    row = row_of(scenario, key, run.engine_version, rung, run, solution)
+    return replace(row, variation=variation(engine.varied), motion=None)
+
+
+def runs_with_defaults(
+    scenario: Scenario,
+    engine: Engine,
+    method_name: str,
+    rung: Rung,
+    solution: Solution,
+    at: Places | None = None,
+) -> list[Row]:
+    """Return runs of a method as shipped with no default, with each alone, and with all but one.
+
+    Parameters
+    ----------
+    rung, solution : the timestep and samples of all runs, and the exact motion there
+    at : exact states to step from, to tell which defaults act at any timestep
+    """
+    method = engine.method(method_name)
+    names = engine.defaults(scenario, method)
+    alone = [(name,) for name in names]
+    rows = []
+    for some in dict.fromkeys([(), *alone, *(without(names, name) for name in names)]):
+        varied = VariedEngine(engine, "defaults", some)
+        run = varied.run(scenario, method, rung.timestep, rung.sample_steps)
+        row = varied_row(scenario, varied, run, rung, solution)
+        found = examine(varied, scenario, method_name, at) if at and some in alone else None
+        rows.append(replace(row, acts=None if found is None else found.fault is not None))
+    return rows
