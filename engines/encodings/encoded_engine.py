@@ -30,6 +30,7 @@ class EncodedEngine(Engine):
 
     def __init__(self, base: Engine, encoding: str) -> None:
         self.name, self.base, self._encoding = base.name, base, encoding
+        self.varied = {"as": encoding}
         self.methods = base.methods
         self.single_precision = base.single_precision
 
@@ -37,6 +38,11 @@ class EncodedEngine(Engine):
     def encoding(self) -> Encoding:
         """That of the name it was given: tables of functions are not sent to workers."""
         return ENCODINGS[self._encoding]
+
+    @property
+    def site(self) -> str:
+        """As of the engine."""
+        return self.base.site
 
     @property
     def version(self) -> str:

@@ -1,10 +1,9 @@
-"""How a method answers when a scene's body is described otherwise."""
+"""How a method answers when a scene's body is described otherwise: a part of a run's row."""
 
 from dataclasses import dataclass
 from typing import Literal
 
 from ...scenarios import Errors, printable
-from .records import MethodKey, Record, Size
 
 #: What a method does with an encoding: the same motion as with the scene's own description, to
 #: round-off; another one, which goes to the same limit with the timestep; it holds another body;
@@ -15,40 +14,20 @@ WRONG: frozenset[EncodingWord] = frozenset({"other body", "differs", "ends early
 
 
 @dataclass(frozen=True)
-class EncodedRun:
-    """A run of a method with one encoding, beside that with the scene's own description.
+class Beside:
+    """How a run of an encoding is beside that with the scene's own description.
 
     Attributes
     ----------
     reason : of the word, with the numbers
-    errors : from the exact motion; None if the run did not finish
-    apart : from the run of the scene as it is, in the same norms; None likewise
+    apart : how far the motions are apart, in the norms of errors; None if one did not finish
     moves_as : another method of the engine that moves the scene's own body so, to round-off
     """
 
-    encoding: str
     word: EncodingWord
     reason: str = ""
-    errors: Errors | None = None
     apart: Errors | None = None
     moves_as: str = ""
-
-
-@dataclass(frozen=True)
-class EncodedRuns(Record):
-    """A method on a scene in several encodings, at one timestep.
-
-    Attributes
-    ----------
-    timestep : s
-    plain : why the scene as it is gives nothing to compare with; empty if it does
-    """
-
-    key: MethodKey
-    engine_version: str
-    timestep: Size
-    each: tuple[EncodedRun, ...]
-    plain: str = ""
 
 
 #: What is said of each word before its reason; of those that are not here there is nothing to say.
@@ -63,7 +42,7 @@ PHRASES: dict[EncodingWord, str] = {
 LONGEST = 160
 
 
-def encoding_sentence(one: EncodedRun) -> str:
+def encoding_sentence(one: Beside) -> str:
     """What an encoding does to a motion, with the numbers."""
     as_other = f"; it moves as {one.moves_as} does" if one.moves_as else ""
     reason = printable(" ".join(one.reason.split()), LONGEST)

@@ -7,7 +7,6 @@ from ...reference import Solution
 from ...scenarios import Scenario
 from .cost_records import MethodCost
 from .default_records import DefaultEffects
-from .encoding_records import EncodedRuns
 from .evidence import Evidence
 from .records import Pair, Row
 from .sweep_records import SweepResult
@@ -40,12 +39,16 @@ class Results:
     verdicts: list[Verdict]
     costs: list[MethodCost] = field(default_factory=list)
     defaults: list[DefaultEffects] = field(default_factory=list)
-    encodings: list[EncodedRuns] = field(default_factory=list)
     evidence: list[Evidence] = field(default_factory=list)
     methods: dict[Pair, Method] = field(default_factory=dict)
     stock_timesteps: dict[str, float] = field(default_factory=dict)
     sweeps: list[SweepResult] = field(default_factory=list)
     varied: list[Row] = field(default_factory=list)
+
+    @property
+    def encodings(self) -> list[Row]:
+        """The runs with other descriptions of a body, beside those with the scene's own."""
+        return [row for row in self.varied if row.beside]
 
     @property
     def every_row(self) -> list[Row]:

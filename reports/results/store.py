@@ -235,7 +235,6 @@ class Store:
             costs=[one for one in costs if one.variation],
             varied=varied,
             defaults=default_effects(rows, varied),
-            encodings=self.select(tables.ENCODINGS, order=_SORTED),
             evidence=self.select(tables.EVIDENCE, order=_SORTED),
             sweeps=as_result_file_error(swept)(self._sweeps(), varied),
             methods={(e.name, method.name): method for e in engines for method in e.methods},

@@ -26,7 +26,6 @@ from ...scenarios import FloatArray, Trajectory, printable
 from ...scenarios.document import MAX_ROTORS, MAX_SAMPLES
 from .cost_records import MethodCost
 from .database import shown
-from .encoding_records import EncodedRuns
 from .evidence import Evidence
 from .provenance_records import DeclaredEngine, EnvironmentEntry, Fingerprint
 from .records import MOTIONS, Key, Record, Row, SolvedScene
@@ -251,14 +250,12 @@ ROWS = Table("rows", Row, (*_ONE_METHOD, "variation", "timestep"), _RUN)
 EVIDENCE = Table("evidence", Evidence, _ONE_METHOD, _RUN)
 VERDICTS = Table("verdicts", Verdict, (*_ONE_METHOD, "timesteps"), (*_RUN, "verdict"))
 COSTS = Table("costs", MethodCost, (*_ONE_METHOD, "variation"), _COST)
-ENCODINGS = Table("encodings", EncodedRuns, _ONE_METHOD, _RUN)
 #: Results of a method on a scene.
 OF_STUDIES = (
     ROWS,
     EVIDENCE,
     VERDICTS,
     COSTS,
-    ENCODINGS,
 )
 SWEEPS = Table("sweeps", DefinedSweep, ("scenario", "sweep"), ("motion",))
 TABLES: tuple[Table[Any], ...] = (

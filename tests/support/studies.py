@@ -26,6 +26,10 @@ class Nowhere:
     def put(self, *_: object) -> None:
         """Drop the records."""
 
+    def varied(self, _: str) -> list[Row]:
+        """Nothing was kept."""
+        return []
+
 
 def study(
     path: Path,

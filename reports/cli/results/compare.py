@@ -45,27 +45,33 @@ def _all_changes(old: Results, new: Results) -> list[Change]:
 def _described_otherwise(old: Results, new: Results) -> Iterator[Change]:
     """Yield a change for each encoding of a body that is answered otherwise."""
     before, now = (
-        {(runs.key, one.encoding): one.word for runs in results.encodings for one in runs.each}
+        {
+            (row.key, row.encoding, row.timestep): row.beside.word
+            for row in results.encodings
+            if row.beside
+        }
         for results in (old, new)
     )
-    for (key, encoding), word in before.items():
-        if (other := now.get((key, encoding), word)) != word:
+    for place, word in before.items():
+        key, encoding, timestep = place
+        if (other := now.get(place, word)) != word:
             worse = (other in WRONG) - (word in WRONG)
             direction: Direction = "worse" if worse > 0 else "better" if worse else "other"
             name = f"as {encoding}"
-            yield Change("outcome", name, word, other, direction, worse > 0, **vars(key))
+            where = vars(key) | {"timestep": timestep}
+            yield Change("outcome", name, word, other, direction, worse > 0, **where)
 
 
 def _alone(results: Results, engine: str, name: str) -> Results:
     """The results of one engine, under a name that is shared with what they are compared with."""
     rows = [row for row in results.rows if row.key.engine == engine]
     verdicts = [verdict for verdict in results.verdicts if verdict.key.engine == engine]
-    encodings = [runs for runs in results.encodings if runs.key.engine == engine]
+    varied = [row for row in results.varied if row.key.engine == engine]
     return replace(
         results,
         rows=[replace(row, key=replace(row.key, engine=name)) for row in rows],
         verdicts=[replace(one, key=replace(one.key, engine=name)) for one in verdicts],
-        encodings=[replace(one, key=replace(one.key, engine=name)) for one in encodings],
+        varied=[replace(row, key=replace(row.key, engine=name)) for row in varied],
     )
 
 

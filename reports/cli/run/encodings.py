@@ -6,7 +6,8 @@ from itertools import groupby
 from ....engines import engines
 from ....engines.encodings import ENCODINGS
 from ....scenarios import did_you_mean
-from ...results.encoding_records import PHRASES, WRONG, EncodedRun, EncodedRuns, encoding_sentence
+from ...results.encoding_records import PHRASES, WRONG, Beside, encoding_sentence
+from ...results.records import Row
 from ..terminal import Complaint
 
 #: The word for all of them.
@@ -44,37 +45,35 @@ def encoding_rows() -> list[dict[str, str]]:
     return rows
 
 
-def encoding_lines(encodings: Sequence[EncodedRuns]) -> Iterator[str]:
+def encoding_lines(rows: Sequence[Row]) -> Iterator[str]:
     """What differs, by scene, engine and encoding; and how many are the same."""
-    by_scene = groupby(encodings, key=lambda runs: (runs.key.scenario, runs.timestep))
+    by_scene = groupby(rows, key=lambda row: (row.key.scenario, row.timestep))
     for (scene, timestep), group in by_scene:
-        of_scene = list(group)
-        alike = sum(one.word == "same" for runs in of_scene for one in runs.each)
-        compared = sum(one.word != "left out" for runs in of_scene for one in runs.each)
-        wrong = sum(one.word in WRONG for runs in of_scene for one in runs.each)
+        answers = [(row, row.beside) for row in group if row.beside]
+        words = [beside.word for _, beside in answers if beside.word != "left out"]
+        wrong = sum(word in WRONG for word in words)
         yield (
             f"{scene}, its body described otherwise, at {timestep:.3g} s: "
-            f"{alike} of {compared} runs are the same to round-off, {wrong} wrong"
+            f"{words.count('same')} of {len(words)} runs are the same to round-off, {wrong} wrong"
         )
         if wrong:
             yield "  Describe the body as the scene does, or take a method that is not wrong below."
-        for runs in of_scene:
-            if runs.plain:
-                yield f"  {runs.key.label}: not compared, the scene as it is {runs.plain}"
-        yield from (f"  {line}" for line in _lines(of_scene))
+        yield from (f"  {line}" for line in _lines(answers))
 
 
-def _lines(of_scene: Sequence[EncodedRuns]) -> Iterator[str]:
+def _lines(answers: Sequence[tuple[Row, Beside]]) -> Iterator[str]:
     """One line for each engine, encoding and word, with the numbers of the method furthest off.
 
     What is wrong comes first; last, a line for each reason that encodings are left out for.
     """
-    alike: dict[tuple[str, str, str, str], list[tuple[str, EncodedRun]]] = {}
-    for runs in of_scene:
-        for one in runs.each:
-            if one.word in PHRASES:
-                what = (runs.key.engine, one.encoding, one.word, one.moves_as)
-                alike.setdefault(what, []).append((runs.key.method, one))
+    alike: dict[tuple[str, str, str, str], list[tuple[str, Beside]]] = {}
+    left_out: dict[str, dict[str, None]] = {}
+    for row, one in answers:
+        if one.word in PHRASES:
+            what = (row.key.engine, row.encoding, one.word, one.moves_as)
+            alike.setdefault(what, []).append((row.key.method, one))
+        elif one.word == "left out":
+            left_out.setdefault(one.reason, {})[row.encoding] = None
     for (engine, encoding, *_), made in sorted(
         alike.items(), key=lambda one: one[0][2] not in WRONG
     ):
@@ -82,20 +81,15 @@ def _lines(of_scene: Sequence[EncodedRuns]) -> Iterator[str]:
         method, furthest = max(made, key=lambda one: _distance(one[1]))
         most = f"; most with {method}" if len({one.reason for _, one in made}) > 1 else ""
         yield f"{engine} {methods}, {encoding}: {encoding_sentence(furthest)}{most}"
-    left_out: dict[str, dict[str, None]] = {}
-    for runs in of_scene:
-        for one in runs.each:
-            if one.word == "left out":
-                left_out.setdefault(one.reason, {})[one.encoding] = None
     for reason, names in left_out.items():
         yield f"left out: {', '.join(names)}: {reason}"
 
 
-def _distance(one: EncodedRun) -> float:
+def _distance(one: Beside) -> float:
     """The largest distance of a run from that of the scene as it is, of all signals."""
     return max(error for _, error in one.apart) if one.apart else float("inf")
 
 
-def are_alike(encodings: Sequence[EncodedRuns]) -> bool:
+def are_alike(rows: Sequence[Row]) -> bool:
     """Whether no encoding is wrong."""
-    return not any(one.word in WRONG for runs in encodings for one in runs.each)
+    return not any(row.beside.word in WRONG for row in rows if row.beside)

@@ -100,7 +100,7 @@ def run(
     If nothing is named, that is the whole library, its hard scenes on short ladders; a quick run
     leaves the hard scenes out.
 
-    What the file holds already is not run again, unless asked for (`again`); encodings always are.
+    What the file holds already is not run again, unless asked for (`again`).
     """
     scenarios = scenes_of(scenes, quick=quick)
     choice = choose(
@@ -133,9 +133,9 @@ def run(
             progress(left.total) as advance,
         ):
             run_study(left, choice, store, executor, advance)
-            if encodings:
-                run_encodings(scenarios, choice, encodings, store, executor)
-        return _asked_for(store.read(choice.timesteps), scenarios, choice)
+            described = run_encodings(scenarios, choice, encodings, store, executor)
+        found = replace(store.read(choice.timesteps), varied=described)
+        return _asked_for(found, scenarios, choice)
 
 
 def check_counting(*, timed: bool) -> None:
@@ -183,7 +183,6 @@ def _asked_for(results: Results, scenarios: Sequence[Scenario], choice: Choice) 
         scenes={name: scene for name, scene in results.scenes.items() if name in scenes},
         rows=[row for row in results.rows if named(row.key) and at_asked_timestep(row)],
         verdicts=[verdict for verdict in results.verdicts if named(verdict.key)],
-        encodings=[runs for runs in results.encodings if named(runs.key)],
     )
 
 

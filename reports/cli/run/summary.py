@@ -115,7 +115,7 @@ def results_as_json(results: Results) -> dict[str, Any]:
     return {
         "rows": [row_record(row) for row in results.rows],
         "verdicts": verdict_records(results),
-        "encodings": [as_json(runs) for runs in results.encodings],
+        "encodings": [row_record(row) for row in results.encodings],
     }
 
 

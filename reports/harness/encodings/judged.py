@@ -8,7 +8,7 @@ from ....engines.encodings import Encoding
 from ....reference import Solution
 from ....scenarios import SIGNAL, Errors, ErrorSeries, Scenario, Trajectory, errors_between
 from ....scenarios.agreement import ErrorNorm
-from ...results.encoding_records import EncodedRun, EncodingWord
+from ...results.encoding_records import Beside, EncodingWord
 from .bounds import rounding_bounds
 
 #: Halvings of the timestep, at most, to tell a coarser scheme from another motion.
@@ -44,28 +44,27 @@ class Judge:
     at_halved: Callable[[Encoding, int], Pair]
     plain_of: Mapping[str, Run]
 
-    def judged(self, encoding: Encoding, pair: Pair) -> EncodedRun:
+    def judged(self, encoding: Encoding, pair: Pair) -> Beside:
         """The word on an encoding, with its reason."""
         run, plain = pair.encoded, pair.plain
         motion, own = run.trajectory, plain.trajectory
         assert own is not None, "a scene that gives nothing to compare with is not judged"
         if run.outcome == "unsupported":
-            return EncodedRun(encoding.name, "left out", run.reason)
+            return Beside("left out", run.reason)
         if run.outcome != "ok" or motion is None:
             at = "" if run.stopped_at is None else f"at {run.stopped_at:.3g} s: "
-            return EncodedRun(encoding.name, "ends early", f"{run.outcome} {at}{run.reason}")
-        errors = errors_between(self.scenario, motion, self.solution.trajectory)
+            return Beside("ends early", f"{run.outcome} {at}{run.reason}")
         apart = self._apart(motion, own)
         if run.cause == "read-back":
             reason = f"{run.reason}; ω by {SIGNAL['omega'].words(apart.omega)}"
-            return EncodedRun(encoding.name, "other body", reason, errors, apart)
+            return Beside("other body", reason, apart)
         beyond = self._beyond(encoding, apart, run.steps)
         if not beyond:
-            return EncodedRun(encoding.name, "same", "", errors, apart)
+            return Beside("same", "", apart)
         moves_as = self._moves_as(encoding, run)
         found, reason = self._with_the_timestep(encoding, pair, beyond)
-        reason += self._nearer(errors, pair, beyond)
-        return EncodedRun(encoding.name, found, reason, errors, apart, moves_as)
+        reason += self._nearer(motion, pair, beyond)
+        return Beside(found, reason, apart, moves_as)
 
     def _apart(self, motion: Trajectory, own: Trajectory) -> Errors:
         norm = ErrorNorm(self.scenario, self.solution.trajectory)
@@ -114,8 +113,9 @@ class Judge:
         falls = all(now[name][1] <= FALLS * before[name][1] for name in beyond)
         return ("differs" if falls else "open"), left
 
-    def _nearer(self, errors: Errors, pair: Pair, beyond: list[str]) -> str:
+    def _nearer(self, motion: Trajectory, pair: Pair, beyond: list[str]) -> str:
         """That the scene as it is has the larger errors, in words; empty if not in all signals."""
+        errors = errors_between(self.scenario, motion, self.solution.trajectory)
         own = {name: size for name, (_, size) in self._sizes(pair, beyond).items()}
         if not all(errors[name] < own[name] for name in beyond):
             return ""

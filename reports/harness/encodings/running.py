@@ -1,6 +1,6 @@
 """Runs scenes × engines × methods × encodings at one timestep each, and stores what came of it."""
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 
@@ -8,13 +8,15 @@ from ....engines import Engine, Method, Run
 from ....engines.encodings import ENCODINGS, EncodedEngine, Encoding
 from ....reference import Solution
 from ....scenarios import Scenario
-from ...results.encoding_records import EncodedRuns
-from ...results.records import Key
+from ...results.encoding_records import Beside
+from ...results.records import Pair as EngineAndMethod
+from ...results.records import Row, variation
 from ...results.store import Store
 from ..choice import Choice
-from ..executors import CallFailed, Executor
+from ..executors import CallFailed, Executor, may_succeed_if_repeated
 from ..ladder import Rung
 from ..prepared import Prepared, prepare
+from ..varied_runs import varied_row
 from .judged import Judge, Pair
 
 #: The encoding that the others are compared with.
@@ -29,18 +31,27 @@ def run_encodings(
     names: Sequence[str],
     store: Store,
     executor: Executor,
-) -> list[EncodedRuns]:
-    """Run every method on every scene in these encodings; each result is stored at once."""
-    made = []
-    for scenario in scenarios:
+) -> list[Row]:
+    """Run every method on every scene in these encodings, those that are stored only if asked to.
+
+    Returns the rows, each of which is stored at once.
+    """
+    rows: list[Row] = []
+    for scenario in scenarios if names else ():
         limit = choice.max_steps_on(scenario)
         prepared = executor.call(prepare, scenario, choice.timesteps, limit).value
         if isinstance(prepared, CallFailed) or (chosen := _chosen(prepared)) is None:
             continue
-        for runs in executor.each(_methods(scenario, choice, names, chosen, executor)):
-            store.put(runs)
-            made.append(runs)
-    return made
+        wanted = [variation({"as": name}) for name in names]
+        there: dict[EngineAndMethod, list[Row]] = {}
+        for row in [] if choice.again else store.varied(scenario.name):
+            is_settled = not may_succeed_if_repeated(row.cause, row.reason, choice.time_limit)
+            if is_settled and row.timestep == chosen[0].timestep and row.variation in wanted:
+                there.setdefault(row.pair, []).append(row)
+        for made in executor.each(_methods(scenario, choice, names, chosen, executor, there)):
+            store.put(*made)
+            rows += made
+    return rows
 
 
 def _chosen(prepared: Prepared) -> tuple[Rung, Solution] | None:
@@ -57,7 +68,8 @@ def _methods(
     names: Sequence[str],
     chosen: tuple[Rung, Solution],
     executor: Executor,
-) -> Iterator[Callable[[], EncodedRuns]]:
+    there: Mapping[EngineAndMethod, list[Row]],
+) -> Iterator[Callable[[], list[Row]]]:
     """One task for each method; the scene as it is is run by all methods of an engine first."""
     rung, solution = chosen
     for engine in choice.engines:
@@ -70,10 +82,14 @@ def _methods(
             and not method.as_shipped
             and not engine.unsupported(scenario, method)
         ]
+        stored = {method.name: there.get((engine.name, method.name), []) for method in methods}
+        if all(len(rows) == len(names) for rows in stored.values()):
+            yield from (partial(list, rows) for rows in stored.values())
+            continue
         runner = _Runner(scenario, engine, rung, executor)
         plain = {method.name: runner.run(PLAIN, method.name) for method in methods}
         for method in methods:
-            yield partial(_encoded_runs, runner, method, plain, solution, names)
+            yield partial(_encoded_rows, runner, method, plain, solution, names)
 
 
 class _Runner:
@@ -111,28 +127,26 @@ def _simulate(engine: EncodedEngine, scenario: Scenario, method: str, rung: Rung
     return engine.run(scenario, own, rung.timestep, rung.sample_steps, fails_if_unlike=False)
 
 
-def _encoded_runs(
+def _encoded_rows(
     runner: _Runner,
     method: Method,
     plain: dict[str, Run],
     solution: Solution,
     names: Sequence[str],
-) -> EncodedRuns:
+) -> list[Row]:
     """A method's answers to all encodings that were asked for."""
     scenario, engine, own = runner.scenario, runner.engine, plain[method.name]
-    key = Key(scenario.name, engine.name, method.name)
-    record = EncodedRuns(key, own.engine_version, runner.rung.timestep, ())
-    if own.outcome != "ok":
-        return replace(record, plain=f"{own.outcome}: {own.reason}")
-    judge = Judge(
-        scenario,
-        solution,
-        method.name,
-        engine,
-        partial(runner.pair, method.name),
-        plain,
-    )
-    encodings = [ENCODINGS[name] for name in names]
-    pairs = [Pair(runner.run(encoding, method.name), own) for encoding in encodings]
-    each = map(judge.judged, encodings, pairs)
-    return replace(record, each=tuple(each))
+    pair_at = partial(runner.pair, method.name)
+    judge = Judge(scenario, solution, method.name, engine, pair_at, plain)
+    rows = []
+    for encoding in (ENCODINGS[name] for name in names):
+        if own.outcome != "ok":
+            run = Run(engine.name, own.engine_version, method.name, own.timestep, "unsupported")
+            beside = Beside("left out", f"the scene as it is {own.outcome}: {own.reason}")
+        else:
+            run = runner.run(encoding, method.name)
+            beside = judge.judged(encoding, Pair(run, own))
+        varied = EncodedEngine(engine, encoding.name)
+        row = varied_row(scenario, varied, run, runner.rung, solution)
+        rows.append(replace(row, beside=beside))
+    return rows

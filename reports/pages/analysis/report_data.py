@@ -21,7 +21,6 @@ from ....scenarios import (
 from ....scenarios.fastest_rate import fastest_rate
 from ...harness.defects import defects
 from ...results.default_records import DefaultEffects
-from ...results.encoding_records import EncodedRuns
 from ...results.evidence import Evidence
 from ...results.records import Key, OfMethod, Pair, Row
 from ...results.results import Results, SceneResult
@@ -97,7 +96,7 @@ class SceneRuns:
     solved: SceneResult | None
     methods: tuple[MethodRuns, ...]
     defaults: tuple[DefaultEffects, ...] = ()
-    encodings: tuple[EncodedRuns, ...] = ()
+    encodings: tuple[Row, ...] = ()
 
     @property
     def title(self) -> str:

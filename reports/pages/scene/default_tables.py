@@ -4,7 +4,8 @@ import math
 
 from ....scenarios import Errors
 from ...results.default_records import DefaultEffects
-from ...results.encoding_records import PHRASES, EncodedRuns, encoding_sentence
+from ...results.encoding_records import PHRASES, Beside, encoding_sentence
+from ...results.records import Row
 from ..analysis.report_data import SceneRuns
 from ..analysis.wording import NOTHING, duration, limited_errors
 from ..tables import Captioned, Cell, Table, figure, table
@@ -12,33 +13,32 @@ from ..tables import Captioned, Cell, Table, figure, table
 
 def encoding_tables(scene: SceneRuns) -> list[Captioned]:
     """One table for each engine and timestep that encodings were run with."""
-    by_engine: dict[tuple[str, str, float], list[EncodedRuns]] = {}
-    for runs in scene.encodings:
-        by_engine.setdefault((runs.key.engine, runs.engine_version, runs.timestep), []).append(runs)
+    by_engine: dict[tuple[str, float], list[tuple[Row, Beside]]] = {}
+    for row in scene.encodings:
+        if row.beside:
+            of_engine = by_engine.setdefault((row.key.engine, row.timestep), [])
+            of_engine.append((row, row.beside))
     return [
         Captioned(f"{engine}, at {duration(timestep)}", _compared(made), _encodings(made))
-        for (engine, _, timestep), made in by_engine.items()
+        for (engine, timestep), made in by_engine.items()
     ]
 
 
-def _compared(made: list[EncodedRuns]) -> str:
-    words = [one.word for runs in made for one in runs.each if one.word != "left out"]
-    missing = [f"{runs.key.method} ({runs.plain})" for runs in made if runs.plain]
-    text = f"{words.count('same')} of {len(words)} runs are the same to round-off."
-    return f"{text} Not compared: {'; '.join(missing)}." if missing else text
+def _compared(made: list[tuple[Row, Beside]]) -> str:
+    words = [one.word for _, one in made if one.word != "left out"]
+    return f"{words.count('same')} of {len(words)} runs are the same to round-off."
 
 
-def _encodings(made: list[EncodedRuns]) -> Table:
+def _encodings(made: list[tuple[Row, Beside]]) -> Table:
     rows = [
         [
-            Cell(one.encoding, "name"),
-            Cell(runs.key.method),
+            Cell(row.encoding, "name"),
+            Cell(row.key.method),
             *_apart(one.apart),
-            *_apart(one.errors),
+            *_apart(row.errors),
             Cell(encoding_sentence(one)),
         ]
-        for runs in made
-        for one in runs.each
+        for row, one in made
         if one.word in PHRASES
     ]
     headings = [

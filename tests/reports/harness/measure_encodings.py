@@ -104,16 +104,16 @@ def main(count: int, first: int = 0) -> int:
         scene = random_scene(seed)
         with InProcess() as executor:
             made = run_encodings([scene], choice, names, Nowhere(), executor)
-        for runs in made:
-            for one in runs.each:
-                words[runs.key.engine, one.encoding, one.word] += 1
-                if one.word in {"same", "left out"}:
-                    continue
-                if one.word in KNOWN.get((runs.key.engine, one.encoding), set()):
-                    known += 1
-                    continue
-                false += 1
-                print(seed, runs.key.engine, runs.key.method, one, flush=True)
+        for row in made:
+            what, word = (row.key.engine, row.encoding), row.beside.word
+            words[*what, word] += 1
+            if word in {"same", "left out"}:
+                continue
+            if word in KNOWN.get(what, set()):
+                known += 1
+                continue
+            false += 1
+            print(seed, row.key.label, row.encoding, row.beside, flush=True)
         if (seed + 1) % 50 == 0:
             print(found(first, seed + 1, words, false, known), flush=True)
     for what, number in sorted(words.items()):

@@ -59,10 +59,9 @@ def _of_runs(record: dict) -> Iterator[str]:
         return f"{name} {versions.get(one['engine'], '')} {one['method']}"
 
     if record["encodings"]:
-        for runs in record["encodings"]:
-            for one in runs["each"]:
-                if one["word"] != "left out":
-                    yield f"{who(runs)}, {one['encoding']}: {one['word']}"
+        for row in record["encodings"]:
+            if row["beside"]["word"] != "left out":
+                yield f"{who(row)}, {row['variation']['as']}: {row['beside']['word']}"
         return
     for verdict in record["verdicts"]:
         if verdict["verdict"] != "unsupported":
