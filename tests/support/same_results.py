@@ -14,7 +14,9 @@ def differences(a: Results, b: Results) -> list[str]:
 
 
 def _rows(a: Results, b: Results) -> Iterator[str]:
-    first, second = ({(row.key, row.timestep): row for row in r.rows} for r in (a, b))
+    first, second = (
+        {(row.key, row.variation, row.timestep): row for row in r.every_row} for r in (a, b)
+    )
     yield from (f"row missing or too many: {key}" for key in first.keys() ^ second.keys())
     for key in first.keys() & second.keys():
         if _plain(first[key]) != _plain(second[key]):
@@ -46,7 +48,7 @@ def _scenes(a: Results, b: Results) -> Iterator[str]:
 
 def _left_out(a: Results, b: Results) -> Iterator[str]:
     """What pruning saves is a matter of time: whether it is there at all."""
-    first, second = ([record.key for record in [*r.effects, *r.passes]] for r in (a, b))
+    first, second = ([(cost.key, cost.variation) for cost in r.costs] for r in (a, b))
     if first != second:
         yield f"what is left out was timed otherwise: {first} {second}"
 

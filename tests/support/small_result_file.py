@@ -7,6 +7,7 @@ from types import SimpleNamespace
 import made_up
 import made_up_sweeps
 from spincheck.reports.results.cost_records import MethodCost, Ratio, StepCost
+from spincheck.reports.results.encoding_records import Beside
 from spincheck.reports.results.provenance_records import Fingerprint
 from spincheck.reports.results.records import Key, variation
 from spincheck.reports.results.store import open_store
@@ -26,7 +27,7 @@ WHOLE = MethodCost(
     difference=0.0,
     compared_until=1.0,
 )
-EXACT = Errors(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+BESIDE = Beside("differs", "by a degree", Errors(0.0, 0.0, 0.0, 0.0, 0.0, 0.0))
 MEMBERS = 2
 #: With a fault, so that there is something in each field.
 EVIDENCE = made_up.evidence(KEY, made_up.METHODS[2])
@@ -53,12 +54,12 @@ def write(path: Path) -> Path:
         for verdict in stored.verdicts:
             if verdict.key == KEY:
                 store.put_verdict(replace(verdict, steps=EVIDENCE.steps, own_steps=EVIDENCE.steps))
-        store.put(MethodCost(KEY, "a processor", StepCost(1e-6, 1e-7, 1e-6)))
+        # What has something in each field comes first: it is what is forged.
+        store.put(WHOLE, MethodCost(KEY, "a processor", StepCost(1e-6, 1e-7, 1e-6)))
         store.put(EVIDENCE)
-        store.put(WHOLE)
-        store.put(
-            replace(stored.rows[0], variation=variation({"defaults": ["damping"]}), motion=None)
-        )
+        of_default = replace(rows[0], variation=variation({"defaults": ["damping"]}), motion=None)
+        described = replace(of_default, variation=variation({"as": "welded"}), beside=BESIDE)
+        store.put(of_default, described)
         _put_sweeps(store)
     return path
 

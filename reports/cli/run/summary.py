@@ -100,9 +100,15 @@ def cut(text: str, width: int) -> str:
 
 def _begun(row: Row) -> str:
     if row.varied:
-        values = "  ".join(f"{value:<11.6g}" for value in row.varied.values())
+        values = "  ".join(map(_value, row.varied.values()))
         return f"  {cut(values.rstrip(), VARIED - 1):{VARIED}}"
     return f"{'*' if row.stock else ' '} {row.timestep:11.5g} "
+
+
+def _value(varied: object) -> str:
+    if isinstance(varied, int | float):
+        return f"{varied:<11.6g}"
+    return ", ".join(map(str, varied)) if isinstance(varied, list) else f"{varied}"
 
 
 def _ended(row: Row) -> str:
