@@ -1,6 +1,7 @@
 """All that is in a result file, as reports are made from it."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields, replace
+from typing import Any, Self
 
 from ...engines import Method
 from ...reference import Solution
@@ -50,3 +51,17 @@ class Results:
         """The runs of scenes as they are, then those of sweeps, each once."""
         points = {(p.key, p.variation): p for sweep in self.sweeps for p in sweep.points}
         return [*self.rows, *points.values()]
+
+    def of(self, scene: str) -> Self:
+        """Return the results of one scene, with the environment and all declared methods."""
+        chosen: dict[str, Any] = {
+            one.name: [record for record in records if record.key.scenario == scene]
+            for one in fields(self)
+            if one.name != "sweeps" and isinstance(records := getattr(self, one.name), list)
+        }
+        return replace(
+            self,
+            **chosen,
+            scenes={name: one for name, one in self.scenes.items() if name == scene},
+            sweeps=[one for one in self.sweeps if one.scenario.name == scene],
+        )
