@@ -129,7 +129,7 @@ def test_what_is_forgotten_is_gone_and_nothing_else(path):
     with open_store(path, create=True) as store:
         store.forget([key])
         results = store.read()
-        assert (results.rows, results.verdicts, results.effects) == ([], [], [])
+        assert (results.rows, results.verdicts, results.costs) == ([], [], [])
         assert store.timed() == set()
         assert results.scenes
         assert results.sweeps[0].points
