@@ -10,7 +10,6 @@ from spincheck.engine import BodyReading, FloatArray, Scenario, State
 from ....scenarios.effects.push import push
 from ....scenarios.rotation import cross, matrix
 from .model import Model
-from .world import BASE
 
 #: s, timestep h of a probe. The torque, gain of L over h, has a rounding error of EPS L / h and a
 #: truncation error proportional to h: their sum is least at h = √EPS.
@@ -48,24 +47,30 @@ class Probe:
         world = model.world
         p.setGravity(0, 0, 0, physicsClientId=world.client)
         world.set_timestep(PROBE_STEP)
-        if scenario.constraint.is_pivot and world.link == BASE:
-            model.put_on_pivot()
         world.set_spins(np.full(len(scenario.rotors.each), PROBE_SPIN))
         R_world_body = model.R_world_body()
         spin_world = R_world_body @ np.full(3, PROBE_SPIN)
         push_world = push(scenario.pushed, R_world_body, np.zeros(3))
         dragged = push(scenario.pushed, R_world_body, spin_world) - push_world
-        return cls(advance, model, scenario, model.read_body(), push_world, spin_world, dragged)
+        return cls(advance, model, scenario, model.body, push_world, spin_world, dragged)
 
     def after(self, omega_world: FloatArray) -> tuple[State, State]:
         """The states before and after a step from this ω.
 
         A free body also starts with a velocity: the same vector in m/s.
         """
-        arm_world = self.model.R_world_body() @ self.model.com
-        at_pivot = cross(omega_world, arm_world)
-        is_held = self.scenario.constraint.is_pivot
-        self.model.set_velocity(omega_world, at_pivot if is_held else omega_world)
+        now = self.model.read_state()
+        R_world_body = matrix(_unit(now.q_world_body_wxyz))
+        omega_body, com_world, velocity_world = (
+            R_world_body.T @ omega_world,
+            now.com_world,
+            omega_world,
+        )
+        if self.scenario.constraint.is_pivot:
+            com_world = R_world_body @ self.model.body.com
+            velocity_world = cross(omega_world, com_world)
+        set_to = State(now.q_world_body_wxyz, omega_body, com_world, velocity_world)
+        self.model.place(self.model.placed(set_to), com_world, velocity_world)
         before = self.model.read_state()
         self.advance(1)
         return before, self.model.read_state()
