@@ -28,7 +28,7 @@ from ...version_numbers import numbers_of
 
 with native_output():
     # On import, Bullet prints its build date.
-    from .load import BodyRepresentation, left_out
+    from .load import BodyRepresentation
     from .pivot_limit import check_borne
     from .script import script, setup
     from .session import PyBulletSession
@@ -37,21 +37,23 @@ with native_output():
 #: rad: ANGULAR_MOTION_THRESHOLD of Bullet's LinearMath/btTransformUtil.h, for every kind of body.
 #: Beyond it the attitude turns only by this much a step, while ω still reads its full value.
 MOST_ROTATION_A_STEP = pi / 4
+#: 1/s, linear and angular. (Source: Bullet's user manual; measured.)
+DEFAULT_DAMPING = 0.04
 
 #: What bodies in joint coordinates have besides.
 JOINTED = COMMON_EFFECTS | {"rotors"}
 
-REPRESENTATIONS = {
-    "multibody": BodyRepresentation(maximal=False, hung=True),
-    "multibody-p2p": BodyRepresentation(maximal=False, hung=False),
-    "maximal": BodyRepresentation(maximal=True, hung=False),
-    "contact": BodyRepresentation(maximal=False, hung=False, by_contact=True),
-    "default": BodyRepresentation(maximal=False, hung=True, defaults=frozenset(DEFAULTS)),
-    "default-inertia-from-file": BodyRepresentation(
-        maximal=False, hung=True, defaults=frozenset(DEFAULTS) - {INERTIA}
-    ),
-}
 ON_TABLE = frozenset({"table"})
+PIVOT = frozenset({"pivot"})
+SHIPPED = frozenset(DEFAULTS)
+REPRESENTATIONS = {
+    "multibody": BodyRepresentation(hung=True),
+    "multibody-p2p": BodyRepresentation(),
+    "maximal": BodyRepresentation(maximal=True),
+    "contact": BodyRepresentation(by_contact=True),
+    "default": BodyRepresentation(hung=True, defaults=SHIPPED),
+    "default-inertia-from-file": BodyRepresentation(hung=True, defaults=SHIPPED - {INERTIA}),
+}
 
 #: Of first order, whatever the coordinates.
 bullet_method = partial(
@@ -65,17 +67,50 @@ def _method(
     effects: frozenset[str] = JOINTED,
     requires: frozenset[str] = frozenset(),
 ) -> Method:
+    representation = REPRESENTATIONS[name]
+    as_shipped = representation.as_shipped
     return bullet_method(
         name=name,
         summary=summary,
         effects=effects,
         requires=requires,
-        setup=setup(REPRESENTATIONS[name]),
+        as_shipped=as_shipped,
+        damping=DEFAULT_DAMPING if as_shipped else 0.0,
+        setup="" if as_shipped else setup(representation),
     )
 
 
-def _as_shipped(name: str, summary: str) -> Method:
-    return bullet_method(name=name, summary=summary, effects=JOINTED, as_shipped=True)
+METHODS = (
+    _method(
+        "multibody",
+        "joint coordinates, a pivot as a spherical joint, a table as one on two slides",
+        JOINTED | ON_TABLE,
+    ),
+    _method(
+        "multibody-p2p",
+        "joint coordinates, the pivot as a point-to-point constraint",
+        requires=PIVOT,
+    ),
+    _method(
+        "maximal",
+        "six coordinates a body, gyroscopic term implicit, the pivot as a constraint",
+        COMMON_EFFECTS,
+    ),
+    _method(
+        "contact",
+        "joint coordinates, the table as a contact of a sphere and a plane",
+        COMMON_EFFECTS | ON_TABLE,
+        ON_TABLE,
+    ),
+    _method(
+        "default",
+        "as shipped: the URDF without flags, with damping, joint motor and velocity clamp",
+    ),
+    _method(
+        "default-inertia-from-file",
+        "as shipped, but for the inertia, which is the file's (URDF_USE_INERTIA_FROM_FILE)",
+    ),
+)
 
 
 class PyBullet(Engine):
@@ -87,37 +122,7 @@ class PyBullet(Engine):
     # PyBullet quickstart guide, setTimeStep.
     stock_timestep = 1 / 240
     describes = frozenset({"parts", "full tensor", "shape"})
-    methods = (
-        _method(
-            "multibody",
-            "joint coordinates, a pivot as a spherical joint, a table as one on two slides",
-            JOINTED | ON_TABLE,
-        ),
-        _method(
-            "multibody-p2p",
-            "joint coordinates, the pivot as a point-to-point constraint",
-            requires=frozenset({"pivot"}),
-        ),
-        _method(
-            "maximal",
-            "six coordinates a body, gyroscopic term implicit, the pivot as a constraint",
-            COMMON_EFFECTS,
-        ),
-        _method(
-            "contact",
-            "joint coordinates, the table as a contact of a sphere and a plane",
-            COMMON_EFFECTS | ON_TABLE,
-            requires=ON_TABLE,
-        ),
-        _as_shipped(
-            "default",
-            "as shipped: the URDF without flags, with damping, joint motor and velocity clamp",
-        ),
-        _as_shipped(
-            "default-inertia-from-file",
-            "as shipped, but for the inertia, which is the file's (URDF_USE_INERTIA_FROM_FILE)",
-        ),
-    )
+    methods = METHODS
 
     @property
     def version(self) -> str:
@@ -154,7 +159,7 @@ class PyBullet(Engine):
 
     def left_out(self, scenario: Scenario, method: Method) -> tuple[str, ...]:
         """The collision shape, and for a body on a joint the motor, which has no force."""
-        return left_out(scenario, REPRESENTATIONS[method.name])
+        return REPRESENTATIONS[method.name].left_out(scenario)
 
     def at_version(self, version: str) -> Release:
         """Another version, with the same methods."""
@@ -162,11 +167,8 @@ class PyBullet(Engine):
 
     def defaults(self, scenario: Scenario, method: Method) -> tuple[str, ...]:
         """The defaults of a method as shipped; motors only if there is a joint."""
-        left = REPRESENTATIONS[method.name].defaults - (
-            frozenset()
-            if scenario.constraint.is_pivot or scenario.rotors.is_turning.any()
-            else {JOINT_MOTOR}
-        )
+        has_joint = scenario.constraint.is_pivot or scenario.rotors.is_turning.any()
+        left = REPRESENTATIONS[method.name].defaults - (set() if has_joint else {JOINT_MOTOR})
         return tuple(name for name in DEFAULTS if name in left)
 
 

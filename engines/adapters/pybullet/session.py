@@ -54,6 +54,7 @@ class PyBulletSession(Session):
         self.model = _open(scenario, representation, timestep, left_in)
         self.world, self.client = self.model.world, self.model.world.client
         self._clamp = DEFAULT_CLAMP if CLAMP in representation.defaults else UNREACHED
+        self._placed: dict[bytes, Placed] = {}
         self._is_sound = True
 
     def read_body(self) -> BodyReading:
@@ -79,7 +80,11 @@ class PyBulletSession(Session):
         timestep = self.world.timestep if timestep is None else timestep
         if self._is_maximal and self._scenario.constraint.is_pivot:
             check_borne(self._equations, state, timestep)
-        placed = self.model.placed(state)
+        # The same few states are set at many timesteps.
+        turned = state.q_world_body_wxyz.tobytes() + state.omega_body.tobytes()
+        if turned not in self._placed:
+            self._placed[turned] = self.model.placed(state)
+        placed = self._placed[turned]
         if self._is_maximal:
             self._renew_inertia(placed, state)
         self.model.place(placed, state.com_world, state.velocity_world)
