@@ -42,75 +42,52 @@ DEFAULT_DAMPING = 0.04
 
 #: What bodies in joint coordinates have besides.
 JOINTED = COMMON_EFFECTS | {"rotors"}
-
 ON_TABLE = frozenset({"table"})
-PIVOT = frozenset({"pivot"})
 SHIPPED = frozenset(DEFAULTS)
-REPRESENTATIONS = {
-    "multibody": BodyRepresentation(hung=True),
-    "multibody-p2p": BodyRepresentation(),
-    "maximal": BodyRepresentation(maximal=True),
-    "contact": BodyRepresentation(by_contact=True),
-    "default": BodyRepresentation(hung=True, defaults=SHIPPED),
-    "default-inertia-from-file": BodyRepresentation(hung=True, defaults=SHIPPED - {INERTIA}),
-}
-
 #: Of first order, whatever the coordinates.
 bullet_method = partial(
     Method, order=1, attitude_order=1, max_rotation_per_step=MOST_ROTATION_A_STEP
 )
-
-
-def _method(
-    name: str,
-    summary: str,
-    effects: frozenset[str] = JOINTED,
-    requires: frozenset[str] = frozenset(),
-) -> Method:
-    representation = REPRESENTATIONS[name]
-    as_shipped = representation.as_shipped
-    return bullet_method(
-        name=name,
-        summary=summary,
-        effects=effects,
-        requires=requires,
-        as_shipped=as_shipped,
-        damping=DEFAULT_DAMPING if as_shipped else 0.0,
-        setup="" if as_shipped else setup(representation),
-    )
-
-
-METHODS = (
-    _method(
-        "multibody",
+#: By name: how the body is represented, in words, what can act, and what has to.
+METHODS = {
+    "multibody": (
+        BodyRepresentation(hung=True),
         "joint coordinates, a pivot as a spherical joint, a table as one on two slides",
         JOINTED | ON_TABLE,
+        set(),
     ),
-    _method(
-        "multibody-p2p",
+    "multibody-p2p": (
+        BodyRepresentation(),
         "joint coordinates, the pivot as a point-to-point constraint",
-        requires=PIVOT,
+        JOINTED,
+        {"pivot"},
     ),
-    _method(
-        "maximal",
+    "maximal": (
+        BodyRepresentation(maximal=True),
         "six coordinates a body, gyroscopic term implicit, the pivot as a constraint",
         COMMON_EFFECTS,
+        set(),
     ),
-    _method(
-        "contact",
+    "contact": (
+        BodyRepresentation(by_contact=True),
         "joint coordinates, the table as a contact of a sphere and a plane",
         COMMON_EFFECTS | ON_TABLE,
         ON_TABLE,
     ),
-    _method(
-        "default",
+    "default": (
+        BodyRepresentation(hung=True, defaults=SHIPPED),
         "as shipped: the URDF without flags, with damping, joint motor and velocity clamp",
+        JOINTED,
+        set(),
     ),
-    _method(
-        "default-inertia-from-file",
+    "default-inertia-from-file": (
+        BodyRepresentation(hung=True, defaults=SHIPPED - {INERTIA}),
         "as shipped, but for the inertia, which is the file's (URDF_USE_INERTIA_FROM_FILE)",
+        JOINTED,
+        set(),
     ),
-)
+}
+REPRESENTATIONS = {name: representation for name, (representation, *_) in METHODS.items()}
 
 
 class PyBullet(Engine):
@@ -122,7 +99,18 @@ class PyBullet(Engine):
     # PyBullet quickstart guide, setTimeStep.
     stock_timestep = 1 / 240
     describes = frozenset({"parts", "full tensor", "shape"})
-    methods = METHODS
+    methods = tuple(
+        bullet_method(
+            name=name,
+            summary=summary,
+            effects=effects,
+            requires=frozenset(requires),
+            as_shipped=representation.as_shipped,
+            damping=DEFAULT_DAMPING if representation.as_shipped else 0.0,
+            setup="" if representation.as_shipped else setup(representation),
+        )
+        for name, (representation, summary, effects, requires) in METHODS.items()
+    )
 
     @property
     def version(self) -> str:
