@@ -37,8 +37,6 @@ with native_output():
 #: rad: ANGULAR_MOTION_THRESHOLD of Bullet's LinearMath/btTransformUtil.h, for every kind of body.
 #: Beyond it the attitude turns only by this much a step, while ω still reads its full value.
 MOST_ROTATION_A_STEP = pi / 4
-#: 1/s, linear and angular. (Source: Bullet's user manual; measured.)
-DEFAULT_DAMPING = 0.04
 
 #: What bodies in joint coordinates have besides.
 JOINTED = COMMON_EFFECTS | {"rotors"}
@@ -106,7 +104,6 @@ class PyBullet(Engine):
             effects=effects,
             requires=frozenset(requires),
             as_shipped=representation.as_shipped,
-            damping=DEFAULT_DAMPING if representation.as_shipped else 0.0,
             setup="" if representation.as_shipped else setup(representation),
         )
         for name, (representation, summary, effects, requires) in METHODS.items()
