@@ -22,7 +22,6 @@ from spincheck.engine import (
     start_state,
 )
 
-from ...checks.equations import Equations
 from ...native_output import native_output
 from ...version_numbers import numbers_of
 
@@ -117,7 +116,7 @@ class PyBullet(Engine):
     def open(self, scenario: Scenario, method: Method, timestep: float) -> Session:
         """Load the scene's URDF and set its start."""
         if REPRESENTATIONS[method.name].maximal and scenario.constraint.is_pivot:
-            check_borne(Equations(scenario), start_state(scenario), timestep)
+            check_borne(scenario, start_state(scenario), timestep)
         return self.open_with(scenario, method, timestep)
 
     def open_with(

@@ -2,7 +2,6 @@
 
 from collections.abc import Collection, Sequence
 from dataclasses import replace
-from functools import cached_property
 from math import isnan
 from struct import pack
 from typing import final
@@ -12,7 +11,6 @@ import pybullet as p
 from spincheck.engine import BodyReading, EngineError, Fault, Scenario, Session, State
 
 from ....scenarios.rotation import matrix
-from ...checks.equations import Equations
 from ...native_output import native_output
 from .audit import what_acts
 from .load import BodyRepresentation, load
@@ -79,7 +77,7 @@ class PyBulletSession(Session):
         """Set pose and velocities; a body held by a constraint is set off its pivot, too."""
         timestep = self.world.timestep if timestep is None else timestep
         if self._is_maximal and self._scenario.constraint.is_pivot:
-            check_borne(self._equations, state, timestep)
+            check_borne(self._scenario, state, timestep)
         # The same few states are set at many timesteps.
         turned = state.q_world_body_wxyz.tobytes() + state.omega_body.tobytes()
         if turned not in self._placed:
@@ -99,10 +97,6 @@ class PyBulletSession(Session):
         self.model.place(replace(placed, omega=rest, swing_world=rest), com_world, rest)
         self.world.set_timestep(IDLE)
         self.advance(1)
-
-    @cached_property
-    def _equations(self) -> Equations:
-        return Equations(self._scenario)
 
     def advance(self, steps: int) -> None:
         """As the world does; a world whose step was given up is not used again."""
