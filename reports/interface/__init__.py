@@ -1,7 +1,8 @@
 """Exact motions of spinning bodies, and what physics engines make of them.
 
-The Python interface: what stands in `__all__`, and in `spincheck.testing`, is stable; everything
-else is private. Modules are imported when a function is called: `import spincheck` takes no time.
+The Python interface: what stands in `__all__`, and in `spincheck.testing`, is stable, and so is
+`spincheck.engine`, which adapters of engines are written with; everything else is private. Modules
+are imported when a function is called: `import spincheck` takes no time.
 """
 
 from collections.abc import Mapping

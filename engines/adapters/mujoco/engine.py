@@ -21,9 +21,9 @@ from spincheck.engine import (
 from ...models.mjcf import mjcf, switched_off
 from ...models.mjcf_contact import PASSES, off_its_table, with_contact
 from ...version_numbers import numbers_of
-from .clock import CLOCK
+from .clock import CLOCK, SHIPPED
 from .script import script
-from .session import MuJoCoSession, check_not_too_small, compiled, left_out
+from .session import MuJoCoSession, check_not_too_small, compiled
 from .urdf_reader import spec_of_urdf
 from .world import disable
 
@@ -44,60 +44,82 @@ model.opt.integrator = mujoco.mjtIntegrator.mjINT_{integrator.upper()}
 model.opt.timestep = TIMESTEP"""
 
 
+#: Timesteps: the shortest time constant that MuJoCo takes a contact to be stable with.
+STIFFEST = 2.0
+#: What alters the motion of a body on a contact: off, so that a step depends on the state alone.
+OF_CONTACTS = ("warmstart",)
+CONTACT_SETUP = """
+# of the plane and of the sphere at the tip, whenever the timestep is set:
+model.geom_solref[:, 0] = 2 * TIMESTEP"""
+
+
 @dataclass(frozen=True)
 class Way:
     """How a method steps a body and holds it.
 
     Attributes
     ----------
-    integrator : as MJCF names it; None for MuJoCo's default
-    by_contact : whether a table is a contact instead of joints
+    order : of accuracy, in ω and attitude
+    integrator : as MJCF names it; None for MuJoCo as shipped
+    by_contact : whether a table is a contact; otherwise it is two slides under a ball joint
     tied : timesteps that a contact's time constant is; 0 for MuJoCo's own
-    description : how the model writes the body
     """
 
+    order: int
+    summary: str
     integrator: str | None
     by_contact: bool = False
     tied: float = 0.0
-    description: Description = PLAIN
+
+    def method(self, name: str) -> Method:
+        """The method, with what its joints and contacts can be of: a rotor's hinge is a hinge."""
+        of_contact = COMMON_EFFECTS | {"table"}
+        return Method(
+            name,
+            self.order,
+            self.order,
+            self.summary,
+            of_contact if self.by_contact else of_contact | {"rotors"},
+            requires=frozenset({"table"} if self.by_contact else ()),
+            as_shipped=self.integrator is None,
+            setup=setup(self.integrator) + CONTACT_SETUP * self.by_contact
+            if self.integrator
+            else "",
+        )
+
+    def alone(self, scenario: Scenario) -> Scenario:
+        """The scene with what joints hold: a body on a contact is free."""
+        return off_its_table(scenario) if self.by_contact else scenario
+
+    def switched_off(self, scenario: Scenario) -> tuple[str, ...]:
+        """The passes that the method does not need, by MuJoCo's names."""
+        passes = switched_off(self.alone(scenario))
+        return tuple(name for name in passes if not (self.by_contact and name in PASSES))
 
 
-#: What alters the motion of a body on a contact: off, so that a step depends on the state alone.
-OF_CONTACTS = ("warmstart",)
-#: Timesteps: the shortest time constant that MuJoCo takes a contact to be stable with.
-STIFFEST = 2.0
-#: Methods that are not an integrator on joints.
+CONTACT = "{}, the table as a contact as stiff as the timestep allows"
+# Orders: MuJoCo documentation, "Numerical integration" and changelog 4.0.0, item 5; measured in
+# docs/measured/engines-mujoco.md.
 WAYS = {
-    "default": Way(None),
-    "contact-Euler": Way("Euler", by_contact=True, tied=STIFFEST),
-    "contact-RK4": Way("RK4", by_contact=True, tied=STIFFEST),
-    "contact-default": Way(None, by_contact=True),
+    "Euler": Way(1, "semi-implicit Euler, joint damping implicit", "Euler"),
+    "implicitfast": Way(
+        1, "implicit in velocity; gyroscopic terms of free bodies only", "implicitfast"
+    ),
+    "implicit": Way(1, "implicit in velocity, gyroscopic terms included", "implicit"),
+    "RK4": Way(4, "Runge-Kutta of fourth order", "RK4"),
+    "discrete": Way(
+        1, "implicit in velocity and position, one solve with the constraints", "discrete"
+    ),
+    "default": Way(1, "as shipped: Euler, with every pass on", None),
+    "contact-RK4": Way(2, CONTACT.format("RK4"), "RK4", by_contact=True, tied=STIFFEST),
+    "contact-Euler": Way(1, CONTACT.format("Euler"), "Euler", by_contact=True, tied=STIFFEST),
+    "contact-default": Way(
+        1,
+        "as shipped: Euler, the table as a contact with a time constant of 20 ms",
+        None,
+        by_contact=True,
+    ),
 }
-#: Of a table by contact.
-BY_CONTACT = COMMON_EFFECTS | {"table"}
-#: What joints can be of: a table is two slides under a ball, a rotor's hinge is a hinge.
-EFFECTS = BY_CONTACT | {"rotors"}
-ON_TABLE = frozenset({"table"})
-CONTACT_SETUP = """\
-{setup}
-# of the plane and of the sphere at the tip, whenever the timestep is set:
-model.geom_solref[:, 0] = 2 * TIMESTEP"""
-
-
-def _method(name: str, order: int, summary: str) -> Method:
-    return Method(name, order, order, summary, EFFECTS, setup=setup(name))
-
-
-def _by_contact(integrator: str, order: int) -> Method:
-    return Method(
-        f"contact-{integrator}",
-        order,
-        order,
-        f"{integrator}, the table as a contact as stiff as the timestep allows",
-        BY_CONTACT,
-        requires=ON_TABLE,
-        setup=CONTACT_SETUP.format(setup=setup(integrator)),
-    )
 
 
 @final
@@ -110,34 +132,7 @@ class MuJoCo(Engine):
     # Documentation, XML reference, option/timestep.
     stock_timestep = 0.002
     describes = frozenset({"parts", "full tensor", "shape", "joint", "compensated", "urdf"})
-    # Orders: MuJoCo documentation, "Numerical integration" and changelog 4.0.0, item 5; measured
-    # in docs/measured/engines-mujoco.md.
-    methods = (
-        _method("Euler", 1, "semi-implicit Euler, joint damping implicit"),
-        _method("implicitfast", 1, "implicit in velocity; gyroscopic terms of free bodies only"),
-        _method("implicit", 1, "implicit in velocity, gyroscopic terms included"),
-        _method("RK4", 4, "Runge-Kutta of fourth order"),
-        _method("discrete", 1, "implicit in velocity and position, one solve with the constraints"),
-        Method(
-            "default",
-            1,
-            1,
-            "as shipped: Euler, with every pass on",
-            EFFECTS,
-            as_shipped=True,
-        ),
-        _by_contact("RK4", 2),
-        _by_contact("Euler", 1),
-        Method(
-            "contact-default",
-            1,
-            1,
-            "as shipped: Euler, the table as a contact with a time constant of 20 ms",
-            BY_CONTACT,
-            requires=ON_TABLE,
-            as_shipped=True,
-        ),
-    )
+    methods = tuple(way.method(name) for name, way in WAYS.items())
 
     @property
     def version(self) -> str:
@@ -146,8 +141,7 @@ class MuJoCo(Engine):
 
     def open(self, scenario: Scenario, method: Method, timestep: float) -> MuJoCoSession:
         """Compile the scene's MJCF and set its keyframe."""
-        left_in = left_out(scenario) if method.as_shipped else ()
-        return self.open_with(scenario, method, timestep, left_in=left_in)
+        return self.open_with(scenario, method, timestep)
 
     def open_with(
         self,
@@ -161,16 +155,17 @@ class MuJoCo(Engine):
     ) -> MuJoCoSession:
         """As `open`; flags are set after compiling, as older versions refuse some in MJCF."""
         check_not_too_small(scenario)
-        way = _way(method)
+        way = WAYS[method.name]
         if way.integrator is not None:
             _check_has(way.integrator)
-        if description != PLAIN:
-            way = replace(way, description=description)
+        off = way.switched_off(scenario)
+        if method.as_shipped and description == PLAIN:
+            left_in = (*switched_off(scenario), CLOCK)
         if description.compensated:
             # Among the passive forces.
             left_in = ("gravity", "spring", "damper")
-        model = copy(_model(scenario, way))
-        disable(model, (name for name in _switched_off(scenario, method) if name not in left_in))
+        model = copy(_model(scenario, way, description))
+        disable(model, (name for name in off if name not in left_in))
         start = model.key(0)
         session = MuJoCoSession(scenario, model, start.qpos, start.qvel, CLOCK in left_in, way.tied)
         session.set_timestep(timestep)
@@ -178,7 +173,8 @@ class MuJoCo(Engine):
 
     def script(self, scenario: Scenario, method: Method, timestep: float) -> str:
         """The MJCF, and the few calls that step it."""
-        way, off = _way(method), () if method.as_shipped else _switched_off(scenario, method)
+        way = WAYS[method.name]
+        off = () if method.as_shipped else way.switched_off(scenario)
         moving = 3 if way.by_contact else 3 - sum(scenario.constraint.is_held)
         return script(_text(scenario, timestep, way), off, way.tied, moving)
 
@@ -186,10 +182,10 @@ class MuJoCo(Engine):
         """The passes that are switched off, and the clock."""
         if method.as_shipped:
             return ()
-        if not _way(method).by_contact:
-            return left_out(scenario)
-        kept = (*PASSES, *OF_CONTACTS)
-        return tuple(name for name in left_out(off_its_table(scenario)) if name not in kept)
+        way = WAYS[method.name]
+        kept = OF_CONTACTS if way.by_contact else ()
+        passes = [name for name in way.switched_off(scenario) if name not in kept]
+        return (*passes, *([CLOCK] if SHIPPED else ()))
 
     def at_version(self, version: str) -> Release:
         """Another version; its differences are from MuJoCo's changelog."""
@@ -208,34 +204,23 @@ def release(version: str, methods: tuple[Method, ...]) -> Release:
     return Release(tuple(f"{part}=={version}" for part in parts), methods, MuJoCo.name)
 
 
-def _way(method: Method) -> Way:
-    return WAYS.get(method.name, Way(method.name))
-
-
-def _switched_off(scenario: Scenario, method: Method) -> tuple[str, ...]:
-    """The passes that a method does not need."""
-    if not _way(method).by_contact:
-        return switched_off(scenario)
-    return tuple(name for name in switched_off(off_its_table(scenario)) if name not in PASSES)
-
-
 @lru_cache(maxsize=KEPT)
-def _model(scenario: Scenario, way: Way) -> Any:
+def _model(scenario: Scenario, way: Way, description: Description) -> Any:
     """The compiled scene, with every pass on."""
-    if way.description.urdf:
-        integrator, description = way.integrator or "Euler", way.description
+    if description.urdf:
+        integrator = way.integrator or "Euler"
         return compiled(lambda: spec_of_urdf(scenario, integrator, description).compile())
-    text = _text(scenario, ANY_TIMESTEP, way)
+    text = _text(scenario, ANY_TIMESTEP, way, description)
     if not hasattr(getattr(mujoco, "MjsJoint", None), "align"):
         # Versions without the attribute behave as if it were set.
         text = text.replace(' align="false"', "")
     return compiled(lambda: mujoco.MjModel.from_xml_string(text))
 
 
-def _text(scenario: Scenario, timestep: float, way: Way) -> str:
+def _text(scenario: Scenario, timestep: float, way: Way, description: Description = PLAIN) -> str:
     """The scene as MJCF, with every pass on."""
-    alone = off_its_table(scenario) if way.by_contact else scenario
-    text = mjcf(alone, timestep, way.integrator, switched_off(alone), way.description)
+    alone = way.alone(scenario)
+    text = mjcf(alone, timestep, way.integrator, switched_off(alone), description)
     if not way.by_contact:
         return text
     return with_contact(text, scenario, (way.tied * timestep, 1.0) if way.tied else None)

@@ -20,7 +20,6 @@ from spincheck.engine import (
 )
 
 from ...models.hinged import hinged, unhinged
-from ...models.mjcf import switched_off
 from . import clock
 from .audit import acting
 from .coordinates import WORLD, anchor_of, axial_of, body_of, coordinates_of, states_of
@@ -204,11 +203,6 @@ class MuJoCoSession(Session):
 
 def _rows(snapshots: Sequence[Snapshot]) -> FloatArray:
     return np.frombuffer(bytearray().join(snapshots)).reshape(len(snapshots), -1)
-
-
-def left_out(scenario: Scenario) -> tuple[str, ...]:
-    """What a scene does not need: passes, by MuJoCo's names, and the clock if there is one."""
-    return (*switched_off(scenario), *([clock.CLOCK] if clock.SHIPPED else []))
 
 
 def check_not_too_small(scenario: Scenario) -> None:

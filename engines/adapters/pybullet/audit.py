@@ -41,7 +41,7 @@ def what_acts(
     acting = {*_engine(world, scenario), *_holds(world)}
     acting |= _lifted_off(world, scenario) if rests else _extras(world)
     if np.isfinite(model.read_state().omega_body).all():
-        acting |= _acting(Probe.of(advance, model, scenario))
+        acting |= _acting(Probe(advance, model, scenario))
     return frozenset(acting)
 
 
@@ -139,7 +139,7 @@ def _acting(probe: Probe) -> set[str]:
 
 def _wrong_hinges(probe: Probe) -> set[str]:
     """What is wrong with the hinges; PyBullet's motors if it ends without them."""
-    if not any(probe.wrong_hinges()):
+    if not probe.wrong_hinges():
         return set()
     probe.model.world.take_away_motors()
     return set(probe.wrong_hinges()) or {"joint motor"}

@@ -22,13 +22,12 @@ from spincheck.engine import (
     start_state,
 )
 
-from ...checks.equations import Equations
 from ...native_output import native_output
 from ...version_numbers import numbers_of
 
 with native_output():
     # On import, Bullet prints its build date.
-    from .load import BodyRepresentation, left_out
+    from .load import BodyRepresentation
     from .pivot_limit import check_borne
     from .script import script, setup
     from .session import PyBulletSession
@@ -40,42 +39,52 @@ MOST_ROTATION_A_STEP = pi / 4
 
 #: What bodies in joint coordinates have besides.
 JOINTED = COMMON_EFFECTS | {"rotors"}
-
-REPRESENTATIONS = {
-    "multibody": BodyRepresentation(maximal=False, hung=True),
-    "multibody-p2p": BodyRepresentation(maximal=False, hung=False),
-    "maximal": BodyRepresentation(maximal=True, hung=False),
-    "contact": BodyRepresentation(maximal=False, hung=False, by_contact=True),
-    "default": BodyRepresentation(maximal=False, hung=True, defaults=frozenset(DEFAULTS)),
-    "default-inertia-from-file": BodyRepresentation(
-        maximal=False, hung=True, defaults=frozenset(DEFAULTS) - {INERTIA}
-    ),
-}
 ON_TABLE = frozenset({"table"})
-
+SHIPPED = frozenset(DEFAULTS)
 #: Of first order, whatever the coordinates.
 bullet_method = partial(
     Method, order=1, attitude_order=1, max_rotation_per_step=MOST_ROTATION_A_STEP
 )
-
-
-def _method(
-    name: str,
-    summary: str,
-    effects: frozenset[str] = JOINTED,
-    requires: frozenset[str] = frozenset(),
-) -> Method:
-    return bullet_method(
-        name=name,
-        summary=summary,
-        effects=effects,
-        requires=requires,
-        setup=setup(REPRESENTATIONS[name]),
-    )
-
-
-def _as_shipped(name: str, summary: str) -> Method:
-    return bullet_method(name=name, summary=summary, effects=JOINTED, as_shipped=True)
+#: By name: how the body is represented, in words, what can act, and what has to.
+METHODS = {
+    "multibody": (
+        BodyRepresentation(hung=True),
+        "joint coordinates, a pivot as a spherical joint, a table as one on two slides",
+        JOINTED | ON_TABLE,
+        set(),
+    ),
+    "multibody-p2p": (
+        BodyRepresentation(),
+        "joint coordinates, the pivot as a point-to-point constraint",
+        JOINTED,
+        {"pivot"},
+    ),
+    "maximal": (
+        BodyRepresentation(maximal=True),
+        "six coordinates a body, gyroscopic term implicit, the pivot as a constraint",
+        COMMON_EFFECTS,
+        set(),
+    ),
+    "contact": (
+        BodyRepresentation(by_contact=True),
+        "joint coordinates, the table as a contact of a sphere and a plane",
+        COMMON_EFFECTS | ON_TABLE,
+        ON_TABLE,
+    ),
+    "default": (
+        BodyRepresentation(hung=True, defaults=SHIPPED),
+        "as shipped: the URDF without flags, with damping, joint motor and velocity clamp",
+        JOINTED,
+        set(),
+    ),
+    "default-inertia-from-file": (
+        BodyRepresentation(hung=True, defaults=SHIPPED - {INERTIA}),
+        "as shipped, but for the inertia, which is the file's (URDF_USE_INERTIA_FROM_FILE)",
+        JOINTED,
+        set(),
+    ),
+}
+REPRESENTATIONS = {name: representation for name, (representation, *_) in METHODS.items()}
 
 
 class PyBullet(Engine):
@@ -87,36 +96,16 @@ class PyBullet(Engine):
     # PyBullet quickstart guide, setTimeStep.
     stock_timestep = 1 / 240
     describes = frozenset({"parts", "full tensor", "shape"})
-    methods = (
-        _method(
-            "multibody",
-            "joint coordinates, a pivot as a spherical joint, a table as one on two slides",
-            JOINTED | ON_TABLE,
-        ),
-        _method(
-            "multibody-p2p",
-            "joint coordinates, the pivot as a point-to-point constraint",
-            requires=frozenset({"pivot"}),
-        ),
-        _method(
-            "maximal",
-            "six coordinates a body, gyroscopic term implicit, the pivot as a constraint",
-            COMMON_EFFECTS,
-        ),
-        _method(
-            "contact",
-            "joint coordinates, the table as a contact of a sphere and a plane",
-            COMMON_EFFECTS | ON_TABLE,
-            requires=ON_TABLE,
-        ),
-        _as_shipped(
-            "default",
-            "as shipped: the URDF without flags, with damping, joint motor and velocity clamp",
-        ),
-        _as_shipped(
-            "default-inertia-from-file",
-            "as shipped, but for the inertia, which is the file's (URDF_USE_INERTIA_FROM_FILE)",
-        ),
+    methods = tuple(
+        bullet_method(
+            name=name,
+            summary=summary,
+            effects=effects,
+            requires=frozenset(requires),
+            as_shipped=representation.as_shipped,
+            setup="" if representation.as_shipped else setup(representation),
+        )
+        for name, (representation, summary, effects, requires) in METHODS.items()
     )
 
     @property
@@ -127,7 +116,7 @@ class PyBullet(Engine):
     def open(self, scenario: Scenario, method: Method, timestep: float) -> Session:
         """Load the scene's URDF and set its start."""
         if REPRESENTATIONS[method.name].maximal and scenario.constraint.is_pivot:
-            check_borne(Equations(scenario), start_state(scenario), timestep)
+            check_borne(scenario, start_state(scenario), timestep)
         return self.open_with(scenario, method, timestep)
 
     def open_with(
@@ -154,7 +143,7 @@ class PyBullet(Engine):
 
     def left_out(self, scenario: Scenario, method: Method) -> tuple[str, ...]:
         """The collision shape, and for a body on a joint the motor, which has no force."""
-        return left_out(scenario, REPRESENTATIONS[method.name])
+        return REPRESENTATIONS[method.name].left_out(scenario)
 
     def at_version(self, version: str) -> Release:
         """Another version, with the same methods."""
@@ -162,11 +151,8 @@ class PyBullet(Engine):
 
     def defaults(self, scenario: Scenario, method: Method) -> tuple[str, ...]:
         """The defaults of a method as shipped; motors only if there is a joint."""
-        left = REPRESENTATIONS[method.name].defaults - (
-            frozenset()
-            if scenario.constraint.is_pivot or scenario.rotors.is_turning.any()
-            else {JOINT_MOTOR}
-        )
+        has_joint = scenario.constraint.is_pivot or scenario.rotors.is_turning.any()
+        left = REPRESENTATIONS[method.name].defaults - (set() if has_joint else {JOINT_MOTOR})
         return tuple(name for name in DEFAULTS if name in left)
 
 

@@ -45,7 +45,7 @@ class PyBulletFile(FileEngine):
         shapes = takes_mesh if INERTIA in left else None
         text, meshes = body_alone(users.model, users.body, shapes)
         own = OwnURDF(text, tuple(meshes.items()))
-        representation = BodyRepresentation(maximal=False, hung=False, defaults=left, own=own)
+        representation = BodyRepresentation(defaults=left, own=own)
         return PyBulletSession(scenario, representation, timestep)
 
     def at_version(self, version: str) -> Release:

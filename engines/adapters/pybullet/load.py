@@ -46,8 +46,8 @@ class BodyRepresentation:
     description : how the scene's URDF describes the body
     """
 
-    maximal: bool
-    hung: bool
+    maximal: bool = False
+    hung: bool = False
     defaults: frozenset[str] = frozenset()
     own: OwnURDF | None = None
     description: Description = PLAIN
@@ -62,12 +62,11 @@ class BodyRepresentation:
         """Whether the scene's body hangs by a joint."""
         return self.hung and not scenario.constraint.is_free
 
-
-def left_out(scenario: Scenario, representation: BodyRepresentation) -> tuple[str, ...]:
-    """Parts left out of the body that would change no motion."""
-    if representation.as_shipped or representation.own or representation.by_contact:
-        return ()
-    return (SHAPE, MOTOR) if representation.hangs(scenario) else (SHAPE,)
+    def left_out(self, scenario: Scenario) -> tuple[str, ...]:
+        """Parts left out of the body that would change no motion."""
+        if self.as_shipped or self.own or self.by_contact:
+            return ()
+        return (SHAPE, MOTOR) if self.hangs(scenario) else (SHAPE,)
 
 
 def load(
@@ -143,7 +142,9 @@ def scenes_own(
         assert table is not None
         sphere = table.tip, sphere_and_plane(scenario)[0]
     elif SHAPE in left_in:
-        sphere = tuple(scenario.body.com), _gyration_radius(scenario)
+        # About the size of a shape: the radius of gyration.
+        radius = np.sqrt(scenario.body.principal_moments[-1] / scenario.body.mass)
+        sphere = tuple(scenario.body.com), float(radius)
     text = urdf(
         scenario,
         sphere=sphere,
@@ -197,30 +198,33 @@ def _model_of_rigid_body(world: World, scenario: Scenario) -> Model:
     return Model(world, body_from_principal, com, np.zeros(3))
 
 
-def _gyration_radius(scenario: Scenario) -> float:
-    """The body's radius of gyration about its com, m: about the size of a collision shape."""
-    return float(np.sqrt(scenario.body.principal_moments[-1] / scenario.body.mass))
-
-
 def _check_not_lost(scenario: Scenario, representation: BodyRepresentation) -> None:
     """Raise if Bullet would leave out terms, which it does below an absolute constant."""
     mass, moments = scenario.carrier.mass, scenario.carrier.principal_moments
-    if representation.maximal and np.prod(moments) <= TAKEN_FOR_ZERO:
-        raise UnsupportedError(
+    is_pivot, product, least = scenario.constraint.is_pivot, np.prod(moments), min(mass, *moments)
+    is_jointed = is_pivot and representation.hung
+    limits = (
+        (
+            representation.maximal,
+            product,
             "in maximal coordinates PyBullet drops the gyroscopic term unless the product of the "
-            f"principal moments exceeds {TAKEN_FOR_ZERO:.2g} (kg m²)³, got {np.prod(moments):.2g}; "
-            "scale the scene up, or use another method"
-        )
-    is_tied = not (representation.maximal or representation.hung) and scenario.constraint.is_pivot
-    if is_tied and 1 / mass <= TAKEN_FOR_ZERO:
-        raise UnsupportedError(
+            f"principal moments exceeds {TAKEN_FOR_ZERO:.2g} (kg m²)³, got {product:.2g}; "
+            "scale the scene up, or use another method",
+        ),
+        (
+            is_pivot and not (is_jointed or representation.maximal),
+            1 / mass,
             "PyBullet drops a point-to-point constraint on a body whose inverse mass does not "
             f"exceed {TAKEN_FOR_ZERO:.2g} /kg, got {mass:.2g} kg; scale the scene down, or use "
-            "another method"
-        )
-    on_a_joint = representation.hung and scenario.constraint.is_pivot
-    if not on_a_joint and min(mass, *moments) <= TAKEN_FOR_ZERO:
-        raise UnsupportedError(
+            "another method",
+        ),
+        (
+            not is_jointed,
+            least,
             f"PyBullet takes a mass or moment for zero unless it exceeds {TAKEN_FOR_ZERO:.2g} "
-            f"(kg, kg m²), got {min(mass, *moments):.2g}; scale the scene up"
-        )
+            f"(kg, kg m²), got {least:.2g}; scale the scene up",
+        ),
+    )
+    for concerns, number, words in limits:
+        if concerns and number <= TAKEN_FOR_ZERO:
+            raise UnsupportedError(words)

@@ -13,8 +13,8 @@ from spincheck.engine import BodyReading, FloatArray, Scenario, State, composed
 from ....scenarios.rotation import across, cross, matrices, matrix, times, turned, turned_back
 from .world import BASE, World
 
-#: What a world's `move` takes.
-Move = tuple[Sequence[float] | None, FloatArray, FloatArray]
+#: In what `getJointInfo` returns: axis, place and turn of a joint, and the link it is on.
+AXIS, PLACE, TURN, PARENT = 13, 14, 15, 16
 
 
 @dataclass(frozen=True, eq=False)
@@ -24,15 +24,13 @@ class Placed:
     Attributes
     ----------
     q_xyzw, omega : of a base, world axes; of a body that hangs, its joint's, principal axes
-    arm_world : from the joint, or of a base from the body's origin, to the com, m, (3,)
-    link_world : from the com of the link that is set to that of all, m, (3,)
+    arm_world : to the com of all from the point that is set, m, (3,): a joint, or a base's own com
     swing_world : ω × `arm_world`, m/s, (3,)
     """
 
     q_xyzw: Sequence[float] | FloatArray
     omega: FloatArray
     arm_world: FloatArray
-    link_world: FloatArray
     swing_world: FloatArray
 
 
@@ -52,69 +50,46 @@ class Model:
     link_com: FloatArray
     joint_body: FloatArray
 
-    def read_body(self) -> BodyReading:
-        """Mass, com and tensor, with what is welded to the link, and its rotors."""
-        return self._body
-
     @cached_property
-    def _body(self) -> BodyReading:
-        """PyBullet keeps principal moments of each link, and a frame for them."""
-        world, link = self.world, self.world.link
-        mass, _, moments, *_ = p.getDynamicsInfo(world.body, link, world.client)
-        R_body_principal = self.body_from_principal.as_matrix()
-        tensor = R_body_principal @ np.diag(moments) @ R_body_principal.T
-        alone = BodyReading(mass, self.link_com, tensor)
-        links = range(link + 1, p.getNumJoints(world.body, world.client))
-        if not links:
-            return alone
-        poses = {link: (self.link_com, self.body_from_principal)}
-        body = composed([alone, *(self._welded(link, poses) for link in links)])
-        return replace(body, axial=self._axial(poses)) if world.scene["rotors"] else body
+    def body(self) -> BodyReading:
+        """Mass, com and tensor, with what is welded to the link, and its rotors.
 
-    def _axial(self, poses: dict[int, tuple[FloatArray, Rotation]]) -> FloatArray:
-        """Axis times moment about it of each rotor, kg m², body axes, (rotors, 3); 0 if locked."""
-        world = self.world
-        axial = np.zeros((len(world.scene["rotors"]), 3))
-        for link in world.hinges:
-            # Along the principal axes of the rotor's link.
-            axis = np.array(p.getJointInfo(world.body, link, world.client)[13])
-            moments = np.array(p.getDynamicsInfo(world.body, link, world.client)[2])
-            moment = float(axis @ (moments * axis))
-            axial[link - world.first_rotor] = poses[link][1].apply(axis) * moment
-        return axial
-
-    def _welded(self, link: int, poses: dict[int, tuple[FloatArray, Rotation]]) -> BodyReading:
-        """A link on a fixed joint, or on a hinge at angle 0, in body axes.
-
-        Parameters
-        ----------
-        poses : com and principal axes of the links before it; its own is added. PyBullet has the
-            joint's place and the turn of these axes in the parent's.
+        PyBullet keeps principal moments of each link, the place of its joint in the axes of the
+        link before it, and the turn of its own: joints are at angle 0.
         """
-        world = self.world
-        *_, joint, q_xyzw, parent = p.getJointInfo(world.body, link, world.client)
-        mass, _, moments, com, q_own_xyzw, *_ = p.getDynamicsInfo(world.body, link, world.client)
-        at, parent_axes = poses[parent]
-        axes = parent_axes * Rotation.from_quat(q_xyzw).inv()
-        link_axes = axes * Rotation.from_quat(q_own_xyzw).inv()
-        its_com = at + parent_axes.apply(joint) + link_axes.apply(com)
-        poses[link] = its_com, axes
-        return BodyReading(mass, np.zeros(3), np.diag(moments)).placed(its_com, axes.as_matrix())
-
-    @cached_property
-    def com(self) -> FloatArray:
-        """Centre of mass of the whole, as the engine holds it, m, body axes, (3,)."""
-        return self._body.com
+        world, R_body_principal = self.world, self.body_from_principal.as_matrix()
+        mass, _, moments, *_ = p.getDynamicsInfo(world.body, world.link, world.client)
+        tensor = R_body_principal @ np.diag(moments) @ R_body_principal.T
+        parts = [BodyReading(mass, self.link_com, tensor)]
+        poses = {world.link: (self.link_com, self.body_from_principal)}
+        axial = np.zeros((len(world.scene["rotors"]), 3))
+        for link in range(world.link + 1, p.getNumJoints(world.body, world.client)):
+            joint = p.getJointInfo(world.body, link, world.client)
+            mass, _, moments, com, q_own_xyzw, *_ = p.getDynamicsInfo(
+                world.body, link, world.client
+            )
+            at, parent_axes = poses[joint[PARENT]]
+            axes = parent_axes * Rotation.from_quat(joint[TURN]).inv()
+            link_axes = axes * Rotation.from_quat(q_own_xyzw).inv()
+            its_com = at + parent_axes.apply(joint[PLACE]) + link_axes.apply(com)
+            poses[link] = its_com, axes
+            alone = BodyReading(mass, np.zeros(3), np.diag(moments))
+            parts.append(alone.placed(its_com, axes.as_matrix()))
+            if link in world.hinges:
+                axis = np.array(joint[AXIS])
+                moment = float(axis @ (np.array(moments) * axis))
+                axial[link - world.first_rotor] = axes.apply(axis) * moment
+        return parts[0] if len(parts) == 1 else replace(composed(parts), axial=axial)
 
     @cached_property
     def _arm(self) -> FloatArray:
         """The com of the whole from the link's, m, body axes, (3,)."""
-        return self.com - self.link_com
+        return self.body.com - self.link_com
 
     @cached_property
     def _lever(self) -> FloatArray:
         """The com of the whole from the joint, m, body axes, (3,)."""
-        return self.com - self.joint_body
+        return self.body.com - self.joint_body
 
     def read_state(self) -> State:
         """The state now."""
@@ -140,6 +115,15 @@ class Model:
         spins[:, [link - self.world.first_rotor for link in self.world.hinges]] = rows[:, 13:]
         return State(q_world_body, omega_body, com_world, velocity_world, spins)
 
+    def R_world_body(self) -> FloatArray:
+        """The body's attitude now, (3, 3)."""
+        q_world_body = self.read_state().q_world_body_wxyz
+        return matrix(q_world_body / np.linalg.norm(q_world_body))
+
+    @cached_property
+    def _times_q_principal_body(self) -> FloatArray:
+        return times(self.body_from_principal.inv().as_quat(scalar_first=True))
+
     def coordinates(self, states: State) -> FloatArray:
         """The velocity coordinates that PyBullet clamps, rad/s and m/s, a row of each state."""
         R_world_body = matrices(states.q_world_body_wxyz)
@@ -151,94 +135,61 @@ class Model:
         sliding = (states.velocity_world - swing_world)[:, : self.world.link]
         return np.hstack([sliding, turning, states.spins])
 
-    def R_world_body(self) -> FloatArray:
-        """The body's attitude now, (3, 3)."""
-        q_world_body = self.read_state().q_world_body_wxyz
-        return matrix(q_world_body / np.linalg.norm(q_world_body))
-
-    def put_on_pivot(self) -> None:
-        """Move the body's origin back to the pivot; the attitude stays, velocities become zero."""
-        q_xyzw = self.world.motion()[1]
-        com_world = self.R_world_body() @ self.link_com
-        p.resetBasePositionAndOrientation(self.world.body, com_world, q_xyzw, self.world.client)
-
     def placed(self, state: State) -> Placed:
-        """A state in PyBullet's coordinates; a body that hangs by a joint is turned there."""
+        """A state in PyBullet's coordinates; a body that hangs by a joint is turned there.
+
+        A joint's angle is counted along the principal axes.
+        """
+        world, principal = self.world, self.body_from_principal
         world_from_body = Rotation.from_quat(state.q_world_body_wxyz, scalar_first=True)
-        arm_world, link_world = map(world_from_body.apply, (self._lever, self._arm))
-        omega_world = world_from_body.apply(np.array(state.omega_body))
-        arms = arm_world, link_world, cross(omega_world, arm_world)
-        if self.world.link == BASE:
-            q_xyzw = (world_from_body * self.body_from_principal).as_quat()
-            return Placed(q_xyzw, omega_world, *arms)
-        self._turn(world_from_body)
-        q_joint_xyzw, _, omega_principal = self._move(omega_world, np.zeros(3))
-        assert q_joint_xyzw is not None
-        return Placed(q_joint_xyzw, omega_principal, *arms)
+        omega = world_from_body.apply(np.array(state.omega_body))
+        is_base = world.link == BASE
+        arm_world = world_from_body.apply(self._arm if is_base else self._lever)
+        swing_world = cross(omega, arm_world)
+        if is_base:
+            q_xyzw = (world_from_body * principal).as_quat()
+        else:
+            turned = (principal.inv() * world_from_body * principal).as_quat()
+            world.move(turned, np.zeros(3), np.zeros(3))
+            q_xyzw, *_ = p.getJointStateMultiDof(world.body, world.link, world.client)
+            omega = Rotation.from_quat(world.motion()[1]).inv().apply(omega)
+        return Placed(q_xyzw, omega, arm_world, swing_world)
 
     def place(self, placed: Placed, com_world: FloatArray, velocity_world: FloatArray) -> None:
         """Set the body to a state; the joint of one that hangs stays at its height."""
-        world = self.world
-        if world.link != BASE:
-            world.slide(com_world - placed.arm_world, velocity_world - placed.swing_world)
+        world, at, speed = self.world, com_world - placed.arm_world, placed.swing_world
+        if world.link == BASE:
+            p.resetBasePositionAndOrientation(world.body, at, placed.q_xyzw, world.client)
         else:
-            of_link = com_world - placed.link_world
-            p.resetBasePositionAndOrientation(world.body, of_link, placed.q_xyzw, world.client)
-            velocity_world = velocity_world - cross(placed.omega, placed.link_world)
-        world.move(placed.q_xyzw, velocity_world, placed.omega)
-
-    def set_velocity(self, omega_world: FloatArray, velocity_world: FloatArray) -> None:
-        """Set ω (3,) and the com's velocity (3,) as far as a joint lets it; the pose stays."""
-        if self.world.link != BASE:
-            arm_world = self.R_world_body() @ self._lever
-            place = self.read_state().com_world - arm_world
-            self.world.slide(place, velocity_world - cross(omega_world, arm_world))
-        self.world.move(*self._move(omega_world, velocity_world))
+            world.slide(at, velocity_world - speed)
+        world.move(placed.q_xyzw, velocity_world - speed, placed.omega)
 
     def in_its_axes(self, scenario: Scenario) -> dict[str, Any]:
         """What a world's `set_up` needs besides: the start and torque, along principal axes."""
-        world_from_body = Rotation.from_quat(scenario.start.q_world_body_wxyz, scalar_first=True)
-        principal_from_body = self.body_from_principal.inv()
-        if self.world.link != BASE:
-            self._turn(world_from_body)
-        omega_world = world_from_body.apply(np.array(scenario.start.omega_body))
-        velocity_world = scenario.start.velocity_world
-        if scenario.constraint.is_pivot:
-            velocity_world = np.cross(
-                omega_world, world_from_body.apply(np.array(scenario.body.com))
-            )
-        joint, velocity, omega = self._move(omega_world, velocity_world)
+        start, is_pivot = scenario.start, scenario.constraint.is_pivot
+        is_base, principal_from_body = self.world.link == BASE, self.body_from_principal.inv()
+        world_from_body = Rotation.from_quat(start.q_world_body_wxyz, scalar_first=True)
+        omega_world = world_from_body.apply(np.array(start.omega_body))
+        velocity_world = start.velocity_world
+        if is_pivot:
+            com_world = world_from_body.apply(np.array(scenario.body.com))
+            velocity_world = cross(omega_world, com_world)
+        at_rest = State(start.q_world_body_wxyz, start.omega_body, np.zeros(3), np.zeros(3))
+        placed = self.placed(at_rest)
         arm_world = world_from_body.apply(self._lever)
-        is_tied = scenario.constraint.is_pivot and self.world.link == BASE
+        of_link = velocity_world
+        if is_base and self._arm.any():
+            of_link = velocity_world - cross(omega_world, self.R_world_body() @ self._arm)
         torque = principal_from_body.apply(np.array(scenario.pushed["torque_body"]))
         return {
             "axes": self.body_from_principal.as_quat(scalar_first=True).tolist(),
-            "pivot": principal_from_body.apply(-self.link_com).tolist() if is_tied else None,
-            "place": (scenario.start.position_world - arm_world).tolist(),
-            "speed": (velocity_world - np.cross(omega_world, arm_world)).tolist(),
-            "joint": joint,
-            "velocity": velocity.tolist(),
-            "omega": omega.tolist(),
+            "pivot": principal_from_body.apply(-self.link_com).tolist()
+            if is_pivot and is_base
+            else None,
+            "place": (start.position_world - arm_world).tolist(),
+            "speed": (velocity_world - cross(omega_world, arm_world)).tolist(),
+            "joint": None if is_base else placed.q_xyzw,
+            "velocity": of_link.tolist(),
+            "omega": placed.omega.tolist(),
             "torque_body": torque.tolist(),
         }
-
-    def _move(self, omega_world: FloatArray, velocity_world: FloatArray) -> Move:
-        """What the world's `move` takes for these, at the attitude now."""
-        world = self.world
-        if world.link == BASE:
-            if self._arm.any():
-                arm_world = self.R_world_body() @ self._arm
-                velocity_world = velocity_world - cross(omega_world, arm_world)
-            return None, velocity_world, omega_world
-        q_joint_xyzw, *_ = p.getJointStateMultiDof(world.body, world.link, world.client)
-        world_from_principal = Rotation.from_quat(world.motion()[1])
-        return q_joint_xyzw, velocity_world, world_from_principal.inv().apply(omega_world)
-
-    def _turn(self, world_from_body: Rotation) -> None:
-        """Turn the link that hangs: its joint's angle is counted along the principal axes."""
-        turned = self.body_from_principal.inv() * world_from_body * self.body_from_principal
-        self.world.move(turned.as_quat(), np.zeros(3), np.zeros(3))
-
-    @cached_property
-    def _times_q_principal_body(self) -> FloatArray:
-        return times(self.body_from_principal.inv().as_quat(scalar_first=True))

@@ -1,23 +1,28 @@
 """What the pivot of a rigid body bears: beyond it the body falls through."""
 
 import numpy as np
-from spincheck.engine import State, UnsupportedError
+from spincheck.engine import Scenario, State, UnsupportedError
 
+from ....scenarios.effects.push import push
 from ....scenarios.rotation import cross, matrix
-from ...checks.equations import Equations
 
 #: N s a step, of a constraint between two rigid bodies: PyBullet's default, which it keeps.
 MOST_IMPULSE = 500.0
 
 
-def check_borne(equations: Equations, state: State, timestep: float) -> None:
-    """Raise `UnsupportedError` if the pivot cannot bear the body at this state."""
-    body, com = equations.scenario.body, equations.scenario.body.com
+def check_borne(scenario: Scenario, state: State, timestep: float) -> None:
+    """Raise `UnsupportedError` if the pivot cannot bear the body at this state.
+
+    The com's acceleration is by Euler's equations about the pivot.
+    """
+    mass, com, inertia = scenario.body.mass, scenario.body.com, scenario.inertia
     R_world_body, omega_body = matrix(state.q_world_body_wxyz), state.omega_body
-    torque_body = equations.torque_body(R_world_body, omega_body, equations.kept_body(state))
-    omega_rate = equations.inverse @ torque_body
+    weight_body = mass * (scenario.gravity_world @ R_world_body)
+    pushed_world = push(scenario.pushed, R_world_body, R_world_body @ omega_body)
+    torque_body = cross(com, weight_body) + pushed_world @ R_world_body
+    omega_rate = np.linalg.solve(inertia, torque_body - cross(omega_body, inertia @ omega_body))
     pull_body = cross(omega_rate, com) + cross(omega_body, cross(omega_body, com))
-    force_world = body.mass * (R_world_body @ pull_body - equations.scenario.gravity_world)
+    force_world = R_world_body @ (mass * pull_body - weight_body)
     impulse = float(np.abs(force_world).max()) * timestep
     if impulse > MOST_IMPULSE:
         raise UnsupportedError(

@@ -1,17 +1,16 @@
 """A scene running in PyBullet: its steps, and the torques that no model element gives."""
 
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import replace
-from functools import cached_property
 from math import isnan
-from struct import Struct
+from struct import pack
 from typing import final
 
 import numpy as np
 import pybullet as p
+from scipy.spatial.transform import Rotation
 from spincheck.engine import BodyReading, EngineError, Fault, Scenario, Session, State
 
-from ...checks.equations import Equations
 from ...native_output import native_output
 from .audit import what_acts
 from .load import BodyRepresentation, load
@@ -27,9 +26,6 @@ DEFAULT_CLAMP = 100.0
 IDLE = 2.0**-60
 #: A clamped velocity is read back through a rotation, with a few rounding errors.
 ROTATED = 8 * float(np.finfo(float).eps)
-#: Three numbers of the com, four of the attitude, three of its velocity, three of ω.
-MOTION = Struct("13d")
-NOT_FINITE, NOT_COMPLETED = "the state is no longer finite", "PyBullet did not complete a step"
 #: How PyBullet marks what it warns of.
 WARNING = "b3Warning"
 
@@ -61,15 +57,11 @@ class PyBulletSession(Session):
 
     def read_body(self) -> BodyReading:
         """Mass, com and tensor as PyBullet holds them."""
-        return self.model.read_body()
+        return self.model.body
 
     def read_state(self) -> State:
         """The state now."""
         return self.model.read_state()
-
-    def set_timestep(self, timestep: float) -> None:
-        """Length of the steps from now on, s."""
-        self.world.set_timestep(timestep)
 
     @property
     def can_restart(self) -> bool:
@@ -85,55 +77,35 @@ class PyBulletSession(Session):
         """Set pose and velocities; a body held by a constraint is set off its pivot, too."""
         timestep = self.world.timestep if timestep is None else timestep
         if self._is_maximal and self._scenario.constraint.is_pivot:
-            check_borne(self._equations, state, timestep)
+            check_borne(self._scenario, state, timestep)
         # The same few states are set at many timesteps.
         turned = state.q_world_body_wxyz.tobytes() + state.omega_body.tobytes()
         if turned not in self._placed:
             self._placed[turned] = self.model.placed(state)
         placed = self._placed[turned]
         if self._is_maximal:
-            self._renew_inertia(placed)
+            self._renew_inertia(placed, state)
         self.model.place(placed, state.com_world, state.velocity_world)
         self.world.set_spins(state.spins)
-        self.set_timestep(timestep)
+        self.world.set_timestep(timestep)
 
-    def _renew_inertia(self, placed: Placed) -> None:
+    def _renew_inertia(self, placed: Placed, state: State) -> None:
         """Have PyBullet turn a rigid body's inertia, which it does at the end of a step only."""
-        rest = np.zeros(3)
-        com_world = placed.arm_world if self._scenario.constraint.is_pivot else rest
-        self.model.place(replace(placed, omega=rest), com_world, rest)
-        self.set_timestep(IDLE)
+        rest = com_world = np.zeros(3)
+        if self._scenario.constraint.is_pivot:
+            attitude = Rotation.from_quat(state.q_world_body_wxyz, scalar_first=True)
+            com_world = attitude.apply(self.model.body.com)
+        self.model.place(replace(placed, omega=rest, swing_world=rest), com_world, rest)
+        self.world.set_timestep(IDLE)
         self.advance(1)
 
-    @cached_property
-    def _equations(self) -> Equations:
-        return Equations(self._scenario)
-
     def advance(self, steps: int) -> None:
-        """As the world does."""
+        """As the world does; a world whose step was given up is not used again."""
         try:
             self.world.advance(steps)
-        except RuntimeError:
-            raise self._not_completed() from None
-
-    def _not_completed(self) -> EngineError:
-        """The error of a step that was given up; its world is not used again."""
-        self._is_sound = False
-        return EngineError(NOT_COMPLETED, "warning")
-
-    def record(self, strides: Sequence[int], keep: Callable[[bytes], object]) -> None:
-        """As in `Session`, without other calls between PyBullet's: each takes a tenth of a step."""
-        step, client, read = p.stepSimulation, self.client, self._reader()
-        # Steps without torques to renew; PyBullet has been told their number.
-        world = self.world
-        is_plain = world.at_once and not world.pushes
-        for steps in strides:
-            if steps and is_plain and steps == world.substeps:
-                if step(client) is None:
-                    raise self._not_completed()
-            elif steps:
-                self.advance(steps)
-            keep(read())
+        except RuntimeError as error:
+            self._is_sound = False
+            raise EngineError(str(error), "warning") from None
 
     def check(self) -> None:
         """Raise if the clock is not what was set, a velocity is clamped, or the pivot gave way."""
@@ -149,42 +121,16 @@ class PyBulletSession(Session):
             raise EngineError(fault.reason, fault.cause)
 
     def snapshot(self) -> bytes:
-        """The numbers of the motion as PyBullet returns them, in one array of bytes."""
-        return self._reader()()
-
-    def _reader(self) -> Callable[[], bytes]:
-        """A function that makes snapshots: `World.motion`, packed, with all that is constant bound.
+        """The numbers of the motion as PyBullet returns them, in one array of bytes.
 
         A state that is not finite ends the run: the solvers might not return from it.
         """
-        world, pack = self.world, MOTION.pack
-        body, link, client = world.body, world.link, world.client
-        pose, velocity, link_state = (
-            p.getBasePositionAndOrientation,
-            p.getBaseVelocity,
-            p.getLinkState,
-        )
-
-        def of_base() -> bytes:
-            com_world, q_xyzw = pose(body, client)
-            velocity_world, omega_world = velocity(body, client)
-            if isnan(omega_world[0]):
-                raise EngineError(NOT_FINITE, "not-finite")
-            return pack(*com_world, *q_xyzw, *velocity_world, *omega_world)
-
-        def of_link() -> bytes:
-            com_world, q_xyzw, _, _, _, _, velocity_world, omega_world = link_state(
-                body, link, 1, 1, client
-            )
-            if isnan(omega_world[0]):
-                raise EngineError(NOT_FINITE, "not-finite")
-            return pack(*com_world, *q_xyzw, *velocity_world, *omega_world)
-
-        of_body = of_base if link == BASE else of_link
-        if not world.hinges:
-            return of_body
-        # Not with `pack`, whose numbers are those of one body.
-        return lambda: of_body() + np.array(world.spins()).tobytes()
+        com_world, q_xyzw, velocity_world, omega_world = self.world.motion()
+        if isnan(omega_world[0]):
+            raise EngineError("the state is no longer finite", "not-finite")
+        spins = self.world.spins()
+        numbers = (*com_world, *q_xyzw, *velocity_world, *omega_world, *spins)
+        return pack(f"{len(numbers)}d", *numbers)
 
     def states(self, snapshots: Sequence[bytes]) -> State:
         """The states of n snapshots, in spincheck's frames."""

@@ -72,41 +72,45 @@ class World:
         self.first_rotor = p.getNumJoints(self.body, client) - len(scene["rotors"])
         hinges = dict(enumerate(scene["rotors"], start=self.first_rotor))
         self.hinges = {link: hinge for link, hinge in hinges.items() if hinge != "locked"}
-        self.at_once, self.pushes = True, []
+        self.pushes = []
 
     def set_up(self, timestep):
         """Take away the defaults that are not to be left, hold the body, and set it off."""
-        scene = self.scene
+        scene, client = self.scene, self.client
+        has_motors = JOINT_MOTOR in scene["defaults"]
         if DAMPING not in scene["defaults"]:
             self.take_away_damping()
         if CLAMP not in scene["defaults"]:
-            self.take_away_clamp()
-        if scene["hung"] and JOINT_MOTOR not in scene["defaults"]:
+            # Of all joint velocities, the base's ω among them.
+            self.change(BASE, maxJointVelocity=UNREACHED)
+        if scene["hung"] and not has_motors:
             self.set_motor(scene["motor"])
         if scene["is_exact"]:
-            self.solve_exactly()
+            # The default solver's 50 iterations leave some drives unsolved, and so much of a
+            # slender body's constraint that its error is no longer of first order.
+            p.setPhysicsEngineParameter(
+                constraintSolverType=p.CONSTRAINT_SOLVER_LCP_DANTZIG, physicsClientId=client
+            )
         if scene["pivot"] is not None:
             self.tie()
         if scene["plane"] is not None:
             self.lay_under()
         self.slide(scene["place"], scene["speed"])
         self.move(scene["joint"], scene["velocity"], scene["omega"])
-        if JOINT_MOTOR not in scene["defaults"]:
+        if not has_motors:
             self.take_away_motors()
         self.set_spins(scene["spins"])
-        p.setGravity(*scene["gravity"], physicsClientId=self.client)
+        p.setGravity(*scene["gravity"], physicsClientId=client)
         self.set_torques()
         self.set_timestep(timestep)
 
+    def change(self, link, **numbers):
+        """Set numbers of the base or a link."""
+        p.changeDynamics(self.body, link, physicsClientId=self.client, **numbers)
+
     def take_away_damping(self):
         """Set linear and angular damping to 0; for a body with joints, at its base."""
-        p.changeDynamics(
-            self.body, BASE, linearDamping=0, angularDamping=0, physicsClientId=self.client
-        )
-
-    def take_away_clamp(self):
-        """Lift the bound of all joint velocities, the base's ω among them."""
-        p.changeDynamics(self.body, BASE, maxJointVelocity=UNREACHED, physicsClientId=self.client)
+        self.change(BASE, linearDamping=0, angularDamping=0)
 
     def set_motor(self, gain):
         """Have the motor of a spherical joint, which holds the joint's velocity at zero, idle.
@@ -114,34 +118,27 @@ class World:
         With gains of one number, 0, it is removed; with three it stays in the solver, without a
         force. If it were removed first, it would not come back.
         """
-        p.setJointMotorControlMultiDof(
-            self.body,
-            self.link,
+        self.control(
             p.POSITION_CONTROL,
             targetPosition=(0, 0, 0, 1),
             positionGain=gain,
             velocityGain=gain,
             force=[0, 0, 0],
-            physicsClientId=self.client,
         )
 
-    def solve_exactly(self):
-        """Have constraints and drives solved directly.
-
-        The default solver's 50 iterations leave some drives unsolved, and so much of a slender
-        body's constraint that its error is no longer of first order.
-        """
-        p.setPhysicsEngineParameter(
-            constraintSolverType=p.CONSTRAINT_SOLVER_LCP_DANTZIG, physicsClientId=self.client
+    def control(self, mode, **numbers):
+        """Control the spherical joint that the body hangs by."""
+        p.setJointMotorControlMultiDof(
+            self.body, self.link, mode, physicsClientId=self.client, **numbers
         )
 
     def tie(self):
         """A point-to-point constraint from the body's origin to the world's."""
-        anchor = BASE
+        client, anchor = self.client, BASE
         if self.scene["maximal"]:
             # Of two rigid bodies only: a massless, shapeless one stands for the world.
             anchor = p.createMultiBody(
-                baseMass=0, useMaximalCoordinates=True, physicsClientId=self.client
+                baseMass=0, useMaximalCoordinates=True, physicsClientId=client
             )
         constraint = p.createConstraint(
             self.body,
@@ -152,10 +149,10 @@ class World:
             jointAxis=(0, 0, 0),
             parentFramePosition=self.scene["pivot"],
             childFramePosition=(0, 0, 0),
-            physicsClientId=self.client,
+            physicsClientId=client,
         )
         # The default is an impulse of 500 N s a step.
-        p.changeConstraint(constraint, maxForce=UNREACHED, physicsClientId=self.client)
+        p.changeConstraint(constraint, maxForce=UNREACHED, physicsClientId=client)
 
     def lay_under(self):
         """Put a plane under the body, both without friction or restitution.
@@ -216,43 +213,28 @@ class World:
         in world axes, or on a joint, is right for all of them; any other must be set again every
         step.
         """
-        scene, on_base = self.scene, self.link == BASE
-        if any(scene["torque_world"]):
-            self.pushes.append(partial(self.push, scene["torque_world"], p.WORLD_FRAME))
-        if any(scene["torque_body"]):
-            if on_base:
-                self.pushes.append(partial(self.push, scene["torque_body"], p.LINK_FRAME))
-                self.at_once = False
-            else:
-                self.pushes.append(self.push_joint)
-        if scene["drag"]:
-            self.at_once = False
-            if on_base:
-                self.pushes.append(self.drag)
-            else:
-                p.changeDynamics(
-                    self.body, self.link, jointDamping=scene["drag"], physicsClientId=self.client
-                )
+        in_world, in_body, drag = map(self.scene.get, ("torque_world", "torque_body", "drag"))
+        on_base = self.link == BASE
+        self.at_once = not (drag or (on_base and any(in_body)))
+        if any(in_world):
+            self.pushes.append(partial(self.push, in_world, p.WORLD_FRAME))
+        if any(in_body) and on_base:
+            self.pushes.append(partial(self.push, in_body, p.LINK_FRAME))
+        elif any(in_body):
+            self.pushes.append(partial(self.control, p.TORQUE_CONTROL, force=in_body))
+        if drag and on_base:
+            self.pushes.append(partial(self.resist, drag))
+        elif drag:
+            self.change(self.link, jointDamping=drag)
 
     def push(self, torque, frame):
         """Apply a torque to the base or link."""
         p.applyExternalTorque(self.body, self.link, torque, frame, self.client)
 
-    def push_joint(self):
-        """Apply the torque that turns with the body to its joint."""
-        p.setJointMotorControlMultiDof(
-            self.body,
-            self.link,
-            p.TORQUE_CONTROL,
-            force=self.scene["torque_body"],
-            physicsClientId=self.client,
-        )
-
-    def drag(self):
+    def resist(self, drag):
         """Apply the drag of a body that hangs by no joint."""
-        coefficient = self.scene["drag"]
         _, (x, y, z) = p.getBaseVelocity(self.body, self.client)
-        self.push((-coefficient * x, -coefficient * y, -coefficient * z), p.WORLD_FRAME)
+        self.push((-drag * x, -drag * y, -drag * z), p.WORLD_FRAME)
 
     def set_timestep(self, timestep):
         """Length of the steps from now on, s."""
@@ -262,12 +244,9 @@ class World:
         """Take whole steps, many a call where no torque has to be renewed in between."""
         if steps == self.substeps and self.at_once:
             self.step(steps)
-        elif self.at_once:
-            for substeps in calls(steps, self.timestep):
-                self.step(substeps)
-        else:
-            for _ in range(steps):
-                self.step(1)
+            return
+        for substeps in calls(steps, self.timestep) if self.at_once else [1] * steps:
+            self.step(substeps)
 
     def step(self, substeps):
         """One native call."""

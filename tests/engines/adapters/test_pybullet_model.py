@@ -112,7 +112,7 @@ def test_without_forward_kinematics_it_is_read_a_step_late(monkeypatch: pytest.M
 def first_spin(method: Method) -> np.ndarray:
     """ω after one step from rest under a torque, world axes."""
     with opened(SCENES["free-torque-world"], method) as session:
-        session.model.set_velocity(np.zeros(3), np.zeros(3))
+        p.resetBaseVelocity(session.world.body, np.zeros(3), np.zeros(3), session.client)
         session.advance(1)
         return np.array(p.getBaseVelocity(session.world.body, session.client)[1])
 
