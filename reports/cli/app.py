@@ -35,7 +35,6 @@ from .options import (
     Timesteps,
     Vary,
 )
-from .pictures.picture_commands import app as picture_commands
 from .results.result_commands import app as result_commands
 from .scenes.scene_commands import app as scene_commands
 from .stopping import Stopped, open_closed_streams, raise_when_stopped, say_last_words
@@ -62,7 +61,6 @@ app.add_typer(result_commands)
 app.add_typer(scene_commands)
 app.add_typer(engine_commands)
 app.add_typer(model_commands)
-app.add_typer(picture_commands)
 
 
 def _print_version(wanted: bool) -> None:
@@ -216,13 +214,19 @@ def report(
     results: Annotated[
         Path | None, typer.Argument(metavar="[RESULT FILE]", help="What 'spincheck run' wrote.")
     ] = None,
+    scene: Annotated[
+        str, typer.Option("--scene", metavar="SCENE", help="Make pages of this scene alone.")
+    ] = "",
     out: Annotated[Path, typer.Option(metavar="DIR", help="The folder to write.")] = REPORT_FOLDER,
 ) -> None:
-    """Make HTML and Markdown pages of a result file."""
+    """Make HTML and Markdown pages of a result file.
+
+    A button on each figure saves it as SVG.
+    """
     from ..pages.render import render
     from .run import running
 
-    stored = running.read(results or RESULT_FILE)
+    stored = running.read(results or RESULT_FILE, scene)
     try:
         print(f"The report is {render(stored, out)}")
     except OSError as error:

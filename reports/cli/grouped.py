@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from ...scenarios import Signal
 
 GROUPS = {
-    "Run and judge": ["run", "judge", "report", "view", "plot"],
+    "Run and judge": ["run", "judge", "report"],
     "Choose and compare": ["recommend", "compare", "reproduce"],
     "Look at results": ["rows", "tidy"],
     "Scenes": ["list", "show", "new", "check", "reference", "export"],

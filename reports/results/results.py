@@ -1,6 +1,7 @@
 """All that is in a result file, as reports are made from it."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields, replace
+from typing import Any, Self
 
 from ...engines import Method
 from ...reference import Solution
@@ -54,6 +55,20 @@ class Results:
     def every_row(self) -> list[Row]:
         """The runs in which nothing is varied, then all others, by method and what is varied."""
         return [*self.rows, *sorted(self.varied, key=_place)]
+
+    def of(self, scene: str) -> Self:
+        """Return the results of one scene, with the environment and all declared methods."""
+        chosen: dict[str, Any] = {
+            one.name: [record for record in records if record.key.scenario == scene]
+            for one in fields(self)
+            if one.name != "sweeps" and isinstance(records := getattr(self, one.name), list)
+        }
+        return replace(
+            self,
+            **chosen,
+            scenes={name: one for name, one in self.scenes.items() if name == scene},
+            sweeps=[one for one in self.sweeps if one.scenario.name == scene],
+        )
 
 
 def _place(row: Row) -> tuple[object, ...]:

@@ -5,7 +5,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from ....engines import Engine
-from ....scenarios import Scenario, printable
+from ....scenarios import Scenario, did_you_mean, printable
 from ...harness.choice import Choice
 from ...harness.encodings import run_encodings
 from ...harness.executors.compiling import share_of_a_core
@@ -186,8 +186,8 @@ def _asked_for(results: Results, scenarios: Sequence[Scenario], choice: Choice) 
     )
 
 
-def read(path: Path) -> Results:
-    """Everything in a result file."""
+def read(path: Path, scene: str = "") -> Results:
+    """Return everything in a result file, or what it holds of a scene, by its name."""
     with as_complaint(ResultFileError), open_store(path) as store:
         results = store.read()
         if store.log_missing:
@@ -197,7 +197,16 @@ def read(path: Path) -> Results:
             )
     if not (results.verdicts or results.sweeps):
         raise Complaint(f"{path}: holds no results; 'spincheck run' fills it")
-    return results
+    if not scene:
+        return results
+    swept = (one.scenario.name for one in results.sweeps)
+    names = {*results.scenes, *(row.key.scenario for row in results.rows), *swept}
+    if scene not in names:
+        raise Complaint(
+            f"{path}: holds no results of '{scene}', which 'spincheck run' makes"
+            f"{did_you_mean(scene, names)}"
+        )
+    return results.of(scene)
 
 
 def tell_untrue(results: Results) -> None:

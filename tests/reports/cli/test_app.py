@@ -10,6 +10,7 @@ from functools import partial
 
 import numpy as np
 import pytest
+import small_result_file
 from command_line import ended
 from library_scenes import library_scene
 from scene_texts import sphere_text
@@ -157,7 +158,6 @@ def test_run_as_json_has_rows_and_verdicts(spincheck, sphere):
         (["reference", "sphere", "--at", "-3"], "'--at' must be a time from 0 on"),
         (["report", "none.sqlite"], "no such result file"),
         (["recommend", "sphere", "--from", "none.sqlite"], "there is no file 'none.sqlite'"),
-        (["plot", "sphere", "--from", "none.sqlite"], "there is no file 'none.sqlite'"),
         (
             ["reproduce", "sphere", "--engine", "all", "--method", "default", "--timestep", "1e-3"],
             "'--engine' must name one engine, got 'all'",
@@ -213,3 +213,21 @@ def test_a_report_of_nothing_says_how_results_are_made(spincheck, tmp_path):
     assert code == BAD_INPUT
     assert "no such result file; 'spincheck run fast-top' writes one of a scene" in err
     assert list(tmp_path.iterdir()) == []
+
+
+def test_a_report_of_one_scene_holds_what_there_is_of_it_alone(spincheck, tmp_path):
+    stored = small_result_file.write(tmp_path / "all.sqlite")
+    code, out, err = spincheck("report", str(stored), "--scene", small_result_file.SWEPT)
+    assert (code, err) == (0, "")
+    pages = tmp_path / out.removeprefix("The report is ").removesuffix("index.html\n")
+    assert not (pages / "scenes").exists()
+    assert {path.parent.name for path in pages.rglob("*.html")} == {pages.name, "maps", "ensembles"}
+    code, *_ = spincheck("report", str(stored), "--scene", small_result_file.SCENE)
+    assert code == 1
+    assert [path.name for path in pages.rglob("*.html")] == [
+        "index.html",
+        f"{small_result_file.SCENE}.html",
+    ]
+    code, _, err = spincheck("report", str(stored), "--scene", "made-up-tops")
+    assert code == BAD_INPUT
+    assert "holds no results of 'made-up-tops', which 'spincheck run' makes; did you mean" in err

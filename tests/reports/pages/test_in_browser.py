@@ -6,6 +6,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import made_up_sweeps
+import numpy as np
 import pytest
 import users_models
 from spincheck.engines import engines
@@ -13,6 +14,7 @@ from spincheck.engines.users_models import read_model
 from spincheck.reports.harness.choice import Choice
 from spincheck.reports.harness.executors import InProcess
 from spincheck.reports.pages.render import render
+from spincheck.reports.pages.scene.motion_data import EXACT_STEP
 from spincheck.reports.users_models.inspection import inspect_model, reader_engines
 from spincheck.reports.users_models.page import write_model_page
 from spincheck.scenarios import find, load
@@ -22,6 +24,7 @@ pytest.importorskip("playwright", reason="playwright is not installed")
 from browser import chromium, launched
 from page import read_page
 from playwright.sync_api import Browser, Page, expect
+from plotted import values_of
 
 CHROMIUM = chromium()
 pytestmark = [
@@ -277,6 +280,25 @@ def test_the_script_restores_the_arrays_that_the_page_carries(visit, folder):
     ours = [written.restored(component).tolist() for component in exact["omega_body"]]
     theirs = page.evaluate("spincheck.motions.exact.omega")
     assert [list(row) for row in zip(*ours, strict=True)] == theirs
+
+
+def test_the_script_draws_the_exact_axis_on_the_sphere_from_where_the_dot_is(visit, folder):
+    page = open_page(visit, folder, "scenes/fast-top.html")
+    draw_all(page)
+    drawn = page.evaluate("document.querySelector('#axis .plot').data")
+    (line,) = (trace for trace in drawn if trace.get("name") == "exact")
+    (dot,) = (trace for trace in drawn if trace["mode"] == "markers")
+    points = np.array([[float(v) for v in _values(line[axis])] for axis in "xyz"])
+    start = [_values(dot[axis])[0] for axis in "xyz"]
+    # Quaternions are carried to 2⁻¹⁷, which turns a unit vector by up to four times as much.
+    slack = 4 * EXACT_STEP
+    np.testing.assert_allclose(np.linalg.norm(points, axis=0), 1.0, atol=slack)
+    np.testing.assert_allclose(points[:, 0], start, atol=slack)
+
+
+def _values(carried) -> list[float]:
+    """Numbers of a trace, which Plotly keeps as they were given."""
+    return values_of(carried).tolist() if "bdata" in carried else list(carried)
 
 
 def test_another_run_is_drawn_beside_the_same_exact_motion(visit, folder):
