@@ -4,19 +4,12 @@ import math
 import textwrap
 from collections import Counter
 from collections.abc import Iterator, Sequence
-from statistics import median_high
 
 from ....engines.fault import ENVIRONMENTAL
 from ....scenarios import Signal
 from ...pages.analysis.best_choice import BOUNDS, best_choice, within_in_words
+from ...pages.analysis.questions import at_stock, leading
 from ...pages.analysis.report_data import ReportData, report_data
-from ...pages.analysis.timesteps import (
-    as_shipped,
-    attitudes_at,
-    leading,
-    made_at,
-    stock_timesteps,
-)
 from ...pages.analysis.wording import duration, plural
 from ...results.records import Row
 from ...results.results import Results
@@ -89,33 +82,22 @@ def _lost(rows: Sequence[Row]) -> Iterator[str]:
 
 def _at_stock(report: ReportData) -> Iterator[str]:
     """Attitude errors at stock timesteps, method by method: median and worst."""
-    steps = stock_timesteps(report)
-    shipped = as_shipped(report)
-    errors_of = {
-        pair: errors
-        for pair in report.pairs
-        if pair[0] in steps and (errors := attitudes_at(report, pair, steps[pair[0]]))
-    }
-    first = [pair for pair in leading(report) if pair in errors_of]
-    first.sort(key=lambda pair: median_high(errors_of[pair].values()))
-    others = [pair for pair in first if pair not in shipped]
-    defaults = [pair for pair in first if pair in shipped][: METHODS_SHOWN - len(others[:OTHERS])]
+    by_pair = {one.pair: one for one in at_stock(report)}
+    first = [by_pair[pair] for pair in leading(report) if pair in by_pair]
+    first.sort(key=lambda one: one.middle)
+    others = [one for one in first if not one.shipped]
+    defaults = [one for one in first if one.shipped][: METHODS_SHOWN - len(others[:OTHERS])]
     shown = [*defaults, *others[: METHODS_SHOWN - len(defaults)]]
-    if not shown:
-        return
-    yield f"{'Attitude error, stock timestep (*as shipped)':45}{'median':>8}  worst"
-    for engine, method in shown[:METHODS_SHOWN]:
-        errors = errors_of[engine, method]
-        worst = max(errors, key=lambda name: errors[name])
-        mark = "*" if (engine, method) in shipped else " "
-        name = f"{mark} {engine} {method}, {duration(steps[engine])}"
-        rows = made_at(report, (engine, method), steps[engine]).values()
-        unfinished = "blew up" if any(row.outcome == "diverged" for row in rows) else "failed"
+    if shown:
+        yield f"{'Attitude error, stock timestep (*as shipped)':45}{'median':>8}  worst"
+    for one in shown:
+        name = f"{'*' if one.shipped else ' '} {one.label}, {duration(one.timestep)}"
+        unfinished = "blew up" if one.blew_up else "failed"
         middle, most = (
             unfinished if math.isinf(error) else _degrees(error)
-            for error in (median_high(errors.values()), errors[worst])
+            for error in (one.middle, one.largest)
         )
-        yield f"{name:45}{middle:>8}  {most} {worst}"[:WIDTH]
+        yield f"{name:45}{middle:>8}  {most} {one.worst}"[:WIDTH]
 
 
 def _best(report: ReportData) -> Iterator[str]:
@@ -134,7 +116,7 @@ def _best(report: ReportData) -> Iterator[str]:
         price = f", {choice.cost:.1e} CPU s per simulated s" if choice.cost else ""
         method = f"{choice.runs.label} at {duration(choice.timestep)}"
         yield f"Best for {name}: {method}"
-        yield f"    {_degrees(choice.row.errors.attitude)} off{price}"
+        yield f"    {_degrees(math.degrees(choice.row.errors.attitude))} off{price}"
 
 
 def _counted(report: ReportData) -> Iterator[str]:
@@ -163,7 +145,7 @@ def _asked_for(rows: Sequence[Row], timesteps: Sequence[float]) -> Iterator[str]
 
 
 def _brief(signal: Signal, error: float) -> str:
-    return _degrees(error) if signal.unit == "rad" else f"{error:.0e}"
+    return _degrees(math.degrees(error)) if signal.unit == "rad" else f"{error:.0e}"
 
 
 def _named_run(row: Row, width: int) -> str:
@@ -173,6 +155,5 @@ def _named_run(row: Row, width: int) -> str:
     return f"{name if len(name) <= room else f'{name[: room - 1]}…'}{timestep}".ljust(width)
 
 
-def _degrees(error: float) -> str:
-    degrees = math.degrees(error)
+def _degrees(degrees: float) -> str:
     return f"{degrees:.0f}°" if degrees >= LEAST_WHOLE else f"{degrees:.1g}°"

@@ -220,7 +220,7 @@ class ReportData:
         """All of them, scene by scene."""
         return [runs.verdict for scene in self.scenes for runs in scene.methods if runs.verdict]
 
-    @property
+    @cached_property
     def plain(self) -> "ReportData":
         """The plain scenes; the hard ones if there are no others."""
         plain = tuple(s for s in self.scenes if not (s.solved and s.solved.scenario.hard))

@@ -4,15 +4,15 @@ Without ω × I ω the angular velocity of a free body keeps its direction in sp
 tumbles. A damping shortens ω but does not turn it either.
 """
 
-from collections import Counter
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Collection
 
 import numpy as np
 
 from ....scenarios import Trajectory
-from ...results.records import Pair, Row
-from ...results.verdict_words import VERDICT
-from ..analysis.report_data import ReportData, SceneRuns
+from ...results.records import Pair
+from ...results.verdict_words import VERDICTS, VerdictKind
+from ..analysis.questions import Usual, ask
+from ..analysis.report_data import ReportData
 from ..analysis.wording import plural
 
 #: rad; a scene is used if its exact ω turns by more in space.
@@ -56,66 +56,70 @@ def turned_in_space(motion: Trajectory) -> float:
 COMMON = 0.1
 
 
-def why(
-    pair: Pair, rows: Mapping[str, Row], scenes: Sequence[SceneRuns], harmless: Collection[str]
-) -> str:
-    """The reason of the errors: the timestep, or defaults of the engine; empty if none is known."""
-    verdicts = {
-        scene.name: runs.verdict.verdict
-        for scene in scenes
-        if (runs := scene.by_pair.get(pair)) and runs.verdict
-        if (kind := VERDICT[runs.verdict.verdict]).needs_reason or kind.word == "converges"
-    }
-    wrong = [
-        name
-        for name, word in verdicts.items()
-        if VERDICT[word].needs_reason and word != "unresolved"
-    ]
-    if not verdicts:
+def why(gathered: ReportData, one: Usual, harmless: Collection[str]) -> str:
+    """The reason of the errors: the timestep, or defaults of the engine; empty if none is known.
+
+    Defaults are a reason where the method disagrees with the equations of motion, and nowhere else:
+    a run that blows up may do so by its integrator alone.
+    """
+    counts = dict(ask(gathered, f"SELECT verdict, count(*) {_OF_METHOD} GROUP BY 1", *one.pair))
+    tried = sum(counts[kind.word] for kind in VERDICTS if kind.word in counts and _counts(kind))
+    wrong, good = counts.get("disagrees", 0), counts.get("converges", 0)
+    besides = ", ".join(
+        f"{kind.phrases[0]} on {counts[kind.word]}"
+        for kind in VERDICTS
+        if kind.needs_reason and kind.word in counts and kind.word != "disagrees"
+    )
+    if not tried:
         return ""
-    name = " ".join(pair)
-    good = sum(word == "converges" for word in verdicts.values())
-    if not wrong and not good:
-        return f"{name} was run at timesteps too long for a verdict on all its scenes"
-    if not wrong:
-        open_ = len(verdicts) - good
-        left = f" (on {open_} its timesteps were too long for a verdict)" if open_ else ""
-        scenes_tried = plural(len(verdicts), "scene")
+    left, scenes = f" (it {besides})" if besides else "", plural(tried, "scene")
+    if wrong:
+        text = f"{one.label} does not converge on {wrong} of {scenes}, however short the timestep"
+        causes = _by_each_default(gathered, one) or _acting(gathered, one, wrong, harmless)
+        return text + left + (f": {causes}" if causes else "")
+    if good:
         return (
-            f"{name} converges to the exact motion on {good} of {scenes_tried} as its "
-            f"timestep shrinks{left}: its errors are those of its integrator"
+            f"{one.label} converges to the exact motion on {good} of {scenes} as its timestep "
+            f"shrinks{left}: its errors are those of its integrator"
         )
-    scenes_tried = plural(len(verdicts), "scene")
-    text = f"{name} does not converge on {len(wrong)} of {scenes_tried}, however short the timestep"
-    wrong_scenes = [scene for scene in scenes if scene.name in wrong]
-    causes = _by_each_default(pair, wrong_scenes) or _acting(rows, wrong, harmless)
-    return text + (f": {causes}" if causes else "")
+    return f"{one.label} {besides} of {scenes}"
 
 
-def _by_each_default(pair: Pair, scenes: Sequence[SceneRuns]) -> str:
+_OF_METHOD = "FROM tried WHERE engine = ? AND method = ? AND verdict IS NOT NULL"
+
+
+def _counts(kind: VerdictKind) -> bool:
+    return kind.needs_reason or kind.word == "converges"
+
+
+def _by_each_default(gathered: ReportData, one: Usual) -> str:
     """The number of scenes on which each default alone causes an error of ω, if measured."""
-    measured = [one for scene in scenes for one in scene.defaults if one.key.pair == pair]
-    counted = Counter(one.name for effects in measured for one in effects.each if one.acts)
-    listed = ", ".join(f"its {name} on {amount}" for name, amount in counted.most_common())
+    counted = ask(
+        gathered,
+        "SELECT name, count(*) FROM altered JOIN tried USING (scene, engine, method) "
+        "WHERE engine = ? AND method = ? AND verdict = 'disagrees' "
+        "GROUP BY 1 ORDER BY 2 DESC, min(altered.rowid)",
+        *one.pair,
+    )
+    listed = ", ".join(f"its {name} on {amount}" for name, amount in counted)
     return f"the equations of motion are altered by {listed}, each alone" if listed else ""
 
 
-def _acting(rows: Mapping[str, Row], wrong: Sequence[str], harmless: Collection[str]) -> str:
+def _acting(gathered: ReportData, one: Usual, wrong: int, harmless: Collection[str]) -> str:
     """What acted though not called for, as reported by the engine, and on how many scenes."""
-    of_wrong = [rows[name] for name in wrong if name in rows]
-    counted = Counter(cause for row in of_wrong for cause in dict.fromkeys(_unasked(row)))
+    counted = ask(
+        gathered,
+        "SELECT name, count(*) FROM unasked JOIN usual USING (scene, engine, method, timestep) "
+        "WHERE engine = ? AND method = ? AND verdict = 'disagrees' "
+        "GROUP BY 1 HAVING count(*) > ? ORDER BY 2 DESC, min(unasked.rowid)",
+        *one.pair,
+        COMMON * wrong,
+    )
     return ", ".join(
         f"{cause} ({amount})"
-        for cause, amount in counted.most_common()
-        if amount > COMMON * len(of_wrong) and cause.removeprefix("a ") not in harmless
+        for cause, amount in counted
+        if cause.removeprefix("a ") not in harmless
     )
-
-
-def _unasked(row: Row) -> Iterator[str]:
-    # Measured sizes differ between scenes; names do not, so only names are counted.
-    yield from (name for name in row.unasked if not any(map(str.isdigit, name)))
-    if row.cause == "clamp":
-        yield "a velocity clamp"
 
 
 def no_gyroscopic_torque(gathered: ReportData) -> list[str]:

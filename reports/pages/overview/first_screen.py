@@ -2,17 +2,13 @@
 
 import math
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass
-from statistics import median, median_high
 from typing import Any
 
 import numpy as np
 
 from ...results.cost_records import MethodCost
-from ...results.records import Pair, Row
-from ..analysis.measures import A_TURN, TURNS, Measure
+from ..analysis.questions import Usual, ask, at_stock
 from ..analysis.report_data import ReportData
-from ..analysis.timesteps import as_shipped, made_at, stock_timesteps
 from ..analysis.wording import NOTHING, duration, plural, readable
 from ..tables import Cell, figure, table
 from .causes import no_gyroscopic_torque, why
@@ -42,69 +38,6 @@ COST = (
 )
 
 
-@dataclass(frozen=True, eq=False)
-class _AtStock:
-    """One method's runs at its engine's stock timestep, by scene, as far as they were made."""
-
-    pair: Pair
-    timestep: float
-    rows: dict[str, Row]
-
-    @property
-    def attitudes(self) -> dict[str, float]:
-        """The error in degrees by scene; infinite where the run did not end ok."""
-        return {
-            name: math.degrees(row.errors.attitude) if row.errors else math.inf
-            for name, row in self.rows.items()
-        }
-
-    @property
-    def size(self) -> tuple[float, float]:
-        """Median and worst error; of two middle ones the larger, as errors may be infinite."""
-        errors = self.attitudes.values()
-        return median_high(errors), max(errors)
-
-    @property
-    def median(self) -> str:
-        """The median error in words."""
-        if self.size[0] < math.inf:
-            return _degrees(self.size[0])
-        return f"lost on {self._unfinished} of {plural(len(self.rows), 'scene')}"
-
-    @property
-    def worst(self) -> Cell:
-        """The largest error with its scene, and how many runs blew up or failed."""
-        ended = {name: error for name, error in self.attitudes.items() if error < math.inf}
-        largest = max(ended, key=lambda name: ended[name], default="")
-        details = [largest] if ended else []
-        for outcome, words in (("diverged", "blew up"), ("failed", "failed")):
-            if count := sum(row.outcome == outcome for row in self.rows.values()):
-                details.append(f"{plural(count, 'run')} {words}")
-        return Cell(_degrees(ended[largest]) if ended else "∞", "number", ", ".join(details))
-
-    @property
-    def _unfinished(self) -> int:
-        return sum(math.isinf(error) for error in self.attitudes.values())
-
-    @property
-    def turns(self) -> str:
-        """The median of the turns until the attitude is off by 1°; it is independent of windows."""
-        within = self._values(TURNS)
-        if not within:
-            return NOTHING
-        turns = median_high(within)
-        return f"{readable(turns)} turns" if turns < math.inf else "never"
-
-    @property
-    def a_turn(self) -> str:
-        """The median of the error that a turn adds, likewise."""
-        added = [value for value in self._values(A_TURN) if value < math.inf]
-        return _degrees(median(added)) if added else NOTHING
-
-    def _values(self, measure: Measure) -> list[float]:
-        return [v for row in self.rows.values() if (v := measure.of(row)) is not None]
-
-
 def answer(gathered: ReportData, left_out: Collection[MethodCost] = ()) -> dict[str, Any] | None:
     """The answer, from the plain scenes alone; None where no default was run.
 
@@ -116,37 +49,31 @@ def answer(gathered: ReportData, left_out: Collection[MethodCost] = ()) -> dict[
     left_out : the cost of what changes no motion, and so is no reason for a wrong one
     """
     plain = gathered.plain
-    steps = stock_timesteps(plain)
-    tried = [
-        _AtStock(pair, dt, made_at(plain, pair, dt))
-        for pair in plain.pairs
-        if (dt := steps.get(pair[0]))
-    ]
-    there = {one.pair: one for one in tried if one.rows}
+    tried = at_stock(plain)
     # The first of each engine: further methods as shipped lack some of the defaults.
-    first = {pair[0]: there[pair] for pair in reversed(as_shipped(plain)) if pair in there}
-    shipped = sorted(first.values(), key=lambda one: one.size)
-    clean = [one for pair, one in there.items() if pair not in as_shipped(plain)]
+    first = {one.engine: one for one in reversed(tried) if one.shipped}
+    shipped = sorted(first.values(), key=_size)
     if not shipped:
         return None
+    clean = [one for one in tried if not one.shipped]
     listed, others = shipped[:LISTED], shipped[LISTED:]
     instead = {one.pair: better for one in listed if (better := _instead(one, clean))}
     harmless = {name for cost in left_out for name in cost.left_in}
     measured = {one.key.engine for scene in plain.scenes for one in scene.defaults}
-    explained = [one for one in shipped if one in listed or one.pair[0] in measured]
-    reasons = [why(one.pair, one.rows, plain.scenes, harmless) for one in explained]
+    explained = [one for one in shipped if one in listed or one.engine in measured]
+    reasons = [why(plain, one, harmless) for one in explained]
     headings, columns = [""], [[Cell(measure, "name") for measure in MEASURES]]
     for one in listed:
         for used in filter(None, (one, instead.get(one.pair))):
-            headings.append(f"{'' if used is one else 'use '}{' '.join(used.pair)}")
-            columns.append(_column(used, one, left_out))
+            headings.append(f"{'' if used is one else 'use '}{used.label}")
+            columns.append(_column(plain, used, one, left_out))
     # Without times a line has the default's own ratio alone.
     lines = [
         line
         for line in zip(*columns, strict=True)
         if any(cell.text not in ("", OWN_RATIO) for cell in line[1:])
     ]
-    scenes = plural(max(len(one.rows) for one in shipped), "scene")
+    scenes = plural(max(one.scenes for one in shipped), "scene")
     return {
         "lead": _lead(listed, list(instead.values())),
         "table": table(headings, lines),
@@ -156,11 +83,15 @@ def answer(gathered: ReportData, left_out: Collection[MethodCost] = ()) -> dict[
     }
 
 
-def _lead(shipped: Sequence[_AtStock], instead: Sequence[_AtStock]) -> str:
+def _size(one: Usual) -> tuple[float, float]:
+    return one.middle, one.largest
+
+
+def _lead(shipped: Sequence[Usual], instead: Sequence[Usual]) -> str:
     """The median errors of defaults, and of what is recommended, in two sentences."""
 
-    def sizes(these: Sequence[_AtStock]) -> str:
-        return ", ".join(f"{' '.join(one.pair)} {one.median}" for one in these)
+    def sizes(these: Sequence[Usual]) -> str:
+        return ", ".join(f"{one.label} {_median(one)}" for one in these)
 
     sentences = [f"With defaults and stock timesteps the attitude ends off by: {sizes(shipped)}"]
     if instead:
@@ -168,53 +99,67 @@ def _lead(shipped: Sequence[_AtStock], instead: Sequence[_AtStock]) -> str:
     return _sentences(sentences)
 
 
-def _column(one: _AtStock, default: _AtStock, left_out: Collection[MethodCost]) -> list[Cell]:
+def _median(one: Usual) -> str:
+    if one.middle < math.inf:
+        return _degrees(one.middle)
+    return f"lost on {one.unfinished} of {plural(one.scenes, 'scene')}"
+
+
+def _column(
+    gathered: ReportData, one: Usual, default: Usual, left_out: Collection[MethodCost]
+) -> list[Cell]:
     """The measures of a method: its errors, and the CPU time of its steps beside the default's.
 
     As most readers take it, with everything else as shipped, and with what is left besides where
     nothing runs that the scene does not call for.
     """
-    base = {name: row.seconds_per_step for name, row in default.rows.items()}
-    pruned = {name: row.seconds_per_step for name, row in one.rows.items()}
+    of_steps = "SELECT scene, seconds FROM usual WHERE engine = ? AND method = ?"
+    base, pruned = (dict(ask(gathered, of_steps, *used.pair)) for used in (default, one))
     whole = {
         cost.key.scenario: cost.cost.seconds_per_step
         for cost in left_out
         if cost.difference is not None and cost.cost and cost.key.pair == one.pair
     }
     ratios = (OWN_RATIO, "") if one is default else (_price(whole, base), _price(pruned, base))
+    turns = NOTHING
+    if one.turns is not None:
+        turns = f"{readable(one.turns)} turns" if one.turns < math.inf else "never"
+    a_turn = NOTHING if one.a_turn is None else _degrees(one.a_turn)
+    ended = {"blew up": one.blew_up, "failed": one.failed}
+    worst = [one.worst_finished] if one.worst_finished else []
+    worst += [f"{plural(count, 'run')} {how}" for how, count in ended.items() if count]
+    largest = "∞" if one.largest_finished is None else _degrees(one.largest_finished)
     return [
-        *map(figure, (duration(one.timestep), one.turns, one.a_turn, one.median)),
-        one.worst,
+        *map(figure, (duration(one.timestep), turns, a_turn, _median(one))),
+        Cell(largest, "number", ", ".join(worst)),
         *map(figure, ratios),
     ]
 
 
-def _others(shipped: Sequence[_AtStock]) -> list[str]:
+def _others(shipped: Sequence[Usual]) -> list[str]:
     """The other defaults in short: the range of their medians, and which mostly blow up."""
-    ended = [one for one in shipped if one.size[0] < math.inf]
-    unfinished = [one.pair[0] for one in shipped if one not in ended]
+    ended = [one for one in shipped if one.middle < math.inf]
+    unfinished = ", ".join(one.engine for one in shipped if one not in ended)
     sentences = []
     if ended:
-        low, high = (_degrees(one.size[0]) for one in (ended[0], ended[-1]))
-        names = ", ".join(one.pair[0] for one in ended)
+        low, high = (_degrees(one.middle) for one in (ended[0], ended[-1]))
+        names = ", ".join(one.engine for one in ended)
         ranged = low if low == high else f"{low} to {high}"
         sentences.append(f"The defaults of {names} are {ranged} off")
     if unfinished:
-        sentences.append(
-            f"Runs with the defaults of {', '.join(unfinished)} blow up or fail on most scenes"
-        )
+        sentences.append(f"Runs with the defaults of {unfinished} blow up or fail on most scenes")
     return sentences
 
 
-def _instead(shipped: _AtStock, clean: Sequence[_AtStock]) -> _AtStock | None:
+def _instead(shipped: Usual, clean: Sequence[Usual]) -> Usual | None:
     """The most accurate method of the same engine, if its median error is much smaller."""
-    own = [one for one in clean if one.pair[0] == shipped.pair[0]]
-    most = max((len(one.rows) for one in own), default=0)
-    offered = [one for one in own if len(one.rows) >= COVERING * most]
-    best = min(offered, key=lambda one: one.size, default=None)
-    if best is None or best.size >= shipped.size:
+    own = [one for one in clean if one.engine == shipped.engine]
+    most = max((one.scenes for one in own), default=0)
+    offered = [one for one in own if one.scenes >= COVERING * most]
+    best = min(offered, key=_size, default=None)
+    if best is None or _size(best) >= _size(shipped):
         return None
-    return best if MUCH_SMALLER * best.size[0] <= shipped.size[0] else None
+    return best if MUCH_SMALLER * best.middle <= shipped.middle else None
 
 
 def _price(seconds: Mapping[str, float | None], base: Mapping[str, float | None]) -> str:

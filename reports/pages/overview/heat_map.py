@@ -8,8 +8,9 @@ from ....scenarios import EVERYWHERE, SIGNALS
 from ...results.records import Pair, Row
 from ...results.verdict_words import LISTED, RANKS, VERDICT
 from ..analysis.best_choice import BestChoice, best_choice, best_choices, nothing_because
+from ..analysis.questions import as_shipped, leading, own_timesteps
 from ..analysis.report_data import MethodRuns, ReportData, SceneRuns
-from ..analysis.timesteps import AT, as_shipped, leading, row_at, stock_timesteps
+from ..analysis.timesteps import AT, row_at
 from ..analysis.wording import NOTHING, duration, ended, limited_errors
 from ..analysis.work_precision import cost
 from ..tables import Cell, Table, figure, method_anchor, scene_page, table
@@ -18,7 +19,7 @@ from .overview import GROUPS, group_of
 
 def stock_table(gathered: ReportData) -> Table:
     """One line for each scene: attitude errors of all methods in degrees, as shipped first."""
-    steps, shipped = stock_timesteps(gathered), as_shipped(gathered)
+    steps, shipped = own_timesteps(gathered), as_shipped(gathered)
     pairs = [*shipped, *(pair for pair in gathered.pairs if pair not in shipped)]
     headings = [
         f"{engine} {method}, {duration(steps[engine])}" if engine in steps else f"{engine} {method}"
@@ -74,7 +75,7 @@ def heat_map(gathered: ReportData) -> dict[str, Any]:
     is none. An error below the reference's uncertainty is given as that uncertainty with a minus
     sign.
     """
-    steps = stock_timesteps(gathered)
+    steps = own_timesteps(gathered)
     shipped = as_shipped(gathered)
     pairs = [*shipped, *(pair for pair in gathered.pairs if pair not in shipped)]
     first = leading(gathered.plain)

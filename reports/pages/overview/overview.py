@@ -4,15 +4,15 @@ import math
 from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from statistics import median
 
 from ....engines import Method
 from ....scenarios import EFFECTS
 from ...results.records import Pair
 from ...results.verdict_words import LISTED, VerdictKind
 from ...results.verdicts import Verdict
+from ..analysis.questions import ask, verdict_counts
 from ..analysis.report_data import MethodRuns, ReportData, SceneRuns
-from ..analysis.timesteps import row_at, stock_timesteps, survival
+from ..analysis.timesteps import survival
 from ..analysis.wording import NOTHING, number, plural
 from ..tables import Cell, Table, figure, method_anchor, named, records, scene_page, verdict_cell
 
@@ -43,27 +43,26 @@ class VerdictMatrix:
 def headline(gathered: ReportData) -> str:
     """Counts of verdicts in words; hard scenes and engines as shipped are counted separately."""
     plain = gathered.plain
-    verdicts = [verdict for verdict in plain.verdicts if not verdict.as_shipped]
-    shipped = [verdict for verdict in plain.verdicts if verdict.as_shipped]
-    counts = Counter(verdict.verdict for verdict in verdicts)
+    counts, shipped = (verdict_counts(plain, as_shipped=which) for which in (False, True))
     parts = [
         f"{counts[kind.word]} {kind.phrases[counts[kind.word] > 1]}"
         for kind in LISTED
-        if counts[kind.word]
+        if kind.word in counts
     ]
-    unmet = sum(bool(verdict.unmet) for verdict in verdicts)
-    missed = (
-        f" {plural(unmet, 'method')} missed an expectation of the scene's file." if unmet else ""
+    ((methods, unmet),) = ask(
+        plain,
+        "SELECT count(DISTINCT engine || ' ' || method), sum(unmet) FROM tried "
+        "WHERE NOT judged_as_shipped",
     )
-    scenes = plural(len(plain.scenes), "scene")
-    methods = plural(len({v.key.pair for v in verdicts}), "method")
-    pairs = plural(len(verdicts), "pair")
-    text = f"{scenes} × {methods}."
-    if verdicts:
-        text += f" Of {pairs} of a scene and a method, {_listed(parts)}.{missed}"
+    text = f"{plural(len(plain.scenes), 'scene')} × {plural(methods, 'method')}."
+    if counts:
+        pairs = plural(sum(counts.values()), "pair")
+        text += f" Of {pairs} of a scene and a method, {_listed(parts)}."
+    if unmet:
+        text += f" {plural(unmet, 'method')} missed an expectation of the scene's file."
     if shipped:
-        good = sum(verdict.verdict == "converges" for verdict in shipped)
-        text += f" With their defaults (as shipped), {good} of {len(shipped)} pairs converge."
+        good, all_of_them = shipped.get("converges", 0), sum(shipped.values())
+        text += f" With their defaults (as shipped), {good} of {all_of_them} pairs converge."
     if hard := len(gathered.scenes) - len(plain.scenes):
         text += f" Hard scenes ({hard}) are counted separately, below."
     return text
@@ -71,28 +70,25 @@ def headline(gathered: ReportData) -> str:
 
 def at_stock(gathered: ReportData) -> str:
     """What `converges` says nothing of: how wrong the methods are at stock timesteps, in words."""
-    steps = stock_timesteps(gathered)
-    errors = [
-        row.errors.attitude if row.errors else math.inf
-        for scene in gathered.scenes
-        for runs in scene.methods
-        if runs.verdict and runs.verdict.verdict == "converges" and not runs.verdict.as_shipped
-        if (row := row_at(runs, "stock", steps[runs.engine])) and row.simulated
-    ]
-    close = sum(error <= CLOSE for error in errors)
-    if not errors:
+    ((runs, close),) = ask(
+        gathered,
+        "SELECT count(*), sum(attitude <= ?) FROM usual "
+        "WHERE verdict = 'converges' AND NOT judged_as_shipped",
+        CLOSE,
+    )
+    if not runs:
         return ""
     return (
         "Where a method converges, the model is right, and a short enough timestep gives the exact "
-        f"motion. Stock timesteps are often too long: at them {close} of these {len(errors)} runs "
+        f"motion. Stock timesteps are often too long: at them {close} of these {runs} runs "
         "keep the attitude within 1°."
     )
 
 
 def counts(gathered: ReportData) -> list[Cell]:
     """How many pairs have each verdict; without engines as shipped."""
-    counted = Counter(v.verdict for v in gathered.verdicts if not v.as_shipped)
-    return [verdict_cell(word, str(counted[word])) for word in WORDS if counted[word]]
+    counted = verdict_counts(gathered, as_shipped=False)
+    return [verdict_cell(word, str(counted[word])) for word in WORDS if word in counted]
 
 
 def matrix(gathered: ReportData) -> VerdictMatrix:
@@ -130,7 +126,32 @@ def group_of(scene: SceneRuns) -> str:
 
 def methods_table(gathered: ReportData) -> Table:
     """Table of the methods, with their results over all scenes."""
-    return records(_method_row(pair, gathered) for pair in gathered.pairs)
+    declared = {runs.pair: runs.declared for scene in gathered.scenes for runs in scene.methods}
+    versions: dict[Pair, list[str]] = {}
+    for *pair, version in ask(
+        gathered, "SELECT DISTINCT engine, method, version FROM run ORDER BY 3"
+    ):
+        versions.setdefault((pair[0], pair[1]), []).append(version)
+    words = ", ".join(f"sum(coalesce(verdict = '{word}', FALSE))" for word in WORDS)
+    lines = ask(
+        gathered,
+        f"SELECT engine, method, median(seconds), {words} FROM tried GROUP BY 1, 2 ORDER BY place",
+    )
+    return records(
+        {
+            "engine": Cell(engine, "name"),
+            "version": ", ".join(versions.get((engine, method), ())),
+            "method": Cell(method, "name", known.summary if known else ""),
+            "declared order": figure(_declared_orders(known)),
+            **{
+                word: Cell(str(count), f"number {word if count else 'none'}")
+                for word, count in zip(WORDS, counts, strict=True)
+            },
+            "CPU a step, µs (median)": figure(number(1e6 * seconds if seconds else None)),
+        }
+        for engine, method, seconds, *counts in lines
+        for known in [declared[engine, method]]
+    )
 
 
 def complaints(
@@ -186,24 +207,6 @@ def _order_detail(scene: SceneRuns, runs: MethodRuns) -> str:  # noqa: ARG001
     return "to round-off" if verdict.verdict == "converges" else ""
 
 
-def _method_row(pair: tuple[str, str], gathered: ReportData) -> dict[str, Cell | str]:
-    engine, method = pair
-    entries = [runs for scene in gathered.scenes if (runs := scene.by_pair.get(pair))]
-    declared = entries[0].declared
-    versions = sorted({row.engine_version for runs in entries for row in runs.rows})
-    counts = Counter(runs.verdict.verdict for runs in entries if runs.verdict)
-    last = [row.seconds_per_step for runs in entries for row in runs.rows[-1:]]
-    timed = [seconds for seconds in last if seconds is not None]
-    return {
-        "engine": Cell(engine, "name"),
-        "version": ", ".join(versions),
-        "method": Cell(method, "name", declared.summary if declared else ""),
-        "declared order": figure(_declared_orders(declared)),
-        **{w: Cell(str(counts[w]), f"number {w if counts[w] else 'none'}") for w in WORDS},
-        "CPU a step, µs (median)": figure(number(1e6 * median(timed)) if timed else NOTHING),
-    }
-
-
 def _declared_orders(declared: Method | None) -> str:
     if declared is None:
         return NOTHING
@@ -249,8 +252,25 @@ def survivors(gathered: ReportData) -> VerdictMatrix:
 
 def survivors_table(gathered: ReportData) -> Table:
     """Table of how many hard scenes each method survives, and at which timestep."""
-    scenes = hard_scenes(gathered)
-    return records(_line(pair, scenes) for pair in gathered.pairs)
+    reached = ", ".join(f"count(*) FILTER (WHERE at_least OR turn >= {turn})" for turn in TURNS)
+    question = f"""
+        WITH can AS (SELECT * FROM tried WHERE hard AND at_least IS NOT NULL)
+        SELECT every.engine, every.method, median(iif(scene IS NULL, NULL, coalesce(turn, 0))),
+            count(scene), count(*) FILTER (WHERE verdict = 'converges'), count(survives), {reached}
+        FROM (SELECT DISTINCT engine, method, place FROM tried) AS every
+            LEFT JOIN can USING (engine, method) GROUP BY 1, 2 ORDER BY every.place"""
+    headings = (
+        "hard scenes it was run on",
+        "converges",
+        "survives at its finest timestep",
+        *(f"survives at {turn:g} rad a step" for turn in TURNS),
+    )
+    return records(
+        named((engine, method))
+        | {what: figure(str(count)) for what, count in zip(headings, counts, strict=True)}
+        | {"largest turn a step it survives, rad (median)": figure(number(middle))}
+        for engine, method, middle, *counts in ask(gathered, question)
+    )
 
 
 def _detail(scene: SceneRuns, runs: MethodRuns) -> str:
@@ -258,23 +278,3 @@ def _detail(scene: SceneRuns, runs: MethodRuns) -> str:
         return "no run fits"
     survived = survival(runs.rows, scene.fastest_rate)
     return str(survived) if survived else ""
-
-
-def _line(pair: Pair, scenes: tuple[SceneRuns, ...]) -> dict[str, Cell]:
-    tried = [
-        (runs, survival(runs.rows, scene.fastest_rate))
-        for scene in scenes
-        if (runs := scene.by_pair.get(pair))
-    ]
-    can = [(runs, survived) for runs, survived in tried if survived is not None]
-    converging = [runs.verdict and runs.verdict.verdict == "converges" for runs, _ in can]
-    turns = [survived.turn or 0.0 for _, survived in can]
-    counts = {
-        "hard scenes it was run on": len(can),
-        "converges": sum(map(bool, converging)),
-        "survives at its finest timestep": sum(one.timestep is not None for _, one in can),
-        **{f"survives at {t:g} rad a step": sum(one.reaches(t) for _, one in can) for t in TURNS},
-    }
-    middle = figure(number(median(turns)) if turns else NOTHING)
-    cells = {heading: figure(str(count)) for heading, count in counts.items()}
-    return named(pair) | cells | {"largest turn a step it survives, rad (median)": middle}

@@ -165,7 +165,17 @@ def test_what_an_engine_cannot_simulate_did_not_blow_up():
     assert "medians of 1 scene;" in found["about"]
 
 
-def test_why_a_default_is_wrong_is_reported_by_name_and_count(gathered):
+def disagreeing(**changed) -> ReportData:
+    """As `stocked`; the default that blows up settles on a wrong motion instead."""
+    stored = stocked(**changed)
+    wrong = [
+        replace(v, verdict="disagrees") if v.verdict == "diverges" else v for v in stored.verdicts
+    ]
+    return report_data(replace(stored, verdicts=wrong))
+
+
+def test_why_a_default_is_wrong_is_reported_by_name_and_count():
+    gathered = disagreeing()
     why = answer(gathered)["why"]
     assert "mujoco default converges to the exact motion on 2 of 2 scenes" in why
     assert "pybullet default does not converge on 2 of 2 scenes, however short the timestep" in why
@@ -176,11 +186,16 @@ def test_why_a_default_is_wrong_is_reported_by_name_and_count(gathered):
 
 @pytest.mark.parametrize("acts", [True, False, None])
 def test_a_default_that_alters_the_equations_of_motion_is_a_reason(acts):
-    measured = stocked(defaults=[taken_away("joint motor", acts)])
-    why = answer(report_data(measured))["why"]
+    why = answer(disagreeing(defaults=[taken_away("joint motor", acts)]))["why"]
     assert ("equations of motion are altered by its joint motor on 1, each alone" in why) == bool(
         acts
     )
+
+
+def test_no_default_is_blamed_for_a_run_that_blows_up():
+    why = answer(report_data(stocked(defaults=[taken_away("joint motor", True)])))["why"]
+    assert "pybullet default blows up on 2 of 2 scenes." in why
+    assert "joint motor" not in why
 
 
 def test_a_run_that_did_not_end_ok_has_no_number_in_the_table(gathered):

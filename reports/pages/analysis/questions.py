@@ -1,0 +1,216 @@
+"""The results as tables in SQL, which pages and the terminal ask their questions to.
+
+``run`` has a line for each run, and ``usual`` those of them at the stock timestep that an engine's
+users get unasked; ``tried`` has a line for each method on a scene, ``unasked`` for each effect that
+acted in a run though the scene does not call for it, and ``altered`` for each default of an engine
+that alone alters the equations of motion of a scene. They are made in memory of what a result file
+holds: numbers in SI units, angles in rad, the error of a run without one infinite, and what is not
+known NULL.
+"""
+
+import math
+import sqlite3
+from collections.abc import Iterable
+from dataclasses import dataclass
+from functools import partial
+from itertools import starmap
+from statistics import median, median_high
+from typing import Any
+from weakref import WeakKeyDictionary, finalize
+
+from ...harness.stock import COMMON_TIMESTEP
+from ...results.records import Key, OfMethod, Pair, Row
+from .measures import DEGREES, TURNS
+from .report_data import MethodRuns, ReportData, SceneRuns
+from .timesteps import survival
+
+TABLES = {
+    "run": "scene, engine, method, version, timestep, stock, outcome, simulated, attitude, turns,"
+    " attitude_a_turn, seconds",
+    "tried": "scene, hard, engine, method, place, shipped, verdict, judged_as_shipped, unmet,"
+    " seconds, survives, turn, at_least",
+    "unasked": "scene, engine, method, timestep, name",
+    "altered": "scene, engine, method, name",
+}
+VIEWS = f"""
+CREATE VIEW own AS
+    SELECT engine, coalesce(max(CASE WHEN stock AND timestep <> {COMMON_TIMESTEP!r}
+        THEN timestep END), {COMMON_TIMESTEP!r}) AS timestep
+    FROM tried LEFT JOIN run USING (scene, engine, method) GROUP BY engine;
+CREATE VIEW usual AS
+    SELECT run.*, place, shipped, verdict, judged_as_shipped
+    FROM run JOIN own USING (engine, timestep) JOIN tried USING (scene, engine, method)
+    WHERE stock AND simulated;
+"""
+_FILLED: "WeakKeyDictionary[ReportData, sqlite3.Connection]" = WeakKeyDictionary()
+
+
+def ask(gathered: ReportData, question: str, *values: Any) -> list[Any]:
+    """Return the lines that answer a question in SQL, with `values` in place of its marks."""
+    if gathered not in _FILLED:
+        _FILLED[gathered] = _filled(gathered)
+        finalize(gathered, _FILLED[gathered].close)
+    return _FILLED[gathered].execute(question, values).fetchall()
+
+
+def _filled(gathered: ReportData) -> sqlite3.Connection:
+    tables = sqlite3.connect(":memory:")
+    tables.create_aggregate("median", 1, partial(_Quantile, median))  # type: ignore[arg-type]
+    # Of two middle ones the larger, as errors may be infinite.
+    tables.create_aggregate("median_high", 1, partial(_Quantile, median_high))  # type: ignore[arg-type]
+    place = {pair: k for k, pair in enumerate(gathered.pairs)}
+    every = [(scene, runs, place[runs.pair]) for scene in gathered.scenes for runs in scene.methods]
+    rows = [row for _, runs, _ in every for row in runs.rows]
+    measured = [one for scene in gathered.scenes for one in scene.defaults]
+    lines: dict[str, Iterable[tuple[Any, ...]]] = {
+        "run": map(_run, rows),
+        "tried": starmap(_tried, every),
+        "unasked": ((*_names(r.key), r.timestep, name) for r in rows for name in _unasked(r)),
+        "altered": ((*_names(m.key), one.name) for m in measured for one in m.each if one.acts),
+    }
+    for name, columns in TABLES.items():
+        tables.execute(f"CREATE TABLE {name} ({columns})")
+        marks = ", ".join("?" * len(columns.split(",")))
+        tables.executemany(f"INSERT INTO {name} VALUES ({marks})", lines[name])
+    tables.executescript(VIEWS)
+    return tables
+
+
+def _names(key: Key) -> tuple[str, str, str]:
+    return key.scenario, key.engine, key.method
+
+
+def _run(row: Row) -> tuple[Any, ...]:
+    return (
+        *_names(row.key),
+        row.engine_version,
+        row.timestep,
+        row.stock,
+        row.outcome,
+        row.simulated,
+        row.errors.attitude if row.errors else math.inf,
+        TURNS.of(row),
+        row.attitude_a_turn if row.errors else None,
+        row.seconds_per_step,
+    )
+
+
+def _tried(scene: SceneRuns, runs: MethodRuns, place: int) -> tuple[Any, ...]:
+    verdict = runs.verdict
+    survived = survival(runs.rows, scene.fastest_rate if scene.solved else None)
+    return (
+        scene.name,
+        scene.solved is not None and scene.solved.scenario.hard,
+        *runs.pair,
+        place,
+        runs.declared is not None and runs.declared.as_shipped,
+        verdict and verdict.verdict,
+        verdict and verdict.as_shipped,
+        verdict and bool(verdict.unmet),
+        runs.rows[-1].seconds_per_step if runs.rows else None,
+        survived and survived.timestep,
+        survived and survived.turn,
+        survived and survived.at_least,
+    )
+
+
+def _unasked(row: Row) -> Iterable[str]:
+    # Measured sizes differ between scenes; names do not, so only names are counted.
+    names = [name for name in row.unasked if not any(map(str.isdigit, name))]
+    return dict.fromkeys([*names, *["a velocity clamp"] * (row.cause == "clamp")])
+
+
+class _Quantile:
+    """An aggregate of SQL: NULL of no numbers."""
+
+    def __init__(self, of: Any) -> None:
+        self._of = of
+        self._values: list[float] = []
+
+    def step(self, value: float | None) -> None:
+        if value is not None:
+            self._values.append(value)
+
+    def finalize(self) -> float | None:
+        return self._of(self._values) if self._values else None
+
+
+def own_timesteps(gathered: ReportData) -> dict[str, float]:
+    """Return the timestep of each engine, s, that its users get unasked; 1 ms where it has none."""
+    return dict(ask(gathered, "SELECT engine, timestep FROM own"))
+
+
+def verdict_counts(gathered: ReportData, *, as_shipped: bool) -> dict[str, int]:
+    """Return how many methods on scenes have each verdict: as shipped, or all others."""
+    where = "verdict IS NOT NULL AND judged_as_shipped = ?"
+    question = f"SELECT verdict, count(*) FROM tried WHERE {where} GROUP BY verdict"
+    return dict(ask(gathered, question, as_shipped))
+
+
+def as_shipped(gathered: ReportData) -> list[Pair]:
+    """Return the engines with all their defaults."""
+    return ask(gathered, "SELECT DISTINCT engine, method FROM tried WHERE shipped ORDER BY place")
+
+
+@dataclass(frozen=True)
+class Usual(OfMethod):
+    """One method's runs at its engine's stock timestep, over the scenes that it can simulate.
+
+    Attributes
+    ----------
+    timestep : s
+    shipped : whether it is the engine with all its defaults
+    scenes, unfinished, blew_up, failed : how many runs there are, and how many did not end well
+    middle, largest : the median attitude error, degrees, and the largest; infinite where a run did
+        not end well
+    worst, worst_finished : the scene of the largest error, and that of the largest finite one
+    largest_finished : degrees; None if no run ended well
+    turns : the median of the turns until the attitude is off by 1°; it is independent of windows
+    a_turn : the median of the error that a turn adds, degrees
+    """
+
+    engine: str
+    method: str
+    timestep: float
+    shipped: bool
+    scenes: int
+    unfinished: int
+    blew_up: int
+    failed: int
+    middle: float
+    largest: float
+    worst: str
+    worst_finished: str | None
+    largest_finished: float | None
+    turns: float | None
+    a_turn: float | None
+
+
+_USUAL = f"""
+WITH finished AS (SELECT * FROM usual WHERE attitude < 9e999)
+SELECT engine, method, timestep, shipped, count(*), sum(attitude = 9e999),
+    sum(outcome = 'diverged'), sum(outcome = 'failed'),
+    median_high(attitude) * {DEGREES!r}, max(attitude) * {DEGREES!r},
+    (SELECT scene FROM usual AS u WHERE (u.engine, u.method) = (o.engine, o.method)
+        ORDER BY attitude DESC, scene LIMIT 1),
+    (SELECT scene FROM finished AS f WHERE (f.engine, f.method) = (o.engine, o.method)
+        ORDER BY attitude DESC, scene LIMIT 1),
+    max(CASE WHEN attitude < 9e999 THEN attitude END) * {DEGREES!r},
+    median_high(turns), median(attitude_a_turn) * {DEGREES!r}
+FROM usual AS o GROUP BY engine, method ORDER BY place
+"""
+
+
+def at_stock(gathered: ReportData) -> list[Usual]:
+    """Return what each method gives at its engine's stock timestep, as far as it was run there."""
+    return [Usual(*line) for line in ask(gathered, _USUAL)]
+
+
+def leading(gathered: ReportData) -> list[Pair]:
+    """Return each engine's first method as shipped, and the most accurate, in median, of others."""
+    first = {engine: (engine, method) for engine, method in reversed(as_shipped(gathered))}
+    others = [one for one in at_stock(gathered) if not one.shipped]
+    best: dict[str, Pair] = {}
+    for one in sorted(others, key=lambda one: (-one.scenes, one.middle)):
+        best.setdefault(one.engine, one.pair)
+    return [*first.values(), *best.values()]
