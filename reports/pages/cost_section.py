@@ -1,20 +1,15 @@
 """The report's sections on cost: of accuracy, on both kinds of page, and of what is left out."""
 
 from collections.abc import Callable, Mapping, Sequence
-from statistics import median
 from typing import Any
 
 from ..results.cost_records import MethodCost, Ratio
 from ..results.records import Key
 from .analysis.cost_to_reach import (
     LEVELS,
+    Costs,
     Reach,
-    SceneCurves,
-    Tally,
-    order_ratios,
-    profile,
     reach,
-    tally,
 )
 from .analysis.report_data import MethodRuns, ReportData, SceneRuns
 from .analysis.trace_style import trace_styles
@@ -47,34 +42,42 @@ def reach_table(scene: SceneRuns, signal: str) -> Table:
     return records(rows)
 
 
-def reached_table(gathered: ReportData, scenes: Sequence[SceneCurves]) -> Table:
+def reached_table(gathered: ReportData, costs: Costs) -> Table:
     """Table of the number of scenes on which each method reaches each error."""
-    return _by_level(gathered, scenes, lambda one: f"{one.reached} ({one.extrapolated})")
+    return _by_level(
+        gathered, costs, lambda reached, extrapolated, _: f"{reached} ({extrapolated})"
+    )
 
 
-def median_table(gathered: ReportData, scenes: Sequence[SceneCurves]) -> Table:
+def median_table(gathered: ReportData, costs: Costs) -> Table:
     """Table of the median cost of each error, over the scenes that a method can simulate."""
-    return _by_level(gathered, scenes, lambda one: number(one.median_cost))
+    return _by_level(gathered, costs, lambda _reached, _beyond, cost: number(cost))
 
 
 def _by_level(
-    gathered: ReportData, scenes: Sequence[SceneCurves], said: Callable[[Tally], str]
+    gathered: ReportData, costs: Costs, said: Callable[[int, int, float | None], str]
 ) -> Table:
     """What is said of each method at each error."""
+    found = costs.tallies()
     return records(
         named(pair)
-        | {to: figure(said(tally(scenes, pair, level))) for to, level in TO_LEVEL.items()}
+        | {
+            to: figure(said(*found.get((*pair, level), (0, 0, None))))
+            for to, level in TO_LEVEL.items()
+        }
         for pair in gathered.pairs
     )
 
 
-def ratio_table(scenes: Sequence[SceneCurves]) -> Table:
+def ratio_table(costs: Costs) -> Table:
     """Table of the cost of the cheapest first-order method over that of the cheapest of order 4."""
-    ratios = [order_ratios(scenes, level) for level in LEVELS]
+    counts, medians, largest = zip(
+        *costs.order_ratios() or [(0, None, None)] * len(LEVELS), strict=True
+    )
     rows: list[list[Cell | str]] = [
-        ["scenes where both reach it", *(figure(str(len(of_level))) for of_level in ratios)],
-        ["median ratio", *(figure(number(median(r) if r else None)) for r in ratios)],
-        ["largest ratio", *(figure(number(max(r, default=None))) for r in ratios)],
+        ["scenes where both reach it", *(figure(str(count)) for count in counts)],
+        ["median ratio", *(figure(number(ratio)) for ratio in medians)],
+        ["largest ratio", *(figure(number(ratio)) for ratio in largest)],
     ]
     return table(("first order over fourth", *TO_LEVEL), rows)
 
@@ -193,7 +196,8 @@ def cost_section(gathered: ReportData) -> dict[str, Any]:
     scenes = [curves(scene, COMPARED) for scene in gathered.scenes if scene.solved]
     drawn = trace_styles(gathered.pairs)
     timed = any(curve.seconds_per_step is not None for tried in scenes for curve in tried)
-    profiles = [profile(scenes, COMPARED, level) for level in PROFILED]
+    costs = Costs(scenes, COMPARED)
+    profiles = [costs.profile(level) for level in PROFILED]
     titled = Titled(
         "profiles",
         "Performance profiles",
@@ -207,9 +211,9 @@ def cost_section(gathered: ReportData) -> dict[str, Any]:
         "scenes": len(scenes),
         "methods": [(" ".join(pair), style) for pair, style in drawn.items()],
         "profiles": titled if timed else None,
-        "reached": reached_table(gathered, scenes),
-        "medians": median_table(gathered, scenes),
-        "ratios": ratio_table(scenes),
+        "reached": reached_table(gathered, costs),
+        "medians": median_table(gathered, costs),
+        "ratios": ratio_table(costs),
     }
 
 

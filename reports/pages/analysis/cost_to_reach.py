@@ -10,14 +10,16 @@ it does not reach counts as one of infinite cost.
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from statistics import median_high
 from typing import Literal
 
 from ...results.records import Pair
 from ...results.verdict_words import VerdictWord
+from .in_memory import Tables
 from .observed_order import SETTLING_ORDER
 from .work_precision import Curve, CurvePoint, slope
 
+#: Errors at which methods are compared, relative (attitude: rad): useful to excellent.
+LEVELS = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8)
 #: One scene's curves, in one error, one a method.
 SceneCurves = Sequence[Curve]
 
@@ -43,56 +45,61 @@ class Profile:
         return within / self.scenes if self.scenes else 0.0
 
 
-@dataclass(frozen=True)
-class Tally:
-    """Results of one method at one error, over all scenes.
+class Costs:
+    """What each level costs each method on each scene, as a table that is asked in SQL."""
 
-    Attributes
-    ----------
-    reached, extrapolated : scenes within reach, and those of them known by extrapolation only
-    median_cost : CPU seconds a simulated second, over the scenes that it can simulate, infinite
-        where out of reach; None without any such scene
-    """
+    def __init__(
+        self, scenes: Sequence[SceneCurves], signal: str, levels: Sequence[float] = LEVELS
+    ) -> None:
+        self._scenes, self._signal = len(scenes), signal
+        lines = (
+            (scene, *curve.pair, curve.declared, level, reached.word, reached.cost)
+            for scene, curves in enumerate(scenes)
+            for curve in curves
+            for level in levels
+            for reached in [reach(curve, level)]
+        )
+        self._table = Tables(
+            {"cost (scene, engine, method, declared, level, word, seconds)": lines}
+        )
 
-    reached: int
-    extrapolated: int
-    median_cost: float | None
+    def profile(self, level: float) -> Profile:
+        """Return the profiles of every method that was tried on any of the scenes."""
+        ratios: dict[Pair, list[float]] = {}
+        question = """SELECT engine, method, seconds / min(seconds) OVER (PARTITION BY scene)
+            FROM cost WHERE level = ? ORDER BY cost.rowid"""
+        for engine, method, ratio in self._table.ask(question, level):
+            ratios.setdefault((engine, method), []).extend([ratio] * (ratio is not None))
+        ordered = {pair: tuple(sorted(of_pair)) for pair, of_pair in ratios.items()}
+        return Profile(self._signal, level, self._scenes, ordered)
 
+    def tallies(self) -> dict[tuple[str, str, float], tuple[int, int, float | None]]:
+        """Return three numbers for each engine, method and level.
 
-def profile(scenes: Sequence[SceneCurves], signal: str, level: float) -> Profile:
-    """Profiles of every method that was tried on any of the scenes."""
-    ratios: dict[Pair, list[float]] = {curve.pair: [] for curves in scenes for curve in curves}
-    for curves in scenes:
-        best = cheapest(curves, level)
-        if best is None or not best[1].cost:
-            continue
-        for curve in curves:
-            cost = reach(curve, level).cost
-            if cost is not None:
-                ratios[curve.pair].append(cost / best[1].cost)
-    ordered = {pair: tuple(sorted(of_pair)) for pair, of_pair in ratios.items()}
-    return Profile(signal, level, len(scenes), ordered)
+        They are the number of scenes within reach, that of those by extrapolation only, and the
+        median of CPU seconds a simulated second over the scenes that the method can simulate,
+        infinite where it is out of reach.
+        """
+        question = """SELECT engine, method, level, count(seconds), sum(word = 'extrapolated'),
+            median_high(coalesce(seconds, 9e999)) FILTER (WHERE word <> 'unsupported')
+            FROM cost GROUP BY 1, 2, 3"""
+        return {
+            (engine, method, level): (reached, extrapolated, middle)
+            for engine, method, level, reached, extrapolated, middle in self._table.ask(question)
+        }
 
+    def order_ratios(self) -> list[tuple[int, float | None, float | None]]:
+        """Return of how many scenes methods of first and of fourth order reach each level.
 
-def tally(scenes: Sequence[SceneCurves], pair: Pair, level: float) -> Tally:
-    """The number of scenes on which a method reaches an error, and what that costs it."""
-    reached: list[Reach] = []
-    for curves in scenes:
-        reached += [reach(curve, level) for curve in curves if curve.pair == pair]
-    extrapolated = sum(one.word == "extrapolated" for one in reached)
-    costs = [one.cost or math.inf for one in reached if one.word != "unsupported"]
-    within = sum(cost < math.inf for cost in costs)
-    # Of two middle ones the greater: no mean with infinity.
-    return Tally(within, extrapolated, median_high(costs) if costs else None)
+        And the median and the largest ratio of the cost of the cheapest of both.
+        """
+        question = """SELECT count(ratio), median(ratio), max(ratio) FROM (
+                SELECT level, min(seconds) FILTER (WHERE declared = 1)
+                    / min(seconds) FILTER (WHERE declared = 4) AS ratio
+                FROM cost GROUP BY scene, level)
+            GROUP BY level ORDER BY level DESC"""
+        return self._table.ask(question)
 
-
-def order_ratios(scenes: Sequence[SceneCurves], level: float) -> list[float]:
-    """The ratio of the cheapest of the two orders, of each scene where both reach the error."""
-    return [ratio for curves in scenes if (ratio := order_ratio(curves, level)) is not None]
-
-
-#: Errors at which methods are compared, relative (attitude: rad): useful to excellent.
-LEVELS = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8)
 
 #: How the cost of a level is known: between two runs, at the coarsest run, below the finest.
 How = Literal["measured", "at most", "extrapolated"]
@@ -177,28 +184,6 @@ def _below_finest(curve: Curve, level: float, order: float) -> float:
 def above_round_off(curve: Curve) -> list[CurvePoint]:
     """The stable runs whose errors are larger than rounding explains."""
     return [point for point in curve.stable if point.error > curve.floor(point.timestep)]
-
-
-def cheapest(tried: Sequence[Curve], level: float) -> tuple[Curve, Reach] | None:
-    """The method that reaches an error at the least cost, and how; None if none does."""
-    reached = [
-        (curve, reached_level)
-        for curve in tried
-        if (reached_level := reach(curve, level)).cost is not None
-    ]
-    return min(reached, key=lambda pair: pair[1].cost or 0.0, default=None)
-
-
-def order_ratio(tried: Sequence[Curve], level: float) -> float | None:
-    """How many times more the cheapest method of first order costs than that of fourth.
-
-    None if either is out of reach.
-    """
-    costs = []
-    for order in (1, 4):
-        best = cheapest([curve for curve in tried if curve.declared == order], level)
-        costs.append(best[1].cost if best else None)
-    return costs[0] / costs[1] if costs[0] and costs[1] else None
 
 
 def _below_the_ladder(curve: Curve, level: float) -> Reach:

@@ -9,29 +9,29 @@ known NULL.
 """
 
 import math
-import sqlite3
 from collections.abc import Iterable
 from dataclasses import dataclass
-from functools import partial
 from itertools import starmap
-from statistics import median, median_high
 from typing import Any
-from weakref import WeakKeyDictionary, finalize
+from weakref import WeakKeyDictionary
 
 from ...harness.stock import COMMON_TIMESTEP
 from ...results.records import Key, OfMethod, Pair, Row
+from .in_memory import Tables
 from .measures import DEGREES, TURNS
 from .report_data import MethodRuns, ReportData, SceneRuns
 from .timesteps import survival
 
-TABLES = {
-    "run": "scene, engine, method, version, timestep, stock, outcome, simulated, attitude, turns,"
-    " attitude_a_turn, seconds",
-    "tried": "scene, hard, engine, method, place, shipped, verdict, judged_as_shipped, unmet,"
-    " seconds, survives, turn, at_least",
-    "unasked": "scene, engine, method, timestep, name",
-    "altered": "scene, engine, method, name",
-}
+RUN = (
+    "run (scene, engine, method, version, timestep, stock, outcome, simulated, attitude, turns,"
+    " attitude_a_turn, seconds)"
+)
+TRIED = (
+    "tried (scene, hard, engine, method, place, shipped, verdict, judged_as_shipped, unmet,"
+    " seconds, survives, turn, at_least)"
+)
+UNASKED = "unasked (scene, engine, method, timestep, name)"
+ALTERED = "altered (scene, engine, method, name)"
 VIEWS = f"""
 CREATE VIEW own AS
     SELECT engine, coalesce(max(CASE WHEN stock AND timestep <> {COMMON_TIMESTEP!r}
@@ -42,38 +42,28 @@ CREATE VIEW usual AS
     FROM run JOIN own USING (engine, timestep) JOIN tried USING (scene, engine, method)
     WHERE stock AND simulated;
 """
-_FILLED: "WeakKeyDictionary[ReportData, sqlite3.Connection]" = WeakKeyDictionary()
+_FILLED: "WeakKeyDictionary[ReportData, Tables]" = WeakKeyDictionary()
 
 
 def ask(gathered: ReportData, question: str, *values: Any) -> list[Any]:
     """Return the lines that answer a question in SQL, with `values` in place of its marks."""
     if gathered not in _FILLED:
         _FILLED[gathered] = _filled(gathered)
-        finalize(gathered, _FILLED[gathered].close)
-    return _FILLED[gathered].execute(question, values).fetchall()
+    return _FILLED[gathered].ask(question, *values)
 
 
-def _filled(gathered: ReportData) -> sqlite3.Connection:
-    tables = sqlite3.connect(":memory:")
-    tables.create_aggregate("median", 1, partial(_Quantile, median))  # type: ignore[arg-type]
-    # Of two middle ones the larger, as errors may be infinite.
-    tables.create_aggregate("median_high", 1, partial(_Quantile, median_high))  # type: ignore[arg-type]
+def _filled(gathered: ReportData) -> Tables:
     place = {pair: k for k, pair in enumerate(gathered.pairs)}
     every = [(scene, runs, place[runs.pair]) for scene in gathered.scenes for runs in scene.methods]
     rows = [row for _, runs, _ in every for row in runs.rows]
     measured = [one for scene in gathered.scenes for one in scene.defaults]
-    lines: dict[str, Iterable[tuple[Any, ...]]] = {
-        "run": map(_run, rows),
-        "tried": starmap(_tried, every),
-        "unasked": ((*_names(r.key), r.timestep, name) for r in rows for name in _unasked(r)),
-        "altered": ((*_names(m.key), one.name) for m in measured for one in m.each if one.acts),
+    lines = {
+        RUN: map(_run, rows),
+        TRIED: starmap(_tried, every),
+        UNASKED: ((*_names(r.key), r.timestep, name) for r in rows for name in _unasked(r)),
+        ALTERED: ((*_names(m.key), one.name) for m in measured for one in m.each if one.acts),
     }
-    for name, columns in TABLES.items():
-        tables.execute(f"CREATE TABLE {name} ({columns})")
-        marks = ", ".join("?" * len(columns.split(",")))
-        tables.executemany(f"INSERT INTO {name} VALUES ({marks})", lines[name])
-    tables.executescript(VIEWS)
-    return tables
+    return Tables(lines, VIEWS)
 
 
 def _names(key: Key) -> tuple[str, str, str]:
@@ -118,21 +108,6 @@ def _unasked(row: Row) -> Iterable[str]:
     # Measured sizes differ between scenes; names do not, so only names are counted.
     names = [name for name in row.unasked if not any(map(str.isdigit, name))]
     return dict.fromkeys([*names, *["a velocity clamp"] * (row.cause == "clamp")])
-
-
-class _Quantile:
-    """An aggregate of SQL: NULL of no numbers."""
-
-    def __init__(self, of: Any) -> None:
-        self._of = of
-        self._values: list[float] = []
-
-    def step(self, value: float | None) -> None:
-        if value is not None:
-            self._values.append(value)
-
-    def finalize(self) -> float | None:
-        return self._of(self._values) if self._values else None
 
 
 def own_timesteps(gathered: ReportData) -> dict[str, float]:

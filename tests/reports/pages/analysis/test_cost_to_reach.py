@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import pytest
 from laws import COARSEST, COARSEST_ERROR, ROUNDING, curve_of_errors, curve_of_law, law
-from spincheck.reports.pages.analysis.cost_to_reach import LEVELS, cheapest, order_ratio, reach
+from spincheck.reports.pages.analysis.cost_to_reach import LEVELS, reach
 from spincheck.reports.pages.analysis.work_precision import EPS, Curve
 
 
@@ -100,20 +100,3 @@ def test_an_accident_at_a_coarse_timestep_is_no_reach_and_rounding_takes_nothing
     assert COARSEST / 2**2 <= reach(rising, 2e-13).timestep < COARSEST / 2
     unexplained = replace(rising, rounding=0.0)
     assert reach(unexplained, 2e-13).cost is None
-
-
-def test_the_cheapest_is_the_one_that_costs_least() -> None:
-    first, fourth = curve_of_law(law(1)), curve_of_law(law(4), seconds=4e-6, method="RK4")
-    assert cheapest([first, fourth], COARSEST_ERROR)[0] is first
-    assert cheapest([first, fourth], COARSEST_ERROR / 100)[0] is fourth
-    assert cheapest([curve_of_law(law(1), verdict="disagrees")], 1e-6) is None
-
-
-def test_the_ratio_of_two_orders_is_that_of_their_laws() -> None:
-    cheap, dear = curve_of_law(law(1)), curve_of_law(law(1), seconds=2e-6)
-    fourth = curve_of_law(law(4), seconds=4e-6, declared=4)
-    n = 1000.0
-    wanted = n / (4 * n**0.25)
-    ratio = order_ratio([dear, fourth, cheap], COARSEST_ERROR / n)
-    assert ratio == pytest.approx(wanted, rel=ROUNDING)
-    assert order_ratio([cheap, dear], COARSEST_ERROR / n) is None

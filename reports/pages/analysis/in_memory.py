@@ -1,0 +1,51 @@
+"""Tables in memory, asked in SQL (https://sqlite.org/inmemorydb.html)."""
+
+import sqlite3
+from collections.abc import Callable, Iterable, Mapping
+from functools import partial
+from statistics import median, median_high
+from typing import Any
+from weakref import finalize
+
+
+class Tables:
+    """Tables that are filled once, with the aggregates `median` and `median_high`.
+
+    Of two middle numbers `median_high` is the larger: errors and costs may be infinite, 9e999.
+
+    Parameters
+    ----------
+    lines : by the name of a table with its columns, as in ``run (scene, engine)``
+    views : statements that define views
+    """
+
+    def __init__(self, lines: Mapping[str, Iterable[tuple[Any, ...]]], views: str = "") -> None:
+        self._connection = sqlite3.connect(":memory:")
+        finalize(self, self._connection.close)
+        for of in (median, median_high):
+            self._connection.create_aggregate(of.__name__, 1, partial(_Aggregate, of))  # type: ignore[arg-type]
+        for table, of_table in lines.items():
+            self._connection.execute(f"CREATE TABLE {table}")
+            marks = ", ".join("?" * (table.count(",") + 1))
+            name = table.partition(" ")[0]
+            self._connection.executemany(f"INSERT INTO {name} VALUES ({marks})", of_table)
+        self._connection.executescript(views)
+
+    def ask(self, question: str, *values: Any) -> list[Any]:
+        """Return the lines that answer a question, with `values` in place of its marks."""
+        return self._connection.execute(question, values).fetchall()
+
+
+class _Aggregate:
+    """A statistic of all numbers that are not NULL; NULL of none."""
+
+    def __init__(self, of: Callable[[list[float]], float]) -> None:
+        self._of = of
+        self._values: list[float] = []
+
+    def step(self, value: float | None) -> None:
+        if value is not None:
+            self._values.append(value)
+
+    def finalize(self) -> float | None:
+        return self._of(self._values) if self._values else None
