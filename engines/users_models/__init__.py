@@ -1,8 +1,9 @@
 """Users' models, URDF and MJCF: what a file states of its links, and what engines hold of them."""
 
 from .compare import AGREES, BodyDifference, cause, difference, unstated_body
+from .edit import elements_of, inertial_line, set_attributes, write_inertia
 from .file_engine import Advice, Configuration, FileEngine, ModelReader, model_readers
-from .file_problems import FileProblem, problems
+from .file_problems import FileProblem, problems, shapes_box
 from .mjcf import unnamed
 from .model_file import (
     WORLD,
@@ -10,10 +11,11 @@ from .model_file import (
     ModelFile,
     RigidBody,
     Shape,
+    Span,
     Stated,
     principal_moments,
     rigid_bodies,
 )
 from .read import UsersLink, read_model, users_link
-from .urdf import body_alone, mesh_bytes, with_meshes
-from .xml_tree import ModelFileError
+from .urdf import body_alone, edited, mesh_bytes, with_meshes
+from .xml_tree import Element, ModelFileError

@@ -45,7 +45,7 @@ class BodyDifference:
 def difference(stated: BodyReading, got: BodyReading) -> BodyDifference:
     """The difference of the body that an engine holds from the one that a file states."""
     inertia = stated.inertia_com
-    gyration = np.sqrt(abs(np.trace(inertia)) / (2 * stated.mass)) if stated.mass else 0.0
+    gyration = np.sqrt(abs(np.trace(inertia)) / (2 * abs(stated.mass))) if stated.mass else 0.0
     arm = max(float(gyration), float(np.linalg.norm(stated.com)))
     return BodyDifference(
         mass=_relative(abs(got.mass - stated.mass), abs(stated.mass)),

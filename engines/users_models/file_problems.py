@@ -94,9 +94,10 @@ def _beside_its_shapes(link: Link, stated: Stated) -> Iterator[tuple[str, str]]:
     that is (Iyy + Izz − Ixx) / 2m. And it is no denser than any element, if it fills the box about
     the shapes; of a flat shape, whose box has no volume, that is not known.
     """
-    extent = _extent(link)
-    if extent is None:
+    box = shapes_box(link)
+    if box is None:
         return
+    extent = box[1] - box[0]
     diagonal = np.diag(stated.inertia_com)
     # Of next to no mass it is infinite.
     with np.errstate(over="ignore"):
@@ -118,10 +119,10 @@ def _beside_its_shapes(link: Link, stated: Stated) -> Iterator[tuple[str, str]]:
         )
 
 
-def _extent(link: Link) -> FloatArray | None:
-    """Sides of the box about a link's shapes, m, along its axes; None where one is not known."""
+def shapes_box(link: Link) -> FloatArray | None:
+    """Lowest and highest corner of a link's shapes, m, (2, 3); None where one is not known."""
     boxes = [shape.box for shape in link.shapes]
     known = [box for box in boxes if box is not None]
     if not known or len(known) < len(boxes):
         return None
-    return np.asarray(np.max(known, axis=0)[1] - np.min(known, axis=0)[0])
+    return np.array([np.min(known, axis=0)[0], np.max(known, axis=0)[1]])

@@ -31,7 +31,7 @@ def read_mjcf(root: Element, files: CheckedFiles) -> tuple[tuple[Link, ...], tup
         If a number is not one, an include lies outside the folders, or there are too many bodies.
     """
     files.check(root)
-    reader = _Reader(_compiler(root))
+    reader = _Reader(root.file, _compiler(root))
     for world in root.all("worldbody"):
         reader.read(world, "", Pose())
     if not reader.links:
@@ -66,6 +66,7 @@ def _compiler(root: Element) -> Compiler:
 class _Reader:
     """Walks a world's bodies; their nesting is bounded by that of the elements."""
 
+    file: str
     compiler: Compiler
     unnamed: int = 0
     links: list[Link] = field(default_factory=list)
@@ -107,6 +108,7 @@ class _Reader:
                 pose=frame.then(_pose(element, self.compiler)),
                 moves=any(child.tag in ("joint", "freejoint") for child in element.children),
                 by_shapes=by_shapes,
+                span=element.span if element.file == self.file else (0, 0),
             )
         )
         self.read(element, name, Pose())
@@ -160,12 +162,12 @@ def _pose(element: Element, compiler: Compiler) -> Pose:
 
 def _rotation(element: Element, compiler: Compiler) -> FloatArray:
     """The rotation, given in one of MJCF's five ways (XML reference, *Frame orientations*)."""
-    ways = [key for key in _WAYS if key in element.attributes]
+    ways = [key for key in WAYS if key in element.attributes]
     if len(ways) > 1:
         element.refuse(f"{element} gives its rotation twice: '{ways[0]}' and '{ways[1]}'")
     if not ways:
         return np.eye(3)
-    length, rotation = _WAYS[ways[0]]
+    length, rotation = WAYS[ways[0]]
     values = np.array(element.numbers(ways[0], length))
     if not values.any() and ways[0] != "euler":
         element.refuse(f"'{ways[0]}' of <{element.tag}> must not be zero")
@@ -206,7 +208,7 @@ def _by_z(values: FloatArray, _: Compiler) -> Rotation:
 
 
 #: By attribute: how many numbers it has, and the rotation that they are.
-_WAYS: dict[str, tuple[int, Callable[[FloatArray, Compiler], Rotation]]] = {
+WAYS: dict[str, tuple[int, Callable[[FloatArray, Compiler], Rotation]]] = {
     "quat": (4, _by_quat),
     "axisangle": (4, _by_axis_angle),
     "euler": (3, _by_euler),

@@ -77,7 +77,8 @@ class Link:
     moves : whether a joint lets it move against its parent
     by_shapes : whether its inertia is that of its shapes, which is not computed here
     shapes : that it is drawn and collides with
-    span, joint : of its element, and of the URDF joint that it hangs on
+    span, joint : of its element, and of the URDF joint that it hangs on; (0, 0) if in no file, or
+        in one that is included
     """
 
     name: str

@@ -175,8 +175,12 @@ def read_xml(path: Path) -> tuple[bytes, Element, list[str]]:
     ModelFileError
         If it cannot be read, is too large or too deep, has a DTD, or is not XML in UTF-8.
     """
-    file = printable(str(path))
     data = read_bytes(path)
+    return data, *parse_xml(data, printable(str(path)))
+
+
+def parse_xml(data: bytes, file: str) -> tuple[Element, list[str]]:
+    """The same of the bytes of a file."""
     if b"\0" in data:
         raise ModelFileError(f"{file}: must be a text in UTF-8, no engine reads UTF-16 or zeros")
     notes: list[str] = []
@@ -193,7 +197,7 @@ def read_xml(path: Path) -> tuple[bytes, Element, list[str]]:
             root = _Builder(file, _DECLARATION.sub(lambda m: b" " * len(m[0]), data)).root
         except expat.ExpatError as again:
             raise _not_xml(again, file) from None
-    return data, root, notes + _unbound_prefixes(root)
+    return root, notes + _unbound_prefixes(root)
 
 
 def read_bytes(path: Path, limit: int = LARGEST_MODEL) -> bytes:
@@ -217,6 +221,13 @@ def read_bytes(path: Path, limit: int = LARGEST_MODEL) -> bytes:
 def _not_xml(error: expat.ExpatError, file: str) -> ModelFileError:
     message = expat.errors.messages[error.code]
     return ModelFileError(f"{file}:{error.lineno}: not well-formed XML: {message}")
+
+
+def tag_end(data: bytes, start: int) -> int:
+    """Where the tag that starts there ends."""
+    tag = _TAG.match(data, start)
+    assert tag is not None, "expat has read a tag here"
+    return tag.end()
 
 
 class _Builder:
@@ -254,16 +265,11 @@ class _Builder:
 
     def _end(self, tag: str) -> None:  # noqa: ARG002
         element = self._open.pop()
-        start, own_tag = element.span[0], self._tag_end(element.span[0])
+        start, own_tag = element.span[0], tag_end(self._data, element.span[0])
         # Of an element without an end tag expat reports the position behind it.
         closed = self._data[own_tag - 2 : own_tag] == b"/>"
-        end = own_tag if closed else self._tag_end(self._parser.CurrentByteIndex)
+        end = own_tag if closed else tag_end(self._data, self._parser.CurrentByteIndex)
         element.span = (start, end)
-
-    def _tag_end(self, start: int) -> int:
-        tag = _TAG.match(self._data, start)
-        assert tag is not None, "expat has read a tag here"
-        return tag.end()
 
     def _doctype(self, *_: object) -> None:
         raise ModelFileError(

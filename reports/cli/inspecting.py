@@ -32,6 +32,7 @@ from ..users_models.inspection import (
     inspect_model,
     reader_engines,
 )
+from ..users_models.mend import Mended, Wishes, mended
 from ..users_models.scenes import link_scenes
 from .terminal import NOT_RUN, Complaint, as_complaint, say, table, terminal_width, written
 
@@ -102,6 +103,39 @@ def print_inspection(inspection: Inspection) -> None:
     _print_list("Besides:", model.notes)
     if inspection.is_well:
         print("No differences found.\n")
+
+
+def write_mended(inspection: Inspection, out: Path, wishes: Wishes) -> Mended:
+    """Write a model's file so that engines hold what it states; one that is there stays."""
+    one = mended(inspection, wishes)
+    if out.exists():
+        raise Complaint(f"{out}: it exists already; remove it, or give '--mend' another name")
+    with written(out):
+        write_new(out, one.data.decode(), replace=False)
+    return one
+
+
+def print_mended(one: Mended, before: Inspection, after: Inspection) -> None:
+    """Print what was changed, what is left, and what engines hold before and after."""
+    _print(f"{after.model.path}: {before.model.path}, mended. Links that engines hold otherwise:")
+    table(
+        [
+            {"": " ".join(column)}
+            | {"before": _count_of_wrong(before, column), "after": _count_of_wrong(after, column)}
+            for column in after.columns
+        ]
+    )
+    print()
+    _print_list("Changed:", one.changes)
+    _print_list("Left as it was:", one.left)
+    _print_list("Bodies that engines still hold differently:", differences(after))
+    _print_list("What to do:", remedies(after))
+
+
+def _count_of_wrong(inspection: Inspection, column: tuple[str, str]) -> int | str:
+    if column in inspection.refusals:
+        return "refused"
+    return sum(reading.column == column for reading, _ in wrong_readings(inspection))
 
 
 def _is_stated(link: InspectedLink) -> bool:

@@ -27,6 +27,21 @@ def inspect(
         Path | None,
         typer.Option(metavar="DIR", help="The folder to write a page of each file into."),
     ] = None,
+    mend: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="OUT", help="Write FILE so that engines hold what it states; inspect that too."
+        ),
+    ] = None,
+    nearest: Annotated[
+        bool, typer.Option("--nearest", help="With --mend: the nearest tensor that a body has.")
+    ] = False,
+    made_up: Annotated[
+        bool, typer.Option("--made-up", help="With --mend: an inertia for moving links without.")
+    ] = False,
+    compose: Annotated[
+        bool, typer.Option("--compose", help="With --mend: welded links as one body.")
+    ] = False,
     as_json: AsJson = False,
 ) -> None:
     """Compare what engines hold of a model's links with what its file states.
@@ -34,23 +49,49 @@ def inspect(
     Exits with 1 if an engine holds something else or the file states what no body can have, with 2
     if a file cannot be read; the others are inspected all the same.
     """
-    from .inspecting import inspections, models, print_inspection, record, write_pages
+    from ..users_models.mend import Wishes
+    from .inspecting import (
+        inspections,
+        models,
+        print_inspection,
+        print_mended,
+        record,
+        write_mended,
+        write_pages,
+    )
 
-    model_files, unreadable = models(files, _packages(package_path or []))
+    if (nearest or made_up or compose) and mend is None:
+        raise Complaint("'--nearest', '--made-up' and '--compose' say how '--mend OUT' writes")
+    if mend is not None and {mend.absolute().parent} != {one.absolute().parent for one in files}:
+        raise Complaint("'--mend' writes into the folder of FILE: meshes are named relative to it")
+    if mend is not None and len(files) > 1:
+        raise Complaint(f"'--mend' writes one file, got {len(files)}")
+    packages = _packages(package_path or [])
+    model_files, unreadable = models(files, packages)
     inspected = []
     for one in inspections(model_files, engine or []) if model_files else ():
         inspected.append(one)
         if not as_json:
             print_inspection(one)
+    mended = None
+    if mend is not None and inspected:
+        mended = write_mended(inspected[0], mend, Wishes(nearest, made_up, compose))
+        inspected += inspections(models([mend], packages)[0], engine or [])
+        if not as_json:
+            print_mended(mended, *inspected)
     if out is not None:
         for page in write_pages(inspected, out):
             say(str(page))
     if as_json and inspected:
         records = [record(one) for one in inspected]
-        print(to_json(records[0] if len(files) == 1 else records))
+        if mended is not None:
+            records[1]["changes"] = [vars(one) for one in mended.changes]
+            records[1]["left"] = [vars(one) for one in mended.left]
+        print(to_json(records[0] if len(files) == 1 and mended is None else records))
     if unreadable:
         raise Complaint("\n".join(unreadable))
-    raise typer.Exit(AGREES if all(one.is_well for one in inspected) else DISAGREES)
+    judged = inspected if mended is None else inspected[1:]
+    raise typer.Exit(AGREES if all(one.is_well for one in judged) else DISAGREES)
 
 
 @app.command("import", epilog="Example: spincheck import robot.urdf --out scenes")

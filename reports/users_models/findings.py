@@ -3,8 +3,13 @@
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
-from ...engines.models.text import decimals
-from ...engines.users_models import Advice, Configuration, Stated, model_readers, principal_moments
+from ...engines.users_models import (
+    Advice,
+    Configuration,
+    inertial_line,
+    model_readers,
+    principal_moments,
+)
 from .inspection import InspectedLink, Inspection, LinkReading
 
 #: Links that a line names.
@@ -57,7 +62,7 @@ def listed(names: Sequence[str]) -> str:
     return ", ".join(names[:MOST_NAMES]) + (f" and {more} more" if more > 0 else "")
 
 
-def _grouped(entries: Iterable[tuple[str, str, str]]) -> list[Finding]:
+def grouped(entries: Iterable[tuple[str, str, str]]) -> list[Finding]:
     """One finding for each pair of who and text, with all its links' names."""
     alike: dict[tuple[str, str], list[str]] = {}
     for who, text, name in entries:
@@ -82,7 +87,7 @@ def differences(inspection: Inspection) -> list[Finding]:
     wrong = sorted(wrong_readings(inspection), key=lambda one: badness(one[0]), reverse=True)
     return [
         *(Finding((" ".join(who),), (), reason) for who, reason in inspection.refusals.items()),
-        *_grouped((one.who, f"{one.cause}{_apart(one)}", name) for one, name in wrong),
+        *grouped((one.who, f"{one.cause}{_apart(one)}", name) for one, name in wrong),
     ]
 
 
@@ -120,7 +125,7 @@ def worst_links(inspection: Inspection) -> list[InspectedLink]:
 
 def problems_of(inspection: Inspection, *, impossible: bool) -> list[Finding]:
     """Findings about the file: impossible or doubtful numbers."""
-    return _grouped(
+    return grouped(
         ("", problem.text, f"{link.link.name} (line {link.link.where.rpartition(':')[2]})")
         for link in inspection.links
         for problem in link.problems
@@ -221,19 +226,6 @@ def line_without_rotation(link: InspectedLink) -> str:
     """The link's `<inertial>` without a rotation, if an engine loses the rotation; else empty."""
     lost = any(reading.kind == "rotation lost" for reading in link.readings)
     return inertial_line(link.link.stated) if lost and link.link.stated is not None else ""
-
-
-def inertial_line(stated: Stated) -> str:
-    """The `<inertial>` of a link without a rotation, which every reader reads alike."""
-    entries = " ".join(
-        f'i{"xyz"[i]}{"xyz"[j]}="{decimals([stated.inertia_com[i, j]])}"'
-        for i in range(3)
-        for j in range(i, 3)
-    )
-    return (
-        f'<inertial><origin xyz="{decimals(stated.com)}"/>'
-        f'<mass value="{decimals([stated.mass])}"/><inertia {entries}/></inertial>'
-    )
 
 
 def cell_text(reading: LinkReading) -> str:

@@ -4,6 +4,7 @@ import json
 from types import SimpleNamespace
 
 import pytest
+from case_loops import each_case
 from spincheck.reports.cli import inspecting as command
 from spincheck.reports.cli.app import app
 from spincheck.reports.cli.terminal import Complaint
@@ -214,6 +215,54 @@ def test_what_cannot_be_inspected_ends_with_exit_code_2(tmp_path, text, options,
     code, message, _ = complaint(written(tmp_path, text, name), *options)
     assert code == 2
     assert words in message
+
+
+def test_a_model_is_mended_beside_itself_and_inspected_again(tmp_path):
+    path = written(tmp_path, arm_with_a_tool(diagonal(0.1, 0.1, 0.3)))
+    printed = inspect(path, "--mend", tmp_path / "good.urdf", "--nearest", "--compose").stdout
+    after = printed[printed.index("good.urdf: ") :]
+    rows = {line.split()[0] + line.split()[1]: line.split()[2:] for line in after.splitlines()[4:8]}
+    assert rows == {
+        "mujocoas-is": ["refused", "0"],
+        "mujocounfused": ["refused", "0"],
+        "pybulletdefault": ["3", "1"],
+        "pybulletinertia-from-file": ["3", "0"],
+    }
+    assert "  arm: nearest possible tensor: moments 0.1333, 0.1333, 0.2667 kg m² for" in after
+    # What no file can mend is said.
+    assert "  pybullet default, arm: load it with flags=pybullet.URDF_USE_INERTIA" in after
+    before, mended = records(path, "--mend", tmp_path / "again.urdf")
+    assert (before["file"], mended["file"]) == (str(path), str(tmp_path / "again.urdf"))
+    assert [one["names"] for one in mended["changes"]] == [["base"]]
+    assert mended["left"][0]["text"].startswith("0.1 + 0.1 < 0.3: no body has it; '--nearest'")
+
+
+def test_a_mended_model_that_engines_hold_ends_with_exit_code_0(tmp_path):
+    text = body('<inertial mass="1" pos="0 0 0" euler="9 0 0" diaginertia="1 2 2.5"/>')
+    path = written(tmp_path, text, "a.xml")
+    assert inspect(path, "--mend", tmp_path / "b.xml").exit_code == 0
+
+
+MENDED_WRONGLY = {
+    "elsewhere": (("robot.urdf", "--mend", "x/b.urdf"), "'--mend' writes into the folder of FILE"),
+    "two files": (("robot.urdf", "robot.urdf", "--mend", "b.urdf"), "writes one file, got 2"),
+    "onto itself": (
+        ("robot.urdf", "--mend", "robot.urdf"),
+        "it exists already; remove it",
+    ),
+    "nothing": (("robot.urdf", "--nearest"), "'--nearest', '--made-up' and '--compose' say how"),
+}
+
+
+@each_case(("arguments", "words"), MENDED_WRONGLY)
+def test_what_cannot_be_written_ends_with_exit_code_2(tmp_path, monkeypatch, arguments, words):
+    monkeypatch.chdir(tmp_path)
+    path = written(tmp_path, arm())
+    code, message, _ = complaint(*arguments)
+    assert code == 2
+    assert words in message
+    assert path.read_text(encoding="utf-8") == arm()
+    assert [one.name for one in tmp_path.iterdir()] == ["robot.urdf"]
 
 
 def test_beside_a_file_that_nobody_can_read_others_are_inspected(tmp_path):

@@ -1,0 +1,110 @@
+"""Edits of a model file: the inertia of its links is written, and every other byte stays."""
+
+import re
+from collections.abc import Mapping
+
+from ..checks.read_back import BodyReading
+from ..models.text import decimals
+from .mjcf import WAYS
+from .model_file import ModelFile, Span
+from .urdf import Edits
+from .xml_tree import Element, parse_xml, tag_end
+
+#: An attribute, with what stands before it; quoted values are taken whole.
+_ATTRIBUTE = re.compile(rb"""\s+([^\s=/>]+)\s*=\s*("[^"]*"|'[^']*')""")
+
+
+def elements_of(model: ModelFile) -> dict[Span, Element]:
+    """The elements of the file itself, without those that it includes, by their spans."""
+    root, _ = parse_xml(model.data, str(model.path))
+    return {element.span: element for element in root.walk()}
+
+
+def write_inertia(model: ModelFile, element: Element, body: BodyReading, remark: str = "") -> Edits:
+    """The edits that have a link state a body along its own axes.
+
+    Parameters
+    ----------
+    element : of the link
+    remark : written beside it as a comment, if it is not empty
+    """
+    comment = f"<!-- {remark} -->".encode() if remark else b""
+    inertial = element.only("inertial")
+    if inertial is None:
+        line = inertial_line(body, model.format).encode()
+        return [_inside(model.data, element, comment + line)]
+    edits = _of_urdf(model.data, inertial, body) if model.format == "urdf" else []
+    if model.format == "mjcf":
+        changes: dict[str, str | None] = dict.fromkeys(("diaginertia", *WAYS))
+        changes |= {"mass": decimals([body.mass]), "pos": decimals(body.com)}
+        changes["fullinertia"] = decimals(_entries(body).values())
+        edits = [set_attributes(model.data, inertial, changes)]
+    start = inertial.span[0]
+    return [((start, start), comment), *edits] if comment else edits
+
+
+def _of_urdf(data: bytes, inertial: Element, body: BodyReading) -> Edits:
+    mass, tensor = inertial.only("mass"), inertial.only("inertia")
+    assert mass is not None, "the file was read"
+    assert tensor is not None, "the file was read"
+    entries = {f"i{axes}": decimals([value]) for axes, value in _entries(body).items()}
+    edits = [set_attributes(data, tensor, entries)]
+    if mass.numbers("value", 1)[0] != body.mass:
+        edits.append(set_attributes(data, mass, {"value": decimals([body.mass])}))
+    origin = inertial.only("origin")
+    if origin is not None:
+        place = {"xyz": decimals(body.com), "rpy": None}
+        edits.append(set_attributes(data, origin, place))
+    elif body.com.any():
+        edits.append(_inside(data, inertial, f'<origin xyz="{decimals(body.com)}"/>'.encode()))
+    return edits
+
+
+def inertial_line(body: BodyReading, form: str = "urdf") -> str:
+    """The `<inertial>` of a body without a rotation, which every reader reads alike."""
+    entries = _entries(body)
+    if form == "mjcf":
+        full = f'fullinertia="{decimals(entries.values())}"'
+        return f'<inertial pos="{decimals(body.com)}" mass="{decimals([body.mass])}" {full}/>'
+    tensor = " ".join(f'i{axes}="{decimals([value])}"' for axes, value in entries.items())
+    return (
+        f'<inertial><origin xyz="{decimals(body.com)}"/>'
+        f'<mass value="{decimals([body.mass])}"/><inertia {tensor}/></inertial>'
+    )
+
+
+def _entries(body: BodyReading) -> dict[str, float]:
+    """The entries of a tensor by their axes, in MJCF's order."""
+    tensor = body.inertia_com
+    order = ("xx", "yy", "zz", "xy", "xz", "yz")
+    return {axes: float(tensor["xyz".index(axes[0]), "xyz".index(axes[1])]) for axes in order}
+
+
+def set_attributes(
+    data: bytes, element: Element, changes: Mapping[str, str | None]
+) -> tuple[Span, bytes]:
+    """The edit that gives an element's attributes other values; None takes one away."""
+    start, end = element.span[0], tag_end(data, element.span[0])
+    left = dict(changes)
+
+    def changed(match: re.Match[bytes]) -> bytes:
+        key = match[1].decode(errors="replace")
+        if key not in left:
+            return match[0]
+        value = left.pop(key)
+        new = b"" if value is None else f'"{value}"'.encode()
+        return match[0][: match.start(2) - match.start()] + new if new else b""
+
+    tag = _ATTRIBUTE.sub(changed, data[start:end])
+    new = "".join(f' {key}="{value}"' for key, value in left.items() if value is not None)
+    close = b"/>" if tag.endswith(b"/>") else b">"
+    return (start, end), tag.removesuffix(close).rstrip() + new.encode() + close
+
+
+def _inside(data: bytes, element: Element, new: bytes) -> tuple[Span, bytes]:
+    """The edit that puts something first into an element."""
+    start, end = element.span[0], tag_end(data, element.span[0])
+    tag = data[start:end]
+    if tag.endswith(b"/>"):
+        return (start, end), tag[:-2].rstrip() + b">" + new + f"</{element.tag}>".encode()
+    return (end, end), new

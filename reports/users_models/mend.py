@@ -1,0 +1,215 @@
+"""Writes a model so that every engine holds the bodies that it states, and says what it changed."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.optimize import nnls
+
+from ...engines import BodyReading
+from ...engines.checks.read_back import composed
+from ...engines.users_models import (
+    WORLD,
+    Element,
+    Link,
+    RigidBody,
+    Span,
+    edited,
+    elements_of,
+    principal_moments,
+    rigid_bodies,
+    set_attributes,
+    shapes_box,
+    write_inertia,
+)
+from ...scenarios import FloatArray
+from .findings import Finding, grouped
+from .inspection import InspectedLink, Inspection
+
+#: A body that is made up has the density of water, kg/m³, and fills the box about its shapes, whose
+#: sides are at least so long, m; without any shapes, that of a cube of such sides.
+WATER, THIN, CUBE = 1000.0, 1e-3, 0.01
+#: The second moments of the nearest possible tensor are at least this part of the largest moment:
+#: rounding does not make it impossible again.
+LEAST_SPREAD = 1e-6
+#: Moments of inertia by the second moments along the principal axes: I1 = S2 + S3, and so on.
+MOMENTS_BY_SPREAD = np.ones((3, 3)) - np.eye(3)
+NOTHING = BodyReading(0.0, np.zeros(3), np.zeros((3, 3)))
+#: A comment in the file, beside what its author did not state.
+REMARK = "made up by spincheck"
+
+
+@dataclass(frozen=True)
+class Wishes:
+    """What is done only where it is asked for.
+
+    Attributes
+    ----------
+    nearest : write the nearest possible tensor for one that no body has
+    made_up : make up an inertia for links that move and have none
+    compose : write welded links as one body, and what is welded to it as nothing
+    """
+
+    nearest: bool = False
+    made_up: bool = False
+    compose: bool = False
+
+
+@dataclass(frozen=True)
+class Mended:
+    """A model as written: its bytes, what was changed, and what a file cannot mend."""
+
+    data: bytes
+    changes: list[Finding]
+    left: list[Finding]
+
+
+#: By link, the body to be written and what that changes; without a body, why it is left.
+Plan = dict[str, tuple[BodyReading | None, str]]
+
+
+def mended(inspection: Inspection, wishes: Wishes) -> Mended:
+    """The model with the inertia of its links along their own axes, and all else as it is."""
+    model = inspection.model
+    elements = elements_of(model)
+    plan = _plan(inspection, wishes)
+    changes, left = [], []
+    edits: dict[Span, bytes] = {}
+    for link in model.links:
+        body, words = plan[link.name]
+        if body is None and _lacks_place(elements.get(link.span)):
+            body, words = link.stated, "'pos' written, without which MuJoCo refuses the file"
+        if body is not None and link.span in elements:
+            remark = REMARK if words.startswith("made up") else ""
+            edits |= dict(write_inertia(model, elements[link.span], body, remark))
+            changes.append(("", words, link.name))
+        elif body is not None:
+            left.append(("", "it is in a file that this one includes: mend that", link.name))
+        elif words:
+            left.append(("", words, link.name))
+    shaped = [link for link in model.links if link.by_shapes]
+    all_stated = all(link.span in elements and plan[link.name][0] for link in shaped)
+    for element in elements.values():
+        if element.tag == "inertia_scaling":
+            edits[element.span] = b""
+            changes.append(("", f"{element} taken away, which only Bullet reads", "the file"))
+        if element.attributes.get("inertiafromgeom") == "true" and all_stated:
+            edits |= [set_attributes(model.data, element, {"inertiafromgeom": None})]
+            changes.append(("", "'inertiafromgeom' taken away: bodies state theirs", "the file"))
+    return Mended(edited(model.data, list(edits.items())), grouped(changes), grouped(left))
+
+
+def _lacks_place(element: Element | None) -> bool:
+    inertials = [] if element is None or element.tag != "body" else element.all("inertial")
+    return any("pos" not in inertial.attributes for inertial in inertials)
+
+
+def _plan(inspection: Inspection, wishes: Wishes) -> Plan:
+    links = inspection.model.links
+    wholes = rigid_bodies(links)
+    # MuJoCo takes none of those that move.
+    massless = {
+        whole.host.name
+        for whole in wholes
+        if whole.host.moves
+        and not any(part.by_shapes or _is_physical(part) for part, _ in whole.parts)
+    }
+    plan = {
+        one.link.name: _alone(one, inspection.model.format, one.link.name in massless, wishes)
+        for one in inspection.links
+    }
+    for whole in wholes if wishes.compose else ():
+        _compose(whole, plan)
+    return plan
+
+
+def _compose(whole: RigidBody, plan: Plan) -> None:
+    """Have the host of welded links state them all as one body, and the others nothing."""
+    parts = [
+        (link.name, body.placed(pose.position, pose.R))
+        for link, pose in whole.parts
+        if (body := plan[link.name][0] or link.stated) is not None and body.mass
+    ]
+    host, names = whole.host.name, {whole.host.name, *(name for name, _ in parts)}
+    others = ", ".join(sorted(names - {host}))
+    if not others:
+        return
+    if any(plan[name][0] is None and plan[name][1] for name in names):
+        plan[host] = (None, f"not written as one body with {others}, of which some are left")
+        return
+    for name in names:
+        body, words = NOTHING, f"stated as part of {host}"
+        if name == host:
+            body = composed([part for _, part in parts])
+            words = f"written as one body with {others}"
+        plan[name] = (body, "; ".join(filter(None, (plan[name][1], words))))
+
+
+def _is_physical(link: Link) -> bool:
+    return link.stated is not None and link.stated.is_physical
+
+
+def _alone(
+    inspected: InspectedLink, form: str, massless: bool, wishes: Wishes
+) -> tuple[BodyReading | None, str]:
+    """What is written of a link by itself."""
+    link, stated = inspected.link, inspected.link.stated
+    if link.by_shapes:
+        of_shapes = [one.body for one in inspected.readings if one.body and one.body.mass]
+        words = "the inertia of its shapes, as MuJoCo computes it"
+        return (of_shapes[0], words) if of_shapes else (None, "no engine computes its inertia")
+    kinds = [problem.kind for problem in inspected.problems if problem.impossible]
+    if kinds == ["zero tensor"] or (massless and not kinds):
+        return _without_inertia(link, wishes)
+    if stated is None:
+        if form == "mjcf" or link.name == WORLD:
+            return None, ""
+        fixed = "" if link.parent else ": MuJoCo and PyBullet fix such a root in the world"
+        return NOTHING, f"stated to have no mass, as URDF has it{fixed}"
+    if kinds:
+        tensor = nearest_possible(stated.inertia_com) if stated.mass > 0 else None
+        if tensor is None or not wishes.nearest:
+            offer = "" if tensor is None else "; '--nearest' writes the nearest that one has"
+            return None, f"{'; '.join(one.text for one in inspected.problems)}{offer}"
+        was, now = (
+            ", ".join(f"{moment:.4g}" for moment in principal_moments(one))
+            for one in (stated.inertia_com, tensor)
+        )
+        body = BodyReading(stated.mass, stated.com, tensor)
+        return body, f"nearest possible tensor: moments {now} kg m² for {was}"
+    if (stated.unturned != stated.inertia_com).any():
+        return stated, "tensor written along the link's axes, without a rotation"
+    return None, ""
+
+
+def _without_inertia(link: Link, wishes: Wishes) -> tuple[BodyReading | None, str]:
+    """A link that needs a tensor, or a mass too: that of the box about its shapes, of water."""
+    if not wishes.made_up:
+        return None, "it has no mass, or no tensor; '--made-up' makes one up from its shapes"
+    box, words = shapes_box(link), "made up: that of the box about its shapes"
+    if box is None:
+        box = np.array([[-CUBE / 2] * 3, [CUBE / 2] * 3])
+        words = f"made up: that of a cube of {100 * CUBE:g} cm, as its shapes are not known"
+    low, high = box
+    sides = np.maximum(high - low, THIN)
+    mass, com = WATER * float(np.prod(sides)), (low + high) / 2
+    if link.stated is not None and link.stated.mass > 0:
+        mass, com = link.stated.mass, link.stated.com
+    inertia = np.diag(MOMENTS_BY_SPREAD @ sides**2) * mass / 12
+    return BodyReading(mass, com, inertia), words
+
+
+def nearest_possible(inertia: FloatArray) -> FloatArray | None:
+    """The tensor of a body that is nearest by the sum of squares of all entries, kg m², (3, 3).
+
+    It has the same axes, as the norm does not change with them; its moments are found as least
+    squares with second moments that are not negative (Lawson & Hanson, Solving Least Squares
+    Problems, ch. 23). None where nothing but zero is near.
+    """
+    moments, axes = np.linalg.eigh(inertia)
+    scale = float(np.abs(moments).max())
+    least = np.full(3, LEAST_SPREAD)
+    spread, _ = nnls(MOMENTS_BY_SPREAD, moments / scale - MOMENTS_BY_SPREAD @ least)
+    if not spread.any():
+        return None
+    near = axes @ np.diag(scale * MOMENTS_BY_SPREAD @ (spread + least)) @ axes.T
+    return np.asarray((near + near.T) / 2)
