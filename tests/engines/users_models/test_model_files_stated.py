@@ -1,10 +1,11 @@
 """What a file states, by hand: mass, com and tensor in the link's frame, and what hangs on what."""
 
 import numpy as np
-import pytest
+from case_loops import each_case
 from spincheck.engines.users_models import problems, read_model, rigid_bodies
 from spincheck.engines.users_models.model_file import Folders
-from users_models import TENSOR, body, diagonal, inertial, joint, link, robot, written
+from users_models import TENSOR, diagonal, inertial, joint, link, robot, written
+from users_models import body as arm_of_mjcf
 
 EPS = float(np.finfo(float).eps)
 QUARTER = f"{np.pi / 2!r}"
@@ -14,69 +15,63 @@ def stated(folder, text, name="arm", file="robot.urdf"):
     return read_model(written(folder, text, file)).link(name).stated
 
 
-def test_a_urdfs_tensor_is_turned_by_rpy_into_the_links_frame(tmp_path):
-    turned = f'<origin xyz="1 2 3" rpy="{QUARTER} 0 0"/>'
-    bodies = stated(tmp_path, robot(link("arm", inertial("2", diagonal(1, 2, 2.5), turned))))
-    assert bodies.mass == 2
-    assert bodies.com.tolist() == [1, 2, 3]
-    assert np.abs(bodies.inertia_com - np.diag([1, 2.5, 2])).max() <= 8 * EPS
-    assert bodies.unturned.tolist() == np.diag([1, 2, 2.5]).tolist()
+#: By `origin`: what the tensor diag(1, 2, 2.5) becomes. Roll comes first, about fixed axes: it
+#: takes y to z, pitch takes that to x, so that of both the moment 2 ends up along x, 1 along z.
+BY_ORIGIN = {
+    "none": ("", [0, 0, 0], [1, 2, 2.5]),
+    "roll": (f'<origin xyz="1 2 3" rpy="{QUARTER} 0 0"/>', [1, 2, 3], [1, 2.5, 2]),
+    "roll and pitch": (f'<origin rpy="{QUARTER} {QUARTER} 0"/>', [0, 0, 0], [2, 2.5, 1]),
+}
 
 
-def test_rpy_turns_about_fixed_axes_roll_first(tmp_path):
-    turned = f'<origin rpy="{QUARTER} {QUARTER} 0"/>'
-    bodies = stated(tmp_path, robot(link("arm", inertial("2", diagonal(1, 2, 2.5), turned))))
-    # Roll takes y to z, pitch takes that to x: the moment 2 ends up along x, 1 along z.
-    assert np.abs(bodies.inertia_com - np.diag([2, 2.5, 1])).max() <= 8 * EPS
+@each_case(("origin", "com", "moments"), BY_ORIGIN)
+def test_a_urdfs_tensor_is_turned_by_rpy_into_the_links_frame(tmp_path, origin, com, moments):
+    body = stated(tmp_path, robot(link("arm", inertial("2", diagonal(1, 2, 2.5), origin))))
+    assert (body.mass, body.com.tolist()) == (2, com)
+    assert np.abs(body.inertia_com - np.diag(moments)).max() <= 8 * EPS
+    assert body.unturned.tolist() == np.diag([1, 2, 2.5]).tolist()
 
 
 def test_products_of_inertia_are_the_tensors_entries(tmp_path):
-    bodies = stated(tmp_path, robot(link("arm", inertial(origin=""))))
-    assert bodies.inertia_com.tolist() == [[0.03, 0.001, 0], [0.001, 0.04, 0], [0, 0, 0.05]]
+    body = stated(tmp_path, robot(link("arm", inertial(origin=""))))
+    assert body.inertia_com.tolist() == [[0.03, 0.001, 0], [0.001, 0.04, 0], [0, 0, 0.05]]
     assert 'ixy="0.001"' in TENSOR
+    text = arm_of_mjcf('<inertial mass="1" fullinertia="3 4 5 0.1 0.2 0.3"/>')
+    body = stated(tmp_path, text, file="robot.xml")
+    assert body.inertia_com.tolist() == [[3, 0.1, 0.2], [0.1, 4, 0.3], [0.2, 0.3, 5]]
 
 
-@pytest.mark.parametrize(
-    ("rotation", "moments"),
-    [
-        ('quat="1 1 0 0"', [1, 2.5, 2]),
-        ('euler="90 0 0"', [1, 2.5, 2]),
-        ('axisangle="0 0 2 90"', [2, 1, 2.5]),
-        ('xyaxes="0 1 0 -1 0 0"', [2, 1, 2.5]),
-        ('zaxis="0 1 0"', [1, 2.5, 2]),
-        ('zaxis="0 0 -1"', [1, 2, 2.5]),
-        ('euler="90 90 0"', [2.5, 1, 2]),
-    ],
-)
-def test_an_mjcfs_tensor_is_turned_in_each_of_its_ways(tmp_path, rotation, moments):
-    text = body(f'<inertial mass="1" diaginertia="1 2 2.5" {rotation}/>')
-    bodies = stated(tmp_path, text, file="robot.xml")
-    assert np.abs(bodies.inertia_com - np.diag(moments)).max() <= 8 * EPS
+#: Angles and their sequence are the compiler's.
+FIXED_AXES = '<compiler angle="radian" eulerseq="XYZ"/>'
+BY_ROTATION = [
+    ("", 'quat="1 1 0 0"', [1, 2.5, 2]),
+    ("", 'euler="90 0 0"', [1, 2.5, 2]),
+    ("", 'axisangle="0 0 2 90"', [2, 1, 2.5]),
+    ("", 'xyaxes="0 1 0 -1 0 0"', [2, 1, 2.5]),
+    ("", 'zaxis="0 1 0"', [1, 2.5, 2]),
+    ("", 'zaxis="0 0 -1"', [1, 2, 2.5]),
+    ("", 'euler="90 90 0"', [2.5, 1, 2]),
+    (FIXED_AXES, f'euler="{QUARTER} {QUARTER} 0"', [2, 2.5, 1]),
+]
 
 
-def test_an_mjcfs_angles_and_sequence_are_its_compilers(tmp_path):
-    compiler = '<compiler angle="radian" eulerseq="XYZ"/>'
-    text = body(
-        f'<inertial mass="1" diaginertia="1 2 2.5" euler="{QUARTER} {QUARTER} 0"/>', compiler
-    )
-    bodies = stated(tmp_path, text, file="robot.xml")
-    assert np.abs(bodies.inertia_com - np.diag([2, 2.5, 1])).max() <= 8 * EPS
-
-
-def test_an_mjcfs_full_tensor_is_in_its_own_order(tmp_path):
-    text = body('<inertial mass="1" fullinertia="3 4 5 0.1 0.2 0.3"/>')
-    bodies = stated(tmp_path, text, file="robot.xml")
-    assert bodies.inertia_com.tolist() == [[3, 0.1, 0.2], [0.1, 4, 0.3], [0.2, 0.3, 5]]
+@each_case(("compiler", "rotation", "moments"), BY_ROTATION)
+def test_an_mjcfs_tensor_is_turned_in_each_of_its_ways(tmp_path, compiler, rotation, moments):
+    text = arm_of_mjcf(f'<inertial mass="1" diaginertia="1 2 2.5" {rotation}/>', compiler)
+    body = stated(tmp_path, text, file="robot.xml")
+    assert np.abs(body.inertia_com - np.diag(moments)).max() <= 8 * EPS
 
 
 def test_what_an_mjcf_has_from_shapes_it_does_not_state(tmp_path):
-    text = body('<inertial mass="1" diaginertia="1 1 1"/>', '<compiler inertiafromgeom="true"/>')
+    text = arm_of_mjcf(
+        '<inertial mass="1" diaginertia="1 1 1"/>', '<compiler inertiafromgeom="true"/>'
+    )
     assert stated(tmp_path, text, file="robot.xml") is None
 
 
 def test_replicated_bodies_are_there_as_often_as_the_file_says(tmp_path):
     inner = '<replicate count="11"><body name="k"><body name="l"/></body></replicate>'
-    model = read_model(written(tmp_path, body(inner), "robot.xml"))
+    model = read_model(written(tmp_path, arm_of_mjcf(inner), "robot.xml"))
     names = [link.name for link in model.links]
     assert names[:3] == ["arm", "k00", "l00"]
     assert names[-1] == "l10"
@@ -112,110 +107,57 @@ def test_a_part_without_a_mass_is_no_part(tmp_path):
     assert np.abs(whole.inertia_com - links[0].stated.inertia_com).max() <= EPS
 
 
+BOX = '<collision><geometry><box size="0.2 0.4 0.6"/></geometry></collision>'
+MESH = '<visual><geometry><mesh filename="a.stl"/></geometry></visual>'
+#: Of a shell of that box's shape, of 1 kg: no part is further out than its faces, so that
+#: ∫x² dm <= m (w/2)².
+MOST = np.array([a**2 + b**2 for a, b in ((0.2, 0.3), (0.1, 0.3), (0.1, 0.2))])
+#: kg, of the box made of osmium, with the slack that shapes have.
+OSMIUM = 22590.0 * 0.2 * 0.4 * 0.6 * 1.1**3
+#: By mass, tensor and shapes: the words of what is wrong.
 PROBLEMS = {
-    "triangle inequality": (("1", diagonal(0.3, 0.1, 0.9)), "0.1 + 0.3 < 0.9: no body has it"),
+    "triangle inequality": (1, (0.3, 0.1, 0.9), "", "0.1 + 0.3 < 0.9: no body has it"),
+    "in the last digits": (
+        *(1, (0.001, 0.001, 0.002000001), ""),
+        "0.001 + 0.001 < 0.002000001: no body has it",
+    ),
     "not positive definite": (
-        ("1", diagonal(-0.1, 1, 1)),
+        *(1, (-0.1, 1, 1), ""),
         "principal moments must be positive, they are -0.1, 1, 1 kg m²",
     ),
-    "zero mass": (("0", diagonal(1, 1, 1)), "a tensor without a mass"),
-    "zero tensor": (("2", diagonal(0, 0, 0)), "a mass of 2 kg without a tensor"),
-    "negative mass": (("-1", diagonal(1, 1, 1)), "a mass of -1 kg"),
-    "placeholder": (
-        ("1", diagonal(1e-3, 1e-3, 1e-3)),
-        "0.001 × identity: a placeholder",
+    "zero mass": (0, (1, 1, 1), "", "a tensor without a mass"),
+    "zero tensor": (2, (0, 0, 0), "", "a mass of 2 kg without a tensor"),
+    "negative mass": (-1, (1, 1, 1), "", "a mass of -1 kg"),
+    "placeholder": (1, (1e-3, 1e-3, 1e-3), "", "0.001 × identity: a placeholder"),
+    "flat": (1, (1, 2, 3), "", None),
+    "flat but for rounding": (1, (0.1, 0.2, 0.30000000000000004), "", None),
+    "a ball": (1, (0.002, 0.002, 0.002), "", None),
+    "a frame": (0, (0, 0, 0), "", None),
+    "beyond its shapes": (2, 8 * MOST, BOX, "its radius of gyration along x is 0.2 m; within its"),
+    "next to no mass spreads without end": (1e-320, 2 * MOST, BOX, "its radius of gyration"),
+    "at the shapes' corners": (2, 2 * MOST, BOX, None),
+    "at those it is drawn with": (2, 2 * MOST, BOX.replace("collision", "visual"), None),
+    "a mesh may be of any size": (2, (9, 9, 9), BOX + MESH, None),
+    "denser than any element": (
+        *(1.001 * OSMIUM, 1.001 * OSMIUM * MOST, BOX),
+        f"{1.001 * OSMIUM:g} kg within shapes of 0.2 × 0.4 × 0.6 m are denser than any element, "
+        "osmium's 22590 kg/m³: is the mass in grams?",
+    ),
+    "less dense": (0.999 * OSMIUM, 0.999 * OSMIUM * MOST, BOX, None),
+    "a flat shape has no density": (
+        *(1e9, 1e9 * MOST, BOX.replace("0.6", "0")),
+        "its radius of gyration along z",
     ),
 }
+DOUBTS = ("placeholder", "radius of gyration", "density")
 
 
-@pytest.mark.parametrize("kind", PROBLEMS)
-def test_what_a_file_has_wrong_is_reported(tmp_path, kind):
-    inertial_arguments, words = PROBLEMS[kind]
-    (problem,) = problems(
-        read_model(written(tmp_path, robot(link("a", inertial(*inertial_arguments))))).links[0]
-    )
-    assert (problem.kind, problem.text) == (kind, words)
-    assert problem.impossible == (kind != "placeholder")
-
-
-@pytest.mark.parametrize(
-    ("mass", "tensor"),
-    [
-        ("1", diagonal(1, 2, 3)),
-        ("1", diagonal(0.1, 0.2, 0.30000000000000004)),
-        ("1", diagonal(0.002, 0.002, 0.002)),
-        ("0", diagonal(0, 0, 0)),
-    ],
-    ids=["flat", "flat but for rounding", "a ball", "a frame"],
-)
-def test_what_a_body_can_have_is_not(tmp_path, mass, tensor):
-    (arm,) = read_model(written(tmp_path, robot(link("a", inertial(mass, tensor))))).links
-    assert problems(arm) == ()
-
-
-def test_a_violation_in_the_last_digits_is_shown_with_them(tmp_path):
-    tensor = diagonal(0.001, 0.001, 0.002000001)
-    (arm,) = read_model(written(tmp_path, robot(link("a", inertial("1", tensor))))).links
-    (problem,) = problems(arm)
-    assert problem.text == "0.001 + 0.001 < 0.002000001: no body has it"
-
-
-def shaped(moments, shape):
-    inside = inertial("2", diagonal(*moments), "") + shape
-    return robot(link("a", inside))
-
-
-BOX = '<collision><geometry><box size="0.2 0.4 0.6"/></geometry></collision>'
-#: Of a shell of that box's shape no part is further out than its faces: ∫x² dm <= m (w/2)².
-MOST = tuple(2 * (a**2 + b**2) for a, b in ((0.2, 0.3), (0.1, 0.3), (0.1, 0.2)))
-
-
-def test_mass_that_spreads_further_than_the_shapes_is_doubted(tmp_path):
-    twice = tuple(4 * moment for moment in MOST)
-    (problem,) = problems(read_model(written(tmp_path, shaped(twice, BOX))).links[0])
-    assert problem.kind == "radius of gyration"
-    assert not problem.impossible
-    assert "within its shapes" in problem.text
-
-
-def test_next_to_no_mass_spreads_without_end(tmp_path):
-    text = shaped(MOST, BOX).replace('value="2"', 'value="1e-320"')
-    assert [p.kind for p in problems(read_model(written(tmp_path, text)).links[0])] == [
-        "radius of gyration"
-    ]
-
-
-@pytest.mark.parametrize("shape", [BOX, BOX.replace("collision", "visual")])
-def test_mass_at_the_shapes_corners_is_not(tmp_path, shape):
-    assert problems(read_model(written(tmp_path, shaped(MOST, shape))).links[0]) == ()
-
-
-def heavy(kilograms, shape=BOX):
-    """A robot whose one link has that mass, spread as far as BOX allows."""
-    moments = (kilograms / 2 * moment for moment in MOST)
-    return shaped(moments, shape).replace('value="2"', f'value="{kilograms!r}"')
-
-
-#: kg, of the box BOX made of osmium, with the slack that shapes have.
-OSMIUM = 22590.0 * 0.2 * 0.4 * 0.6 * 1.1**3
-
-
-def test_a_mass_denser_than_any_element_is_doubted(tmp_path):
-    (problem,) = problems(read_model(written(tmp_path, heavy(1.001 * OSMIUM))).links[0])
-    assert (problem.kind, problem.impossible) == ("density", False)
-    assert problem.text.endswith("is the mass in grams?")
-    assert problems(read_model(written(tmp_path, heavy(0.999 * OSMIUM))).links[0]) == ()
-
-
-def test_the_density_of_a_flat_shape_is_not_judged(tmp_path):
-    flat = BOX.replace("0.6", "0")
-    (problem,) = problems(read_model(written(tmp_path, heavy(1e9, flat))).links[0])
-    assert problem.kind == "radius of gyration"
-
-
-def test_a_mesh_may_be_of_any_size(tmp_path):
-    mesh = '<visual><geometry><mesh filename="a.stl"/></geometry></visual>'
-    assert problems(read_model(written(tmp_path, shaped((9, 9, 9), BOX + mesh))).links[0]) == ()
+@each_case(("mass", "moments", "shapes", "words"), PROBLEMS)
+def test_what_a_file_has_wrong_is_reported(tmp_path, mass, moments, shapes, words):
+    inside = inertial(repr(mass), diagonal(*map(float, moments)), "") + shapes
+    (arm,) = read_model(written(tmp_path, robot(link("a", inside)))).links
+    assert [one.text.startswith(words or "?") for one in problems(arm)] == [True] * bool(words)
+    assert all(one.impossible == (one.kind not in DOUBTS) for one in problems(arm))
 
 
 def test_a_mesh_is_found_in_the_models_folder_and_in_packages_alone(tmp_path):

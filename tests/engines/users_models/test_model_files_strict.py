@@ -68,47 +68,44 @@ def test_a_version_of_xml_that_there_is_not_is_read_as_engines_read_it(tmp_path)
     assert [link.name for link in model.links] == ["base", "arm"]
 
 
-@pytest.mark.parametrize(
-    "stray", ['<!-- x -->\n<?xml version="1.0"?>\n', '\n<?xml encoding="none" version="1.0"?>\n']
-)
-def test_a_declaration_that_standard_parsers_refuse_is_noted(tmp_path, stray):
-    path = written(tmp_path, stray + arm())
-    model = read_model(path)
-    (note,) = model.notes
-    assert note.startswith(f"{path}:2: this XML declaration breaks the standard")
-    start, end = model.link("arm").span
-    assert model.data[start:end].decode() == link("arm", inertial()).strip()
-
-
-def test_a_prefix_that_is_not_declared_is_noted(tmp_path):
-    path = written(tmp_path, robot(link("a"), "<sensor:camera/>"))
-    (note,) = read_model(path).notes
-    assert note.startswith(f"{path}:3: the prefix of <sensor:camera> is not declared")
-
-
-def test_bullets_own_scaling_of_a_tensor_is_noted(tmp_path):
-    scaled = '<contact>\n<inertia_scaling value="3.0"/></contact>'
-    path = written(tmp_path, robot(link("a", inertial() + scaled)))
-    assert read_model(path).notes == (
-        f"{path}:3: Bullet multiplies the tensor of <link name='a'> by this <inertia_scaling>; no "
+MESH_OUTSIDE = '<collision><geometry><mesh filename="../outside.stl"/></geometry></collision>'
+SCALED = '<contact>\n<inertia_scaling value="3.0"/></contact>'
+BROKEN = "this XML declaration breaks the standard; engines read over it, standard parsers refuse"
+#: Texts, and what is noted about them.
+NOTED = {
+    "a declaration too late": ('<!-- x -->\n<?xml version="1.0"?>\n' + arm(), f"FILE:2: {BROKEN}"),
+    "an encoding that there is not": (
+        *('\n<?xml encoding="none" version="1.0"?>\n' + arm(), f"FILE:2: {BROKEN}"),
+    ),
+    "a prefix that is not declared": (
+        *(robot(link("a"), "<sensor:camera/>"), "FILE:3: the prefix of <sensor:camera> is not"),
+    ),
+    "one that is": (robot(link("a"), '<s:camera xmlns:s="urn:s"/>'), None),
+    "Bullet's own scaling of a tensor": (
+        robot(link("a", inertial() + SCALED)),
+        "FILE:3: Bullet multiplies the tensor of <link name='a'> by this <inertia_scaling>; no "
         "other engine does",
-    )
-
-
-def test_meshes_that_are_not_inside_the_models_folders_are_noted(tmp_path):
-    written(tmp_path, "solid", "outside.stl")
-    mesh = '<collision><geometry><mesh filename="../outside.stl"/></geometry></collision>'
-    path = written(tmp_path, robot(link("a", mesh)), "inner/robot.urdf")
-    assert read_model(path).notes == (
-        f"{path}: 1 of 1 collision meshes are not inside the model's folders, the first is "
+    ),
+    "meshes that are not inside the model's folders": (
+        robot(link("a", MESH_OUTSIDE)),
+        "FILE: 1 of 1 collision meshes are not inside the model's folders, the first is "
         "'../outside.stl'; stated inertia needs none, what PyBullet makes up by default does; "
         "'--package-path NAME=DIR' says where they are",
-    )
+    ),
+}
 
 
-def test_a_prefix_that_is_declared_is_not(tmp_path):
-    text = robot(link("a"), '<s:camera xmlns:s="urn:s"/>')
-    assert read_model(written(tmp_path, text)).notes == ()
+@each_case(("text", "note"), NOTED)
+def test_what_is_odd_about_a_file_is_noted(tmp_path, text, note):
+    written(tmp_path, "solid", "outside.stl")
+    path = written(tmp_path, text, "inner/robot.urdf")
+    model = read_model(path)
+    notes = [one.replace(str(path), "FILE") for one in model.notes]
+    assert [one.startswith(note or "?") for one in notes] == [True] * bool(note)
+    # A declaration that is read over moves nothing in the file.
+    start, end = model.links[-1].span
+    assert model.data[start:end].startswith(b"<link name=")
+    assert model.data[start:end].endswith((b"/>", b"</link>"))
 
 
 def test_a_link_of_the_file_system_leads_no_further(tmp_path):
