@@ -35,10 +35,8 @@ def write_inertia(model: ModelFile, element: Element, body: BodyReading, remark:
         return [_inside(model.data, element, comment + line)]
     edits = _of_urdf(model.data, inertial, body) if model.format == "urdf" else []
     if model.format == "mjcf":
-        changes: dict[str, str | None] = dict.fromkeys(("diaginertia", *WAYS))
-        changes |= {"mass": decimals([body.mass]), "pos": decimals(body.com)}
-        changes["fullinertia"] = decimals(_entries(body).values())
-        edits = [set_attributes(model.data, inertial, changes)]
+        gone: dict[str, str | None] = dict.fromkeys(("fullinertia", "diaginertia", *WAYS))
+        edits = [set_attributes(model.data, inertial, gone | _of_mjcf(body))]
     start = inertial.span[0]
     return [((start, start), comment), *edits] if comment else edits
 
@@ -62,15 +60,22 @@ def _of_urdf(data: bytes, inertial: Element, body: BodyReading) -> Edits:
 
 def inertial_line(body: BodyReading, form: str = "urdf") -> str:
     """The `<inertial>` of a body without a rotation, which every reader reads alike."""
-    entries = _entries(body)
     if form == "mjcf":
-        full = f'fullinertia="{decimals(entries.values())}"'
-        return f'<inertial pos="{decimals(body.com)}" mass="{decimals([body.mass])}" {full}/>'
-    tensor = " ".join(f'i{axes}="{decimals([value])}"' for axes, value in entries.items())
+        inside = " ".join(f'{key}="{value}"' for key, value in _of_mjcf(body).items())
+        return f"<inertial {inside}/>"
+    entries = _entries(body).items()
+    tensor = " ".join(f'i{axes}="{decimals([value])}"' for axes, value in entries)
     return (
         f'<inertial><origin xyz="{decimals(body.com)}"/>'
         f'<mass value="{decimals([body.mass])}"/><inertia {tensor}/></inertial>'
     )
+
+
+def _of_mjcf(body: BodyReading) -> dict[str, str]:
+    """The attributes of an MJCF's `<inertial>`; MuJoCo takes no tensor of zeros as a full one."""
+    zero = {"diaginertia": "0 0 0"}
+    tensor = {"fullinertia": decimals(_entries(body).values())} if body.inertia_com.any() else zero
+    return {"pos": decimals(body.com), "mass": decimals([body.mass])} | tensor
 
 
 def _entries(body: BodyReading) -> dict[str, float]:

@@ -76,7 +76,7 @@ def mended(inspection: Inspection, wishes: Wishes) -> Mended:
     edits: dict[Span, bytes] = {}
     for link in model.links:
         body, words = plan[link.name]
-        if body is None and _lacks_place(elements.get(link.span)):
+        if link.stated and body is None and _lacks_place(elements.get(link.span)):
             body, words = link.stated, "'pos' written, without which MuJoCo refuses the file"
         if body is not None and link.span in elements:
             remark = REMARK if words.startswith("made up") else ""
@@ -154,9 +154,10 @@ def _alone(
     """What is written of a link by itself."""
     link, stated = inspected.link, inspected.link.stated
     if link.by_shapes:
-        of_shapes = [one.body for one in inspected.readings if one.body and one.body.mass]
-        words = "the inertia of its shapes, as MuJoCo computes it"
-        return (of_shapes[0], words) if of_shapes else (None, "no engine computes its inertia")
+        of_shapes = next((one.body for one in inspected.readings if one.body is not None), None)
+        if of_shapes is None:
+            return None, "its inertia is that of its shapes, and no engine reads the file"
+        return of_shapes, "the inertia of its shapes, as MuJoCo computes it"
     kinds = [problem.kind for problem in inspected.problems if problem.impossible]
     if kinds == ["zero tensor"] or (massless and not kinds):
         return _without_inertia(link, wishes)

@@ -169,6 +169,17 @@ def test_welded_links_are_one_body_if_asked(tmp_path):
     assert "arm: not written as one body with tool, of which some are left" in left
 
 
+def test_bodies_that_an_mjcf_welds_are_one_if_asked(tmp_path):
+    text = body(
+        f'<freejoint/>{TURNED}<body pos="0 1 0" quat="1 1 0 0">{TURNED}<geom size="1"/></body>'
+    )
+    before, after, _, _ = mend(tmp_path, text, "robot.xml", compose=True)
+    assert after.is_well
+    (whole,) = before.composed
+    assert np.abs(tensor(after, "arm") - whole.stated.inertia_com).max() <= 32 * EPS
+    assert b'diaginertia="0 0 0"' in after.model.data
+
+
 def test_bullets_own_scaling_is_taken_away(tmp_path):
     scaled = '<contact><inertia_scaling value="3.0"/><lateral_friction value="1"/></contact>'
     before, after, _, _ = mend(tmp_path, arm(inside=scaled))
@@ -187,6 +198,13 @@ def test_an_mjcfs_tensor_loses_its_rotation(tmp_path):
     assert (tensor(after, "arm") == tensor(before, "arm")).all()
     assert b"euler" not in after.model.data
     assert after.is_well
+
+
+def test_a_place_that_mujoco_asks_for_is_written(tmp_path):
+    text = body('<freejoint/><inertial mass="2" diaginertia="1 2 2.5"/>')
+    before, after, changes, _ = mend(tmp_path, text, "robot.xml")
+    assert changes == ["arm: 'pos' written, without which MuJoCo refuses the file"]
+    assert (before.is_well, after.is_well) == (False, True)
 
 
 def test_what_an_mjcf_has_from_its_shapes_is_stated(tmp_path):
