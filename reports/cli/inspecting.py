@@ -1,7 +1,7 @@
 """What 'inspect' prints, as text and as JSON, and the files that it and 'import' write."""
 
 import textwrap
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -13,13 +13,11 @@ from ..harness.executors import LocalWorkers
 from ..pages.analysis.wording import plural
 from ..users_models.findings import (
     LEGEND,
+    Finding,
     added_masses,
     cell_text,
-    composed_bodies,
-    differences,
     listed,
-    problems_of,
-    remedies,
+    sections,
     stated_mass,
     weight_in_words,
     wrong_readings,
@@ -93,14 +91,8 @@ def print_inspection(inspection: Inspection) -> None:
     if not inspection.is_well:
         _print(LEGEND)
     print()
-    _print_list("Bodies that engines hold differently, the worst first:", differences(inspection))
-    _print_list("Impossible in the file:", problems_of(inspection, impossible=True))
-    _print_list("Doubtful in the file:", problems_of(inspection, impossible=False))
-    _print_list(
-        "Welded together, each one body and one scene of 'import':", composed_bodies(inspection)
-    )
-    _print_list("What to do:", remedies(inspection))
-    _print_list("Besides:", model.notes)
+    for heading, found in sections(inspection):
+        _print_list(heading, found)
     if inspection.is_well:
         print("No differences found.\n")
 
@@ -126,10 +118,10 @@ def print_mended(one: Mended, before: Inspection, after: Inspection) -> None:
         ]
     )
     print()
-    _print_list("Changed:", one.changes)
-    _print_list("Left as it was:", one.left)
-    _print_list("Bodies that engines still hold differently:", differences(after))
-    _print_list("What to do:", remedies(after))
+    for heading, found in (("Changed", one.changes), ("Left as it was", one.left)):
+        _print_list(heading, found)
+    for heading, found in sections(after):
+        _print_list(heading, found)
 
 
 def _count_of_wrong(inspection: Inspection, column: tuple[str, str]) -> int | str:
@@ -153,11 +145,10 @@ def _row(link: InspectedLink) -> dict[str, object]:
     return row
 
 
-def _print_list(heading: str, lines: Iterable[object]) -> None:
-    lines = list(lines)
+def _print_list(heading: str, lines: Sequence[Finding]) -> None:
     if not lines:
         return
-    print(heading)
+    print(f"{heading}:")
     for line in lines[:MOST_LINES]:
         _print(str(line), "  ", "    ")
     if len(lines) > MOST_LINES:
