@@ -75,7 +75,10 @@ def write_pages(inspected: Sequence[Inspection], out: Path) -> Iterator[Path]:
 def print_inspection(inspection: Inspection) -> None:
     """Print the table, the differences (worst first), faults of the file, and remedies."""
     model = inspection.model
-    stated = plural(len(model.links), "link") + f", {sum(map(_is_stated, inspection.links))}"
+    stated = (
+        plural(len(model.links), "link")
+        + f", {sum(link.link.has_inertia for link in inspection.links)}"
+    )
     _print(f"{model.path}: {model.format.upper()}, {stated} with a mass and a tensor")
     if weight := weight_in_words(inspection):
         _print(weight)
@@ -130,11 +133,6 @@ def _count_of_wrong(inspection: Inspection, column: tuple[str, str]) -> int | st
     return sum(reading.column == column for reading, _ in wrong_readings(inspection))
 
 
-def _is_stated(link: InspectedLink) -> bool:
-    """Whether the file gives a link a mass and a tensor."""
-    return link.link.stated is not None and link.link.stated.is_physical
-
-
 def _row(link: InspectedLink) -> dict[str, object]:
     """A line of the table; headings are broken into lines as narrow as the cells."""
     stated = link.link.stated
@@ -178,7 +176,7 @@ def record(inspection: Inspection) -> dict[str, Any]:
         "summary": {
             "well": inspection.is_well,
             "links": len(inspection.links),
-            "stated": sum(map(_is_stated, inspection.links)),
+            "stated": sum(link.link.has_inertia for link in inspection.links),
             "impossible": sum(not link.is_possible for link in inspection.links),
             "held_wrongly": {who: wrong.count(who) for who in map(" ".join, inspection.columns)},
             "mass": {"stated": stated_mass(inspection), "added": added_masses(inspection)},

@@ -208,9 +208,7 @@ def configuration_of(engine: str, name: str) -> Configuration:
 #: Which links the advice about a refused file concerns.
 _CONCERNED: dict[str, Callable[[InspectedLink], bool]] = {
     "impossible": lambda one: not one.is_possible,
-    "massless": lambda one: (
-        one.link.moves and (one.link.stated is None or not one.link.stated.is_physical)
-    ),
+    "massless": lambda one: one.link.moves and not one.link.has_inertia,
 }
 
 

@@ -137,7 +137,7 @@ def stated_table(inspections_of: dict[str, list[Inspection]], refused: dict[str,
                 len(inspections),
                 len(refused[package]),
                 len(links),
-                sum(stated.is_physical for link in links if (stated := link.link.stated)),
+                sum(link.link.has_inertia for link in links),
                 len(bad),
                 kinds["not positive definite"] + kinds["triangle inequality"],
                 kinds["zero tensor"] + kinds["zero mass"],
@@ -209,7 +209,7 @@ def _counted(held: list[LinkReading]) -> list[int]:
 
 
 def _is_far(held: LinkReading) -> bool:
-    stated, held_trace = held.expected.inertia.trace(), held.body.inertia_com.trace()
+    stated, held_trace = held.expected.inertia_com.trace(), held.body.inertia_com.trace()
     return bool(held_trace * TEN_TIMES <= stated or held_trace >= TEN_TIMES * stated)
 
 
