@@ -100,14 +100,19 @@ def print_inspection(inspection: Inspection) -> None:
         print("No differences found.\n")
 
 
-def write_mended(inspection: Inspection, out: Path, wishes: Wishes) -> Mended:
-    """Write a model's file so that engines hold what it states; one that is there stays."""
+def write_mended(
+    inspection: Inspection, out: Path, wishes: Wishes, engines: Sequence[str]
+) -> tuple[Mended, Inspection]:
+    """Write a model's file so that engines hold what it states, and inspect what was written."""
     one = mended(inspection, wishes)
     if out.exists():
         raise Complaint(f"{out}: it exists already; remove it, or give '--mend' another name")
     with written(out):
         write_new(out, one.data.decode(), replace=False)
-    return one
+    with as_complaint(ModelFileError):
+        model = read_model(out, inspection.model.folders.packages)
+    (after,) = inspections([model], engines)
+    return one, after
 
 
 def print_mended(one: Mended, before: Inspection, after: Inspection) -> None:
