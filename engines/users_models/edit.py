@@ -7,7 +7,7 @@ from ..checks.read_back import BodyReading
 from ..models.text import decimals
 from .mjcf import WAYS
 from .model_file import ModelFile, Span
-from .urdf import Edits
+from .urdf import ZEROS, Edits
 from .xml_tree import Element, parse_xml, tag_end
 
 #: An attribute, with what stands before it; quoted values are taken whole.
@@ -51,7 +51,9 @@ def _of_urdf(data: bytes, inertial: Element, body: BodyReading) -> Edits:
         edits.append(set_attributes(data, mass, {"value": decimals([body.mass])}))
     origin = inertial.only("origin")
     if origin is not None:
-        place = {"xyz": decimals(body.com), "rpy": None}
+        place: dict[str, str | None] = {"rpy": None}
+        if origin.numbers("xyz", 3, ZEROS) != tuple(body.com):
+            place["xyz"] = decimals(body.com)
         edits.append(set_attributes(data, origin, place))
     elif body.com.any():
         edits.append(_inside(data, inertial, f'<origin xyz="{decimals(body.com)}"/>'.encode()))

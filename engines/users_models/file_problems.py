@@ -40,7 +40,7 @@ def problems(link: Link) -> tuple[FileProblem, ...]:
     if stated is None:
         return ()
     found = [*_of_mass(stated), *_of_tensor(stated)]
-    if not found and stated.is_physical:
+    if not found and link.has_inertia:
         found = [*_placeholder(stated), *_beside_its_shapes(link, stated)]
     return tuple(FileProblem(kind, text) for kind, text in found)
 

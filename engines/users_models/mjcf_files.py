@@ -125,6 +125,8 @@ class CheckedFiles:
             name = f"model-{len(self._models)}.xml"
             self._models[path] = None
             root = read_xml(path)[1]
+            if root.tag != "mujoco":
+                element.refuse(f"<model> must name an MJCF file, got <{root.tag}>")
             made = self.check(root) + sum(1 for _ in root.walk())
             self._models[path] = (name, made)
             self.files[name] = root.text()

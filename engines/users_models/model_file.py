@@ -92,6 +92,11 @@ class Link:
     span: Span = (0, 0)
     joint: Span = (0, 0)
 
+    @property
+    def has_inertia(self) -> bool:
+        """Whether the file states a mass and a tensor at all."""
+        return self.stated is not None and self.stated.is_physical
+
 
 @dataclass(frozen=True)
 class Folders:

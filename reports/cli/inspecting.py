@@ -1,7 +1,7 @@
 """What 'inspect' prints, as text and as JSON, and the files that it and 'import' write."""
 
 import textwrap
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -13,13 +13,11 @@ from ..harness.executors import LocalWorkers
 from ..pages.analysis.wording import plural
 from ..users_models.findings import (
     LEGEND,
+    Finding,
     added_masses,
     cell_text,
-    composed_bodies,
-    differences,
     listed,
-    problems_of,
-    remedies,
+    sections,
     stated_mass,
     weight_in_words,
     wrong_readings,
@@ -77,7 +75,10 @@ def write_pages(inspected: Sequence[Inspection], out: Path) -> Iterator[Path]:
 def print_inspection(inspection: Inspection) -> None:
     """Print the table, the differences (worst first), faults of the file, and remedies."""
     model = inspection.model
-    stated = plural(len(model.links), "link") + f", {sum(map(_is_stated, inspection.links))}"
+    stated = (
+        plural(len(model.links), "link")
+        + f", {sum(link.link.has_inertia for link in inspection.links)}"
+    )
     _print(f"{model.path}: {model.format.upper()}, {stated} with a mass and a tensor")
     if weight := weight_in_words(inspection):
         _print(weight)
@@ -93,26 +94,25 @@ def print_inspection(inspection: Inspection) -> None:
     if not inspection.is_well:
         _print(LEGEND)
     print()
-    _print_list("Bodies that engines hold differently, the worst first:", differences(inspection))
-    _print_list("Impossible in the file:", problems_of(inspection, impossible=True))
-    _print_list("Doubtful in the file:", problems_of(inspection, impossible=False))
-    _print_list(
-        "Welded together, each one body and one scene of 'import':", composed_bodies(inspection)
-    )
-    _print_list("What to do:", remedies(inspection))
-    _print_list("Besides:", model.notes)
+    for heading, found in sections(inspection):
+        _print_list(heading, found)
     if inspection.is_well:
         print("No differences found.\n")
 
 
-def write_mended(inspection: Inspection, out: Path, wishes: Wishes) -> Mended:
-    """Write a model's file so that engines hold what it states; one that is there stays."""
+def write_mended(
+    inspection: Inspection, out: Path, wishes: Wishes, engines: Sequence[str]
+) -> tuple[Mended, Inspection]:
+    """Write a model's file so that engines hold what it states, and inspect what was written."""
     one = mended(inspection, wishes)
     if out.exists():
         raise Complaint(f"{out}: it exists already; remove it, or give '--mend' another name")
     with written(out):
         write_new(out, one.data.decode(), replace=False)
-    return one
+    with as_complaint(ModelFileError):
+        model = read_model(out, inspection.model.folders.packages)
+    (after,) = inspections([model], engines)
+    return one, after
 
 
 def print_mended(one: Mended, before: Inspection, after: Inspection) -> None:
@@ -126,21 +126,16 @@ def print_mended(one: Mended, before: Inspection, after: Inspection) -> None:
         ]
     )
     print()
-    _print_list("Changed:", one.changes)
-    _print_list("Left as it was:", one.left)
-    _print_list("Bodies that engines still hold differently:", differences(after))
-    _print_list("What to do:", remedies(after))
+    for heading, found in (("Changed", one.changes), ("Left as it was", one.left)):
+        _print_list(heading, found)
+    for heading, found in sections(after):
+        _print_list(heading, found)
 
 
 def _count_of_wrong(inspection: Inspection, column: tuple[str, str]) -> int | str:
     if column in inspection.refusals:
         return "refused"
     return sum(reading.column == column for reading, _ in wrong_readings(inspection))
-
-
-def _is_stated(link: InspectedLink) -> bool:
-    """Whether the file gives a link a mass and a tensor."""
-    return link.link.stated is not None and link.link.stated.is_physical
 
 
 def _row(link: InspectedLink) -> dict[str, object]:
@@ -153,11 +148,10 @@ def _row(link: InspectedLink) -> dict[str, object]:
     return row
 
 
-def _print_list(heading: str, lines: Iterable[object]) -> None:
-    lines = list(lines)
+def _print_list(heading: str, lines: Sequence[Finding]) -> None:
     if not lines:
         return
-    print(heading)
+    print(f"{heading}:")
     for line in lines[:MOST_LINES]:
         _print(str(line), "  ", "    ")
     if len(lines) > MOST_LINES:
@@ -187,7 +181,7 @@ def record(inspection: Inspection) -> dict[str, Any]:
         "summary": {
             "well": inspection.is_well,
             "links": len(inspection.links),
-            "stated": sum(map(_is_stated, inspection.links)),
+            "stated": sum(link.link.has_inertia for link in inspection.links),
             "impossible": sum(not link.is_possible for link in inspection.links),
             "held_wrongly": {who: wrong.count(who) for who in map(" ".join, inspection.columns)},
             "mass": {"stated": stated_mass(inspection), "added": added_masses(inspection)},

@@ -66,8 +66,7 @@ def inspect(
         raise Complaint("'--mend' writes into the folder of FILE: meshes are named relative to it")
     if mend is not None and len(files) > 1:
         raise Complaint(f"'--mend' writes one file, got {len(files)}")
-    packages = _packages(package_path or [])
-    model_files, unreadable = models(files, packages)
+    model_files, unreadable = models(files, _packages(package_path or []))
     inspected = []
     for one in inspections(model_files, engine or []) if model_files else ():
         inspected.append(one)
@@ -75,8 +74,9 @@ def inspect(
             print_inspection(one)
     mended = None
     if mend is not None and inspected:
-        mended = write_mended(inspected[0], mend, Wishes(nearest, made_up, compose))
-        inspected += inspections(models([mend], packages)[0], engine or [])
+        wishes = Wishes(nearest, made_up, compose)
+        mended, after = write_mended(inspected[0], mend, wishes, engine or [])
+        inspected.append(after)
         if not as_json:
             print_mended(mended, *inspected)
     if out is not None:

@@ -22,6 +22,8 @@ LEGEND = (
     "how far the attitude is off after tumbling for 1 s. fused: part of the body, or of the world, "
     "that it is fixed to."
 )
+#: The heading of what mends them.
+WHAT_TO_DO = "What to do"
 #: What mends a difference in any engine, by its word.
 IN_ANY_ENGINE = {
     "nothing stated": Advice(
@@ -51,9 +53,14 @@ class Finding:
     text: str
     line: str = ""
 
-    def __str__(self) -> str:
+    @property
+    def about(self) -> str:
+        """Whom and which links it concerns, with a colon; empty if it is about the whole file."""
         about = [part for part in (" and ".join(self.who), listed(self.names)) if part]
-        return ": ".join(part for part in (", ".join(about), self.text, self.line) if part)
+        return f"{', '.join(about)}: " if about else ""
+
+    def __str__(self) -> str:
+        return f"{self.about}{self.text}{': ' if self.line else ''}{self.line}"
 
 
 def listed(names: Sequence[str]) -> str:
@@ -80,6 +87,19 @@ def wrong_readings(inspection: Inspection) -> list[tuple[LinkReading, str]]:
         for reading in link.readings
         if reading.agrees is False
     ]
+
+
+def sections(inspection: Inspection) -> list[tuple[str, list[Finding]]]:
+    """All findings by headings; none that nothing is found of."""
+    by_heading = {
+        "Bodies that engines hold differently, the worst first": differences(inspection),
+        "Impossible in the file": problems_of(inspection, impossible=True),
+        "Doubtful in the file": problems_of(inspection, impossible=False),
+        "Welded together, each one body and one scene of 'import'": composed_bodies(inspection),
+        WHAT_TO_DO: remedies(inspection),
+        "Besides": [Finding((), (), note) for note in inspection.model.notes],
+    }
+    return [(heading, found) for heading, found in by_heading.items() if found]
 
 
 def differences(inspection: Inspection) -> list[Finding]:
@@ -188,9 +208,7 @@ def configuration_of(engine: str, name: str) -> Configuration:
 #: Which links the advice about a refused file concerns.
 _CONCERNED: dict[str, Callable[[InspectedLink], bool]] = {
     "impossible": lambda one: not one.is_possible,
-    "massless": lambda one: (
-        one.link.moves and (one.link.stated is None or not one.link.stated.is_physical)
-    ),
+    "massless": lambda one: one.link.moves and not one.link.has_inertia,
 }
 
 

@@ -111,7 +111,7 @@ def _plan(inspection: Inspection, wishes: Wishes) -> Plan:
         whole.host.name
         for whole in wholes
         if whole.host.moves
-        and not any(part.by_shapes or _is_physical(part) for part, _ in whole.parts)
+        and not any(part.by_shapes or part.has_inertia for part, _ in whole.parts)
     }
     plan = {
         one.link.name: _alone(one, inspection.model.format, one.link.name in massless, wishes)
@@ -144,10 +144,6 @@ def _compose(whole: RigidBody, plan: Plan) -> None:
         plan[name] = (body, "; ".join(filter(None, (plan[name][1], words))))
 
 
-def _is_physical(link: Link) -> bool:
-    return link.stated is not None and link.stated.is_physical
-
-
 def _alone(
     inspected: InspectedLink, form: str, massless: bool, wishes: Wishes
 ) -> tuple[BodyReading | None, str]:
@@ -167,16 +163,19 @@ def _alone(
         fixed = "" if link.parent else ": MuJoCo and PyBullet fix such a root in the world"
         return NOTHING, f"stated to have no mass, as URDF has it{fixed}"
     if kinds:
-        tensor = nearest_possible(stated.inertia_com) if stated.mass > 0 else None
+        before = stated.inertia_com
+        tensor = nearest_possible(before) if stated.mass > 0 else None
         if tensor is None or not wishes.nearest:
             offer = "" if tensor is None else "; '--nearest' writes the nearest that one has"
             return None, f"{'; '.join(one.text for one in inspected.problems)}{offer}"
         was, now = (
             ", ".join(f"{moment:.4g}" for moment in principal_moments(one))
-            for one in (stated.inertia_com, tensor)
+            for one in (before, tensor)
         )
         body = BodyReading(stated.mass, stated.com, tensor)
-        return body, f"nearest possible tensor: moments {now} kg m² for {was}"
+        size, apart = (float(np.linalg.norm(one)) for one in (before, tensor - before))
+        words = f"nearest possible tensor, {apart / size:.2g} of its norm off"
+        return body, f"{words}: moments {now} kg m² for {was}"
     if (stated.unturned != stated.inertia_com).any():
         return stated, "tensor written along the link's axes, without a rotation"
     return None, ""

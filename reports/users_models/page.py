@@ -15,13 +15,11 @@ from ..pages.templating import ReportFolder, templates, write_assets
 from .ellipsoid import Curve, Solid, time_curves, views
 from .findings import (
     LEGEND,
+    WHAT_TO_DO,
     cell_text,
-    composed_bodies,
     configuration_of,
-    differences,
     line_without_rotation,
-    problems_of,
-    remedies,
+    sections,
     weight_in_words,
     worst_links,
 )
@@ -70,17 +68,13 @@ def _content(inspection: Inspection) -> dict[str, object]:
         "is_well": inspection.is_well,
         "weight": weight_in_words(inspection),
         "configurations": _configurations(inspection),
-        "remedies": remedies(inspection),
         "refusals": [(" ".join(who), reason) for who, reason in inspection.refusals.items()],
         "cards": [_card(link, styles) for link in worst[:MOST_SHOWN]],
         "left": len(worst) - len(worst[:MOST_SHOWN]),
-        "differences": differences(inspection),
-        "impossible": problems_of(inspection, impossible=True),
-        "doubtful": problems_of(inspection, impossible=False),
-        "composed": composed_bodies(inspection),
+        "sections": sections(inspection),
+        "what_to_do": WHAT_TO_DO,
         "legend": LEGEND,
         "all_links": _all_links(inspection),
-        "notes": model.notes,
     }
 
 

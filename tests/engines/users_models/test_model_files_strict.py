@@ -132,8 +132,9 @@ def test_what_counts_make_is_bounded_as_a_product(tmp_path, inner):
     assert "makes more than 4096 elements, nested ones too" in message
 
 
-#: Files that attach themselves, or each other, or are within each other, to no end.
-TO_NO_END = {
+#: What a model attaches: models that attach themselves or each other, too many, or no MJCF.
+ATTACHED = {
+    "a URDF": ({"robot.xml": ("b.xml", ""), "b.xml": None}, "<model> must name an MJCF file, got"),
     "itself": ({"robot.xml": ("robot.xml", "")}, "<model> attaches itself"),
     "each other": ({"robot.xml": ("b.xml", ""), "b.xml": ("robot.xml", "")}, "<model> attaches"),
     "twice and twice again": (
@@ -147,9 +148,13 @@ TO_NO_END = {
 }
 
 
-@each_case(("files", "words"), TO_NO_END)
+@each_case(("files", "words"), ATTACHED)
 def test_what_attached_models_make_is_bounded(tmp_path, files, words):
-    for name, (attached, inside) in files.items():
+    for name, file in files.items():
+        if file is None:
+            written(tmp_path, arm(), name)
+            continue
+        attached, inside = file
         asset = f'<asset><model name="m" file="{attached}"/></asset>'
         written(tmp_path, body(2 * '<attach model="m" body="arm"/>' + inside, asset), name)
         if attached not in files:

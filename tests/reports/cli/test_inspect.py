@@ -228,7 +228,7 @@ def test_a_model_is_mended_beside_itself_and_inspected_again(tmp_path):
         "pybulletdefault": ["3", "1"],
         "pybulletinertia-from-file": ["3", "0"],
     }
-    assert "  arm: nearest possible tensor: moments 0.1333, 0.1333, 0.2667 kg m² for" in after
+    assert "  arm: nearest possible tensor, 0.17 of its norm off: moments 0.1333, 0.1333" in after
     # What no file can mend is said.
     assert "  pybullet default, arm: load it with flags=pybullet.URDF_USE_INERTIA" in after
     before, mended = records(path, "--mend", tmp_path / "again.urdf")

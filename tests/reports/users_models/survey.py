@@ -15,13 +15,15 @@ from pathlib import Path
 import psutil
 from spincheck.engines.users_models import AGREES, ModelFileError, read_model
 from spincheck.reports.harness.executors import LocalWorkers
-from spincheck.reports.users_models.findings import Inspection, LinkReading
 from spincheck.reports.users_models.inspection import (
     READ_LIMIT,
+    Inspection,
+    LinkReading,
     ReaderEngine,
     inspect_model,
     reader_engines,
 )
+from spincheck.reports.users_models.mend import Wishes, mended
 
 #: Distributions, and which of their files are models.
 PACKAGES = {
@@ -49,6 +51,13 @@ CAUSES = {
     "products dropped": "products of inertia dropped",
     "other": "another tensor, mass or com",
 }
+#: How models are mended, by the options of `inspect`, and how many are then held; see `is_held`.
+WISHES = {
+    "--mend": Wishes(),
+    "--mend --nearest": Wishes(nearest=True),
+    "--mend --nearest --made-up": Wishes(nearest=True, made_up=True),
+}
+HELD: Counter[str] = Counter()
 #: The last two are from before two faults of MuJoCo's URDF reader were mended.
 ENGINES = ("mujoco", "pybullet", "mujoco@3.3.7", "mujoco@3.13.0")
 JOBS = 2
@@ -64,14 +73,32 @@ def models(package: str) -> Iterator[tuple[Path, tuple[tuple[str, Path], ...]]]:
             yield path, (("pybullet_data", top[0]),) if top else ()
 
 
-def inspected(executor, engines: list[ReaderEngine], path, packages) -> Inspection | str:
-    """An inspection, or why the file cannot be read."""
+def inspected(
+    executor, engines: list[ReaderEngine], path, packages
+) -> tuple[Inspection, dict[str, bool]] | str:
+    """An inspection, and whether engines hold the model, by `WISHES`; or why it is not read."""
     try:
         model = read_model(path, packages)
         newest = [engine for engine in engines if not engine.site]
-        return inspect_model(model, executor, engines if model.format == "urdf" else newest)
+        one = inspect_model(model, executor, engines if model.format == "urdf" else newest)
     except ModelFileError as error:
         return f"{path.name}{str(error).removeprefix(str(path))}"
+    held = {"as they are": is_held(one)}
+    for name, wishes in WISHES.items():
+        copy = path.with_name(f"{name.strip('-')}-{path.name}")
+        copy.write_bytes(mended(one, wishes).data)
+        try:
+            held[name] = is_held(inspect_model(read_model(copy, packages), executor, newest))
+        finally:
+            copy.unlink()
+    return one, held
+
+
+def is_held(inspection: Inspection) -> bool:
+    """Whether every newest engine holds every link, but for what PyBullet does without its flag."""
+    readings = [held for link in inspection.links for held in link.readings]
+    asked = [h for h in readings if "@" not in h.engine and h.column != ("pybullet", "default")]
+    return not any(held.agrees is False or held.kind == "refused" for held in asked)
 
 
 def survey() -> tuple[dict[str, list[Inspection]], dict[str, list[str]]]:
@@ -83,7 +110,10 @@ def survey() -> tuple[dict[str, list[Inspection]], dict[str, list[str]]]:
         for package in PACKAGES:
             tasks = [partial(inspected, executor, engines, *model) for model in models(package)]
             results = list(executor.each(tasks))
-            inspections_of[package] = [one for one in results if isinstance(one, Inspection)]
+            done = [one for one in results if not isinstance(one, str)]
+            inspections_of[package] = [inspection for inspection, _ in done]
+            for _, held in done:
+                HELD.update(held)
             words = [one for one in results if isinstance(one, str)]
             refused[package] = sorted(w for w in words if not any(part in w for part in PARTS))
             print(f"{package}: {len(inspections_of[package])} models", file=sys.stderr)
@@ -107,7 +137,7 @@ def stated_table(inspections_of: dict[str, list[Inspection]], refused: dict[str,
                 len(inspections),
                 len(refused[package]),
                 len(links),
-                sum(stated.is_physical for link in links if (stated := link.link.stated)),
+                sum(link.link.has_inertia for link in links),
                 len(bad),
                 kinds["not positive definite"] + kinds["triangle inequality"],
                 kinds["zero tensor"] + kinds["zero mass"],
@@ -179,7 +209,7 @@ def _counted(held: list[LinkReading]) -> list[int]:
 
 
 def _is_far(held: LinkReading) -> bool:
-    stated, held_trace = held.expected.inertia.trace(), held.body.inertia_com.trace()
+    stated, held_trace = held.expected.inertia_com.trace(), held.body.inertia_com.trace()
     return bool(held_trace * TEN_TIMES <= stated or held_trace >= TEN_TIMES * stated)
 
 
@@ -236,6 +266,9 @@ def written(
             table(HELD_HEADS, held_rows(inspections_of, "mjcf")),
             "By cause, all links:",
             cause_table(inspections_of),
+            "Models of which every engine holds every link, PyBullet without its flag aside, as "
+            "they are and as `inspect` mends them:",
+            table(["models", "held"], [list(pair) for pair in HELD.items()]),
             "The robots that gain most by links that state nothing:",
             heavy_table(inspections_of),
             "Refused, because engines or parsers do not read them alike:",

@@ -94,7 +94,8 @@ def test_an_impossible_tensor_is_written_only_if_asked_and_named(tmp_path):
     assert ("mujoco", "as-is") in after.refusals
     _, after, changes, left = mend(tmp_path, text, nearest=True)
     moments = "0.1333, 0.1333, 0.2667 kg m² for 0.1, 0.1, 0.3"
-    assert changes[-1] == f"arm: nearest possible tensor: moments {moments}"
+    words = "arm: nearest possible tensor, 0.17 of its norm off: moments "
+    assert changes[-1] == words + moments
     assert (left, wrong(after)) == ([], {})
 
 
