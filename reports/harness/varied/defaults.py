@@ -2,16 +2,16 @@
 
 from dataclasses import replace
 
-from ...engines import Engine, Run
-from ...engines.varied_engine import VariedEngine
-from ...reference import Solution
-from ...scenarios import Scenario
-from ..results.records import Key, Row, variation
-from .comparison import row_of
-from .ladder import Rung
-from .left_out import without
-from .measuring.examine import examine
-from .measuring.places import Places
+from ....engines import Engine, Run
+from ....engines.varied_engine import VariedEngine
+from ....reference import Solution
+from ....scenarios import Scenario
+from ...results.records import Key, Row, variation
+from ..comparison import row_of
+from ..costs.left_out import without
+from ..ladder import Rung
+from ..measuring.examine import examine
+from ..measuring.places import Places
 
 
 def varied_row(scenario: Scenario, engine: Engine, run: Run, rung: Rung, solution: Solution) -> Row:

@@ -5,11 +5,11 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ...engines import EngineError, Method, Session
-from ...engines.fault import ENVIRONMENTAL
-from ...engines.varied_engine import VariedEngine
-from ...scenarios import FloatArray, Scenario
-from .choice import EngineMethod
+from ....engines import EngineError, Method, Session
+from ....engines.fault import ENVIRONMENTAL
+from ....engines.varied_engine import VariedEngine
+from ....scenarios import FloatArray, Scenario
+from ..choice import EngineMethod
 
 #: Angle turned in a step at the start, rad, where motions are compared: small for any method.
 COMPARED_TURN = 0.05

@@ -3,18 +3,18 @@
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 
-from ...engines import Method
-from ...engines.varied_engine import VariedEngine
-from ...scenarios import Scenario
-from ..results.cost_records import MethodCost
-from ..results.environment import processor
-from ..results.records import Key, variation
-from ..results.store import Store
-from .choice import Choice
-from .executors import CallFailed, Executor
+from ....engines import Method
+from ....engines.varied_engine import VariedEngine
+from ....scenarios import Scenario
+from ...results.cost_records import MethodCost
+from ...results.environment import processor
+from ...results.records import Key, variation
+from ...results.store import Store
+from ..choice import Choice
+from ..executors import CallFailed, Executor
+from ..plan import SceneLeft, can_be_timed, settled_verdicts
 from .instructions import instructions_per_step
 from .left_out import motions_apart, with_all_left_in, with_each_left_in
-from .plan import SceneLeft, can_be_timed, settled_verdicts
 from .step_cost import TimingRefused, measure, timed, timed_timestep
 
 

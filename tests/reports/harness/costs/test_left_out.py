@@ -8,9 +8,13 @@ from kinds_of_engines import required_engines
 from library_scenes import library_scene
 from spincheck.engines import Engine, EngineError, Method
 from spincheck.engines.varied_engine import VariedEngine
-from spincheck.reports.harness import step_cost as cost
-from spincheck.reports.harness.left_out import motions_apart, with_all_left_in, with_each_left_in
-from spincheck.reports.harness.step_cost import step_costs
+from spincheck.reports.harness.costs import step_cost as cost
+from spincheck.reports.harness.costs.left_out import (
+    motions_apart,
+    with_all_left_in,
+    with_each_left_in,
+)
+from spincheck.reports.harness.costs.step_cost import step_costs
 from spincheck.reports.results.cost_records import Ratio
 from spincheck.scenarios import Scenario
 
