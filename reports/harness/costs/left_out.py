@@ -25,49 +25,20 @@ def with_all_left_in(
     """Return the methods that are timed with all that they leave out of a scene left in.
 
     Of the methods of an engine that leave out the same these are the first, and one of the highest
-    order, which reports recommend.
+    order, which reports recommend. Other readers of an engine's models are not timed again.
     """
     alike: dict[tuple[str, tuple[str, ...]], list[EngineMethod]] = {}
-    for engine, method in _leaving_out(scenario, pairs):
-        names = engine.left_out(scenario, method)
-        alike.setdefault((engine.name, names), []).append((engine, method))
+    for engine, method in pairs:
+        if method.reader or engine.unsupported(scenario, method):
+            continue
+        if names := engine.left_out(scenario, method):
+            alike.setdefault((engine.name, names), []).append((engine, method))
     chosen = {
         (engine.name, method.name): (VariedEngine(engine, "left_in", names), method)
         for (_, names), group in alike.items()
         for engine, method in (group[0], max(group, key=lambda pair: pair[1].order))
     }
     return list(chosen.values())
-
-
-def with_each_left_in(
-    scenario: Scenario, pairs: Sequence[EngineMethod]
-) -> list[tuple[VariedEngine, Method]]:
-    """Return each engine's first method with each pass alone that it leaves out, and all but it."""
-    first = {engine.name: (engine, m) for engine, m in reversed(_leaving_out(scenario, pairs))}
-    return [
-        (VariedEngine(engine, "left_in", names), method)
-        for engine, method in first.values()
-        for left_out in [engine.left_out(scenario, method)]
-        for names in dict.fromkeys(
-            [*((one,) for one in left_out), *(without(left_out, one) for one in left_out)]
-        )
-        if 0 < len(names) < len(left_out)
-    ]
-
-
-def without(names: Sequence[str], one: str) -> tuple[str, ...]:
-    """Return all names but one."""
-    return tuple(name for name in names if name != one)
-
-
-def _leaving_out(scenario: Scenario, pairs: Sequence[EngineMethod]) -> list[EngineMethod]:
-    """Return the methods that leave something out; other readers of models are not timed again."""
-    return [
-        (engine, method)
-        for engine, method in pairs
-        if not (method.reader or engine.unsupported(scenario, method))
-        and engine.left_out(scenario, method)
-    ]
 
 
 def motions_apart(

@@ -14,7 +14,7 @@ from ..choice import Choice
 from ..executors import CallFailed, Executor
 from ..plan import SceneLeft, can_be_timed, settled_verdicts
 from .instructions import instructions_per_step
-from .left_out import motions_apart, with_all_left_in, with_each_left_in
+from .left_out import motions_apart, with_all_left_in
 from .step_cost import TimingRefused, measure, timed, timed_timestep
 
 
@@ -52,8 +52,7 @@ def _time_scene(
         for key, pair in choice.methods_on(scenario).items()
         if can_be_timed(scenario, pair, verdicts.get(key))
     ]
-    varied = [*whole, *(with_each_left_in(scenario, chosen) if scene.by_pass else [])]
-    pairs += [(engine, method) for engine, method in varied if (engine.base, method) in pairs]
+    pairs += [(engine, method) for engine, method in whole if (engine.base, method) in pairs]
     costs, complaints = measure(executor, scenario, pairs) if pairs else ([], [])
     made = []
     for (engine, method), cost in zip(pairs, costs, strict=True):
