@@ -42,17 +42,13 @@ def with_all_left_in(
 
 
 def motions_apart(
-    scenario: Scenario, pairs: Sequence[tuple[VariedEngine, str]]
-) -> list[tuple[float, float] | None]:
-    """Return how far each engine's motion is from that of the same engine as it is.
+    scenario: Scenario, engine: VariedEngine, name: str
+) -> tuple[float, float] | None:
+    """Return how far a method's motion is from that of the same engine as it is.
 
-    For each engine and method there is the time, s, up to which the two were compared, and the
-    largest difference of any number of their states; None where one of them does not load.
+    These are the time, s, up to which the two were compared, and the largest difference of any
+    number of their states; None if one of them does not load.
     """
-    return [_apart(scenario, engine, method) for engine, method in pairs]
-
-
-def _apart(scenario: Scenario, engine: VariedEngine, name: str) -> tuple[float, float] | None:
     method, steps = engine.method(name), _compared_steps(scenario)
     timestep, largest = scenario.window.duration / steps, 0.0
     compared = None

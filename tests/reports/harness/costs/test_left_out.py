@@ -77,8 +77,7 @@ def test_one_disturbed_round_does_not_change_the_ratio(clock: Clock) -> None:
 def apart(engine: Engine, method: Method = METHOD, scene: Scenario = SCENE) -> object:
     """The time until which motions were compared, and how far they are apart."""
     ((varied, _),) = with_all_left_in(scene, [(engine, method)])
-    (found,) = motions_apart(scene, [(varied, method.name)])
-    return found
+    return motions_apart(scene, varied, method.name)
 
 
 def test_a_motion_is_the_same_to_the_last_bit_or_another_as_far_as_both_go(clock: Clock) -> None:
