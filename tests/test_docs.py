@@ -16,7 +16,7 @@ from spincheck.engines import Cause
 from spincheck.reports.cli.app import app
 from spincheck.reports.harness.executors.local_workers import TIME_LIMIT
 from spincheck.reports.harness.stock import STEP_BUDGET
-from spincheck.reports.harness.sweep_points import STEP_TURN
+from spincheck.reports.harness.varied.point import STEP_TURN
 from spincheck.reports.results.verdict_words import VerdictWord
 from spincheck.scenarios.scatter import SCATTER
 from spincheck.scenarios.vary import DEFAULT_COUNT

@@ -38,7 +38,7 @@ def scenes_to_run(names: Sequence[str], *, expectations: bool = True) -> list[Sc
     scenarios, wrong = load_each(_files(names))
     complain(wrong)
     if expectations:
-        from ..harness.expectations import unknown_expectations
+        from ..harness.scene_checks.expectations import unknown_expectations
 
         complain(unknown_expectations(scenarios))
     return scenarios
@@ -83,7 +83,7 @@ class Checked:
 
 def checked(names: Iterable[str]) -> Checked:
     """Check scenes: files, folders, library scenes."""
-    from ..harness.expectations import unknown_expectations
+    from ..harness.scene_checks.expectations import unknown_expectations
 
     result = Checked()
     for name in names:
@@ -116,8 +116,8 @@ def _in_short(scenario: Scenario) -> str:
 def _check_motion(scenario: Scenario, result: Checked) -> bool:
     """Whether what is said of the motion is true; what solves it takes a second to import."""
     from ...reference import IntegrationError
-    from ..harness.power import powerless
-    from ..harness.published import published_that_do_not_hold
+    from ..harness.scene_checks.power import powerless
+    from ..harness.scene_checks.published import published_that_do_not_hold
     from .choosing import compile_first
 
     compile_first()

@@ -21,13 +21,11 @@ class SceneLeft:
     ----------
     to_run : methods without a verdict
     to_time : whether some method's steps must be timed
-    by_pass : whether passes left out are timed one by one; done on one scene of a study
     """
 
     scenario: Scenario
     to_run: list[EngineMethod]
     to_time: bool
-    by_pass: bool
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,14 +69,12 @@ def plan(scenarios: Sequence[Scenario], choice: Choice, store: Store) -> Plan:
     }
     store.forget_costs_of_other_processors(processor())
     timed = store.timed()
-    by_pass = _scene_for_passes([scenario for scenario in scenarios if choice.times(scenario)])
     scenes = [
         SceneLeft(
             scenario,
             [pair for key, pair in choice.methods_on(scenario).items() if key not in settled],
             choice.times(scenario)
             and (choice.counted or _untimed(scenario, choice, settled, timed)),
-            scenario is by_pass,
         )
         for scenario in scenarios
     ]
@@ -106,12 +102,6 @@ def _untimed(
         for key, pair in choice.methods_on(scenario).items()
         if key not in timed
     )
-
-
-def _scene_for_passes(scenarios: Sequence[Scenario]) -> Scenario | None:
-    """The scene on which passes are timed: a heavy top if there is one, which leaves out most."""
-    heavy = (scenario for scenario in scenarios if scenario.called_for == {"gravity", "pivot"})
-    return next(heavy, next(iter(scenarios), None))
 
 
 def can_be_timed(scenario: Scenario, pair: EngineMethod, verdict: Verdict | None) -> bool:

@@ -19,6 +19,7 @@ from ..results.store import Store
 from ..results.verdicts import Verdict
 from .choice import Choice
 from .convergence_study import ConvergenceStudy, PlannedRun
+from .costs.timing import time_scene
 from .executors import CallFailed, Executor, cause_of_unsolved, may_succeed_if_repeated
 from .executors.compiling import compile_side_by_side
 from .judging import judge
@@ -28,8 +29,7 @@ from .measuring.replay import examine_runs
 from .plan import Plan
 from .prepared import Prepared, SceneReference
 from .stock import stock_runs_of
-from .timing import time_scene
-from .varied_runs import runs_with_defaults
+from .varied.defaults import runs_with_defaults
 
 Progress = Callable[[str], None]
 

@@ -1,9 +1,9 @@
 """The report's sections on cost: of accuracy, on both kinds of page, and of what is left out."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
-from ..results.cost_records import MethodCost, Ratio
+from ..results.cost_records import MethodCost
 from ..results.records import Key
 from .analysis.cost_to_reach import (
     LEVELS,
@@ -114,12 +114,8 @@ def _microseconds(seconds: float | None) -> str:
     return number(None if seconds is None else MICROSECONDS * seconds)
 
 
-#: A pass is listed if its cost exceeds this many times the spread of the ratios that it is from.
-BEYOND_NOISE = 2.0
-
-
-def left_out_section(costs: Sequence[MethodCost]) -> tuple[Table, list[tuple[str, Table]], str]:
-    """What steps cost with all that is left out, with each pass of it, and what that changes."""
+def left_out_section(costs: Sequence[MethodCost]) -> tuple[Table, str]:
+    """What steps cost with all that is left out left in, and whether that changes motions."""
     whole = [cost for cost in costs if cost.difference is not None]
     methods = sorted({cost.key.pair for cost in whole})
     cells = {cost.key: _whole_cell(cost) for cost in whole}
@@ -132,43 +128,7 @@ def left_out_section(costs: Sequence[MethodCost]) -> tuple[Table, list[tuple[str
         ],
     )
     same = sum(cost.difference == 0 for cost in whole)
-    passes = [
-        (f"{one.key.label} on {one.key.scenario}", passes_table(one, alike))
-        for one in whole
-        for alike in [{cost.left_in: cost for cost in costs if cost.key == one.key}]
-        if len(alike) > 1
-    ]
-    return every, passes, f"{same} of {len(whole)} motions are identical to the last bit"
-
-
-def passes_table(whole: MethodCost, by_passes: Mapping[tuple[str, ...], MethodCost]) -> Table:
-    """Table of the cost of each pass, in percent of a step with none of them.
-
-    Parameters
-    ----------
-    whole : with all passes
-    by_passes : by the passes that are left in
-    """
-
-    def ratio(names: tuple[str, ...]) -> Ratio | None:
-        cost = by_passes.get(names)
-        return cost.cost.ratio if cost and cost.cost else None
-
-    def share(over: Ratio | None, under: Ratio | None) -> Cell:
-        if over is None or under is None:
-            return figure(NOTHING)
-        part, noise = over.median - under.median, max(over.spread, under.spread)
-        return figure(f"{part:+.0%}" if abs(part) > BEYOND_NOISE * noise else "noise")
-
-    bare = Ratio(1.0, 0.0)
-    return table(
-        ["left out", "a step with it alone left in", "saved by leaving it out of the defaults"],
-        [
-            [one, share(ratio((one,)), bare), share(ratio(whole.left_in), ratio(others) or bare)]
-            for one in whole.left_in
-            for others in [tuple(name for name in whole.left_in if name != one)]
-        ],
-    )
+    return every, f"{same} of {len(whole)} motions are identical to the last bit"
 
 
 def _whole_cell(cost: MethodCost) -> Cell:

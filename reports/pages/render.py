@@ -12,7 +12,8 @@ from ...engines.models.mjcf import mjcf
 from ...engines.models.urdf import urdf
 from ...reference import solution
 from ...scenarios import EFFECTS, Scenario
-from ..harness import comparison, ladder, step_cost
+from ..harness import comparison, ladder
+from ..harness.costs import step_cost
 from ..harness.executors import worker_slot
 from ..harness.judging import ladder_end
 from ..harness.measuring import noise, own_places, places, replay

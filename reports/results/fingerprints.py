@@ -37,10 +37,10 @@ DECIDING = {
         "reports.harness.measuring.examine",
         "reports.harness.measuring.replay",
         "reports.harness.stock",
-        "reports.harness.sweep_run",
-        "reports.harness.varied_runs",
+        "reports.harness.varied.point",
+        "reports.harness.varied.defaults",
     ),
-    "timing": ("reports.harness.timing",),
+    "timing": ("reports.harness.costs.timing",),
     "verdict": ("reports.harness.convergence_study", "reports.harness.judging.verdict"),
 }
 JUDGING = ("reports.harness.judging", "reports.harness.convergence_study", "reports.harness.plan")

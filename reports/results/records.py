@@ -193,7 +193,7 @@ class Row(Record):
     reason : why, where the outcome is not ok; of an engine as shipped, what differs from the scene
     cause : the same in a word
     without_skill : whether a run that is ok is no better than no motion
-        (`harness/without_skill.py`)
+        (`harness/comparison.py`)
     stopped_at : s, when it diverged or failed
     errors : at the run's sample times; None unless it is ok
     drifts : largest change of each conserved quantity, relative, by name

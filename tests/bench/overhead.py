@@ -20,7 +20,7 @@ from spincheck.engines.adapters.mujoco.session import MuJoCoSession
 from spincheck.engines.checks.faults import Bounds
 from spincheck.engines.native_output import native_output
 from spincheck.engines.sampling import sample
-from spincheck.reports.harness.step_cost import timed_timestep
+from spincheck.reports.harness.costs.step_cost import timed_timestep
 from spincheck.scenarios import find, load
 
 with native_output():

@@ -11,7 +11,7 @@ from spincheck.engines import engines
 from spincheck.engines.checks.read_back import State
 from spincheck.engines.encodings import ENCODINGS, EncodedEngine, SceneChange
 from spincheck.reference import solve
-from spincheck.reports.harness.encodings.bounds import rounding_bounds
+from spincheck.reports.harness.varied.encodings.bounds import rounding_bounds
 from spincheck.scenarios import errors_between
 from spincheck.scenarios.scenario import with_tables
 from spincheck.suite.contract_scenes import SCENES

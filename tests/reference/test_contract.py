@@ -36,7 +36,7 @@ from spincheck.reference.solution import MAX_UNCERTAINTY
 from spincheck.reference.solve import CHECKED_TURN
 from spincheck.reference.symmetry import norm
 from spincheck.reference.taylor import CHECK_ORDERS, integrate
-from spincheck.reports.harness.reference_checks import drifting
+from spincheck.reports.harness.scene_checks.reference_checks import drifting
 from spincheck.scenarios import Errors, Trajectory, errors_between
 from spincheck.scenarios.exact import DIGITS, normalised, product
 from spincheck.scenarios.fastest_rate import fastest_rate

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from pydantic import BaseModel
-from spincheck.reports.harness.published import published_values
+from spincheck.reports.harness.scene_checks.published import published_values
 from spincheck.scenarios import loads
 from spincheck.scenarios.document import Document, SomeComponents
 from spincheck.scenarios.format_page import EXAMPLES, format_page

@@ -8,7 +8,7 @@ import pytest
 from quiet_session import QuietSession
 from scene_texts import sphere_text
 from spincheck.engines import BodyReading, Engine, EngineError, Method, Session, State, session
-from spincheck.reports.harness import step_cost as cost
+from spincheck.reports.harness.costs import step_cost as cost
 from spincheck.scenarios import Scenario, loads
 
 #: s; how long a look at the clock takes, and what it can tell apart.

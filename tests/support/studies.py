@@ -9,7 +9,7 @@ from spincheck.reports.harness.convergence_study import ConvergenceStudy
 from spincheck.reports.harness.executors import Executor, InProcess
 from spincheck.reports.harness.plan import plan
 from spincheck.reports.harness.study import run_and_judge, run_study
-from spincheck.reports.harness.sweep import plan_sweep, run_sweep
+from spincheck.reports.harness.varied.sweep import plan_sweep, run_sweep
 from spincheck.reports.results.records import Record, Row
 from spincheck.reports.results.results import Results
 from spincheck.reports.results.store import Store, open_store

@@ -7,13 +7,13 @@ from pathlib import Path
 from ....engines import Engine
 from ....scenarios import Scenario, did_you_mean, printable
 from ...harness.choice import Choice
-from ...harness.encodings import run_encodings
+from ...harness.costs.instructions import why_not_counted
 from ...harness.executors.compiling import share_of_a_core
-from ...harness.instructions import why_not_counted
 from ...harness.ladder import QUICK_STEPS
 from ...harness.plan import Plan, plan
-from ...harness.published import published_that_do_not_hold
+from ...harness.scene_checks.published import published_that_do_not_hold
 from ...harness.study import run_study
+from ...harness.varied.encodings import run_encodings
 from ...pages.analysis.wording import plural
 from ...results.records import UNSOLVED, Key, Row
 from ...results.result_file import ResultFileError

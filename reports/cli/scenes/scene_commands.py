@@ -24,7 +24,7 @@ def reference(
     as_json: AsJson = False,
 ) -> None:
     """Print the exact motion: states, L, energy, invariants, and how exact they are."""
-    from ...harness.published import published_that_do_not_hold
+    from ...harness.scene_checks.published import published_that_do_not_hold
     from .exact_motion import describe, print_truth
 
     scene = _scenario(scenario)

@@ -10,7 +10,7 @@ from ....scenarios import Scenario, ScenarioError
 from ....scenarios.scatter import member
 from ....scenarios.vary import TIMESTEP, VaryError, check_path, parse_axis, varied
 from ...harness.choice import Choice
-from ...harness.sweep import plan_sweep, run_sweep
+from ...harness.varied.sweep import plan_sweep, run_sweep
 from ...pages.analysis.measures import A_TURN, ATTITUDE, QUANTILES, TURNS, Members
 from ...results.records import Row
 from ...results.result_file import ResultFileError

@@ -5,7 +5,7 @@ from collections import Counter
 from ....reference import facts, invariants
 from ....reference.observables import observables
 from ....scenarios import EFFECTS, SIGNALS, FloatArray, Scenario, Signal
-from ...harness.published import published_values
+from ...harness.scene_checks.published import published_values
 from ...results.records import Row
 from ...results.results import SceneResult
 from ..analysis.report_data import MethodRuns, SceneRuns

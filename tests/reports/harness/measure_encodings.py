@@ -14,8 +14,8 @@ from scipy.spatial.transform import Rotation
 from spincheck.engines import engines
 from spincheck.engines.encodings import ENCODINGS
 from spincheck.reports.harness.choice import Choice
-from spincheck.reports.harness.encodings import run_encodings
 from spincheck.reports.harness.executors import InProcess
+from spincheck.reports.harness.varied.encodings import run_encodings
 from spincheck.scenarios import Scenario, loads
 from studies import Nowhere
 

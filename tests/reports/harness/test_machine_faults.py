@@ -12,10 +12,10 @@ from planted import METHOD, HeunSession, Planted, planted
 from spincheck.engines import EngineError
 from spincheck.engines.fault import ENVIRONMENTAL
 from spincheck.reports.harness.choice import Choice
+from spincheck.reports.harness.costs.step_cost import step_costs
 from spincheck.reports.harness.executors import CallFailed, cause_of
 from spincheck.reports.harness.executors.worker_main import NO_THREAD
 from spincheck.reports.harness.prepared import prepare
-from spincheck.reports.harness.step_cost import step_costs
 from spincheck.scenarios import loads
 from studies import study
 

@@ -29,7 +29,7 @@ CHANGES = {
     "reports/harness/measuring/replay.py": (INTERVALS, {"run"}),
     "reports/results/evidence.py": (("LEVEL = 1e-9", "LEVEL = 1e-8"), {"run", "verdict"}),
     "reports/harness/comparison.py": (ABSURD, {"run", "verdict"}),
-    "reports/harness/timing.py": (ADDED, {"timing"}),
+    "reports/harness/costs/timing.py": (ADDED, {"timing"}),
     "reference/lagrange.py": (ADDED, {"motion", "run"}),
     "reports/pages/render.py": (ADDED, set()),
     "reports/cli/app.py": (ADDED, set()),

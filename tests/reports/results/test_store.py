@@ -15,7 +15,7 @@ from same_results import same_arrays
 from spincheck.reference import Solution
 from spincheck.reports.results.cost_records import MethodCost, StepCost
 from spincheck.reports.results.provenance_records import Fingerprint
-from spincheck.reports.results.records import Defect, Key, Row
+from spincheck.reports.results.records import Defect, Key, Row, variation
 from spincheck.reports.results.result_file import ResultFileError
 from spincheck.reports.results.store import open_store
 from spincheck.reports.results.verdicts import Verdict
@@ -271,3 +271,19 @@ def test_a_place_where_no_file_can_be_is_reported(tmp_path, out):
         open_store(tmp_path / out, create=True),
     ):
         pass
+
+
+@pytest.mark.usefixtures("solved")
+def test_a_varied_run_is_no_run_of_the_scene_as_it_is_and_is_not_forgotten_with_it(path, row):
+    """Else a study would take it for its own at that timestep."""
+    failed = replace(row, errors=None, motion=None, outcome="failed")
+    varied = replace(failed, variation=variation({"body.mass": 2.0}))
+    with open_store(path, create=True) as store:
+        store.put(varied, row)
+        (own,) = store.rows_of(KEY)
+        assert (own.variation, own.outcome) == ("", "ok")
+        assert store.failed_rows(KEY.scenario) == []
+        store.forget([KEY])
+        assert store.rows_of(KEY) == []
+        (kept,) = store.varied(KEY.scenario)
+        assert kept.varied == {"body.mass": 2.0}

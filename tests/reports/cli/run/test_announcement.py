@@ -16,7 +16,7 @@ CHOICE = Choice((engines()["mujoco"], engines()["pybullet"]), max_steps=QUICK_ST
 
 def plan(scenes: int = 1, *, timed: bool = False) -> Plan:
     pairs = [(engine, engine.methods[0]) for engine in CHOICE.engines]
-    scene_left = SceneLeft(SCENES["free"], pairs, to_time=timed, by_pass=False)
+    scene_left = SceneLeft(SCENES["free"], pairs, to_time=timed)
     return Plan([scene_left] * scenes, 0, 0)
 
 

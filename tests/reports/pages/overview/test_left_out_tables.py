@@ -2,7 +2,7 @@
 
 from dataclasses import replace
 
-from spincheck.reports.pages.cost_section import BEYOND_NOISE, left_out_section
+from spincheck.reports.pages.cost_section import left_out_section
 from spincheck.reports.results.cost_records import MethodCost, Ratio, StepCost
 from spincheck.reports.results.records import Key, variation
 
@@ -17,25 +17,12 @@ def cost(*left_in: str, ratio: float) -> MethodCost:
 
 WHOLE = replace(cost("contact", "sensor", ratio=1.2), difference=0.0, compared_until=1.0)
 HARMFUL = replace(WHOLE, difference=3e-5, key=replace(KEY, scenario="top"))
-BY_PASS = [
-    cost("contact", ratio=1.15),
-    cost("sensor", ratio=1 + 0.5 * BEYOND_NOISE * SPREAD),
-]
 
 
 def test_the_ratio_is_reported_with_its_spread_and_what_it_did_to_the_motion():
-    every, passes, harm = left_out_section([WHOLE, HARMFUL])
+    every, harm = left_out_section([WHOLE, HARMFUL])
     whole, harmful = (row[1] for row in every.rows)
     assert whole.text == "+20% ± 2%"
     assert whole.detail == "motion identical to the last bit"
     assert "motion off by" in harmful.detail
     assert harm == "1 of 2 motions are identical to the last bit"
-    assert passes == []
-
-
-def test_a_pass_within_the_noise_is_called_noise():
-    _, ((title, table),), _ = left_out_section([WHOLE, *BY_PASS])
-    assert title == "mujoco Euler on box"
-    contact, sensor = table.rows
-    assert [cell.text for cell in contact] == ["contact", "+15%", "+18%"]
-    assert [cell.text for cell in sensor] == ["sensor", "noise", "+5%"]

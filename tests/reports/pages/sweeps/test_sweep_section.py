@@ -25,7 +25,7 @@ from page import Page, read_page, unsound
 from planted import HeunSession, planted
 from plotted import coloured, values_of
 from spincheck.reports.harness.choice import Choice
-from spincheck.reports.harness.sweep import plan_sweep
+from spincheck.reports.harness.varied.sweep import plan_sweep
 from spincheck.reports.pages.analysis.measures import A_TURN, ATTITUDE, OMEGA, TURNS, members_of
 from spincheck.reports.pages.analysis.wording import NOTHING, readable
 from spincheck.reports.pages.figures.figures import Titled

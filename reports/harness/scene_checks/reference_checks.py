@@ -4,10 +4,10 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from ...reference import Solution, drifts, solve
-from ...reference.allowed_drift import allowed_drifts
-from ...reference.cross_check import CrossCheck, cross_check, times_within_reach
-from ...scenarios import Scenario, errors_between
+from ....reference import Solution, drifts, solve
+from ....reference.allowed_drift import allowed_drifts
+from ....reference.cross_check import CrossCheck, cross_check, times_within_reach
+from ....scenarios import Scenario, errors_between
 from .published import published_that_do_not_hold
 
 EPS = float(np.finfo(float).eps)

@@ -3,12 +3,12 @@
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
-from ....engines import Engine, Run
-from ....engines.encodings import Encoding
-from ....reference import Solution
-from ....scenarios import SIGNAL, Errors, ErrorSeries, Scenario, Trajectory, errors_between
-from ....scenarios.agreement import ErrorNorm
-from ...results.encoding_records import Beside, EncodingWord
+from .....engines import Engine, Run
+from .....engines.encodings import Encoding
+from .....reference import Solution
+from .....scenarios import SIGNAL, Errors, ErrorSeries, Scenario, Trajectory, errors_between
+from .....scenarios.agreement import ErrorNorm
+from ....results.encoding_records import Beside, EncodingWord
 from .bounds import rounding_bounds
 
 #: Halvings of the timestep, at most, to tell a coarser scheme from another motion.

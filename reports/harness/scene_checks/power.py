@@ -5,10 +5,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from ...reference import ExactMotion, IntegrationError, solve
-from ...scenarios import Errors, Scenario, Signal, errors_between, signals_of
-from ...scenarios.effects import Effect
-from ...scenarios.scenario import with_tables
+from ....reference import ExactMotion, IntegrationError, solve
+from ....scenarios import Errors, Scenario, Signal, errors_between, signals_of
+from ....scenarios.effects import Effect
+from ....scenarios.scenario import with_tables
 
 
 def powerless(scenario: Scenario) -> Iterator[str]:

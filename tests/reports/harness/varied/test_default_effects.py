@@ -12,7 +12,7 @@ from spincheck.reports.harness.choice import Choice
 from spincheck.reports.harness.comparison import row_of
 from spincheck.reports.harness.ladder import single
 from spincheck.reports.harness.prepared import prepare
-from spincheck.reports.harness.varied_runs import runs_with_defaults
+from spincheck.reports.harness.varied.defaults import runs_with_defaults
 from spincheck.reports.results.default_records import DefaultEffects, default_effects
 from spincheck.reports.results.records import Key
 from spincheck.scenarios import Scenario, loads

@@ -9,9 +9,9 @@ from library_scenes import library_scene
 from planted import METHOD as METHOD_OF_PLANTED
 from planted import HeunSession, RaisingSession, SegfaultSession, planted
 from spincheck.engines import EngineError, engines
-from spincheck.reports.harness import step_cost as cost
+from spincheck.reports.harness.costs import step_cost as cost
+from spincheck.reports.harness.costs.step_cost import measure, step_costs
 from spincheck.reports.harness.executors import Executor, InProcess, LocalWorkers
-from spincheck.reports.harness.step_cost import measure, step_costs
 from spincheck.reports.results.cost_records import StepCost
 
 pytestmark = pytest.mark.slow

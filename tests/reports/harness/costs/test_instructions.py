@@ -7,8 +7,8 @@ from command_line import spincheck
 from library_scenes import library_scene
 from spincheck import results
 from spincheck.engines import engines
-from spincheck.reports.harness import instructions, timing
-from spincheck.reports.harness.instructions import instructions_per_step, why_not_counted
+from spincheck.reports.harness.costs import instructions, timing
+from spincheck.reports.harness.costs.instructions import instructions_per_step, why_not_counted
 
 TIMESTEP = 1e-4
 needs_valgrind = pytest.mark.skipif(bool(why_not_counted()), reason=why_not_counted())

@@ -12,8 +12,8 @@ from spincheck.engines import engines
 from spincheck.engines.checks.read_back import State
 from spincheck.engines.encodings import ENCODINGS, SceneChange
 from spincheck.reports.harness.choice import Choice
-from spincheck.reports.harness.encodings import run_encodings
 from spincheck.reports.harness.executors import InProcess
+from spincheck.reports.harness.varied.encodings import run_encodings
 from spincheck.reports.results.records import Row
 from spincheck.reports.results.store import open_store
 from spincheck.scenarios import FloatArray, Scenario, loads

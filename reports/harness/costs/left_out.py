@@ -5,11 +5,11 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ...engines import EngineError, Method, Session
-from ...engines.fault import ENVIRONMENTAL
-from ...engines.varied_engine import VariedEngine
-from ...scenarios import FloatArray, Scenario
-from .choice import EngineMethod
+from ....engines import EngineError, Method, Session
+from ....engines.fault import ENVIRONMENTAL
+from ....engines.varied_engine import VariedEngine
+from ....scenarios import FloatArray, Scenario
+from ..choice import EngineMethod
 
 #: Angle turned in a step at the start, rad, where motions are compared: small for any method.
 COMPARED_TURN = 0.05
@@ -25,12 +25,14 @@ def with_all_left_in(
     """Return the methods that are timed with all that they leave out of a scene left in.
 
     Of the methods of an engine that leave out the same these are the first, and one of the highest
-    order, which reports recommend.
+    order, which reports recommend. Other readers of an engine's models are not timed again.
     """
     alike: dict[tuple[str, tuple[str, ...]], list[EngineMethod]] = {}
-    for engine, method in _leaving_out(scenario, pairs):
-        names = engine.left_out(scenario, method)
-        alike.setdefault((engine.name, names), []).append((engine, method))
+    for engine, method in pairs:
+        if method.reader or engine.unsupported(scenario, method):
+            continue
+        if names := engine.left_out(scenario, method):
+            alike.setdefault((engine.name, names), []).append((engine, method))
     chosen = {
         (engine.name, method.name): (VariedEngine(engine, "left_in", names), method)
         for (_, names), group in alike.items()
@@ -39,49 +41,14 @@ def with_all_left_in(
     return list(chosen.values())
 
 
-def with_each_left_in(
-    scenario: Scenario, pairs: Sequence[EngineMethod]
-) -> list[tuple[VariedEngine, Method]]:
-    """Return each engine's first method with each pass alone that it leaves out, and all but it."""
-    first = {engine.name: (engine, m) for engine, m in reversed(_leaving_out(scenario, pairs))}
-    return [
-        (VariedEngine(engine, "left_in", names), method)
-        for engine, method in first.values()
-        for left_out in [engine.left_out(scenario, method)]
-        for names in dict.fromkeys(
-            [*((one,) for one in left_out), *(without(left_out, one) for one in left_out)]
-        )
-        if 0 < len(names) < len(left_out)
-    ]
-
-
-def without(names: Sequence[str], one: str) -> tuple[str, ...]:
-    """Return all names but one."""
-    return tuple(name for name in names if name != one)
-
-
-def _leaving_out(scenario: Scenario, pairs: Sequence[EngineMethod]) -> list[EngineMethod]:
-    """Return the methods that leave something out; other readers of models are not timed again."""
-    return [
-        (engine, method)
-        for engine, method in pairs
-        if not (method.reader or engine.unsupported(scenario, method))
-        and engine.left_out(scenario, method)
-    ]
-
-
 def motions_apart(
-    scenario: Scenario, pairs: Sequence[tuple[VariedEngine, str]]
-) -> list[tuple[float, float] | None]:
-    """Return how far each engine's motion is from that of the same engine as it is.
+    scenario: Scenario, engine: VariedEngine, name: str
+) -> tuple[float, float] | None:
+    """Return how far a method's motion is from that of the same engine as it is.
 
-    For each engine and method there is the time, s, up to which the two were compared, and the
-    largest difference of any number of their states; None where one of them does not load.
+    These are the time, s, up to which the two were compared, and the largest difference of any
+    number of their states; None if one of them does not load.
     """
-    return [_apart(scenario, engine, method) for engine, method in pairs]
-
-
-def _apart(scenario: Scenario, engine: VariedEngine, name: str) -> tuple[float, float] | None:
     method, steps = engine.method(name), _compared_steps(scenario)
     timestep, largest = scenario.window.duration / steps, 0.0
     compared = None

@@ -5,8 +5,8 @@ from dataclasses import replace
 import pytest
 from library_scenes import library_scene
 from spincheck.reference import Solution, solve
-from spincheck.reports.harness import reference_checks
-from spincheck.reports.harness.reference_checks import complaints
+from spincheck.reports.harness.scene_checks import reference_checks
+from spincheck.reports.harness.scene_checks.reference_checks import complaints
 from spincheck.scenarios import FloatArray, Scenario, loads
 
 pytestmark = pytest.mark.slow

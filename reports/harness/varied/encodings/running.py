@@ -4,19 +4,19 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 
-from ....engines import Engine, Method, Run
-from ....engines.encodings import ENCODINGS, EncodedEngine, Encoding
-from ....reference import Solution
-from ....scenarios import Scenario
-from ...results.encoding_records import Beside
-from ...results.records import Pair as EngineAndMethod
-from ...results.records import Row, variation
-from ...results.store import Store
-from ..choice import Choice
-from ..executors import CallFailed, Executor, may_succeed_if_repeated
-from ..ladder import Rung
-from ..prepared import Prepared, prepare
-from ..varied_runs import varied_row
+from .....engines import Engine, Method, Run
+from .....engines.encodings import ENCODINGS, EncodedEngine, Encoding
+from .....reference import Solution
+from .....scenarios import Scenario
+from ....results.encoding_records import Beside
+from ....results.records import Pair as EngineAndMethod
+from ....results.records import Row, variation
+from ....results.store import Store
+from ...choice import Choice
+from ...executors import CallFailed, Executor, may_succeed_if_repeated
+from ...ladder import Rung
+from ...prepared import Prepared, prepare
+from ..defaults import varied_row
 from .judged import Judge, Pair
 
 #: The encoding that the others are compared with.

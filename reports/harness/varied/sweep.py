@@ -10,16 +10,16 @@ from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 
-from ...scenarios import Scenario
-from ..results.environment import environment
-from ..results.fingerprints import fingerprints
-from ..results.records import Pair, Row, variation
-from ..results.store import Store
-from ..results.sweep_records import DefinedSweep, Ensemble, Map, SweepPoint
-from .choice import Choice, EngineMethod
-from .executors import CallFailed, Executor, cause_of_unsolved, may_succeed_if_repeated
-from .executors.compiling import compile_side_by_side
-from .sweep_run import not_run, run_point
+from ....scenarios import Scenario
+from ...results.environment import environment
+from ...results.fingerprints import fingerprints
+from ...results.records import Pair, Row, variation
+from ...results.store import Store
+from ...results.sweep_records import DefinedSweep, Ensemble, Map, SweepPoint
+from ..choice import Choice, EngineMethod
+from ..executors import CallFailed, Executor, cause_of_unsolved, may_succeed_if_repeated
+from ..executors.compiling import compile_side_by_side
+from .point import not_run, run_point
 
 Progress = Callable[[str], None]
 

@@ -1,16 +1,18 @@
 """What steps cost with what engines leave out is measured, and whether that changes the motion."""
 
-from collections.abc import Callable, Collection
+from collections.abc import Collection
 
 import pytest
 from clockwork import METHOD, SCENE, Clock, Clockwork, Works, steadily
 from kinds_of_engines import required_engines
 from library_scenes import library_scene
 from spincheck.engines import Engine, EngineError, Method
-from spincheck.engines.varied_engine import VariedEngine
-from spincheck.reports.harness import step_cost as cost
-from spincheck.reports.harness.left_out import motions_apart, with_all_left_in, with_each_left_in
-from spincheck.reports.harness.step_cost import step_costs
+from spincheck.reports.harness.costs import step_cost as cost
+from spincheck.reports.harness.costs.left_out import (
+    motions_apart,
+    with_all_left_in,
+)
+from spincheck.reports.harness.costs.step_cost import step_costs
 from spincheck.reports.results.cost_records import Ratio
 from spincheck.scenarios import Scenario
 
@@ -32,24 +34,21 @@ def priced(clock: Clock, **unpruned: float) -> Works:
     return Works(make, tuple(PASSES))
 
 
-def ratios(engine: Engine) -> dict[tuple[str, ...], Ratio | None]:
-    """By what is left in, what a step takes over that of the engine as it is."""
+def ratio(engine: Engine) -> Ratio | None:
+    """What a step takes with all left in, over that of the engine as it is."""
     pairs = [(engine, METHOD)]
-    varied = [*with_all_left_in(SCENE, pairs), *with_each_left_in(SCENE, pairs)]
-    costs = step_costs(SCENE, [*pairs, *varied])
-    assert costs[0] is not None
-    assert costs[0].ratio is None
-    left_in = [tuple(one.varied["left_in"]) for one, _ in varied]
-    return {names: one and one.ratio for names, one in zip(left_in, costs[1:], strict=True)}
+    plain, whole = step_costs(SCENE, [*pairs, *with_all_left_in(SCENE, pairs)])
+    assert plain is not None
+    assert plain.ratio is None
+    return whole and whole.ratio
 
 
-def test_all_that_is_left_out_and_each_of_it_have_their_own_price(clock: Clock) -> None:
-    measured = ratios(priced(clock))
-    prices = {tuple(PASSES): 1 + sum(PASSES.values())}
-    prices |= {(name,): 1 + price for name, price in PASSES.items()}
-    assert {names: one.median for names, one in measured.items()} == pytest.approx(prices, rel=TICK)
-    assert max(one.spread for one in measured.values()) <= TICK
-    # They would be told apart.
+def test_all_that_is_left_out_has_its_price(clock: Clock) -> None:
+    measured = ratio(priced(clock))
+    assert measured is not None
+    assert measured.median == pytest.approx(1 + sum(PASSES.values()), rel=TICK)
+    assert measured.spread <= TICK
+    # Without the cheapest of the passes it would be told apart.
     assert min(PASSES.values()) > TICK
 
 
@@ -78,8 +77,7 @@ def test_one_disturbed_round_does_not_change_the_ratio(clock: Clock) -> None:
 def apart(engine: Engine, method: Method = METHOD, scene: Scenario = SCENE) -> object:
     """The time until which motions were compared, and how far they are apart."""
     ((varied, _),) = with_all_left_in(scene, [(engine, method)])
-    (found,) = motions_apart(scene, [(varied, method.name)])
-    return found
+    return motions_apart(scene, varied, method.name)
 
 
 def test_a_motion_is_the_same_to_the_last_bit_or_another_as_far_as_both_go(clock: Clock) -> None:
@@ -102,7 +100,7 @@ def test_where_it_does_not_load_with_what_is_left_out_there_is_nothing_to_tell(
         return Clockwork(clock, steadily(TAKES))
 
     engine = Works(make, tuple(PASSES))
-    assert set(ratios(engine).values()) == {None}
+    assert ratio(engine) is None
     assert apart(engine) is None
     assert with_all_left_in(SCENE, [(Works(make), METHOD)]) == []
 
@@ -120,23 +118,13 @@ class Various(Works):
 
 
 def test_every_distinct_set_of_what_is_left_out_is_timed_once(clock: Clock) -> None:
-    """And pass by pass, the first method that leaves something out."""
     engine = Various(lambda _: Clockwork(clock, steadily(TAKES)), tuple(PASSES))
-
-    def timed(
-        choose: Callable[..., list[tuple[VariedEngine, Method]]], methods: Collection[Method]
-    ) -> list[tuple[str, list[str]]]:
-        chosen = choose(SCENE, [(engine, method) for method in methods])
-        return [(method.name, one.varied["left_in"]) for one, method in chosen]
-
+    chosen = with_all_left_in(SCENE, [(engine, method) for method in engine.methods])
     contact, sensor = PASSES
-    assert timed(with_all_left_in, engine.methods) == [
+    assert [(method.name, one.varied["left_in"]) for one, method in chosen] == [
         ("one", [contact]),
         ("both", [contact, sensor]),
     ]
-    assert timed(with_each_left_in, engine.methods) == []
-    both = [("both", [contact]), ("both", [sensor])]
-    assert timed(with_each_left_in, engine.methods[3:]) == both
 
 
 REAL = [

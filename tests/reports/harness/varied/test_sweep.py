@@ -14,12 +14,12 @@ from failing_calls import FailingCalls, of_engine
 from planted import METHOD, HeunSession, NotANumberSession, RaisingSession, SegfaultSession, planted
 from spincheck.engines import Engine
 from spincheck.engines.lost_process import KILLED
-from spincheck.reports.harness import sweep_run
 from spincheck.reports.harness.choice import Choice
 from spincheck.reports.harness.executors import CallFailed, Executor
 from spincheck.reports.harness.stock import COMMON_TIMESTEP
-from spincheck.reports.harness.sweep import plan_sweep
-from spincheck.reports.harness.sweep_points import STEP_TURN, rung_at
+from spincheck.reports.harness.varied import point as at_point
+from spincheck.reports.harness.varied.point import STEP_TURN, rung_at
+from spincheck.reports.harness.varied.sweep import plan_sweep
 from spincheck.reports.results import fingerprints as fingerprints
 from spincheck.reports.results.records import Row
 from spincheck.reports.results.store import open_store
@@ -246,7 +246,7 @@ def test_timesteps_beyond_the_budget_or_the_window_are_no_places_to_run_and_say_
     steps = Axis("timestep", (1e-9, 0.02, 3.0), logarithmic=False)
     short, run, long = sweep(path, replace(MAP, axes=(SPIN, steps)))[:3]
     assert (short.outcome, short.cause, short.timestep) == ("unsupported", "timestep", 1e-9)
-    assert short.reason.endswith(f"a point may take {sweep_run.STEP_BUDGET}")
+    assert short.reason.endswith(f"a point may take {at_point.STEP_BUDGET}")
     assert (run.outcome, long.outcome) == ("ok", "unsupported")
     assert "must be shorter than the window" in long.reason
 
@@ -257,9 +257,9 @@ def test_a_scene_that_cannot_be_solved_is_reported_of_every_method(path, monkeyp
     def unsolvable(*_: object) -> None:
         raise ArithmeticError("no series converges")
 
-    monkeypatch.setattr(sweep_run, "solve_cheaply", unsolvable)
+    monkeypatch.setattr(at_point, "solve_cheaply", unsolvable)
     pairs = [(planted(HeunSession), METHOD), (planted(RaisingSession), METHOD)]
-    points = sweep_run.run_point(SCENE, next(MAP.points()), pairs)
+    points = at_point.run_point(SCENE, next(MAP.points()), pairs)
     assert [(p.outcome, p.cause) for p in points] == [("failed", "unsolved")] * 2
     assert "no series converges" in points[0].reason
 

@@ -2,9 +2,9 @@
 
 from collections.abc import Iterable, Iterator
 
-from ...engines import engines, missing
-from ...scenarios import Scenario, did_you_mean, printable
-from ...scenarios.locate import line_of
+from ....engines import engines, missing
+from ....scenarios import Scenario, did_you_mean, printable
+from ....scenarios.locate import line_of
 
 
 def unknown_expectations(scenarios: Iterable[Scenario]) -> list[str]:

@@ -16,10 +16,10 @@ from shutil import which
 from tempfile import TemporaryDirectory
 from threading import Timer
 
-from ...engines import Engine, Method
-from ...engines.start_process import kill, run, start
-from ...scenarios import Scenario, loads
-from ...scenarios.regular_files import write_new
+from ....engines import Engine, Method
+from ....engines.start_process import kill, run, start
+from ....scenarios import Scenario, loads
+from ....scenarios.regular_files import write_new
 
 #: Steps that are counted, and those before, which fill caches.
 STEPS, WARM_UP = 256, 16

@@ -2,7 +2,7 @@
 
 import pytest
 from library_scenes import library_scene
-from spincheck.reports.harness.power import powerless
+from spincheck.reports.harness.scene_checks.power import powerless
 
 #: A scene of the library for every effect that can be taken away.
 WITH_POWER = {

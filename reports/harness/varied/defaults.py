@@ -2,16 +2,15 @@
 
 from dataclasses import replace
 
-from ...engines import Engine, Run
-from ...engines.varied_engine import VariedEngine
-from ...reference import Solution
-from ...scenarios import Scenario
-from ..results.records import Key, Row, variation
-from .comparison import row_of
-from .ladder import Rung
-from .left_out import without
-from .measuring.examine import examine
-from .measuring.places import Places
+from ....engines import Engine, Run
+from ....engines.varied_engine import VariedEngine
+from ....reference import Solution
+from ....scenarios import Scenario
+from ...results.records import Key, Row, variation
+from ..comparison import row_of
+from ..ladder import Rung
+from ..measuring.examine import examine
+from ..measuring.places import Places
 
 
 def varied_row(scenario: Scenario, engine: Engine, run: Run, rung: Rung, solution: Solution) -> Row:
@@ -39,8 +38,9 @@ def runs_with_defaults(
     method = engine.method(method_name)
     names = engine.defaults(scenario, method)
     alone = [(name,) for name in names]
+    others = [tuple(other for other in names if other != name) for name in names]
     rows = []
-    for some in dict.fromkeys([(), *alone, *(without(names, name) for name in names)]):
+    for some in dict.fromkeys([(), *alone, *others]):
         varied = VariedEngine(engine, "defaults", some)
         run = varied.run(scenario, method, rung.timestep, rung.sample_steps)
         row = varied_row(scenario, varied, run, rung, solution)

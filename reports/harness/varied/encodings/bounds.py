@@ -5,14 +5,14 @@ from functools import lru_cache
 
 import numpy as np
 
-from ....engines import Engine
-from ....engines.checks.read_back import State
-from ....engines.encodings import KEPT, SAME_BODY, Encoding, SceneChange
-from ....engines.models.description import away_from
-from ....reference import Solution
-from ....scenarios import SIGNAL, Scenario, Trajectory, signals_of
-from ....scenarios.mechanics import angular_momentum_world
-from ....scenarios.rotation import norms
+from .....engines import Engine
+from .....engines.checks.read_back import State
+from .....engines.encodings import KEPT, SAME_BODY, Encoding, SceneChange
+from .....engines.models.description import away_from
+from .....reference import Solution
+from .....scenarios import SIGNAL, Scenario, Trajectory, signals_of
+from .....scenarios.mechanics import angular_momentum_world
+from .....scenarios.rotation import norms
 
 #: The signals that make up a state; the others follow from them.
 JUDGED = ("omega", "attitude", "com", "velocity", "spins")

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...reference import ExactMotion
-from ...scenarios import (
+from ....reference import ExactMotion
+from ....scenarios import (
     FloatArray,
     Published,
     Scenario,

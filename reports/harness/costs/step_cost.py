@@ -10,12 +10,12 @@ from typing import TypeVar
 
 import numpy as np
 
-from ...engines import EngineError, Session
-from ...engines.fault import ENVIRONMENTAL
-from ...scenarios import Scenario
-from ..results.cost_records import Ratio, StepCost
-from .choice import EngineMethod
-from .executors import Answer, CallFailed, Executor, is_environmental
+from ....engines import EngineError, Session
+from ....engines.fault import ENVIRONMENTAL
+from ....scenarios import Scenario
+from ...results.cost_records import Ratio, StepCost
+from ..choice import EngineMethod
+from ..executors import Answer, CallFailed, Executor, is_environmental
 
 T = TypeVar("T")
 

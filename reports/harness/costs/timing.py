@@ -3,18 +3,15 @@
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 
-from ...engines import Method
-from ...engines.varied_engine import VariedEngine
-from ...scenarios import Scenario
-from ..results.cost_records import MethodCost
-from ..results.environment import processor
-from ..results.records import Key, variation
-from ..results.store import Store
-from .choice import Choice
-from .executors import CallFailed, Executor
+from ...results.cost_records import MethodCost
+from ...results.environment import processor
+from ...results.records import Key, variation
+from ...results.store import Store
+from ..choice import Choice
+from ..executors import CallFailed, Executor
+from ..plan import SceneLeft, can_be_timed, settled_verdicts
 from .instructions import instructions_per_step
-from .left_out import motions_apart, with_all_left_in, with_each_left_in
-from .plan import SceneLeft, can_be_timed, settled_verdicts
+from .left_out import motions_apart, with_all_left_in
 from .step_cost import TimingRefused, measure, timed, timed_timestep
 
 
@@ -45,39 +42,28 @@ def _time_scene(
     scenario = scene.scenario
     chosen = list(choice.methods_on(scenario).values())
     whole = with_all_left_in(scenario, chosen)
-    apart = _motions_apart(scenario, whole, executor)
+    apart = {
+        (engine.name, method.name): timed(
+            executor.call_at(engine.site, motions_apart, scenario, engine, method.name)
+        )
+        for engine, method in whole
+    }
     verdicts = {verdict.key: verdict for verdict in settled_verdicts(scenario, choice, store)}
     pairs = [
         pair
         for key, pair in choice.methods_on(scenario).items()
         if can_be_timed(scenario, pair, verdicts.get(key))
     ]
-    varied = [*whole, *(with_each_left_in(scenario, chosen) if scene.by_pass else [])]
-    pairs += [(engine, method) for engine, method in varied if (engine.base, method) in pairs]
+    pairs += [(engine, method) for engine, method in whole if (engine.base, method) in pairs]
     costs, complaints = measure(executor, scenario, pairs) if pairs else ([], [])
     made = []
     for (engine, method), cost in zip(pairs, costs, strict=True):
         if choice.counted and cost is not None and not engine.varied:
             count = instructions_per_step(scenario, engine, method, timed_timestep(scenario))
             cost = replace(cost, instructions_per_step=count)
-        key = Key(scenario.name, engine.name, method.name)
-        named = variation(engine.varied)
-        until, difference = apart.get((key, named)) or (None, None)
-        made.append(MethodCost(key, processor(), cost, named, difference, until))
+        found = apart.get((engine.name, method.name)) if engine.varied else None
+        until, difference = (None, None) if isinstance(found, CallFailed | None) else found
+        key, varied = Key(scenario.name, engine.name, method.name), variation(engine.varied)
+        made.append(MethodCost(key, processor(), cost, varied, difference, until))
     store.put(*made)
     return complaints
-
-
-def _motions_apart(
-    scenario: Scenario, pairs: Sequence[tuple[VariedEngine, Method]], executor: Executor
-) -> dict[tuple[Key, str], tuple[float, float] | None]:
-    """How far motions are apart with and without what is left out, as `motions_apart` finds it."""
-    found: dict[tuple[Key, str], tuple[float, float] | None] = {}
-    for site in dict.fromkeys(engine.site for engine, _ in pairs):
-        there = [(engine, method.name) for engine, method in pairs if engine.site == site]
-        apart = timed(executor.call_at(site, motions_apart, scenario, there))
-        for (engine, name), one in zip(
-            there, [] if isinstance(apart, CallFailed) else apart, strict=False
-        ):
-            found[Key(scenario.name, engine.name, name), variation(engine.varied)] = one
-    return found

@@ -3,18 +3,25 @@
 from collections.abc import Sequence
 from dataclasses import replace
 
-from ...engines import Cause, Engine, Outcome
-from ...reference import Solution, solve_cheaply
-from ...scenarios import Scenario, ScenarioError
-from ..results.records import Key, Row, variation
-from ..results.sweep_records import SweepPoint
-from .choice import EngineMethod
-from .comparison import row_of
-from .defects import with_defects
-from .executors import cause_of, is_environmental
-from .ladder import Rung
-from .stock import STEP_BUDGET
-from .sweep_points import rung_at, scene_at
+import numpy as np
+
+from ....engines import Cause, Engine, Outcome
+from ....reference import Solution, solve_cheaply
+from ....scenarios import Scenario, ScenarioError
+from ....scenarios.fastest_rate import fastest_rate
+from ....scenarios.scatter import member
+from ....scenarios.vary import varied
+from ...results.records import Key, Row, variation
+from ...results.sweep_records import SweepPoint
+from ..choice import EngineMethod
+from ..comparison import row_of
+from ..defects import with_defects
+from ..executors import cause_of, is_environmental
+from ..ladder import Rung, single
+from ..stock import STEP_BUDGET, stock_rung, stock_timestep
+
+#: Angle turned in a step of a map without a timestep, rad, at the fastest rate at the start.
+STEP_TURN = 0.02
 
 Solved = dict[float, Solution] | str
 
@@ -109,3 +116,35 @@ def _row(
     row = with_defects(row, scenario, exact, is_single=is_single)
     # What is kept of one of many: a few numbers.
     return replace(row, variation=variation(point.varied), motion=None, defects=None)
+
+
+def scene_at(point: SweepPoint, base: Scenario) -> Scenario:
+    """The scene at a point.
+
+    Raises
+    ------
+    ScenarioError
+        If the numbers make no valid scene.
+    """
+    return member(base, *point.member) if point.member else varied(base, dict(point.numbers))
+
+
+def rung_at(point: SweepPoint, scenario: Scenario, engine: Engine) -> Rung | str:
+    """Timestep and samples of a run of the scene at a point, or why the run is not made.
+
+    Of a member of an ensemble without a timestep it is the engine's stock timestep.
+
+    Raises
+    ------
+    ValueError
+        If the window is shorter than one step.
+    """
+    if point.timestep is not None:
+        return single(point.timestep, scenario.times)
+    rate = fastest_rate(scenario, scenario.start.omega_body)
+    if point.member:
+        return stock_rung(scenario.times, stock_timestep(engine), rate)
+    intervals = scenario.window.samples - 1
+    interval = scenario.window.duration / intervals
+    per_interval = max(1, int(np.ceil(interval * rate / STEP_TURN)))
+    return Rung(interval / per_interval, np.arange(intervals + 1, dtype=np.int64) * per_interval)

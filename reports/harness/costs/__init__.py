@@ -1,0 +1,1 @@
+"""What steps cost, and what is left out of them costs."""

@@ -1,0 +1,1 @@
+"""Runs in which something is varied: the scene, its description, or how an engine opens it."""
