@@ -120,11 +120,11 @@ class MuJoCoSession(Session):
     def _stepping(self) -> Iterator[None]:
         """Set or remove the clock, and collect MuJoCo's warnings, inside the block."""
         clock.hang(self._clock)
-        with _hearing(self._warnings):
-            try:
+        try:
+            with _hearing(self._warnings):
                 yield
-            except mujoco.FatalError as error:
-                raise EngineError(f"MuJoCo stopped: {error}", "warning") from None
+        except mujoco.FatalError as error:
+            raise EngineError(f"MuJoCo stopped: {error}", "warning") from None
 
     def check(self) -> None:
         """Raise on any warning, or if the clock does not match the steps taken."""
