@@ -239,7 +239,7 @@ class Engine(Adapted, ABC):
 
 
 def _arm(scenario: Scenario, body: BodyReading) -> FloatArray | None:
-    """From the pivot to the com of the body as it is held, m, body axes; None without a pivot."""
+    """The vector from the pivot to the com that is read, m, body axes; None without a pivot."""
     has_arm = float(np.linalg.norm(body.com)) > NO_ARM * Equations(scenario).reach
     return body.com if has_arm and scenario.constraint.is_pivot else None
 

@@ -24,7 +24,7 @@ class Adapted:
             member = getattr(super(cls, cls), name, None)
             if message := getattr(getattr(member, "fget", member), "__deprecated__", ""):
                 words = f"{cls.__module__}.{cls.__qualname__}.{name}: {message}"
-                warnings.warn(words, DeprecationWarning, stacklevel=2)
+                warnings.warn(words, DeprecationWarning, stacklevel=3)
 
 
 def misfit(what: str, stated: object, oldest: int = OLDEST, newest: int = NEWEST) -> str:

@@ -184,8 +184,10 @@ def test_a_deprecated_member_that_is_overridden_warns_and_names_the_replacement(
 ) -> None:
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(Session, "step", planted, raising=False)
-        with pytest.warns(DeprecationWarning, match=r"Mine\.step: 'step' goes in 0.9: use 'adv"):
+        words = r"Mine\.step: 'step' goes in 0.9: use 'advance'"
+        with pytest.warns(DeprecationWarning, match=words) as warned:
             type("Mine", (Session,), {"step": None})
+        assert [one.filename for one in warned] == [__file__]
         type("Other", (Session,), {"steps": None})
 
 

@@ -1,19 +1,17 @@
 """A scene in MJX: stepped by one compiled loop, audited by MuJoCo's functions."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 from functools import cache, lru_cache
 from importlib import import_module
 from typing import Any, final
 
-import mujoco
 import numpy as np
 from spincheck.engine import BodyReading, FloatArray, Scenario, Session, State
 
 from ...models.mjcf import start_coordinates
 from ...user_cache import user_cache
 from ..mujoco.audit import FLAG_WORDS, acting
-from ..mujoco.coordinates import anchor_of, axial_of, body_of, coordinates_of, states_of
+from ..mujoco.coordinates import Coordinates
 from ..mujoco.session import compiled
 from .script import SPRINGS
 
@@ -26,9 +24,9 @@ class MJXSession(Session):
     """One body and its rotors; MJX's model and data as flat lists of JAX's arrays."""
 
     def __init__(self, scenario: Scenario, text: str, timestep: float, is_double: bool) -> None:
-        self._scenario, self._is_turning = scenario, scenario.rotors.is_turning
+        self._scenario = scenario
         model, data = _in_mjx(text, is_double)
-        self._arm_body, self._place_world = anchor_of(model)
+        self._coordinates = Coordinates(model, scenario)
         self._world = _module().World(model, data, timestep, *start_coordinates(scenario))
 
     @property
@@ -39,21 +37,17 @@ class MJXSession(Session):
     @property
     def restarts_to_the_last_bit(self) -> bool:
         """Unless it moves another point of the body than its com."""
-        on_pivot = self._world.model.jnt_type[0] == mujoco.mjtJoint.mjJNT_BALL
-        return bool(on_pivot or not self._arm_body.any())
+        return self._coordinates.restarts_to_the_last_bit
 
     def restart(self, state: State, timestep: float | None = None) -> None:
         """The data of the start with the coordinates of the state; nothing is compiled again."""
-        model = self._world.model
         if timestep is not None:
-            self._world.set_timestep(model, timestep)
-        arm, is_turning = self._arm_body, self._is_turning
-        self._world.restart(*coordinates_of(state, model.nv, arm, is_turning))
+            self._world.set_timestep(self._world.model, timestep)
+        self._world.restart(*self._coordinates.of(state))
 
     def read_body(self) -> BodyReading:
         """The body in MJX's model."""
-        model = self._world.model
-        return replace(body_of(model), axial=axial_of(model, len(self._is_turning)))
+        return self._coordinates.read_body()
 
     def read_state(self) -> State:
         """The state now."""
@@ -66,11 +60,8 @@ class MJXSession(Session):
 
     def states(self, snapshots: Sequence[FloatArray]) -> State:
         """The states, read from qpos and qvel alone."""
-        model = self._world.model
-        qpos, qvel = np.split(np.array(snapshots, dtype=float), [model.nq], axis=1)
-        states = states_of(qpos, qvel, self._arm_body, self._is_turning)
-        states.com_world[:] += self._place_world
-        return states
+        rows = np.array(snapshots, dtype=float)
+        return self._coordinates.states(*np.split(rows, [self._world.model.nq], axis=1))
 
     def advance(self, steps: int) -> None:
         """One compiled loop."""

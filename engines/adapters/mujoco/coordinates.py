@@ -1,45 +1,20 @@
 """Bodies and motions as MuJoCo has them: its tables of bodies, and coordinates qpos and qvel."""
 
+from dataclasses import replace
 from typing import Any
 
 import mujoco
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
-from spincheck.engine import BodyReading, FloatArray, State, composed
+from spincheck.engine import BodyReading, FloatArray, Scenario, State, composed
 
 from ....scenarios.rotation import across, cross, matrices, matrix, turned
+from ...models.hinged import hinged, unhinged
 
-#: MuJoCo's number of the world, which every model begins with.
-WORLD = 0
+#: MuJoCo's number of the world, which every model begins with, and of the body itself.
+WORLD, BODY = 0, 1
 #: How many numbers are ω; those before them move a point, at most three.
 TURNING = 3
-#: Of a body without rotors, whether each of them turns.
-NO_ROTORS = np.empty(0, dtype=bool)
-
-
-def body_of(model: Any) -> BodyReading:
-    """The body of a compiled model with those welded to it, in its own axes."""
-    if model.nbody == WORLD + 2:
-        return one_body(model, -1)
-    parts = [one_body(model, WORLD + 1)]
-    poses = {WORLD + 1: (np.zeros(3), np.eye(3))}
-    for body in range(WORLD + 2, model.nbody):
-        at, R = poses[model.body_parentid[body]]
-        at, R = at + R @ model.body_pos[body], R @ _rotation(model.body_quat[body]).as_matrix()
-        poses[body] = at, R
-        parts.append(one_body(model, body).placed(at, R))
-    return composed(parts)
-
-
-def axial_of(model: Any, count: int) -> FloatArray:
-    """Axis times moment about it of the last `count` bodies, kg m², zero if welded, (count, 3)."""
-    rows = np.zeros((count, 3))
-    for joint in range(model.body_jntnum[WORLD + 1], model.njnt):
-        body = model.jnt_bodyid[joint]
-        axis = _rotation(model.body_quat[body]).apply(np.array(model.jnt_axis[joint]))
-        rows[body - model.nbody + count] = axis * (axis @ one_body(model, body).inertia_com @ axis)
-    return rows
 
 
 def one_body(model: Any, body: int) -> BodyReading:
@@ -52,54 +27,80 @@ def one_body(model: Any, body: int) -> BodyReading:
     )
 
 
-def anchor_of(model: Any) -> tuple[FloatArray, FloatArray]:
-    """The com from the point that the coordinates move, m, body axes; and where that begins."""
-    com_body, last = body_of(model).com, model.body_jntnum[WORLD + 1] - 1
-    if model.jnt_type[last] == mujoco.mjtJoint.mjJNT_FREE:
-        return com_body, np.zeros(3)
-    return com_body - model.jnt_pos[last], model.body_pos[WORLD + 1] + model.jnt_pos[last]
-
-
-def states_of(
-    qpos: FloatArray,
-    qvel: FloatArray,
-    arm_body: FloatArray,
-    is_turning: NDArray[np.bool_] = NO_ROTORS,
-) -> State:
-    """The states of one body from its coordinates, (n, nq), and velocities, (n, nv).
-
-    The com is a point that the first coordinates move plus the compiled arm, its velocity that of
-    the point plus ω × arm; the origin on a ball joint alone stands still.
-    """
-    spins = np.zeros((len(qvel), len(is_turning)))
-    count = np.count_nonzero(is_turning)
-    if count:
-        spins[:, is_turning] = qvel[:, -count:]
-        qpos, qvel = qpos[:, :-count], qvel[:, :-count]
-    q_world_body_wxyz, omega_body = qpos[:, -4:], qvel[:, -TURNING:]
-    R_world_body = matrices(q_world_body_wxyz)
-    com_world = R_world_body @ arm_body
-    velocity_world = turned(R_world_body, omega_body @ across(arm_body))
-    moving = qvel.shape[1] - TURNING
-    com_world[:, :moving] += qpos[:, :moving]
-    velocity_world[:, :moving] += qvel[:, :moving]
-    return State(q_world_body_wxyz, omega_body, com_world, velocity_world, spins)
-
-
-def coordinates_of(
-    state: State, nv: int, arm_body: FloatArray, is_turning: NDArray[np.bool_] = NO_ROTORS
-) -> tuple[FloatArray, FloatArray]:
-    """Coordinates, (nq,), and velocities, (nv,), of a state, as `states_of` reads them."""
-    q_world_body_wxyz, omega_body = state.q_world_body_wxyz, state.omega_body
-    spins = state.spins[is_turning]
-    R_world_body, moving = matrix(q_world_body_wxyz), nv - len(spins) - TURNING
-    place_world = state.com_world - R_world_body @ arm_body
-    speed_world = state.velocity_world - R_world_body @ cross(omega_body, arm_body)
-    return (
-        np.concatenate([place_world[:moving], q_world_body_wxyz, np.zeros_like(spins)]),
-        np.concatenate([speed_world[:moving], omega_body, spins]),
-    )
-
-
 def _rotation(q_wxyz: FloatArray) -> Rotation:
     return Rotation.from_quat(q_wxyz, scalar_first=True)
+
+
+class Coordinates:
+    """The body of a compiled model in the model's coordinates: free, or on a ball or three hinges.
+
+    The coordinates of what it may slide along come first, those of rotors that turn last.
+    """
+
+    def __init__(self, model: Any, scenario: Scenario) -> None:
+        self._model, self._is_turning = model, scenario.rotors.is_turning
+        self._spins = int(np.count_nonzero(self._is_turning))
+        self._moving = model.nv - self._spins - TURNING
+        last = model.body_jntadr[BODY] + model.body_jntnum[BODY] - 1
+        self._on_hinges = model.jnt_type[last] == mujoco.mjtJoint.mjJNT_HINGE
+        self._on_pivot = model.jnt_type[0] == mujoco.mjtJoint.mjJNT_BALL
+        # The com from the point that the coordinates move, m, body axes; and where that begins.
+        self._arm_body, self._place_world = self.read_body().com, np.zeros(3)
+        if model.jnt_type[last] != mujoco.mjtJoint.mjJNT_FREE:
+            self._arm_body = self._arm_body - model.jnt_pos[last]
+            self._place_world = model.body_pos[BODY] + model.jnt_pos[last]
+
+    @property
+    def restarts_to_the_last_bit(self) -> bool:
+        """Unless MuJoCo moves another point of the body than its com."""
+        return bool(self._on_pivot or not self._arm_body.any())
+
+    def read_body(self) -> BodyReading:
+        """The body with those welded to it and its rotors, in its own axes."""
+        model = self._model
+        parts, poses = [one_body(model, BODY)], {BODY: (np.zeros(3), np.eye(3))}
+        for body in range(BODY + 1, model.nbody):
+            at, R = poses[model.body_parentid[body]]
+            at, R = at + R @ model.body_pos[body], R @ _rotation(model.body_quat[body]).as_matrix()
+            poses[body] = at, R
+            parts.append(one_body(model, body).placed(at, R))
+        # Axis times moment about it, zero of a rotor that is welded.
+        axial = np.zeros((len(self._is_turning), 3))
+        for joint in range(model.body_jntnum[BODY], model.njnt):
+            body = model.jnt_bodyid[joint]
+            axis = _rotation(model.body_quat[body]).apply(np.array(model.jnt_axis[joint]))
+            moment = axis @ one_body(model, body).inertia_com @ axis
+            axial[body - model.nbody + len(axial)] = axis * moment
+        return replace(composed(parts) if len(parts) > 1 else parts[0], axial=axial)
+
+    def states(self, qpos: FloatArray, qvel: FloatArray) -> State:
+        """The states of n coordinates, (n, nq), and velocities, (n, nv).
+
+        The com is a point that the first coordinates move plus the compiled arm, its velocity that
+        of the point plus ω × arm; the origin on a ball joint alone stands still.
+        """
+        if self._on_hinges:
+            qpos, qvel = unhinged(qpos, qvel)
+        spins = np.zeros((len(qvel), len(self._is_turning)))
+        if self._spins:
+            spins[:, self._is_turning] = qvel[:, -self._spins :]
+            qpos, qvel = qpos[:, : -self._spins], qvel[:, : -self._spins]
+        q_world_body_wxyz, omega_body = qpos[:, -4:], qvel[:, -TURNING:]
+        R_world_body, moving = matrices(q_world_body_wxyz), self._moving
+        com_world = R_world_body @ self._arm_body
+        velocity_world = turned(R_world_body, omega_body @ across(self._arm_body))
+        com_world[:, :moving] += qpos[:, :moving]
+        velocity_world[:, :moving] += qvel[:, :moving]
+        com_world += self._place_world
+        return State(q_world_body_wxyz, omega_body, com_world, velocity_world, spins)
+
+    def of(self, state: State) -> tuple[FloatArray, FloatArray]:
+        """Coordinates, (nq,), and velocities, (nv,), of a state, as `states` reads them."""
+        q_world_body_wxyz, omega_body = state.q_world_body_wxyz, state.omega_body
+        spins, moving = state.spins[self._is_turning], self._moving
+        R_world_body = matrix(q_world_body_wxyz)
+        place_world = state.com_world - R_world_body @ self._arm_body
+        speed_world = state.velocity_world - R_world_body @ cross(omega_body, self._arm_body)
+        qpos = np.concatenate([place_world[:moving], q_world_body_wxyz, np.zeros_like(spins)])
+        qvel = np.concatenate([speed_world[:moving], omega_body, spins])
+        return hinged(qpos, qvel) if self._on_hinges else (qpos, qvel)

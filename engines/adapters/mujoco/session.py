@@ -3,7 +3,6 @@
 import warnings
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import replace
 from typing import Any, final
 
 import mujoco
@@ -19,10 +18,9 @@ from spincheck.engine import (
     UnsupportedError,
 )
 
-from ...models.hinged import hinged, unhinged
 from . import clock
 from .audit import acting
-from .coordinates import WORLD, anchor_of, axial_of, body_of, coordinates_of, states_of
+from .coordinates import Coordinates
 from .world import at_start, set_timestep
 
 #: What is read at a sample, as MuJoCo's flag: time, qpos and qvel.
@@ -65,17 +63,14 @@ class MuJoCoSession(Session):
         # Reused for each snapshot: fetching MuJoCo's own arrays would double the time.
         self._reading = np.empty(1 + mujoco.mj_stateSize(model, READ))
         self._read = self._reading[1:]
-        self._arm_body, self._place_world = anchor_of(model)
-        self._is_turning = scenario.rotors.is_turning
-        last_of_body = model.body_jntadr[WORLD + 1] + model.body_jntnum[WORLD + 1] - 1
-        self._on_hinges = model.jnt_type[last_of_body] == mujoco.mjtJoint.mjJNT_HINGE
+        self._coordinates = Coordinates(model, scenario)
         self._steps = 0
         self._warnings: list[str] = []
         self._clock = clock.SHIPPED if has_clock else None
 
     def read_body(self) -> BodyReading:
-        """The body of the compiled model, its principal moments turned back into body axes."""
-        return replace(body_of(self.model), axial=axial_of(self.model, len(self._is_turning)))
+        """The body of the compiled model."""
+        return self._coordinates.read_body()
 
     def read_state(self) -> State:
         """The state now; see `states`."""
@@ -89,8 +84,7 @@ class MuJoCoSession(Session):
     @property
     def restarts_to_the_last_bit(self) -> bool:
         """Unless MuJoCo moves another point of the body than its com."""
-        on_pivot = self.model.jnt_type[0] == mujoco.mjtJoint.mjJNT_BALL
-        return bool(on_pivot or not self._arm_body.any())
+        return self._coordinates.restarts_to_the_last_bit
 
     def set_timestep(self, timestep: float) -> None:
         """Length of the steps from now on, s."""
@@ -101,10 +95,7 @@ class MuJoCoSession(Session):
         if timestep is not None:
             self.set_timestep(timestep)
         mujoco.mj_resetData(self.model, self.data)
-        coordinates = coordinates_of(state, self.model.nv, self._arm_body, self._is_turning)
-        self.data.qpos[:], self.data.qvel[:] = (
-            hinged(*coordinates) if self._on_hinges else coordinates
-        )
+        self.data.qpos[:], self.data.qvel[:] = self._coordinates.of(state)
         self._steps = 0
         self._warnings.clear()
 
@@ -129,11 +120,11 @@ class MuJoCoSession(Session):
     def _stepping(self) -> Iterator[None]:
         """Set or remove the clock, and collect MuJoCo's warnings, inside the block."""
         clock.hang(self._clock)
-        with _hearing(self._warnings):
-            try:
+        try:
+            with _hearing(self._warnings):
                 yield
-            except mujoco.FatalError as error:
-                raise EngineError(f"MuJoCo stopped: {error}", "warning") from None
+        except mujoco.FatalError as error:
+            raise EngineError(f"MuJoCo stopped: {error}", "warning") from None
 
     def check(self) -> None:
         """Raise on any warning, or if the clock does not match the steps taken."""
@@ -155,14 +146,8 @@ class MuJoCoSession(Session):
 
     def states(self, snapshots: Sequence[Snapshot]) -> State:
         """The states, from qpos and qvel alone: derived data (xipos, cvel) is one step old."""
-        nq = self.model.nq
-        rows = _rows(snapshots)
-        coordinates = rows[:, 2 : 2 + nq], rows[:, 2 + nq :]
-        if self._on_hinges:
-            coordinates = unhinged(*coordinates)
-        states = states_of(*coordinates, self._arm_body, self._is_turning)
-        states.com_world[:] += self._place_world
-        return states
+        _, qpos, qvel = np.split(_rows(snapshots), [2, 2 + self.model.nq], axis=1)
+        return self._coordinates.states(qpos, qvel)
 
     def first_fault(
         self,

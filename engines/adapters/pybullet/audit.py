@@ -38,8 +38,7 @@ def what_acts(
     The probes change the body's state, and switch PyBullet's defaults off.
     """
     world = model.world
-    acting = {*_engine(world, scenario), *_holds(world)}
-    acting |= _lifted_off(world, scenario) if rests else _extras(world)
+    acting = _engine(world, scenario) | _holds(world) | _beside(world, scenario, rests)
     if np.isfinite(model.read_state().omega_body).all():
         acting |= _acting(Probe(advance, model, scenario))
     return frozenset(acting)
@@ -75,33 +74,29 @@ def _holds(world: World) -> set[str]:
     return acting
 
 
-def _others(world: World) -> list[int]:
-    """The bodies besides the scene's."""
-    bodies = [p.getBodyUniqueId(i, world.client) for i in range(p.getNumBodies(world.client))]
-    return [body for body in bodies if body != world.body]
+def _beside(world: World, scenario: Scenario, rests: bool) -> set[str]:
+    """What else is in the world, or can collide with the body, in words.
 
-
-def _lifted_off(world: World, scenario: Scenario) -> set[str]:
-    """What a body lies on, in words; that is taken away, so that nothing else pushes it."""
-    acting, (_, height) = set(), sphere_and_plane(scenario)
-    has_tip = _has_shape(world.client, world.body, BASE)
-    for body in _others(world):
-        shapes = p.getCollisionShapeData(body, BASE, world.client)
-        place, _ = p.getBasePositionAndOrientation(body, world.client)
-        is_plane = [shape[2] for shape in shapes] == [p.GEOM_PLANE] and place == (0, 0, height)
-        acting.add("table" if is_plane and has_tip else "another body")
-        p.removeBody(body, world.client)
-    return acting
-
-
-def _extras(world: World) -> set[str]:
-    """The shapes that can collide, and other bodies that move, in words."""
-    acting, others = set(), _others(world)
-    if any(p.getDynamicsInfo(body, BASE, world.client)[0] for body in others):
+    What a body rests on is taken away, so that nothing else pushes it.
+    """
+    client, acting = world.client, set()
+    bodies = [p.getBodyUniqueId(i, client) for i in range(p.getNumBodies(client))]
+    others = [body for body in bodies if body != world.body]
+    if rests:
+        _, height = sphere_and_plane(scenario)
+        has_tip = _has_shape(client, world.body, BASE)
+        for body in others:
+            kinds = [shape[2] for shape in p.getCollisionShapeData(body, BASE, client)]
+            place, _ = p.getBasePositionAndOrientation(body, client)
+            is_table = kinds == [p.GEOM_PLANE] and place == (0, 0, height) and has_tip
+            acting.add("table" if is_table else "another body")
+            p.removeBody(body, client)
+        return acting
+    if any(p.getDynamicsInfo(body, BASE, client)[0] for body in others):
         acting.add("another body")
-    for body in (world.body, *others):
-        links = range(BASE, p.getNumJoints(body, world.client))
-        if any(_has_shape(world.client, body, link) for link in links):
+    for body in bodies:
+        links = range(BASE, p.getNumJoints(body, client))
+        if any(_has_shape(client, body, link) for link in links):
             acting.add("a collision shape")
     return acting
 
