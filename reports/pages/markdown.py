@@ -12,7 +12,7 @@ ALWAYS_DRAWN = ("head", "script", "figure", "template", "svg", "button", "select
 #: Elements without an end tag.
 VOID = ("meta", "link", "input", "br", "hr")
 #: What a block begins with, by its element.
-BLOCKS = {"nav": "", "p": "", "summary": "", "li": "- ", "dt": "- ", "dd": "  "}
+BLOCKS = {"nav": "", "p": "", "summary": ""}
 BLOCKS |= {f"h{level}": f"{'#' * level} " for level in range(1, 5)}
 AROUND = {"strong": "**", "em": "*"}
 #: White space, but for the spaces inside numbers.
@@ -93,6 +93,11 @@ def _blocks(element: _Element, items: Sequence[Any]) -> Iterator[str]:
         if one.tag in BLOCKS:
             if line := _line(one):
                 yield BLOCKS[one.tag] + line
+        elif one.tag == "ul":
+            yield "\n".join(f"- {_line(entry)}" for entry in one.all("li"))
+        elif one.tag == "dl":
+            terms = zip(one.all("dt"), one.all("dd"), strict=True)
+            yield "\n".join(f"- {_line(term)}: {_line(meaning)}" for term, meaning in terms)
         elif one.tag == "pre":
             yield code_block(_text(one))
         elif one.tag == "table":
