@@ -64,12 +64,12 @@ class PageData:
     """The items of one page, by number."""
 
     def __init__(self) -> None:
-        self._items: list[Any] = []
+        self.items: list[Any] = []
 
     def add(self, item: Any) -> int:
         """Take an item that JSON can hold, with arrays as `Differences`; returns its number."""
-        self._items.append(item)
-        return len(self._items) - 1
+        self.items.append(item)
+        return len(self.items) - 1
 
     def add_table(self, table: Table) -> int:
         """Take a table, its cells as text, kind, detail, link and note without what is empty."""
@@ -94,7 +94,7 @@ class PageData:
             }
 
         text = json.dumps(
-            self._items, ensure_ascii=False, allow_nan=False, separators=(",", ":"), default=placed
+            self.items, ensure_ascii=False, allow_nan=False, separators=(",", ":"), default=placed
         )
         packed = zlib.compress(text.encode("utf-8") + b"\0" + arrays, 9)
         return base64.b64encode(packed).decode("ascii")

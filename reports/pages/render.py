@@ -23,6 +23,7 @@ from .analysis import observed_order
 from .analysis.report_data import ReportData, SceneRuns, report_data
 from .cost_section import cost_section, left_out_section, scene_costs
 from .figures.figures import figures
+from .markdown import as_markdown
 from .overview import overview
 from .overview.first_screen import answer
 from .overview.heat_map import FIRST_SIGNAL, heat_map, stock_table
@@ -85,12 +86,11 @@ def render(results: Results, folder: Path) -> Path:
     shared["sweeps"] = {"pages": pages, "table": sweeps_table(pages)}
     write_sweeps(environment, written, pages, results.scenes)
     shared["hard"] = _hard_cases(gathered, environment)
-    html = environment.get_template("index.html").render(root="", packed=PageData(), **shared)
+    packed = PageData()
+    html = environment.get_template("index.html").render(root="", packed=packed, **shared)
     index = written.write("index.html", html)
-    contents = [_scene(scene) for scene in gathered.scenes]
-    _write_scenes(environment, written, gathered.scenes, contents)
-    report = environment.get_template("report.md").render(scenes=contents, **shared)
-    written.write("report.md", report)
+    written.write("report.md", as_markdown(html, packed.items))
+    _write_scenes(environment, written, gathered.scenes)
     written.finish()
     return index
 
@@ -99,16 +99,16 @@ def _write_scenes(
     environment: Environment,
     written: ReportFolder,
     scenes: tuple[SceneRuns, ...],
-    contents: list[dict[str, Any]],
 ) -> None:
-    page, text = environment.get_template("scene.html"), environment.get_template("scene.md")
-    for k, (scene, content) in enumerate(zip(scenes, contents, strict=True)):
+    page = environment.get_template("scene.html")
+    for k, scene in enumerate(scenes):
+        content, packed = _scene(scene), PageData()
         around = {
             "previous": scenes[k - 1] if k else None,
             "following": scenes[k + 1] if k + 1 < len(scenes) else None,
         }
         drawn = {
-            "packed": PageData(),
+            "packed": packed,
             "figures": figures(scene),
             "motions": motion_data(scene),
             "shown_at_first": shown_at_first(scene),
@@ -117,7 +117,7 @@ def _write_scenes(
         }
         html = page.render(root="../", **drawn, **content, **around)
         written.write(f"scenes/{scene.name}.html", html)
-        written.write(f"scenes/{scene.name}.md", text.render(**content))
+        written.write(f"scenes/{scene.name}.md", as_markdown(html, packed.items))
         for name, model in content.get("models", {}).items():
             written.write(f"scenes/{name}", model)
 

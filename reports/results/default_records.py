@@ -19,7 +19,8 @@ class DefaultEffect:
     name : the engine's own name of it
     alone : errors with it and no other default; None if the run did not finish
     without : errors with all defaults but this; None if the run did not finish
-    acts : whether it alone alters the equations of motion, in steps however short; None if unknown
+    acts : whether it alone alters the equations of motion, in steps however short; None if unknown,
+        as where steps are not those of the equations of motion without any default
     """
 
     name: str
@@ -72,9 +73,10 @@ ALL = ("all",)
 def _effects(key: Key, timestep: float, by_names: Mapping[tuple[str, ...], Row]) -> DefaultEffects:
     names = dict.fromkeys(name for some in by_names if some != ALL for name in some)
     each = []
+    none, every = by_names[()], by_names[ALL]
     for name in names:
         alone = by_names.get((name,), by_names[ALL])
         without = by_names.get(tuple(other for other in names if other != name), by_names[()])
-        each.append(DefaultEffect(name, alone.errors, without.errors, alone.acts))
-    none, every = by_names[()], by_names[ALL]
+        acts = None if none.acts else alone.acts
+        each.append(DefaultEffect(name, alone.errors, without.errors, acts))
     return DefaultEffects(key, timestep, none.errors, every.errors, tuple(each))

@@ -214,8 +214,8 @@ class Row(Record):
     turns_within_1deg : likewise until the attitude is off by more than 1°; None if it never is
     attitude_a_turn : rad; the median error that a turn of the run adds to the attitude, of its
         defects while it moves; None if it never does
-    acts : of a run with a single default, whether that alters the equations of motion, in steps
-        however short; None if unknown
+    acts : of a run with one default or none, whether its steps, however short, are not those of
+        the equations of motion; None if unknown
     beside : of a run with another description of the body, how it is beside the scene's own
     """
 

@@ -19,8 +19,9 @@ from spincheck.reports.cli.choosing import Where
 from spincheck.reports.cli.run import running
 from spincheck.reports.cli.scenes.scene import model_files
 from spincheck.reports.harness.executors import InProcess
+from spincheck.reports.pages.markdown import escaped
 from spincheck.reports.pages.render import render
-from spincheck.reports.pages.templating import escaped, to_html
+from spincheck.reports.pages.templating import to_html
 from spincheck.reports.results.cost_records import MethodCost, Ratio, StepCost
 from spincheck.reports.results.records import Key, variation
 from spincheck.reports.results.results import SceneResult

@@ -37,13 +37,13 @@ def runs_with_defaults(
     """
     method = engine.method(method_name)
     names = engine.defaults(scenario, method)
-    alone = [(name,) for name in names]
+    at_most_one = [(), *((name,) for name in names)]
     others = [tuple(other for other in names if other != name) for name in names]
     rows = []
-    for some in dict.fromkeys([(), *alone, *others]):
+    for some in dict.fromkeys([*at_most_one, *others]):
         varied = VariedEngine(engine, "defaults", some)
         run = varied.run(scenario, method, rung.timestep, rung.sample_steps)
         row = varied_row(scenario, varied, run, rung, solution)
-        found = examine(varied, scenario, method_name, at) if at and some in alone else None
+        found = examine(varied, scenario, method_name, at) if at and some in at_most_one else None
         rows.append(replace(row, acts=None if found is None else found.fault is not None))
     return rows

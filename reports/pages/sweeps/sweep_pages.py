@@ -19,6 +19,7 @@ from ..analysis.wording import NOTHING, count
 from ..figures.figures import Titled
 from ..figures.map_figure import map_figure
 from ..figures.profile_figure import distribution
+from ..markdown import as_markdown
 from ..page_data import PageData
 from ..tables import Captioned, Cell, Table, figure, sweep_page, table
 from ..templating import ReportFolder
@@ -248,15 +249,16 @@ def write_sweeps(
     OSError
         If the folder cannot be written.
     """
+    template = environment.get_template("sweep.html")
     for page in pages:
-        for ending in ("html", "md"):
-            text = environment.get_template(f"sweep.{ending}").render(
-                root="../",
-                page=page,
-                packed=PageData(),
-                has_scene=page.result.scenario.name in scenes,
-            )
-            written.write(f"{page.kind}s/{page.name}.{ending}", text)
+        html = template.render(
+            root="../",
+            page=page,
+            packed=(packed := PageData()),
+            has_scene=page.result.scenario.name in scenes,
+        )
+        written.write(f"{page.kind}s/{page.name}.html", html)
+        written.write(f"{page.kind}s/{page.name}.md", as_markdown(html, packed.items))
 
 
 def _row(page: SweepPage) -> list[Cell]:

@@ -161,7 +161,7 @@ def test_markdown_has_every_method_that_was_run_and_a_row_for_every_verdict(fold
     text = plain((folder / "scenes" / "made-up-top.md").read_text(encoding="utf-8"))
     for row in results().rows:
         if row.key.scenario == "made-up-top":
-            assert plain(f"{row.key.engine} {row.key.method}: ") in text
+            assert plain(f"{row.key.engine} {row.key.method} {row.engine_version} · ") in text
     for verdict in VERDICTS:
         tables = markdown_tables(folder / "scenes" / f"{verdict.key.scenario}.md")
         rows = [plain("|".join(row)) for table in tables for row in table[2:]]

@@ -1,5 +1,6 @@
 """The effect of each default of PyBullet on a motion is measured, one default at a time."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -14,7 +15,7 @@ from spincheck.reports.harness.ladder import single
 from spincheck.reports.harness.prepared import prepare
 from spincheck.reports.harness.varied.defaults import runs_with_defaults
 from spincheck.reports.results.default_records import DefaultEffects, default_effects
-from spincheck.reports.results.records import Key
+from spincheck.reports.results.records import Key, Row, variation
 from spincheck.scenarios import Scenario, loads
 from spincheck.suite.contract_scenes import GRAVITY, PIVOT, SPUN_UP, TOP, scene
 from studies import study
@@ -66,6 +67,20 @@ def test_motor_and_damping_act_in_steps_however_short_and_a_clamp_out_of_reach_d
     assert clamp.alone == of_a_top.none
     assert clamp.without == of_a_top.all
     assert damping.alone != of_a_top.none
+
+
+@pytest.mark.parametrize(("without_any", "blamed"), [(False, True), (None, True), (True, None)])
+def test_a_default_is_not_blamed_where_steps_are_wrong_without_any(
+    without_any: bool | None, blamed: bool | None
+) -> None:
+    run = Row(Key("top", "pybullet", "default"), "1.0", TIMESTEP, "ok")
+    acting = {(): without_any, (DAMPING,): True}
+    rows = [
+        replace(run, variation=variation({"defaults": list(some)}), acts=acts)
+        for some, acts in acting.items()
+    ]
+    (effects,) = default_effects([run], rows)
+    assert [one.acts for one in effects.each] == [blamed]
 
 
 def test_a_run_that_ends_at_the_clamp_has_no_errors() -> None:

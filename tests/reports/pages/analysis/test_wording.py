@@ -5,7 +5,8 @@ from html import unescape
 
 import pytest
 from spincheck.reports.pages.analysis.wording import count, limited, number, observed
-from spincheck.reports.pages.templating import code_block, escaped, to_html
+from spincheck.reports.pages.markdown import code_block, escaped
+from spincheck.reports.pages.templating import to_html
 
 
 @pytest.mark.parametrize(
@@ -55,4 +56,4 @@ def test_markdown_s_own_marks_work_and_escaped_text_reads_as_it_was_written() ->
     assert unescape(to_html(escaped(text))) == f"<p>{text}</p>\n"
     assert escaped("a\n\nb") == "a b"
     # A fence is longer than those inside.
-    assert code_block("x = '```'", "toml") == "````toml\nx = '```'\n````"
+    assert code_block("x = '```'") == "````\nx = '```'\n````"

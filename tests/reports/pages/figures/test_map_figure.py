@@ -189,7 +189,9 @@ def test_a_place_without_a_scene_is_signed_in_every_panel() -> None:
     first = whole.points[0]
     ended = {"outcome": "unsupported", "cause": "scene", "reason": "no", "errors": None}
     ended["timestep"] = 0.0
-    points = tuple(replace(p, **ended) if p.variation == first.variation else p for p in whole.points)
+    points = tuple(
+        replace(p, **ended) if p.variation == first.variation else p for p in whole.points
+    )
     drawn = grid(replace(whole, points=points))
     assert all(drawn.points[pair][0, 0].cause == "scene" for pair in METHODS)
     assert marks(drawn.result.points)["unsupported", "scene"].label == "no scene"

@@ -168,9 +168,8 @@ def test_survival_is_counted_by_the_turn_a_step(folder: Path) -> None:
     row = by_heading(table, 0)
     assert (row["method"], row["0.3 to 1 rad"], row["over 3 rad"]) == ("Euler", "100 %", "0 %")
     assert by_heading(table, 1)["over 3 rad"] == "100 %"
-    for path in (folder / "maps" / "disc-1.md", folder / "report.md"):
-        headings = [[cell.strip() for cell in table[0]] for table in markdown_tables(path)]
-        assert any("0.3 to 1 rad" in heading for heading in headings)
+    tables = markdown_tables(folder / "maps" / "disc-1.md")
+    assert any("0.3 to 1 rad" in [cell.strip() for cell in table[0]] for table in tables)
 
 
 def test_none_and_all_are_said_of_none_and_all_only() -> None:

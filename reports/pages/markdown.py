@@ -1,0 +1,174 @@
+"""A page as Markdown: its text, tables and code, without what only a browser draws."""
+
+import re
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+from html.parser import HTMLParser
+from typing import Any
+
+#: Of elements that only a browser draws: an attribute, and those that always are.
+DRAWN = "data-drawn"
+ALWAYS_DRAWN = ("head", "script", "figure", "template", "svg", "button", "select", "label")
+#: Elements without an end tag.
+VOID = ("meta", "link", "input", "br", "hr")
+#: What a block begins with, by its element.
+BLOCKS = {"nav": "", "p": "", "summary": ""}
+BLOCKS |= {f"h{level}": f"{'#' * level} " for level in range(1, 5)}
+AROUND = {"strong": "**", "em": "*"}
+#: White space, but for the spaces inside numbers.
+_SPACES = re.compile(r"[^\S\xa0\u202f]+")
+_SPECIAL = re.compile(r"([\\`*_{}\[\]|#~])")
+
+
+def escaped(text: str) -> str:
+    """Return plain text escaped for a line or a cell of Markdown."""
+    one_line = _SPACES.sub(" ", text).strip()
+    safe = one_line.replace("&", "&amp;").replace("<", "&lt;").replace(">", "&gt;")
+    return _SPECIAL.sub(r"\\\1", safe)
+
+
+def code_block(text: str) -> str:
+    """Return a fenced block; its fence is longer than any run of backticks inside."""
+    fence = "`" * max([3, *(len(run) + 1 for run in re.findall(r"`+", text))])
+    end = "" if text.endswith("\n") else "\n"
+    return f"{fence}\n{text}{end}{fence}"
+
+
+def as_markdown(html: str, items: Sequence[Any]) -> str:
+    """Return a page as Markdown.
+
+    Parameters
+    ----------
+    items : what the page carries for its script; folded tables are among it (`PageData`)
+    """
+    parser = _Parser()
+    parser.feed(html)
+    parser.close()
+    return "\n\n".join(block for block in _blocks(parser.open[0], items) if block.strip()) + "\n"
+
+
+@dataclass
+class _Element:
+    tag: str
+    attributes: dict[str, str | None]
+    inside: list["_Element | str"] = field(default_factory=list)
+
+    @property
+    def is_drawn(self) -> bool:
+        return self.tag in ALWAYS_DRAWN or DRAWN in self.attributes
+
+    @property
+    def elements(self) -> list["_Element"]:
+        return [one for one in self.inside if isinstance(one, _Element) and not one.is_drawn]
+
+    def all(self, *tags: str) -> Iterator["_Element"]:
+        for one in self.elements:
+            if one.tag in tags:
+                yield one
+            else:
+                yield from one.all(*tags)
+
+
+class _Parser(HTMLParser):
+    def __init__(self) -> None:
+        super().__init__(convert_charrefs=True)
+        self.open = [_Element("", {})]
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        element = _Element(tag, dict(attrs))
+        self.open[-1].inside.append(element)
+        if tag not in VOID:
+            self.open.append(element)
+
+    def handle_endtag(self, tag: str) -> None:
+        if tag == self.open[-1].tag:
+            self.open.pop()
+
+    def handle_data(self, data: str) -> None:
+        self.open[-1].inside.append(data)
+
+
+def _blocks(element: _Element, items: Sequence[Any]) -> Iterator[str]:
+    for one in element.elements:
+        if one.tag in BLOCKS:
+            if line := _line(one):
+                yield BLOCKS[one.tag] + line
+        elif one.tag == "ul":
+            yield "\n".join(f"- {_line(entry)}" for entry in one.all("li"))
+        elif one.tag == "dl":
+            terms = zip(one.all("dt"), one.all("dd"), strict=True)
+            yield "\n".join(f"- {_line(term)}: {_line(meaning)}" for term, meaning in terms)
+        elif one.tag == "pre":
+            yield code_block(_text(one))
+        elif one.tag == "table":
+            yield _table(one)
+        elif number := one.attributes.get("data-table"):
+            rows = [[_packed_cell(cell) for cell in row] for row in items[int(number)]["rows"]]
+            yield _lines([[escaped(text) for text in items[int(number)]["headings"]], *rows])
+        else:
+            yield from _blocks(one, items)
+
+
+def _line(element: _Element) -> str:
+    return _SPACES.sub(" ", _inline(element)).strip()
+
+
+def _inline(element: _Element) -> str:
+    return "".join(_spaced(one) if isinstance(one, str) else _marked(one) for one in element.inside)
+
+
+def _spaced(text: str) -> str:
+    """Text escaped, with a space on either side where it has white space."""
+    after = text[-1:].isspace() and not text.isspace()
+    return f"{' ' * text[:1].isspace()}{escaped(text)}{' ' * after}"
+
+
+def _marked(element: _Element) -> str:
+    inner, target = _inline(element), element.attributes.get("href") or ""
+    if element.is_drawn or element.attributes.get("class") == "note":
+        return ""
+    if element.tag == "a" and not target.startswith("#"):
+        return f"[{inner}]({_target(target)})"
+    if element.attributes.get("class") == "detail":
+        return f" ({inner})"
+    if element.tag == "code":
+        return f"`{text}`" if "`" not in (text := _text(element)) else inner
+    return f"{AROUND.get(element.tag, '')}{inner}{AROUND.get(element.tag, '')}"
+
+
+def _target(link: str) -> str:
+    page = link.partition("#")[0].replace("index.html", "report.md")
+    return page.removesuffix(".html") + ".md" if page.endswith(".html") else page
+
+
+def _text(element: _Element) -> str:
+    return "".join(one if isinstance(one, str) else _text(one) for one in element.inside)
+
+
+def _table(element: _Element) -> str:
+    """A table; of two lines of headings, the first of which spans columns, one is made."""
+    heads = [_cells(row) for head in element.all("thead") for row in head.all("tr")]
+    width = max(map(len, heads))
+    padded = [[""] * (width - len(line)) + line for line in heads]
+    headings = [" ".join(filter(None, column)) for column in zip(*padded, strict=True)]
+    lines = [row for body in element.all("tbody") for row in body.all("tr")]
+    # A line of one cell is the title of those below.
+    whole = [row for row in lines if width == 1 or len(row.elements) > 1]
+    return _lines([headings, *map(_cells, whole)])
+
+
+def _cells(row: _Element) -> list[str]:
+    cells = row.all("td", "th")
+    return [_line(one) for one in cells for _ in range(int(one.attributes.get("colspan") or 1))]
+
+
+def _packed_cell(cell: list[str]) -> str:
+    """A cell as the page carries it: its text, kind, detail and link, without what is empty."""
+    text, _, detail, link = [*cell, "", "", ""][:4]
+    shown = f"[{escaped(text)}]({_target(link)})" if link else escaped(text)
+    return f"{shown} ({escaped(detail)})" if detail else shown
+
+
+def _lines(rows: list[list[str]]) -> str:
+    headings, *others = (f"| {' | '.join(row)} |" for row in rows)
+    return "\n".join([headings, f"|{' --- |' * len(rows[0])}", *others])
