@@ -1,6 +1,6 @@
 """Newton's rigid-body solvers, in single precision, on the CPU.
 
-What it does to a top by default, and how each effect was measured: docs/measured/engines-2026.md.
+What it does to a top by default, and how each effect was measured: docs/measured/engines-more.md.
 """
 
 import warnings
@@ -10,7 +10,6 @@ from typing import Any, final
 import numpy as np
 
 from ....scenarios import PUSHED, FloatArray, Scenario
-from ...checks.read_back import UnsupportedError
 from ...method import COMMON_EFFECTS, Method
 from ...native_output import native_output
 from ...scene_record import HeldRotor, WorldBody
@@ -20,20 +19,17 @@ from ...world_engine import WorldEngine
 from ...world_parts import matrix, push
 from ...world_session import WorldSession
 
-#: A rotor is a link on a revolute or fixed joint.
+#: A rotor is a link on a revolute or fixed joint; a driven one has an armature, which solvers in
+#: joint coordinates alone have.
 EFFECTS = COMMON_EFFECTS | {"rotors"}
-#: 1/s, of its sources: `angular_damping` of two solvers, `_DEFAULT_ANGULAR_DAMPING` of Steel.
+#: 1/s, of its sources: `angular_damping` of SemiImplicit, `_DEFAULT_ANGULAR_DAMPING` of Steel.
 DAMPING = 0.05
-#: Solvers whose joints have no armature, by which the spin of a driven rotor would be kept.
-WITHOUT_ARMATURE = ("semi-implicit", "xpbd", "vbd")
 #: Relative rounding of numbers in single precision.
 SLACK = 8 * float(np.finfo(np.float32).eps)
 #: What users write to have a solver.
 SETUP = """\
 solver = newton.solvers.Solver{}
 solver.step(state_in, state_out, control, contacts, TIMESTEP)"""
-MUJOCO = 'MuJoCo(model, integrator="{}", disable_contacts=True)'
-UNDAMPED = "{}(model, angular_damping=0.0)"
 
 
 @final
@@ -55,9 +51,12 @@ class NewtonSession(WorldSession):
             return list(zip(*(array.numpy().astype(float) for array in arrays), strict=True))
         names = ("body_mass", "body_ipos", "body_inertia", "body_iquat")
         # Of the first world; its first body is the ground.
-        rows = zip(*(getattr(held, name).numpy()[0][1:].astype(float) for name in names), strict=True)
+        rows = zip(
+            *(getattr(held, name).numpy()[0][1:].astype(float) for name in names), strict=True
+        )
         return [
-            (mass, com, matrix(q) @ np.diag(moments) @ matrix(q).T) for mass, com, moments, q in rows
+            (mass, com, matrix(q) @ np.diag(moments) @ matrix(q).T)
+            for mass, com, moments, q in rows
         ]
 
     def _rotor(self, number: int, body: Any, kind: int) -> HeldRotor:
@@ -66,7 +65,9 @@ class NewtonSession(WorldSession):
         model = self.world.model
         place = model.joint_X_p.numpy()[number, :3] + com
         turns = kind == self.module.newton.JointType.REVOLUTE
-        axis = model.joint_axis.numpy()[model.joint_qd_start.numpy()[number]] if turns else np.zeros(3)
+        axis = (
+            model.joint_axis.numpy()[model.joint_qd_start.numpy()[number]] if turns else np.zeros(3)
+        )
         return HeldRotor(mass, place, tensor, axis)
 
     def active(self) -> frozenset[str]:
@@ -97,12 +98,11 @@ class NewtonSession(WorldSession):
 
     def _damping(self) -> float:
         """1/s, of ω, by the solver."""
-        model = self.world.model
-        if hasattr(model, "steel"):
-            return float(model.steel.rigid_body_angular_damping.numpy()[0]) * (
-                model.joint_type.numpy()[0] == self.module.newton.JointType.FREE
-            )
-        return float(getattr(self.world.solver, "angular_damping", 0.0))
+        model: Any = self.world.model
+        if not hasattr(model, "steel"):
+            return float(getattr(self.world.solver, "angular_damping", 0.0))
+        is_free = model.joint_type.numpy()[0] == self.module.newton.JointType.FREE
+        return float(model.steel.rigid_body_angular_damping.numpy()[0] * is_free)
 
     def _wrong_hinges(self) -> Iterator[str]:
         """Joints that are other than the scene's, in words."""
@@ -116,12 +116,21 @@ class NewtonSession(WorldSession):
                 yield f"rotor {number} with {held:g} kg m² on a {rotor['hinge']} hinge"
 
 
-def _clean(name: str, order: int, summary: str, solver: str) -> Method:
-    return Method(name, order, order, summary, EFFECTS, setup=SETUP.format(solver))
+def _clean(
+    name: str, order: int, summary: str, solver: str, effects: frozenset[str] = EFFECTS
+) -> Method:
+    return Method(name, order, order, summary, effects, setup=SETUP.format(solver))
 
 
-def _shipped(name: str, summary: str, damping: float = 0.0) -> Method:
-    return Method(name, 1, 1, f"as shipped: {summary}", EFFECTS, as_shipped=True, damping=damping)
+def _mujoco(integrator: str, order: int, summary: str) -> Method:
+    solver = f'MuJoCo(model, integrator="{integrator}", disable_contacts=True)'
+    return _clean(f"mujoco-{integrator}", order, f"MuJoCo Warp's {summary}", solver)
+
+
+def _shipped(
+    name: str, summary: str, damping: float = 0.0, effects: frozenset[str] = EFFECTS
+) -> Method:
+    return Method(name, 1, 1, f"as shipped: {summary}", effects, as_shipped=True, damping=damping)
 
 
 @final
@@ -134,45 +143,47 @@ class Newton(WorldEngine):
     step_seconds = 50e-6
     single_precision = True
     methods = (
-        _clean("mujoco-rk4", 4, "MuJoCo Warp's Runge-Kutta", MUJOCO.format("rk4")),
+        _mujoco("rk4", 4, "Runge-Kutta"),
+        _mujoco("implicitfast", 1, "Euler, implicit in velocity"),
+        _mujoco("euler", 1, "semi-implicit Euler"),
+        _mujoco("discrete", 1, "discrete Euler"),
+        # It stores an `angular_damping` and uses it nowhere: as shipped it is the same.
         _clean(
-            "mujoco-implicitfast",
-            1,
-            "MuJoCo Warp's, implicit in velocity",
-            MUJOCO.format("implicitfast"),
+            "featherstone", 1, "semi-implicit Euler in joint coordinates", "Featherstone(model)"
         ),
-        _clean("mujoco-euler", 1, "MuJoCo Warp's semi-implicit Euler", MUJOCO.format("euler")),
-        _clean("mujoco-discrete", 1, "MuJoCo Warp's discrete Euler", MUJOCO.format("discrete")),
         _clean(
-            "featherstone",
+            "steel",
             1,
-            "semi-implicit Euler in joint coordinates",
-            UNDAMPED.format("Featherstone"),
+            "symplectic Euler in joint coordinates",
+            "Steel(model)\nmodel.steel.rigid_body_angular_damping.zero_()",
         ),
-        _clean("steel", 1, "symplectic Euler in joint coordinates", "Steel(model)"),
         _clean(
             "semi-implicit",
             1,
             "semi-implicit Euler of bodies, joints as springs",
-            UNDAMPED.format("SemiImplicit"),
+            "SemiImplicit(model, angular_damping=0.0)",
+            COMMON_EFFECTS,
         ),
-        _clean("xpbd", 1, "extended position-based dynamics, two iterations", "XPBD(model)"),
-        _clean("vbd", 1, "vertex block descent of bodies", "VBD(model)"),
+        _clean(
+            "xpbd",
+            1,
+            "position-based dynamics, two iterations a step",
+            "XPBD(model)",
+            COMMON_EFFECTS,
+        ),
+        _clean("vbd", 1, "vertex block descent of bodies", "VBD(model)", COMMON_EFFECTS),
         _shipped("default", "SolverMuJoCo, implicitfast"),
-        _shipped("featherstone-default", "SolverFeatherstone, damping 0.05 /s", DAMPING),
         _shipped("steel-default", "SolverSteel, damping 0.05 /s of free bodies", DAMPING),
-        _shipped("semi-implicit-default", "SolverSemiImplicit, damping 0.05 /s", DAMPING),
+        _shipped(
+            "semi-implicit-default",
+            "SolverSemiImplicit, damping 0.05 /s",
+            DAMPING,
+            COMMON_EFFECTS,
+        ),
     )
 
     def open(self, scenario: Scenario, method: Method, timestep: float) -> Session:
         """Build the model and the solver; kernels are compiled once, into the user's cache."""
-        driven = any(rotor.hinge == "driven" for rotor in scenario.rotors.each)
-        if driven and method.name.removesuffix("-default") in WITHOUT_ARMATURE:
-            raise UnsupportedError(
-                f"Newton's solver {method.name} has no joint armature, by which the spin of a "
-                "driven rotor would be kept; use a solver in joint coordinates, such as mujoco-rk4",
-                "effects",
-            )
         with native_output(), warnings.catch_warnings():
             warnings.simplefilter("ignore")
             import warp
