@@ -10,7 +10,7 @@ from typing import Any, final
 import numpy as np
 
 from ....scenarios import PUSHED, FloatArray, Scenario
-from ...method import COMMON_EFFECTS, Method
+from ...method import COMMON_EFFECTS, Method, Release, numbers_of
 from ...native_output import native_output
 from ...scene_record import HeldRotor, WorldBody
 from ...session import Session
@@ -24,6 +24,8 @@ from ...world_session import WorldSession
 EFFECTS = COMMON_EFFECTS | {"rotors"}
 #: 1/s, of its sources: `angular_damping` of SemiImplicit, `_DEFAULT_ANGULAR_DAMPING` of Steel.
 DAMPING = 0.05
+#: The MuJoCo and MuJoCo Warp that versions ask for, of their metadata; others get the newest's.
+MUJOCO = {(1, 8): "3.17.0", (1, 7): "3.15.0"}
 #: Relative rounding of numbers in single precision.
 SLACK = 8 * float(np.finfo(np.float32).eps)
 #: What users write to have a solver.
@@ -181,6 +183,12 @@ class Newton(WorldEngine):
             COMMON_EFFECTS,
         ),
     )
+
+    def at_version(self, version: str) -> Release:
+        """Another version, or this one with the MuJoCo that it asks for."""
+        mujoco = MUJOCO.get(numbers_of(version)[:2], MUJOCO[1, 8])
+        parts = f"newton=={version}", f"mujoco=={mujoco}", f"mujoco-warp=={mujoco}"
+        return Release((*parts, "warp-lang>=1.17"), self.methods)
 
     def open(self, scenario: Scenario, method: Method, timestep: float) -> Session:
         """Build the model and the solver; kernels are compiled once, into the user's cache."""

@@ -10,7 +10,7 @@ from kinds_of_engines import installed
 from spincheck.engines import Engine
 from spincheck.engines.checks.read_back import start_state
 from spincheck.reports.harness.measuring.examine import physics_in_words
-from spincheck.suite.contract_scenes import SCENES, from_elsewhere
+from spincheck.suite.contract_scenes import SCENES, from_elsewhere, scene
 
 pytestmark = pytest.mark.slow
 
@@ -29,8 +29,8 @@ def newton() -> Engine:
     return installed("newton")
 
 
-def opened(newton: Engine, method: str, scene: str, timestep: float = TIMESTEP) -> Any:
-    return newton.open(SCENES[scene], newton.method(method), timestep)
+def opened(newton: Engine, method: str, name: str) -> Any:
+    return newton.open(SCENES[name], newton.method(method), TIMESTEP)
 
 
 @each_case(
@@ -84,15 +84,53 @@ def test_recorded_launches_are_the_step_to_the_last_bit(method: str) -> None:
 @each_case("method", ["mujoco-rk4", "featherstone", "steel", "semi-implicit", "xpbd", "vbd"])
 def test_a_restart_is_the_scene_opened_there(method: str) -> None:
     newton = installed("newton")
-    scene, one = SCENES["everything"], newton.method(method)
-    elsewhere = from_elsewhere(scene)
-    with newton.open(scene, one, 2e-3) as session, newton.open(elsewhere, one, 1e-3) as there:
+    here, one = SCENES["everything"], newton.method(method)
+    elsewhere = from_elsewhere(here)
+    with newton.open(here, one, 2e-3) as session, newton.open(elsewhere, one, 1e-3) as there:
         session.advance(5)
         session.restart(start_state(elsewhere), 1e-3)
         for each in (session, there):
             each.advance(5)
         pairs = zip(session.read_state().columns, there.read_state().columns, strict=True)
         assert all(np.array_equal(*pair) for pair in pairs), method
+
+
+SPUN = scene(
+    "spun",
+    body="\nmass = 1.0\ninertia = [0.002, 0.003, 0.004]\n",
+    start="\nquaternion_wxyz = [1.0, 0.0, 0.0, 0.0]\nomega_body = [0.1, 6.0, 0.2]\n",
+)
+GROWN_STEPS = 2000
+
+
+def growth_a_step(newton: Engine, method: str, timestep: float) -> tuple[float, float]:
+    """Growth of |L| a step, relative, and what two turns of ω by each attitude stretch it by.
+
+    `wp.quat_rotate` stretches along the axis by 2|q|² - 1, across it by less.
+    """
+    inertia, stretch = np.diag(SPUN.body.inertia_com), 0.0
+    with newton.open(SPUN, newton.method(method), timestep) as session:
+        at_first = np.linalg.norm(inertia * session.read_state().omega_body)
+        for _ in range(GROWN_STEPS):
+            session.advance(1)
+            motion = session.snapshot()
+            w, xyz, omega = motion[0] ** 2, motion[1:4], motion[4:7]
+            x = xyz @ xyz
+            share = (xyz @ omega) ** 2 / (x * (omega @ omega))
+            across = np.hypot(2 * w - 1, 2 * np.sqrt(w * x)) - 1
+            stretch += 2 * (share * 2 * (w + x - 1) + (1 - share) * across)
+        grown = np.linalg.norm(inertia * session.read_state().omega_body) / at_first - 1
+    return grown / GROWN_STEPS, stretch / GROWN_STEPS
+
+
+def test_turning_omega_to_body_axes_and_back_makes_it_grow_with_each_step(newton: Engine) -> None:
+    """With MuJoCo's RK4; Featherstone, which turns nothing, loses nothing at short steps."""
+    for timestep in (1e-3, 2.5e-4):
+        grown, stretch = growth_a_step(newton, "mujoco-rk4", timestep)
+        assert grown > newton.ulp
+        assert grown == pytest.approx(stretch, rel=0.25)
+    grown, _ = growth_a_step(newton, "featherstone", 2.5e-4)
+    assert abs(grown) < newton.ulp / 4
 
 
 def damped(world: Any) -> None:
