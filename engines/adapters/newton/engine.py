@@ -8,13 +8,12 @@ from collections.abc import Iterator
 from typing import Any, final
 
 import numpy as np
+from spincheck.engine import COMMON_EFFECTS, FloatArray, Method, Release, Scenario, Session
 
-from ....scenarios import PUSHED, FloatArray, Scenario
-from ...method import COMMON_EFFECTS, Method, Release, numbers_of
 from ...native_output import native_output
 from ...scene_record import HeldRotor, WorldBody
-from ...session import Session
 from ...user_cache import user_cache
+from ...version_numbers import numbers_of
 from ...world_engine import WorldEngine
 from ...world_parts import matrix, push
 from ...world_session import WorldSession
@@ -22,10 +21,8 @@ from ...world_session import WorldSession
 #: A rotor is a link on a revolute or fixed joint; a driven one has an armature, which solvers in
 #: joint coordinates alone have.
 EFFECTS = COMMON_EFFECTS | {"rotors"}
-#: 1/s, of its sources: `angular_damping` of SemiImplicit, `_DEFAULT_ANGULAR_DAMPING` of Steel.
-DAMPING = 0.05
 #: The MuJoCo and MuJoCo Warp that versions ask for, of their metadata; others get the newest's.
-MUJOCO = {(1, 8): "3.17.0", (1, 7): "3.15.0"}
+MUJOCO: dict[tuple[int, ...], str] = {(1, 8): "3.17.0", (1, 7): "3.15.0"}
 #: Relative rounding of numbers in single precision.
 SLACK = 8 * float(np.finfo(np.float32).eps)
 #: What users write to have a solver.
@@ -95,7 +92,7 @@ class NewtonSession(WorldSession):
             "other bodies": model.body_count != 1 + len(rotors),
         }
         acting = {name for name, acts in named.items() if acts}
-        stated_effects = scenario.called_for & PUSHED
+        stated_effects = scenario.called_for & scenario.pushed.keys()
         return frozenset(acting | stated_effects if torque.any() else acting)
 
     def _damping(self) -> float:
@@ -129,10 +126,8 @@ def _mujoco(integrator: str, order: int, summary: str) -> Method:
     return _clean(f"mujoco-{integrator}", order, f"MuJoCo Warp's {summary}", solver)
 
 
-def _shipped(
-    name: str, summary: str, damping: float = 0.0, effects: frozenset[str] = EFFECTS
-) -> Method:
-    return Method(name, 1, 1, f"as shipped: {summary}", effects, as_shipped=True, damping=damping)
+def _shipped(name: str, summary: str, effects: frozenset[str] = EFFECTS) -> Method:
+    return Method(name, 1, 1, f"as shipped: {summary}", effects, as_shipped=True)
 
 
 @final
@@ -175,11 +170,10 @@ class Newton(WorldEngine):
         ),
         _clean("vbd", 1, "vertex block descent of bodies", "VBD(model)", COMMON_EFFECTS),
         _shipped("default", "SolverMuJoCo, implicitfast"),
-        _shipped("steel-default", "SolverSteel, damping 0.05 /s of free bodies", DAMPING),
+        _shipped("steel-default", "SolverSteel, damping 0.05 /s of free bodies"),
         _shipped(
             "semi-implicit-default",
             "SolverSemiImplicit, damping 0.05 /s",
-            DAMPING,
             COMMON_EFFECTS,
         ),
     )
