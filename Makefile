@@ -16,7 +16,7 @@ SPREAD := football-spiral book-middle-axis fast-top lopsided-body motor-driven-t
 	--engine mujoco --engine pybullet \
 	--method default --method RK4 --method multibody
 
-.PHONY: docs results report engines test quick pythons bench kills survey thresholds random suite
+.PHONY: docs results report engines engines-2026 test quick pythons bench kills survey thresholds random suite
 .PHONY: encodings known-issues
 .PHONY: lint types contract check schema format-page engine-verdicts clean
 
@@ -35,6 +35,11 @@ report: $(INSTALLED)
 engines: $(INSTALLED)
 	$(BIN)/pip install --quiet --editable '.[dartpy,drake,exudyn,mjx,pin,rapier3d]'
 	$(BIN)/python -m spincheck.engines.adapters.node || [ $$? -eq 3 ]
+
+# Engines of 500 MB and more that compile their kernels for minutes, once: apart, so that `make engines` stays fast.
+engines-2026: $(INSTALLED)
+	@echo "Installing Newton and MuJoCo Warp, 500 MB."
+	$(BIN)/pip install --quiet --editable '.[newton]'
 
 test: $(READY)
 	$(BIN)/pytest -n auto --dist loadfile --no-loadscope-reorder tests scenarios/library

@@ -14,6 +14,7 @@ OPTIONAL = (
     "jolt",
     "mjx",
     "mjx-float32",
+    "newton",
     "physx",
     "pin",
     "rapier3d",

@@ -1,0 +1,3 @@
+"""Newton's rigid-body solvers, in single precision, on the CPU."""
+
+from .engine import Newton

@@ -1,0 +1,194 @@
+"""Newton's rigid-body solvers, in single precision, on the CPU.
+
+What it does to a top by default, and how each effect was measured: docs/measured/engines-more.md.
+"""
+
+import warnings
+from collections.abc import Iterator
+from typing import Any, final
+
+import numpy as np
+from spincheck.engine import COMMON_EFFECTS, FloatArray, Method, Release, Scenario, Session
+
+from ...native_output import native_output
+from ...scene_record import HeldRotor, WorldBody
+from ...user_cache import user_cache
+from ...version_numbers import numbers_of
+from ...world_engine import WorldEngine
+from ...world_parts import matrix, push
+from ...world_session import WorldSession
+
+#: A rotor is a link on a revolute or fixed joint; a driven one has an armature, which solvers in
+#: joint coordinates alone have.
+EFFECTS = COMMON_EFFECTS | {"rotors"}
+#: The MuJoCo and MuJoCo Warp that versions ask for, of their metadata; others get the newest's.
+MUJOCO: dict[tuple[int, ...], str] = {(1, 8): "3.17.0", (1, 7): "3.15.0"}
+#: Relative rounding of numbers in single precision.
+SLACK = 8 * float(np.finfo(np.float32).eps)
+#: What users write to have a solver.
+SETUP = """\
+solver = newton.solvers.Solver{}
+solver.step(state_in, state_out, control, contacts, TIMESTEP)"""
+
+
+@final
+class NewtonSession(WorldSession):
+    """One body in a model of its own, its frame at the joint."""
+
+    def world_body(self) -> WorldBody:
+        """The body as the solver holds it."""
+        arm = None if self.scene["arm"] is None else np.zeros(3)
+        first, *others = self._held()
+        rotors = zip(others, self.world.model.joint_type.numpy()[1:], strict=True)
+        return WorldBody(*first, arm, [self._rotor(k, *one) for k, one in enumerate(rotors, 1)])
+
+    def _held(self) -> list[tuple[float, FloatArray, FloatArray]]:
+        """Mass, com and tensor about it of each body, in its own axes."""
+        model, held = self.world.model, getattr(self.world.solver, "mjw_model", None)
+        if held is None:
+            arrays = model.body_mass, model.body_com, model.body_inertia
+            return list(zip(*(array.numpy().astype(float) for array in arrays), strict=True))
+        names = ("body_mass", "body_ipos", "body_inertia", "body_iquat")
+        # Of the first world; its first body is the ground.
+        rows = zip(
+            *(getattr(held, name).numpy()[0][1:].astype(float) for name in names), strict=True
+        )
+        return [
+            (mass, com, matrix(q) @ np.diag(moments) @ matrix(q).T)
+            for mass, com, moments, q in rows
+        ]
+
+    def _rotor(self, number: int, body: Any, kind: int) -> HeldRotor:
+        """A rotor, whose axes are the body's at the joint's angle 0."""
+        mass, com, tensor = body
+        model = self.world.model
+        place = model.joint_X_p.numpy()[number, :3] + com
+        turns = kind == self.module.newton.JointType.REVOLUTE
+        axis = (
+            model.joint_axis.numpy()[model.joint_qd_start.numpy()[number]] if turns else np.zeros(3)
+        )
+        return HeldRotor(mass, place, tensor, axis)
+
+    def active(self) -> frozenset[str]:
+        """What acts, as reported by the model and the solver."""
+        world, model, scenario = self.world, self.world.model, self.scenario
+        motion, gravity = world.motion(), model.gravity.numpy()[0].astype(float)
+        wanted = push(self.scene, matrix(motion[:4]), motion[4:7])
+        world.push()
+        force, torque = np.split(world.now.body_f.numpy()[0].astype(float), 2)
+        pushed_right = np.linalg.norm(torque - wanted) <= SLACK * np.linalg.norm(wanted)
+        right = np.allclose(gravity, scenario.gravity_world, rtol=SLACK, atol=0)
+        kinds, rotors = model.joint_type.numpy(), self.scene.get("rotors", ())
+        named = {
+            "gravity" if right else f"a gravity of {gravity.tolist()} m/s²": gravity.any(),
+            "pivot": kinds[0] == self.module.newton.JointType.BALL,
+            "rotors": bool(rotors),
+            **dict.fromkeys(self._wrong_hinges(), True),
+            f"a torque of {torque.tolist()} N m": not pushed_right or force.any(),
+            "damping": self._damping() != 0,
+            "joint damping": model.joint_damping.numpy().any(),
+            "joint friction": model.joint_friction.numpy().any(),
+            "a collision shape": model.shape_count > 0,
+            "other bodies": model.body_count != 1 + len(rotors),
+        }
+        acting = {name for name, acts in named.items() if acts}
+        stated_effects = scenario.called_for & scenario.pushed.keys()
+        return frozenset(acting | stated_effects if torque.any() else acting)
+
+    def _damping(self) -> float:
+        """1/s, of ω, by the solver."""
+        model: Any = self.world.model
+        if not hasattr(model, "steel"):
+            return float(getattr(self.world.solver, "angular_damping", 0.0))
+        is_free = model.joint_type.numpy()[0] == self.module.newton.JointType.FREE
+        return float(model.steel.rigid_body_angular_damping.numpy()[0] * is_free)
+
+    def _wrong_hinges(self) -> Iterator[str]:
+        """Joints that are other than the scene's, in words."""
+        model = self.world.model
+        armature, starts = model.joint_armature.numpy(), model.joint_qd_start.numpy()
+        if armature[: starts[1]].any():
+            yield "armature on the body's joint"
+        for number, rotor in enumerate(self.scene.get("rotors", ()), 1):
+            held = float(armature[starts[number] : starts[number + 1]].sum())
+            if (held > 0) != (rotor["hinge"] == "driven"):
+                yield f"rotor {number} with {held:g} kg m² on a {rotor['hinge']} hinge"
+
+
+def _clean(
+    name: str, order: int, summary: str, solver: str, effects: frozenset[str] = EFFECTS
+) -> Method:
+    return Method(name, order, order, summary, effects, setup=SETUP.format(solver))
+
+
+def _mujoco(integrator: str, order: int, summary: str) -> Method:
+    solver = f'MuJoCo(model, integrator="{integrator}", disable_contacts=True)'
+    return _clean(f"mujoco-{integrator}", order, f"MuJoCo Warp's {summary}", solver)
+
+
+def _shipped(name: str, summary: str, effects: frozenset[str] = EFFECTS) -> Method:
+    return Method(name, 1, 1, f"as shipped: {summary}", effects, as_shipped=True)
+
+
+@final
+class Newton(WorldEngine):
+    """A body on a free or ball joint, by each of Newton's solvers of rigid bodies."""
+
+    session = NewtonSession
+    name = "newton"
+    package = "newton"
+    step_seconds = 50e-6
+    single_precision = True
+    methods = (
+        _mujoco("rk4", 4, "Runge-Kutta"),
+        _mujoco("implicitfast", 1, "Euler, implicit in velocity"),
+        _mujoco("euler", 1, "semi-implicit Euler"),
+        _mujoco("discrete", 1, "discrete Euler"),
+        # It stores an `angular_damping` and uses it nowhere: as shipped it is the same.
+        _clean(
+            "featherstone", 1, "semi-implicit Euler in joint coordinates", "Featherstone(model)"
+        ),
+        _clean(
+            "steel",
+            1,
+            "symplectic Euler in joint coordinates",
+            "Steel(model)\nmodel.steel.rigid_body_angular_damping.zero_()",
+        ),
+        _clean(
+            "semi-implicit",
+            1,
+            "semi-implicit Euler of bodies, joints as springs",
+            "SemiImplicit(model, angular_damping=0.0)",
+            COMMON_EFFECTS,
+        ),
+        _clean(
+            "xpbd",
+            1,
+            "position-based dynamics, two iterations a step",
+            "XPBD(model)",
+            COMMON_EFFECTS,
+        ),
+        _clean("vbd", 1, "vertex block descent of bodies", "VBD(model)", COMMON_EFFECTS),
+        _shipped("default", "SolverMuJoCo, implicitfast"),
+        _shipped("steel-default", "SolverSteel, damping 0.05 /s of free bodies"),
+        _shipped(
+            "semi-implicit-default",
+            "SolverSemiImplicit, damping 0.05 /s",
+            COMMON_EFFECTS,
+        ),
+    )
+
+    def at_version(self, version: str) -> Release:
+        """Another version, or this one with the MuJoCo that it asks for."""
+        mujoco = MUJOCO.get(numbers_of(version)[:2], MUJOCO[1, 8])
+        parts = f"newton=={version}", f"mujoco=={mujoco}", f"mujoco-warp=={mujoco}"
+        return Release((*parts, "warp-lang>=1.17"), self.methods)
+
+    def open(self, scenario: Scenario, method: Method, timestep: float) -> Session:
+        """Build the model and the solver; kernels are compiled once, into the user's cache."""
+        with native_output(), warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            import warp
+
+            warp.config.kernel_cache_dir = str(user_cache() / "warp")
+            return super().open(scenario, method, timestep)

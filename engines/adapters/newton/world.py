@@ -1,0 +1,149 @@
+"""A Newton world of one body, which needs `newton`, for its MuJoCo `mujoco-warp`, and numpy."""
+
+import newton
+import numpy as np
+import warp as wp
+
+from ...world_parts import drive, is_pushed, matrix, rotor_tensor
+
+wp.config.log_level = wp.LOG_ERROR
+wp.set_device("cpu")
+#: Solvers and their options, by method.
+SOLVERS = {
+    **{
+        f"mujoco-{name}": ("MuJoCo", {"integrator": name, "disable_contacts": True})
+        for name in ("rk4", "implicitfast", "euler", "discrete")
+    },
+    "featherstone": ("Featherstone", {"angular_damping": 0.0}),
+    "steel": ("Steel", {}),
+    "semi-implicit": ("SemiImplicit", {"angular_damping": 0.0}),
+    "xpbd": ("XPBD", {"angular_damping": 0.0}),
+    "vbd": ("VBD", {}),
+    "default": ("MuJoCo", {}),
+    "steel-default": ("Steel", {}),
+    "semi-implicit-default": ("SemiImplicit", {}),
+}
+
+
+@wp.kernel
+def push_body(
+    pose: wp.array(dtype=wp.transform),
+    twist: wp.array(dtype=wp.spatial_vector),
+    drag: float,
+    torque_body: wp.vec3,
+    torque_world: wp.vec3,
+    wrench: wp.array(dtype=wp.spatial_vector),
+):
+    """Set the torque on the first body."""
+    turned = wp.quat_rotate(wp.transform_get_rotation(pose[0]), torque_body)
+    torque = turned + torque_world - drag * wp.spatial_bottom(twist[0])
+    wrench[0] = wp.spatial_vector(wp.vec3(), torque)
+
+
+def transform(place, q_wxyz=(1.0, 0.0, 0.0, 0.0)):
+    """A place and a quaternion w x y z as Newton takes them."""
+    w, x, y, z = q_wxyz
+    return wp.transform(wp.vec3(*place), wp.quat(x, y, z, w))
+
+
+class World:
+    """One body on a free joint at its com, or on a ball joint; its rotors on hinges."""
+
+    def __init__(self, scene, method, timestep):
+        self.scene = scene
+        solver, options = SOLVERS[method]
+        self.solver_class = getattr(newton.solvers, f"Solver{solver}")
+        builder = newton.ModelBuilder(gravity=tuple(scene["gravity"]))
+        if hasattr(self.solver_class, "register_custom_attributes"):
+            self.solver_class.register_custom_attributes(builder)
+        self.lever = -np.array(scene["arm"] or (0.0, 0.0, 0.0))  # from the joint to the com
+        body = self.add_body(builder, scene["mass"], self.lever, np.diag(scene["moments"]))
+        is_free = scene["arm"] is None
+        root = builder.add_joint_free(body) if is_free else builder.add_joint_ball(-1, body)
+        hinges = [self.add_rotor(builder, body, rotor) for rotor in scene.get("rotors", ())]
+        builder.add_articulation([root, *hinges])
+        builder.color()
+        self.model = builder.finalize()
+        if method == "steel":
+            self.model.steel.rigid_body_angular_damping.zero_()
+        self.solver = self.solver_class(self.model, **options)
+        self.now, self.then = self.model.state(), self.model.state()
+        self.control = self.model.control()
+        self.graphs = {}
+        self.restart(scene, timestep)
+
+    def add_body(self, builder, mass, com, tensor):
+        """Add a body; returns its number."""
+        held = wp.mat33(*tensor.ravel())
+        return builder.add_link(mass=mass, com=wp.vec3(*com), inertia=held, lock_inertia=True)
+
+    def add_rotor(self, builder, body, rotor):
+        """Add a rotor at its place; returns its joint."""
+        child = self.add_body(builder, rotor["mass"], np.zeros(3), rotor_tensor(rotor))
+        at = transform(self.lever + rotor["place"])
+        if rotor["hinge"] == "locked":
+            return builder.add_joint_fixed(body, child, parent_xform=at)
+        axis, armature = wp.vec3(*rotor["axis"]), drive(rotor)
+        return builder.add_joint_revolute(
+            body, child, parent_xform=at, axis=axis, armature=armature
+        )
+
+    def restart(self, motion, timestep):
+        """Set another motion and timestep, and leave nothing of earlier steps."""
+        self.start(motion)
+        if timestep not in self.graphs:
+            self.step(timestep)  # Loads what a recording may not load.
+            with wp.ScopedCapture() as capture:
+                self.step(timestep)
+            self.graphs[timestep] = capture.graph
+            self.start(motion)
+        self.graph = self.graphs[timestep]
+
+    def start(self, motion):
+        """Set another motion."""
+        w, *xyz = motion["q"]
+        spins = zip(self.scene.get("rotors", ()), motion.get("spins", ()), strict=True)
+        spins = [spin for rotor, spin in spins if rotor["hinge"] != "locked"]
+        is_free = self.scene["arm"] is None
+        place, velocity = (motion["com"], motion["velocity"]) if is_free else ((), ())
+        q = [*place, *xyz, w, *np.zeros(len(spins))]
+        qd = [*velocity, *motion["omega"], *spins]
+        for state in (self.now, self.then):
+            self.solver.reset(state, flags=0)
+            state.joint_q.assign(np.array(q, dtype=np.float32))
+            state.joint_qd.assign(np.array(qd, dtype=np.float32))
+            newton.eval_fk(self.model, state.joint_q, state.joint_qd, state)
+
+    def motion(self):
+        """Attitude, w x y z, ω, com and its velocity, world axes; spins."""
+        poses = self.now.body_q.numpy().astype(float)
+        twists = self.now.body_qd.numpy().astype(float)
+        x, y, z, w = poses[0, 3:]
+        R, omega = matrix((w, x, y, z)), twists[0, 3:]
+        spun = zip(self.scene.get("rotors", ()), twists[1:, 3:], strict=True)
+        spins = [
+            (R @ rotor["axis"]) @ (turned - omega) * (rotor["hinge"] != "locked")
+            for rotor, turned in spun
+        ]
+        com = poses[0, :3] + R @ self.lever
+        return np.concatenate([(w, x, y, z), omega, com, twists[0, :3], spins])
+
+    def push(self):
+        """Set the torque, which a step does not change."""
+        scene = self.scene
+        numbers = wp.vec3(*scene["torque_body"]), wp.vec3(*scene["torque_world"])
+        state = self.now
+        inputs = [state.body_q, state.body_qd, scene["drag"], *numbers, state.body_f]
+        wp.launch(push_body, dim=1, inputs=inputs)
+
+    def step(self, timestep):
+        """Take a step."""
+        if is_pushed(self.scene):
+            self.push()
+        self.solver.step(self.now, self.then, self.control, None, timestep)
+        self.now.assign(self.then)
+
+    def advance(self, steps):
+        """Take steps, by launches recorded once: a hundredth of the time of Python's calls."""
+        for _ in range(steps):
+            wp.capture_launch(self.graph)

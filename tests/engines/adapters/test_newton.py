@@ -1,0 +1,179 @@
+"""What is Newton's alone: its solvers, recorded steps and defaults; skipped if not installed."""
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+from case_loops import each_case
+from kinds_of_engines import installed
+from spincheck.engines import Engine
+from spincheck.engines.checks.read_back import start_state
+from spincheck.reports.harness.measuring.examine import physics_in_words
+from spincheck.suite.contract_scenes import SCENES, from_elsewhere, scene
+
+pytestmark = pytest.mark.slow
+
+TIMESTEP = 2.0**-10
+STEPS = np.arange(3)
+#: What is held and what acts: on free bodies, on pivots, with rotors.
+HELD = ("free-tilted-plate", "free-falling", "heavy-top", "everything", "free-rotors")
+#: Solvers of which every scene's steps are those of the equations of motion.
+FAITHFUL = ("mujoco-rk4", "mujoco-euler", "featherstone", "steel", "semi-implicit")
+#: Solvers with a rotor on every kind of hinge.
+WITH_DRIVES = ("mujoco-rk4", "featherstone", "steel")
+
+
+@pytest.fixture
+def newton() -> Engine:
+    return installed("newton")
+
+
+def opened(newton: Engine, method: str, name: str) -> Any:
+    return newton.open(SCENES[name], newton.method(method), TIMESTEP)
+
+
+@each_case(
+    ("method", "name"),
+    [(method, name) for method in FAITHFUL for name in HELD if name != "free-rotors"]
+    + [(method, "free-rotors") for method in WITH_DRIVES],
+)
+def test_its_first_steps_are_those_of_the_equations_of_motion(method: str, name: str) -> None:
+    newton = installed("newton")
+    assert physics_in_words(newton, SCENES[name], newton.method(method)) == ""
+
+
+@each_case(
+    ("method", "damping"),
+    [("default", 0.0), ("steel-default", 0.05), ("semi-implicit-default", 0.05), ("xpbd", 0.0)],
+)
+def test_as_shipped_it_damps_where_its_sources_say_so(method: str, damping: float) -> None:
+    newton = installed("newton")
+    run = newton.run(SCENES["free"], newton.method(method), TIMESTEP, STEPS)
+    assert ("damping" in run.reason) == (damping > 0), method
+    with opened(newton, method, "free") as session:
+        assert session._damping() == pytest.approx(damping, rel=newton.ulp)
+    held = newton.run(SCENES["heavy-top"], newton.method("steel-default"), TIMESTEP, STEPS)
+    assert held.reason == "", "Steel damps free bodies alone"
+
+
+def test_featherstones_damping_is_used_nowhere(newton: Engine) -> None:
+    """So that it has no method as shipped; another solver's changes its motion."""
+    for method, is_used in (("featherstone", False), ("semi-implicit", True)):
+        ends = []
+        for damping in (0.0, 5.0):
+            with opened(newton, method, "free") as session:
+                session.world.solver.angular_damping = damping
+                session.world.graphs.clear()
+                session.restart(start_state(SCENES["free"]))
+                session.advance(9)
+                ends.append(session.read_state().omega_body)
+        assert np.array_equal(*ends) != is_used, method
+
+
+@each_case("method", ["mujoco-rk4", "featherstone", "steel", "semi-implicit", "xpbd", "vbd"])
+def test_recorded_launches_are_the_step_to_the_last_bit(method: str) -> None:
+    newton = installed("newton")
+    with opened(newton, method, "everything") as session:
+        state = start_state(SCENES["everything"])
+        session.advance(20)
+        recorded = session.world.motion()
+        session.restart(state)
+        for _ in range(20):
+            session.world.step(TIMESTEP)
+        assert np.array_equal(recorded, session.world.motion()), method
+
+
+@each_case("method", ["mujoco-rk4", "featherstone", "steel", "semi-implicit", "xpbd", "vbd"])
+def test_a_restart_is_the_scene_opened_there(method: str) -> None:
+    newton = installed("newton")
+    here, one = SCENES["everything"], newton.method(method)
+    elsewhere = from_elsewhere(here)
+    with newton.open(here, one, 2e-3) as session, newton.open(elsewhere, one, 1e-3) as there:
+        session.advance(5)
+        session.restart(start_state(elsewhere), 1e-3)
+        for each in (session, there):
+            each.advance(5)
+        pairs = zip(session.read_state().columns, there.read_state().columns, strict=True)
+        assert all(np.array_equal(*pair) for pair in pairs), method
+
+
+SPUN = scene(
+    "spun",
+    body="\nmass = 1.0\ninertia = [0.002, 0.003, 0.004]\n",
+    start="\nquaternion_wxyz = [1.0, 0.0, 0.0, 0.0]\nomega_body = [0.1, 6.0, 0.2]\n",
+)
+GROWN_STEPS = 2000
+
+
+def growth_a_step(newton: Engine, method: str, timestep: float) -> tuple[float, float]:
+    """Growth of |L| a step, relative, and what two turns of ω by each attitude stretch it by.
+
+    `wp.quat_rotate` stretches along the axis by 2|q|² - 1, across it by less.
+    """
+    inertia, stretch = np.diag(SPUN.body.inertia_com), 0.0
+    with newton.open(SPUN, newton.method(method), timestep) as session:
+        at_first = np.linalg.norm(inertia * session.read_state().omega_body)
+        for _ in range(GROWN_STEPS):
+            session.advance(1)
+            motion = session.snapshot()
+            w, xyz, omega = motion[0] ** 2, motion[1:4], motion[4:7]
+            x = xyz @ xyz
+            share = (xyz @ omega) ** 2 / (x * (omega @ omega))
+            across = np.hypot(2 * w - 1, 2 * np.sqrt(w * x)) - 1
+            stretch += 2 * (share * 2 * (w + x - 1) + (1 - share) * across)
+        grown = np.linalg.norm(inertia * session.read_state().omega_body) / at_first - 1
+    return grown / GROWN_STEPS, stretch / GROWN_STEPS
+
+
+def test_turning_omega_to_body_axes_and_back_makes_it_grow_with_each_step(newton: Engine) -> None:
+    """With MuJoCo's RK4; Featherstone, which turns nothing, loses nothing at short steps."""
+    for timestep in (1e-3, 2.5e-4):
+        grown, stretch = growth_a_step(newton, "mujoco-rk4", timestep)
+        assert grown > newton.ulp
+        assert grown == pytest.approx(stretch, rel=0.25)
+    grown, _ = growth_a_step(newton, "featherstone", 2.5e-4)
+    assert abs(grown) < newton.ulp / 4
+
+
+def damped(world: Any) -> None:
+    world.model.joint_damping.fill_(1e-3)
+
+
+def undriven(world: Any) -> None:
+    world.model.joint_armature.zero_()
+
+
+def heavier(world: Any) -> None:
+    world.solver.mjw_model.body_mass.fill_(2.0)
+
+
+def weightless(world: Any) -> None:
+    world.model.gravity.zero_()
+
+
+FAULTS: dict[Callable[[Any], None], str] = {
+    damped: "joint damping",
+    undriven: "rotor 3 with 0 kg m² on a driven hinge",
+    heavier: "'mass' must read back",
+    weightless: "called for but not active: gravity",
+}
+
+
+@each_case(("plant", "words"), [*FAULTS.items()])
+def test_a_planted_fault_fails_the_run(
+    plant: Callable[[Any], None], words: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    newton = installed("newton")
+    real = newton.open
+
+    def faulty(*arguments: Any) -> Any:
+        session: Any = real(*arguments)
+        plant(session.world)
+        return session
+
+    with monkeypatch.context() as patch:
+        patch.setattr(newton, "open", faulty, raising=False)
+        run = newton.run(SCENES["free-rotors"], newton.method("mujoco-rk4"), 1e-3, STEPS)
+    assert run.outcome == "failed"
+    assert words in run.reason, run.reason
