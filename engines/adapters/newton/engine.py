@@ -168,7 +168,6 @@ class Newton(WorldEngine):
             "XPBD(model)",
             COMMON_EFFECTS,
         ),
-        _clean("vbd", 1, "vertex block descent of bodies", "VBD(model)", COMMON_EFFECTS),
         _shipped("default", "SolverMuJoCo, implicitfast"),
         _shipped("steel-default", "SolverSteel, damping 0.05 /s of free bodies"),
         _shipped(

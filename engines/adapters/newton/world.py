@@ -18,7 +18,6 @@ SOLVERS = {
     "steel": ("Steel", {}),
     "semi-implicit": ("SemiImplicit", {"angular_damping": 0.0}),
     "xpbd": ("XPBD", {"angular_damping": 0.0}),
-    "vbd": ("VBD", {}),
     "default": ("MuJoCo", {}),
     "steel-default": ("Steel", {}),
     "semi-implicit-default": ("SemiImplicit", {}),

@@ -71,7 +71,7 @@ def test_featherstones_damping_is_used_nowhere(newton: Engine) -> None:
         assert np.array_equal(*ends) != is_used, method
 
 
-@each_case("method", ["mujoco-rk4", "featherstone", "steel", "semi-implicit", "xpbd", "vbd"])
+@each_case("method", ["mujoco-rk4", "featherstone", "steel", "semi-implicit", "xpbd"])
 def test_recorded_launches_are_the_step_to_the_last_bit(method: str) -> None:
     newton = installed("newton")
     with opened(newton, method, "everything") as session:
@@ -84,7 +84,7 @@ def test_recorded_launches_are_the_step_to_the_last_bit(method: str) -> None:
         assert np.array_equal(recorded, session.world.motion()), method
 
 
-@each_case("method", ["mujoco-rk4", "featherstone", "steel", "semi-implicit", "xpbd", "vbd"])
+@each_case("method", ["mujoco-rk4", "featherstone", "steel", "semi-implicit", "xpbd"])
 def test_a_restart_is_the_scene_opened_there(method: str) -> None:
     newton = installed("newton")
     here, one = SCENES["everything"], newton.method(method)
