@@ -19,12 +19,12 @@ TABLE = re.compile(
 )
 OF_A_CONSTRAINT = "## A constraint: the table"
 #: Where "table" is another's.
-OTHERS = ("render", "templating", "overview/first_screen", "overview/spread")
+OTHERS = ("markdown", "render", "templating", "overview/first_screen", "overview/spread")
 OTHER_TABLES = {f"reports/pages/{name}.py" for name in OTHERS}
 OTHER_TABLES.add("scenarios/format_page.py")
 #: Of a constraint with a force and an end of its own: measured.
 MOST_OF_A_CONSTRAINT = 12
-MOST, MOST_WITH_ADAPTERS = 10, 20
+MOST, MOST_WITH_ADAPTERS = 10, 21
 #: Of a part, which adds states: measured.
 MOST_OF_A_PART = 13
 

@@ -28,7 +28,7 @@ def folder(tmp_path, monkeypatch):
     return tmp_path
 
 
-@pytest.mark.parametrize("size", ["4k", "96k", "200k"], ids=["begun", "first rows", "later"])
+@pytest.mark.parametrize("size", ["4k", "136k", "200k"], ids=["begun", "first rows", "later"])
 def test_a_disk_that_fills_is_reported_and_the_same_command_goes_on(folder, size):
     with small_disk(folder / "disk", f"size={size}") as disk:
         full = command_line.spincheck(*STUDY, *OUT)

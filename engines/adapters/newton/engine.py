@@ -38,20 +38,20 @@ class NewtonSession(WorldSession):
     def world_body(self) -> WorldBody:
         """The body as the solver holds it."""
         arm = None if self.scene["arm"] is None else np.zeros(3)
-        first, *others = self._held()
+        first, *others = self._bodies()
         rotors = zip(others, self.world.model.joint_type.numpy()[1:], strict=True)
         return WorldBody(*first, arm, [self._rotor(k, *one) for k, one in enumerate(rotors, 1)])
 
-    def _held(self) -> list[tuple[float, FloatArray, FloatArray]]:
+    def _bodies(self) -> list[tuple[float, FloatArray, FloatArray]]:
         """Mass, com and tensor about it of each body, in its own axes."""
-        model, held = self.world.model, getattr(self.world.solver, "mjw_model", None)
-        if held is None:
+        model, solved = self.world.model, getattr(self.world.solver, "mjw_model", None)
+        if solved is None:
             arrays = model.body_mass, model.body_com, model.body_inertia
             return list(zip(*(array.numpy().astype(float) for array in arrays), strict=True))
         names = ("body_mass", "body_ipos", "body_inertia", "body_iquat")
         # Of the first world; its first body is the ground.
         rows = zip(
-            *(getattr(held, name).numpy()[0][1:].astype(float) for name in names), strict=True
+            *(getattr(solved, name).numpy()[0][1:].astype(float) for name in names), strict=True
         )
         return [
             (mass, com, matrix(q) @ np.diag(moments) @ matrix(q).T)
@@ -110,9 +110,9 @@ class NewtonSession(WorldSession):
         if armature[: starts[1]].any():
             yield "armature on the body's joint"
         for number, rotor in enumerate(self.scene.get("rotors", ()), 1):
-            held = float(armature[starts[number] : starts[number + 1]].sum())
-            if (held > 0) != (rotor["hinge"] == "driven"):
-                yield f"rotor {number} with {held:g} kg m² on a {rotor['hinge']} hinge"
+            armed = float(armature[starts[number] : starts[number + 1]].sum())
+            if (armed > 0) != (rotor["hinge"] == "driven"):
+                yield f"rotor {number} with {armed:g} kg m² on a {rotor['hinge']} hinge"
 
 
 def _clean(

@@ -73,8 +73,8 @@ class World:
 
     def add_body(self, builder, mass, com, tensor):
         """Add a body; returns its number."""
-        held = wp.mat33(*tensor.ravel())
-        return builder.add_link(mass=mass, com=wp.vec3(*com), inertia=held, lock_inertia=True)
+        inertia = wp.mat33(*tensor.ravel())
+        return builder.add_link(mass=mass, com=wp.vec3(*com), inertia=inertia, lock_inertia=True)
 
     def add_rotor(self, builder, body, rotor):
         """Add a rotor at its place; returns its joint."""
