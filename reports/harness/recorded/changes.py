@@ -24,6 +24,9 @@ ENTRIES = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
 #: Two tensors are one if no entry differs by more, relative to the largest.
 SAME = 1e-9
 PRINTED = 5
+#: Axes of conventions, each turned with the body; where none comes twice, ω has the rate about x
+#: first, then those about y and z. Of zxz the rates are those of zyz.
+EULER_ANGLES = (*permutations(range(3)), (2, 1, 2))
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,7 +96,7 @@ def _of_kinematics() -> Iterator[Change]:
                     for sign, axis in zip(signs, axes, strict=True)
                 )
                 yield kinematic(f"it turns as if ω were [{names}]", turning=M)
-    for i, j, k in (*permutations(range(3)), (2, 1, 2), (2, 0, 2)):
+    for i, j, k in EULER_ANGLES:
         of_angles = f"ω is taken for the rates of Euler angles {AXES[i]}{AXES[j]}{AXES[k]}"
         yield kinematic(of_angles, kinematics=FIRST_ANGLES + 9 * i + 3 * j + k)
     yield Change(

@@ -66,6 +66,12 @@ class Intervals:
         of_method = float(np.mean(self.method**2 / (self.noise**2 + self.method**2)))
         return 1 + (6 * len(self.spans) - 1) * of_method
 
+    def spread(self, most: int) -> "Intervals":
+        """So many of them at most, spread over all."""
+        kept = np.unique(np.linspace(0, len(self.spans) - 1, most).astype(int))
+        starts, spans, ends = self.starts[kept], self.spans[kept], self.ends[kept]
+        return Intervals(starts, spans, ends, self.noise, self.method[kept])
+
     def off(
         self, equations: OtherEquations, integrator: Integrator = EXACT, timestep: float = 0.0
     ) -> FloatArray:
@@ -235,7 +241,8 @@ class Search:
             and is_possible(fit.equations)
         ]
         best = None
-        for fit in sorted(explaining, key=lambda fit: (fit.count, fit.left)):
+        # Of those alike the first is named.
+        for fit in sorted(explaining, key=lambda fit: fit.count):
             more = fit.count - best.count if best else 1
             if best is None or self._falls(best.left, fit.left) > self._by_chance(more):
                 best = fit

@@ -6,7 +6,6 @@ What is compared is the beginning, before errors of an integrator have grown.
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import lru_cache
-from itertools import permutations
 from math import pi
 
 import numpy as np
@@ -15,6 +14,7 @@ from ....reference import ExactMotion
 from ....scenarios import FloatArray, Scenario, Trajectory, error_series
 from ....scenarios.mechanics import RECENT
 from ....scenarios.rotation import matrices, turned_back
+from .changes import EULER_ANGLES
 from .motion import OmegaFrame, QuaternionOrder, RecordedMotion, recorded_motion
 from .recording import Recording, RecordingError
 
@@ -31,9 +31,6 @@ STARTS = 1e-3
 #: Mistakes that are looked for in one file at the same time.
 MOST = 2
 EPS = float(np.finfo(float).eps)
-#: Axes of conventions, each turned with the body; where none comes twice, ω has the rate about x
-#: first, then those about y and z.
-EULER_ANGLES = (*permutations(range(3)), (2, 1, 2), (2, 0, 2))
 #: Units that times may be in by mistake, as a column's heading names them, and their seconds.
 UNITS = {"ms": 1e-3, "us": 1e-6, "ns": 1e-9, "min": 60.0}
 

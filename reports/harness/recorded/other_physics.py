@@ -11,7 +11,7 @@ from functools import cached_property
 
 import numpy as np
 
-from ....reference.other_equations import KNOWN, OtherEquations, equations_of
+from ....reference.other_equations import KNOWN, OtherEquations, equations_of, follow
 from ....scenarios import FloatArray, Scenario, Trajectory
 from ....scenarios.rotation import norms
 from .changes import changes
@@ -19,6 +19,8 @@ from .fits import LEFT, Fit, Intervals, Search
 
 #: rad between two samples at most; intervals looked at.
 NEAR, FEWEST_INTERVALS, MOST_INTERVALS = 0.7, 4, 60
+#: Intervals that integrators are tried on, whose steps are many.
+FEW = 12
 #: Samples at which a clamp is looked for, and how well it has to fit, relative.
 FIRST, CLAMPED = 3, 1e-2
 #: What the rounding of numbers makes of a short flow, in their distance from one another.
@@ -61,10 +63,7 @@ class Physics:
         spans, rates = spans[kept], rates[kept]
         states = np.hstack([motion.q_world_body_wxyz, motion.omega_body])
         taken = spans if self.timestep is None else np.minimum(self.timestep, spans)
-        # As of explicit Euler's steps, h²/2 of a second derivative.
-        share = np.minimum(1.0, rates * taken) ** self.order * rates * spans / 2
-        speed = float(norms(motion.omega_body).max())
-        method = share[:, None] * np.array([1.0, speed])
+        method = _of_method(self.equations, states[kept], spans, rates, rates * taken, self.order)
         return Intervals(states[kept], spans[:, None], states[kept + 1], self.noise, method)
 
     @cached_property
@@ -86,9 +85,9 @@ class Physics:
 
     def integrator(self, equations: OtherEquations) -> str | None:
         """The known integrator that made the motion by these equations; None if none did."""
-        intervals, h = self.intervals, self.timestep
-        if intervals is None or h is None:
+        if self.intervals is None or self.timestep is None:
             return None
+        intervals, h = self.intervals.spread(FEW), self.timestep
         multiples = intervals.spans / h
         if (np.abs(multiples - np.rint(multiples)) > MULTIPLE * multiples).any():
             return None
@@ -134,6 +133,35 @@ class Physics:
         if (turned <= np.hypot(intervals.spans[:, 0] * omega, intervals.scale[:, 0])).all():
             return [DYNAMICS]
         return []
+
+
+def _of_method(
+    equations: OtherEquations,
+    states: FloatArray,
+    spans: FloatArray,
+    rates: FloatArray,
+    turns: FloatArray,
+    order: int,
+) -> FloatArray:
+    """What the error of a method may come to over each span, of attitude, rad, and ω, rad/s, (S, 2).
+
+    A step of order p is off by its share of the p-th power of the angle of a step: of explicit Euler
+    by h²/2 of a second derivative, |ω'| times the rate at most. About an axis that stays a step of
+    order 1 turns to second order as it should.
+
+    Parameters
+    ----------
+    turns : the angle of a step, rad, (S,)
+    """
+    made = follow(equations, states, spans[:, None])[:, 0, 4:]
+    speed = float(norms(states[:, 4:]).max())
+    fastest = float((norms(made - states[:, 4:]) / spans).max())
+    turns = np.minimum(1.0, turns)
+    of_turning = turns ** max(order, 2) * rates * spans / 4
+    of_omega = turns**order * fastest * spans / 2
+    return of_turning[:, None] * [1.0, speed] + of_omega[:, None] * np.stack(
+        [1 / rates, np.ones_like(rates)], axis=1
+    )
 
 
 def _clamps(motion: Trajectory, exact: Trajectory) -> Iterator[str]:
