@@ -61,9 +61,8 @@ class OtherEquations(NamedTuple):
 
     def with_inertia(self, inertia: FloatArray) -> "OtherEquations":
         """The same of a body with another tensor, kg m², (3, 3)."""
-        return self._replace(
-            inertia=inertia, inverse=np.linalg.inv(inertia), gyroscopic=inertia.copy()
-        )
+        inverse = np.asarray(np.linalg.inv(inertia), dtype=float)
+        return self._replace(inertia=inertia, inverse=inverse, gyroscopic=inertia.copy())
 
 
 def equations_of(scenario: Scenario) -> OtherEquations:
@@ -74,7 +73,7 @@ def equations_of(scenario: Scenario) -> OtherEquations:
     lever = np.array(constraint.lever)
     return OtherEquations(
         inertia,
-        np.linalg.inv(inertia),
+        np.asarray(np.linalg.inv(inertia), dtype=float),
         inertia.copy(),
         np.eye(3),
         np.array(scenario.kept_body(scenario.kept_at_start)),
@@ -305,9 +304,7 @@ def _omega(
 
 
 @called
-def _rates(
-    e: OtherEquations, y: FloatArray, R: FloatArray, form: int, rates: FloatArray
-) -> None:
+def _rates(e: OtherEquations, y: FloatArray, R: FloatArray, form: int, rates: FloatArray) -> None:
     """The rates of q and of what is integrated beside it."""
     _matrix(y, R)
     x, v, z = _omega(e, R, y, form)
@@ -405,7 +402,7 @@ def _follow(
         for j in range(spans.shape[1]):
             span = spans[s, j]
             if timestep > 0.0:
-                steps = max(1, int(round(span / timestep)))
+                steps = max(1, round(span / timestep))
             else:
                 turn = math.sqrt(y[4] * y[4] + y[5] * y[5] + y[6] * y[6]) + e.rate
                 # What is no motion any more is not followed.

@@ -121,9 +121,7 @@ def judge(
     return judged(scenario, {name: a for name, a in arrays.items() if a is not None}, made)
 
 
-def judge_timesteps(
-    scene: "Scene", motions: "Sequence[JudgedMotion]", order: int = 1
-) -> "Verdict":
+def judge_timesteps(scene: "Scene", motions: "Sequence[JudgedMotion]", order: int = 1) -> "Verdict":
     """Return the verdict on motions of one method, each with half the timestep of another.
 
     Parameters

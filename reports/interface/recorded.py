@@ -55,7 +55,9 @@ class Made:
             raise ValueError(f"'order' must be at least 1, got {self.order}.")
         stated = {name: value for name, value in vars(self).items() if name != "order"}
         given = {name: str(value) for name, value in stated.items() if value is not None}
-        return {key: value for name in given for key, value in setting(name, given[name], None).items()}
+        return {
+            key: value for name in given for key, value in setting(name, given[name], None).items()
+        }
 
 
 def judged(scenario: Scenario, arguments: Mapping[str, ArrayLike], made: Made) -> JudgedMotion:

@@ -154,8 +154,7 @@ def judgement_as_json(judgement: Judgement) -> dict[str, Any]:
     return {
         "scenario": judgement.scenario.name,
         "files": [
-            {"file": name} | motion.as_record()
-            for name, motion in judgement.motions.items()
+            {"file": name} | motion.as_record() for name, motion in judgement.motions.items()
         ],
         "verdict": judgement.verdict.verdict if judgement.verdict else None,
         "reason": judgement.verdict.reason if judgement.verdict else None,

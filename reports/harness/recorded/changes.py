@@ -7,11 +7,12 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import partial
 from itertools import permutations, product
+from typing import Any
 
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from ....reference.other_equations import BODY, FIRST_ANGLES, WORLD, OtherEquations
+from ....reference.other_equations import FIRST_ANGLES, WORLD, OtherEquations
 from ....scenarios import FloatArray, Scenario
 from ....scenarios.rotation import matrix
 
@@ -59,13 +60,21 @@ def changes(scenario: Scenario, equations: OtherEquations) -> Iterator[Change]:
     yield from _of_fitted_tensors(scenario, equations)
 
 
-def _set(words: str, *, is_kinematic: bool = False, **numbers: object) -> Change:
+def _set(words: str, *, is_kinematic: bool = False, **numbers: Any) -> Change:
     """A change that has no numbers to fit."""
     return Change(
         lambda _: words,
         lambda e, _: e._replace(**numbers),
         is_kinematic=is_kinematic,
     )
+
+
+def _said(words: str, _: FloatArray) -> str:
+    return words
+
+
+def _with_inertia(tensor: FloatArray, e: OtherEquations, _: FloatArray) -> OtherEquations:
+    return e.with_inertia(tensor)
 
 
 def _factor(words: str, apply: Callable[[OtherEquations, float], OtherEquations]) -> Change:
@@ -82,11 +91,17 @@ def _of_kinematics() -> Iterator[Change]:
     side = "q' = ½ ω q, as if ω were along world axes: the product is on the wrong side"
     kinematic = partial(_set, is_kinematic=True)
     yield kinematic(side, kinematics=WORLD)
-    yield kinematic("q' = ω q, without the ½, and on the wrong side", kinematics=WORLD, turning=2 * np.eye(3))
+    yield kinematic(
+        "q' = ω q, without the ½, and on the wrong side", kinematics=WORLD, turning=2 * np.eye(3)
+    )
     yield kinematic("q' = q ω, without the ½", turning=2 * np.eye(3))
     yield kinematic("q' = ¼ q ω, with the ½ twice", turning=np.eye(3) / 2)
     yield kinematic("q' = −½ q ω, with the other sign", turning=-np.eye(3))
-    yield kinematic("q' = −½ ω q, with the other sign, and on the wrong side", kinematics=WORLD, turning=-np.eye(3))
+    yield kinematic(
+        "q' = −½ ω q, with the other sign, and on the wrong side",
+        kinematics=WORLD,
+        turning=-np.eye(3),
+    )
     for axes in permutations(range(3)):
         for signs in product((1, -1), repeat=3):
             M = np.array(signs)[:, None] * np.eye(3)[list(axes)]
@@ -146,7 +161,9 @@ def _of_gyroscopic_torque(scenario: Scenario, e: OtherEquations) -> Iterator[Cha
         for tensor in [G] if G is not None else _in_other_axes(inertia, "conjugated" in words):
             yield _set(turned_off + words, gyroscopic=tensor)
     inverse = np.diag(1 / np.diag(inertia))
-    yield _set("ω' were of the tensor's diagonal alone, though ω × Iω is of all of it", inverse=inverse)
+    yield _set(
+        "ω' were of the tensor's diagonal alone, though ω × Iω is of all of it", inverse=inverse
+    )
     R = matrix(scenario.start.q_world_body_wxyz)
     started = R @ inertia @ R.T
     for words, tensor in (
@@ -191,7 +208,7 @@ def _of_known_tensors(scenario: Scenario, e: OtherEquations) -> Iterator[Change]
         is_new = all(np.abs(tensor - other).max() > SAME * np.abs(other).max() for other in seen)
         if is_new and np.linalg.eigvalsh(tensor)[0] > 0:
             seen.append(tensor)
-            yield Change(lambda _, w=words: w, lambda e, _, t=tensor: e.with_inertia(t))
+            yield Change(partial(_said, words), partial(_with_inertia, tensor))
 
 
 def _known_tensors(scenario: Scenario) -> Iterator[tuple[str, FloatArray]]:
@@ -207,25 +224,40 @@ def _known_tensors(scenario: Scenario) -> Iterator[tuple[str, FloatArray]]:
         words = "the principal moments were along the body's axes, without the tensor's rotation"
         yield words, tensor + added
     if about_pivot:
-        yield "the tensor about the com were that about the pivot", of_com + added - (of_origin - of_com)
+        yield (
+            "the tensor about the com were that about the pivot",
+            of_com + added - (of_origin - of_com),
+        )
         yield "the tensor about the pivot were the one about the com twice moved", added + of_origin
     else:
         yield "the tensor were about the origin instead of the com", of_origin + added
-        yield "the tensor about the com had been moved from the origin once more", 2 * of_com - of_origin + added
+        yield (
+            "the tensor about the com had been moved from the origin once more",
+            2 * of_com - of_origin + added,
+        )
     moments, axes = np.linalg.eigh(of_com)
     for order in list(permutations(range(3)))[1:]:
         permuted = (axes * moments[list(order)]) @ axes.T
-        yield f"the principal moments were permuted, {_vector(moments[list(order)])} kg m² along the axes of {_vector(moments)}", permuted + added
+        yield (
+            f"the principal moments were permuted, {_vector(moments[list(order)])} kg m² along the "
+            f"axes of {_vector(moments)}",
+            permuted + added,
+        )
     for order in list(permutations(range(3)))[1:]:
         names = "".join(AXES[axis] for axis in order)
-        yield f"the tensor's rows and columns were those of the axes {names}", of_com[np.ix_(order, order)] + added
+        yield (
+            f"the tensor's rows and columns were those of the axes {names}",
+            of_com[np.ix_(order, order)] + added,
+        )
     for signs in product((1.0, -1.0), repeat=3):
         flipped = of_com.copy()
         for sign, (i, j) in zip(signs, ENTRIES[3:], strict=True):
             flipped[i, j] *= sign
             flipped[j, i] = flipped[i, j]
         names = " and ".join(
-            f"I{AXES[i]}{AXES[j]}" for sign, (i, j) in zip(signs, ENTRIES[3:], strict=True) if sign < 0
+            f"I{AXES[i]}{AXES[j]}"
+            for sign, (i, j) in zip(signs, ENTRIES[3:], strict=True)
+            if sign < 0
         )
         yield f"{names} had the other sign", flipped + added
     yield "the tensor were that of a sphere", np.eye(3) * moments.mean() + added
@@ -254,11 +286,15 @@ def _of_effects(scenario: Scenario, e: OtherEquations) -> Iterator[Change]:
         g = e.gravity_world
         yield _set("there were no gravity", gravity_world=0 * g)
         yield _set("gravity were turned round", gravity_world=-g)
-        yield _factor("gravity were {} times as strong", lambda e, n: e._replace(gravity_world=n * g))
+        yield _factor(
+            "gravity were {} times as strong", lambda e, n: e._replace(gravity_world=n * g)
+        )
     for name, torque in (("torque", e.torque), ("torque_world", e.torque_world)):
         if torque.any():
-            yield _set("there were no torque", **{name: 0 * torque})
-            yield _set("the torque had the other sign", **{name: -torque})
+            none: Any = {name: 0 * torque}
+            opposite: Any = {name: -torque}
+            yield _set("there were no torque", **none)
+            yield _set("the torque had the other sign", **opposite)
     if e.torque.any() or e.torque_world.any():
         yield _set(
             "the torque were constant along the other axes",
@@ -290,11 +326,20 @@ def _of_effects(scenario: Scenario, e: OtherEquations) -> Iterator[Change]:
         )
     for axes, name in (("body", "torque"), ("world", "torque_world")):
         yield Change(
-            lambda n, axes=axes: f"a torque of {_vector(n)} N m acted besides, along {axes} axes",
-            lambda e, n, name=name: e._replace(**{name: getattr(e, name) + n}),
+            partial(_torque_in_words, axes),
+            partial(_pushed, name),
             np.zeros(3),
             np.full(3, size * rate**2),
         )
+
+
+def _torque_in_words(axes: str, n: FloatArray) -> str:
+    return f"a torque of {_vector(n)} N m acted besides, along {axes} axes"
+
+
+def _pushed(name: str, e: OtherEquations, n: FloatArray) -> OtherEquations:
+    torques: Any = {name: getattr(e, name) + n}
+    return e._replace(**torques)
 
 
 def _fastest(scenario: Scenario, e: OtherEquations) -> float:
@@ -327,9 +372,11 @@ def _of_fitted_tensors(scenario: Scenario, e: OtherEquations) -> Iterator[Change
     """The tensor by its numbers: those that the motion shows, of a free body up to a factor."""
     moments, axes = np.linalg.eigh(e.inertia)
     size = float(moments.mean())
-    up_to = "" if _is_scaled(scenario, e) else ", up to a factor"
+    up_to = "" if _is_scaled(e) else ", up to a factor"
     if not up_to:
-        yield _factor("the tensor were {} times as large", lambda e, n: e.with_inertia(n * e.inertia))
+        yield _factor(
+            "the tensor were {} times as large", lambda e, n: e.with_inertia(n * e.inertia)
+        )
     yield from com(scenario, e)
     yield Change(
         lambda n: f"the moments were {_vector(n)} kg m²{up_to}",
@@ -338,7 +385,9 @@ def _of_fitted_tensors(scenario: Scenario, e: OtherEquations) -> Iterator[Change
         np.full(3, size),
     )
     yield Change(
-        lambda n: f"the tensor were that of a box along the body's axes, with {_vector(n)} kg m²{up_to}",
+        lambda n: (
+            f"the tensor were that of a box along the body's axes, with {_vector(n)} kg m²{up_to}"
+        ),
         lambda e, n: e.with_inertia(np.diag(n)),
         np.diag(e.inertia).copy(),
         np.full(3, size),
@@ -349,13 +398,13 @@ def _of_fitted_tensors(scenario: Scenario, e: OtherEquations) -> Iterator[Change
         np.zeros(3),
         np.ones(3),
     )
-    yield fitted_tensor(scenario, e)
+    yield fitted_tensor(e)
 
 
-def fitted_tensor(scenario: Scenario, e: OtherEquations) -> Change:
+def fitted_tensor(e: OtherEquations) -> Change:
     """The whole tensor; where the motion does not show its scale, of the scene's trace."""
     size = float(np.trace(e.inertia)) / 3
-    if _is_scaled(scenario, e):
+    if _is_scaled(e):
         return Change(
             lambda n: f"the tensor were {_tensor(_symmetric(n))}",
             lambda e, n: e.with_inertia(_symmetric(n)),
@@ -375,7 +424,7 @@ def tensor_of(numbers: FloatArray, size: float) -> FloatArray:
     return _symmetric([3 * size - numbers[0] - numbers[1], *numbers])
 
 
-def _is_scaled(scenario: Scenario, e: OtherEquations) -> bool:
+def _is_scaled(e: OtherEquations) -> bool:
     """Whether a torque acts that shows the scale of the tensor."""
     pulled = e.pull.any() and e.gravity_world.any()
     pushed = e.torque.any() or e.torque_world.any() or e.slowing.any() or e.kept.any()

@@ -17,7 +17,10 @@ NOISE = ("noise_attitude", "noise_omega")
 
 @dataclass(frozen=True, eq=False)
 class Explanation:
-    """What explains a recorded motion; attributes as of `JudgedMotion`, `words` as `explained_by`."""
+    """What explains a recorded motion.
+
+    Attributes are as of `JudgedMotion`; `words` are its `explained_by`.
+    """
 
     words: list[str]
     verdict: str

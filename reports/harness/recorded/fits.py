@@ -162,7 +162,7 @@ class Trial:
         x, count, left = np.zeros(len(self.none)), 0, self.at_none
         if len(x):
             found = least_squares(self.left, x, xtol=1e-9, max_nfev=EVALUATIONS)
-            seen = np.linalg.svd(found.jac, compute_uv=False)
+            seen = np.linalg.svd(np.asarray(found.jac), compute_uv=False)
             x, count = found.x, int(np.count_nonzero(seen > RANK * seen[0]))
             left = found.fun
         numbers = tuple(self.numbers(x))
@@ -213,16 +213,15 @@ class Search:
         unchanged = np.ravel(self.intervals.off(self.base) / self.intervals.scale)
         pairs = list(combinations(trials, 2))
         left = [
-            _left(
-                one.at_none + other.at_none - unchanged, np.hstack([one.slopes, other.slopes])
-            )
+            _left(one.at_none + other.at_none - unchanged, np.hstack([one.slopes, other.slopes]))
             for one, other in pairs
         ]
         # Of those that promise to explain it, the simplest.
         enough = LEFT**2 * self.unchanged.left
         counts = [len(one.none) + len(other.none) for one, other in pairs]
         order = sorted(
-            range(len(pairs)), key=lambda k: (left[k] > enough, counts[k] * (left[k] <= enough), left[k])
+            range(len(pairs)),
+            key=lambda k: (left[k] > enough, counts[k] * (left[k] <= enough), left[k]),
         )
         best = [pairs[k] for k in order[:PAIRS]]
         return [

@@ -68,8 +68,10 @@ GYROSCOPE = (
         3,
     ),
     GyroscopeError(
-        lambda n, e: "the gyroscope's axes are turned against the body's by "
-        f"{plus_minus(n, e, 180 / np.pi)}°",
+        lambda n, e: (
+            "the gyroscope's axes are turned against the body's by "
+            f"{plus_minus(n, e, 180 / np.pi)}°"
+        ),
         lambda omega, _, n: omega @ Rotation.from_rotvec(n).as_matrix(),
         3,
     ),
@@ -134,7 +136,7 @@ class Measured:
     @cached_property
     def tensor(self) -> Change:
         """The scene's tensor with other numbers."""
-        return fitted_tensor(self.scenario, self.equations)
+        return fitted_tensor(self.equations)
 
     @cached_property
     def best(self) -> "tuple[Measured, MeasuredFit]":
@@ -261,7 +263,10 @@ class Measured:
         return found and found[1]
 
     def _candidates(self) -> list[Change | GyroscopeError]:
-        found: list[Change | GyroscopeError] = [self.tensor, resistance(self.scenario, self.equations)]
+        found: list[Change | GyroscopeError] = [
+            self.tensor,
+            resistance(self.scenario, self.equations),
+        ]
         found += com(self.scenario, self.equations)
         return found + list(GYROSCOPE if self.has_omega else ())
 
@@ -270,7 +275,10 @@ class Measured:
         x = np.concatenate([fit.numbers, np.zeros(_count(one))])
         at = self._left(x, added, len(self.motion.t))
         J = np.array(
-            [(self._left(x + d, added, len(self.motion.t)) - at) / SMALL for d in SMALL * np.eye(len(x))]
+            [
+                (self._left(x + d, added, len(self.motion.t)) - at) / SMALL
+                for d in SMALL * np.eye(len(x))
+            ]
         ).T
         best = np.linalg.lstsq(J, -at, rcond=RANK)[0]
         return float(at @ at - np.sum((at + J @ best) ** 2))
@@ -316,7 +324,8 @@ class Measured:
                 self._left, x, args=(tuple(added), length), xtol=1e-10, max_nfev=EVALUATIONS
             )
             x = found.x
-        covariance = np.linalg.pinv(found.jac.T @ found.jac, RANK**2, hermitian=True)
+        J = np.asarray(found.jac)
+        covariance = np.linalg.pinv(J.T @ J, RANK**2, hermitian=True)
         return MeasuredFit(tuple(added), x, covariance, found.fun.reshape(n, 6))
 
     def _left(
@@ -341,7 +350,9 @@ class Measured:
         for error, numbers in errors:
             omega = error.apply(omega, t, numbers)
         off = np.zeros((length, 6))
-        off[:, :3] = rotation_vectors(made[:, :4], motion.q_world_body_wxyz[:length]) / self.noise[0]
+        off[:, :3] = (
+            rotation_vectors(made[:, :4], motion.q_world_body_wxyz[:length]) / self.noise[0]
+        )
         if self.has_omega:
             off[:, 3:] = (motion.omega_body[:length] - omega) / self.noise[1]
         return np.clip(np.nan_to_num(off, nan=NOWHERE), -NOWHERE, NOWHERE).ravel()

@@ -93,9 +93,7 @@ class Physics:
             return None
         scale = np.repeat(self.noise, 3)
         exactly = float(np.mean((intervals.off(equations) / scale) ** 2))
-        left = [
-            float(np.mean((intervals.off(equations, one, h) / scale) ** 2)) for one in KNOWN
-        ]
+        left = [float(np.mean((intervals.off(equations, one, h) / scale) ** 2)) for one in KNOWN]
         best = int(np.argmin(left))
         if exactly <= 1 or left[best] > max(1.0, LEFT**2 * exactly):
             return None
@@ -143,9 +141,9 @@ def _of_method(
     turns: FloatArray,
     order: int,
 ) -> FloatArray:
-    """What the error of a method may come to over each span, of attitude, rad, and ω, rad/s, (S, 2).
+    """What the error of a method may come to over each span, attitude, rad, and ω, rad/s, (S, 2).
 
-    A step of order p is off by its share of the p-th power of the angle of a step: of explicit Euler
+    A step of order p is off by its share of the p-th power of the angle of a step: explicit Euler's
     by h²/2 of a second derivative, |ω'| times the rate at most. About an axis that stays a step of
     order 1 turns to second order as it should.
 

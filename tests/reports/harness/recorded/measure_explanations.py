@@ -71,7 +71,10 @@ def faults(one: Case, seed: int) -> list[Fault]:
         ("[ωx, ωy, −ωz]", turned(lambda w: w * [1, 1, -1])),
         ("axes turned by", turned(lambda w: Q @ w)),
         ("slowed by 0.06 /s", {"gyroscopic": 0 * I, "torque": lambda w: -0.06 * I @ w}),
-        ("gyroscopic torque ω × Iω were of the tensor's diagonal", {"gyroscopic": d, "torque": lambda w: -0.05 * w}),
+        (
+            "gyroscopic torque ω × Iω were of the tensor's diagonal",
+            {"gyroscopic": d, "torque": lambda w: -0.05 * w},
+        ),
     ]
 
 
@@ -107,7 +110,16 @@ def measure_honest(count: int) -> None:
         accused += bool(found.explained_by)
         beyond += found.is_beyond
         if found.is_another or found.made_by:
-            print(k, order, timestep, stated, found.verdict, found.explained_by, found.made_by, flush=True)
+            print(
+                k,
+                order,
+                timestep,
+                stated,
+                found.verdict,
+                found.explained_by,
+                found.made_by,
+                flush=True,
+            )
     print(f"of {count} honest motions {accused} are explained by faults, {beyond} are beyond")
 
 
@@ -135,7 +147,9 @@ def measure_logs(count: int) -> None:
         of_scene = one.inertia[[0, 1, 2, 0, 0, 1], [0, 1, 2, 1, 2, 2]]
         inside += int(np.count_nonzero(np.abs(entries - of_scene) < 1.96 * errors))
         numbers += 6
-    print(f"of {count} logs {named} are named; {inside} of {numbers} entries are within 1.96 errors")
+    print(
+        f"of {count} logs {named} are named; {inside} of {numbers} entries are within 1.96 errors"
+    )
 
 
 if __name__ == "__main__":

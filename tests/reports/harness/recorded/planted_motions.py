@@ -31,7 +31,9 @@ class Case:
     def torque(self, R: np.ndarray) -> np.ndarray:
         """Gravity's about a pivot, body axes, N m."""
         mass = self.scenario.body.mass
-        return np.cross(self.com, mass * (R.T @ self.gravity)) if self.gravity.any() else np.zeros(3)
+        return (
+            np.cross(self.com, mass * (R.T @ self.gravity)) if self.gravity.any() else np.zeros(3)
+        )
 
 
 def case(seed: int, is_pivoted: bool = False, duration: float = 4.0, samples: int = 201) -> Case:
@@ -111,7 +113,7 @@ def stepped(
 ) -> dict[str, np.ndarray]:
     """The same by an explicit Runge–Kutta method of order 1 to 4, drawn at random where it may be.
 
-    Of order 1 a step is Euler's with each rate taken a random part of a step later, of order 2 it is
+    Of order 1 a step is Euler's with each rate taken a random part of a step later, of order 2
     one of Ralston's family, of order 3 Kutta's, of order 4 his 3/8 rule (J. C. Butcher, Numerical
     Methods for Ordinary Differential Equations, §23): none of them is known by name.
     """
