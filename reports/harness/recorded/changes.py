@@ -178,11 +178,18 @@ def _of_gyroscopic_torque(scenario: Scenario, e: OtherEquations) -> Iterator[Cha
             in_world=True,
         )
     yield Change(
-        lambda n: f"the gyroscopic torque ω × Gω were with G = {_tensor(_symmetric(n))}, not I",
+        partial(_other_gyroscopic, float(np.trace(inertia))),
         lambda e, n: e._replace(gyroscopic=_symmetric(n)),
         _entries(inertia),
         np.full(6, float(np.trace(inertia)) / 3),
     )
+
+
+def _other_gyroscopic(trace: float, n: FloatArray) -> str:
+    # ω × cω is zero: G is known up to a multiple of 1, and has the trace of I here.
+    G = _symmetric(n)
+    G += (trace - np.trace(G)) / 3 * np.eye(3)
+    return f"the gyroscopic torque ω × Gω were with G: {_tensor(G)}, not I"
 
 
 def _scaled_gyroscopic(of_parts: bool, e: OtherEquations, factor: float) -> OtherEquations:

@@ -170,9 +170,8 @@ class Trial:
 
 
 def is_possible(equations: OtherEquations) -> bool:
-    """Whether a body may have such a tensor."""
-    moments = np.linalg.eigvalsh(equations.inertia)
-    return bool(moments[0] > 0 and moments[2] <= (moments[0] + moments[1]) * (1 + RANK))
+    """Whether a motion may have been computed with such a tensor: no body need have it."""
+    return bool(np.linalg.eigvalsh(equations.inertia)[0] > 0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -206,7 +205,10 @@ class Search:
         trials = [Trial(self.intervals, self.base, (change,)) for change in self.changes]
         enough = PROMISING**2 * self.unchanged.left
         single = [trial.fit() for trial in trials if _left_if_linear(trial) <= enough]
-        return self._chosen(single) or self._chosen(self._pairs(trials))
+        best = self._chosen(single)
+        if best is not None and best.left <= 1:
+            return best
+        return self._chosen([*single, *self._pairs(trials)])
 
     def _pairs(self, trials: Sequence[Trial]) -> list[Fit]:
         """Two changes at once, of which those are fitted that promise to leave least."""

@@ -21,6 +21,8 @@ from .fits import LEFT, Fit, Intervals, Search
 NEAR, FEWEST_INTERVALS, MOST_INTERVALS = 0.7, 4, 60
 #: Intervals that integrators are tried on, whose steps are many.
 FEW = 12
+#: Of what an integrator does wrong, what may be left: its steps are those, or they are not.
+SAME = 1e-3
 #: Samples at which a clamp is looked for, and how well it has to fit, relative.
 FIRST, CLAMPED = 3, 1e-2
 #: What the rounding of numbers makes of a short flow, in their distance from one another.
@@ -95,7 +97,7 @@ class Physics:
         exactly = float(np.mean((intervals.off(equations) / scale) ** 2))
         left = [float(np.mean((intervals.off(equations, one, h) / scale) ** 2)) for one in KNOWN]
         best = int(np.argmin(left))
-        if exactly <= 1 or left[best] > max(1.0, LEFT**2 * exactly):
+        if exactly <= 1 or left[best] > max(1.0, SAME**2 * exactly):
             return None
         return f"what {KNOWN[best].name} at {h:.4g} s makes"
 
