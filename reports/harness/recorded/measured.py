@@ -254,12 +254,13 @@ class Measured:
         found: tuple[float, MeasuredFit] | None = None
         for one in candidates:
             # Taken as linear first, which takes a tenth of the time.
-            if self._falls_if_linear(fit, one) < chi2.isf(LEVEL / len(candidates), _count(one)) / 2:
+            by_chance = float(chi2.isf(LEVEL / len(candidates), _count(one)))
+            if self._falls_if_linear(fit, one) < by_chance / 2:
                 continue
             other = self._fit((*fit.added, one), fit.numbers)
-            chance = float(chi2.logsf(fit.squares - other.squares, _count(one)))
-            if chance < np.log(LEVEL / len(candidates)) and (found is None or chance < found[0]):
-                found = chance, other
+            beyond = fit.squares - other.squares - by_chance
+            if beyond > (found[0] if found else 0.0):
+                found = beyond, other
         return found and found[1]
 
     def _candidates(self) -> list[Change | GyroscopeError]:
