@@ -8,6 +8,7 @@ folder named after all sources of kernels: change one of them and all are compil
 import os
 from collections.abc import Callable
 from contextlib import suppress
+from functools import partial
 from hashlib import sha256
 from pathlib import Path
 from typing import Any, ParamSpec, TypeVar
@@ -58,24 +59,28 @@ def _folder() -> Path | None:
 FOLDER = _folder()
 
 
-def kernel(function: Callable[P, T]) -> Callable[P, T]:
+def kernel(function: Callable[P, T], *, is_inlined: bool = True) -> Callable[P, T]:
     """Compile at the first call, and inline into every compiled caller.
 
     What is passed is tables and pairs, many words each, to a few operations: not to inline costs
     a quarter of the time. Never ``fastmath``, which would cancel the error terms of pairs.
     """
     if FOLDER is None:
-        uncached: Callable[P, T] = njit(forceinline=True)(function)
+        uncached: Callable[P, T] = njit(forceinline=is_inlined)(function)
         return uncached
     elsewhere = config.CACHE_DIR
     config.CACHE_DIR = str(FOLDER)
     try:
-        compiled: Any = njit(forceinline=True, cache=True)(function)
+        compiled: Any = njit(forceinline=is_inlined, cache=True)(function)
     finally:
         config.CACHE_DIR = elsewhere
     _survive_the_disk(compiled._cache)
     kept: Callable[P, T] = compiled
     return kept
+
+
+#: The same for what is long, and called in many places: inlined it would take long to compile.
+called = partial(kernel, is_inlined=False)
 
 
 def _survive_the_disk(cache: Any) -> None:

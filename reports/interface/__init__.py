@@ -5,7 +5,7 @@ The Python interface: what stands in `__all__`, and in `spincheck.testing`, is s
 are imported when a function is called: `import spincheck` takes no time.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike
     from spincheck.reports.harness.recorded.judged import JudgedMotion
     from spincheck.reports.results.records import Row
+    from spincheck.reports.results.verdicts import Verdict
     from spincheck.scenarios import Scenario
 
     from .exact_motion import ExactMotion
@@ -21,7 +22,7 @@ if TYPE_CHECKING:
     #: A scene's name in the library, the path of its file, its tables, or the scene itself.
     Scene = str | Path | Mapping[str, Any] | Scenario
 
-__all__ = ["exact", "judge", "load", "results", "run"]
+__all__ = ["exact", "judge", "judge_timesteps", "load", "results", "run"]
 
 
 def load(scene: "Scene", name: str = "scene") -> "Scenario":
@@ -81,8 +82,15 @@ def judge(
     omega_world: "ArrayLike | None" = None,
     com: "ArrayLike | None" = None,
     velocity: "ArrayLike | None" = None,
+    timestep: float | None = None,
+    precision: str | None = None,
+    order: int = 1,
+    noise_attitude: float | None = None,
+    noise_omega: float | None = None,
 ) -> "JudgedMotion":
     """Return the errors of a recorded motion, and what explains them.
+
+    Its `as_record()` has what `spincheck judge --json` prints of a file.
 
     Parameters
     ----------
@@ -90,6 +98,11 @@ def judge(
     q_wxyz, q_xyzw : (n, 4) attitudes, body to world components; one of the two
     omega_body, omega_world : (n, 3) rad/s; at most one, else ω is found from the attitudes
     com, velocity : (n, 3) m and m/s, world axes, of the centre of mass, if there
+    timestep : s, that a method made it with; else its samples' distance is assumed
+    precision : "single" or "double", in which it was computed; else the numbers tell
+    order : of accuracy, of the method that made it
+    noise_attitude, noise_omega : standard deviations of measured numbers, rad and rad/s; if both
+        are left out they are estimated
 
     Raises
     ------
@@ -98,13 +111,34 @@ def judge(
     spincheck.scenarios.ScenarioError
         As `load`.
     """
-    from .recorded import judged
+    from .recorded import Made, judged
 
+    made = Made(timestep, precision, order, noise_attitude, noise_omega)
     arrays = {"t": t, "q_wxyz": q_wxyz, "q_xyzw": q_xyzw, "omega_body": omega_body}
     arrays |= {"omega_world": omega_world, "com": com, "velocity": velocity}
     scenario = load(scene)
     _compile_first()
-    return judged(scenario, {name: a for name, a in arrays.items() if a is not None})
+    return judged(scenario, {name: a for name, a in arrays.items() if a is not None}, made)
+
+
+def judge_timesteps(scene: "Scene", motions: "Sequence[JudgedMotion]", order: int = 1) -> "Verdict":
+    """Return the verdict on motions of one method, each with half the timestep of another.
+
+    Parameters
+    ----------
+    motions : what `judge` returned of each, with its timestep
+    order : of accuracy, that the method has or claims
+
+    Raises
+    ------
+    ValueError
+        If timesteps are unknown or not halved, or the motions share no sample times.
+    spincheck.scenarios.ScenarioError
+        As `load`.
+    """
+    from .recorded import verdict_on
+
+    return verdict_on(load(scene), motions, order)
 
 
 def run(scene: "Scene", *, engine: str, method: str, timestep: float) -> "Row":

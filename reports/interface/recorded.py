@@ -1,12 +1,16 @@
 """Arrays of a user's as a recorded motion."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import ArrayLike
 from spincheck.reports.harness.recorded.judged import JudgedMotion, judged_motion
+from spincheck.reports.harness.recorded.recorded_ladder import study_of_files, verdict_on_files
 from spincheck.reports.harness.recorded.recording import Recording, check_motion
+from spincheck.reports.harness.recorded.text_formats import setting
+from spincheck.reports.results.verdicts import Verdict
 from spincheck.scenarios import FloatArray, Scenario
 
 #: By the name of an argument, the quantity that it gives and its number of components.
@@ -21,7 +25,42 @@ ARGUMENTS = {
 }
 
 
-def judged(scenario: Scenario, arguments: Mapping[str, ArrayLike]) -> JudgedMotion:
+@dataclass(frozen=True)
+class Made:
+    """How motions were made: what a file may state of itself.
+
+    Attributes
+    ----------
+    timestep : s
+    precision : "double" or "single"; None where the numbers tell
+    order : of accuracy
+    noise_attitude, noise_omega : standard deviations, rad and rad/s; None where they are estimated
+    """
+
+    timestep: float | None = None
+    precision: str | None = None
+    order: int = 1
+    noise_attitude: float | None = None
+    noise_omega: float | None = None
+
+    def settings(self) -> dict[str, str]:
+        """As a file states them.
+
+        Raises
+        ------
+        ValueError
+            If a number is not positive, or a precision unknown.
+        """
+        if self.order < 1:
+            raise ValueError(f"'order' must be at least 1, got {self.order}.")
+        stated = {name: value for name, value in vars(self).items() if name != "order"}
+        given = {name: str(value) for name, value in stated.items() if value is not None}
+        return {
+            key: value for name in given for key, value in setting(name, given[name], None).items()
+        }
+
+
+def judged(scenario: Scenario, arguments: Mapping[str, ArrayLike], made: Made) -> JudgedMotion:
     """Return what a motion given as arrays is worth; the arguments are those of `spincheck.judge`.
 
     Raises
@@ -44,7 +83,19 @@ def judged(scenario: Scenario, arguments: Mapping[str, ArrayLike]) -> JudgedMoti
     check_motion(arrays)
     return judged_motion(
         scenario,
-        Recording(Path("arrays"), arrays),
+        Recording(Path("arrays"), arrays, made.settings()),
         "xyzw" if "q_xyzw" in arguments else "wxyz",
         "world" if "omega_world" in arguments else "body",
+        order=made.order,
     )
+
+
+def verdict_on(scenario: Scenario, motions: Sequence[JudgedMotion], order: int) -> Verdict:
+    """Return the verdict on motions at halved timesteps, as those of one method.
+
+    Raises
+    ------
+    ValueError
+        If timesteps are unknown or not halved, or the motions share no sample times.
+    """
+    return verdict_on_files(study_of_files(scenario, motions, order))

@@ -30,8 +30,16 @@ def judge(
         typer.Option("--timestep", metavar="S", help="The timestep of a file, s; may be repeated."),
     ] = None,
     order: Annotated[
-        int, typer.Option(min=1, max=12, help="The order of accuracy of several files' method.")
+        int, typer.Option(min=1, max=12, help="The order of accuracy of the method that made them.")
     ] = 1,
+    noise: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="SIGNAL=SIZE",
+            help="The standard deviation of measured numbers: attitude=0.3deg, omega=0.02 (rad/s); "
+            "may be repeated. Estimated if left out.",
+        ),
+    ] = None,
     fail_above: Annotated[
         list[str] | None,
         typer.Option(
@@ -53,7 +61,7 @@ def judge(
     from ..named_scenes import one_scene
     from .judging import judged_files, judgement_as_json, print_judgement, write_page
 
-    options = (quaternion, omega, timestep or [], fail_above or [], order)
+    options = (quaternion, omega, timestep or [], fail_above or [], noise or [], order)
     judgement = judged_files(one_scene(scenario), files, *options)
     if as_json:
         print(to_json(judgement_as_json(judgement)))

@@ -2,7 +2,7 @@
 
 import textwrap
 from collections.abc import Iterator, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any, get_args
@@ -56,7 +56,10 @@ class Judgement:
     @property
     def exit_code(self) -> int:
         """1 if a motion is another one, or beyond a bound."""
-        explained = any(motion.explained_by for motion in self.motions.values())
+        motions = self.motions.values()
+        # Of several files what a method makes is the verdict's to say.
+        alone = self.verdict is None
+        explained = any(one.explained_by or (alone and one.is_beyond) for one in motions)
         wrong = self.verdict is not None and not self.verdict.agrees
         return DISAGREES if self.beyond or explained or wrong else AGREES
 
@@ -68,6 +71,7 @@ def judged_files(
     omega: str | None,
     timesteps: Sequence[float],
     bounds: Sequence[str],
+    noise: Sequence[str],
     order: int,
 ) -> Judgement:
     """Read and judge files."""
@@ -77,7 +81,8 @@ def judged_files(
         raise Complaint(
             f"'--timestep' must be given once for each file, got {len(timesteps)} for {len(files)}"
         )
-    wanted = dict(_bound(bound) for bound in bounds)
+    wanted = dict(_bound("--fail-above", bound) for bound in bounds)
+    stated = _noise(noise)
     # Before what takes half a minute the first time.
     with as_complaint(RecordingError):
         recordings = [read_recording(file) for file in files]
@@ -86,7 +91,11 @@ def judged_files(
     for k, (file, recording) in enumerate(zip(files, recordings, strict=True)):
         timestep = timesteps[k] if timesteps else None
         with as_complaint(RecordingError, before=f"{file}: "):
-            motions[str(file)] = judged_motion(scenario, recording, components, frame, timestep)
+            recording = replace(recording, settings=recording.settings | stated)
+            claimed = order if len(files) == 1 else 1
+            motions[str(file)] = judged_motion(
+                scenario, recording, components, frame, timestep, claimed
+            )
     beyond = []
     for name, motion in motions.items():
         with as_complaint(RecordingError, before=f"{name}: "):
@@ -116,19 +125,27 @@ def _one_of(option: str, value: str | None, words: Any) -> Any:
     return value
 
 
-def _bound(text: str) -> tuple[str, float]:
-    """A signal and the largest error allowed, relative or in rad."""
+def _noise(stated: Sequence[str]) -> dict[str, str]:
+    """The noise of attitude, rad, and ω, rad/s, as a file states it."""
+    noise = dict(_bound("--noise", one) for one in stated)
+    if others := noise.keys() - {"attitude", "omega"}:
+        raise Complaint(f"'--noise' must be of attitude or omega, got '{others.pop()}'")
+    return {f"noise_{name}": repr(size) for name, size in noise.items()}
+
+
+def _bound(option: str, text: str) -> tuple[str, float]:
+    """A signal, and how large an error or noise of it is, relative or in rad."""
     name, _, size = text.partition("=")
     if name not in SIGNAL:
         hint = did_you_mean(name, SIGNAL)
         known = ", ".join(SIGNAL)
-        raise Complaint(f"'--fail-above' must begin with one of {known}, got '{name}'{hint}")
+        raise Complaint(f"'{option}' must begin with one of {known}, got '{name}'{hint}")
     try:
         bound = angle(size) if SIGNAL[name].unit else number(size)
     except typer.BadParameter:
         bound = -1.0
     if not 0 <= bound < float("inf"):
-        raise Complaint(f"'--fail-above' must be SIGNAL=BOUND, such as {name}=1e-3, got '{text}'")
+        raise Complaint(f"'{option}' must be SIGNAL=SIZE, such as {name}=1e-3, got '{text}'")
     return name, bound
 
 
@@ -137,17 +154,7 @@ def judgement_as_json(judgement: Judgement) -> dict[str, Any]:
     return {
         "scenario": judgement.scenario.name,
         "files": [
-            {
-                "file": name,
-                "timestep": motion.timestep,
-                **{SIGNAL[signal].key: error for signal, error in motion.errors.items()},
-                "exceeds_1deg_at": motion.exceeds_1deg_at,
-                "drifts": motion.drifts,
-                "explained_by": motion.explained_by,
-                "defect": {signal: asdict(defect) for signal, defect in motion.defects.items()},
-                "ignored": motion.ignored,
-            }
-            for name, motion in judgement.motions.items()
+            {"file": name} | motion.as_record() for name, motion in judgement.motions.items()
         ],
         "verdict": judgement.verdict.verdict if judgement.verdict else None,
         "reason": judgement.verdict.reason if judgement.verdict else None,
@@ -169,7 +176,13 @@ def print_judgement(judgement: Judgement) -> None:
 def _lines(name: str, motion: JudgedMotion) -> Iterator[str]:
     t = motion.recorded.trajectory.t
     yield f"{printable(name)}: {len(t)} samples from {t[0]:g} to {t[-1]:g} s"
-    sentences = [f"Explained by: {words}." for words in motion.explained_by]
+    sentences = [f"{motion.verdict[0].upper()}{motion.verdict[1:]}."]
+    sentences += [f"Explained by: {words}." for words in motion.explained_by]
+    if motion.made_by:
+        sentences.append(f"It is {motion.made_by}.")
+    if motion.measured:
+        sentences.append(motion.measured.tensor_in_words())
+    sentences += [f"{remark[0].upper()}{remark[1:]}." for remark in motion.remarks]
     if not motion.recorded.has_omega:
         sentences.append("ω was not recorded; L and energy are of ω found from the attitudes.")
     if motion.ignored:

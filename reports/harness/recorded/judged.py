@@ -1,8 +1,9 @@
 """A recorded motion beside the exact one: its errors, and what explains them."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from math import pi
+from typing import Any
 
 import numpy as np
 
@@ -19,9 +20,10 @@ from ....scenarios import (
 )
 from ...results.records import Defect
 from ..defects import defects
-from .mistakes import Reading, mistakes, starts_elsewhere
+from .explained import explained
+from .measured import Measured
+from .mistakes import Reading
 from .motion import OmegaFrame, QuaternionOrder, RecordedMotion, recorded_motion
-from .other_physics import other_physics
 from .recording import Recording, RecordingError
 
 EPS = float(np.finfo(float).eps)
@@ -43,27 +45,60 @@ class JudgedMotion:
     recorded : the motion as it was read
     solution : the exact motion at its times
     timestep : s, if the file or the user states it
+    verdict : in a sentence, whether it is within what noise, or a method's order and timestep, make
+        of the exact motion
+    is_beyond : whether it is not
     errors : the largest of each signal, by name; None for a signal that was not recorded
     series : the same, sample by sample
     drifts : the largest change of each conserved quantity, relative
     defects : of the steps from sample to sample, by signal; empty if they cannot be followed
+    explained_by : mistakes in recording, or other physics, that explain the difference, in words
+    made_by : the known integrator that made the motion, in words; empty if none did
+    measured : of a motion with noise, the fit of the exact one to all samples
+    remarks : what was done to read it
+    ignored : headings of the file that mean nothing here
     is_single : whether it was computed in single precision
     resolution : the relative distance of its numbers as they are printed
-    explained_by : mistakes in recording, or other physics, that explain the difference, in words
-    ignored : headings of the file that mean nothing here
     """
 
     recorded: RecordedMotion
     solution: Solution
     timestep: float | None
+    verdict: str
+    is_beyond: bool
     errors: dict[str, float | None]
     series: ErrorSeries
     drifts: dict[str, float]
     defects: dict[str, Defect]
     explained_by: tuple[str, ...]
+    made_by: str
+    measured: Measured | None
+    remarks: tuple[str, ...]
     ignored: tuple[str, ...]
     is_single: bool
     resolution: float
+
+    @property
+    def is_another(self) -> bool:
+        """Whether it is another motion than the exact one."""
+        return self.is_beyond or bool(self.explained_by)
+
+    def as_record(self) -> dict[str, Any]:
+        """The numbers and words of it, as `spincheck judge --json` prints them of a file."""
+        return {
+            "timestep": self.timestep,
+            **{SIGNAL[signal].key: error for signal, error in self.errors.items()},
+            "exceeds_1deg_at": self.exceeds_1deg_at,
+            "drifts": self.drifts,
+            "single_verdict": self.verdict,
+            "is_beyond": self.is_beyond,
+            "explained_by": list(self.explained_by),
+            "made_by": self.made_by,
+            "measured": self.measured.as_record() if self.measured else None,
+            "remarks": list(self.remarks),
+            "defect": {signal: asdict(defect) for signal, defect in self.defects.items()},
+            "ignored": list(self.ignored),
+        }
 
     @property
     def exceeds_1deg_at(self) -> float | None:
@@ -103,6 +138,7 @@ def judged_motion(
     quaternion: QuaternionOrder | None = None,
     omega: OmegaFrame | None = None,
     timestep: float | None = None,
+    order: int = 1,
 ) -> JudgedMotion:
     """Compare a recorded motion with the exact one at the same times.
 
@@ -110,6 +146,7 @@ def judged_motion(
     ----------
     quaternion, omega, timestep : how its columns are to be read, and the timestep it was made with,
         s; where None, as the file states, else w x y z and body axes
+    order : of accuracy, that its method has or claims
 
     Raises
     ------
@@ -118,13 +155,13 @@ def judged_motion(
         be found from the attitudes.
     """
     stated = recording.settings
-    order: QuaternionOrder = quaternion or (
+    components: QuaternionOrder = quaternion or (
         "xyzw" if stated.get("quaternion") == "xyzw" else "wxyz"
     )
     frame: OmegaFrame = omega or ("world" if stated.get("omega") == "world" else "body")
     solution = exact_at(scenario, recording.arrays["t"])
     exact = solution.trajectory
-    recorded = recorded_motion(scenario, recording, exact, order, frame)
+    recorded = recorded_motion(scenario, recording, exact, components, frame)
     series = error_series(scenario, recorded.trajectory, exact)
     # No recording has spins.
     lacks = [name for name in OPTIONAL if name not in recording.arrays]
@@ -133,21 +170,23 @@ def judged_motion(
     errors = dict(series.worst()) | dict.fromkeys(absent)
     of_steps = defects(scenario, recorded.trajectory, exact)
     timestep = timestep or (float(stated["timestep"]) if "timestep" in stated else None)
-    reading = Reading(recording, order, frame)
-    explained = (
-        mistakes(scenario, exact, reading)
-        or other_physics(scenario, recorded.trajectory, exact, timestep)
-        or starts_elsewhere(scenario, exact, reading)
+    explanation = explained(
+        scenario, exact, Reading(recording, components, frame), recorded, timestep, order
     )
     return JudgedMotion(
         recorded,
         solution,
         timestep,
+        explanation.verdict,
+        explanation.is_beyond,
         errors,
         series,
         _drifts(scenario, recorded.trajectory),
         of_steps.summary(len(exact.t) - 1, EPS) if of_steps else {},
-        tuple(explained),
+        tuple(explanation.words),
+        explanation.made_by,
+        explanation.measured,
+        tuple(filter(None, [recording.drift_off_the_sphere])),
         recording.ignored,
         recording.is_single,
         recording.resolution,

@@ -13,6 +13,8 @@ import numpy as np
 from ....reference import ExactMotion
 from ....scenarios import FloatArray, Scenario, Trajectory, error_series
 from ....scenarios.mechanics import RECENT
+from ....scenarios.rotation import matrices, turned_back
+from .changes import EULER_ANGLES
 from .motion import OmegaFrame, QuaternionOrder, RecordedMotion, recorded_motion
 from .recording import Recording, RecordingError
 
@@ -28,6 +30,7 @@ FITS = 1e-9
 STARTS = 1e-3
 #: Mistakes that are looked for in one file at the same time.
 MOST = 2
+EPS = float(np.finfo(float).eps)
 #: Units that times may be in by mistake, as a column's heading names them, and their seconds.
 UNITS = {"ms": 1e-3, "us": 1e-6, "ns": 1e-9, "min": 60.0}
 
@@ -197,6 +200,11 @@ def _of_omega(reading: Reading, omega: FloatArray) -> Iterator[tuple[str, Readin
         ("in turns a second", 2 * pi),
     ):
         yield f"ω is {words}", reading.with_arrays(omega=omega * factor)
+    for i, j, k in EULER_ANGLES:
+        yield (
+            f"ω is the rates of Euler angles {'xyz'[i]}{'xyz'[j]}{'xyz'[k]}",
+            reading.with_arrays(omega=_of_rates(reading, (i, j, k))),
+        )
     # Undone by pairing each attitude with the ω that goes with it, of which one end has none.
     earlier, later = slice(None, -1), slice(1, None)
     for age, mine, other in (("older", earlier, later), ("newer", later, earlier)):
@@ -209,6 +217,21 @@ def _of_omega(reading: Reading, omega: FloatArray) -> Iterator[tuple[str, Readin
             f"ω is half a sample {age} than the attitude, as of semi-implicit Euler or leapfrog",
             reading.with_arrays(**kept | {"omega": (omega[mine] + omega[other]) / 2}),
         )
+
+
+def _of_rates(reading: Reading, axes: tuple[int, int, int]) -> FloatArray:
+    """ω along the axes of a reading from rates of angles a, b, c, R = R_i(a) R_j(b) R_k(c)."""
+    i, j, k = axes
+    q = np.roll(reading.recording.arrays["q"], reading.quaternion == "xyzw", axis=1)
+    R_world_body = matrices(q / np.linalg.norm(q, axis=1)[:, None])
+    rates = reading.recording.arrays["omega"]
+    a, b, c = rates.T if i == k else rates.T[[i, j, k]]
+    first = np.eye(3)[i]
+    third = R_world_body[:, :, k]
+    node = np.cross(third, first) if i != k and (i + 1) % 3 == j else np.cross(first, third)
+    node /= np.maximum(np.linalg.norm(node, axis=1), EPS)[:, None]
+    omega_world = np.outer(a, first) + b[:, None] * node + c[:, None] * third
+    return omega_world if reading.omega == "world" else turned_back(R_world_body, omega_world)
 
 
 def _scalar(order: QuaternionOrder) -> list[bool]:

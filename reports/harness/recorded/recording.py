@@ -125,6 +125,8 @@ def _names(quantity: Quantity) -> str:
 
 #: How far a quaternion's norm may be off: what is printed with four digits passes.
 UNIT_SLACK = 1e-3
+#: The factor by which it may change from one sample to the next, where no step normalises it.
+NORM_GROWS = 1.5
 
 
 class RecordingError(ValueError):
@@ -154,6 +156,18 @@ class Recording:
         q = self.arrays["q"]
         has_24_bits = np.array_equal(q, q.astype(np.float32)) and not np.array_equal(q, np.rint(q))
         return self.settings.get("precision", "single" if has_24_bits else "double") == "single"
+
+    @property
+    def drift_off_the_sphere(self) -> str:
+        """How the quaternions' norm drifts, in words; empty if it does not."""
+        t, norms = self.arrays["t"], np.linalg.norm(self.arrays["q"], axis=1)
+        if (np.abs(norms - 1) <= UNIT_SLACK).all():
+            return ""
+        rate = np.log(norms[-1] / norms[0]) / (t[-1] - t[0])
+        return (
+            f"the quaternions drift off the unit sphere, by {rate:.3g} /s, to a norm of "
+            f"{norms[-1]:.4g} at {t[-1]:.4g} s; they were normalised"
+        )
 
     @property
     def resolution(self) -> float:
@@ -194,10 +208,13 @@ def check_motion(arrays: dict[str, FloatArray]) -> None:
             f"{k - 1} and {k}, counted from 0; sort the samples, and leave out doubled ones"
         )
     norms = np.linalg.norm(arrays["q"], axis=1)
-    if (off := np.abs(norms - 1) > UNIT_SLACK).any():
+    before = np.concatenate([[1.0], norms[:-1]])
+    slack = np.where(np.arange(len(norms)) > 0, NORM_GROWS, 1 + UNIT_SLACK)
+    if (off := (norms * slack < before) | (norms > before * slack)).any():
         k = _first(off) - 1
         raise RecordingError(
-            f"quaternions must be of unit norm, that of sample {k} is {norms[k]:.4g} long"
+            f"quaternions must be of unit norm, or drift off it slowly from 1 on, that of sample "
+            f"{k} is {norms[k]:.4g} long and the one before {before[k]:.4g}"
         )
 
 

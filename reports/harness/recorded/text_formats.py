@@ -21,6 +21,8 @@ SETTINGS: dict[str, tuple[str, ...] | None] = {
     "omega": ("body", "world"),
     "precision": ("double", "single"),
     "timestep": None,
+    "noise_attitude": None,
+    "noise_omega": None,
 }
 _SHORTEST, _LONGEST = 1e-150, 1e150
 

@@ -71,7 +71,7 @@ def test_a_page_shows_the_files_as_the_runs_of_one_method(recorded, tmp_path):
             ("exact.csv", "--fail-above", "spins=1"),
             "exact.csv: 'spins' cannot be checked: it was not",
         ),
-        (("exact.csv", "--fail-above", "omega"), "must be SIGNAL=BOUND, such as omega=1e-3"),
+        (("exact.csv", "--fail-above", "omega"), "must be SIGNAL=SIZE, such as omega=1e-3"),
         (("exact.csv", "--fail-above", "attitude=five"), "attitude=1e-3, got 'attitude=five'"),
         (("exact.csv", "--timestep", "1", "--timestep", "2"), "once for each file, got 2 for 1"),
         (("exact.csv", "stated.csv"), "timesteps must be halved from file to file"),

@@ -124,5 +124,6 @@ def test_faults_of_real_engines_are_named(name: str) -> None:
     samples = np.arange(0, 1001, 5)
     run = engines()[engine].run(scenario, engines()[engine].method(method), timestep, samples)
     assert run.trajectory is not None
-    (found,) = explained(scenario, run.trajectory, timestep)
-    assert words in found
+    found = explained(scenario, run.trajectory, timestep)
+    assert words in found[0]
+    assert all("at 0.002 s makes" in more for more in found[1:])

@@ -101,7 +101,10 @@ WRONG = {
     ),
     "before the start": (GOOD.replace("\n0,", "\n-1,"), "must be counted from the scene's start"),
     "one sample": (f"t,qw,qx,qy,qz,wx,wy,wz\n{ROW}\n", "at least two samples, got 1"),
-    "no length": (GOOD.replace("0.1,1,", "0.1,0,"), "unit norm, that of sample 1 is 0 long"),
+    "no length": (
+        GOOD.replace("0.1,1,", "0.1,0,"),
+        "drift off it slowly from 1 on, that of sample 1 is 0 long",
+    ),
     "a wrong frame": ("# omega = local\n" + GOOD, "line 1: 'omega' must be body or world"),
     "a wrong timestep": ("# timestep = -1\n" + GOOD, "'timestep' must be a positive number"),
     "a long line": ("t" * (1 << 15), "line 1 must be shorter than"),

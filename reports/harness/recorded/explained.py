@@ -1,0 +1,102 @@
+"""What explains a recorded motion, and whether it is within what may be made of the exact one."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ....scenarios import FloatArray, Scenario, Trajectory
+from ....scenarios.rotation import norms
+from .measured import Measured, estimated_noise
+from .mistakes import Reading, mistakes, starts_elsewhere
+from .motion import RecordedMotion
+from .other_physics import Physics, rounding
+
+#: The names by which a file states the noise of attitude, rad, and of ω, rad/s.
+NOISE = ("noise_attitude", "noise_omega")
+
+
+@dataclass(frozen=True, eq=False)
+class Explanation:
+    """What explains a recorded motion.
+
+    Attributes are as of `JudgedMotion`; `words` are its `explained_by`.
+    """
+
+    words: list[str]
+    verdict: str
+    is_beyond: bool
+    made_by: str = ""
+    measured: Measured | None = None
+
+
+def explained(
+    scenario: Scenario,
+    exact: Trajectory,
+    reading: Reading,
+    recorded: RecordedMotion,
+    timestep: float | None,
+    order: int,
+) -> Explanation:
+    """Return what explains a recorded motion.
+
+    Parameters
+    ----------
+    exact : the exact motion at the recording's times
+    timestep : s, that the motion was made with; None if that is unknown
+    order : of accuracy, of the method that made it
+    """
+    motion = recorded.trajectory
+    floor = _floor(motion, reading.recording.resolution, recorded.has_omega)
+    settings = reading.recording.settings
+    stated = [float(settings.get(name, 0.0)) for name in NOISE]
+    noise = np.maximum(stated, floor) if any(stated) else None
+    in_recording = mistakes(scenario, exact, reading)
+    if not in_recording:
+        is_stated = noise is not None
+        if noise is None:
+            noise = estimated_noise(scenario, motion, floor, recorded.has_omega)
+        if noise is not None:
+            fit = Measured(scenario, motion, exact, noise, is_stated, recorded.has_omega)
+            return _of_measured(fit, timestep, order)
+    physics = Physics(scenario, motion, exact, timestep, order, floor)
+    is_beyond, verdict = physics.is_beyond, _verdict(physics)
+    if in_recording:
+        return Explanation(in_recording, verdict, is_beyond)
+    made_by = physics.integrator(physics.equations) or ""
+    words = [] if made_by else physics.explained()
+    words = words or starts_elsewhere(scenario, exact, reading)
+    return Explanation(words, verdict, is_beyond, made_by)
+
+
+def _of_measured(fit: Measured, timestep: float | None, order: int) -> Explanation:
+    """Of a measured motion; where noise is not what is left, other physics is looked for, too."""
+    words = fit.explained()
+    if fit.is_beyond:
+        physics = Physics(
+            fit.scenario, fit.motion, fit.exact, timestep, order, np.sqrt(2) * fit.noise
+        )
+        words = physics.explained() or words
+    return Explanation(words, fit.verdict, fit.is_beyond, measured=fit)
+
+
+def _floor(motion: Trajectory, resolution: float, has_omega: bool) -> FloatArray:
+    """What rounding, and finding ω from attitudes, make of attitude, rad, and ω, rad/s, (2,)."""
+    floor = rounding(motion, resolution)
+    if not has_omega:
+        distance, speed = float(np.diff(motion.t).max()), float(norms(motion.omega_body).max())
+        # Of five samples, with numbers that are rounded.
+        found = speed * (speed * distance) ** 4 + floor[0] / float(np.diff(motion.t).min())
+        floor = np.array([floor[0] + distance * found, found])
+    return floor
+
+
+def _verdict(physics: Physics) -> str:
+    if physics.search is None:
+        return "its samples are too few, or too far apart, to say what a method made of them"
+    what = f"what a method of order {physics.order} makes of the exact motion"
+    where = (
+        f"at a timestep of {physics.timestep:.4g} s"
+        if physics.timestep
+        else "at a timestep as long as the samples are apart, as none is stated"
+    )
+    return f"{'beyond' if physics.is_beyond else 'within'} {what} {where}"

@@ -1,0 +1,233 @@
+"""Faults of public reports, and of people's own code, are explained in the right words.
+
+A body in skew axes is computed by another integrator than the one that explains it; the reports are
+those of engines and converters that had such a fault.
+"""
+
+import re
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+from library_scenes import library_scene
+from planted_motions import Case, case, exactly, product, rates_of, stepped
+from scipy.spatial.transform import Rotation
+from spincheck.reference.other_equations import equations_of, follow
+from spincheck.reports.harness.recorded.judged import JudgedMotion, judged_motion
+from spincheck.reports.harness.recorded.recording import Recording
+from spincheck.scenarios import Scenario
+
+pytestmark = pytest.mark.slow
+
+BODY = case(7)
+MOMENTS, AXES = np.linalg.eigh(BODY.inertia)
+DIAGONAL = np.diag(np.diag(BODY.inertia))
+Read = Callable[[np.ndarray, np.ndarray], np.ndarray]
+AS_IF = "it moves as if "
+KINEMATICS = "ω obeys Euler's equations, but the attitude does not follow ω: "
+
+
+def judged(scenario: Scenario, arrays: dict[str, np.ndarray], **stated: object) -> JudgedMotion:
+    settings = {name: str(value) for name, value in stated.items()}
+    return judged_motion(scenario, Recording(Path("motion.csv"), arrays, settings))
+
+
+def unnormalised(q: np.ndarray, omega: np.ndarray) -> np.ndarray:
+    """ω along body axes, on the side of world axes."""
+    return product(np.array([0, *omega]), q) / 2
+
+
+#: By report: the equations that it had, and the words.
+REPORTS: dict[str, tuple[dict[str, object], list[str]]] = {
+    "google/brax#48": (
+        {"gyroscopic": 0 * BODY.inertia},
+        [AS_IF + "there were no gyroscopic torque"],
+    ),
+    "mockingbirdnest/Principia#4580": (
+        {"gyroscopic": 0 * BODY.inertia, "torque": lambda omega: -0.05 * BODY.inertia @ omega},
+        [AS_IF + "there were no gyroscopic torque", AS_IF + "L were slowed by 0.05 /s"],
+    ),
+    "newton-physics/urdf-usd-converter#118": (
+        {"inertia": AXES.T @ np.diag(MOMENTS) @ AXES},
+        [AS_IF + "the tensor were about conjugated principal axes"],
+    ),
+    "google-deepmind/mujoco#3559": (
+        {"inertia": np.diag(MOMENTS)},
+        [AS_IF + "the principal moments were along the body's axes, without the tensor's rotation"],
+    ),
+    "students, the product on the wrong side": (
+        {"turning": unnormalised},
+        [
+            KINEMATICS
+            + "q' = ½ ω q, as if ω were along world axes: the product is on the wrong side"
+        ],
+    ),
+    "students, without the half": (
+        {"turning": lambda q, omega: product(q, np.array([0, *omega]))},
+        [KINEMATICS + "q' = q ω, without the ½"],
+    ),
+    "avianphysics/avian#745": (
+        {"gyroscopic": DIAGONAL},
+        [AS_IF + "the gyroscopic torque ω × Iω were of the tensor's diagonal alone"],
+    ),
+    "mahaarbo/urdf2casadi#2": (
+        {"inertia": 2 * DIAGONAL - BODY.inertia},
+        [AS_IF + "the products of inertia had the other sign"],
+    ),
+}
+
+
+@pytest.mark.parametrize("report", REPORTS)
+def test_a_reported_fault_is_named(report: str) -> None:
+    changes, words = REPORTS[report]
+    found = judged(BODY.scenario, exactly(BODY, rates_of(BODY, **changes)), timestep=1e-4)
+    assert list(found.explained_by) == words
+    assert found.is_beyond
+    assert found.verdict == (
+        "beyond what a method of order 1 makes of the exact motion at a timestep of 0.0001 s"
+    )
+
+
+def test_a_rotors_momentum_that_is_reversed_is_named() -> None:
+    """As in ethz-asl/rotors_simulator#6."""
+    scene = library_scene("satellite-and-its-wheel")
+    equations = equations_of(scene)
+    times = scene.times[:61]
+    start = np.concatenate([scene.start.q_world_body_wxyz, scene.start.omega_body])[None]
+    reversed_ = equations._replace(kept=-equations.kept)
+    states = follow(reversed_, start, np.diff(times, prepend=0.0)[None])[0]
+    found = judged(scene, {"t": times, "q": states[:, :4], "omega": states[:, 4:]}, timestep=1e-3)
+    assert list(found.explained_by) == [AS_IF + "the rotors' torque ω × h had the other sign"]
+
+
+def test_a_gyroscopic_step_that_keeps_the_length_of_L_is_named() -> None:
+    """As of avianphysics/avian#993, at 1/60 s."""
+    one, h = case(7, duration=5.0, samples=301), 1 / 60
+    q, omega = one.scenario.start.q_world_body_wxyz, one.scenario.start.omega_body
+    states = [np.concatenate([q, omega])]
+    for _ in one.scenario.times[1:]:
+        L = one.inertia @ omega
+        after = L - h * np.cross(omega, L)
+        omega = np.linalg.solve(one.inertia, after * np.linalg.norm(L) / np.linalg.norm(after))
+        turn = Rotation.from_rotvec(h * omega).as_quat(scalar_first=True)
+        q = product(q, turn)
+        states.append(np.concatenate([q, omega]))
+    table = np.array(states)
+    arrays = {"t": one.scenario.times, "q": table[:, :4], "omega": table[:, 4:]}
+    found = judged(one.scenario, arrays, timestep=h)
+    assert found.made_by == "what semi-implicit Euler with ‖L‖ kept at 0.01667 s makes"
+    assert found.explained_by == ()
+
+
+def test_quaternions_that_are_not_normalised_are_with_a_remark() -> None:
+    one = case(7, duration=2.0, samples=201)
+    q, omega = one.scenario.start.q_world_body_wxyz, one.scenario.start.omega_body
+    rates, states = rates_of(one), []
+    for _ in one.scenario.times:
+        states.append(np.concatenate([q, omega]))
+        dq, domega = rates(q / np.linalg.norm(q), omega)
+        q, omega = q + 0.01 * dq * np.linalg.norm(q), omega + 0.01 * domega
+    table = np.array(states)
+    arrays = {"t": one.scenario.times, "q": table[:, :4], "omega": table[:, 4:]}
+    found = judged(one.scenario, arrays, timestep=0.01)
+    assert found.made_by == "what explicit Euler at 0.01 s makes"
+    (remark,) = found.remarks
+    length = np.linalg.norm(table[-1, :4])
+    assert remark.startswith("the quaternions drift off the unit sphere, by ")
+    assert f"to a norm of {length:.4g} at 2 s; they were normalised" in remark
+
+
+def measured(
+    one: Case, attitude: float, omega: float, read: Read = lambda omega, t: omega, **changes: object
+) -> dict[str, np.ndarray]:
+    """A motion with noise, rad and rad/s, with ω as a gyroscope reads it."""
+    arrays, chance = exactly(one, rates_of(one, **changes)), np.random.default_rng(1)
+    n = len(arrays["t"])
+    noise = Rotation.from_rotvec(chance.normal(0, attitude, (n, 3)))
+    turned = Rotation.from_quat(arrays["q"], scalar_first=True) * noise
+    return arrays | {
+        "q": turned.as_quat(scalar_first=True),
+        "omega": read(arrays["omega"], arrays["t"]) + chance.normal(0, omega, (n, 3)),
+    }
+
+
+NOISE = np.radians(0.3), 0.02
+#: What a gyroscope makes of ω, the words, and the numbers in them.
+GYROSCOPES: dict[str, tuple[Read, str, list[float]]] = {
+    "nothing": (lambda omega, t: omega, "", []),
+    "a bias": (
+        lambda omega, t: omega + 0.1 * np.eye(3)[0],
+        "the gyroscope has a bias of ",
+        [0.1, 0, 0],
+    ),
+    "a scale": (
+        lambda omega, t: omega * [1.05, 1, 1],
+        "the gyroscope's axes read ",
+        [1.05, 1, 1],
+    ),
+    "other axes": (
+        lambda omega, t: omega @ Rotation.from_rotvec([0.05, 0, 0]).as_matrix(),
+        "the gyroscope's axes are turned against the body's by ",
+        [np.degrees(0.05), 0, 0],
+    ),
+    "a lag": (
+        lambda omega, t: omega - 0.03 * np.gradient(omega, t, axis=0),
+        "ω lags the attitude by ",
+        [0.03],
+    ),
+}
+
+
+@pytest.mark.parametrize("error", GYROSCOPES)
+@pytest.mark.parametrize("is_stated", [False, True])
+def test_a_gyroscopes_mistake_is_named_and_nothing_that_noise_explains(
+    error: str, is_stated: bool
+) -> None:
+    read, words, numbers = GYROSCOPES[error]
+    attitude, omega = NOISE[0], NOISE[1] / 10
+    stated = {"noise_attitude": attitude, "noise_omega": omega} if is_stated else {}
+    found = judged(BODY.scenario, measured(BODY, attitude, omega, read), **stated)
+    assert len(found.explained_by) == bool(words)
+    sentence = "".join(found.explained_by).replace("[", "")
+    assert sentence.startswith(words)
+    each = re.findall(r"(\S+) ± ([\d.e-]+)", sentence)
+    assert len(each) == len(numbers)
+    for (number, off), wanted in zip(each, numbers, strict=True):
+        # Five standard errors are exceeded by chance once in a million logs.
+        assert abs(float(number) - wanted) < 5 * float(off)
+    assert not found.is_beyond
+    assert f"which is {'stated' if is_stated else 'estimated'}: χ² is " in found.verdict
+
+
+def test_another_moment_is_found_in_noise_with_its_standard_error() -> None:
+    heavier = (AXES * (MOMENTS * [1.0, 1.05, 1.0])) @ AXES.T
+    found = judged(BODY.scenario, measured(BODY, np.radians(0.06), 0.001, inertia=heavier))
+    assert [words.partition(" were ")[0] for words in found.explained_by] == [
+        "it moves as if the tensor"
+    ]
+    assert found.measured is not None
+    entries, errors = found.measured.tensor_entries()
+    scaled = heavier * np.trace(BODY.inertia) / np.trace(heavier)
+    wanted = scaled[[0, 1, 2, 0, 0, 1], [0, 1, 2, 1, 2, 2]]
+    # Of six numbers none is off by five standard errors, but by chance in a million logs.
+    assert np.all(np.abs(entries - wanted) < 5 * errors)
+    assert np.all(errors < 0.01 * np.trace(BODY.inertia))
+
+
+def test_noise_that_is_stated_too_small_is_told() -> None:
+    arrays = measured(BODY, *NOISE)
+    found = judged(BODY.scenario, arrays, noise_attitude=NOISE[0] / 2, noise_omega=NOISE[1])
+    assert found.verdict.startswith("beyond a noise of 0.15° in attitude")
+    assert found.is_beyond
+
+
+@pytest.mark.parametrize("order", [1, 2, 3, 4])
+def test_an_honest_method_is_not_accused(order: int) -> None:
+    for seed in (1, 2):
+        one = case(30 + seed, is_pivoted=seed == 2, duration=2.0, samples=101)
+        chance = np.random.default_rng(seed)
+        arrays = stepped(one, rates_of(one), order, 0.01, chance)
+        found = judged(one.scenario, arrays, timestep=0.01)
+        assert found.explained_by == ()
+        assert not found.is_beyond
