@@ -11,6 +11,7 @@ import numpy as np
 from ..scenarios import Scenario, loads
 from .flow import flow
 from .kernel import FOLDER
+from .other_equations import equations_of, follow
 from .solve import ExactMotion, solve_ode
 
 #: Says in the folder of the machine code that nothing is missing there.
@@ -49,10 +50,12 @@ def compile_march() -> None:
 
 
 def compile_flow() -> None:
-    """Compile the closed forms and the flow, in the other half."""
+    """Compile the closed forms, the flow, and other equations' motions, in the other half."""
     for scenario in _scenes():
         exact = ExactMotion(scenario).outline(scenario.times)
         flow(scenario, exact, np.zeros(len(exact.t)))
+        states = np.hstack([exact.q_world_body_wxyz, exact.omega_body])
+        follow(equations_of(scenario), states, np.zeros((len(states), 1)))
 
 
 def compile_kernels() -> None:
