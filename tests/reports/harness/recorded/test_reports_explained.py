@@ -6,6 +6,7 @@ those of engines and converters that had such a fault.
 
 import re
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -13,8 +14,13 @@ import pytest
 from library_scenes import library_scene
 from planted_motions import Case, case, exactly, product, rates_of, stepped
 from scipy.spatial.transform import Rotation
+from scipy.stats import chi2
+from spincheck.reference import solve
 from spincheck.reference.other_equations import equations_of, follow
+from spincheck.reports.harness.recorded.changes import Change, resistance
+from spincheck.reports.harness.recorded.fits import LEVEL, Intervals, Search
 from spincheck.reports.harness.recorded.judged import JudgedMotion, judged_motion
+from spincheck.reports.harness.recorded.measured import Measured
 from spincheck.reports.harness.recorded.recording import Recording
 from spincheck.scenarios import Scenario
 
@@ -218,6 +224,16 @@ def test_another_moment_is_found_in_noise_with_its_standard_error() -> None:
     assert np.all(errors < 0.01 * np.trace(BODY.inertia))
 
 
+def test_noise_is_estimated_to_its_standard_error() -> None:
+    one = case(7, samples=1201)
+    arrays = measured(one, *NOISE)
+    exact = solve(one.scenario, arrays["t"]).trajectory
+    motion = replace(exact, q_world_body_wxyz=arrays["q"], omega_body=arrays["omega"])
+    found, _ = Measured(one.scenario, motion, exact, 2 * np.array(NOISE), False, True).best
+    # Each is of three numbers a sample.
+    assert found.noise == pytest.approx(NOISE, rel=5 / np.sqrt(2 * 3 * 1201))
+
+
 def test_noise_that_is_stated_too_small_is_told() -> None:
     arrays = measured(LOG, *NOISE)
     found = judged(LOG.scenario, arrays, noise_attitude=NOISE[0] / 2, noise_omega=NOISE[1])
@@ -232,3 +248,21 @@ def test_an_honest_method_is_not_accused(order: int) -> None:
     found = judged(one.scenario, arrays, timestep=0.01)
     assert found.explained_by == ()
     assert not found.is_beyond
+
+
+@pytest.mark.parametrize("is_alone", [True, False])
+def test_one_change_among_a_hundred_must_be_a_hundred_times_less_likely_by_chance(
+    is_alone: bool,
+) -> None:
+    """The fall of χ² is between what is called for of one change, and of a hundred."""
+    equations = equations_of(BODY.scenario)
+    drag = resistance(BODY.scenario, equations)
+    starts = np.tile([1.0, 0.0, 0.0, 0.0, 0.5, 1.0, 2.0], (12, 1))
+    spans = np.linspace(0.01, 0.2, 12)[:, None]
+    ends = follow(drag.apply(equations, np.array([1e-3])), starts, spans)[:, 0]
+    fall = chi2.isf(LEVEL / 10, 1)
+    exact = Intervals(starts, spans, ends, np.ones(2), np.zeros((12, 2)))
+    noise = np.full(2, np.linalg.norm(exact.off(equations)) / np.sqrt(fall))
+    others = [] if is_alone else [Change(lambda _: "nothing", lambda e, _: e)] * 99
+    found = Search(replace(exact, noise=noise), equations, [drag, *others]).found()
+    assert (found is not None) == is_alone
