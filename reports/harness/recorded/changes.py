@@ -69,12 +69,9 @@ def _set(words: str, *, is_kinematic: bool = False, **numbers: Any) -> Change:
     )
 
 
-def _said(words: str, _: FloatArray) -> str:
-    return words
-
-
-def _with_inertia(tensor: FloatArray, e: OtherEquations, _: FloatArray) -> OtherEquations:
-    return e.with_inertia(tensor)
+def _of_body(tensor: FloatArray) -> dict[str, Any]:
+    """The numbers of equations that are a body's with this tensor."""
+    return {"inertia": tensor, "inverse": np.linalg.inv(tensor), "gyroscopic": tensor}
 
 
 def _factor(words: str, apply: Callable[[OtherEquations, float], OtherEquations]) -> Change:
@@ -145,12 +142,12 @@ def _of_gyroscopic_torque(scenario: Scenario, e: OtherEquations) -> Iterator[Cha
         yield _set(
             "the gyroscopic torque were ω × Iω with the tensor about the com", gyroscopic=of_com
         )
-    for words, apply in (
-        ("the gyroscopic torque ω × Iω were {} times as strong", "gyroscopic"),
-        ("the gyroscopic torque ω × (Iω + h) were {} times as strong", "both"),
+    for words, of_parts in (
+        ("the gyroscopic torque ω × Iω were {} times as strong", False),
+        ("the gyroscopic torque ω × (Iω + h) were {} times as strong", True),
     ):
-        if apply == "gyroscopic" or e.kept.any():
-            yield _factor(words, partial(_scaled_gyroscopic, apply == "both"))
+        if e.kept.any() or not of_parts:
+            yield _factor(words, partial(_scaled_gyroscopic, of_parts))
     turned_off = "the gyroscopic torque ω × Iω were of "
     for words, G in (
         ("the tensor's diagonal alone", np.diag(np.diag(inertia))),
@@ -170,13 +167,7 @@ def _of_gyroscopic_torque(scenario: Scenario, e: OtherEquations) -> Iterator[Cha
         ("the tensor did not turn with the body: as it is at the start, in world axes", started),
         ("the tensor were along world axes, and did not turn with the body", inertia),
     ):
-        yield _set(
-            words,
-            inertia=tensor,
-            inverse=np.linalg.inv(tensor),
-            gyroscopic=tensor.copy(),
-            in_world=True,
-        )
+        yield _set(words, **_of_body(tensor), in_world=True)
     yield Change(
         partial(_other_gyroscopic, float(np.trace(inertia))),
         lambda e, n: e._replace(gyroscopic=_symmetric(n)),
@@ -215,7 +206,7 @@ def _of_known_tensors(scenario: Scenario, e: OtherEquations) -> Iterator[Change]
         is_new = all(np.abs(tensor - other).max() > SAME * np.abs(other).max() for other in seen)
         if is_new and np.linalg.eigvalsh(tensor)[0] > 0:
             seen.append(tensor)
-            yield Change(partial(_said, words), partial(_with_inertia, tensor))
+            yield _set(words, **_of_body(tensor))
 
 
 def _known_tensors(scenario: Scenario) -> Iterator[tuple[str, FloatArray]]:
@@ -268,7 +259,6 @@ def _known_tensors(scenario: Scenario) -> Iterator[tuple[str, FloatArray]]:
         )
         yield f"{names} had the other sign", flipped + added
     yield "the tensor were that of a sphere", np.eye(3) * moments.mean() + added
-    # Of G = sphere the torque ω × Iω is zero: said already, but for what the pivot adds.
 
 
 def _in_other_axes(tensor: FloatArray, is_conjugated: bool) -> Iterator[FloatArray]:

@@ -5,7 +5,7 @@ normal and independent. A number is added if the sum of squares falls by more th
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -159,7 +159,7 @@ class Measured:
     def with_tensor(self) -> MeasuredFit:
         """The best fit, with the tensor besides if that was not called for."""
         measured, fit = self.best
-        if self.tensor in fit.added or measured.tensor in fit.added:
+        if self.tensor in fit.added:
             return fit
         return measured._fit((*fit.added, measured.tensor), fit.numbers)
 
@@ -235,7 +235,7 @@ class Measured:
         fit, tensor = self.with_tensor, self.best[0].tensor
         at = 6
         for one in fit.added:
-            if isinstance(one, Change) and len(one.none) == len(tensor.none):
+            if one is tensor:
                 break
             at += _count(one)
         x = _slice(fit.numbers, at, tensor)
@@ -250,7 +250,7 @@ class Measured:
 
     def _better(self, fit: MeasuredFit) -> MeasuredFit | None:
         """The fit with one more change that is least likely to fit as well by chance."""
-        candidates = [one for one in self._candidates() if one not in fit.added]
+        candidates = [one for one in self.candidates if one not in fit.added]
         found: tuple[float, MeasuredFit] | None = None
         for one in candidates:
             # Taken as linear first, which takes a tenth of the time.
@@ -263,7 +263,9 @@ class Measured:
                 found = beyond, other
         return found and found[1]
 
-    def _candidates(self) -> list[Change | GyroscopeError]:
+    @cached_property
+    def candidates(self) -> list[Change | GyroscopeError]:
+        """Every change that is looked for."""
         found: list[Change | GyroscopeError] = [
             self.tensor,
             resistance(self.scenario, self.equations),
@@ -292,9 +294,9 @@ class Measured:
         found = np.sqrt(np.array([np.mean(part**2) for part in np.split(rows, 2, axis=1)]) / share)
         if not self.has_omega:
             found[1] = self.noise[1]
-        kind = Measured(self.scenario, self.motion, self.exact, found, False, self.has_omega)
-        vars(kind)["tensor"] = self.tensor
-        vars(kind)["equations"] = self.equations
+        kind = replace(self, noise=found)
+        # What was added is told from what may be by being the same object.
+        vars(kind).update(tensor=self.tensor, candidates=self.candidates)
         return kind
 
     def _scene_start(self) -> FloatArray:

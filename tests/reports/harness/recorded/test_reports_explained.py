@@ -234,6 +234,15 @@ def test_noise_is_estimated_to_its_standard_error() -> None:
     assert found.noise == pytest.approx(NOISE, rel=5 / np.sqrt(2 * 3 * 1201))
 
 
+def test_a_change_that_was_added_is_not_looked_for_again() -> None:
+    arrays = measured(LOG, *NOISE, torque=lambda omega: -0.1 * omega)
+    exact = solve(LOG.scenario, arrays["t"]).trajectory
+    motion = replace(exact, q_world_body_wxyz=arrays["q"], omega_body=arrays["omega"])
+    log, fit = Measured(LOG.scenario, motion, exact, np.array(NOISE), False, True).best
+    assert fit.added
+    assert set(fit.added) <= set(log.candidates)
+
+
 def test_noise_that_is_stated_too_small_is_told() -> None:
     arrays = measured(LOG, *NOISE)
     found = judged(LOG.scenario, arrays, noise_attitude=NOISE[0] / 2, noise_omega=NOISE[1])
