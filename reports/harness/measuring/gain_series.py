@@ -200,12 +200,12 @@ def _two_series(measured: Measured, one: GainSeries) -> GainSeries:
     for change in np.unique(best.changes):
         states, parts = best.changes == change, best.parts[change]
         tails[:, states] = np.concatenate([part.tails(flat) for part in parts])[:, states]
-        limits, errors, of_limits = zip(*(part.limit(flat) for part in parts), strict=True)
-        limit[states] = (limits[-1] * measured.units[:, None])[states]
-        known_to[states] = (errors[-1] * measured.units)[states]
         # Fewer gains than that tell no limit from a series.
-        tested = of_limits if change == 0 or change >= LEAST else of_limits[1:]
-        limit_tails[states] = np.min(tested, axis=0)[states]
+        found = [part.limit(flat) for part in parts if len(part.sigma[0]) >= LEAST]
+        finest, error, _ = found[-1]
+        limit[states] = (finest * measured.units[:, None])[states]
+        known_to[states] = (error * measured.units)[states]
+        limit_tails[states] = np.min([of_limit for _, _, of_limit in found], axis=0)[states]
     return replace(
         one,
         order=best.order,
@@ -239,8 +239,7 @@ class _Split:
     def of(measured: Measured, order: int, radius: float) -> "_Split":
         """The most likely change, by one order and radius."""
         whole, count = Whitened.of(measured, order, radius), len(measured.x)
-        starts = range(1, count - LEAST + 1)
-        pairs = [(whole.until(c), Whitened.of(measured, order, radius, c)) for c in starts]
+        pairs = [(whole.until(c), Whitened.of(measured, order, radius, c)) for c in range(1, count)]
         parts = [(whole,), *pairs]
         each = np.array([sum(log_sum(part.evidence) for part in one) for one in parts])
         # A pair has two amplitudes, each of which may be any of the grid.

@@ -57,13 +57,17 @@ class Measured:
     def changes(self, last: int) -> NDArray[np.intp]:
         """The index of the timestep from which on steps may be computed otherwise, (n, K).
 
-        One row for each timestep, the same for all states, and one for each turn. 0 in states whose
-        gains are one series: all of their steps are on one side, or those beyond `last` are.
+        One row for each timestep up to `last`, the same for all states, and one for each turn that
+        some state changes at by then. 0 in states all of whose steps are on one side.
         """
-        by_timestep = np.repeat(np.arange(1, last + 1)[:, None], self.turns.shape[1], axis=1)
+        count, states = self.turns.shape
+        by_timestep = np.repeat(np.arange(1, last + 1)[:, None], states, axis=1)
         by_turn = (self.turns[:, :, None] > np.unique(self.turns)).sum(axis=0).T
-        found = np.unique(np.concatenate([by_timestep, by_turn]), axis=0)
-        return np.where(found <= last, found, 0)
+        by_turn = np.where(by_turn < count, by_turn, 0)
+        is_seen = ((by_turn > 0) & (by_turn <= last)).any(axis=1) | ~by_turn.any(axis=1)
+        # One of the two series at least has as many steps as the shorter timesteps at `last`.
+        is_long = ((by_turn <= last) | (by_turn >= count - last)).all(axis=1)
+        return np.unique(np.concatenate([by_timestep, by_turn[is_seen & is_long]]), axis=0)
 
 
 @dataclass(frozen=True, eq=False)

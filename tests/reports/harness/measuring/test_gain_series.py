@@ -204,3 +204,27 @@ def test_units_make_no_difference() -> None:
     other = fitted(2.0**30 * one.timesteps, size * one.gains, size * one.noise, LEVEL)
     np.testing.assert_allclose(other.tails, one.fitted().tails, rtol=1e-6)
     np.testing.assert_allclose(other.limit / size, one.fitted().limit, rtol=1e-6)
+
+
+def below_a_turn(timesteps: int, seed: int) -> tuple[np.ndarray, ...]:
+    """Timesteps, honest gains that are less by 1e-4 of themselves below a turn, noise and rates.
+
+    The turn is where the slowest state has four steps below it, and the fastest three fewer.
+    """
+    chance = np.random.default_rng([SEED, seed])
+    whole = drawn(chance, 1)
+    h, gains, noise = (one[:timesteps] for one in (whole.timesteps, whole.gains, whole.noise))
+    rates = 2.0 ** chance.uniform(0, 3, STATES)
+    turns = h[:, None] * rates
+    is_short = turns < h[-LEAST] * rates.min() * 1.01
+    return h, gains * (1 - 1e-4 * is_short[..., None]), noise, rates
+
+
+@pytest.mark.parametrize("timesteps", [5, 6, 7, 8, DOUBLE])
+def test_a_method_may_compute_steps_below_a_turn_otherwise(timesteps: int) -> None:
+    for seed in range(FAULTY):
+        h, gains, noise, rates = below_a_turn(timesteps, seed)
+        assert np.isfinite(fitted(h, gains, noise, LEVEL, rates=rates).tail)
+        if timesteps == DOUBLE:
+            assert fitted(h, gains, noise, LEVEL).tail < LEVEL
+            assert fitted(h, gains, noise, LEVEL, rates=rates).tail >= LEVEL
