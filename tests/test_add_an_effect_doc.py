@@ -24,9 +24,9 @@ OTHER_TABLES = {f"reports/pages/{name}.py" for name in OTHERS}
 OTHER_TABLES.add("scenarios/format_page.py")
 #: Of a constraint with a force and an end of its own: measured.
 MOST_OF_A_CONSTRAINT = 12
-MOST, MOST_WITH_ADAPTERS = 10, 21
+MOST, MOST_WITH_ADAPTERS = 12, 23
 #: Of a part, which adds states: measured.
-MOST_OF_A_PART = 13
+MOST_OF_A_PART = 14
 
 
 def files_with(word: re.Pattern[str], root: Path) -> set[str]:

@@ -69,7 +69,7 @@ def explained(
 
 
 def _of_measured(fit: Measured, timestep: float | None, order: int) -> Explanation:
-    """Of a measured motion; where noise is not what is left, other physics is looked for, too."""
+    """Explain a measured motion, by other physics too where more than noise is left."""
     words = fit.explained()
     if fit.is_beyond:
         physics = Physics(

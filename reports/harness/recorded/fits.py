@@ -67,7 +67,7 @@ class Intervals:
         return 1 + (6 * len(self.spans) - 1) * of_method
 
     def spread(self, most: int) -> "Intervals":
-        """So many of them at most, spread over all."""
+        """Return so many of them at most, spread over all."""
         kept = np.unique(np.linspace(0, len(self.spans) - 1, most).astype(int))
         starts, spans, ends = self.starts[kept], self.spans[kept], self.ends[kept]
         return Intervals(starts, spans, ends, self.noise, self.method[kept])
@@ -129,12 +129,12 @@ class Trial:
         return np.concatenate([np.empty(0), *(change.sizes for change in self.changes)])
 
     def numbers(self, x: FloatArray) -> list[FloatArray]:
-        """Of each change, from scaled ones."""
+        """Return the numbers of each change, from scaled ones."""
         numbers, ends = self.none + self.sizes * x, np.cumsum([len(c.none) for c in self.changes])
         return [numbers[end - len(c.none) : end] for c, end in zip(self.changes, ends, strict=True)]
 
     def equations(self, x: FloatArray) -> OtherEquations:
-        """With all changes."""
+        """Return the equations with all changes."""
         equations = self.base
         for change, numbers in zip(self.changes, self.numbers(x), strict=True):
             equations = change.apply(equations, numbers)
