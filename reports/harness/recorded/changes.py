@@ -148,15 +148,16 @@ def _of_gyroscopic_torque(scenario: Scenario, e: OtherEquations) -> Iterator[Cha
     ):
         if e.kept.any() or not of_parts:
             yield _factor(words, partial(_scaled_gyroscopic, of_parts))
-    turned_off = "the gyroscopic torque ω × Iω were of "
-    for words, G in (
-        ("the tensor's diagonal alone", np.diag(np.diag(inertia))),
-        ("the tensor with its products of inertia of the other sign", _products(inertia, -1.0)),
-        ("the principal moments as if they were along the body's axes", None),
-        ("the tensor about conjugated principal axes", None),
+    along_axes = list(_in_other_axes(inertia, is_conjugated=False))
+    conjugated = list(_in_other_axes(inertia, is_conjugated=True))
+    for words, tensors in (
+        ("the tensor's diagonal alone", [_products(inertia, 0.0)]),
+        ("the tensor with its products of inertia of the other sign", [_products(inertia, -1.0)]),
+        ("the principal moments as if they were along the body's axes", along_axes),
+        ("the tensor about conjugated principal axes", conjugated),
     ):
-        for tensor in [G] if G is not None else _in_other_axes(inertia, "conjugated" in words):
-            yield _set(turned_off + words, gyroscopic=tensor)
+        for tensor in tensors:
+            yield _set(f"the gyroscopic torque ω × Iω were of {words}", gyroscopic=tensor)
     inverse = np.diag(1 / np.diag(inertia))
     yield _set(
         "ω' were of the tensor's diagonal alone, though ω × Iω is of all of it", inverse=inverse
