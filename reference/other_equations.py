@@ -96,14 +96,12 @@ class Integrator(NamedTuple):
     Attributes
     ----------
     name : as it is called
-    order : of accuracy
     a, b : Butcher's table, explicit, (stages, stages) and (stages,)
     form : what is integrated beside q: `OMEGA_BODY`, `OMEGA_WORLD`, `MOMENTUM`
     scheme : `TABLE`, or one of Euler's that goes by turns
     """
 
     name: str
-    order: int
     a: FloatArray
     b: FloatArray
     form: int = 0
@@ -116,21 +114,21 @@ OMEGA_BODY, OMEGA_WORLD, MOMENTUM = 0, 1, 2
 TABLE, OMEGA_FIRST, OMEGA_FIRST_TURNED, ATTITUDE_FIRST, LENGTH_KEPT, TURNED = 0, 1, 2, 3, 4, 5
 
 
-def _table(name: str, order: int, *rows: tuple[float, ...], form: int = 0) -> Integrator:
+def _table(name: str, *rows: tuple[float, ...], form: int = 0) -> Integrator:
     *inner, b = rows
     a = np.zeros((len(b), len(b)))
     for k, row in enumerate(inner, 1):
         a[k, : len(row)] = row
-    return Integrator(name, order, a, np.array(b), form)
+    return Integrator(name, a, np.array(b), form)
 
 
-EXACT = Integrator("", 8, np.array(DOP853.A), np.array(DOP853.B))
+EXACT = Integrator("", np.array(DOP853.A), np.array(DOP853.B))
 _EULER = (1.0,)
-_TABLES: dict[tuple[str, int], tuple[tuple[float, ...], ...]] = {
-    ("explicit Euler", 1): (_EULER,),
-    ("the midpoint rule", 2): ((0.5,), (0.0, 1.0)),
-    ("Heun's method", 2): ((1.0,), (0.5, 0.5)),
-    ("RK4", 4): ((0.5,), (0.0, 0.5), (0.0, 0.0, 1.0), (1 / 6, 1 / 3, 1 / 3, 1 / 6)),
+_TABLES: dict[str, tuple[tuple[float, ...], ...]] = {
+    "explicit Euler": (_EULER,),
+    "the midpoint rule": ((0.5,), (0.0, 1.0)),
+    "Heun's method": ((1.0,), (0.5, 0.5)),
+    "RK4": ((0.5,), (0.0, 0.5), (0.0, 0.0, 1.0), (1 / 6, 1 / 3, 1 / 3, 1 / 6)),
 }
 _FORMS = (("", OMEGA_BODY), (" of ω along world axes", OMEGA_WORLD), (" of L", MOMENTUM))
 _BY_TURNS = (
@@ -143,11 +141,11 @@ _BY_TURNS = (
 #: The integrators that are known by name.
 KNOWN = (
     *(
-        _table(name + words, order, *rows, form=form)
-        for (name, order), rows in _TABLES.items()
+        _table(name + words, *rows, form=form)
+        for name, rows in _TABLES.items()
         for words, form in _FORMS
     ),
-    *(Integrator(name, 1, np.zeros((1, 1)), np.ones(1), scheme=k) for name, k in _BY_TURNS),
+    *(Integrator(name, np.zeros((1, 1)), np.ones(1), scheme=k) for name, k in _BY_TURNS),
 )
 
 
