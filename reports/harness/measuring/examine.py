@@ -13,7 +13,6 @@ from ....scenarios.rotation import norms
 from ...results.evidence import LEVEL, QUANTITIES, GainCurve, StepEvidence, StepFault
 from ...results.reasons import fault_in_words
 from ..stock import stock_timesteps
-from .gain_series import GainSeries
 from .look import Look
 from .noise import SOLVED, ULPS, noise_of, noise_of_steps, rounding_of_body
 from .places import FINER, Places, places
@@ -242,7 +241,7 @@ def evidence_of(look: Look, at: Places, order: int) -> StepEvidence:
         look.tail,
         known_to,
         of_an_effect,
-        min((one.order for one in _shown(look)), default=order),
+        _order_shown(look, order),
         tuple(_curves(look)),
         fault_of(look, at),
         look.settled,
@@ -252,13 +251,21 @@ def evidence_of(look: Look, at: Places, order: int) -> StepEvidence:
     )
 
 
-def _shown(look: Look) -> list[GainSeries]:
-    """The series of attitude and angular momentum, where gains are more than noise."""
-    return [
-        series
-        for q, series in enumerate(look.series[:2])
-        if (np.abs(look.gains[:, :, q]).max(axis=2) > 1e3 * look.noise[:, :, q]).any()
-    ]
+def _order_shown(look: Look, declared: int) -> int:
+    """The least order of attitude and angular momentum, where gains are more than noise.
+
+    An order of half of the declared one, or less, must be likelier than that by the level.
+    """
+    shown = []
+    for q, series in enumerate(look.series[:2]):
+        if not (np.abs(look.gains[:, :, q]).max(axis=2) > 1e3 * look.noise[:, :, q]).any():
+            continue
+        order = series.order
+        if 2 * order <= declared:
+            of_order, of_declared = (look.likelihood_of(one, q) for one in (order, declared))
+            order = order if of_order - of_declared > -np.log(LEVEL) else declared
+        shown.append(order)
+    return min(shown, default=declared)
 
 
 def _curves(look: Look) -> list[GainCurve]:

@@ -10,12 +10,14 @@ innovation of a prediction, in units of its standard deviation, is the statistic
 extrapolation: Oates, Karvonen, Teckentrup, Strocchi & Niederer, arXiv 2401.07562). A constant added
 to the series, with a flat prior, is the limit at vanishing timesteps, with its standard error.
 
-Order and radius are of all states, by maximum likelihood. The amplitude of each state is integrated
-over, with a prior that is estimated from the amplitudes of all states (Kiefer & Wolfowitz, Ann.
-Math. Stat. 27 (1956) 887).
+The order is of all states, by maximum likelihood. Radius and amplitude of each state are integrated
+over, with a prior that is estimated from all states (Kiefer & Wolfowitz, Ann. Math. Stat. 27 (1956)
+887).
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,12 +26,14 @@ from scipy.special import chdtrc
 from ....scenarios import FloatArray
 from .whitened import PREDICTED_FROM, Measured, Whitened, log_sum, normalised
 
-#: Orders and inverse radii of convergence that are tried.
-ORDERS, RADII = (1, 2, 3, 4, 5, 6), (0.5, 1.0, 2.0, 4.0)
-#: Share of the amplitude's prior that is the same everywhere, and steps of its estimation.
+#: Orders that are tried.
+ORDERS = (1, 2, 3, 4, 5, 6)
+#: Share of the prior that is the same everywhere, and steps of its estimation.
 LEAK, ESTIMATIONS = 0.1, 3
 #: Gains that tell a limit, if steps are computed otherwise from some timestep on.
 LEAST = 4
+
+T = TypeVar("T", "_Fit", "_Split")
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,7 +42,7 @@ class GainSeries:
 
     Attributes
     ----------
-    order, radius : of the series; `radius` is the inverse radius of convergence
+    order : of the series
     tails : the probability that a gain is as far off its prediction, (J, K); 1 where it has none
     limit_tails : likewise that the limit is as far from zero, (K,)
     limit, known_to : of each state, at vanishing timesteps, (K, 3), and its standard error, (K,)
@@ -46,10 +50,10 @@ class GainSeries:
         its standard deviation, (J, K)
     changes : the index of the timestep from which on steps are computed otherwise, (K,); 0 where
         there is none
+    alone : the index of the timestep that would be off, if a single one is; None where more are
     """
 
     order: int
-    radius: float
     tails: FloatArray
     limit_tails: FloatArray
     limit: FloatArray
@@ -58,6 +62,7 @@ class GainSeries:
     predicted_to: FloatArray
     changes: NDArray[np.intp]
     is_pooled: bool = True
+    alone: int | None = None
 
     @property
     def least_tails(self) -> FloatArray:
@@ -101,7 +106,8 @@ def fitted(
 
     Where one series leaves a tail below the level, two are tried: of a method that computes shorter
     steps otherwise, both of which must vanish with the timestep. So may the longest timesteps be
-    beyond the radius of convergence.
+    beyond the radius of convergence. Two series follow many gains: where one with a single timestep
+    that is off is likelier by the level, that is a fault.
 
     Parameters
     ----------
@@ -120,12 +126,22 @@ def fitted(
     if may_split and len(timesteps) > LEAST:
         two = _two_series(measured, one)
         if two.tail >= level:
-            return two
-    return _off_limit(measured, one)
+            alone, total = _off_alone(measured, level)
+            if alone is None or total - _Split.of(measured, two.order).total < -np.log(level):
+                return two
+    alone, _ = _off_alone(measured, level)
+    return replace(_off_limit(measured, one), alone=alone)
+
+
+def likelihood_of(order: int, measured: Measured, *, is_split: bool) -> float:
+    """How likely gains are by an order (logarithm)."""
+    if is_split:
+        return _Split.of(measured, order).total
+    return _Fit.of(measured, order, constant=False).total
 
 
 def _prior(evidence: FloatArray) -> tuple[FloatArray, float]:
-    """The distribution of amplitudes that the states show, (A,), and how likely they are by it."""
+    """The distribution over the grid that the states show, (A,), and how likely they are by it."""
     count = len(evidence)
     prior = np.full(count, 1 / count)
     for _ in range(ESTIMATIONS):
@@ -136,37 +152,40 @@ def _prior(evidence: FloatArray) -> tuple[FloatArray, float]:
 
 @dataclass(frozen=True, eq=False)
 class _Fit:
-    """Innovations of one order and radius, and the prior of the amplitudes that goes with them."""
+    """Innovations of one order, the prior that goes with them, and how likely they are by it."""
 
-    total: float
     order: int
-    radius: float
+    total: float
     prior: FloatArray
     white: Whitened
 
-
-def _most_likely(measured: Measured, *, constant: bool) -> _Fit:
-    """The most likely order, and then radius, of a series with a constant or without."""
-
-    def tried(order: int, radius: float) -> _Fit:
-        white = Whitened.of(measured, order, radius)
+    @staticmethod
+    def of(measured: Measured, order: int, *, constant: bool) -> "_Fit":
+        """Fit a series with a constant or without."""
+        white = Whitened.of(measured, order)
         prior, total = _prior(white.evidence_with_constant if constant else white.evidence)
-        return _Fit(total, order, radius, prior, white)
+        return _Fit(order, total, prior, white)
 
-    first = max((tried(order, 1.0) for order in ORDERS), key=lambda one: one.total)
-    others = (tried(first.order, radius) for radius in RADII if radius != 1.0)
-    return max([first, *others], key=lambda one: one.total)
+
+def _likeliest(fit: Callable[[int], T]) -> T:
+    """The fit of the likeliest order: up to it likelihoods rise, and fall beyond."""
+    best = fit(ORDERS[0])
+    for order in ORDERS[1:]:
+        other = fit(order)
+        if other.total <= best.total:
+            break
+        best = other
+    return best
 
 
 def _one_series(measured: Measured) -> GainSeries:
     """What one series leaves."""
-    fit = _most_likely(measured, constant=False)
+    fit = _likeliest(lambda order: _Fit.of(measured, order, constant=False))
     limit, known_to, limit_tails = fit.white.limit(fit.prior)
     mean, error = fit.white.predictions(measured.gains, fit.prior)
     units = measured.units
     return GainSeries(
         fit.order,
-        fit.radius,
         fit.white.tails(fit.prior),
         limit_tails,
         limit * units[:, None],
@@ -178,8 +197,8 @@ def _one_series(measured: Measured) -> GainSeries:
 
 
 def _off_limit(measured: Measured, one: GainSeries) -> GainSeries:
-    """The same, with the limit by the order and radius that are most likely if it is not zero."""
-    fit = _most_likely(measured, constant=True)
+    """The same, with the limit by the order that is most likely if it is not zero."""
+    fit = _likeliest(lambda order: _Fit.of(measured, order, constant=True))
     limit, known_to, _ = fit.white.limit(fit.prior)
     units = measured.units
     return replace(one, limit=limit * units[:, None], known_to=known_to * units)
@@ -188,15 +207,12 @@ def _off_limit(measured: Measured, one: GainSeries) -> GainSeries:
 def _two_series(measured: Measured, one: GainSeries) -> GainSeries:
     """What is left where steps shorter than one timestep or one turn are computed otherwise.
 
-    The timestep or turn is the most likely one, and is the same for all states, as are order and
-    radius.
+    The timestep or turn is the most likely one, and is the same for all states, as is the order.
     """
-    first = max((_Split.of(measured, order, 1.0) for order in ORDERS), key=lambda one: one.total)
-    others = (_Split.of(measured, first.order, radius) for radius in RADII if radius != 1.0)
-    best = max([first, *others], key=lambda one: one.total)
+    best = _likeliest(lambda order: _Split.of(measured, order))
     tails, limit_tails = one.tails.copy(), one.limit_tails.copy()
     limit, known_to = one.limit.copy(), one.known_to.copy()
-    flat = np.full(len(measured.amplitudes), 1 / len(measured.amplitudes))
+    flat = best.parts[0][0].flat
     for change in np.unique(best.changes):
         states, parts = best.changes == change, best.parts[change]
         tails[:, states] = np.concatenate([part.tails(flat) for part in parts])[:, states]
@@ -209,13 +225,32 @@ def _two_series(measured: Measured, one: GainSeries) -> GainSeries:
     return replace(
         one,
         order=best.order,
-        radius=best.radius,
         tails=tails,
         limit_tails=limit_tails,
         limit=limit,
         known_to=known_to,
         changes=best.changes,
     )
+
+
+def _without(measured: Measured, off: slice) -> float:
+    """How likely gains are (logarithm), if those with some timesteps may be off by anything."""
+    noise = measured.noise.copy()
+    noise[off] += np.abs(measured.gains[off]).max(axis=(1, 2))
+    others = replace(measured, noise=noise)
+    return _likeliest(lambda order: _Fit.of(others, order, constant=False)).total
+
+
+def _off_alone(measured: Measured, level: float) -> tuple[int | None, float]:
+    """The timestep that is off, if a single one is, and how likely gains then are (logarithm).
+
+    None where no timestep is, or it cannot be told from all that are as long or longer, which may
+    be beyond the radius of convergence.
+    """
+    each = [_without(measured, slice(j, j + 1)) for j in range(len(measured.x))]
+    j, total = int(np.argmax(each)), max(each)
+    is_one = total - _without(measured, slice(0, j + 1)) > -np.log(level)
+    return j if is_one else None, total
 
 
 @dataclass(frozen=True, eq=False)
@@ -231,20 +266,19 @@ class _Split:
 
     total: float
     order: int
-    radius: float
     parts: list[tuple[Whitened, ...]]
     changes: NDArray[np.intp]
 
     @staticmethod
-    def of(measured: Measured, order: int, radius: float) -> "_Split":
-        """The most likely change, by one order and radius."""
-        whole, count = Whitened.of(measured, order, radius), len(measured.x)
-        pairs = [(whole.until(c), Whitened.of(measured, order, radius, c)) for c in range(1, count)]
+    def of(measured: Measured, order: int) -> "_Split":
+        """The most likely change, by one order."""
+        whole, count = Whitened.of(measured, order), len(measured.x)
+        pairs = [(whole.until(c), Whitened.of(measured, order, c)) for c in range(1, count)]
         parts = [(whole,), *pairs]
         each = np.array([sum(log_sum(part.evidence) for part in one) for one in parts])
-        # A pair has two amplitudes, each of which may be any of the grid.
-        each[1:] -= np.log(len(measured.amplitudes))
+        # Of a pair each may have any radius and amplitude of the grid.
+        each[1:] -= np.log(len(whole.sigma))
         tried = measured.changes(count - LEAST)
         totals = np.take_along_axis(each, tried, axis=0).sum(axis=1)
         best = int(totals.argmax())
-        return _Split(float(totals[best]), order, radius, parts, tried[best])
+        return _Split(float(totals[best]), order, parts, tried[best])

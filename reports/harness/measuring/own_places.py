@@ -1,29 +1,30 @@
-"""States of a method's own runs that no step was taken from, where the runs gain the most.
+"""States of a method's own runs, that steps are taken from too.
 
-Each interval of a run is compared with the exact flow from its start. From states in those that
-gain far more than any step did, steps are taken as from exact states.
+There is one in each interval that is run again, at random, and several in those intervals in which
+the run gains the most beyond the exact flow. So what acts in few states, or only on the motion that
+a method makes itself, is met as well. Few short timesteps tell whether a step gains what does not
+vanish.
 """
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ....engines.checks.equations import Equations
-from ....engines.checks.read_back import stacked
+from ....engines.checks.read_back import State, stacked
 from ....scenarios import FloatArray, Scenario, Trajectory
 from ....scenarios.fastest_rate import fastest_rate
-from ...results.evidence import QUANTITIES, StepEvidence
 from ..ladder import Rung
+from .examine import OPENED
 from .noise import largest_terms
 from .places import Places, states_of
 from .steps import Sessions, Steps, flowed, step_gains
 
-#: Intervals that steps are taken from if they gain so many times what any step did, and states in
-#: each.
-GAINING, TIMES, STATES = 4, 2.0, 5
-#: Relative gain below which no interval is looked at: what is read is no better.
-READABLE = 1e-9
+#: Timesteps of these steps: the shortest of those from exact states.
+TIMESTEPS = 4
+#: Intervals that steps are taken from at several states, and how many in each.
+GAINING, STATES = 4, 5
 #: rad; a motion that turns by more is not followed: it would take longer than a second.
 FARTHEST_TURN = 1e5
 
@@ -36,59 +37,60 @@ class MadeRun:
     motion: Trajectory
 
 
+@dataclass(frozen=True, eq=False)
+class Met:
+    """States of a run that were met when its n intervals were run again, one in each.
+
+    Attributes
+    ----------
+    edges : the samples that intervals begin and end at, (n + 1,)
+    states, times : one in each interval, and when, s, (n,)
+    """
+
+    edges: NDArray[np.intp]
+    states: State
+    times: FloatArray
+
+
 def own_places(
-    sessions: Sessions, at: Places, runs: Sequence[MadeRun], found: StepEvidence
+    sessions: Sessions, at: Places, run: MadeRun, met: Met, *, is_sharp: bool
 ) -> Places | None:
-    """States in the intervals of runs that gain more than any step from an exact state did."""
-    scenario = sessions.scenario
-    ratios = [_ratios(scenario, run, found) for run in runs]
-    ranked = sorted(
-        (
-            (float(ratio), r, int(k))
-            for r, part in enumerate(ratios)
-            for k, ratio in enumerate(part)
-        ),
-        reverse=True,
-    )
-    states, times = [], []
-    for ratio, r, k in ranked[:GAINING]:
-        if not ratio > TIMES:
-            break
-        run = runs[r]
-        start = states_of(run.motion).rows(k)
-        steps = int(run.rung.sample_steps[k + 1] - run.rung.sample_steps[k])
-        for count in np.unique(np.linspace(0, steps - 1, STATES).astype(int)):
+    """States of a run; None where nothing can hold the body in any.
+
+    Parameters
+    ----------
+    at : exact states that steps were taken from
+    is_sharp : whether a few short timesteps tell a limit: not in single precision, nor where a
+        constraint has to settle first; there few states with all timesteps do
+    """
+    states, times = [met.states], [met.times]
+    for k in np.argsort(-_gains(sessions.scenario, run, met.edges))[:GAINING]:
+        first, last = run.rung.sample_steps[met.edges[k : k + 2]]
+        start = states_of(run.motion).rows(int(met.edges[k]))
+        for count in np.unique(np.linspace(0, last - first - 1, STATES).astype(int)):
             with sessions.at(start, run.rung.timestep) as session:
                 session.advance(int(count))
-                states.append(session.read_state())
-            times.append(float(run.motion.t[k] + count * run.rung.timestep))
-    if not states:
-        return None
+                states.append(stacked([session.read_state()]))
+            times.append((first + count) * run.rung.timestep)
     own = stacked(states)
-    bears = Equations(scenario).bears(own)
+    bears = Equations(sessions.scenario).bears(own)
     if not bears.any():
         return None
-    kept = np.array(times)[bears]
-    return replace(at, states=own.rows(bears), times=kept, are_apart=False)
+    kept = np.hstack(times)[bears]
+    places = replace(at, states=own.rows(bears), times=kept, are_apart=False)
+    if not is_sharp:
+        return places.thinned(OPENED)
+    return replace(places, timesteps=at.timesteps[-TIMESTEPS:])
 
 
-def _ratios(scenario: Scenario, run: MadeRun, found: StepEvidence) -> FloatArray:
-    """What each interval gains, over the most that a step with that timestep gained, (n − 1,)."""
-    motion, spans = run.motion, np.diff(run.motion.t)
+def _gains(scenario: Scenario, run: MadeRun, edges: NDArray[np.intp]) -> FloatArray:
+    """The most that each interval gains, relative to the largest terms, (n,); or (0,)."""
+    motion = run.motion
     if fastest_rate(scenario, motion.omega_body) * float(motion.t[-1]) > FARTHEST_TURN:
         return np.zeros(0)
     states, equations = states_of(motion), Equations(scenario)
-    starts, ends = states.rows(slice(None, -1)), states.rows(slice(1, None))
+    starts, ends, spans = states.rows(edges[:-1]), states.rows(edges[1:]), np.diff(motion.t[edges])
     timestep = np.array([run.rung.timestep])
     steps = Steps(timestep, spans, starts, ends, flowed(scenario, starts, spans))
-    gains = np.linalg.norm(step_gains(equations, steps)[0, 0], axis=2) / largest_terms(
-        equations, steps
-    )
-    ratios = [np.zeros(len(spans))]
-    curves = {curve.quantity: curve for curve in found.curves}
-    for q, quantity in enumerate(QUANTITIES):
-        most = 0.0
-        if curve := curves.get(quantity):
-            most = float(np.interp(run.rung.timestep, curve.timesteps[::-1], curve.largest[::-1]))
-        ratios.append(gains[:, q] / max(most, READABLE))
-    return np.asarray(np.max(ratios, axis=0))
+    gains = np.linalg.norm(step_gains(equations, steps)[0, 0], axis=2)
+    return np.asarray((gains / largest_terms(equations, steps)).max(axis=1))

@@ -27,7 +27,7 @@ from ..ladder import Rung
 from .examine import OPENED, examine
 from .gain_series import fitted
 from .noise import NOISE, ULPS, rounding_of_body
-from .own_places import MadeRun, own_places
+from .own_places import MadeRun, Met, own_places
 from .places import FINER, Places, states_of
 from .steps import Sessions, apart, sessions_of
 
@@ -79,7 +79,8 @@ def examine_runs(
             shown = [one.evidence for one in replays]
             if any(one.tail < LEVEL for one in shown):
                 shown = _with_memory(sessions, engine, at, replays, method.order, found.settled)
-            own = own_places(sessions, at, runs, found)
+            is_sharp = not (found.settled or engine.single_precision)
+            own = own_places(sessions, at, runs[0], replays[0].met, is_sharp=is_sharp)
     except (EngineError, IntegrationError) as error:
         return tuple(shown), None, "" if shown else str(error)
     own_steps = examine(engine, scenario, method_name, own) if own else None
@@ -106,12 +107,14 @@ class _Replay:
     off : the largest difference, as `apart` has it
     growth : the factor by which a small change of a state grows in an interval
     steps : of the longest interval
+    met : states of the run, one in each interval
     """
 
     off: float
     growth: float
     steps: int
     evidence: ReplayEvidence
+    met: Met
 
 
 def _replay(sessions: Sessions, engine: Engine, run: MadeRun, condition: float) -> _Replay:
@@ -123,6 +126,8 @@ def _replay(sessions: Sessions, engine: Engine, run: MadeRun, condition: float) 
     chance = np.random.default_rng(len(edges))
     parts = chance.integers(1, np.maximum(steps, 2))
 
+    midst: dict[int, State] = {}
+
     def again(k: int, start: State) -> State:
         # From another session in its midst: nothing hides in the rhythm of samples or strides.
         for count in (int(parts[k]), int(steps[k] - parts[k])):
@@ -130,6 +135,7 @@ def _replay(sessions: Sessions, engine: Engine, run: MadeRun, condition: float) 
                 if count:
                     session.advance(count)
                 start = session.read_state()
+            midst.setdefault(k, start)
         return start
 
     starts = [states.rows(int(k)) for k in first]
@@ -163,7 +169,9 @@ def _replay(sessions: Sessions, engine: Engine, run: MadeRun, condition: float) 
         is_chance = spread > growth * float(noise[k].max())
         spread = min(LARGEST, spread / turns[k]) if is_chance else 0.0
         evidence = replace(evidence, since=since, spread=spread)
-    return _Replay(float(sizes[squares.argmax()]), growth, int(steps.max()), evidence)
+    times = run.motion.t[first] + parts * run.rung.timestep
+    met = Met(edges, stacked([midst[k] for k in range(len(starts))]), times)
+    return _Replay(float(sizes[squares.argmax()]), growth, int(steps.max()), evidence, met)
 
 
 def _noise(

@@ -103,8 +103,8 @@ def _shape(look: Look, q: int, k: int) -> tuple[FaultKind, int]:
     def explains(kept: Any) -> bool:
         return fitted(timesteps[kept], gains[kept], noise[kept], 0.0).tail >= look.level
 
-    if len(bad) and explains(np.arange(count) != bad[0]):
-        return "timestep", int(bad[0])
+    if series.alone is not None and explains(np.arange(count) != series.alone):
+        return "timestep", series.alone
     if len(bad) and bad[0] >= LEAST:
         longer = slice(None, int(bad[0]))
         part = fitted(timesteps[longer], gains[longer], noise[longer], 0.0)

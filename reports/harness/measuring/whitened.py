@@ -1,6 +1,6 @@
 """Gains of steps, whitened: each as it is beyond what those with longer timesteps predict.
 
-The model is that of `gain_series.py`, for one order, one radius and a grid of amplitudes.
+The model is that of `gain_series.py`, for one order and a grid of radii and amplitudes.
 """
 
 from dataclasses import dataclass
@@ -13,9 +13,9 @@ from scipy.special import chdtrc
 from ....scenarios import FloatArray
 
 #: Terms of the series that are kept.
-TERMS = 9
-#: Ratio of neighbouring amplitudes of the grid that is integrated over.
-SPACING = 10**0.25
+TERMS = 12
+#: Inverse radii of convergence, and the ratio of neighbouring amplitudes, that are integrated over.
+RADII, SPACING = (0.5, 1.0, 2.0, 4.0), 10**0.35
 #: Gains with longer timesteps that a prediction needs.
 PREDICTED_FROM = 2
 
@@ -72,7 +72,9 @@ class Measured:
 
 @dataclass(frozen=True, eq=False)
 class Whitened:
-    """Innovations of J gains of K states, in standard deviations, at each of A amplitudes.
+    """Innovations of J gains of K states, in standard deviations, by each of A pairs of the grid.
+
+    A pair is a radius and an amplitude.
 
     Attributes
     ----------
@@ -86,7 +88,7 @@ class Whitened:
     sigma: FloatArray
 
     @staticmethod
-    def of(measured: Measured, order: int, radius: float, first: int = 0) -> "Whitened":
+    def of(measured: Measured, order: int, first: int = 0) -> "Whitened":
         """Whiten the gains from the first on.
 
         The Cholesky factor of their covariance, noise² + amplitude² · basis · basisᵀ, is found by
@@ -94,31 +96,41 @@ class Whitened:
         """
         x, noise, gains = measured.x[first:], measured.noise[first:], measured.gains[first:]
         J, K, _ = gains.shape
-        basis = x**order * (radius * x) ** np.arange(TERMS)[:, None]
-        stacked = np.empty((len(measured.amplitudes), J + TERMS, J))
+        scaled = np.array(RADII)[:, None, None] * x
+        basis = x**order * scaled ** np.arange(TERMS)[:, None]
+        pairs = measured.amplitudes[:, None, None] * basis[:, None]
+        stacked = np.empty((len(RADII) * len(measured.amplitudes), J + TERMS, J))
         stacked[:, :J] = np.diag(noise)
-        stacked[:, J:] = measured.amplitudes[:, None, None] * basis
+        stacked[:, J:] = pairs.reshape(-1, TERMS, J)
         upper = np.linalg.qr(stacked, mode="r")
         diagonal = np.diagonal(upper, axis1=1, axis2=2)
         lower = np.swapaxes(upper * np.sign(diagonal)[:, :, None], 1, 2)
         sigma = np.abs(diagonal)
-        columns = np.concatenate([gains.reshape(J, -1), np.ones((J, 1))], axis=1)
-        white = np.empty((len(sigma), *columns.shape))
+        whitening = np.zeros_like(lower)
         for j in range(J):
-            known = (lower[:, j, None, :j] @ white[:, :j])[:, 0]
-            white[:, j] = (columns[j] - known) / sigma[:, j, None]
-        innovations = white[:, :, :-1].reshape(len(sigma), J, K, 3)
-        return Whitened(innovations, white[:, :, -1], sigma)
+            known = (lower[:, j, None, :j] @ whitening[:, :j])[:, 0]
+            whitening[:, j] = (np.eye(J)[j] - known) / sigma[:, j, None]
+        innovations = (whitening.reshape(-1, J) @ gains.reshape(J, -1)).reshape(-1, J, K, 3)
+        return Whitened(innovations, whitening.sum(axis=2), sigma)
 
     def until(self, beyond: int) -> "Whitened":
         """The first gains alone."""
         return Whitened(self.innovations[:, :beyond], self.ones[:, :beyond], self.sigma[:, :beyond])
 
     @cached_property
+    def flat(self) -> FloatArray:
+        """The prior by which all pairs are alike, (A,)."""
+        return np.full(len(self.sigma), 1 / len(self.sigma))
+
+    @cached_property
+    def squares(self) -> FloatArray:
+        """The squared norm of each innovation, (A, J, K)."""
+        return np.asarray(np.einsum("ajkc,ajkc->ajk", self.innovations, self.innovations))
+
+    @cached_property
     def likelihoods(self) -> FloatArray:
         """The logarithm of the density of each gain, given those before it, (A, J, K)."""
-        squares = (self.innovations**2).sum(axis=3)
-        return np.asarray(-squares / 2 - 3 * np.log(self.sigma)[:, :, None])
+        return np.asarray(-self.squares / 2 - 3 * np.log(self.sigma)[:, :, None])
 
     @cached_property
     def evidence(self) -> FloatArray:
@@ -141,7 +153,7 @@ class Whitened:
 
     def tails(self, prior: FloatArray) -> FloatArray:
         """The probability that a gain is so far off its prediction, (J, K)."""
-        tails = (self._weights(prior) * chdtrc(3, (self.innovations**2).sum(axis=3))).sum(axis=0)
+        tails = (self._weights(prior) * chdtrc(3, self.squares)).sum(axis=0)
         tails[:PREDICTED_FROM] = 1.0
         return np.asarray(tails)
 
@@ -154,7 +166,7 @@ class Whitened:
         return mean, np.sqrt((weights * spread).sum(axis=0))
 
     def _weights(self, prior: FloatArray) -> FloatArray:
-        """The probability of each amplitude, given the gains before each, (A, J, K)."""
+        """The probability of each pair, given the gains before each, (A, J, K)."""
         each = self.likelihoods
         before = np.cumsum(each, axis=1) - each + np.log(prior)[:, None, None]
         return normalised(before)
