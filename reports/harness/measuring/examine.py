@@ -118,7 +118,7 @@ class _Examination:
         is_single = self.engine.single_precision
         look = self._taken(0, REPEATS[0] if is_single else 1)
         settle = 0
-        if self._gives_way(look.steps):
+        if self.at.gives_way or self._gives_way(look.steps):
             settle = SETTLING // (1 + is_single)
             look = self._settled(settle, look.steps.repeats)
         elif look.tail < LEVEL and not is_single and not _is_plain(look):

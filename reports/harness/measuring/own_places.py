@@ -53,15 +53,15 @@ class Met:
 
 
 def own_places(
-    sessions: Sessions, at: Places, run: MadeRun, met: Met, *, is_sharp: bool
+    sessions: Sessions, at: Places, run: MadeRun, met: Met, *, is_single: bool
 ) -> Places | None:
     """States of a run; None where nothing can hold the body in any.
 
     Parameters
     ----------
     at : exact states that steps were taken from
-    is_sharp : whether a few short timesteps tell a limit: not in single precision, nor where a
-        constraint has to settle first; there few states with all timesteps do
+    is_single : whether the engine computes in single precision: there, and where a constraint has
+        to settle first, few states with all timesteps tell a limit, and not few timesteps
     """
     states, times = [met.states], [met.times]
     for k in np.argsort(-_gains(sessions.scenario, run, met.edges))[:GAINING]:
@@ -78,7 +78,7 @@ def own_places(
         return None
     kept = np.hstack(times)[bears]
     places = replace(at, states=own.rows(bears), times=kept, are_apart=False)
-    if not is_sharp:
+    if is_single or at.gives_way:
         return places.thinned(OPENED)
     return replace(places, timesteps=at.timesteps[-TIMESTEPS:])
 

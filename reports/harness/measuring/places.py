@@ -35,6 +35,7 @@ class Places:
     condition : the factor by which relative rounding grows in the angular acceleration: of the
         tensor of inertia about the fixed point, of flight, and of parts that turn
     are_apart : whether states are so far apart that what they show is independent
+    gives_way : whether a constraint is known to settle in steps from other states
     """
 
     states: State
@@ -42,6 +43,7 @@ class Places:
     timesteps: FloatArray
     condition: float
     are_apart: bool = True
+    gives_way: bool = False
 
     def changed(self, scenario: Scenario, size: float, repeats: int = 1) -> State:
         """All states so many times over, each number changed at random by about `size` of it."""

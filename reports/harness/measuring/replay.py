@@ -79,8 +79,8 @@ def examine_runs(
             shown = [one.evidence for one in replays]
             if any(one.tail < LEVEL for one in shown):
                 shown = _with_memory(sessions, engine, at, replays, method.order, found.settled)
-            is_sharp = not (found.settled or engine.single_precision)
-            own = own_places(sessions, at, runs[0], replays[0].met, is_sharp=is_sharp)
+            exact, is_single = replace(at, gives_way=bool(found.settled)), engine.single_precision
+            own = own_places(sessions, exact, runs[0], replays[0].met, is_single=is_single)
     except (EngineError, IntegrationError) as error:
         return tuple(shown), None, "" if shown else str(error)
     own_steps = examine(engine, scenario, method_name, own) if own else None
