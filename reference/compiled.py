@@ -10,8 +10,9 @@ import numpy as np
 
 from ..scenarios import Scenario, loads
 from .flow import flow
+from .following import follow
 from .kernel import FOLDER
-from .other_equations import equations_of, follow
+from .other_equations import equations_of
 from .solve import ExactMotion, solve_ode
 
 #: Says in the folder of the machine code that nothing is missing there.

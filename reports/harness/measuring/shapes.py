@@ -118,16 +118,13 @@ def _explained(
     look: Look, k: int, q: int, *, is_limit: bool
 ) -> tuple[FloatArray, Explanation | None]:
     """What state k should gain in a quantity, (3,), and the change that explains all limits."""
-    steps, count = look.steps, look.gains.shape[1]
-    last = slice(len(steps.spans) - count, None)
-    limits = np.stack([one.limit for one in look.series], axis=1)
-    before, exact = steps.before.rows(last), steps.exact.rows(last)
-    gains = gains_of(look.equations, before, exact, steps.spans[last], limits)
-    wanted = gains[k].wanted[q]
-    if not is_limit:
-        return wanted, None
-    errors = np.stack([one.known_to for one in look.series], axis=1)
-    return wanted, explanation(look.equations, gains, SURE * errors)
+    limits, errors = (
+        np.stack([getattr(one, name) for one in look.series], axis=1)
+        for name in ("limit", "known_to")
+    )
+    last = slice(-look.steps.repeats * look.gains.shape[1], None)
+    gains = gains_of(look.equations, look.steps.before.rows(last), limits, SURE * errors)
+    return gains.exact[k, q], explanation(gains) if is_limit else None
 
 
 def _vector(values: FloatArray) -> Vector:

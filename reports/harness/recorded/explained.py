@@ -6,7 +6,7 @@ import numpy as np
 
 from ....scenarios import FloatArray, Scenario, Trajectory
 from ....scenarios.rotation import norms
-from .measured import Measured, estimated_noise
+from .measured import Measured, estimated_noise, log_of
 from .mistakes import Reading, mistakes, starts_elsewhere
 from .motion import RecordedMotion
 from .other_physics import Physics, rounding
@@ -56,26 +56,23 @@ def explained(
         if noise is None:
             noise = estimated_noise(scenario, motion, floor, recorded.has_omega)
         if noise is not None:
-            fit = Measured(scenario, motion, exact, noise, is_stated, recorded.has_omega)
-            return _of_measured(fit, timestep, order)
+            has = {"is_stated": is_stated, "has_omega": recorded.has_omega}
+            fit = Measured(scenario, log_of(scenario, motion, exact, noise, **has))
+            # Two samples have noise.
+            physics = Physics(scenario, motion, exact, timestep, order, np.sqrt(2) * noise)
+            return _of_measured(fit, physics)
     physics = Physics(scenario, motion, exact, timestep, order, floor)
     is_beyond, verdict = physics.is_beyond, _verdict(physics)
     if in_recording:
         return Explanation(in_recording, verdict, is_beyond)
-    made_by = physics.integrator(physics.equations) or ""
-    words = [] if made_by else physics.explained()
+    words = [] if physics.made_by else physics.explained()
     words = words or starts_elsewhere(scenario, exact, reading)
-    return Explanation(words, verdict, is_beyond, made_by)
+    return Explanation(words, verdict, is_beyond, physics.made_by)
 
 
-def _of_measured(fit: Measured, timestep: float | None, order: int) -> Explanation:
-    """Explain a measured motion, by other physics too where more than noise is left."""
-    words = fit.explained()
-    if fit.is_beyond:
-        physics = Physics(
-            fit.scenario, fit.motion, fit.exact, timestep, order, np.sqrt(2) * fit.noise
-        )
-        words = physics.explained() or words
+def _of_measured(fit: Measured, physics: Physics) -> Explanation:
+    """Explain a measured motion, by other physics where more than noise is left."""
+    words = (physics.explained() if fit.is_beyond else []) or fit.explained()
     return Explanation(words, fit.verdict, fit.is_beyond, measured=fit)
 
 

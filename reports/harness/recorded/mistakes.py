@@ -14,7 +14,8 @@ from ....reference import ExactMotion
 from ....scenarios import FloatArray, Scenario, Trajectory, error_series
 from ....scenarios.mechanics import RECENT
 from ....scenarios.rotation import matrices, turned_back
-from .changes import EULER_ANGLES
+from ..measuring.changes import EULER_ANGLES
+from .measured import started_elsewhere
 from .motion import OmegaFrame, QuaternionOrder, RecordedMotion, recorded_motion
 from .recording import Recording, RecordingError
 
@@ -99,10 +100,7 @@ def starts_elsewhere(scenario: Scenario, exact: Trajectory, reading: Reading) ->
     speed = float(np.linalg.norm(exact.omega_body[0] - recorded.trajectory.omega_body[0]))
     if max(off["attitude"], off["omega"]) < STARTS:
         return []
-    return [
-        f"it started elsewhere: at t = {exact.t[0]:g} s the attitude is off by "
-        f"{np.degrees(off['attitude']):.3g}° and ω by {speed:.3g} rad/s"
-    ]
+    return [started_elsewhere(exact.t[0], (off["attitude"], speed))]
 
 
 def _beginning(exact: Trajectory) -> int:

@@ -9,18 +9,20 @@ from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
+import numba
 import numpy as np
 import pytest
 from library_scenes import library_scene
 from planted_motions import Case, case, exactly, product, rates_of, stepped
 from scipy.spatial.transform import Rotation
 from scipy.stats import chi2
-from spincheck.reference import solve
-from spincheck.reference.other_equations import equations_of, follow
-from spincheck.reports.harness.recorded.changes import Change, resistance
-from spincheck.reports.harness.recorded.fits import LEVEL, Intervals, Search
+from spincheck.reference import compiled, following
+from spincheck.reference.following import follow
+from spincheck.reference.other_equations import equations_of
+from spincheck.reports.harness.measuring.changes import Change, as_it_is, resistance
+from spincheck.reports.harness.measuring.likelihood import LEVEL, Search
+from spincheck.reports.harness.recorded.intervals import Intervals
 from spincheck.reports.harness.recorded.judged import JudgedMotion, judged_motion
-from spincheck.reports.harness.recorded.measured import Measured
 from spincheck.reports.harness.recorded.recording import Recording
 from spincheck.scenarios import Scenario
 
@@ -226,21 +228,10 @@ def test_another_moment_is_found_in_noise_with_its_standard_error() -> None:
 
 def test_noise_is_estimated_to_its_standard_error() -> None:
     one = case(7, samples=1201)
-    arrays = measured(one, *NOISE)
-    exact = solve(one.scenario, arrays["t"]).trajectory
-    motion = replace(exact, q_world_body_wxyz=arrays["q"], omega_body=arrays["omega"])
-    found, _ = Measured(one.scenario, motion, exact, 2 * np.array(NOISE), False, True).best
+    found = judged(one.scenario, measured(one, *NOISE)).measured
+    assert found is not None
     # Each is of three numbers a sample.
-    assert found.noise == pytest.approx(NOISE, rel=5 / np.sqrt(2 * 3 * 1201))
-
-
-def test_a_change_that_was_added_is_not_looked_for_again() -> None:
-    arrays = measured(LOG, *NOISE, torque=lambda omega: -0.1 * omega)
-    exact = solve(LOG.scenario, arrays["t"]).trajectory
-    motion = replace(exact, q_world_body_wxyz=arrays["q"], omega_body=arrays["omega"])
-    log, fit = Measured(LOG.scenario, motion, exact, np.array(NOISE), False, True).best
-    assert fit.added
-    assert set(fit.added) <= set(log.candidates)
+    assert found.log.noise == pytest.approx(NOISE, rel=5 / np.sqrt(2 * 3 * 1201))
 
 
 def test_noise_that_is_stated_too_small_is_told() -> None:
@@ -264,14 +255,32 @@ def test_one_change_among_a_hundred_must_be_a_hundred_times_less_likely_by_chanc
     is_alone: bool,
 ) -> None:
     """The fall of χ² is between what is called for of one change, and of a hundred."""
-    equations = equations_of(BODY.scenario)
-    drag = resistance(BODY.scenario, equations)
+    base = as_it_is(BODY.scenario)
+    (drag,) = resistance(BODY.scenario, base.equations)
     starts = np.tile([1.0, 0.0, 0.0, 0.0, 0.5, 1.0, 2.0], (12, 1))
     spans = np.linspace(0.01, 0.2, 12)[:, None]
-    ends = follow(drag.apply(equations, np.array([1e-3])), starts, spans)[:, 0]
+    ends = follow(drag.apply(base, np.array([1e-3])).equations, starts, spans)[:, 0]
     fall = chi2.isf(LEVEL / 10, 1)
-    exact = Intervals(starts, spans, ends, np.ones(2), np.zeros((12, 2)))
-    noise = np.full(2, np.linalg.norm(exact.off(equations)) / np.sqrt(fall))
-    others = [] if is_alone else [Change(lambda _: "nothing", lambda e, _: e)] * 99
-    found = Search(replace(exact, noise=noise), equations, [drag, *others]).found()
+    exact = Intervals(base, starts, spans, ends, np.ones(2), np.zeros((12, 2)))
+    noise = np.full(2, np.linalg.norm(exact.apart(base.equations)) / np.sqrt(fall))
+    others = [] if is_alone else [Change("sphere", lambda h, _: h)] * 99
+    found = Search(replace(exact, noise=noise), [drag, *others]).one_or_two()
     assert (found is not None) == is_alone
+
+
+def test_what_judge_follows_is_compiled_with_the_other_kernels(monkeypatch) -> None:
+    """By the types of arguments: what an earlier test compiled makes no difference."""
+    calls, follow = [], following._follow
+
+    def noted(*args: object) -> None:
+        calls.append(tuple(map(numba.typeof, args)))
+        follow(*args)
+
+    monkeypatch.setattr(following, "_follow", noted)
+    compiled.compile_flow()
+    of_compiled = set(calls)
+    found = judged(BODY.scenario, exactly(BODY, rates_of(BODY, inertia=MOMENTS.mean() * np.eye(3))))
+    judged(LOG.scenario, measured(LOG, *NOISE))
+    assert found.explained_by
+    assert len(calls) > 100
+    assert set(calls) == of_compiled
