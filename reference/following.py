@@ -11,7 +11,7 @@ import numpy as np
 from scipy.integrate import DOP853
 
 from ..scenarios import FloatArray
-from .kernel import called
+from .kernel import called, kernel
 from .other_equations import FIRST_ANGLES, WORLD, OtherEquations
 
 #: rad of a step of `EXACT`, whose error is then an ulp.
@@ -101,40 +101,61 @@ def rates(equations: OtherEquations, states: FloatArray) -> FloatArray:
     return stages[:, [7, 8, 9, 4, 5, 6]]
 
 
-@called
-def _times(M: FloatArray, x: float, y: float, z: float) -> tuple[float, float, float]:
+Vector = tuple[float, float, float]
+
+
+@kernel
+def _vector(v: FloatArray, at: int = 0) -> Vector:
+    return v[at], v[at + 1], v[at + 2]
+
+
+@kernel
+def _put(v: Vector, to: FloatArray, at: int) -> None:
+    to[at], to[at + 1], to[at + 2] = v
+
+
+@kernel
+def _plus(u: Vector, v: Vector, factor: float) -> Vector:
+    """Return u + factor v."""
+    return u[0] + factor * v[0], u[1] + factor * v[1], u[2] + factor * v[2]
+
+
+@kernel
+def _dot(u: Vector, v: Vector) -> float:
+    return u[0] * v[0] + u[1] * v[1] + u[2] * v[2]
+
+
+@kernel
+def _cross(u: Vector, v: Vector) -> Vector:
+    return u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]
+
+
+@kernel
+def _times(M: FloatArray, v: Vector) -> Vector:
     return (
-        M[0, 0] * x + M[0, 1] * y + M[0, 2] * z,
-        M[1, 0] * x + M[1, 1] * y + M[1, 2] * z,
-        M[2, 0] * x + M[2, 1] * y + M[2, 2] * z,
+        M[0, 0] * v[0] + M[0, 1] * v[1] + M[0, 2] * v[2],
+        M[1, 0] * v[0] + M[1, 1] * v[1] + M[1, 2] * v[2],
+        M[2, 0] * v[0] + M[2, 1] * v[1] + M[2, 2] * v[2],
+    )
+
+
+@kernel
+def _to_body(R_world_body: FloatArray, v: Vector) -> Vector:
+    R = R_world_body
+    return (
+        R[0, 0] * v[0] + R[1, 0] * v[1] + R[2, 0] * v[2],
+        R[0, 1] * v[0] + R[1, 1] * v[1] + R[2, 1] * v[2],
+        R[0, 2] * v[0] + R[1, 2] * v[1] + R[2, 2] * v[2],
     )
 
 
 @called
-def _turned(
-    R: FloatArray, x: float, y: float, z: float, is_back: bool
-) -> tuple[float, float, float]:
-    if is_back:
-        return (
-            R[0, 0] * x + R[1, 0] * y + R[2, 0] * z,
-            R[0, 1] * x + R[1, 1] * y + R[2, 1] * z,
-            R[0, 2] * x + R[1, 2] * y + R[2, 2] * z,
-        )
-    return _times(R, x, y, z)
-
-
-@called
-def _cross(
-    a: float, b: float, c: float, x: float, y: float, z: float
-) -> tuple[float, float, float]:
-    return b * z - c * y, c * x - a * z, a * y - b * x
-
-
-@called
-def _matrix(state: FloatArray, R: FloatArray) -> None:
-    w, x, y, z = state[0], state[1], state[2], state[3]
+def _matrix(q: FloatArray, R_world_body: FloatArray) -> None:
+    """Fill in the matrix of a quaternion of any length."""
+    w, x, y, z = q[0], q[1], q[2], q[3]
     n = w * w + x * x + y * y + z * z
     s = 2.0 / n if n > 0.0 else 0.0
+    R = R_world_body
     R[0, 0], R[1, 1], R[2, 2] = (
         1 - s * (y * y + z * z),
         1 - s * (x * x + z * z),
@@ -146,114 +167,85 @@ def _matrix(state: FloatArray, R: FloatArray) -> None:
 
 
 @called
-def _by_tensor(
-    e: OtherEquations, M: FloatArray, R: FloatArray, x: float, y: float, z: float
-) -> tuple[float, float, float]:
-    """A tensor times a vector in body axes, wherever the tensor keeps its axes."""
-    if not e.in_world:
-        return _times(M, x, y, z)
-    a, b, c = _times(R, x, y, z)
-    a, b, c = _times(M, a, b, c)
-    return _turned(R, a, b, c, True)
+def _by_tensor(e: OtherEquations, M: FloatArray, R: FloatArray, v: Vector) -> Vector:
+    """A tensor times a vector along body axes, wherever the tensor keeps its axes."""
+    return _to_body(R, _times(M, _times(R, v))) if e.in_world else _times(M, v)
 
 
 @called
-def _torque(
-    e: OtherEquations, R: FloatArray, x: float, y: float, z: float
-) -> tuple[float, float, float]:
-    """I ω', N m, body axes, at ω."""
-    u, v, w = _by_tensor(e, e.gyroscopic, R, x, y, z)
-    u, v, w = _cross(x, y, z, u + e.kept[0], v + e.kept[1], w + e.kept[2])
-    g = e.gravity_world
-    a, b, c = _turned(R, g[0], g[1], g[2], True)
-    a, b, c = _cross(e.pull[0], e.pull[1], e.pull[2], a, b, c)
-    t = e.torque_world
-    k, l, m = _turned(R, t[0], t[1], t[2], True)  # noqa: E741
-    slower = e.slowing[1] + e.slowing[2] * math.sqrt(x * x + y * y + z * z)
-    p, q, r = _by_tensor(e, e.inertia, R, x, y, z)
-    a += k + e.torque[0] - u - e.slowing[0] * x - slower * (p + e.kept[0])
-    b += l + e.torque[1] - v - e.slowing[0] * y - slower * (q + e.kept[1])
-    c += m + e.torque[2] - w - e.slowing[0] * z - slower * (r + e.kept[2])
+def _torque(e: OtherEquations, R: FloatArray, omega: Vector) -> Vector:
+    """I ω', N m, body axes."""
+    kept = _vector(e.kept)
+    turned = _plus(_by_tensor(e, e.gyroscopic, R, omega), kept, 1.0)
+    torque = _plus(_vector(e.torque), _cross(omega, turned), -1.0)
+    gravity = _to_body(R, _vector(e.gravity_world))
+    torque = _plus(torque, _cross(_vector(e.pull), gravity), 1.0)
+    torque = _plus(torque, _to_body(R, _vector(e.torque_world)), 1.0)
+    torque = _plus(torque, omega, -e.slowing[0])
+    L = _plus(_by_tensor(e, e.inertia, R, omega), kept, 1.0)
+    slowed = e.slowing[1] + e.slowing[2] * math.sqrt(_dot(omega, omega))
+    torque = _plus(torque, L, -slowed)
     if e.mobility > 0.0:
-        f, h, i = R[2, 0], R[2, 1], R[2, 2]
-        k, l, m = _cross(x, y, z, e.lever[0], e.lever[1], e.lever[2])  # noqa: E741
-        k, l, m = _cross(x, y, z, k, l, m)  # noqa: E741
-        u, v, w = _cross(f, h, i, e.lever[0], e.lever[1], e.lever[2])
-        p, q, r = _by_tensor(e, e.inverse, R, u, v, w)
-        lift = f * k + h * l + i * m - g[2] - (p * a + q * b + r * c)
-        force = lift / (e.mobility + u * p + v * q + w * r)
-        a, b, c = a + force * u, b + force * v, c + force * w
-    return a, b, c
+        up, lever = _vector(R[2]), _vector(e.lever)
+        arm = _cross(up, lever)
+        answer = _by_tensor(e, e.inverse, R, arm)
+        swing = _dot(up, _cross(omega, _cross(omega, lever)))
+        lift = swing - e.gravity_world[2] - _dot(answer, torque)
+        torque = _plus(torque, arm, lift / (e.mobility + _dot(arm, answer)))
+    return torque
 
 
 @called
-def _turning(
-    e: OtherEquations, R: FloatArray, x: float, y: float, z: float
-) -> tuple[float, float, float]:
-    """The angular velocity, body axes, at which the attitude turns, at ω."""
-    x, y, z = _times(e.turning, x, y, z)
+def _turning(e: OtherEquations, R: FloatArray, omega: Vector) -> Vector:
+    """The angular velocity, body axes, at which the attitude turns."""
+    omega = _times(e.turning, omega)
     if e.kinematics < WORLD:
-        return x, y, z
+        return omega
     if e.kinematics == WORLD:
-        return _turned(R, x, y, z, True)
+        return _to_body(R, omega)
     which = e.kinematics - FIRST_ANGLES
     i, j, k = which // 9, which // 3 % 3, which % 3
-    of_axis = np.array([x, y, z])
     # Where an axis comes twice the components are the rates of the angles in order.
-    a, b, c = (x, y, z) if i == k else (of_axis[i], of_axis[j], of_axis[k])
+    a, b, c = omega if i == k else (omega[i], omega[j], omega[k])
     # The node line, along the second axis where the first angle has turned it to.
-    first = np.zeros(3)
-    first[i] = 1.0
-    u, v, w = _cross(first[0], first[1], first[2], R[0, k], R[1, k], R[2, k])
+    first, third = _vector(np.eye(3)[i]), _vector(np.eye(3)[k])
+    node = _cross(first, _vector(R[:, k]))
     sign = -1.0 if i != k and (i + 1) % 3 == j else 1.0
-    length = sign * math.sqrt(u * u + v * v + w * w)
+    length = sign * math.sqrt(_dot(node, node))
     if length == 0.0:
         return math.nan, math.nan, math.nan
-    u, v, w = _turned(R, u / length, v / length, w / length, True)
-    of_axis = np.array([a * R[i, 0] + b * u, a * R[i, 1] + b * v, a * R[i, 2] + b * w])
-    of_axis[k] += c
-    return of_axis[0], of_axis[1], of_axis[2]
+    rates_world = _plus((a * first[0], a * first[1], a * first[2]), node, b / length)
+    return _plus(_to_body(R, rates_world), third, c)
 
 
 @called
-def _add_product(q: FloatArray, h: float, a: float, b: float, c: float, to: FloatArray) -> None:
+def _add_product(q: FloatArray, h: float, v: Vector, to: FloatArray) -> None:
     """Add h/2 times the product of q and a vector along body axes to a quaternion."""
     w, x, y, z = q[0], q[1], q[2], q[3]
-    to[0] -= h / 2 * (x * a + y * b + z * c)
-    to[1] += h / 2 * (w * a + y * c - z * b)
-    to[2] += h / 2 * (w * b + z * a - x * c)
-    to[3] += h / 2 * (w * c + x * b - y * a)
+    to[0] -= h / 2 * (x * v[0] + y * v[1] + z * v[2])
+    to[1] += h / 2 * (w * v[0] + y * v[2] - z * v[1])
+    to[2] += h / 2 * (w * v[1] + z * v[0] - x * v[2])
+    to[3] += h / 2 * (w * v[2] + x * v[1] - y * v[0])
 
 
 @called
 def _rates(e: OtherEquations, y: FloatArray, R: FloatArray, stage: FloatArray) -> None:
-    """Fill in the columns of a stage at the state y; R is room for a matrix."""
+    """Fill in a stage at the state y; R is room for a matrix."""
     _matrix(y, R)
-    a, b, c = _turning(e, R, y[4], y[5], y[6])
-    stage[:4] = 0.0
-    _add_product(y, 1.0, a, b, c, stage)
-    k, l, m = _torque(e, R, y[4], y[5], y[6])  # noqa: E741
-    stage[4], stage[5], stage[6] = _by_tensor(e, e.inverse, R, k, l, m)
-    stage[7], stage[8], stage[9] = a, b, c
-
-
-@called
-def _turned_by(y: FloatArray, a: float, b: float, c: float, q: FloatArray) -> None:
-    """Turn the attitude of y by a rotation vector along body axes; q is room for a quaternion."""
-    angle = math.sqrt(a * a + b * b + c * c)
-    # Added is q sin(φ/2) n, twice half of it.
-    s = 2 * math.sin(angle / 2) / angle if angle > 0.0 else 1.0
+    omega = _vector(y, 4)
+    turning = _turning(e, R, omega)
     for i in range(4):
-        q[i] = y[i]
-        y[i] *= math.cos(angle / 2)
-    _add_product(q, s, a, b, c, y)
+        stage[i] = 0.0
+    _add_product(y, 1.0, turning, stage)
+    _put(_by_tensor(e, e.inverse, R, _torque(e, R, omega)), stage, 4)
+    _put(turning, stage, 7)
 
 
 @called
 def _size(e: OtherEquations, R: FloatArray, y: FloatArray) -> float:
     """The length of I ω, kg m²/s."""
-    a, b, c = _by_tensor(e, e.inertia, R, y[4], y[5], y[6])
-    return math.sqrt(a * a + b * b + c * c)
+    L = _by_tensor(e, e.inertia, R, _vector(y, 4))
+    return math.sqrt(_dot(L, L))
 
 
 @called
@@ -283,28 +275,24 @@ def _step(
             y[i] += h * b[n] * k[n, i]
     if keeps_length:
         after = _size(e, R, y)
-        if after > 0.0:
-            for i in range(4, 7):
-                y[i] *= before / after
+        y[4:] *= before / after if after > 0.0 else 1.0
+    at[:4] = y[:4]
     if is_omega_first:
-        for i in range(4):
-            at[i] = y[i]
-        u, v, w = _turning(e, R, y[4], y[5], y[6])
-        k[0, 7], k[0, 8], k[0, 9] = u, v, w
+        _put(_turning(e, R, _vector(y, 4)), k[0], 7)
         k[0, :4] = 0.0
-        _add_product(at, 1.0, u, v, w, k[0])
+        _add_product(at, 1.0, _vector(k[0], 7), k[0])
     if is_exponential:
-        u, v, w = 0.0, 0.0, 0.0
+        turn = 0.0, 0.0, 0.0
         for n in range(b.size):
-            u, v, w = u + b[n] * k[n, 7], v + b[n] * k[n, 8], w + b[n] * k[n, 9]
-        _turned_by(y, h * u, h * v, h * w, at)
+            turn = _plus(turn, _vector(k[n], 7), h * b[n])
+        angle = math.sqrt(_dot(turn, turn))
+        y[:4] *= math.cos(angle / 2)
+        _add_product(at, 2 * math.sin(angle / 2) / angle if angle > 0.0 else 1.0, turn, y)
     else:
         for i in range(4):
             for n in range(b.size):
                 y[i] += h * b[n] * k[n, i]
-    norm = math.sqrt(y[0] * y[0] + y[1] * y[1] + y[2] * y[2] + y[3] * y[3])
-    for i in range(4):
-        y[i] /= norm
+    y[:4] /= math.sqrt(y[0] * y[0] + y[1] * y[1] + y[2] * y[2] + y[3] * y[3])
 
 
 @called
@@ -328,7 +316,8 @@ def _follow(
             if timestep > 0.0:
                 steps = max(1, round(span / timestep))
             else:
-                turn = math.sqrt(y[4] * y[4] + y[5] * y[5] + y[6] * y[6]) + e.rate
+                omega = _vector(y, 4)
+                turn = math.sqrt(_dot(omega, omega)) + e.rate
                 # What is no motion any more is not followed.
                 steps = 1 + int(min(turn * abs(span) / TURN, 1e5)) if turn < 1e300 else 1
             h = span / steps

@@ -5,9 +5,8 @@ by its kind and its numbers, SI; its words follow "as if".
 """
 
 import math
-from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
-from functools import partial
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
 
 from ...scenarios import EFFECTS
 
@@ -20,212 +19,205 @@ UP_TO_A_FACTOR = ", up to a factor"
 _MOMENTUM = next(one.wrong_momentum for one in EFFECTS.values() if one.wrong_momentum)
 
 
-@dataclass(frozen=True)
-class Kind:
-    """A kind of change.
-
-    Attributes
-    ----------
-    count : of its numbers
-    words : says it of its numbers
-    is_kinematic : whether it is one of how the attitude follows ω
-    """
-
-    count: int
-    words: Callable[[Sequence[float]], str]
-    is_kinematic: bool = False
-
-
 def vector(numbers: Sequence[float]) -> str:
     """Numbers in brackets."""
     least = ROUNDING * max(map(abs, numbers))
     return f"[{', '.join(f'{n if abs(n) > least else 0.0:.7g}' for n in numbers)}]"
 
 
-def factor(change: float) -> str:
+def _factor(numbers: Sequence[float]) -> str:
     """One and a change, with as many digits as show it."""
+    (change,) = numbers
     return f"{1 + change:.{7 if abs(change) > VISIBLE else 11}g}"
 
 
-def _with_factor(words: str, wholes: dict[float, str], n: Sequence[float]) -> str:
-    return wholes.get(1 + n[0]) or words.format(factor(n[0]))
+def _turn(numbers: Sequence[float]) -> str:
+    """A rotation vector as an angle and an axis."""
+    angle = math.hypot(*numbers)
+    axis = vector([value / (angle or 1.0) for value in numbers])
+    return f"{math.degrees(angle):.4g}° about {axis}"
 
 
-def _with_vector(words: str, n: Sequence[float]) -> str:
-    return words.format(vector(n))
+def _slowed(numbers: Sequence[float]) -> str:
+    return f"{'slowed' if numbers[0] > 0 else 'sped up'} by {abs(numbers[0]):.3g}"
 
 
-def _with_turn(words: str, n: Sequence[float]) -> str:
-    """Fill in a rotation vector."""
-    angle = math.hypot(*n)
-    axis = vector([value / (angle or 1.0) for value in n])
-    return words.format(f"{math.degrees(angle):.4g}° about {axis}")
+def _decays(numbers: Sequence[float]) -> str:
+    a, b = numbers
+    return f"{a:.3g} {'-' if b < 0 else '+'} {abs(b):.3g} ‖ω‖"
 
 
-def _with_axes(words: str, n: Sequence[float]) -> str:
-    """Fill in names of axes, which are counted from zero."""
-    return words.format("".join("xyz"[int(axis) % 3] for axis in n))
+def _axes(numbers: Sequence[float]) -> str:
+    """Names of axes, which are counted from zero."""
+    return "".join("xyz"[int(axis) % 3] for axis in numbers)
 
 
-def _slowed(unit: str, n: Sequence[float]) -> str:
-    return f"{'slowed' if n[0] > 0 else 'sped up'} by {abs(n[0]):.3g} {unit}"
+def _components(numbers: Sequence[float]) -> str:
+    """Components of ω, each by its axis, counted from one, with a sign."""
+    return ", ".join(f"{'−' if n < 0 else ''}ω{_axes([abs(n) - 1])}" for n in numbers)
 
 
-def _decays(n: Sequence[float]) -> str:
-    return f"L were slowed by {n[0]:.3g} {'-' if n[1] < 0 else '+'} {abs(n[1]):.3g} ‖ω‖ /s"
+def _products(numbers: Sequence[float]) -> str:
+    """The products of inertia that have another sign."""
+    pairs = zip(numbers, ("Ixy", "Ixz", "Iyz"), strict=True)
+    return " and ".join(name for sign, name in pairs if sign < 0)
 
 
-def _gyroscopic(n: Sequence[float]) -> str:
-    """Say how much is missing of the torque."""
-    words = "the gyroscopic torque ω × Iω were {} times as strong"
-    return _with_factor(words, {0.0: "there were no gyroscopic torque"}, [-n[0]])
+def _permuted(numbers: Sequence[float]) -> str:
+    return f"{vector(numbers[:3])} kg m² along the axes of {vector(numbers[3:])}"
 
 
-def _other_omega(n: Sequence[float]) -> str:
-    """Name components of ω, each by its axis, counted from one, with a sign."""
-    names = [f"{'−' if axis < 0 else ''}ω{'xyz'[int(abs(axis)) % 4 - 1]}" for axis in n]
-    return f"it turns as if ω were [{', '.join(names)}]"
+@dataclass(frozen=True)
+class Kind:
+    """A kind of change.
+
+    Attributes
+    ----------
+    template : its words, with braces where its numbers are
+    count : of its numbers
+    shown : its numbers as they are printed
+    is_kinematic : whether it is one of how the attitude follows ω
+    special : other words, by its first number
+    """
+
+    template: str
+    count: int = 0
+    shown: Callable[[Sequence[float]], str] = vector
+    is_kinematic: bool = False
+    special: Mapping[float, str] = field(default_factory=dict)
+
+    def words(self, numbers: Sequence[float]) -> str:
+        """What follows "as if"."""
+        if not numbers:
+            return self.template
+        return self.special.get(numbers[0]) or self.template.format(self.shown(numbers))
 
 
-def _flipped(n: Sequence[float]) -> str:
-    """Name the products of inertia that have another sign."""
-    pairs = zip(n, ("Ixy", "Ixz", "Iyz"), strict=True)
-    return f"{' and '.join(name for sign, name in pairs if sign < 0)} had the other sign"
+def _of_factor(template: str, none: str = "", reversed_: str = "") -> Kind:
+    """A kind whose number is by how much a factor is off, with words for none and for −1."""
+    return Kind(template, 1, _factor, special={-1.0: none, -2.0: reversed_})
 
 
-def _permuted(n: Sequence[float]) -> str:
-    return (
-        f"the principal moments were permuted, {vector(n[:3])} kg m² along the axes of "
-        f"{vector(n[3:])}"
-    )
-
-
-#: Kinds without numbers.
-_PLAIN = {
-    "no gyroscopic torque of the body": "there were no gyroscopic torque ω × Iω of the body",
-    "gyroscopic about the com": "the gyroscopic torque were ω × Iω with the tensor about the com",
-    "gyroscopic of the diagonal": "the gyroscopic torque ω × Iω were of the tensor's diagonal "
-    "alone",
-    "gyroscopic of other products": "the gyroscopic torque ω × Iω were of the tensor with its "
-    "products of inertia of the other sign",
-    "gyroscopic without rotation": "the gyroscopic torque ω × Iω were of the principal moments as "
-    "if they were along the body's axes",
-    "gyroscopic about conjugated axes": "the gyroscopic torque ω × Iω were of the tensor about "
-    "conjugated principal axes",
-    "inverse of the diagonal": "ω' were of the tensor's diagonal alone, though ω × Iω is of all of "
-    "it",
-    "tensor as at the start": "the tensor did not turn with the body: as it is at the start, in "
-    "world axes",
-    "tensor along the world": "the tensor were along world axes, and did not turn with the body",
-    "other products": "the products of inertia had the other sign",
-    "no products": "there were no products of inertia",
-    "conjugated axes": "the tensor were about conjugated principal axes",
-    "without rotation": "the principal moments were along the body's axes, without the tensor's "
-    "rotation",
-    "com as pivot": "the tensor about the com were that about the pivot",
-    "pivot twice": "the tensor about the pivot were the one about the com twice moved",
-    "com as origin": "the tensor were about the origin instead of the com",
-    "com twice": "the tensor about the com had been moved from the origin once more",
-    "sphere": "the tensor were that of a sphere",
-    "torque along other axes": "the torque were constant along the other axes",
-    "scalar last": "the quaternion were read as x, y, z, w",
-    "scalar first": "the quaternion's last component were taken for its first",
-    "conjugated": "the quaternion were read conjugated",
-    "ω in the world": "ω were read along the world's axes",
-    "ω turned twice": "ω were turned from world to body axes once more than it needs",
-    "ω reversed": "ω were read with the opposite sign",
-}
-_PLAIN_KINEMATICS = {
-    "wrong side": "q' = ½ ω q, as if ω were along world axes: the product is on the wrong side",
-    "wrong side, no ½": "q' = ω q, without the ½, and on the wrong side",
-    "wrong side, reversed": "q' = −½ ω q, with the other sign, and on the wrong side",
-}
-#: Kinds whose number is by how much a factor is off, with other words for some factors.
-_FACTORS: dict[str, tuple[str, dict[float, str]]] = {
-    "gyroscopic, with rotors": ("the gyroscopic torque ω × (Iω + h) were {} times as strong", {}),
-    "momentum": (
-        _MOMENTUM,
-        {
-            0.0: "there were no rotors' torque ω × h",
-            -1.0: "the rotors' torque ω × h had the other sign",
-        },
-    ),
-    "gravity's size": (
-        "gravity were {} times as strong",
-        {0.0: "there were no gravity", -1.0: "gravity were turned round"},
-    ),
-    "torque's size": (
-        "the torque were {} times as strong",
-        {0.0: "there were no torque", -1.0: "the torque had the other sign"},
-    ),
-    "drag's size": (
-        "drag were {} times as strong",
-        {0.0: "there were no drag", -1.0: "drag had the other sign"},
-    ),
-    "tensor's size": ("the tensor were {} times as large", {}),
-    "step": ("a step took {} timesteps", {}),
-    "omega": ("ω were read multiplied by {}", {}),
-    "velocity": ("the velocity were read multiplied by {}", {}),
-}
-_TURNING = (
-    "it turns {} times as fast as ω says",
-    {
-        2.0: "q' = q ω, without the ½",
-        0.5: "q' = ¼ q ω, with the ½ twice",
-        -1.0: "q' = −½ q ω, with the other sign",
-    },
-)
 _ENTRIES = "Ixx, Iyy, Izz, Ixy, Ixz, Iyz = {} kg m²"
-#: Kinds with so many numbers, which the words show one after the other.
-_VECTORS: dict[str, tuple[int, str]] = {
-    "gravity": (3, "gravity were {} m/s²"),
-    "com": (3, "the com were at {} m"),
-    "torque along body axes": (3, "a torque of {} N m acted besides, along body axes"),
-    "torque along world axes": (3, "a torque of {} N m acted besides, along world axes"),
-    "gyroscopic tensor": (6, f"the gyroscopic torque ω × Gω were with G: {_ENTRIES}, not I"),
+_GYROSCOPIC = "the gyroscopic torque ω × Iω were "
+_BESIDES = "a torque of {} N m acted besides, along "
+_WITH_HALF = {1.0: "q' = q ω, without the ½", -0.5: "q' = ¼ q ω, with the ½ twice"}
+_TURNING = _WITH_HALF | {-2.0: "q' = −½ q ω, with the other sign"}
+#: Every kind of change.
+KINDS = {
+    # How the attitude follows ω.
+    "wrong side": Kind(
+        "q' = ½ ω q, as if ω were along world axes: the product is on the wrong side",
+        is_kinematic=True,
+    ),
+    "wrong side, no ½": Kind("q' = ω q, without the ½, and on the wrong side", is_kinematic=True),
+    "wrong side, reversed": Kind(
+        "q' = −½ ω q, with the other sign, and on the wrong side", is_kinematic=True
+    ),
+    "turning": Kind(
+        "it turns {} times as fast as ω says", 1, _factor, is_kinematic=True, special=_TURNING
+    ),
+    "other components": Kind("it turns as if ω were [{}]", 3, _components, is_kinematic=True),
+    "Euler rates": Kind("ω is taken for the rates of Euler angles {}", 3, _axes, is_kinematic=True),
+    "turning along other axes": Kind(
+        "it turns as if ω were along axes turned by {}", 3, _turn, is_kinematic=True
+    ),
+    "turning by a matrix": Kind(
+        "it turns as if ω were multiplied by the matrix of rows {}", 9, is_kinematic=True
+    ),
+    # The gyroscopic torque; the number of the first is how much of it is missing.
+    "gyroscopic": Kind(
+        _GYROSCOPIC + "{} times as strong",
+        1,
+        lambda n: _factor([-n[0]]),
+        special={1.0: "there were no gyroscopic torque"},
+    ),
+    "gyroscopic, with parts": _of_factor(
+        "the gyroscopic torque ω × (Iω + h) were {} times as strong"
+    ),
+    "no gyroscopic torque of the body": Kind("there were no gyroscopic torque ω × Iω of the body"),
+    "gyroscopic about the com": Kind(
+        "the gyroscopic torque were ω × Iω with the tensor about the com"
+    ),
+    "gyroscopic of the diagonal": Kind(_GYROSCOPIC + "of the tensor's diagonal alone"),
+    "gyroscopic of other products": Kind(
+        _GYROSCOPIC + "of the tensor with its products of inertia of the other sign"
+    ),
+    "gyroscopic without rotation": Kind(
+        _GYROSCOPIC + "of the principal moments as if they were along the body's axes"
+    ),
+    "gyroscopic about conjugated axes": Kind(
+        _GYROSCOPIC + "of the tensor about conjugated principal axes"
+    ),
+    "gyroscopic tensor": Kind(f"the gyroscopic torque ω × Gω were with G: {_ENTRIES}, not I", 6),
+    "inverse of the diagonal": Kind(
+        "ω' were of the tensor's diagonal alone, though ω × Iω is of all of it"
+    ),
+    "momentum": _of_factor(
+        _MOMENTUM,
+        "there were no rotors' torque ω × h",
+        "the rotors' torque ω × h had the other sign",
+    ),
+    # The tensor.
+    "tensor as at the start": Kind(
+        "the tensor did not turn with the body: as it is at the start, in world axes"
+    ),
+    "tensor along the world": Kind(
+        "the tensor were along world axes, and did not turn with the body"
+    ),
+    "other products": Kind("the products of inertia had the other sign"),
+    "no products": Kind("there were no products of inertia"),
+    "signs of products": Kind("{} had the other sign", 3, _products),
+    "conjugated axes": Kind("the tensor were about conjugated principal axes"),
+    "without rotation": Kind(
+        "the principal moments were along the body's axes, without the tensor's rotation"
+    ),
+    "com as pivot": Kind("the tensor about the com were that about the pivot"),
+    "pivot twice": Kind("the tensor about the pivot were the one about the com twice moved"),
+    "com as origin": Kind("the tensor were about the origin instead of the com"),
+    "com twice": Kind("the tensor about the com had been moved from the origin once more"),
+    "permuted moments": Kind("the principal moments were permuted, {}", 6, _permuted),
+    "rows and columns": Kind("the tensor's rows and columns were those of the axes {}", 3, _axes),
+    "sphere": Kind("the tensor were that of a sphere"),
+    "tensor's size": _of_factor("the tensor were {} times as large"),
+    "rotated tensor": Kind("the tensor were the same about axes turned by {}", 3, _turn),
+    **{
+        f"{kind}{how}": Kind(words + how, count)
+        for how in ("", UP_TO_A_FACTOR)
+        for kind, words, count in (
+            ("moments", "the moments were {} kg m²", 3),
+            ("box", "the tensor were that of a box along the body's axes, with {} kg m²", 3),
+            ("tensor", f"the tensor were {_ENTRIES}", 6),
+        )
+    },
+    # Other effects.
+    "com": Kind("the com were at {} m", 3),
+    "gravity": Kind("gravity were {} m/s²", 3),
+    "gravity's size": _of_factor(
+        "gravity were {} times as strong", "there were no gravity", "gravity were turned round"
+    ),
+    "resistance": Kind("it were {} N m s", 1, _slowed),
+    "resistance's size": _of_factor(
+        "drag were {} times as strong", "there were no drag", "drag had the other sign"
+    ),
+    "decay": Kind("L were {} /s", 1, _slowed),
+    "decays": Kind("L were slowed by {} /s", 2, _decays),
+    "torque's size": _of_factor(
+        "the torque were {} times as strong",
+        "there were no torque",
+        "the torque had the other sign",
+    ),
+    "torque along other axes": Kind("the torque were constant along the other axes"),
+    "torque along body axes": Kind(_BESIDES + "body axes", 3),
+    "torque along world axes": Kind(_BESIDES + "world axes", 3),
+    # How states are set and read, of an engine.
+    "step": _of_factor("a step took {} timesteps"),
+    "omega": _of_factor("ω were read multiplied by {}"),
+    "velocity": _of_factor("the velocity were read multiplied by {}"),
+    "scalar last": Kind("the quaternion were read as x, y, z, w"),
+    "scalar first": Kind("the quaternion's last component were taken for its first"),
+    "conjugated": Kind("the quaternion were read conjugated"),
+    "ω in the world": Kind("ω were read along the world's axes"),
+    "ω turned twice": Kind("ω were turned from world to body axes once more than it needs"),
+    "ω reversed": Kind("ω were read with the opposite sign"),
 }
-for _more in ("", UP_TO_A_FACTOR):
-    _VECTORS |= {
-        f"moments{_more}": (3, f"the moments were {{}} kg m²{_more}"),
-        f"box{_more}": (
-            3,
-            f"the tensor were that of a box along the body's axes, with {{}} kg m²{_more}",
-        ),
-        f"tensor{_more}": (6, f"the tensor were {_ENTRIES}{_more}"),
-    }
-
-
-def _kinds() -> Iterable[tuple[str, Kind]]:
-    for plain, is_kinematic in ((_PLAIN, False), (_PLAIN_KINEMATICS, True)):
-        for name, words in plain.items():
-            yield name, Kind(0, partial(_first, words), is_kinematic)
-    for name, (words, wholes) in _FACTORS.items():
-        yield name, Kind(1, partial(_with_factor, words, wholes))
-    for name, (count, words) in _VECTORS.items():
-        yield name, Kind(count, partial(_with_vector, words))
-    yield "turning", Kind(1, partial(_with_factor, *_TURNING), is_kinematic=True)
-    yield "other components", Kind(3, _other_omega, is_kinematic=True)
-    euler = "ω is taken for the rates of Euler angles {}"
-    yield "Euler rates", Kind(3, partial(_with_axes, euler), is_kinematic=True)
-    other = "it turns as if ω were along axes turned by {}"
-    yield "turning along other axes", Kind(3, partial(_with_turn, other), is_kinematic=True)
-    matrix = "it turns as if ω were multiplied by the matrix of rows {}"
-    yield "turning by a matrix", Kind(9, partial(_with_vector, matrix), is_kinematic=True)
-    rotated = "the tensor were the same about axes turned by {}"
-    yield "rotated tensor", Kind(3, partial(_with_turn, rotated))
-    rows = "the tensor's rows and columns were those of the axes {}"
-    yield "rows and columns", Kind(3, partial(_with_axes, rows))
-    yield "gyroscopic", Kind(1, _gyroscopic)
-    yield "permuted moments", Kind(6, _permuted)
-    yield "signs of products", Kind(3, _flipped)
-    yield "resistance", Kind(1, lambda n: f"it were {_slowed('N m s', n)}")
-    yield "decay", Kind(1, lambda n: f"L were {_slowed('/s', n)}")
-    yield "decays", Kind(2, _decays)
-
-
-def _first(words: str, _: Sequence[float]) -> str:
-    return words
-
-
-#: Every kind of change, by name.
-KINDS: dict[str, Kind] = dict(_kinds())

@@ -167,7 +167,7 @@ def _of_gyroscopic_torque(scenario: Scenario, e: OtherEquations) -> Iterator[Cha
     if e.kept.any():
         yield _set("no gyroscopic torque of the body", gyroscopic=0 * inertia)
         yield from _factor("momentum", 0.0, -1.0, kept=e.kept)
-        yield from _factor("gyroscopic, with rotors", gyroscopic=inertia, kept=e.kept)
+        yield from _factor("gyroscopic, with parts", gyroscopic=inertia, kept=e.kept)
     yield from _factor("gyroscopic", sign=-1.0, gyroscopic=inertia)
     for kind, tensors in (
         ("gyroscopic of the diagonal", [with_products(inertia, 0.0)]),
@@ -207,7 +207,7 @@ def _of_effects(scenario: Scenario, e: OtherEquations) -> Iterator[Change]:
         along_other_axes: dict[str, Any] = {"torque": e.torque_world, "torque_world": e.torque}
         yield _set("torque along other axes", **along_other_axes)
     if e.slowing[0]:
-        yield from _factor("drag's size", 0.0, -1.0, slowing=e.slowing)
+        yield from _factor("resistance's size", 0.0, -1.0, slowing=e.slowing)
     if e.gravity_world.any():
         yield Change(
             "gravity",
@@ -229,7 +229,7 @@ def _slowed(h: Hypothesis, more: FloatArray) -> Hypothesis:
 
 
 def resistance(scenario: Scenario, e: OtherEquations) -> Iterator[Change]:
-    """Drag, or more of it."""
+    """A torque against ω, or more of it."""
     yield Change(
         "resistance",
         lambda h, n: _slowed(h, np.array([n[0], 0, 0])),

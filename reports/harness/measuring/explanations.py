@@ -48,7 +48,7 @@ class Gains(Data):
     def scale(self) -> FloatArray:
         """What noise, and what rounding leaves of an excess, may come to, (K, 4)."""
         largest = np.linalg.norm(self.excess, axis=2).max(axis=0)
-        return np.maximum(self.noise + ROUNDED * largest, NO_SIZE)
+        return np.asarray(np.maximum(self.noise + ROUNDED * largest, NO_SIZE))
 
     @cached_property
     def exact(self) -> FloatArray:
@@ -77,7 +77,7 @@ class Gains(Data):
         velocity = hypothesis.velocity * velocity
         parts = hypothesis.step * turning, hypothesis.step * torque, step * velocity, step * place
         each = np.stack(parts, axis=1).reshape(-1, *self.excess.shape)
-        return np.asarray(each.mean(axis=0))
+        return np.asarray(np.mean(each, axis=0))
 
     def _rates(self, hypothesis: Hypothesis, omega: FloatArray) -> FloatArray:
         """The angular velocity at which states turn, and ω', body axes, (R K, 6)."""

@@ -61,7 +61,7 @@ class Data(ABC):
         return (None,)
 
     def falls(self, before: FloatArray, after: FloatArray) -> float:
-        """By how much the sum of squares is smaller of what is left after a change."""
+        """The sum of squares of what is left before a change, less that of the rest after it."""
         return float(np.sum(before**2) - np.sum(after**2))
 
     def left(self, hypothesis: Hypothesis, samples: int | None = None) -> FloatArray:
@@ -123,7 +123,7 @@ class Trial:
 
     @cached_property
     def sizes(self) -> FloatArray:
-        """Of all numbers, (k,)."""
+        """The sizes of all numbers, (k,)."""
         return np.concatenate([np.empty(0), *(change.sizes for change in self.changes)])
 
     def hypothesis(self, x: FloatArray) -> Hypothesis:

@@ -22,7 +22,7 @@ def other_tensors(scenario: Scenario) -> Iterator[Tensor]:
     inertia, of_com = np.array(scenario.inertia), np.array(scenario.body.inertia_com)
     seen = [inertia]
     for kind, numbers, wrong in _of_mistakes(scenario, of_com):
-        # A pivot adds to a tensor, and rotors that turn freely take from it.
+        # A pivot adds to a tensor, and parts that turn freely take from it.
         tensor = wrong + (inertia - of_com)
         is_new = all(np.abs(tensor - other).max() > SAME * np.abs(other).max() for other in seen)
         if is_new and np.linalg.eigvalsh(tensor)[0] > 0:

@@ -6,13 +6,17 @@ import numpy as np
 
 from ....scenarios import FloatArray, Scenario, Trajectory
 from ....scenarios.rotation import norms
-from .measured import Measured, estimated_noise, log_of
-from .mistakes import Reading, mistakes, starts_elsewhere
+from .intervals import apart, states_of
+from .measured import Measured, estimated_noise, log_of, started_elsewhere
+from .mistakes import Reading, mistakes
 from .motion import RecordedMotion
 from .other_physics import Physics, rounding
+from .recording import Recording
 
 #: The names by which a file states the noise of attitude, rad, and of ω, rad/s.
 NOISE = ("noise_attitude", "noise_omega")
+#: rad, and of ω relative; a first sample that is this far off is another start.
+STARTS = 1e-3
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,6 +36,7 @@ class Explanation:
 def explained(
     scenario: Scenario,
     exact: Trajectory,
+    recording: Recording,
     reading: Reading,
     recorded: RecordedMotion,
     timestep: float | None,
@@ -42,12 +47,13 @@ def explained(
     Parameters
     ----------
     exact : the exact motion at the recording's times
+    reading, recorded : the recording as it states that it is to be read
     timestep : s, that the motion was made with; None if that is unknown
     order : of accuracy, of the method that made it
     """
     motion = recorded.trajectory
-    floor = _floor(motion, reading.recording.resolution, recorded.has_omega)
-    settings = reading.recording.settings
+    floor = _floor(motion, recording.resolution, recorded.has_omega)
+    settings = recording.settings
     stated = [float(settings.get(name, 0.0)) for name in NOISE]
     noise = np.maximum(stated, floor) if any(stated) else None
     in_recording = mistakes(scenario, exact, reading)
@@ -66,7 +72,8 @@ def explained(
     if in_recording:
         return Explanation(in_recording, verdict, is_beyond)
     words = [] if physics.made_by else physics.explained()
-    words = words or starts_elsewhere(scenario, exact, reading)
+    if not words and recorded.has_omega:
+        words = _elsewhere(exact, motion)
     return Explanation(words, verdict, is_beyond, physics.made_by)
 
 
@@ -74,6 +81,15 @@ def _of_measured(fit: Measured, physics: Physics) -> Explanation:
     """Explain a measured motion, by other physics where more than noise is left."""
     words = (physics.explained() if fit.is_beyond else []) or fit.explained()
     return Explanation(words, fit.verdict, fit.is_beyond, measured=fit)
+
+
+def _elsewhere(exact: Trajectory, motion: Trajectory) -> list[str]:
+    """Say that the first sample is not on the scene's motion; nothing if it nearly is."""
+    start, first = (states_of(one.until(1)) for one in (exact, motion))
+    turned, faster = norms(apart(start, first).reshape(2, 3))
+    speed = float(norms(start[:, 4:])[0])
+    is_near = turned < STARTS and faster < STARTS * (speed or 1.0)
+    return [] if is_near else [started_elsewhere(float(exact.t[0]), (turned, faster))]
 
 
 def _floor(motion: Trajectory, resolution: float, has_omega: bool) -> FloatArray:

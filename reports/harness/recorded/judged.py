@@ -22,7 +22,7 @@ from ...results.records import Defect
 from ..defects import defects
 from .explained import explained
 from .measured import Measured
-from .mistakes import Reading
+from .mistakes import reading_of
 from .motion import OmegaFrame, QuaternionOrder, RecordedMotion, recorded_motion
 from .recording import Recording, RecordingError
 
@@ -170,9 +170,8 @@ def judged_motion(
     errors = dict(series.worst()) | dict.fromkeys(absent)
     of_steps = defects(scenario, recorded.trajectory, exact)
     timestep = timestep or (float(stated["timestep"]) if "timestep" in stated else None)
-    explanation = explained(
-        scenario, exact, Reading(recording, components, frame), recorded, timestep, order
-    )
+    reading = reading_of(recording, components, frame)
+    explanation = explained(scenario, exact, recording, reading, recorded, timestep, order)
     return JudgedMotion(
         recorded,
         solution,

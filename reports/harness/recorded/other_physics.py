@@ -55,7 +55,7 @@ class Physics:
 
     @cached_property
     def intervals(self) -> Intervals | None:
-        """From sample to sample; None where these are too few, or too far apart."""
+        """The motion from sample to sample; None where these are too few, or too far apart."""
         return intervals_of(self.scenario, self.motion, self.timestep, self.order, self.noise)
 
     @cached_property
