@@ -25,16 +25,19 @@ from spincheck.reports.harness.recorded.intervals import Intervals
 from spincheck.reports.harness.recorded.judged import JudgedMotion, judged_motion
 from spincheck.reports.harness.recorded.recording import Recording
 from spincheck.scenarios import Scenario
+from spincheck.scenarios.scenario import started_at
 
 pytestmark = pytest.mark.slow
 
 BODY = case(7)
 MOMENTS, AXES = np.linalg.eigh(BODY.inertia)
 DIAGONAL = np.diag(np.diag(BODY.inertia))
-#: The same body, in the fewer samples of a log.
-LOG = case(7, samples=101)
+#: A body that tumbles, in the fewer samples of a log, and one whose ω hardly changes: by 0.08 rad/s²
+#: at most.
+LOG, STEADY = case(1, samples=101), case(7, samples=101)
 Read = Callable[[np.ndarray, np.ndarray], np.ndarray]
 AS_IF = "it moves as if "
+WRONG_SIDE = "q' = ½ ω q, as if ω were along world axes: the product is on the wrong side"
 KINEMATICS = "ω obeys Euler's equations, but the attitude does not follow ω: "
 
 
@@ -68,10 +71,7 @@ REPORTS: dict[str, tuple[dict[str, object], list[str]]] = {
     ),
     "students, the product on the wrong side": (
         {"turning": unnormalised},
-        [
-            KINEMATICS
-            + "q' = ½ ω q, as if ω were along world axes: the product is on the wrong side"
-        ],
+        [KINEMATICS + WRONG_SIDE],
     ),
     "students, without the half": (
         {"turning": lambda q, omega: product(q, np.array([0, *omega]))},
@@ -196,9 +196,8 @@ def test_a_gyroscopes_mistake_is_named_and_nothing_that_noise_explains(
     error: str, is_stated: bool
 ) -> None:
     read, words, numbers = GYROSCOPES[error]
-    attitude, omega = NOISE[0] / 10, NOISE[1] / 10
-    stated = {"noise_attitude": attitude, "noise_omega": omega} if is_stated else {}
-    found = judged(LOG.scenario, measured(LOG, attitude, omega, read), **stated)
+    stated = {"noise_attitude": NOISE[0], "noise_omega": NOISE[1]} if is_stated else {}
+    found = judged(LOG.scenario, measured(LOG, *NOISE, read), **stated)
     assert len(found.explained_by) == bool(words)
     sentence = "".join(found.explained_by).replace("[", "")
     assert sentence.startswith(words)
@@ -211,19 +210,51 @@ def test_a_gyroscopes_mistake_is_named_and_nothing_that_noise_explains(
     assert f"which is {'stated' if is_stated else 'estimated'}: χ² is " in found.verdict
 
 
+@pytest.mark.parametrize("is_stated", [False, True])
+def test_a_lag_of_a_steady_body_is_no_other_start(is_stated: bool) -> None:
+    """Another start makes much of the same difference, with six numbers instead of one."""
+    noise, read = (NOISE[0], 0.002), GYROSCOPES["a lag"][0]
+    stated = {"noise_attitude": noise[0], "noise_omega": noise[1]} if is_stated else {}
+    (words,) = judged(STEADY.scenario, measured(STEADY, *noise, read), **stated).explained_by
+    assert words.startswith("ω lags the attitude by 0.03")
+
+
+def test_another_start_is_found_in_noise_with_its_size() -> None:
+    start = STEADY.scenario.start
+    faster = start.omega_body + [0.1, 0, 0]
+    elsewhere = started_at(
+        STEADY.scenario,
+        *(start.q_world_body_wxyz, faster),
+        *(start.position_world, start.velocity_world),
+    )
+    found = judged(STEADY.scenario, measured(replace(STEADY, scenario=elsewhere), *NOISE))
+    (words,) = found.explained_by
+    assert words.startswith("it started elsewhere: at t = 0 s the attitude is off by 0.")
+    assert 0.05 < float(words.split()[-2]) < 0.15
+
+
+def test_a_log_of_another_motion_is_beyond_its_estimated_noise() -> None:
+    found = judged(LOG.scenario, measured(LOG, *NOISE, turning=unnormalised), timestep=1e-4)
+    assert found.is_beyond
+    assert found.verdict.startswith("beyond a noise of 0.")
+    assert "which is estimated" in found.verdict
+    assert list(found.explained_by) == [KINEMATICS + WRONG_SIDE]
+
+
 def test_another_moment_is_found_in_noise_with_its_standard_error() -> None:
-    heavier = (AXES * (MOMENTS * [1.0, 1.05, 1.0])) @ AXES.T
+    moments, axes = np.linalg.eigh(LOG.inertia)
+    heavier = (axes * (moments * [1.0, 1.05, 1.0])) @ axes.T
     found = judged(LOG.scenario, measured(LOG, np.radians(0.06), 0.001, inertia=heavier))
     assert [words.partition(" were ")[0] for words in found.explained_by] == [
         "it moves as if the tensor"
     ]
     assert found.measured is not None
     entries, errors = found.measured.tensor_entries()
-    scaled = heavier * np.trace(BODY.inertia) / np.trace(heavier)
+    scaled = heavier * np.trace(LOG.inertia) / np.trace(heavier)
     wanted = scaled[[0, 1, 2, 0, 0, 1], [0, 1, 2, 1, 2, 2]]
     # Of six numbers none is off by five standard errors, but by chance in a million logs.
     assert np.all(np.abs(entries - wanted) < 5 * errors)
-    assert np.all(errors < 0.01 * np.trace(BODY.inertia))
+    assert np.all(errors < 0.01 * np.trace(LOG.inertia))
 
 
 def test_noise_is_estimated_to_its_standard_error() -> None:
