@@ -84,20 +84,20 @@ def follow(
     return ends
 
 
-def rates(equations: OtherEquations, states: FloatArray) -> FloatArray:
+def rates(equations: OtherEquations, states: FloatArray, kept: FloatArray) -> FloatArray:
     """Return how fast states change.
 
     Parameters
     ----------
     states : q, scalar first, body to world, and ω, rad/s, body axes, (S, 7)
+    kept : the momentum of parts in each, in place of that of the equations, (S, 3)
 
     Returns
     -------
     (S, 6), along body axes: the angular velocity at which the attitude turns, rad/s, and ω', rad/s²
     """
-    stages, R_world_body = np.empty((len(states), STAGE)), np.empty((3, 3))
-    for state, stage in zip(states, stages, strict=True):
-        _rates(equations, state, R_world_body, stage)
+    stages = np.empty((len(states), STAGE))
+    _fill_stages(equations._replace(kept=np.empty(3)), states, kept, stages)
     return stages[:, [7, 8, 9, 4, 5, 6]]
 
 
@@ -239,6 +239,17 @@ def _rates(e: OtherEquations, y: FloatArray, R: FloatArray, stage: FloatArray) -
     _add_product(y, 1.0, turning, stage)
     _put(_by_tensor(e, e.inverse, R, _torque(e, R, omega)), stage, 4)
     _put(turning, stage, 7)
+
+
+@called
+def _fill_stages(
+    e: OtherEquations, states: FloatArray, kept: FloatArray, stages: FloatArray
+) -> None:
+    """Fill in the stages at states, with the momentum of parts in each."""
+    R = np.empty((3, 3))
+    for s in range(states.shape[0]):
+        e.kept[:] = kept[s]
+        _rates(e, states[s], R, stages[s])
 
 
 @called

@@ -4,9 +4,9 @@ They can be judged again, and put in other words, without a run.
 """
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import Annotated, Literal
 
-from pydantic import model_validator
+from pydantic import Field, model_validator
 
 from .change_words import KINDS
 from .records import Count, MethodKey, Record, Signed, Size
@@ -65,7 +65,7 @@ class StepFault:
     timestep : s, at which it shows
     got, wanted : what the state gains a second, and should; of `leap` and `misread` how far it is
         off
-    change : explains what all states gain; None where no single change does
+    changes : explain what all states gain; empty where no change, or two at once, does
     """
 
     kind: FaultKind
@@ -74,7 +74,7 @@ class StepFault:
     timestep: Size
     got: Vector
     wanted: Vector
-    change: Explanation | None = None
+    changes: Annotated[tuple[Explanation, ...], Field(max_length=2)] = ()
 
 
 @dataclass(frozen=True)

@@ -104,8 +104,8 @@ def _open(steps: StepEvidence) -> str:
 
 def fault_in_words(fault: StepFault) -> str:
     """How steps are not those of a method that converges, and what explains it."""
-    as_if = f"behaves as if {fault.change.words}: " if fault.change else ""
-    return f"{as_if}{_shown(fault)}"
+    as_if = " and ".join(change.words for change in fault.changes)
+    return f"behaves as if {as_if}: {_shown(fault)}" if as_if else _shown(fault)
 
 
 def _shown(fault: StepFault) -> str:

@@ -85,9 +85,7 @@ class Gains(Data):
         # The parts of a state that is not on the scene's motion keep another momentum.
         factor = float(e.kept @ usual / (usual @ usual)) if usual.any() else 0.0
         kept = factor * self.equations.kept_body(self.states)
-        rows = np.hstack([self.states.q_world_body_wxyz, omega])
-        each = [rates(e._replace(kept=h), row[None])[0] for h, row in zip(kept, rows, strict=True)]
-        return np.array(each)
+        return rates(e, np.hstack([self.states.q_world_body_wxyz, omega]), kept)
 
 
 def gains_of(equations: Equations, states: State, excess: FloatArray, noise: FloatArray) -> Gains:
@@ -95,10 +93,10 @@ def gains_of(equations: Equations, states: State, excess: FloatArray, noise: Flo
     return Gains(as_it_is(equations.scenario), equations, states, excess, noise)
 
 
-def explanation(gains: Gains) -> Explanation | None:
-    """The change of the model that explains the gains; None if no single one does."""
-    found = Search(gains, [*_readings(), *changes(gains.equations.scenario)]).one()
-    return None if found is None else found.explanation(found.changes[0])
+def explanations(gains: Gains) -> tuple[Explanation, ...]:
+    """The change of the model, or the two at once, that explain the gains; empty if none do."""
+    found = Search(gains, [*_readings(), *changes(gains.equations.scenario)]).one_or_two()
+    return tuple(map(found.explanation, found.changes)) if found else ()
 
 
 def _readings() -> Iterator[Change]:

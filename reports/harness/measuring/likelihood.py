@@ -230,24 +230,21 @@ class Search:
         return fit
 
     def _pairs(self) -> list[Fit]:
-        """Two changes at once, of which those are fitted that promise to leave least."""
-        unchanged = self.unchanged
-        pairs = list(combinations(self.trials, 2))
-        left = [
-            _least(
-                one.at_none + other.at_none - unchanged.rest, np.hstack([one.slopes, other.slopes])
-            )
-            for one, other in pairs
-        ]
-        # Of those that promise to explain it, the simplest.
-        enough = LEFT**2 * unchanged.left
-        counts = [len(one.sizes) + len(other.sizes) for one, other in pairs]
-        order = sorted(
-            range(len(pairs)),
-            key=lambda k: (left[k] > enough, counts[k] * (left[k] <= enough), left[k]),
-        )
-        best = [pairs[k] for k in order[:PAIRS]]
-        return [Trial(self.data, one.changes + other.changes).fit() for one, other in best]
+        """Two changes at once, of which both are needed, and of these those that promise most."""
+        rest, enough = self.unchanged.rest, LEFT**2 * self.unchanged.left
+        alone = [PROMISING**2 * _left_if_linear(trial) for trial in self.trials]
+        promises: list[tuple[bool, int, float, int, int]] = []
+        for i, j in combinations(range(len(self.trials)), 2):
+            one, other = self.trials[i], self.trials[j]
+            slopes = np.hstack([one.slopes, other.slopes])
+            left = _least(one.at_none + other.at_none - rest, slopes)
+            if left <= min(alone[i], alone[j]):
+                # Of those that leave little the simplest.
+                count = slopes.shape[1] if left <= enough else 0
+                promises.append((left > enough, count, left, i, j))
+        # Of those alike the first is named.
+        best = sorted((i, j) for *_, i, j in sorted(promises)[:PAIRS])
+        return [Trial(self.data, (self.changes[i], self.changes[j])).fit() for i, j in best]
 
     def _simplest(self, fits: Sequence[Fit]) -> Fit | None:
         """The simplest fit that leaves little, if none with more numbers leaves much less."""

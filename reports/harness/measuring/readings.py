@@ -15,8 +15,8 @@ from .steps import apart
 EXPLAINS = 1e-3
 
 
-def misreading(read: State, exact: State, reach: float) -> Explanation | None:
-    """The mistake in reading that explains n states; None if none does.
+def misreading(read: State, exact: State, reach: float) -> tuple[Explanation, ...]:
+    """The mistake in reading that explains n states; empty if none does.
 
     Parameters
     ----------
@@ -26,8 +26,8 @@ def misreading(read: State, exact: State, reach: float) -> Explanation | None:
     off = _off(read, exact, reach)
     for kind, mistaken in MISTAKES.items():
         if _off(read, mistaken(exact), reach) < EXPLAINS * off:
-            return Explanation(kind, ())
-    return None
+            return (Explanation(kind, ()),)
+    return ()
 
 
 def _off(read: State, exact: State, reach: float) -> float:

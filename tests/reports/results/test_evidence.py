@@ -67,9 +67,9 @@ def test_a_change_has_all_its_numbers(path):
     fault |= {"got": [0.0] * 3, "wanted": [0.0] * 3}
     for kind, count in {name: kind.count for name, kind in KINDS.items()}.items():
         for other in {0, count - 1, count + 1} - {count, -1}:
-            steps(path, fault=fault | {"change": {"kind": kind, "numbers": [1.0] * other}})
+            steps(path, fault=fault | {"changes": [{"kind": kind, "numbers": [1.0] * other}]})
             assert is_refused(path)
-        steps(path, fault=fault | {"change": {"kind": kind, "numbers": [1.0] * count}})
+        steps(path, fault=fault | {"changes": [{"kind": kind, "numbers": [1.0] * count}]})
         assert not is_refused(path)
 
 
@@ -80,6 +80,6 @@ def test_any_fault_that_is_accepted_can_be_put_in_words():
         for wanted in (0.0, 1e-300, 1.0, 1e150):
             for kind in get_args(FaultKind):
                 vectors = {"got": (got, 0.0, -got), "wanted": (0.0, wanted, -wanted)}
-                change = Explanation("decays", (got, -wanted))
-                fault = replace(steps.fault, kind=kind, change=change, **vectors)
+                changes = (Explanation("decays", (got, -wanted)),)
+                fault = replace(steps.fault, kind=kind, changes=changes, **vectors)
                 assert fault_in_words(fault).isprintable()

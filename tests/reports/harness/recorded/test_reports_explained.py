@@ -32,8 +32,7 @@ pytestmark = pytest.mark.slow
 BODY = case(7)
 MOMENTS, AXES = np.linalg.eigh(BODY.inertia)
 DIAGONAL = np.diag(np.diag(BODY.inertia))
-#: A body that tumbles, in the fewer samples of a log, and one whose ω hardly changes: by 0.08 rad/s²
-#: at most.
+#: In the fewer samples of a log a body that tumbles, and one whose ω' is 0.08 rad/s² at most.
 LOG, STEADY = case(1, samples=101), case(7, samples=101)
 Read = Callable[[np.ndarray, np.ndarray], np.ndarray]
 AS_IF = "it moves as if "
@@ -221,7 +220,7 @@ def test_a_lag_of_a_steady_body_is_no_other_start(is_stated: bool) -> None:
 
 def test_another_start_is_found_in_noise_with_its_size() -> None:
     start = STEADY.scenario.start
-    faster = start.omega_body + [0.1, 0, 0]
+    faster = np.add(start.omega_body, [0.1, 0, 0])
     elsewhere = started_at(
         STEADY.scenario,
         *(start.q_world_body_wxyz, faster),
