@@ -37,16 +37,17 @@ def _of_mistakes(scenario: Scenario, of_com: FloatArray) -> Iterator[Tensor]:
     moments, axes = np.linalg.eigh(of_com)
     yield "other products", (), with_products(of_com, -1.0)
     yield "no products", (), with_products(of_com, 0.0)
+    orders = [list(order) for order in permutations(range(3))][1:]
+    # Of a tensor along the body's axes the next two are that, too.
+    for order in orders:
+        permuted = (axes * moments[order]) @ axes.T
+        yield "permuted moments", (*moments[order], *moments), permuted
     for tensor in about_conjugated_axes(of_com):
         yield "conjugated axes", (), tensor
     for tensor in without_rotation(of_com):
         yield "without rotation", (), tensor
     yield "com as pivot" if about else "com twice", (), of_com - moved
     yield "pivot twice" if about else "com as origin", (), of_com + moved
-    orders = [list(order) for order in permutations(range(3))][1:]
-    for order in orders:
-        permuted = (axes * moments[order]) @ axes.T
-        yield "permuted moments", (*moments[order], *moments), permuted
     for order in orders:
         yield "rows and columns", order, of_com[np.ix_(order, order)]
     for signs in product((1.0, -1.0), repeat=3):
