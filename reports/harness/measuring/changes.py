@@ -5,7 +5,8 @@ changes explain what an engine's steps gain, and recorded motions.
 """
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
+from functools import partial
 from itertools import permutations, product
 from typing import Any, NamedTuple
 
@@ -66,10 +67,6 @@ def as_it_is(scenario: Scenario) -> Hypothesis:
     return Hypothesis(equations_of(scenario), np.zeros(6), np.eye(3), np.zeros(3))
 
 
-def _numbers(n: FloatArray) -> FloatArray:
-    return n
-
-
 @dataclass(frozen=True, eq=False)
 class Change:
     """A change of what is computed or read.
@@ -84,8 +81,8 @@ class Change:
 
     kind: str
     apply: Callable[[Hypothesis, FloatArray], Hypothesis]
-    sizes: FloatArray = field(default_factory=lambda: np.empty(0))
-    shown: Callable[[FloatArray], Sequence[float] | FloatArray] = _numbers
+    sizes: FloatArray
+    shown: Callable[[FloatArray], Sequence[float] | FloatArray] = np.asarray
 
     def explanation(self, numbers: FloatArray) -> Explanation:
         """The change with these numbers."""
@@ -105,7 +102,18 @@ def changes(scenario: Scenario) -> Iterator[Change]:
 
 def _set(kind: str, shown: Sequence[float] = (), **numbers: Any) -> Change:
     """A change of numbers of the equations to given ones."""
-    return Change(kind, lambda h, _: h.of(**numbers), shown=lambda _: shown)
+    return Change(kind, lambda h, _: h.of(**numbers), np.empty(0), lambda _: shown)
+
+
+def _fitted(
+    kind: str,
+    usual: FloatArray,
+    size: float | FloatArray,
+    apply: Callable[[Hypothesis, FloatArray], Hypothesis],
+) -> Change:
+    """A change of k numbers from the usual ones; `apply` takes those that there are."""
+    sizes = np.broadcast_to(size, usual.shape).astype(float)
+    return Change(kind, lambda h, n: apply(h, usual + n), sizes, lambda n: usual + n)
 
 
 def _factor(kind: str, *wholes: float, sign: float = 1.0, **terms: FloatArray) -> Iterator[Change]:
@@ -145,16 +153,15 @@ def _of_kinematics() -> Iterator[Change]:
                 yield _set("other components", shown, turning=turning)
     for i, j, k in EULER_ANGLES:
         yield _set("Euler rates", (i, j, k), kinematics=FIRST_ANGLES + 9 * i + 3 * j + k)
-    yield Change(
+    yield _fitted(
         "turning along other axes",
+        *(np.zeros(3), 1.0),
         lambda h, n: h.of(turning=Rotation.from_rotvec(n).as_matrix()),
-        np.ones(3),
     )
-    yield Change(
+    yield _fitted(
         "turning by a matrix",
-        lambda h, n: h.of(turning=np.eye(3) + n.reshape(3, 3)),
-        np.ones(9),
-        lambda n: np.eye(3).ravel() + n,
+        *(np.eye(3).ravel(), 1.0),
+        lambda h, n: h.of(turning=n.reshape(3, 3)),
     )
 
 
@@ -181,14 +188,8 @@ def _of_gyroscopic_torque(scenario: Scenario, e: OtherEquations) -> Iterator[Cha
     R = matrix(scenario.start.q_world_body_wxyz)
     yield _set("tensor as at the start", **_body(R @ inertia @ R.T), in_world=True)
     yield _set("tensor along the world", **_body(inertia), in_world=True)
-    # ω × cω is zero: G is known up to a multiple of 1, and is shown with the trace of I.
-    of_numbers = _with_trace_of(inertia)
-    yield Change(
-        "gyroscopic tensor",
-        lambda h, n: h.of(gyroscopic=of_numbers(n)),
-        np.full(5, _size(e)),
-        lambda n: tensor_entries(of_numbers(n)),
-    )
+    # ω × cω is zero: G is known up to a multiple of 1.
+    yield _with_trace("gyroscopic tensor", inertia, lambda h, G: h.of(gyroscopic=G))
 
 
 def _of_effects(scenario: Scenario, e: OtherEquations) -> Iterator[Change]:
@@ -196,10 +197,12 @@ def _of_effects(scenario: Scenario, e: OtherEquations) -> Iterator[Change]:
     if e.gravity_world.any():
         yield from _factor("gravity's size", 0.0, -1.0, gravity_world=e.gravity_world)
     yield from resistance(scenario, e)
-    rate = _fastest(scenario, e)
-    yield Change("decay", lambda h, n: _slowed(h, np.array([0, n[0], 0])), np.full(1, rate))
-    yield Change(
-        "decays", lambda h, n: _slowed(h, np.array([0, n[0], n[1]])), np.array([rate, 1.0])
+    rate, none = _fastest(scenario, e), np.zeros(3)
+    yield _fitted("decay", none[:1], rate, lambda h, n: _slowed(h, 0.0, n[0]))
+    yield _fitted(
+        "decays",
+        *(none[:2], np.array([rate, 1.0])),
+        lambda h, n: _slowed(h, 0.0, *n),
     )
     if e.torque.any() or e.torque_world.any():
         pushes: dict[str, Any] = {"torque": e.torque, "torque_world": e.torque_world}
@@ -209,32 +212,28 @@ def _of_effects(scenario: Scenario, e: OtherEquations) -> Iterator[Change]:
     if e.slowing[0]:
         yield from _factor("resistance's size", 0.0, -1.0, slowing=e.slowing)
     if e.gravity_world.any():
-        yield Change(
-            "gravity",
-            lambda h, n: h.of(gravity_world=e.gravity_world + n),
-            np.full(3, float(np.linalg.norm(e.gravity_world))),
-            lambda n: e.gravity_world + n,
-        )
-    size = np.full(3, _size(e) * rate**2)
-    yield Change("torque along body axes", lambda h, n: h.of(torque=h.equations.torque + n), size)
-    yield Change(
-        "torque along world axes",
-        lambda h, n: h.of(torque_world=h.equations.torque_world + n),
-        size,
-    )
+        size = float(np.linalg.norm(e.gravity_world))
+        yield _fitted("gravity", e.gravity_world, size, lambda h, g: h.of(gravity_world=g))
+    size = _size(e) * rate**2
+    for kind, name in (
+        ("torque along body axes", "torque"),
+        ("torque along world axes", "torque_world"),
+    ):
+        yield _fitted(kind, none, size, partial(_pushed, name))
 
 
-def _slowed(h: Hypothesis, more: FloatArray) -> Hypothesis:
-    return h.of(slowing=h.equations.slowing + more)
+def _pushed(name: str, h: Hypothesis, torque: FloatArray) -> Hypothesis:
+    return h.of(**{name: getattr(h.equations, name) + torque})
+
+
+def _slowed(h: Hypothesis, c: float, a: float = 0.0, b: float = 0.0) -> Hypothesis:
+    return h.of(slowing=h.equations.slowing + np.array([c, a, b]))
 
 
 def resistance(scenario: Scenario, e: OtherEquations) -> Iterator[Change]:
     """A torque against ω, or more of it."""
-    yield Change(
-        "resistance",
-        lambda h, n: _slowed(h, np.array([n[0], 0, 0])),
-        np.full(1, _size(e) * _fastest(scenario, e)),
-    )
+    size = _size(e) * _fastest(scenario, e)
+    yield _fitted("resistance", np.zeros(1), size, lambda h, n: _slowed(h, n[0]))
 
 
 def com(scenario: Scenario, e: OtherEquations) -> Iterator[Change]:
@@ -242,66 +241,50 @@ def com(scenario: Scenario, e: OtherEquations) -> Iterator[Change]:
     if scenario.constraint.is_pivot and e.gravity_world.any():
         place, mass = np.array(scenario.body.com), scenario.body.mass
 
-        def moved(h: Hypothesis, n: FloatArray) -> Hypothesis:
-            here, there = (mass * (r @ r * np.eye(3) - np.outer(r, r)) for r in (place, place + n))
-            return h.of_tensor(e.inertia - here + there).of(pull=mass * (place + n))
+        def moved(h: Hypothesis, com: FloatArray) -> Hypothesis:
+            here, there = (mass * (r @ r * np.eye(3) - np.outer(r, r)) for r in (place, com))
+            return h.of_tensor(e.inertia - here + there).of(pull=mass * com)
 
-        size = float(np.linalg.norm(place)) or 1.0
-        yield Change("com", moved, np.full(3, size), lambda n: place + n)
+        yield _fitted("com", place, float(np.linalg.norm(place)) or 1.0, moved)
 
 
 def _of_fitted_tensors(scenario: Scenario, e: OtherEquations) -> Iterator[Change]:
     """The tensor by its numbers: those that the motion shows, of a free body up to a factor."""
     moments, axes = np.linalg.eigh(e.inertia)
-    sizes, how = np.full(3, _size(e)), "" if is_scaled(e) else UP_TO_A_FACTOR
+    size, how = _size(e), "" if is_scaled(e) else UP_TO_A_FACTOR
     if is_scaled(e):
         yield Change("tensor's size", lambda h, n: h.of_tensor((1 + n[0]) * e.inertia), np.ones(1))
     yield from com(scenario, e)
-    yield Change(
-        f"moments{how}",
-        lambda h, n: h.of_tensor((axes * (moments + n)) @ axes.T),
-        sizes,
-        lambda n: moments + n,
-    )
-    diagonal = np.diag(e.inertia)
-    yield Change(
-        f"box{how}",
-        lambda h, n: h.of_tensor(np.diag(diagonal + n)),
-        sizes,
-        lambda n: diagonal + n,
-    )
+    yield _fitted(f"moments{how}", moments, size, lambda h, n: h.of_tensor((axes * n) @ axes.T))
+    yield _fitted(f"box{how}", np.diag(e.inertia), size, lambda h, n: h.of_tensor(np.diag(n)))
 
-    def rotated(h: Hypothesis, n: FloatArray) -> Hypothesis:
-        R = Rotation.from_rotvec(n).as_matrix()
+    def rotated(h: Hypothesis, turn: FloatArray) -> Hypothesis:
+        R = Rotation.from_rotvec(turn).as_matrix()
         return h.of_tensor(R @ e.inertia @ R.T)
 
-    yield Change("rotated tensor", rotated, np.ones(3))
+    yield _fitted("rotated tensor", np.zeros(3), 1.0, rotated)
     yield tensor(e)
 
 
 def tensor(e: OtherEquations) -> Change:
     """The whole tensor; where the motion does not show its scale, of the scene's trace."""
+    if not is_scaled(e):
+        return _with_trace(f"tensor{UP_TO_A_FACTOR}", e.inertia, Hypothesis.of_tensor)
     entries = tensor_entries(e.inertia)
-    if is_scaled(e):
-        return Change(
-            "tensor",
-            lambda h, n: h.of_tensor(tensor_of_entries(entries + n)),
-            np.full(6, _size(e)),
-            lambda n: entries + n,
-        )
-    of_numbers = _with_trace_of(e.inertia)
-    return Change(
-        f"tensor{UP_TO_A_FACTOR}",
-        lambda h, n: h.of_tensor(of_numbers(n)),
-        np.full(5, _size(e)),
-        lambda n: tensor_entries(of_numbers(n)),
-    )
+    return _fitted("tensor", entries, _size(e), lambda h, n: h.of_tensor(tensor_of_entries(n)))
 
 
-def _with_trace_of(inertia: FloatArray) -> Callable[[FloatArray], FloatArray]:
-    """A tensor with the same trace, of how much all entries but the first one differ."""
-    entries = tensor_entries(inertia)
-    return lambda n: tensor_of_entries(entries + np.array([-n[0] - n[1], *n]))
+def _with_trace(
+    kind: str, usual: FloatArray, apply: Callable[[Hypothesis, FloatArray], Hypothesis]
+) -> Change:
+    """A change of a tensor that keeps its trace, by five numbers: all entries but the first."""
+    entries = tensor_entries(usual)
+
+    def changed(n: FloatArray) -> FloatArray:
+        return np.asarray(entries + np.array([-n[0] - n[1], *n]))
+
+    sizes = np.full(5, float(np.trace(usual)) / 3)
+    return Change(kind, lambda h, n: apply(h, tensor_of_entries(changed(n))), sizes, changed)
 
 
 def is_scaled(e: OtherEquations) -> bool:

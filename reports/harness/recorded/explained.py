@@ -23,10 +23,10 @@ STARTS = 1e-3
 class Explanation:
     """What explains a recorded motion.
 
-    Attributes are as of `JudgedMotion`; `words` are its `explained_by`.
+    Attributes are as of `JudgedMotion`.
     """
 
-    words: list[str]
+    explained_by: tuple[str, ...]
     verdict: str
     is_beyond: bool
     made_by: str = ""
@@ -70,17 +70,17 @@ def explained(
     physics = Physics(scenario, motion, exact, timestep, order, floor)
     is_beyond, verdict = physics.is_beyond, _verdict(physics)
     if in_recording:
-        return Explanation(in_recording, verdict, is_beyond)
+        return Explanation(tuple(in_recording), verdict, is_beyond)
     words = [] if physics.made_by else physics.explained()
     if not words and recorded.has_omega:
         words = _elsewhere(exact, motion)
-    return Explanation(words, verdict, is_beyond, physics.made_by)
+    return Explanation(tuple(words), verdict, is_beyond, physics.made_by)
 
 
 def _of_measured(fit: Measured, physics: Physics) -> Explanation:
     """Explain a measured motion, by other physics where more than noise is left."""
     words = (physics.explained() if fit.is_beyond else []) or fit.explained()
-    return Explanation(words, fit.verdict, fit.is_beyond, measured=fit)
+    return Explanation(tuple(words), fit.verdict, fit.is_beyond, measured=fit)
 
 
 def _elsewhere(exact: Trajectory, motion: Trajectory) -> list[str]:

@@ -16,8 +16,7 @@ from ....reference.following import follow
 from ....scenarios import FloatArray, Scenario, Trajectory
 from ....scenarios.rotation import norms
 from ..measuring.changes import Change, Hypothesis, as_it_is, com, is_scaled, resistance, tensor
-from ..measuring.likelihood import LEVEL, SMALL, Data, Fit, Search, Trial
-from ..measuring.other_tensors import tensor_entries
+from ..measuring.likelihood import LEVEL, Data, Fit, Search, Trial
 from .intervals import apart, states_of
 
 #: rad that the body turns in the samples that are fitted first, and how many these are at least;
@@ -37,33 +36,27 @@ SHARED = 2.63
 PRINTED = 50.0
 
 START = Change("start", lambda h, n: h._replace(start=h.start + n), np.ones(6))
-#: Mistakes of a gyroscope: words for its numbers, from zero on and in what unit, and the change.
+#: Mistakes of a gyroscope.
 GYROSCOPE = (
-    (
-        "the gyroscope has a bias of {} rad/s",
-        *(0.0, 1.0),
-        Change("bias", lambda h, n: h._replace(bias=n), np.ones(3)),
+    Change("bias", lambda h, n: h._replace(bias=n), np.ones(3)),
+    Change("scale", lambda h, n: h._replace(read=h.read @ np.diag(1 + n)), np.ones(3)),
+    Change(
+        "axes",
+        lambda h, n: h._replace(read=h.read @ Rotation.from_rotvec(-n).as_matrix()),
+        np.ones(3),
     ),
-    (
-        "the gyroscope's axes read {} times ω",
-        *(1.0, 1.0),
-        Change("scale", lambda h, n: h._replace(read=h.read @ np.diag(1 + n)), np.ones(3)),
-    ),
-    (
+    Change("lag", lambda h, n: h._replace(lag=n[0]), np.ones(1)),
+)
+#: By mistake its words, what is added to its numbers, and what they are multiplied by, to be shown.
+WORDS = {
+    "bias": ("the gyroscope has a bias of {} rad/s", 0.0, 1.0),
+    "scale": ("the gyroscope's axes read {} times ω", 1.0, 1.0),
+    "axes": (
         "the gyroscope's axes are turned against the body's by {}°",
         *(0.0, 180 / np.pi),
-        Change(
-            "axes",
-            lambda h, n: h._replace(read=h.read @ Rotation.from_rotvec(-n).as_matrix()),
-            np.ones(3),
-        ),
     ),
-    (
-        "ω lags the attitude by {} s",
-        *(0.0, 1.0),
-        Change("lag", lambda h, n: h._replace(lag=n[0]), np.ones(1)),
-    ),
-)
+    "lag": ("ω lags the attitude by {} s", 0.0, 1.0),
+}
 
 
 @dataclass(frozen=True, eq=False)
@@ -173,7 +166,7 @@ class Measured:
         candidates = [START, self.tensor, *resistance(self.scenario, equations)]
         candidates += com(self.scenario, equations)
         if self.given.has_omega:
-            candidates += [change for *_, change in GYROSCOPE]
+            candidates += GYROSCOPE
         return Search(self.given, candidates).one_by_one(MOST)
 
     @cached_property
@@ -252,9 +245,9 @@ class Measured:
     def _in_words(self, change: Change) -> str:
         rows = self.fit.rows(change)
         numbers, errors = self.fit.numbers[rows], self.fit.errors[rows]
-        for words, zero, unit, of_gyroscope in GYROSCOPE:
-            if change is of_gyroscope:
-                return words.format(_plus_minus(zero + unit * numbers, unit * errors))
+        if change.kind in WORDS:
+            words, added, factor = WORDS[change.kind]
+            return words.format(_plus_minus(added + factor * numbers, factor * errors))
         if change is START:
             return started_elsewhere(self.log.t[0], norms(numbers.reshape(2, 3)))
         listed = ", ".join(f"{error:.2g}" for error in errors)
@@ -262,17 +255,12 @@ class Measured:
 
     def tensor_entries(self) -> tuple[FloatArray, FloatArray]:
         """The tensor's entries Ixx, Iyy, Izz, Ixy, Ixz, Iyz, kg m², and their standard errors."""
-        fit = self.with_tensor
-        rows, base = fit.rows(self.tensor), self.log.base
-
-        def entries(numbers: FloatArray) -> FloatArray:
-            return tensor_entries(self.tensor.apply(base, numbers).equations.inertia)
-
-        numbers, steps = fit.numbers[rows], np.diag(SMALL * self.tensor.sizes)
-        # They are linear in the numbers.
-        slopes = np.array([entries(step) - entries(0 * step) for step in steps]).T / np.diag(steps)
-        covariance = slopes @ fit.covariance[rows, rows] @ slopes.T
-        return entries(numbers), np.sqrt(np.diag(covariance))
+        fit, entries = self.with_tensor, self.tensor.shown
+        rows, count = fit.rows(self.tensor), len(self.tensor.sizes)
+        usual = np.asarray(entries(np.zeros(count)))
+        slopes = np.array([entries(unit) for unit in np.eye(count)]) - usual
+        covariance = slopes.T @ fit.covariance[rows, rows] @ slopes
+        return np.asarray(entries(fit.numbers[rows])), np.sqrt(np.diag(covariance))
 
 
 def started_elsewhere(at: float, off: Sequence[float] | FloatArray) -> str:

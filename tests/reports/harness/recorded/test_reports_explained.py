@@ -293,7 +293,7 @@ def test_one_change_among_a_hundred_must_be_a_hundred_times_less_likely_by_chanc
     fall = chi2.isf(LEVEL / 10, 1)
     exact = Intervals(base, starts, spans, ends, np.ones(2), np.zeros((12, 2)))
     noise = np.full(2, np.linalg.norm(exact.apart(base.equations)) / np.sqrt(fall))
-    others = [] if is_alone else [Change("sphere", lambda h, _: h)] * 99
+    others = [] if is_alone else [Change("sphere", lambda h, _: h, np.empty(0))] * 99
     found = Search(replace(exact, noise=noise), [drag, *others]).one_or_two()
     assert (found is not None) == is_alone
 
