@@ -30,8 +30,8 @@ NOWHERE = 1e150
 RANK = 1e-6
 #: Evaluations of a fit at most, and a step of a scaled number from which a slope is taken.
 EVALUATIONS, SMALL = 20, 1e-5
-#: Changes are fitted that leave no more than this fraction where they are taken as linear, and of
-#: pairs of changes so many that leave least.
+#: Changes are fitted that leave no more than this fraction where they are taken as linear; pairs of
+#: changes, no more than this fraction of what either alone leaves, and so many of them at most.
 PROMISING, PAIRS = 0.5, 12
 
 
@@ -197,22 +197,16 @@ class Search:
         """Each change alone."""
         return [Trial(self.data, (change,)) for change in self.changes]
 
-    @cached_property
-    def single(self) -> list[Fit]:
-        """Fits of one change, of those that promise to leave less."""
-        enough = PROMISING**2 * self.unchanged.left
-        return [trial.fit() for trial in self.trials if _left_if_linear(trial) <= enough]
-
-    def one(self) -> Fit | None:
-        """The change that leaves little; None if none does, or needs to."""
-        return self._simplest(self.single) if self.is_called_for else None
-
     def one_or_two(self) -> Fit | None:
         """The change, or the two at once, that leave little; None if none do, or need to."""
-        best = self.one()
-        if not self.is_called_for or (best is not None and best.left <= 1):
+        if not self.is_called_for:
+            return None
+        enough = PROMISING**2 * self.unchanged.left
+        single = [trial.fit() for trial in self.trials if _left_if_linear(trial) <= enough]
+        best = self._simplest(single)
+        if best is not None and best.left <= 1:
             return best
-        return self._simplest([*self.single, *self._pairs()])
+        return self._simplest([*single, *self._pairs()])
 
     def one_by_one(self, most: int) -> Fit:
         """The changes, so many of them at most, that each explain more than chance does.
