@@ -29,7 +29,7 @@ NOWHERE = 1e150
 #: Numbers that are seen less than this, relative to those seen best, do not count.
 RANK = 1e-6
 #: Evaluations of a fit at most, and a step of a scaled number from which a slope is taken.
-EVALUATIONS, SMALL = 20, 1e-5
+EVALUATIONS, SMALL = 50, 1e-5
 #: Changes are fitted that leave no more than this fraction where they are taken as linear; pairs of
 #: changes, no more than this fraction of what either alone leaves, and so many of them at most.
 PROMISING, PAIRS = 0.5, 12
@@ -151,12 +151,21 @@ class Trial:
         columns = [(self.left(step) - self.at_none) / SMALL for step in steps]
         return np.reshape(columns, (len(columns), len(self.at_none))).T
 
-    def fit(self) -> Fit:
-        """The numbers that leave least."""
+    def fit(self, before: Fit | None = None) -> Fit:
+        """The numbers that leave least.
+
+        Parameters
+        ----------
+        before : a fit of the first of the changes, from whose numbers the search begins; else it
+            begins where they are zero, with a part of the data
+        """
         x = np.zeros(len(self.sizes))
         if not len(x):
             return Fit(self.changes, self.hypothesis(x), x, np.empty((0, 0)), self.at_none, 0)
-        for samples in self.data.parts:
+        if before is not None:
+            known = len(before.numbers)
+            x[:known] = before.numbers / self.sizes[:known]
+        for samples in self.data.parts if before is None else (None,):
             args = (samples,)
             found = least_squares(self.left, x, args=args, xtol=1e-9, max_nfev=EVALUATIONS)
             x = found.x
@@ -216,7 +225,8 @@ class Search:
         fit = self.unchanged
         while len(fit.changes) < most:
             others = [one for one in self.changes if one not in fit.changes]
-            fits = [Trial(self.data, (*fit.changes, one)).fit() for one in others]
+            before = fit if fit.changes else None
+            fits = [Trial(self.data, (*fit.changes, one)).fit(before) for one in others]
             beyond = [self._beyond(fit, other) for other in fits]
             if max(beyond, default=0.0) <= 0:
                 break

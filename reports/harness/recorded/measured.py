@@ -178,13 +178,13 @@ class Measured:
     @cached_property
     def fit(self) -> Fit:
         """The best fit, by that noise."""
-        return Trial(self.log, self.found.changes).fit()
+        return Trial(self.log, self.found.changes).fit(self.found)
 
     @cached_property
     def with_tensor(self) -> Fit:
         """The best fit, with start and tensor besides where they were not called for."""
         more = [one for one in (START, self.tensor) if one not in self.found.changes]
-        return Trial(self.log, (*self.found.changes, *more)).fit()
+        return Trial(self.log, (*self.found.changes, *more)).fit(self.found)
 
     @cached_property
     def freedom(self) -> int:
