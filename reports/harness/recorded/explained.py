@@ -8,8 +8,8 @@ from ....scenarios import FloatArray, Scenario, Trajectory
 from ....scenarios.rotation import norms
 from .intervals import apart, states_of
 from .measured import Measured, estimated_noise, log_of, started_elsewhere
-from .mistakes import Reading, mistakes
-from .motion import RecordedMotion
+from .mistakes import mistakes
+from .motion import Reading, RecordedMotion
 from .other_physics import Physics, rounding
 from .recording import Recording
 

@@ -6,18 +6,16 @@ What is compared is the beginning, before errors of an integrator have grown.
 from collections.abc import Iterator
 from functools import cache
 from math import pi
-from typing import NamedTuple
 
 import numpy as np
 
 from ....reference.following import follow
 from ....reference.other_equations import equations_of
 from ....scenarios import FloatArray, Scenario, Trajectory
-from ....scenarios.rotation import matrices, norms, turned_back
+from ....scenarios.rotation import matrices, norms
 from ..measuring.changes import EULER_ANGLES
 from .intervals import apart, states_of
-from .motion import OmegaFrame, QuaternionOrder
-from .recording import Recording
+from .motion import OmegaFrame, QuaternionOrder, Reading
 
 #: rad that the exact motion turns in the beginning that is compared, and samples of it at least.
 BEGINNING, FEWEST = 3.0, 3
@@ -43,36 +41,6 @@ RATES = {
 }
 
 
-class Reading(NamedTuple):
-    """One way to read n samples.
-
-    Attributes
-    ----------
-    t : s, (n,)
-    q : with the scalar first, (n, 4)
-    omega : rad/s, (n, 3); None if it was not recorded
-    order, frame : of the quaternion's components and of ω
-    """
-
-    t: FloatArray
-    q: FloatArray
-    omega: FloatArray | None
-    order: QuaternionOrder
-    frame: OmegaFrame
-
-    def rows(self, rows: slice) -> "Reading":
-        """Some of the samples."""
-        omega = None if self.omega is None else self.omega[rows]
-        return self._replace(t=self.t[rows], q=self.q[rows], omega=omega)
-
-
-def reading_of(recording: Recording, order: QuaternionOrder, frame: OmegaFrame) -> Reading:
-    """A recording as it states that it is to be read."""
-    q = np.roll(recording.arrays["q"], order == "xyzw", axis=1)
-    q = q / norms(q)[:, None]
-    return Reading(recording.arrays["t"], q, recording.arrays.get("omega"), order, frame)
-
-
 def mistakes(scenario: Scenario, exact: Trajectory, reading: Reading) -> list[str]:
     """The mistakes that explain why a recording is not the exact motion; often none.
 
@@ -95,11 +63,8 @@ def mistakes(scenario: Scenario, exact: Trajectory, reading: Reading) -> list[st
         is_far = len(reading.t) and (reading.t[-1] - exact.t[0]) * fastest > FURTHEST
         if len(reading.t) < FEWEST_LEFT or is_far:
             return np.inf
-        made, omega = exact_at(tuple(reading.t)), reading.omega
-        if omega is None:
-            omega = made[:, 4:]
-        elif reading.frame == "world":
-            omega = turned_back(matrices(reading.q), omega)
+        made, omega = exact_at(tuple(reading.t)), reading.omega_body
+        omega = made[:, 4:] if omega is None else omega
         turned, faster = np.split(apart(made, np.hstack([reading.q, omega])), 2, axis=1)
         speed = norms(made[:, 4:]).max() or 1.0
         return float(
