@@ -7,6 +7,7 @@ makes it fall with so many more numbers, among so many changes (S. S. Wilks, Ann
 """
 
 from abc import ABC, abstractmethod
+from collections import defaultdict
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -31,8 +32,9 @@ RANK = 1e-6
 #: Evaluations of a fit at most, and a step of a scaled number from which a slope is taken.
 EVALUATIONS, SMALL = 50, 1e-5
 #: Changes are fitted that leave no more than this fraction where they are taken as linear; pairs of
-#: changes, no more than this fraction of what either alone leaves, and so many of them at most.
-PROMISING, PAIRS = 0.5, 12
+#: changes, no more than this fraction of what either alone leaves, and so many of them at most with
+#: as many numbers.
+PROMISING, PAIRS = 0.5, 3
 
 
 @dataclass(frozen=True, eq=False)
@@ -234,21 +236,21 @@ class Search:
         return fit
 
     def _pairs(self) -> list[Fit]:
-        """Two changes at once, of which both are needed, and of these those that promise most."""
-        rest, enough = self.unchanged.rest, LEFT**2 * self.unchanged.left
-        alone = [PROMISING**2 * _left_if_linear(trial) for trial in self.trials]
-        promises: list[tuple[bool, int, float, int, int]] = []
+        """Two changes at once, of which both are needed.
+
+        Of those with as many numbers those are fitted that leave least where they are linear.
+        """
+        alone = [_left_if_linear(trial) for trial in self.trials]
+        by_count: dict[int, list[tuple[float, int, int]]] = defaultdict(list)
         for i, j in combinations(range(len(self.trials)), 2):
             one, other = self.trials[i], self.trials[j]
             slopes = np.hstack([one.slopes, other.slopes])
-            left = _least(one.at_none + other.at_none - rest, slopes)
-            if left <= min(alone[i], alone[j]):
-                # Of those that leave little the simplest.
-                count = slopes.shape[1] if left <= enough else 0
-                promises.append((left > enough, count, left, i, j))
+            left = _least(one.at_none + other.at_none - self.unchanged.rest, slopes)
+            if left <= PROMISING**2 * min(alone[i], alone[j]):
+                by_count[slopes.shape[1]].append((left, i, j))
+        best = {(i, j) for pairs in by_count.values() for _, i, j in sorted(pairs)[:PAIRS]}
         # Of those alike the first is named.
-        best = sorted((i, j) for *_, i, j in sorted(promises)[:PAIRS])
-        return [Trial(self.data, (self.changes[i], self.changes[j])).fit() for i, j in best]
+        return [Trial(self.data, (self.changes[i], self.changes[j])).fit() for i, j in sorted(best)]
 
     def _simplest(self, fits: Sequence[Fit]) -> Fit | None:
         """The simplest fit that leaves little, if none with more numbers leaves much less."""
@@ -278,7 +280,5 @@ def _left_if_linear(trial: Trial) -> float:
 
 def _least(at_none: FloatArray, slopes: FloatArray) -> float:
     """The mean square of what the best numbers leave, if it is linear in them."""
-    if slopes.shape[1]:
-        best = np.linalg.lstsq(slopes, at_none, rcond=RANK)[0]
-        at_none = at_none - slopes @ best
-    return float(np.mean(at_none**2))
+    best = np.linalg.lstsq(slopes, at_none, rcond=RANK)[0] if slopes.shape[1] else np.empty(0)
+    return float(np.mean((at_none - slopes @ best) ** 2))
