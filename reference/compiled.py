@@ -10,8 +10,9 @@ import numpy as np
 
 from ..scenarios import Scenario, loads
 from .flow import flow
+from .following import follow, rates
 from .kernel import FOLDER
-from .other_equations import equations_of, follow
+from .other_equations import equations_of
 from .solve import ExactMotion, solve_ode
 
 #: Says in the folder of the machine code that nothing is missing there.
@@ -55,7 +56,9 @@ def compile_flow() -> None:
         exact = ExactMotion(scenario).outline(scenario.times)
         flow(scenario, exact, np.zeros(len(exact.t)))
         states = np.hstack([exact.q_world_body_wxyz, exact.omega_body])
-        follow(equations_of(scenario), states, np.zeros((len(states), 1)))
+        equations = equations_of(scenario)
+        follow(equations, states, np.zeros((len(states), 1)))
+        rates(equations, states, np.zeros((len(states), 3)))
 
 
 def compile_kernels() -> None:

@@ -81,13 +81,10 @@ def judged(scenario: Scenario, arguments: Mapping[str, ArrayLike], made: Made) -
     if "q" not in arrays:
         raise ValueError("'q_wxyz' or 'q_xyzw' must be given.")
     check_motion(arrays)
-    return judged_motion(
-        scenario,
-        Recording(Path("arrays"), arrays, made.settings()),
-        "xyzw" if "q_xyzw" in arguments else "wxyz",
-        "world" if "omega_world" in arguments else "body",
-        order=made.order,
-    )
+    stated = made.settings()
+    stated |= {"quaternion": "xyzw"} if "q_xyzw" in arguments else {}
+    stated |= {"omega": "world"} if "omega_world" in arguments else {}
+    return judged_motion(scenario, Recording(Path("arrays"), arrays, stated), made.order)
 
 
 def verdict_on(scenario: Scenario, motions: Sequence[JudgedMotion], order: int) -> Verdict:

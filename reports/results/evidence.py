@@ -4,10 +4,11 @@ They can be judged again, and put in other words, without a run.
 """
 
 from dataclasses import dataclass
-from typing import Literal, get_args
+from typing import Annotated, Literal
 
-from pydantic import model_validator
+from pydantic import Field, model_validator
 
+from .change_words import KINDS
 from .records import Count, MethodKey, Record, Signed, Size
 
 #: The probability that a method that converges is accused by one of the checks of its evidence.
@@ -22,41 +23,6 @@ Quantity = Literal["attitude", "angular momentum", "velocity", "place"]
 QUANTITIES: tuple[Quantity, ...] = ("attitude", "angular momentum", "velocity", "place")
 #: A vector, SI.
 Vector = tuple[Signed, Signed, Signed]
-#: Which mistake in reading states explains what steps gain.
-ReadingKind = Literal[
-    "scalar last",
-    "scalar first",
-    "conjugated",
-    "ω in the world",
-    "ω turned twice",
-    "ω reversed",
-]
-#: Or which change of the equations of motion. The words of both are in `reasons`.
-ChangeKind = (
-    ReadingKind
-    | Literal[
-        "gyroscopic",
-        "gravity's size",
-        "gravity",
-        "resistance",
-        "decay",
-        "decays",
-        "momentum",
-        "step",
-        "omega",
-        "velocity",
-        "moments",
-        "com",
-    ]
-)
-#: How many numbers a change has; those that are not here have one.
-COUNTS: dict[ChangeKind, int] = {
-    **dict.fromkeys(get_args(ReadingKind), 0),
-    "gravity": 3,
-    "decays": 2,
-    "moments": 3,
-    "com": 3,
-}
 #: How gains depend on the timestep where they are not those of a method that converges.
 #:
 #: limit : they tend to something else than zero
@@ -69,16 +35,23 @@ FaultKind = Literal["limit", "timestep", "shorter", "leap", "misread"]
 
 @dataclass(frozen=True)
 class Explanation:
-    """A change of the equations of motion or of reading, and its numbers, SI."""
+    """A change of the equations of motion or of reading: one of `KINDS`, and its numbers, SI."""
 
-    kind: ChangeKind
+    kind: str
     numbers: tuple[Signed, ...]
 
     @model_validator(mode="after")
-    def _has_its_numbers(self) -> "Explanation":
-        if len(self.numbers) != COUNTS.get(self.kind, 1):
-            raise ValueError(f"must have {COUNTS.get(self.kind, 1)} numbers")
+    def _is_known(self) -> "Explanation":
+        if self.kind not in KINDS:
+            raise ValueError("must be of a known kind")
+        if len(self.numbers) != KINDS[self.kind].count:
+            raise ValueError(f"must have {KINDS[self.kind].count} numbers")
         return self
+
+    @property
+    def words(self) -> str:
+        """What follows "as if"."""
+        return KINDS[self.kind].words(self.numbers)
 
 
 @dataclass(frozen=True)
@@ -92,7 +65,7 @@ class StepFault:
     timestep : s, at which it shows
     got, wanted : what the state gains a second, and should; of `leap` and `misread` how far it is
         off
-    change : explains what all states gain; None where no single change does
+    changes : explain what all states gain; empty where no change, or two at once, does
     """
 
     kind: FaultKind
@@ -101,7 +74,7 @@ class StepFault:
     timestep: Size
     got: Vector
     wanted: Vector
-    change: Explanation | None = None
+    changes: Annotated[tuple[Explanation, ...], Field(max_length=2)] = ()
 
 
 @dataclass(frozen=True)

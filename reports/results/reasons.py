@@ -1,14 +1,11 @@
 """The sentences of verdicts, made of the numbers of their evidence."""
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
-from ...scenarios import EFFECTS
 from .evidence import (
     CONSISTENT,
     SEEN,
-    ChangeKind,
-    Explanation,
     ReplayEvidence,
     StepEvidence,
     StepFault,
@@ -17,8 +14,6 @@ from .verdict_words import VerdictWord
 
 #: Digits printed of a number; more if they are needed to show a difference.
 DIGITS = 3
-#: A change of a factor that seven digits show to a tenth.
-VISIBLE = 1e-5
 #: What the rate of each quantity is called, with its unit.
 RATES = {
     "attitude": "dR/dt, rad/s in body axes,",
@@ -33,7 +28,6 @@ LEAPING = {
     "velocity": ("the com's velocity", " m/s", 1.0),
     "place": ("com", " m", 1.0),
 }
-_MOMENTUM = next(one.wrong_momentum for one in EFFECTS.values() if one.wrong_momentum)
 
 
 def reason_in_words(
@@ -110,8 +104,8 @@ def _open(steps: StepEvidence) -> str:
 
 def fault_in_words(fault: StepFault) -> str:
     """How steps are not those of a method that converges, and what explains it."""
-    as_if = f"behaves as if {explained(fault.change)}: " if fault.change else ""
-    return f"{as_if}{_shown(fault)}"
+    as_if = " and ".join(change.words for change in fault.changes)
+    return f"behaves as if {as_if}: {_shown(fault)}" if as_if else _shown(fault)
 
 
 def _shown(fault: StepFault) -> str:
@@ -178,59 +172,3 @@ def _replay(replay: ReplayEvidence) -> str:
         f"a step depends on more than the state: {at} a run goes on otherwise than from its own "
         f"states{since}, by up to {replay.off:.2g} a radian of turn"
     )
-
-
-def explained(change: Explanation) -> str:
-    """A change of the equations of motion: what follows "as if"."""
-    return _WORDS[change.kind](change.numbers)
-
-
-def _gyroscopic(numbers: Sequence[float]) -> str:
-    if numbers[0] == 1:
-        return "there were no gyroscopic torque"
-    return f"the gyroscopic torque ω × Iω were {_factor(-numbers[0])} times as strong"
-
-
-def _strength(numbers: Sequence[float]) -> str:
-    whole = {-2.0: "gravity were turned round", -1.0: "there were no gravity"}
-    return whole.get(numbers[0], f"gravity were {_factor(numbers[0])} times as strong")
-
-
-def _slowed(number: float) -> str:
-    return f"{'slowed' if number > 0 else 'sped up'} by {abs(number):.3g}"
-
-
-def _decays(numbers: Sequence[float]) -> str:
-    sign = "-" if numbers[1] < 0 else "+"
-    return f"L were slowed by {numbers[0]:.3g} {sign} {abs(numbers[1]):.3g} ‖ω‖ /s"
-
-
-def _factor(change: float) -> str:
-    """One and a change, with as many digits as show it."""
-    return f"{1 + change:.{7 if abs(change) > VISIBLE else 11}g}"
-
-
-def _vector(numbers: Sequence[float]) -> str:
-    return f"[{', '.join(f'{value:.7g}' for value in numbers)}]"
-
-
-_WORDS: dict[ChangeKind, Callable[[Sequence[float]], str]] = {
-    "gyroscopic": _gyroscopic,
-    "gravity's size": _strength,
-    "gravity": lambda n: f"gravity were {_vector(n)} m/s²",
-    "resistance": lambda n: f"it were {_slowed(n[0])} N m s",
-    "decay": lambda n: f"L were {_slowed(n[0])} /s",
-    "decays": _decays,
-    "momentum": lambda n: _MOMENTUM.format(_factor(n[0])),
-    "step": lambda n: f"a step took {_factor(n[0])} timesteps",
-    "omega": lambda n: f"ω were read multiplied by {_factor(n[0])}",
-    "velocity": lambda n: f"the velocity were read multiplied by {_factor(n[0])}",
-    "moments": lambda n: f"the moments were {_vector(n)} kg m²",
-    "com": lambda n: f"the com were at {_vector(n)} m",
-    "scalar last": lambda _: "the quaternion were read as x, y, z, w",
-    "scalar first": lambda _: "the quaternion's last component were taken for its first",
-    "conjugated": lambda _: "the quaternion were read conjugated",
-    "ω in the world": lambda _: "ω were read along the world's axes",
-    "ω turned twice": lambda _: "ω were turned from world to body axes once more than it needs",
-    "ω reversed": lambda _: "ω were read with the opposite sign",
-}

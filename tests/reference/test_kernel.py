@@ -3,11 +3,10 @@
 from pathlib import Path
 
 import numba
-import numpy as np
 import pytest
 from library_scenes import library_scene
 from small_disks import small_disk
-from spincheck.reference import compiled, other_equations, solve
+from spincheck.reference import compiled, solve
 from spincheck.reference import kernel as kernel_module
 from spincheck.reference.kernel import digest_of_kernels, kernel
 
@@ -90,18 +89,6 @@ def test_scenes_find_their_kernels_compiled() -> None:
         scenario = library_scene(name)
         solve(scenario, scenario.times[:3])
     assert machine_code() == before
-
-
-def test_other_equations_find_their_kernels_compiled() -> None:
-    compiled.compile_kernels()
-    # A test before this one may have had it compiled for other layouts, too.
-    compiled_for = list(other_equations._follow.signatures)
-    scenario = library_scene("fast-top")
-    equations = other_equations.equations_of(scenario)._replace(in_world=True)
-    start = np.array([[1.0, 0.0, 0.0, 0.0, 0.1, 0.2, 3.0]])
-    for integrator in other_equations.KNOWN:
-        other_equations.follow(equations, start, np.array([[0.1]]), integrator, 0.05)
-    assert other_equations._follow.signatures == compiled_for
 
 
 @pytest.mark.parametrize("folder", [None, Path("nowhere")])

@@ -44,7 +44,7 @@ HEAVIER = StepFault(
     TIMESTEPS[-1],
     (0.0, 0.2, 0.0),
     (0.0, 0.1, 0.0),
-    Explanation("gravity's size", (1.0,)),
+    (Explanation("gravity's size", (1.0,)),),
 )
 #: In titles and descriptions, where a user could have written it.
 MISCHIEF = "<script>alert('x')</script>"

@@ -16,3 +16,10 @@ class Damped(Stepped):
 
     def torque(self):
         return -0.04 * (self.inertia @ self.omega)
+
+
+class UngyroscopicAndDamped(Stepped):
+    """Both."""
+
+    def torque(self):
+        return Ungyroscopic.torque(self) + Damped.torque(self)

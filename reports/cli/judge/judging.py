@@ -4,18 +4,19 @@ import textwrap
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import zip_longest
 from pathlib import Path
-from typing import Any, get_args
+from typing import Any
 
 import typer
 
 from ....scenarios import SIGNAL, Scenario, did_you_mean, printable
 from ...harness.convergence_study import ConvergenceStudy
 from ...harness.recorded.judged import JudgedMotion, judged_motion
-from ...harness.recorded.motion import OmegaFrame, QuaternionOrder
 from ...harness.recorded.read import read_recording
 from ...harness.recorded.recorded_ladder import results_of, study_of_files, verdict_on_files
 from ...harness.recorded.recording import RecordingError
+from ...harness.recorded.text_formats import SETTINGS
 from ...results.verdicts import Verdict
 from ..choosing import compile_first
 from ..grouped import angle, number
@@ -75,27 +76,24 @@ def judged_files(
     order: int,
 ) -> Judgement:
     """Read and judge files."""
-    components: QuaternionOrder | None = _one_of("--quaternion", quaternion, QuaternionOrder)
-    frame: OmegaFrame | None = _one_of("--omega", omega, OmegaFrame)
     if timesteps and len(timesteps) != len(files):
         raise Complaint(
             f"'--timestep' must be given once for each file, got {len(timesteps)} for {len(files)}"
         )
     wanted = dict(_bound("--fail-above", bound) for bound in bounds)
-    stated = _noise(noise)
+    stated = _words(quaternion=quaternion, omega=omega) | _noise(noise)
     # Before what takes half a minute the first time.
     with as_complaint(RecordingError):
         recordings = [read_recording(file) for file in files]
     compile_first()
     motions = {}
-    for k, (file, recording) in enumerate(zip(files, recordings, strict=True)):
-        timestep = timesteps[k] if timesteps else None
+    # Of several files what a method makes is the verdict's to say.
+    claimed = order if len(files) == 1 else 1
+    for file, recording, timestep in zip_longest(files, recordings, timesteps):
+        made = {} if timestep is None else {"timestep": repr(timestep)}
         with as_complaint(RecordingError, before=f"{file}: "):
-            recording = replace(recording, settings=recording.settings | stated)
-            claimed = order if len(files) == 1 else 1
-            motions[str(file)] = judged_motion(
-                scenario, recording, components, frame, timestep, claimed
-            )
+            recording = replace(recording, settings=recording.settings | stated | made)
+            motions[str(file)] = judged_motion(scenario, recording, claimed)
     beyond = []
     for name, motion in motions.items():
         with as_complaint(RecordingError, before=f"{name}: "):
@@ -118,11 +116,13 @@ def write_page(judgement: Judgement, folder: Path) -> Path:
     return index.parent / "scenes" / f"{judgement.scenario.name}.html"
 
 
-def _one_of(option: str, value: str | None, words: Any) -> Any:
-    known = get_args(words)
-    if value is not None and value not in known:
-        raise Complaint(f"'{option}' must be {' or '.join(known)}, got '{value}'")
-    return value
+def _words(**options: str | None) -> dict[str, str]:
+    """Options that are words, as a file states them."""
+    given = {name: value for name, value in options.items() if value is not None}
+    for name, value in given.items():
+        if value not in (known := SETTINGS[name] or ()):
+            raise Complaint(f"'--{name}' must be {' or '.join(known)}, got '{value}'")
+    return given
 
 
 def _noise(stated: Sequence[str]) -> dict[str, str]:

@@ -225,10 +225,10 @@ def _misread(sessions: Sessions, engine: Engine, at: Places) -> StepFault | None
     if np.abs(off[k]).max() <= 2 * ULPS * max(engine.slack, rounding_of_body(at.condition)):
         return None
     turn, omega, spins = norms(off[k])
-    zero, change = (0.0, 0.0, 0.0), misreading(read, at.states, reach)
+    zero, changes = (0.0, 0.0, 0.0), misreading(read, at.states, reach)
     time = None if np.isnan(at.times[k]) else float(at.times[k])
     return StepFault(
-        "misread", "attitude", time, 0.0, (float(omega), float(turn), float(spins)), zero, change
+        "misread", "attitude", time, 0.0, (float(omega), float(turn), float(spins)), zero, changes
     )
 
 

@@ -8,15 +8,15 @@ import numpy as np
 from ....engines import State
 from ....scenarios import FloatArray
 from ....scenarios.rotation import matrices, turned, turned_back
-from ...results.evidence import Explanation, ReadingKind
+from ...results.evidence import Explanation
 from .steps import apart
 
 #: A mistake explains states if it leaves less than this of what they are off by.
 EXPLAINS = 1e-3
 
 
-def misreading(read: State, exact: State, reach: float) -> Explanation | None:
-    """The mistake in reading that explains n states; None if none does.
+def misreading(read: State, exact: State, reach: float) -> tuple[Explanation, ...]:
+    """The mistake in reading that explains n states; empty if none does.
 
     Parameters
     ----------
@@ -26,8 +26,8 @@ def misreading(read: State, exact: State, reach: float) -> Explanation | None:
     off = _off(read, exact, reach)
     for kind, mistaken in MISTAKES.items():
         if _off(read, mistaken(exact), reach) < EXPLAINS * off:
-            return Explanation(kind, ())
-    return None
+            return (Explanation(kind, ()),)
+    return ()
 
 
 def _off(read: State, exact: State, reach: float) -> float:
@@ -45,7 +45,7 @@ def _with_omega(state: State, as_read: Callable[[FloatArray, FloatArray], FloatA
 
 
 #: How a state that is right would be read.
-MISTAKES: dict[ReadingKind, Callable[[State], State]] = {
+MISTAKES: dict[str, Callable[[State], State]] = {
     "scalar last": lambda s: _with_q(s, np.roll(s.q_world_body_wxyz, -1, axis=1)),
     "scalar first": lambda s: _with_q(s, np.roll(s.q_world_body_wxyz, 1, axis=1)),
     "conjugated": lambda s: _with_q(s, s.q_world_body_wxyz * [1, -1, -1, -1]),

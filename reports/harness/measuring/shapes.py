@@ -14,7 +14,7 @@ from ...results.evidence import (
     StepFault,
     Vector,
 )
-from .explanations import explanation, gains_of
+from .explanations import explanations, gains_of
 from .gain_series import LEAST, fitted
 from .look import Look
 from .places import Places
@@ -76,18 +76,18 @@ def fault_of(look: Look, at: Places) -> StepFault | None:
     kind, j = _shape(look, q, k)
     if kind == "limit":
         k = int((norms(series.limit) / series.known_to).argmax())
-    wanted, change = _explained(look, k, q, is_limit=kind == "limit")
+    wanted, changes = _explained(look, k, q, is_limit=kind == "limit")
     off = series.limit[k] if kind == "limit" else look.gains[j, k, q]
     if kind == "leap":
         wanted = np.zeros(3)
         off = off * look.steps.timesteps[j]
         shortest = slice(-look.gains.shape[1], None)
         ends = look.steps.after.rows(shortest), look.steps.exact.rows(shortest)
-        change = misreading(*ends, look.equations.reach)
+        changes = misreading(*ends, look.equations.reach)
     time = None if np.isnan(at.times[k]) else float(at.times[k])
     timestep = float(look.steps.timesteps[j])
     return StepFault(
-        kind, QUANTITIES[q], time, timestep, _vector(wanted + off), _vector(wanted), change
+        kind, QUANTITIES[q], time, timestep, _vector(wanted + off), _vector(wanted), changes
     )
 
 
@@ -116,18 +116,15 @@ def _shape(look: Look, q: int, k: int) -> tuple[FaultKind, int]:
 
 def _explained(
     look: Look, k: int, q: int, *, is_limit: bool
-) -> tuple[FloatArray, Explanation | None]:
-    """What state k should gain in a quantity, (3,), and the change that explains all limits."""
-    steps, count = look.steps, look.gains.shape[1]
-    last = slice(len(steps.spans) - count, None)
-    limits = np.stack([one.limit for one in look.series], axis=1)
-    before, exact = steps.before.rows(last), steps.exact.rows(last)
-    gains = gains_of(look.equations, before, exact, steps.spans[last], limits)
-    wanted = gains[k].wanted[q]
-    if not is_limit:
-        return wanted, None
-    errors = np.stack([one.known_to for one in look.series], axis=1)
-    return wanted, explanation(look.equations, gains, SURE * errors)
+) -> tuple[FloatArray, tuple[Explanation, ...]]:
+    """What state k should gain in a quantity, (3,), and the changes that explain all limits."""
+    limits, errors = (
+        np.stack([getattr(one, name) for one in look.series], axis=1)
+        for name in ("limit", "known_to")
+    )
+    last = slice(-look.steps.repeats * look.gains.shape[1], None)
+    gains = gains_of(look.equations, look.steps.before.rows(last), limits, SURE * errors)
+    return gains.exact[k, q], explanations(gains) if is_limit else ()
 
 
 def _vector(values: FloatArray) -> Vector:

@@ -6,23 +6,27 @@ import numpy as np
 
 from ....scenarios import FloatArray, Scenario, Trajectory
 from ....scenarios.rotation import norms
-from .measured import Measured, estimated_noise
-from .mistakes import Reading, mistakes, starts_elsewhere
-from .motion import RecordedMotion
+from .intervals import apart, states_of
+from .measured import Measured, estimated_noise, log_of, started_elsewhere
+from .mistakes import mistakes
+from .motion import Reading, RecordedMotion
 from .other_physics import Physics, rounding
+from .recording import Recording
 
 #: The names by which a file states the noise of attitude, rad, and of ω, rad/s.
 NOISE = ("noise_attitude", "noise_omega")
+#: rad, and of ω relative; a first sample that is this far off is another start.
+STARTS = 1e-3
 
 
 @dataclass(frozen=True, eq=False)
 class Explanation:
     """What explains a recorded motion.
 
-    Attributes are as of `JudgedMotion`; `words` are its `explained_by`.
+    Attributes are as of `JudgedMotion`.
     """
 
-    words: list[str]
+    explained_by: tuple[str, ...]
     verdict: str
     is_beyond: bool
     made_by: str = ""
@@ -32,6 +36,7 @@ class Explanation:
 def explained(
     scenario: Scenario,
     exact: Trajectory,
+    recording: Recording,
     reading: Reading,
     recorded: RecordedMotion,
     timestep: float | None,
@@ -42,12 +47,13 @@ def explained(
     Parameters
     ----------
     exact : the exact motion at the recording's times
+    reading, recorded : the recording as it states that it is to be read
     timestep : s, that the motion was made with; None if that is unknown
     order : of accuracy, of the method that made it
     """
     motion = recorded.trajectory
-    floor = _floor(motion, reading.recording.resolution, recorded.has_omega)
-    settings = reading.recording.settings
+    floor = _floor(motion, recording.resolution, recorded.has_omega)
+    settings = recording.settings
     stated = [float(settings.get(name, 0.0)) for name in NOISE]
     noise = np.maximum(stated, floor) if any(stated) else None
     in_recording = mistakes(scenario, exact, reading)
@@ -56,27 +62,34 @@ def explained(
         if noise is None:
             noise = estimated_noise(scenario, motion, floor, recorded.has_omega)
         if noise is not None:
-            fit = Measured(scenario, motion, exact, noise, is_stated, recorded.has_omega)
-            return _of_measured(fit, timestep, order)
+            has = {"is_stated": is_stated, "has_omega": recorded.has_omega}
+            fit = Measured(scenario, log_of(scenario, motion, exact, noise, **has))
+            # Two samples have noise.
+            physics = Physics(scenario, motion, exact, timestep, order, np.sqrt(2) * noise)
+            return _of_measured(fit, physics)
     physics = Physics(scenario, motion, exact, timestep, order, floor)
     is_beyond, verdict = physics.is_beyond, _verdict(physics)
     if in_recording:
-        return Explanation(in_recording, verdict, is_beyond)
-    made_by = physics.integrator(physics.equations) or ""
-    words = [] if made_by else physics.explained()
-    words = words or starts_elsewhere(scenario, exact, reading)
-    return Explanation(words, verdict, is_beyond, made_by)
+        return Explanation(tuple(in_recording), verdict, is_beyond)
+    words = [] if physics.made_by else physics.explained()
+    if not words and recorded.has_omega:
+        words = _elsewhere(exact, motion)
+    return Explanation(tuple(words), verdict, is_beyond, physics.made_by)
 
 
-def _of_measured(fit: Measured, timestep: float | None, order: int) -> Explanation:
-    """Explain a measured motion, by other physics too where more than noise is left."""
-    words = fit.explained()
-    if fit.is_beyond:
-        physics = Physics(
-            fit.scenario, fit.motion, fit.exact, timestep, order, np.sqrt(2) * fit.noise
-        )
-        words = physics.explained() or words
-    return Explanation(words, fit.verdict, fit.is_beyond, measured=fit)
+def _of_measured(fit: Measured, physics: Physics) -> Explanation:
+    """Explain a measured motion, by other physics where more than noise is left."""
+    words = (physics.explained() if fit.is_beyond else []) or fit.explained()
+    return Explanation(tuple(words), fit.verdict, fit.is_beyond, measured=fit)
+
+
+def _elsewhere(exact: Trajectory, motion: Trajectory) -> list[str]:
+    """Say that the first sample is not on the scene's motion; nothing if it nearly is."""
+    start, first = (states_of(one.until(1)) for one in (exact, motion))
+    turned, faster = norms(apart(start, first).reshape(2, 3))
+    speed = float(norms(start[:, 4:])[0])
+    is_near = turned < STARTS and faster < STARTS * (speed or 1.0)
+    return [] if is_near else [started_elsewhere(float(exact.t[0]), (turned, faster))]
 
 
 def _floor(motion: Trajectory, resolution: float, has_omega: bool) -> FloatArray:

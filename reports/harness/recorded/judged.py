@@ -22,8 +22,7 @@ from ...results.records import Defect
 from ..defects import defects
 from .explained import explained
 from .measured import Measured
-from .mistakes import Reading
-from .motion import OmegaFrame, QuaternionOrder, RecordedMotion, recorded_motion
+from .motion import RecordedMotion, reading_of, recorded_motion
 from .recording import Recording, RecordingError
 
 EPS = float(np.finfo(float).eps)
@@ -132,20 +131,11 @@ class JudgedMotion:
         return None if first is None else float(self.solution.trajectory.t[first])
 
 
-def judged_motion(
-    scenario: Scenario,
-    recording: Recording,
-    quaternion: QuaternionOrder | None = None,
-    omega: OmegaFrame | None = None,
-    timestep: float | None = None,
-    order: int = 1,
-) -> JudgedMotion:
+def judged_motion(scenario: Scenario, recording: Recording, order: int = 1) -> JudgedMotion:
     """Compare a recorded motion with the exact one at the same times.
 
     Parameters
     ----------
-    quaternion, omega, timestep : how its columns are to be read, and the timestep it was made with,
-        s; where None, as the file states, else w x y z and body axes
     order : of accuracy, that its method has or claims
 
     Raises
@@ -154,14 +144,9 @@ def judged_motion(
         If its times are beyond those at which the exact motion is known, or ω is missing and cannot
         be found from the attitudes.
     """
-    stated = recording.settings
-    components: QuaternionOrder = quaternion or (
-        "xyzw" if stated.get("quaternion") == "xyzw" else "wxyz"
-    )
-    frame: OmegaFrame = omega or ("world" if stated.get("omega") == "world" else "body")
     solution = exact_at(scenario, recording.arrays["t"])
-    exact = solution.trajectory
-    recorded = recorded_motion(scenario, recording, exact, components, frame)
+    exact, reading = solution.trajectory, reading_of(recording)
+    recorded = recorded_motion(scenario, recording, reading, exact)
     series = error_series(scenario, recorded.trajectory, exact)
     # No recording has spins.
     lacks = [name for name in OPTIONAL if name not in recording.arrays]
@@ -169,27 +154,22 @@ def judged_motion(
     absent += ["omega"] * (not recorded.has_omega)
     errors = dict(series.worst()) | dict.fromkeys(absent)
     of_steps = defects(scenario, recorded.trajectory, exact)
-    timestep = timestep or (float(stated["timestep"]) if "timestep" in stated else None)
-    explanation = explained(
-        scenario, exact, Reading(recording, components, frame), recorded, timestep, order
-    )
+    stated = recording.settings.get("timestep")
+    timestep = None if stated is None else float(stated)
+    explanation = explained(scenario, exact, recording, reading, recorded, timestep, order)
     return JudgedMotion(
         recorded,
         solution,
         timestep,
-        explanation.verdict,
-        explanation.is_beyond,
-        errors,
-        series,
-        _drifts(scenario, recorded.trajectory),
-        of_steps.summary(len(exact.t) - 1, EPS) if of_steps else {},
-        tuple(explanation.words),
-        explanation.made_by,
-        explanation.measured,
-        tuple(filter(None, [recording.drift_off_the_sphere])),
-        recording.ignored,
-        recording.is_single,
-        recording.resolution,
+        errors=errors,
+        series=series,
+        drifts=_drifts(scenario, recorded.trajectory),
+        defects=of_steps.summary(len(exact.t) - 1, EPS) if of_steps else {},
+        remarks=tuple(filter(None, [recording.drift_off_the_sphere])),
+        ignored=recording.ignored,
+        is_single=recording.is_single,
+        resolution=recording.resolution,
+        **vars(explanation),
     )
 
 

@@ -4,57 +4,41 @@ What is compared is the beginning, before errors of an integrator have grown.
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
-from functools import lru_cache
+from functools import cache
 from math import pi
 
 import numpy as np
 
-from ....reference import ExactMotion
-from ....scenarios import FloatArray, Scenario, Trajectory, error_series
-from ....scenarios.mechanics import RECENT
-from ....scenarios.rotation import matrices, turned_back
-from .changes import EULER_ANGLES
-from .motion import OmegaFrame, QuaternionOrder, RecordedMotion, recorded_motion
-from .recording import Recording, RecordingError
+from ....reference.following import follow
+from ....reference.other_equations import equations_of
+from ....scenarios import FloatArray, Scenario, Trajectory
+from ....scenarios.rotation import matrices, norms
+from ..measuring.changes import EULER_ANGLES
+from .intervals import apart, states_of
+from .motion import OmegaFrame, QuaternionOrder, Reading
 
 #: rad that the exact motion turns in the beginning that is compared, and samples of it at least.
 BEGINNING, FEWEST = 3.0, 3
 #: Samples that must be left of what is read otherwise: steps are told from two.
 FEWEST_LEFT = 2
+#: rad that the body turns at most, as the times are read: more is no beginning.
+FURTHEST = 3e3
 #: A mistake explains the motion if undoing it makes the errors smaller by this factor.
 EXPLAINS = 10.0
 #: Errors below this, relative or in rad, need no explanation.
 FITS = 1e-9
-#: Relative or in rad; a first sample that is this far off is another start.
-STARTS = 1e-3
 #: Mistakes that are looked for in one file at the same time.
 MOST = 2
 EPS = float(np.finfo(float).eps)
+CONJUGATE = np.array([1.0, -1.0, -1.0, -1.0])
 #: Units that times may be in by mistake, as a column's heading names them, and their seconds.
 UNITS = {"ms": 1e-3, "us": 1e-6, "ns": 1e-9, "min": 60.0}
-
-
-@dataclass(frozen=True, eq=False)
-class Reading:
-    """One way to read a recording.
-
-    Attributes
-    ----------
-    unit : s, of the times
-    late : by which the times are to be put back, in their unit
-    """
-
-    recording: Recording
-    quaternion: QuaternionOrder
-    omega: OmegaFrame
-    unit: float = 1.0
-    late: float = 0.0
-
-    def with_arrays(self, **arrays: FloatArray) -> "Reading":
-        """The same with other numbers."""
-        changed = replace(self.recording, arrays=self.recording.arrays | arrays)
-        return replace(self, recording=changed)
+#: What ω may be in by mistake, and what it is to be multiplied by.
+RATES = {
+    "in degrees a second; wx [deg/s] says so": pi / 180,
+    "in rad/s already, and was converted from deg/s": 180 / pi,
+    "in turns a second": 2 * pi,
+}
 
 
 def mistakes(scenario: Scenario, exact: Trajectory, reading: Reading) -> list[str]:
@@ -64,175 +48,112 @@ def mistakes(scenario: Scenario, exact: Trajectory, reading: Reading) -> list[st
     ----------
     exact : the exact motion at the recording's times
     """
-    samples = _beginning(exact)
-    beginning = exact.until(samples)
-    reading = reading.with_arrays(**{k: v[:samples] for k, v in reading.recording.arrays.items()})
+    equations, start = equations_of(scenario), states_of(exact.until(1))
+    fastest = float(norms(exact.omega_body).max())
+
+    @cache
+    def exact_at(times: tuple[float, ...]) -> FloatArray:
+        spans = np.diff(times, prepend=exact.t[0])
+        return np.asarray(follow(equations, start, spans[None])[0])
+
+    def error(reading: Reading) -> float:
+        """The largest error in attitude and ω; infinite if nothing can be compared."""
+        # A state before the start is none of the exact motion's.
+        reading = reading.rows(slice(int(np.searchsorted(reading.t, 0.0)), None))
+        is_far = len(reading.t) and (reading.t[-1] - exact.t[0]) * fastest > FURTHEST
+        if len(reading.t) < FEWEST_LEFT or is_far:
+            return np.inf
+        made, omega = exact_at(tuple(reading.t)), reading.omega_body
+        omega = made[:, 4:] if omega is None else omega
+        turned, faster = np.split(apart(made, np.hstack([reading.q, omega])), 2, axis=1)
+        speed = norms(made[:, 4:]).max() or 1.0
+        return float(
+            np.nan_to_num(max(norms(turned).max(), norms(faster).max() / speed), nan=np.inf)
+        )
+
+    reading = reading.rows(slice(_beginning(exact)))
     readings: list[tuple[list[str], Reading]] = [([], reading)]
-    best, least = [], _error(scenario, beginning, reading)
+    best, least = [], error(reading)
     for _ in range(MOST):
         if least <= FITS:
             break
         readings = [
             ([*words, word], other)
             for words, one in readings
-            if len(one.recording.arrays["t"]) >= FEWEST_LEFT
+            if len(one.t) >= FEWEST_LEFT
             for word, other in _undone(one)
         ]
-        errors = [_error(scenario, beginning, other) for _, other in readings]
+        errors = [error(other) for _, other in readings]
         if min(errors) < least / EXPLAINS:
             best, least = readings[int(np.argmin(errors))][0], min(errors)
     return best
 
 
-def starts_elsewhere(scenario: Scenario, exact: Trajectory, reading: Reading) -> list[str]:
-    """The message that the first sample is not on the scene's motion; empty if it nearly is.
-
-    Parameters
-    ----------
-    exact : the exact motion at the recording's times
-    """
-    first = reading.with_arrays(**{k: v[:1] for k, v in reading.recording.arrays.items()})
-    if "omega" not in first.recording.arrays:
-        return []
-    recorded = _recorded(scenario, first, exact.until(1))
-    off = error_series(scenario, recorded.trajectory, exact.until(1)).worst()
-    speed = float(np.linalg.norm(exact.omega_body[0] - recorded.trajectory.omega_body[0]))
-    if max(off["attitude"], off["omega"]) < STARTS:
-        return []
-    return [
-        f"it started elsewhere: at t = {exact.t[0]:g} s the attitude is off by "
-        f"{np.degrees(off['attitude']):.3g}° and ω by {speed:.3g} rad/s"
-    ]
-
-
 def _beginning(exact: Trajectory) -> int:
-    rates = np.linalg.norm(exact.omega_body, axis=1)
-    turned = np.cumsum(rates[1:] * np.diff(exact.t))
+    """How many samples are compared."""
+    turned = np.cumsum(norms(exact.omega_body)[1:] * np.diff(exact.t))
     # Each ω that goes with another attitude takes a sample away.
-    return min(len(exact.t), max(FEWEST + MOST, int(np.searchsorted(turned, BEGINNING)) + 1))
-
-
-def _error(scenario: Scenario, exact: Trajectory, reading: Reading) -> float:
-    """The largest error in ω and attitude; infinite if it cannot be read this way."""
-    exact = exact.at(np.flatnonzero(np.isin(exact.t, reading.recording.arrays["t"])))
-    if np.count_nonzero(exact.t + reading.late >= 0) < FEWEST_LEFT:
-        return np.inf
-    if reading.late or reading.unit != 1.0:
-        # A state before the start is none of the exact motion's.
-        is_after = exact.t + reading.late >= 0
-        times = exact.t[is_after] * reading.unit
-        shifted = _exact(scenario, tuple(times + reading.late * reading.unit))
-        if len(shifted.t) < len(times):
-            return np.inf
-        exact = replace(shifted, t=times)
-        arrays = reading.recording.arrays
-        kept = {name: rows[is_after] for name, rows in arrays.items()}
-        reading = reading.with_arrays(**kept | {"t": times})
-    try:
-        recorded = _recorded(scenario, reading, exact)
-    except RecordingError:
-        return np.inf
-    return early_error(scenario, recorded, exact)
-
-
-@lru_cache(maxsize=RECENT)
-def _exact(scenario: Scenario, times: tuple[float, ...]) -> Trajectory:
-    return ExactMotion(scenario).solve(np.array(times)).trajectory
-
-
-def _recorded(scenario: Scenario, reading: Reading, exact: Trajectory) -> RecordedMotion:
-    return recorded_motion(scenario, reading.recording, exact, reading.quaternion, reading.omega)
-
-
-def early_error(scenario: Scenario, recorded: RecordedMotion, exact: Trajectory) -> float:
-    """The largest error in attitude and, where it was recorded, in ω."""
-    series = error_series(scenario, recorded.trajectory, exact)
-    return float(
-        max(series["attitude"].max(), series["omega"].max() if recorded.has_omega else 0.0)
-    )
+    return max(FEWEST + MOST, int(np.searchsorted(turned, BEGINNING)) + 1)
 
 
 def _undone(reading: Reading) -> Iterator[tuple[str, Reading]]:
     """Every mistake in words, and the reading without it."""
-    arrays = reading.recording.arrays
-    other_order: QuaternionOrder = "xyzw" if reading.quaternion == "wxyz" else "wxyz"
-    order = " ".join(other_order)
-    conjugated = arrays["q"] * np.where(_scalar(reading.quaternion), 1.0, -1.0)
-    swapped = arrays["q"] * np.where(_scalar(other_order), 1.0, -1.0)
+    other: QuaternionOrder = "xyzw" if reading.order == "wxyz" else "wxyz"
+    letters = " ".join(other)
+    swapped = np.roll(reading.q, 1 if other == "xyzw" else -1, axis=1)
     yield (
-        f"the quaternion's order is {order} (state 'quaternion = {other_order}')",
-        replace(reading, quaternion=other_order),
+        f"the quaternion's order is {letters} (state 'quaternion = {other}')",
+        reading._replace(order=other, q=swapped),
     )
     yield (
         "the quaternion takes world to body components (it is conjugated)",
-        reading.with_arrays(q=conjugated),
+        reading._replace(q=reading.q * CONJUGATE),
     )
     yield (
-        f"the quaternion's order is {order}, and it takes world to body components",
-        replace(reading.with_arrays(q=swapped), quaternion=other_order),
+        f"the quaternion's order is {letters}, and it takes world to body components",
+        reading._replace(order=other, q=swapped * CONJUGATE),
     )
     for name, unit in UNITS.items():
-        yield f"the times are in {name}; t [{name}] says so", replace(reading, unit=unit)
-    step = float(np.diff(arrays["t"]).min())
+        yield f"the times are in {name}; t [{name}] says so", reading._replace(t=unit * reading.t)
+    step = float(np.diff(reading.t).min())
     for samples, words in ((1.0, "one sample"), (0.5, "half a sample")):
-        yield (
-            f"each state is that of {words} after its time",
-            replace(reading, late=samples * step),
-        )
-        yield (
-            f"each state is that of {words} before its time",
-            replace(reading, late=-samples * step),
-        )
-    if "omega" in arrays:
-        yield from _of_omega(reading, arrays["omega"])
+        for sign, when in ((1, "after"), (-1, "before")):
+            later = reading.t + sign * samples * step
+            yield f"each state is that of {words} {when} its time", reading._replace(t=later)
+    if reading.omega is not None:
+        yield from _of_omega(reading, reading.omega)
 
 
 def _of_omega(reading: Reading, omega: FloatArray) -> Iterator[tuple[str, Reading]]:
-    other_frame: OmegaFrame = "world" if reading.omega == "body" else "body"
-    yield (
-        f"ω is in {other_frame} axes (state 'omega = {other_frame}')",
-        replace(reading, omega=other_frame),
-    )
-    yield "ω has the opposite sign", reading.with_arrays(omega=-omega)
-    for words, factor in (
-        ("in degrees a second; wx [deg/s] says so", pi / 180),
-        ("in rad/s already, and was converted from deg/s", 180 / pi),
-        ("in turns a second", 2 * pi),
-    ):
-        yield f"ω is {words}", reading.with_arrays(omega=omega * factor)
-    for i, j, k in EULER_ANGLES:
+    frame: OmegaFrame = "world" if reading.frame == "body" else "body"
+    yield f"ω is in {frame} axes (state 'omega = {frame}')", reading._replace(frame=frame)
+    yield "ω has the opposite sign", reading._replace(omega=-omega)
+    for words, factor in RATES.items():
+        yield f"ω is {words}", reading._replace(omega=omega * factor)
+    for axes in EULER_ANGLES:
+        of_angles = "".join("xyz"[axis] for axis in axes)
+        omega_world = _of_rates(matrices(reading.q), omega, axes)
         yield (
-            f"ω is the rates of Euler angles {'xyz'[i]}{'xyz'[j]}{'xyz'[k]}",
-            reading.with_arrays(omega=_of_rates(reading, (i, j, k))),
+            f"ω is the rates of Euler angles {of_angles}",
+            reading._replace(omega=omega_world, frame="world"),
         )
     # Undone by pairing each attitude with the ω that goes with it, of which one end has none.
     earlier, later = slice(None, -1), slice(1, None)
     for age, mine, other in (("older", earlier, later), ("newer", later, earlier)):
-        kept = {name: rows[mine] for name, rows in reading.recording.arrays.items()}
-        yield (
-            f"ω is one sample {age} than the attitude",
-            reading.with_arrays(**kept | {"omega": omega[other]}),
-        )
+        kept = reading.rows(mine)
+        yield f"ω is one sample {age} than the attitude", kept._replace(omega=omega[other])
         yield (
             f"ω is half a sample {age} than the attitude, as of semi-implicit Euler or leapfrog",
-            reading.with_arrays(**kept | {"omega": (omega[mine] + omega[other]) / 2}),
+            kept._replace(omega=(omega[mine] + omega[other]) / 2),
         )
 
 
-def _of_rates(reading: Reading, axes: tuple[int, int, int]) -> FloatArray:
-    """ω along the axes of a reading from rates of angles a, b, c, R = R_i(a) R_j(b) R_k(c)."""
+def _of_rates(R_world_body: FloatArray, rates: FloatArray, axes: tuple[int, ...]) -> FloatArray:
+    """ω along world axes from rates of angles a, b, c, R = R_i(a) R_j(b) R_k(c)."""
     i, j, k = axes
-    q = np.roll(reading.recording.arrays["q"], reading.quaternion == "xyzw", axis=1)
-    R_world_body = matrices(q / np.linalg.norm(q, axis=1)[:, None])
-    rates = reading.recording.arrays["omega"]
     a, b, c = rates.T if i == k else rates.T[[i, j, k]]
     first = np.eye(3)[i]
     third = R_world_body[:, :, k]
     node = np.cross(third, first) if i != k and (i + 1) % 3 == j else np.cross(first, third)
-    node /= np.maximum(np.linalg.norm(node, axis=1), EPS)[:, None]
-    omega_world = np.outer(a, first) + b[:, None] * node + c[:, None] * third
-    return omega_world if reading.omega == "world" else turned_back(R_world_body, omega_world)
-
-
-def _scalar(order: QuaternionOrder) -> list[bool]:
-    return [letter == "w" for letter in order]
+    node /= np.maximum(norms(node), EPS)[:, None]
+    return np.asarray(np.outer(a, first) + b[:, None] * node + c[:, None] * third)

@@ -1,18 +1,58 @@
 """A recording as a motion: frames and order of components as its columns have them."""
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from ....scenarios import FloatArray, Scenario, Trajectory
-from ....scenarios.rotation import matrices, turned_back
+from ....scenarios.rotation import matrices, norms, turned, turned_back
 from .recording import Recording, RecordingError
 
 QuaternionOrder = Literal["wxyz", "xyzw"]
 OmegaFrame = Literal["body", "world"]
+
+
+class Reading(NamedTuple):
+    """One way to read n samples.
+
+    Attributes
+    ----------
+    t : s, (n,)
+    q : with the scalar first, (n, 4)
+    omega : rad/s, (n, 3); None if it was not recorded
+    order, frame : of the quaternion's components and of ω
+    """
+
+    t: FloatArray
+    q: FloatArray
+    omega: FloatArray | None
+    order: QuaternionOrder
+    frame: OmegaFrame
+
+    def rows(self, rows: slice) -> "Reading":
+        """Some of the samples."""
+        omega = None if self.omega is None else self.omega[rows]
+        return self._replace(t=self.t[rows], q=self.q[rows], omega=omega)
+
+    @property
+    def omega_body(self) -> FloatArray | None:
+        """ω along body axes, rad/s, (n, 3); None if it was not recorded."""
+        if self.omega is None or self.frame == "body":
+            return self.omega
+        return turned_back(matrices(self.q), self.omega)
+
+
+def reading_of(recording: Recording) -> Reading:
+    """A recording as it states that it is to be read: w x y z and body axes, if it does not."""
+    stated = recording.settings
+    order: QuaternionOrder = "xyzw" if stated.get("quaternion") == "xyzw" else "wxyz"
+    frame: OmegaFrame = "world" if stated.get("omega") == "world" else "body"
+    q = np.roll(recording.arrays["q"], order == "xyzw", axis=1)
+    q = q / norms(q)[:, None]
+    return Reading(recording.arrays["t"], q, recording.arrays.get("omega"), order, frame)
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,44 +70,34 @@ class RecordedMotion:
 
 
 def recorded_motion(
-    scenario: Scenario,
-    recording: Recording,
-    exact: Trajectory,
-    quaternion: QuaternionOrder = "wxyz",
-    omega: OmegaFrame = "body",
+    scenario: Scenario, recording: Recording, reading: Reading, exact: Trajectory
 ) -> RecordedMotion:
     """A recording as a motion in the scene's frames.
 
     Parameters
     ----------
     exact : the exact motion at the recording's times
-    quaternion, omega : how the file's columns are to be read
 
     Raises
     ------
     RecordingError
         If attitudes are too far apart to tell ω from them.
     """
-    arrays = recording.arrays
-    q = arrays["q"] if quaternion == "wxyz" else np.roll(arrays["q"], 1, axis=1)
-    q = q / np.linalg.norm(q, axis=1)[:, None]
-    com = arrays.get("com", exact.com_world)
-    velocity = arrays.get("velocity", exact.velocity_world)
+    arrays, t, q = recording.arrays, reading.t, reading.q
     R_world_body, constraint = matrices(q), scenario.constraint
+    com = arrays.get("com", exact.com_world)
     if "com" not in arrays:
         com = constraint.com_world(R_world_body @ constraint.lever, com)
-    has_omega = "omega" in arrays
-    omega_body = arrays["omega"] if has_omega else omega_of_attitudes(arrays["t"], q)
-    if has_omega and omega == "world":
-        omega_body = turned_back(R_world_body, omega_body)
+    omega_body, has_omega = reading.omega_body, True
+    if omega_body is None:
+        omega_body, has_omega = omega_of_attitudes(t, q), False
+    velocity = arrays.get("velocity", exact.velocity_world)
     if "velocity" not in arrays:
-        arm_world = R_world_body @ constraint.lever
-        omega_world = np.einsum("nij,nj->ni", R_world_body, omega_body)
-        velocity = constraint.velocity_world(np.cross(omega_world, arm_world), velocity)
+        swing_world = turned(R_world_body, np.cross(omega_body, constraint.lever))
+        velocity = constraint.velocity_world(swing_world, velocity)
     # A recording has none: those with which parts keep what they should.
     spins = scenario.spins(omega_body, scenario.kept_at_start)
-    motion = Trajectory(arrays["t"], q, omega_body, com, velocity, spins)
-    return RecordedMotion(motion, has_omega)
+    return RecordedMotion(Trajectory(t, q, omega_body, com, velocity, spins), has_omega)
 
 
 def omega_of_attitudes(t: FloatArray, q_world_body_wxyz: FloatArray) -> FloatArray:

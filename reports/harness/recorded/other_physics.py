@@ -11,14 +11,15 @@ from functools import cached_property
 
 import numpy as np
 
-from ....reference.other_equations import KNOWN, OtherEquations, equations_of, follow
+from ....reference.following import KNOWN
+from ....reference.other_equations import OtherEquations
 from ....scenarios import FloatArray, Scenario, Trajectory
 from ....scenarios.rotation import norms
-from .changes import changes
-from .fits import LEFT, Fit, Intervals, Search
+from ...results.change_words import KINDS
+from ..measuring.changes import changes
+from ..measuring.likelihood import LEFT, Fit, Search
+from .intervals import Intervals, intervals_of
 
-#: rad between two samples at most; intervals looked at.
-NEAR, FEWEST_INTERVALS, MOST_INTERVALS = 0.7, 4, 60
 #: Intervals that integrators are tried on, whose steps are many.
 FEW = 12
 #: Of what an integrator does wrong, what may be left: its steps are those, or they are not.
@@ -35,7 +36,7 @@ DYNAMICS = "the attitude follows ω, but ω does not obey Euler's equations"
 
 @dataclass(frozen=True, eq=False)
 class Physics:
-    """A recorded motion from sample to sample, beside what a method may make of it.
+    """A recorded motion, and what may have made it.
 
     Attributes
     ----------
@@ -54,51 +55,40 @@ class Physics:
 
     @cached_property
     def intervals(self) -> Intervals | None:
-        """Those that are short enough; None if they are too few."""
-        motion = self.motion
-        spans, equations = np.diff(motion.t), self.equations
-        rates = np.maximum(norms(motion.omega_body), equations.rate)[:-1]
-        near = np.flatnonzero(spans * rates <= NEAR)
-        if len(near) < FEWEST_INTERVALS or not motion.omega_body.any():
-            return None
-        kept = near[np.unique(np.linspace(0, len(near) - 1, MOST_INTERVALS).astype(int))]
-        spans, rates = spans[kept], rates[kept]
-        states = np.hstack([motion.q_world_body_wxyz, motion.omega_body])
-        taken = spans if self.timestep is None else np.minimum(self.timestep, spans)
-        method = _of_method(self.equations, states[kept], spans, rates, rates * taken, self.order)
-        return Intervals(states[kept], spans[:, None], states[kept + 1], self.noise, method)
-
-    @cached_property
-    def equations(self) -> OtherEquations:
-        """The scene's."""
-        return equations_of(self.scenario)
+        """The motion from sample to sample; None where these are too few, or too far apart."""
+        return intervals_of(self.scenario, self.motion, self.timestep, self.order, self.noise)
 
     @cached_property
     def search(self) -> Search | None:
         """The search for a change of the equations."""
-        if self.intervals is None:
-            return None
-        return Search(self.intervals, self.equations, tuple(changes(self.scenario, self.equations)))
+        data = self.intervals
+        return None if data is None else Search(data, tuple(changes(self.scenario)))
 
     @property
     def is_beyond(self) -> bool:
         """Whether the recording is beyond what a method of its order and timestep makes."""
         return self.search is not None and self.search.is_called_for
 
-    def integrator(self, equations: OtherEquations) -> str | None:
-        """The known integrator that made the motion by these equations; None if none did."""
-        if self.intervals is None or self.timestep is None:
-            return None
-        intervals, h = self.intervals.spread(FEW), self.timestep
+    @cached_property
+    def made_by(self) -> str:
+        """The known integrator that made the motion by the scene's equations; empty if none did."""
+        data = self.intervals
+        return self._integrator(data, data.base.equations) if data else ""
+
+    def _integrator(self, data: Intervals, equations: OtherEquations) -> str:
+        """The known integrator that made the motion by these equations; empty if none did."""
+        h = self.timestep
+        if h is None:
+            return ""
+        intervals, scale = data.spread(FEW), np.repeat(self.noise, 3)
         multiples = intervals.spans / h
         if (np.abs(multiples - np.rint(multiples)) > MULTIPLE * multiples).any():
-            return None
-        scale = np.repeat(self.noise, 3)
-        exactly = float(np.mean((intervals.off(equations) / scale) ** 2))
-        left = [float(np.mean((intervals.off(equations, one, h) / scale) ** 2)) for one in KNOWN]
+            return ""
+        exactly = float(np.mean((intervals.apart(equations) / scale) ** 2))
+        left = [float(np.mean((intervals.apart(equations, one, h) / scale) ** 2)) for one in KNOWN]
         best = int(np.argmin(left))
-        if exactly <= 1 or left[best] > max(1.0, SAME**2 * exactly):
-            return None
+        if exactly <= 1 or not left[best] <= max(1.0, SAME**2 * exactly):
+            return ""
         return f"what {KNOWN[best].name} at {h:.4g} s makes"
 
     def explained(self) -> list[str]:
@@ -106,62 +96,31 @@ class Physics:
         clamps = _clamps(self.motion, self.exact) if len(self.motion.t) > FIRST else ()
         if words := [*clamps][:1]:
             return words
-        search = self.search
-        if search is None or not search.is_called_for:
+        if self.intervals is None or self.search is None or not self.search.is_called_for:
             return []
-        if (found := search.found()) is not None:
-            return self._in_words(found)
-        return self._where(search)
+        found = self.search.one_or_two()
+        return self._in_words(self.intervals, found) if found else _where(self.intervals)
 
-    def _in_words(self, found: Fit) -> list[str]:
-        sentences = [
-            f"{KINEMATICS}: {words}" if change.is_kinematic else f"it moves as if {words}"
-            for change, words in zip(found.changes, found.words, strict=True)
-        ]
-        if made := self.integrator(found.equations):
+    def _in_words(self, data: Intervals, found: Fit) -> list[str]:
+        sentences = []
+        for change in found.changes:
+            before = f"{KINEMATICS}: " if KINDS[change.kind].is_kinematic else "it moves as if "
+            sentences.append(before + found.explanation(change).words)
+        if made := self._integrator(data, found.hypothesis.equations):
             sentences.append(f"what is left is {made}")
         return sentences
 
-    def _where(self, search: Search) -> list[str]:
-        """Whether it is kinematics alone, or dynamics, where no change explains the motion."""
-        intervals = search.intervals
-        off = intervals.off(self.equations)
-        turned, omega = (np.sqrt(np.mean(part**2, axis=1)) for part in np.split(off, 2, axis=1))
-        left = np.mean((off / intervals.scale) ** 2, axis=0)
-        if left[3:].mean() <= 1:
-            return [KINEMATICS]
-        if (turned <= np.hypot(intervals.spans[:, 0] * omega, intervals.scale[:, 0])).all():
-            return [DYNAMICS]
-        return []
 
-
-def _of_method(
-    equations: OtherEquations,
-    states: FloatArray,
-    spans: FloatArray,
-    rates: FloatArray,
-    turns: FloatArray,
-    order: int,
-) -> FloatArray:
-    """What the error of a method may come to over each span, attitude, rad, and ω, rad/s, (S, 2).
-
-    A step of order p is off by its share of the p-th power of the angle of a step: explicit Euler's
-    by h²/2 of a second derivative, |ω'| times the rate at most. About an axis that stays a step of
-    order 1 turns to second order as it should.
-
-    Parameters
-    ----------
-    turns : the angle of a step, rad, (S,)
-    """
-    made = follow(equations, states, spans[:, None])[:, 0, 4:]
-    speed = float(norms(states[:, 4:]).max())
-    fastest = float((norms(made - states[:, 4:]) / spans).max())
-    turns = np.minimum(1.0, turns)
-    of_turning = turns ** max(order, 2) * rates * spans / 4
-    of_omega = turns**order * fastest * spans / 2
-    return of_turning[:, None] * [1.0, speed] + of_omega[:, None] * np.stack(
-        [1 / rates, np.ones_like(rates)], axis=1
-    )
+def _where(data: Intervals) -> list[str]:
+    """Whether it is kinematics alone, or dynamics, where no change explains the motion."""
+    off = data.apart(data.base.equations)
+    turned, omega = (np.sqrt(np.mean(part**2, axis=1)) for part in np.split(off, 2, axis=1))
+    left = np.mean((off / data.scale) ** 2, axis=0)
+    if left[3:].mean() <= 1:
+        return [KINEMATICS]
+    if (turned <= np.hypot(data.spans[:, 0] * omega, data.scale[:, 0])).all():
+        return [DYNAMICS]
+    return []
 
 
 def _clamps(motion: Trajectory, exact: Trajectory) -> Iterator[str]:

@@ -7,7 +7,8 @@ from typing import get_args
 import pytest
 import small_result_file
 from forging import forge
-from spincheck.reports.results.evidence import COUNTS, Explanation, FaultKind, StepEvidence
+from spincheck.reports.results.change_words import KINDS
+from spincheck.reports.results.evidence import Explanation, FaultKind, StepEvidence
 from spincheck.reports.results.reasons import fault_in_words
 from spincheck.reports.results.result_file import ResultFileError
 from spincheck.reports.results.store import open_store
@@ -64,11 +65,11 @@ def test_a_change_has_all_its_numbers(path):
     """They are put in words: what is missing would end the report."""
     fault = {"kind": "limit", "quantity": "attitude", "time": 1.0, "timestep": 1e-3}
     fault |= {"got": [0.0] * 3, "wanted": [0.0] * 3}
-    for kind, count in {**COUNTS, "gyroscopic": 1}.items():
+    for kind, count in {name: kind.count for name, kind in KINDS.items()}.items():
         for other in {0, count - 1, count + 1} - {count, -1}:
-            steps(path, fault=fault | {"change": {"kind": kind, "numbers": [1.0] * other}})
+            steps(path, fault=fault | {"changes": [{"kind": kind, "numbers": [1.0] * other}]})
             assert is_refused(path)
-        steps(path, fault=fault | {"change": {"kind": kind, "numbers": [1.0] * count}})
+        steps(path, fault=fault | {"changes": [{"kind": kind, "numbers": [1.0] * count}]})
         assert not is_refused(path)
 
 
@@ -79,6 +80,6 @@ def test_any_fault_that_is_accepted_can_be_put_in_words():
         for wanted in (0.0, 1e-300, 1.0, 1e150):
             for kind in get_args(FaultKind):
                 vectors = {"got": (got, 0.0, -got), "wanted": (0.0, wanted, -wanted)}
-                change = Explanation("decays", (got, -wanted))
-                fault = replace(steps.fault, kind=kind, change=change, **vectors)
+                changes = (Explanation("decays", (got, -wanted)),)
+                fault = replace(steps.fault, kind=kind, changes=changes, **vectors)
                 assert fault_in_words(fault).isprintable()

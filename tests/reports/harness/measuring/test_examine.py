@@ -14,7 +14,7 @@ from held_by_impulses import HeldByImpulses, ReadsOmegaOffWhereHeld
 from kinds_of_engines import why_missing
 from library_scenes import library_scene
 from looked_at import FEW, in_single, in_words, is_consistent, looked_at
-from planted_physics import Ungyroscopic
+from planted_physics import Ungyroscopic, UngyroscopicAndDamped
 from spincheck.engines import Method, Session, engines
 from spincheck.engines.adapters.mujoco.engine import MuJoCo
 from spincheck.engines.checks.equations import Equations
@@ -63,7 +63,12 @@ ANOTHER = {
     "gravity of a top": ("heavy-tilted", DOWN, UP, "as if gravity were turned round"),
     "gravity": ("free-falling", DOWN, UP, "as if gravity were turned round"),
     "mass": ("heavy-tilted", "mass = 1.3", "mass = 2.6", "I dω/dt, N m in body axes, is"),
-    "moments": ("free", "[1.0, 2.0, 2.5]", "[2.5, 2.0, 1.0]", "I dω/dt, N m in body axes, is"),
+    "moments": (
+        "free",
+        "[1.0, 2.0, 2.5]",
+        "[2.5, 2.0, 1.0]",
+        "the principal moments were permuted",
+    ),
     "drag": ("pivot-drag", "rotational = 0.3", "rotational = 0.35", "slowed by 0.05 N m s"),
     # What a body is set to is read back; its equations are the same.
     "spin": ("free", "-2.0", "-2.5", ""),
@@ -98,6 +103,14 @@ def test_a_missing_gyroscopic_torque_is_named_whatever_the_start(
 ) -> None:
     engine = in_single(Ungyroscopic) if is_single else SteppedEngine(Ungyroscopic)
     assert "as if there were no gyroscopic torque" in in_words(looked_at(engine, "Heun", scenario))
+
+
+def test_two_faults_at_once_are_named_both() -> None:
+    """As of engines that leave the gyroscopic torque out, and damp ω besides."""
+    found = looked_at(SteppedEngine(UngyroscopicAndDamped), "Heun", loads(BOX, "box"))
+    assert in_words(found).startswith(
+        "behaves as if there were no gyroscopic torque and L were slowed by 0.04 /s: "
+    )
 
 
 @pytest.mark.parametrize("size", [1e-4, 1e-2])

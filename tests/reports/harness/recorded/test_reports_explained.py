@@ -9,30 +9,34 @@ from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
+import numba
 import numpy as np
 import pytest
 from library_scenes import library_scene
 from planted_motions import Case, case, exactly, product, rates_of, stepped
 from scipy.spatial.transform import Rotation
 from scipy.stats import chi2
-from spincheck.reference import solve
-from spincheck.reference.other_equations import equations_of, follow
-from spincheck.reports.harness.recorded.changes import Change, resistance
-from spincheck.reports.harness.recorded.fits import LEVEL, Intervals, Search
+from spincheck.reference import compiled, following
+from spincheck.reference.following import follow
+from spincheck.reference.other_equations import equations_of
+from spincheck.reports.harness.measuring.changes import Change, as_it_is, resistance
+from spincheck.reports.harness.measuring.likelihood import LEVEL, Search
+from spincheck.reports.harness.recorded.intervals import Intervals
 from spincheck.reports.harness.recorded.judged import JudgedMotion, judged_motion
-from spincheck.reports.harness.recorded.measured import Measured
 from spincheck.reports.harness.recorded.recording import Recording
 from spincheck.scenarios import Scenario
+from spincheck.scenarios.scenario import started_at
 
 pytestmark = pytest.mark.slow
 
 BODY = case(7)
 MOMENTS, AXES = np.linalg.eigh(BODY.inertia)
 DIAGONAL = np.diag(np.diag(BODY.inertia))
-#: The same body, in the fewer samples of a log.
-LOG = case(7, samples=101)
+#: In the fewer samples of a log a body that tumbles, and one whose ω' is 0.08 rad/s² at most.
+LOG, STEADY = case(1, samples=101), case(7, samples=101)
 Read = Callable[[np.ndarray, np.ndarray], np.ndarray]
 AS_IF = "it moves as if "
+WRONG_SIDE = "q' = ½ ω q, as if ω were along world axes: the product is on the wrong side"
 KINEMATICS = "ω obeys Euler's equations, but the attitude does not follow ω: "
 
 
@@ -66,10 +70,7 @@ REPORTS: dict[str, tuple[dict[str, object], list[str]]] = {
     ),
     "students, the product on the wrong side": (
         {"turning": unnormalised},
-        [
-            KINEMATICS
-            + "q' = ½ ω q, as if ω were along world axes: the product is on the wrong side"
-        ],
+        [KINEMATICS + WRONG_SIDE],
     ),
     "students, without the half": (
         {"turning": lambda q, omega: product(q, np.array([0, *omega]))},
@@ -194,9 +195,8 @@ def test_a_gyroscopes_mistake_is_named_and_nothing_that_noise_explains(
     error: str, is_stated: bool
 ) -> None:
     read, words, numbers = GYROSCOPES[error]
-    attitude, omega = NOISE[0] / 10, NOISE[1] / 10
-    stated = {"noise_attitude": attitude, "noise_omega": omega} if is_stated else {}
-    found = judged(LOG.scenario, measured(LOG, attitude, omega, read), **stated)
+    stated = {"noise_attitude": NOISE[0], "noise_omega": NOISE[1]} if is_stated else {}
+    found = judged(LOG.scenario, measured(LOG, *NOISE, read), **stated)
     assert len(found.explained_by) == bool(words)
     sentence = "".join(found.explained_by).replace("[", "")
     assert sentence.startswith(words)
@@ -209,38 +209,59 @@ def test_a_gyroscopes_mistake_is_named_and_nothing_that_noise_explains(
     assert f"which is {'stated' if is_stated else 'estimated'}: χ² is " in found.verdict
 
 
+@pytest.mark.parametrize("is_stated", [False, True])
+def test_a_lag_of_a_steady_body_is_no_other_start(is_stated: bool) -> None:
+    """Another start makes much of the same difference, with six numbers instead of one."""
+    noise, read = (NOISE[0], 0.002), GYROSCOPES["a lag"][0]
+    stated = {"noise_attitude": noise[0], "noise_omega": noise[1]} if is_stated else {}
+    (words,) = judged(STEADY.scenario, measured(STEADY, *noise, read), **stated).explained_by
+    assert words.startswith("ω lags the attitude by 0.03")
+
+
+def test_another_start_is_found_in_noise_with_its_size() -> None:
+    start = STEADY.scenario.start
+    faster = np.add(start.omega_body, [0.1, 0, 0])
+    elsewhere = started_at(
+        STEADY.scenario,
+        *(start.q_world_body_wxyz, faster),
+        *(start.position_world, start.velocity_world),
+    )
+    found = judged(STEADY.scenario, measured(replace(STEADY, scenario=elsewhere), *NOISE))
+    (words,) = found.explained_by
+    assert words.startswith("it started elsewhere: at t = 0 s the attitude is off by 0.")
+    assert 0.05 < float(words.split()[-2]) < 0.15
+
+
+def test_a_log_of_another_motion_is_beyond_its_estimated_noise() -> None:
+    found = judged(LOG.scenario, measured(LOG, *NOISE, turning=unnormalised), timestep=1e-4)
+    assert found.is_beyond
+    assert found.verdict.startswith("beyond a noise of 0.")
+    assert "which is estimated" in found.verdict
+    assert list(found.explained_by) == [KINEMATICS + WRONG_SIDE]
+
+
 def test_another_moment_is_found_in_noise_with_its_standard_error() -> None:
-    heavier = (AXES * (MOMENTS * [1.0, 1.05, 1.0])) @ AXES.T
+    moments, axes = np.linalg.eigh(LOG.inertia)
+    heavier = (axes * (moments * [1.0, 1.05, 1.0])) @ axes.T
     found = judged(LOG.scenario, measured(LOG, np.radians(0.06), 0.001, inertia=heavier))
     assert [words.partition(" were ")[0] for words in found.explained_by] == [
         "it moves as if the tensor"
     ]
     assert found.measured is not None
     entries, errors = found.measured.tensor_entries()
-    scaled = heavier * np.trace(BODY.inertia) / np.trace(heavier)
+    scaled = heavier * np.trace(LOG.inertia) / np.trace(heavier)
     wanted = scaled[[0, 1, 2, 0, 0, 1], [0, 1, 2, 1, 2, 2]]
     # Of six numbers none is off by five standard errors, but by chance in a million logs.
     assert np.all(np.abs(entries - wanted) < 5 * errors)
-    assert np.all(errors < 0.01 * np.trace(BODY.inertia))
+    assert np.all(errors < 0.01 * np.trace(LOG.inertia))
 
 
 def test_noise_is_estimated_to_its_standard_error() -> None:
     one = case(7, samples=1201)
-    arrays = measured(one, *NOISE)
-    exact = solve(one.scenario, arrays["t"]).trajectory
-    motion = replace(exact, q_world_body_wxyz=arrays["q"], omega_body=arrays["omega"])
-    found, _ = Measured(one.scenario, motion, exact, 2 * np.array(NOISE), False, True).best
+    found = judged(one.scenario, measured(one, *NOISE)).measured
+    assert found is not None
     # Each is of three numbers a sample.
-    assert found.noise == pytest.approx(NOISE, rel=5 / np.sqrt(2 * 3 * 1201))
-
-
-def test_a_change_that_was_added_is_not_looked_for_again() -> None:
-    arrays = measured(LOG, *NOISE, torque=lambda omega: -0.1 * omega)
-    exact = solve(LOG.scenario, arrays["t"]).trajectory
-    motion = replace(exact, q_world_body_wxyz=arrays["q"], omega_body=arrays["omega"])
-    log, fit = Measured(LOG.scenario, motion, exact, np.array(NOISE), False, True).best
-    assert fit.added
-    assert set(fit.added) <= set(log.candidates)
+    assert found.log.noise == pytest.approx(NOISE, rel=5 / np.sqrt(2 * 3 * 1201))
 
 
 def test_noise_that_is_stated_too_small_is_told() -> None:
@@ -264,14 +285,32 @@ def test_one_change_among_a_hundred_must_be_a_hundred_times_less_likely_by_chanc
     is_alone: bool,
 ) -> None:
     """The fall of χ² is between what is called for of one change, and of a hundred."""
-    equations = equations_of(BODY.scenario)
-    drag = resistance(BODY.scenario, equations)
+    base = as_it_is(BODY.scenario)
+    (drag,) = resistance(BODY.scenario, base.equations)
     starts = np.tile([1.0, 0.0, 0.0, 0.0, 0.5, 1.0, 2.0], (12, 1))
     spans = np.linspace(0.01, 0.2, 12)[:, None]
-    ends = follow(drag.apply(equations, np.array([1e-3])), starts, spans)[:, 0]
+    ends = follow(drag.apply(base, np.array([1e-3])).equations, starts, spans)[:, 0]
     fall = chi2.isf(LEVEL / 10, 1)
-    exact = Intervals(starts, spans, ends, np.ones(2), np.zeros((12, 2)))
-    noise = np.full(2, np.linalg.norm(exact.off(equations)) / np.sqrt(fall))
-    others = [] if is_alone else [Change(lambda _: "nothing", lambda e, _: e)] * 99
-    found = Search(replace(exact, noise=noise), equations, [drag, *others]).found()
+    exact = Intervals(base, starts, spans, ends, np.ones(2), np.zeros((12, 2)))
+    noise = np.full(2, np.linalg.norm(exact.apart(base.equations)) / np.sqrt(fall))
+    others = [] if is_alone else [Change("sphere", lambda h, _: h, np.empty(0))] * 99
+    found = Search(replace(exact, noise=noise), [drag, *others]).one_or_two()
     assert (found is not None) == is_alone
+
+
+def test_what_judge_follows_is_compiled_with_the_other_kernels(monkeypatch) -> None:
+    """By the types of arguments: what an earlier test compiled makes no difference."""
+    calls, follow = [], following._follow
+
+    def noted(*args: object) -> None:
+        calls.append(tuple(map(numba.typeof, args)))
+        follow(*args)
+
+    monkeypatch.setattr(following, "_follow", noted)
+    compiled.compile_flow()
+    of_compiled = set(calls)
+    found = judged(BODY.scenario, exactly(BODY, rates_of(BODY, inertia=MOMENTS.mean() * np.eye(3))))
+    judged(LOG.scenario, measured(LOG, *NOISE))
+    assert found.explained_by
+    assert len(calls) > 100
+    assert set(calls) == of_compiled

@@ -1,0 +1,337 @@
+"""What integrators make of equations of motion that need not be a scene's.
+
+Plain doubles. Where the equations are a scene's, `EXACT` leads where `flow` does, to some ulp
+(tests).
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from scipy.integrate import DOP853
+
+from ..scenarios import FloatArray
+from .kernel import called, kernel
+from .other_equations import FIRST_ANGLES, WORLD, OtherEquations
+
+#: rad of a step of `EXACT`, whose error is then an ulp.
+TURN = 0.2
+#: Columns of a stage: q', ω' and the angular velocity at which the attitude turns.
+STAGE = 10
+
+
+class Integrator(NamedTuple):
+    """A one-step method for q and ω, rad/s, along body axes.
+
+    Whether a code normalises its quaternions makes no difference to the attitudes that they stand
+    for: q' is linear in q.
+
+    Attributes
+    ----------
+    name : as it is called
+    a, b : Butcher's table, explicit, (stages, stages) and (stages,)
+    is_omega_first : whether the attitude follows the ω after the step
+    is_exponential : whether the attitude is turned by the rotation vector of ω over the step,
+        instead of q' being added
+    keeps_length : whether I ω is scaled to its length before the step
+    """
+
+    name: str
+    a: FloatArray
+    b: FloatArray
+    is_omega_first: bool = False
+    is_exponential: bool = False
+    keeps_length: bool = False
+
+
+_EULER = np.zeros((1, 1)), np.ones(1)
+_HALF = np.diag([0.5], -1), np.array([0.0, 1.0])
+_RK4 = np.diag([0.5, 0.5, 1.0], -1), np.array([1, 2, 2, 1]) / 6
+EXACT = Integrator("", np.array(DOP853.A), np.array(DOP853.B))
+#: The integrators that are recognised.
+KNOWN = (
+    Integrator("explicit Euler", *_EULER),
+    Integrator("explicit Euler with the rotation vector ω h", *_EULER, is_exponential=True),
+    Integrator("semi-implicit Euler", *_EULER, is_omega_first=True),
+    Integrator("semi-implicit Euler with the rotation vector ω h", *_EULER, True, True),
+    Integrator("semi-implicit Euler with ‖L‖ kept", *_EULER, True, True, True),
+    Integrator("the midpoint rule", *_HALF),
+    Integrator("RK4", *_RK4),
+)
+
+
+def follow(
+    equations: OtherEquations,
+    states: FloatArray,
+    spans: FloatArray,
+    integrator: Integrator = EXACT,
+    timestep: float = 0.0,
+) -> FloatArray:
+    """Return where states go: from each of them through L spans, one after the other.
+
+    Parameters
+    ----------
+    states : q, scalar first, body to world, and ω, rad/s, body axes, (S, 7)
+    spans : s, (S, L)
+    timestep : s, of which a span is a multiple; 0 with `EXACT`, which chooses its own
+
+    Returns
+    -------
+    (S, L, 7); nan from where numbers leave the range of doubles
+    """
+    ends = np.empty((*spans.shape, 7))
+    _follow(equations, states, spans, *integrator[1:], timestep, ends)
+    return ends
+
+
+def rates(equations: OtherEquations, states: FloatArray, kept: FloatArray) -> FloatArray:
+    """Return how fast states change.
+
+    Parameters
+    ----------
+    states : q, scalar first, body to world, and ω, rad/s, body axes, (S, 7)
+    kept : the momentum of parts in each, in place of that of the equations, (S, 3)
+
+    Returns
+    -------
+    (S, 6), along body axes: the angular velocity at which the attitude turns, rad/s, and ω', rad/s²
+    """
+    stages = np.empty((len(states), STAGE))
+    _fill_stages(equations._replace(kept=np.empty(3)), states, kept, stages)
+    return stages[:, [7, 8, 9, 4, 5, 6]]
+
+
+Vector = tuple[float, float, float]
+
+
+@kernel
+def _vector(v: FloatArray, at: int = 0) -> Vector:
+    return v[at], v[at + 1], v[at + 2]
+
+
+@kernel
+def _put(v: Vector, to: FloatArray, at: int) -> None:
+    to[at], to[at + 1], to[at + 2] = v
+
+
+@kernel
+def _plus(u: Vector, v: Vector, factor: float) -> Vector:
+    """Return u + factor v."""
+    return u[0] + factor * v[0], u[1] + factor * v[1], u[2] + factor * v[2]
+
+
+@kernel
+def _dot(u: Vector, v: Vector) -> float:
+    return u[0] * v[0] + u[1] * v[1] + u[2] * v[2]
+
+
+@kernel
+def _cross(u: Vector, v: Vector) -> Vector:
+    return u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]
+
+
+@kernel
+def _times(M: FloatArray, v: Vector) -> Vector:
+    return (
+        M[0, 0] * v[0] + M[0, 1] * v[1] + M[0, 2] * v[2],
+        M[1, 0] * v[0] + M[1, 1] * v[1] + M[1, 2] * v[2],
+        M[2, 0] * v[0] + M[2, 1] * v[1] + M[2, 2] * v[2],
+    )
+
+
+@kernel
+def _to_body(R_world_body: FloatArray, v: Vector) -> Vector:
+    R = R_world_body
+    return (
+        R[0, 0] * v[0] + R[1, 0] * v[1] + R[2, 0] * v[2],
+        R[0, 1] * v[0] + R[1, 1] * v[1] + R[2, 1] * v[2],
+        R[0, 2] * v[0] + R[1, 2] * v[1] + R[2, 2] * v[2],
+    )
+
+
+@called
+def _matrix(q: FloatArray, R_world_body: FloatArray) -> None:
+    """Fill in the matrix of a quaternion of any length."""
+    w, x, y, z = q[0], q[1], q[2], q[3]
+    n = w * w + x * x + y * y + z * z
+    s = 2.0 / n if n > 0.0 else 0.0
+    R = R_world_body
+    R[0, 0], R[1, 1], R[2, 2] = (
+        1 - s * (y * y + z * z),
+        1 - s * (x * x + z * z),
+        1 - s * (x * x + y * y),
+    )
+    R[0, 1], R[1, 0] = s * (x * y - w * z), s * (x * y + w * z)
+    R[0, 2], R[2, 0] = s * (x * z + w * y), s * (x * z - w * y)
+    R[1, 2], R[2, 1] = s * (y * z - w * x), s * (y * z + w * x)
+
+
+@called
+def _by_tensor(e: OtherEquations, M: FloatArray, R: FloatArray, v: Vector) -> Vector:
+    """A tensor times a vector along body axes, wherever the tensor keeps its axes."""
+    return _to_body(R, _times(M, _times(R, v))) if e.in_world else _times(M, v)
+
+
+@called
+def _torque(e: OtherEquations, R: FloatArray, omega: Vector) -> Vector:
+    """I ω', N m, body axes."""
+    kept = _vector(e.kept)
+    turned = _plus(_by_tensor(e, e.gyroscopic, R, omega), kept, 1.0)
+    torque = _plus(_vector(e.torque), _cross(omega, turned), -1.0)
+    gravity = _to_body(R, _vector(e.gravity_world))
+    torque = _plus(torque, _cross(_vector(e.pull), gravity), 1.0)
+    torque = _plus(torque, _to_body(R, _vector(e.torque_world)), 1.0)
+    torque = _plus(torque, omega, -e.slowing[0])
+    L = _plus(_by_tensor(e, e.inertia, R, omega), kept, 1.0)
+    slowed = e.slowing[1] + e.slowing[2] * math.sqrt(_dot(omega, omega))
+    torque = _plus(torque, L, -slowed)
+    if e.mobility > 0.0:
+        up, lever = _vector(R[2]), _vector(e.lever)
+        arm = _cross(up, lever)
+        answer = _by_tensor(e, e.inverse, R, arm)
+        swing = _dot(up, _cross(omega, _cross(omega, lever)))
+        lift = swing - e.gravity_world[2] - _dot(answer, torque)
+        torque = _plus(torque, arm, lift / (e.mobility + _dot(arm, answer)))
+    return torque
+
+
+@called
+def _turning(e: OtherEquations, R: FloatArray, omega: Vector) -> Vector:
+    """The angular velocity, body axes, at which the attitude turns."""
+    omega = _times(e.turning, omega)
+    if e.kinematics < WORLD:
+        return omega
+    if e.kinematics == WORLD:
+        return _to_body(R, omega)
+    which = e.kinematics - FIRST_ANGLES
+    i, j, k = which // 9, which // 3 % 3, which % 3
+    # Where an axis comes twice the components are the rates of the angles in order.
+    a, b, c = omega if i == k else (omega[i], omega[j], omega[k])
+    # The node line, along the second axis where the first angle has turned it to.
+    first, third = _vector(np.eye(3)[i]), _vector(np.eye(3)[k])
+    node = _cross(first, _vector(R[:, k]))
+    sign = -1.0 if i != k and (i + 1) % 3 == j else 1.0
+    length = sign * math.sqrt(_dot(node, node))
+    if length == 0.0:
+        return math.nan, math.nan, math.nan
+    rates_world = _plus((a * first[0], a * first[1], a * first[2]), node, b / length)
+    return _plus(_to_body(R, rates_world), third, c)
+
+
+@called
+def _add_product(q: FloatArray, h: float, v: Vector, to: FloatArray) -> None:
+    """Add h/2 times the product of q and a vector along body axes to a quaternion."""
+    w, x, y, z = q[0], q[1], q[2], q[3]
+    to[0] -= h / 2 * (x * v[0] + y * v[1] + z * v[2])
+    to[1] += h / 2 * (w * v[0] + y * v[2] - z * v[1])
+    to[2] += h / 2 * (w * v[1] + z * v[0] - x * v[2])
+    to[3] += h / 2 * (w * v[2] + x * v[1] - y * v[0])
+
+
+@called
+def _rates(e: OtherEquations, y: FloatArray, R: FloatArray, stage: FloatArray) -> None:
+    """Fill in a stage at the state y; R is room for a matrix."""
+    _matrix(y, R)
+    omega = _vector(y, 4)
+    turning = _turning(e, R, omega)
+    for i in range(4):
+        stage[i] = 0.0
+    _add_product(y, 1.0, turning, stage)
+    _put(_by_tensor(e, e.inverse, R, _torque(e, R, omega)), stage, 4)
+    _put(turning, stage, 7)
+
+
+@called
+def _fill_stages(
+    e: OtherEquations, states: FloatArray, kept: FloatArray, stages: FloatArray
+) -> None:
+    """Fill in the stages at states, with the momentum of parts in each."""
+    R = np.empty((3, 3))
+    for s in range(states.shape[0]):
+        e.kept[:] = kept[s]
+        _rates(e, states[s], R, stages[s])
+
+
+@called
+def _size(e: OtherEquations, R: FloatArray, y: FloatArray) -> float:
+    """The length of I ω, kg m²/s."""
+    L = _by_tensor(e, e.inertia, R, _vector(y, 4))
+    return math.sqrt(_dot(L, L))
+
+
+@called
+def _step(
+    e: OtherEquations,
+    y: FloatArray,
+    h: float,
+    a: FloatArray,
+    b: FloatArray,
+    is_omega_first: bool,
+    is_exponential: bool,
+    keeps_length: bool,
+    R: FloatArray,
+    k: FloatArray,
+    at: FloatArray,
+) -> None:
+    """Take a step from the state y; R, k and at are room for a matrix, stages and a state."""
+    for n in range(b.size):
+        for i in range(7):
+            at[i] = y[i]
+            for m in range(n):
+                at[i] += h * a[n, m] * k[m, i]
+        _rates(e, at, R, k[n])
+    before = _size(e, R, y) if keeps_length else 0.0
+    for i in range(4, 7):
+        for n in range(b.size):
+            y[i] += h * b[n] * k[n, i]
+    if keeps_length:
+        after = _size(e, R, y)
+        y[4:] *= before / after if after > 0.0 else 1.0
+    at[:4] = y[:4]
+    if is_omega_first:
+        _put(_turning(e, R, _vector(y, 4)), k[0], 7)
+        k[0, :4] = 0.0
+        _add_product(at, 1.0, _vector(k[0], 7), k[0])
+    if is_exponential:
+        turn = 0.0, 0.0, 0.0
+        for n in range(b.size):
+            turn = _plus(turn, _vector(k[n], 7), h * b[n])
+        angle = math.sqrt(_dot(turn, turn))
+        y[:4] *= math.cos(angle / 2)
+        _add_product(at, 2 * math.sin(angle / 2) / angle if angle > 0.0 else 1.0, turn, y)
+    else:
+        for i in range(4):
+            for n in range(b.size):
+                y[i] += h * b[n] * k[n, i]
+    y[:4] /= math.sqrt(y[0] * y[0] + y[1] * y[1] + y[2] * y[2] + y[3] * y[3])
+
+
+@called
+def _follow(
+    e: OtherEquations,
+    states: FloatArray,
+    spans: FloatArray,
+    a: FloatArray,
+    b: FloatArray,
+    is_omega_first: bool,
+    is_exponential: bool,
+    keeps_length: bool,
+    timestep: float,
+    ends: FloatArray,
+) -> None:
+    k, R, y, at = np.empty((b.size, STAGE)), np.empty((3, 3)), np.empty(7), np.empty(7)
+    for s in range(spans.shape[0]):
+        y[:] = states[s]
+        for j in range(spans.shape[1]):
+            span = spans[s, j]
+            if timestep > 0.0:
+                steps = max(1, round(span / timestep))
+            else:
+                omega = _vector(y, 4)
+                turn = math.sqrt(_dot(omega, omega)) + e.rate
+                # What is no motion any more is not followed.
+                steps = 1 + int(min(turn * abs(span) / TURN, 1e5)) if turn < 1e300 else 1
+            h = span / steps
+            for _ in range(steps):
+                _step(e, y, h, a, b, is_omega_first, is_exponential, keeps_length, R, k, at)
+            ends[s, j] = y

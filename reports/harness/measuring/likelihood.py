@@ -1,0 +1,284 @@
+"""The change of a scene's equations, or of how states are read, that data call for.
+
+What a hypothesis leaves of the data, in units of what noise and a method's error make of it, is
+squared and summed. A change is preferred to a simpler one if the sum falls by more than chance
+makes it fall with so many more numbers, among so many changes (S. S. Wilks, Ann. Math. Statist. 9
+(1938) 60).
+"""
+
+from abc import ABC, abstractmethod
+from collections import defaultdict
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import combinations
+
+import numpy as np
+from scipy.optimize import least_squares
+from scipy.stats import chi2
+
+from ....scenarios import FloatArray
+from ...results.evidence import Explanation
+from .changes import Change, Hypothesis
+
+#: The probability that a change is named where noise alone made the data other ones.
+LEVEL = 1e-6
+#: A change explains what noise and a method's error do not if no more than this fraction is left.
+LEFT = 0.1
+#: What is left where numbers are nan: no motion is that far off.
+NOWHERE = 1e150
+#: Numbers that are seen less than this, relative to those seen best, do not count.
+RANK = 1e-6
+#: Evaluations of a fit at most, and a step of a scaled number from which a slope is taken.
+EVALUATIONS, SMALL = 50, 1e-5
+#: Changes are fitted that leave no more than this fraction where they are taken as linear; pairs of
+#: changes, no more than this fraction of what either alone leaves, and so many of them at most with
+#: as many numbers.
+PROMISING, PAIRS = 0.5, 3
+
+
+@dataclass(frozen=True, eq=False)
+class Data(ABC):
+    """What is to be explained.
+
+    Attributes
+    ----------
+    base : the scene's equations, with states that are read as they are
+    """
+
+    base: Hypothesis
+
+    @abstractmethod
+    def off(self, hypothesis: Hypothesis, samples: int | None = None) -> FloatArray:
+        """What a hypothesis leaves, in units of its scale, any shape; nan where it leads nowhere.
+
+        Parameters
+        ----------
+        samples : the first ones that count; all of them if None
+        """
+
+    @property
+    def parts(self) -> Sequence[int | None]:
+        """How many of the first samples numbers are fitted to, one after the other."""
+        return (None,)
+
+    def falls(self, before: FloatArray, after: FloatArray) -> float:
+        """The sum of squares of what is left before a change, less that of the rest after it."""
+        return float(np.sum(before**2) - np.sum(after**2))
+
+    def left(self, hypothesis: Hypothesis, samples: int | None = None) -> FloatArray:
+        """What a hypothesis leaves, in units of its scale, (m,)."""
+        off = np.nan_to_num(self.off(hypothesis, samples), nan=NOWHERE)
+        return np.clip(off, -NOWHERE, NOWHERE).ravel()
+
+
+@dataclass(frozen=True, eq=False)
+class Fit:
+    """Changes at once, with the numbers that explain data best.
+
+    Attributes
+    ----------
+    numbers : of all changes, (k,)
+    covariance : of the numbers, if noise alone is left, (k, k)
+    rest : what is left, in units of its scale, (m,)
+    count : of numbers that the data show
+    """
+
+    changes: tuple[Change, ...]
+    hypothesis: Hypothesis
+    numbers: FloatArray
+    covariance: FloatArray
+    rest: FloatArray
+    count: int
+
+    @cached_property
+    def left(self) -> float:
+        """The mean square of what is left."""
+        return float(np.mean(self.rest**2))
+
+    @property
+    def errors(self) -> FloatArray:
+        """Standard errors of the numbers, (k,)."""
+        return np.sqrt(np.diag(self.covariance))
+
+    @property
+    def is_possible(self) -> bool:
+        """Whether a motion may have been computed with such a tensor: no body need have it."""
+        return bool(np.linalg.eigvalsh(self.hypothesis.equations.inertia)[0] > 0)
+
+    def rows(self, change: Change) -> slice:
+        """Which of the numbers are those of a change."""
+        at = sum(len(one.sizes) for one in self.changes[: self.changes.index(change)])
+        return slice(at, at + len(change.sizes))
+
+    def explanation(self, change: Change) -> Explanation:
+        """A change with its numbers."""
+        return change.explanation(self.numbers[self.rows(change)])
+
+
+@dataclass(frozen=True, eq=False)
+class Trial:
+    """Changes whose numbers are to be fitted."""
+
+    data: Data
+    changes: tuple[Change, ...]
+
+    @cached_property
+    def sizes(self) -> FloatArray:
+        """The sizes of all numbers, (k,)."""
+        return np.concatenate([np.empty(0), *(change.sizes for change in self.changes)])
+
+    def hypothesis(self, x: FloatArray) -> Hypothesis:
+        """All changes made, with numbers in units of their sizes, (k,)."""
+        hypothesis, at = self.data.base, 0
+        for change in self.changes:
+            end = at + len(change.sizes)
+            hypothesis = change.apply(hypothesis, self.sizes[at:end] * x[at:end])
+            at = end
+        return hypothesis
+
+    def left(self, x: FloatArray, samples: int | None = None) -> FloatArray:
+        """What is left, in units of its scale, (m,)."""
+        return self.data.left(self.hypothesis(x), samples)
+
+    @cached_property
+    def at_none(self) -> FloatArray:
+        """What is left with numbers of zero, (m,)."""
+        return self.left(np.zeros(len(self.sizes)))
+
+    @cached_property
+    def slopes(self) -> FloatArray:
+        """What small numbers change in it, (m, k)."""
+        steps = SMALL * np.eye(len(self.sizes))
+        columns = [(self.left(step) - self.at_none) / SMALL for step in steps]
+        return np.reshape(columns, (len(columns), len(self.at_none))).T
+
+    def fit(self, before: Fit | None = None) -> Fit:
+        """The numbers that leave least.
+
+        Parameters
+        ----------
+        before : a fit of the first of the changes, from whose numbers the search begins; else it
+            begins where they are zero, with a part of the data
+        """
+        x = np.zeros(len(self.sizes))
+        if not len(x):
+            return Fit(self.changes, self.hypothesis(x), x, np.empty((0, 0)), self.at_none, 0)
+        if before is not None:
+            known = len(before.numbers)
+            x[:known] = before.numbers / self.sizes[:known]
+        for samples in self.data.parts if before is None else (None,):
+            args = (samples,)
+            found = least_squares(self.left, x, args=args, xtol=1e-9, max_nfev=EVALUATIONS)
+            x = found.x
+        J = np.asarray(found.jac)
+        seen = np.linalg.svd(J, compute_uv=False)
+        count = int(np.count_nonzero(seen > RANK * seen[0]))
+        covariance = np.linalg.pinv(J.T @ J, RANK**2, hermitian=True)
+        return Fit(
+            self.changes,
+            self.hypothesis(x),
+            self.sizes * x,
+            covariance * np.outer(self.sizes, self.sizes),
+            found.fun,
+            count,
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class Search:
+    """The search for the changes that data call for."""
+
+    data: Data
+    changes: Sequence[Change]
+
+    @cached_property
+    def unchanged(self) -> Fit:
+        """What the scene's own equations leave."""
+        return Trial(self.data, ()).fit()
+
+    @property
+    def is_called_for(self) -> bool:
+        """Whether what they leave is more than noise and a method's error."""
+        rest = self.unchanged.rest
+        return self.data.falls(rest, 0 * rest) > self._by_chance(1)
+
+    @cached_property
+    def trials(self) -> list[Trial]:
+        """Each change alone."""
+        return [Trial(self.data, (change,)) for change in self.changes]
+
+    def one_or_two(self) -> Fit | None:
+        """The change, or the two at once, that leave little; None if none do, or need to."""
+        if not self.is_called_for:
+            return None
+        enough = PROMISING**2 * self.unchanged.left
+        single = [trial.fit() for trial in self.trials if _left_if_linear(trial) <= enough]
+        best = self._simplest(single)
+        if best is not None and best.left <= 1:
+            return best
+        return self._simplest([*single, *self._pairs()])
+
+    def one_by_one(self, most: int) -> Fit:
+        """The changes, so many of them at most, that each explain more than chance does.
+
+        Each is the one of which chance explains least.
+        """
+        fit = self.unchanged
+        while len(fit.changes) < most:
+            others = [one for one in self.changes if one not in fit.changes]
+            before = fit if fit.changes else None
+            fits = [Trial(self.data, (*fit.changes, one)).fit(before) for one in others]
+            beyond = [self._beyond(fit, other) for other in fits]
+            if max(beyond, default=0.0) <= 0:
+                break
+            fit = fits[int(np.argmax(beyond))]
+        return fit
+
+    def _pairs(self) -> list[Fit]:
+        """Two changes at once, of which both are needed.
+
+        Of those with as many numbers those are fitted that leave least where they are linear.
+        """
+        alone = [_left_if_linear(trial) for trial in self.trials]
+        by_count: dict[int, list[tuple[float, int, int]]] = defaultdict(list)
+        for i, j in combinations(range(len(self.trials)), 2):
+            one, other = self.trials[i], self.trials[j]
+            slopes = np.hstack([one.slopes, other.slopes])
+            left = _least(one.at_none + other.at_none - self.unchanged.rest, slopes)
+            if left <= PROMISING**2 * min(alone[i], alone[j]):
+                by_count[slopes.shape[1]].append((left, i, j))
+        best = {(i, j) for pairs in by_count.values() for _, i, j in sorted(pairs)[:PAIRS]}
+        # Of those alike the first is named.
+        return [Trial(self.data, (self.changes[i], self.changes[j])).fit() for i, j in sorted(best)]
+
+    def _simplest(self, fits: Sequence[Fit]) -> Fit | None:
+        """The simplest fit that leaves little, if none with more numbers leaves much less."""
+        count = self.unchanged.rest.size
+        enough = max(float(chi2.isf(LEVEL, count)) / count, LEFT**2 * self.unchanged.left)
+        best = self.unchanged
+        # Of those alike the first is named.
+        for fit in sorted(fits, key=lambda fit: fit.count):
+            explains = fit.left <= enough and self._beyond(self.unchanged, fit) > 0
+            if explains and fit.is_possible and self._beyond(best, fit) > 0:
+                best = fit
+        return None if best is self.unchanged else best
+
+    def _beyond(self, before: Fit, after: Fit) -> float:
+        """How much less a fit leaves than chance makes of it."""
+        return self.data.falls(before.rest, after.rest) - self._by_chance(
+            after.count - before.count
+        )
+
+    def _by_chance(self, numbers: int) -> float:
+        return float(chi2.isf(LEVEL / len(self.changes), max(1, numbers)))
+
+
+def _left_if_linear(trial: Trial) -> float:
+    return _least(trial.at_none, trial.slopes)
+
+
+def _least(at_none: FloatArray, slopes: FloatArray) -> float:
+    """The mean square of what the best numbers leave, if it is linear in them."""
+    best = np.linalg.lstsq(slopes, at_none, rcond=RANK)[0] if slopes.shape[1] else np.empty(0)
+    return float(np.mean((at_none - slopes @ best) ** 2))

@@ -1,0 +1,88 @@
+"""Tensors that are made of a body's own by a mistake."""
+
+from collections.abc import Iterator, Sequence
+from itertools import permutations, product
+
+import numpy as np
+
+from ....scenarios import FloatArray, Scenario
+
+#: Entries of a tensor, in the order in which they are listed everywhere.
+ENTRIES = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
+#: Two tensors are one if no entry differs by more, relative to the largest.
+SAME = 1e-9
+#: Rotations by half a turn, and none: which way a principal axis points is anyone's choice.
+HALF_TURNS = ((1, 1, 1), (1, -1, -1), (-1, 1, -1), (-1, -1, 1))
+#: A kind of change, its numbers, and the tensor, kg m², (3, 3).
+Tensor = tuple[str, Sequence[float], FloatArray]
+
+
+def other_tensors(scenario: Scenario) -> Iterator[Tensor]:
+    """Every tensor that is not the scene's, of several alike the first."""
+    inertia, of_com = np.array(scenario.inertia), np.array(scenario.body.inertia_com)
+    seen = [inertia]
+    for kind, numbers, wrong in _of_mistakes(scenario, of_com):
+        # A pivot adds to a tensor, and parts that turn freely take from it.
+        tensor = wrong + (inertia - of_com)
+        is_new = all(np.abs(tensor - other).max() > SAME * np.abs(other).max() for other in seen)
+        if is_new and np.linalg.eigvalsh(tensor)[0] > 0:
+            seen.append(tensor)
+            yield kind, numbers, tensor
+
+
+def _of_mistakes(scenario: Scenario, of_com: FloatArray) -> Iterator[Tensor]:
+    """Tensors about the com, of which some are the same."""
+    about = scenario.about == "pivot"
+    moved = np.array(scenario.body.inertia_origin) - of_com
+    moments, axes = np.linalg.eigh(of_com)
+    yield "other products", (), with_products(of_com, -1.0)
+    yield "no products", (), with_products(of_com, 0.0)
+    orders = [list(order) for order in permutations(range(3))][1:]
+    # Of a tensor along the body's axes the next two are that, too.
+    for order in orders:
+        permuted = (axes * moments[order]) @ axes.T
+        yield "permuted moments", (*moments[order], *moments), permuted
+    for tensor in about_conjugated_axes(of_com):
+        yield "conjugated axes", (), tensor
+    for tensor in without_rotation(of_com):
+        yield "without rotation", (), tensor
+    yield "com as pivot" if about else "com twice", (), of_com - moved
+    yield "pivot twice" if about else "com as origin", (), of_com + moved
+    for order in orders:
+        yield "rows and columns", order, of_com[np.ix_(order, order)]
+    for signs in product((1.0, -1.0), repeat=3):
+        entries = tensor_entries(of_com) * [1, 1, 1, *signs]
+        yield "signs of products", signs, tensor_of_entries(entries)
+    yield "sphere", (), np.eye(3) * moments.mean()
+
+
+def with_products(tensor: FloatArray, factor: float) -> FloatArray:
+    """A tensor whose products of inertia are multiplied by a factor."""
+    diagonal = np.diag(np.diag(tensor))
+    return diagonal + factor * (tensor - diagonal)
+
+
+def without_rotation(tensor: FloatArray) -> Iterator[FloatArray]:
+    """A tensor's principal moments along the body's axes, in every order."""
+    for order in permutations(np.linalg.eigvalsh(tensor)):
+        yield np.diag(order)
+
+
+def about_conjugated_axes(tensor: FloatArray) -> Iterator[FloatArray]:
+    """A tensor about principal axes that are turned the other way, in every order of them."""
+    moments, axes = np.linalg.eigh(tensor)
+    for order in map(list, permutations(range(3))):
+        for signs in HALF_TURNS:
+            R = axes[:, order] * signs
+            yield R.T @ np.diag(moments[order]) @ R
+
+
+def tensor_entries(tensor: FloatArray) -> FloatArray:
+    """Ixx, Iyy, Izz, Ixy, Ixz, Iyz of a tensor, (6,)."""
+    return np.array([tensor[i, j] for i, j in ENTRIES])
+
+
+def tensor_of_entries(entries: Sequence[float] | FloatArray) -> FloatArray:
+    """The tensor with these entries, (3, 3)."""
+    xx, yy, zz, xy, xz, yz = entries
+    return np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])

@@ -1,0 +1,223 @@
+"""The names of what may be off: changes of equations of motion, and mistakes in reading states.
+
+They are used for what single steps of an engine gain, and for recorded motions. A change is known
+by its kind and its numbers, SI; its words follow "as if".
+"""
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+
+from ...scenarios import EFFECTS
+
+#: A change of a factor that seven digits show to a tenth.
+VISIBLE = 1e-5
+#: Numbers this small beside others are zero but for rounding.
+ROUNDING = 1e-12
+#: Of a body that turns freely a motion does not show how large its tensor is.
+UP_TO_A_FACTOR = ", up to a factor"
+_MOMENTUM = next(one.wrong_momentum for one in EFFECTS.values() if one.wrong_momentum)
+
+
+def vector(numbers: Sequence[float]) -> str:
+    """Numbers in brackets."""
+    least = ROUNDING * max(map(abs, numbers))
+    return f"[{', '.join(f'{n if abs(n) > least else 0.0:.7g}' for n in numbers)}]"
+
+
+def _factor(numbers: Sequence[float]) -> str:
+    """One and a change, with as many digits as show it."""
+    (change,) = numbers
+    return f"{1 + change:.{7 if abs(change) > VISIBLE else 11}g}"
+
+
+def _turn(numbers: Sequence[float]) -> str:
+    """A rotation vector as an angle and an axis."""
+    angle = math.hypot(*numbers)
+    axis = vector([value / (angle or 1.0) for value in numbers])
+    return f"{math.degrees(angle):.4g}° about {axis}"
+
+
+def _slowed(numbers: Sequence[float]) -> str:
+    return f"{'slowed' if numbers[0] > 0 else 'sped up'} by {abs(numbers[0]):.3g}"
+
+
+def _decays(numbers: Sequence[float]) -> str:
+    a, b = numbers
+    return f"{a:.3g} {'-' if b < 0 else '+'} {abs(b):.3g} ‖ω‖"
+
+
+def _axes(numbers: Sequence[float]) -> str:
+    """Names of axes, which are counted from zero."""
+    return "".join("xyz"[int(axis) % 3] for axis in numbers)
+
+
+def _components(numbers: Sequence[float]) -> str:
+    """Components of ω, each by its axis, counted from one, with a sign."""
+    return ", ".join(f"{'−' if n < 0 else ''}ω{_axes([abs(n) - 1])}" for n in numbers)
+
+
+def _products(numbers: Sequence[float]) -> str:
+    """The products of inertia that have another sign."""
+    pairs = zip(numbers, ("Ixy", "Ixz", "Iyz"), strict=True)
+    return " and ".join(name for sign, name in pairs if sign < 0)
+
+
+def _permuted(numbers: Sequence[float]) -> str:
+    return f"{vector(numbers[:3])} kg m² along the axes of {vector(numbers[3:])}"
+
+
+@dataclass(frozen=True)
+class Kind:
+    """A kind of change.
+
+    Attributes
+    ----------
+    template : its words, with braces where its numbers are
+    count : of its numbers
+    shown : its numbers as they are printed
+    is_kinematic : whether it is one of how the attitude follows ω
+    special : other words, by its first number
+    """
+
+    template: str
+    count: int = 0
+    shown: Callable[[Sequence[float]], str] = vector
+    is_kinematic: bool = False
+    special: Mapping[float, str] = field(default_factory=dict)
+
+    def words(self, numbers: Sequence[float]) -> str:
+        """What follows "as if"."""
+        if not numbers:
+            return self.template
+        return self.special.get(numbers[0]) or self.template.format(self.shown(numbers))
+
+
+def _of_factor(template: str, none: str = "", reversed_: str = "") -> Kind:
+    """A kind whose number is by how much a factor is off, with words for none and for −1."""
+    return Kind(template, 1, _factor, special={-1.0: none, -2.0: reversed_})
+
+
+_ENTRIES = "Ixx, Iyy, Izz, Ixy, Ixz, Iyz = {} kg m²"
+_GYROSCOPIC = "the gyroscopic torque ω × Iω were "
+_BESIDES = "a torque of {} N m acted besides, along "
+_WITH_HALF = {1.0: "q' = q ω, without the ½", -0.5: "q' = ¼ q ω, with the ½ twice"}
+_TURNING = _WITH_HALF | {-2.0: "q' = −½ q ω, with the other sign"}
+#: Every kind of change.
+KINDS = {
+    # How the attitude follows ω.
+    "wrong side": Kind(
+        "q' = ½ ω q, as if ω were along world axes: the product is on the wrong side",
+        is_kinematic=True,
+    ),
+    "wrong side, no ½": Kind("q' = ω q, without the ½, and on the wrong side", is_kinematic=True),
+    "wrong side, reversed": Kind(
+        "q' = −½ ω q, with the other sign, and on the wrong side", is_kinematic=True
+    ),
+    "turning": Kind(
+        "it turns {} times as fast as ω says", 1, _factor, is_kinematic=True, special=_TURNING
+    ),
+    "other components": Kind("it turns as if ω were [{}]", 3, _components, is_kinematic=True),
+    "Euler rates": Kind("ω is taken for the rates of Euler angles {}", 3, _axes, is_kinematic=True),
+    "turning along other axes": Kind(
+        "it turns as if ω were along axes turned by {}", 3, _turn, is_kinematic=True
+    ),
+    "turning by a matrix": Kind(
+        "it turns as if ω were multiplied by the matrix of rows {}", 9, is_kinematic=True
+    ),
+    # The gyroscopic torque; the number of the first is how much of it is missing.
+    "gyroscopic": Kind(
+        _GYROSCOPIC + "{} times as strong",
+        1,
+        lambda n: _factor([-n[0]]),
+        special={1.0: "there were no gyroscopic torque"},
+    ),
+    "gyroscopic, with parts": _of_factor(
+        "the gyroscopic torque ω × (Iω + h) were {} times as strong"
+    ),
+    "no gyroscopic torque of the body": Kind("there were no gyroscopic torque ω × Iω of the body"),
+    "gyroscopic about the com": Kind(
+        "the gyroscopic torque were ω × Iω with the tensor about the com"
+    ),
+    "gyroscopic of the diagonal": Kind(_GYROSCOPIC + "of the tensor's diagonal alone"),
+    "gyroscopic of other products": Kind(
+        _GYROSCOPIC + "of the tensor with its products of inertia of the other sign"
+    ),
+    "gyroscopic without rotation": Kind(
+        _GYROSCOPIC + "of the principal moments as if they were along the body's axes"
+    ),
+    "gyroscopic about conjugated axes": Kind(
+        _GYROSCOPIC + "of the tensor about conjugated principal axes"
+    ),
+    "gyroscopic tensor": Kind(f"the gyroscopic torque ω × Gω were with G: {_ENTRIES}, not I", 6),
+    "inverse of the diagonal": Kind(
+        "ω' were of the tensor's diagonal alone, though ω × Iω is of all of it"
+    ),
+    "momentum": _of_factor(
+        _MOMENTUM,
+        "there were no rotors' torque ω × h",
+        "the rotors' torque ω × h had the other sign",
+    ),
+    # The tensor.
+    "tensor as at the start": Kind(
+        "the tensor did not turn with the body: as it is at the start, in world axes"
+    ),
+    "tensor along the world": Kind(
+        "the tensor were along world axes, and did not turn with the body"
+    ),
+    "other products": Kind("the products of inertia had the other sign"),
+    "no products": Kind("there were no products of inertia"),
+    "signs of products": Kind("{} had the other sign", 3, _products),
+    "conjugated axes": Kind("the tensor were about conjugated principal axes"),
+    "without rotation": Kind(
+        "the principal moments were along the body's axes, without the tensor's rotation"
+    ),
+    "com as pivot": Kind("the tensor about the com were that about the pivot"),
+    "pivot twice": Kind("the tensor about the pivot were the one about the com twice moved"),
+    "com as origin": Kind("the tensor were about the origin instead of the com"),
+    "com twice": Kind("the tensor about the com had been moved from the origin once more"),
+    "permuted moments": Kind("the principal moments were permuted, {}", 6, _permuted),
+    "rows and columns": Kind("the tensor's rows and columns were those of the axes {}", 3, _axes),
+    "sphere": Kind("the tensor were that of a sphere"),
+    "tensor's size": _of_factor("the tensor were {} times as large"),
+    "rotated tensor": Kind("the tensor were the same about axes turned by {}", 3, _turn),
+    **{
+        f"{kind}{how}": Kind(words + how, count)
+        for how in ("", UP_TO_A_FACTOR)
+        for kind, words, count in (
+            ("moments", "the moments were {} kg m²", 3),
+            ("box", "the tensor were that of a box along the body's axes, with {} kg m²", 3),
+            ("tensor", f"the tensor were {_ENTRIES}", 6),
+        )
+    },
+    # Other effects.
+    "com": Kind("the com were at {} m", 3),
+    "gravity": Kind("gravity were {} m/s²", 3),
+    "gravity's size": _of_factor(
+        "gravity were {} times as strong", "there were no gravity", "gravity were turned round"
+    ),
+    "resistance": Kind("it were {} N m s", 1, _slowed),
+    "resistance's size": _of_factor(
+        "drag were {} times as strong", "there were no drag", "drag had the other sign"
+    ),
+    "decay": Kind("L were {} /s", 1, _slowed),
+    "decays": Kind("L were slowed by {} /s", 2, _decays),
+    "torque's size": _of_factor(
+        "the torque were {} times as strong",
+        "there were no torque",
+        "the torque had the other sign",
+    ),
+    "torque along other axes": Kind("the torque were constant along the other axes"),
+    "torque along body axes": Kind(_BESIDES + "body axes", 3),
+    "torque along world axes": Kind(_BESIDES + "world axes", 3),
+    # How states are set and read, of an engine.
+    "step": _of_factor("a step took {} timesteps"),
+    "omega": _of_factor("ω were read multiplied by {}"),
+    "velocity": _of_factor("the velocity were read multiplied by {}"),
+    "scalar last": Kind("the quaternion were read as x, y, z, w"),
+    "scalar first": Kind("the quaternion's last component were taken for its first"),
+    "conjugated": Kind("the quaternion were read conjugated"),
+    "ω in the world": Kind("ω were read along the world's axes"),
+    "ω turned twice": Kind("ω were turned from world to body axes once more than it needs"),
+    "ω reversed": Kind("ω were read with the opposite sign"),
+}
