@@ -86,6 +86,7 @@ def _method(candidate: Candidate) -> dict[str, Any]:
         "reason": candidate.reason,
         "decided_by": candidate.decided_by,
         "largest_stable_timestep": candidate.largest_stable,
+        "finest_useful_timestep": candidate.finest_useful,
     }
 
 
@@ -97,6 +98,7 @@ def _line(candidate: Candidate) -> dict[str, object]:
         "known": candidate.word,
         "decided by": SIGNAL[candidate.decided_by].label,
         "stable to, s": candidate.largest_stable,
+        "finer is worse below, s": candidate.finest_useful,
     }
 
 

@@ -26,6 +26,8 @@ class Candidate:
     word, reason : how that is known, or why it is out of reach, for the deciding bound
     decided_by : the error whose bound needs the smallest timestep, or cannot be reached
     largest_stable : s, the coarsest timestep from which all finer ones ended well
+    finest_useful : s, below which errors of some bound grow, as rounding makes them; None where
+        no run shows that
     timestep : s; None where out of reach
     cost : CPU seconds a simulated second at that timestep
     spread : of the timings of a step, relative
@@ -36,6 +38,7 @@ class Candidate:
     reason: str
     decided_by: str
     largest_stable: float | None
+    finest_useful: float | None = None
     timestep: float | None = None
     cost: float | None = None
     spread: float = 0.0
@@ -78,7 +81,9 @@ def _candidate(scene: SceneRuns, runs: MethodRuns, bounds: ErrorBounds) -> Candi
     curve, reach_there = curves[signal], reached[signal]
     key = Key(scene.name, runs.engine, runs.method)
     stable = curve.stable[0].timestep if curve.stable else None
-    candidate = Candidate(key, reach_there.word, reach_there.reason, signal, stable)
+    useful = [one.least.timestep for one in curves.values() if one.least]
+    finest = max(useful, default=None)
+    candidate = Candidate(key, reach_there.word, reach_there.reason, signal, stable, finest)
     if not timesteps[signal] or curve.seconds_per_step is None:
         return candidate
     spread = next((row.seconds_spread for row in reversed(runs.rows) if row.seconds_spread), 0.0)

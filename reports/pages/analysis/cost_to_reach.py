@@ -166,10 +166,11 @@ def _first_within(curve: Curve, level: float) -> int | None:
     A finer run may exceed it if rounding explains that: then only a coarser one can help.
     """
     errors = [point.error for point in curve.stable]
+    finest = curve.least.timestep if curve.least else 0.0
     exceeding = [
         k
         for k, point in enumerate(curve.stable)
-        if point.error > max(level, curve.floor(point.timestep))
+        if point.error > max(level, curve.floor(point.timestep)) and point.timestep >= finest
     ]
     start = exceeding[-1] + 1 if exceeding else 0
     return next((k for k in range(start, len(errors)) if errors[k] <= level), None)
@@ -198,6 +199,12 @@ def _below_the_ladder(curve: Curve, level: float) -> Reach:
         least = min(curve.stable, key=lambda point: point.error)
         reason = f"errors are at round-off, {least.error:.1e} at the least"
         return Reach(level, "round-off", reason, floor=curve.floor(least.timestep))
+    if best := curve.least:
+        reason = (
+            f"{best.error:.1e} at {best.timestep:.3g} s is the least: shorter timesteps make "
+            "errors grow, as rounding does"
+        )
+        return Reach(level, "round-off", reason, floor=best.error)
     order = curve.observed_order
     if order is None or order < SETTLING_ORDER:
         return Reach(level, "no order", "no run is within it, and the errors show no order")

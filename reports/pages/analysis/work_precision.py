@@ -9,6 +9,7 @@ import math
 from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import pairwise
 
 import numpy as np
 
@@ -84,12 +85,16 @@ class Curve(OfMethod):
 
     @cached_property
     def least(self) -> CurvePoint | None:
-        """The run of the least error, if errors grow below its timestep, as rounding makes them."""
+        """The run of the least error, if errors grow with each shorter timestep of several.
+
+        Rounding makes them grow so. One larger error alone may be chance.
+        """
         if not self.stable:
             return None
         least = min(self.stable, key=lambda point: point.error)
-        finer = [point.error for point in self.stable if point.timestep < least.timestep]
-        return least if max(finer, default=0.0) > GROWN * least.error else None
+        finer = [point.error for point in self.stable if point.timestep <= least.timestep]
+        grows = len(finer) > 2 and all(a < b for a, b in pairwise(finer))
+        return least if grows and finer[-1] > GROWN * least.error else None
 
 
 def curves(scene: SceneRuns, signal: str) -> list[Curve]:

@@ -78,6 +78,25 @@ def test_the_largest_stable_timestep_is_below_the_last_blow_up() -> None:
     assert chosen(after, "Euler", omega=BETWEEN).largest_stable == TIMESTEPS[2]
 
 
+def test_no_timestep_is_recommended_below_which_errors_grow() -> None:
+    """As those of single precision do, far above what one ulp a step comes to."""
+
+    def grows(timestep: float) -> float:
+        return straight(timestep) + 16 * straight(TIMESTEPS[-1]) * TIMESTEPS[-1] / timestep
+
+    stored = with_law(grows)
+    least = min(TIMESTEPS, key=grows)
+    assert least > TIMESTEPS[-1]
+    within, beyond = (
+        chosen(stored, "Euler", omega=bound) for bound in (1.1 * grows(least), 0.5 * grows(least))
+    )
+    assert within.finest_useful == beyond.finest_useful == least
+    assert within.timestep >= least
+    assert (beyond.word, beyond.timestep) == ("round-off", None)
+    assert f"{least:.3g} s is the least" in beyond.reason
+    assert chosen(with_law(straight), "Euler", omega=BELOW).finest_useful is None
+
+
 def test_costs_within_the_spread_of_the_timings_are_called_alike() -> None:
     key = Key(TOP, "e", "m")
     best = Candidate(key, "measured", "", "omega", None, 1e-3, cost=1.0, spread=0.1)
