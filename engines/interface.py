@@ -6,7 +6,7 @@ Rules of growth and deprecation: docs/project/releases.md.
 import warnings
 
 #: Raised by one when something is added; `OLDEST` when something that was deprecated is removed.
-NEWEST = 1
+NEWEST = 2
 #: An adapter that is written for this version or a later one, up to `NEWEST`, can be used.
 OLDEST = 1
 

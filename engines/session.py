@@ -2,11 +2,12 @@
 
 import time
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from types import TracebackType
 from typing import Any, Self
 
 from .checks.read_back import BodyReading, State, stacked
+from .derivative import Derivative
 from .fault import Fault
 from .interface import Adapted
 
@@ -117,6 +118,13 @@ class Session(Adapted, ABC):
         A fault is what `check` would have raised there and `snapshot` does not check.
         """
         return None
+
+    def derivatives(self) -> Mapping[str, Derivative]:
+        """The engine's own derivatives by attitude and ω at the state now, by its names for them.
+
+        Since version 2 of the interface. Empty for an engine without any.
+        """
+        return {}
 
     def __enter__(self) -> Self:
         return self

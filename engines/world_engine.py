@@ -18,7 +18,7 @@ class WorldEngine(Engine):
     session : reads a world
     """
 
-    interface = 1
+    interface = 2
     session: ClassVar[type[WorldSession]]
 
     @property

@@ -13,6 +13,7 @@ from spincheck.engines.checks.read_back import (
     composed,
     start_state,
 )
+from spincheck.engines.derivative import Derivative, along, in_chart, numbers_by_chart
 from spincheck.engines.engine import Engine
 from spincheck.engines.fault import Cause, Fault
 from spincheck.engines.interface import NEWEST, OLDEST
@@ -30,6 +31,7 @@ __all__ = [
     "PLAIN",
     "BodyReading",
     "Cause",
+    "Derivative",
     "Description",
     "Difference",
     "Engine",
@@ -44,6 +46,9 @@ __all__ = [
     "Session",
     "State",
     "UnsupportedError",
+    "along",
     "composed",
+    "in_chart",
+    "numbers_by_chart",
     "start_state",
 ]

@@ -34,7 +34,7 @@ CLEAN = (
 class MJX(Engine):
     """MJX in double precision."""
 
-    interface = 1
+    interface = 2
     name = "mjx"
     package = "mujoco.mjx"
     step_seconds = 10e-6

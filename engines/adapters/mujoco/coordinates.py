@@ -5,8 +5,9 @@ from typing import Any
 
 import mujoco
 import numpy as np
+from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
-from spincheck.engine import BodyReading, FloatArray, Scenario, State, composed
+from spincheck.engine import BodyReading, FloatArray, Scenario, State, UnsupportedError, composed
 
 from ....scenarios.rotation import across, cross, matrices, matrix, turned
 from ...models.hinged import hinged, unhinged
@@ -54,6 +55,19 @@ class Coordinates:
     def restarts_to_the_last_bit(self) -> bool:
         """Unless MuJoCo moves another point of the body than its com."""
         return bool(self._on_pivot or not self._arm_body.any())
+
+    @property
+    def turning(self) -> NDArray[np.intp]:
+        """Which velocities are ω in body axes, (3,).
+
+        Raises
+        ------
+        UnsupportedError
+            If the body is on hinges.
+        """
+        if self._on_hinges:
+            raise UnsupportedError("derivatives are taken of a ball joint, got three hinges")
+        return self._moving + np.arange(TURNING)
 
     def read_body(self) -> BodyReading:
         """The body with those welded to it and its rotors, in its own axes."""

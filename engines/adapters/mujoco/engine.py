@@ -126,7 +126,7 @@ WAYS = {
 class MuJoCo(Engine):
     """MuJoCo's rigid-body dynamics in reduced coordinates."""
 
-    interface = 1
+    interface = 2
     name = "mujoco"
     steps_in = "mj_step"
     # Documentation, XML reference, option/timestep.

@@ -1,14 +1,16 @@
 """A compiled MuJoCo model, stepped and read: from MJCF or URDF."""
 
 import warnings
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from functools import partial
 from typing import Any, final
 
 import mujoco
 import numpy as np
 from spincheck.engine import (
     BodyReading,
+    Derivative,
     EngineError,
     Fault,
     FloatArray,
@@ -31,6 +33,8 @@ READ = int(
 BLOWN_UP = "Nan, Inf or huge value"
 #: The message if the system refuses memory.
 NO_MEMORY = "Could not allocate memory"
+#: What finite differences change coordinates by, as MuJoCo's tutorials do.
+EPSILON = 1e-6
 #: A snapshot: these numbers and the steps taken, as the bytes of an array.
 Snapshot = bytes
 
@@ -174,6 +178,27 @@ class MuJoCoSession(Session):
         clock.hang(self._clock)
         names_acting = acting(self.model, self.data, self._scenario)
         return names_acting | {clock.CLOCK} if clock.is_hung() else names_acting
+
+    def derivatives(self) -> Mapping[str, Derivative]:
+        """Those that `mjd_transitionFD` finds by finite differences of `mj_step`."""
+        return {
+            f"mjd_transitionFD, {way}": Derivative(partial(self._transition, centred), EPSILON)
+            for way, centred in {"forward": False, "centred": True}.items()
+        }
+
+    def _transition(self, centred: bool) -> FloatArray:
+        """A of one step; MuJoCo's tangent of a quaternion is a turn in body axes."""
+        nv = self.model.nv
+        A = np.zeros((2 * nv, 2 * nv))
+        try:
+            mujoco.mjd_transitionFD(
+                self.model, self.data, EPSILON, centred, A, None, None, None
+            )
+        except mujoco.FatalError as error:
+            raise EngineError(f"MuJoCo: {error}", "refused") from None
+        kept = self._coordinates.turning
+        kept = np.concatenate([kept, kept + nv])
+        return A[np.ix_(kept, kept)]
 
     def close(self) -> None:
         """Drop model and data, which MuJoCo frees with the last reference; restore the clock."""

@@ -1,0 +1,1 @@
+"""Are derivatives that engines give those of the motion: docs/how-to/gradients.md."""

@@ -1,0 +1,224 @@
+"""Jacobians that usual mistakes make of the exact one, by their names.
+
+A mistake that leaves a term out is known to first order in the timestep: what it leaves
+unexplained vanishes with the timestep.
+"""
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from itertools import permutations
+
+import numpy as np
+
+from ....engines import State
+from ....engines.checks.equations import Equations
+from ....scenarios import FloatArray, Scenario, push
+from ....scenarios.effects import gravity
+from ....scenarios.rotation import cross, matrix
+from .jacobians import CHANGES, CHART, WEIGHTS, Units, changed, stepped_by_rate
+
+#: Terms of I dω/dt, by the word for them.
+TERMS = ("gravity", "drag and torques", "gyroscopic torque")
+#: Sizes of ε that are tried, rad and rad/s.
+EPSILONS = 10.0 ** np.arange(-5, 0.01, 0.125)
+#: What the derivatives of terms are known to, relative, by differences.
+KNOWN = 1e-6
+
+
+@dataclass(frozen=True, eq=False)
+class Exact:
+    """What is differentiated: K states, J timesteps, the exact Jacobians, (J, K, 6, 6)."""
+
+    scenario: Scenario
+    states: State
+    timesteps: FloatArray
+    jacobians: FloatArray
+    units: Units
+
+
+def candidates(exact: Exact, limits: FloatArray) -> Iterator[tuple[str, FloatArray]]:
+    """Names of mistakes, and the Jacobians that they make, (J, K, 6, 6).
+
+    Parameters
+    ----------
+    limits : what a derivative gains beyond the exact one at vanishing timesteps, (K, 6, 6), 1/s
+    """
+    P = exact.jacobians
+    yield "it is zero: nothing is differentiated", 0 * P
+    yield "it is the identity: the step is detached", 0 * P + np.eye(CHART)
+    yield "it is transposed", np.swapaxes(P, 2, 3)
+    yield "it is the inverse, of a step back", np.linalg.inv(P)
+    half = np.diag(np.repeat([0.5, 1.0], 3))
+    twice = np.linalg.inv(half)
+    words = "the attitude is in numbers of the quaternion, half of the angle, in its"
+    yield f"{words} rows and columns", half @ P @ twice
+    yield f"{words} rows", half @ P
+    yield f"{words} columns", P @ twice
+    yield from _detached(P)
+    yield from _in_world_axes(exact)
+    for order in list(permutations(range(3)))[1:]:
+        kept = [*order, *(3 + axis for axis in order)]
+        axes = "".join("xyz"[axis] for axis in order)
+        yield f"axes are exchanged, {axes} for xyz", P[:, :, kept][..., kept]
+    swapped = [3, 4, 5, 0, 1, 2]
+    yield "ω comes first, and the attitude last", P[:, :, swapped][..., swapped]
+    yield from _changed_rates(exact, limits)
+
+
+def _detached(P: FloatArray) -> Iterator[tuple[str, FloatArray]]:
+    """What is left if rows or columns are zero."""
+    for what, first in {"attitude": 0, "ω": 3}.items():
+        three = slice(first, first + 3)
+        for part in ("rows", "columns"):
+            left = P.copy()
+            left[(..., three, slice(None)) if part == "rows" else (..., three)] = 0.0
+            yield f"the {what} is detached: its {part} are zero", left
+
+
+def _in_world_axes(exact: Exact) -> Iterator[tuple[str, FloatArray]]:
+    """The exact Jacobians with attitude, ω or both along the world's axes.
+
+    With δω_world = R (δω − ω × δθ), or R δω if a derivative is only turned.
+    """
+    states, P = exact.states, exact.jacobians
+    ends = _ends(exact)
+    ways = {
+        "attitude and ω": (True, True, True),
+        "the attitude": (True, False, False),
+        "ω": (False, True, True),
+        "attitude and ω, both only turned,": (True, True, False),
+        "ω, only turned,": (False, True, False),
+    }
+    for what, (turn, spin, carried) in ways.items():
+        made = np.empty_like(P)
+        for j, k in np.ndindex(P.shape[:2]):
+            after = _to_world(*ends[j][k], turn, spin, carried)
+            before = _to_world(
+                states.q_world_body_wxyz[k], states.omega_body[k], turn, spin, carried
+            )
+            made[j, k] = after @ P[j, k] @ np.linalg.inv(before)
+        yield f"{what} {'is' if what.startswith(('the', 'ω')) else 'are'} in world axes", made
+
+
+def _ends(exact: Exact) -> list[list[tuple[FloatArray, FloatArray]]]:
+    """Attitude and ω after each timestep from each state."""
+    from ..measuring.steps import flowed
+
+    count = len(exact.states.omega_body)
+    rows = np.tile(np.arange(count), len(exact.timesteps))
+    flown = flowed(exact.scenario, exact.states.rows(rows), np.repeat(exact.timesteps, count))
+    pairs = list(zip(flown.q_world_body_wxyz, flown.omega_body, strict=True))
+    return [pairs[j : j + count] for j in range(0, len(pairs), count)]
+
+
+def _to_world(
+    q: FloatArray, omega: FloatArray, turn: bool, spin: bool, carried: bool
+) -> FloatArray:
+    """Takes the chart in body axes to one with either vector along the world's axes, (6, 6)."""
+    R, made = matrix(q), np.eye(CHART)
+    if turn:
+        made[:3, :3] = R
+    if spin:
+        made[3:, 3:] = R
+    if carried:
+        made[3:, :3] = -R @ np.cross(omega, np.eye(3)).T
+    return made
+
+
+def _changed_rates(exact: Exact, limits: FloatArray) -> Iterator[tuple[str, FloatArray]]:
+    """The exact Jacobians with another derivative of dx/dt."""
+    states, scenario, units = exact.states, exact.scenario, exact.units
+    rates = [_Rates(Equations(scenario), states.rows(k), units) for k in range(len(limits))]
+    h = exact.timesteps[:, None, None, None]
+
+    def by(change: Callable[["_Rates"], FloatArray]) -> FloatArray:
+        return exact.jacobians + h * np.array([change(one) for one in rates])
+
+    for name in TERMS:
+        yield f"the {name} is not differentiated", by(lambda s, name=name: s.without(name))
+    for name in ("ω", "I ω"):
+        words = f"of the gyroscopic torque ω × I ω the factor {name} is not differentiated"
+        yield words, by(lambda s, name=name: s.without(name))
+    turn = "the attitude's derivative lacks"
+    yield f"{turn} the turn of the body's axes, ω × δθ", by(lambda s: s.without_turn(0))
+    yield f"{turn} δω", by(lambda s: s.without_turn(3))
+    for words, two_sided in {"forward": False, "central": True}.items():
+
+        def off(epsilon: float, two_sided: bool = two_sided) -> FloatArray:
+            return np.array([s.secant(epsilon, two_sided) for s in rates])
+
+        sizes = [np.linalg.norm(limits - off(epsilon)) for epsilon in EPSILONS]
+        least = int(np.argmin(sizes))
+        epsilon = _refined(lambda e: float(np.linalg.norm(limits - off(e))), EPSILONS[least])
+        made = exact.jacobians + h * off(epsilon)
+        yield f"ε of {words} differences is too large, about {epsilon:.2g}", made
+
+
+def _refined(size: Callable[[float], float], epsilon: float) -> float:
+    """The ε near one at which a size is least."""
+    from scipy.optimize import minimize_scalar
+
+    found = minimize_scalar(
+        lambda power: size(10.0**power),
+        bounds=(np.log10(epsilon) - 0.2, np.log10(epsilon) + 0.2),
+        method="bounded",
+        options={"xatol": 1e-9},
+    )
+    return float(10.0**found.x)
+
+
+class _Rates:
+    """dω/dt about one state, term by term, and its derivatives, (3, 6), by differences."""
+
+    def __init__(self, equations: Equations, state: State, units: Units) -> None:
+        self.equations, self.state, self.units = equations, state, units
+        self.exact = self._derivative("")
+
+    def without(self, name: str) -> FloatArray:
+        """What a derivative of dx/dt lacks without that of a term, (6, 6)."""
+        return self._whole(self._derivative(name) - self.exact)
+
+    def without_turn(self, first: int) -> FloatArray:
+        """The same without a part of δθ' = δω − ω × δθ."""
+        kept = stepped_by_rate(np.zeros((3, CHART)), self.state.omega_body, 1.0) - np.eye(CHART)
+        lacking = np.zeros((CHART, CHART))
+        lacking[:, first : first + 3] = -kept[:, first : first + 3]
+        return lacking
+
+    def secant(self, epsilon: float, two_sided: bool) -> FloatArray:
+        """What differences with ε make of the derivative of dω/dt beyond it, (6, 6)."""
+        ahead, behind = (self._rates(step * np.eye(CHART)) for step in (epsilon, -epsilon))
+        if two_sided:
+            slope = (ahead - behind) / (2 * epsilon)
+        else:
+            slope = (ahead - self._rates(np.zeros((1, CHART)))) / epsilon
+        return self._whole(slope.T - self.exact)
+
+    def _whole(self, rate: FloatArray) -> FloatArray:
+        return np.vstack([np.zeros((3, CHART)), rate])
+
+    def _derivative(self, frozen: str) -> FloatArray:
+        sizes = self.units.change * self.units.each
+        rates = [self._rates(step * np.diag(sizes), frozen) for step in CHANGES]
+        return np.tensordot(WEIGHTS, np.array(rates), axes=1).T / sizes
+
+    def _rates(self, offsets: FloatArray, frozen: str = "") -> FloatArray:
+        """dω/dt of states that are off by so much, (n, 3), one term as at the state itself."""
+        equations, scenario = self.equations, self.equations.scenario
+        there = changed(scenario, self.state, offsets)
+        kept = equations.kept_body(self.state)
+        R0, omega0 = matrix(self.state.q_world_body_wxyz), self.state.omega_body
+        rows = []
+        for q, omega in zip(there.q_world_body_wxyz, there.omega_body, strict=True):
+            R = matrix(q)
+            at = {name: (R0, omega0) if name == frozen else (R, omega) for name in TERMS}
+            torque = gravity.torque_body(scenario, at["gravity"][0])
+            Rp, op = at["drag and torques"]
+            torque = torque + push(scenario.pushed, Rp, Rp @ op) @ Rp
+            spin = omega0 if frozen in ("ω", "gyroscopic torque") else omega
+            held = omega0 if frozen in ("I ω", "gyroscopic torque") else omega
+            torque = torque - cross(spin, equations.inertia @ held + kept)
+            if scenario.answer is not None:
+                torque, _ = scenario.answer(scenario, R[2], omega, torque, scenario.gravity_world)
+            rows.append(equations.inverse @ torque)
+        return np.array(rows)

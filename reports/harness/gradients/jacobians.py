@@ -1,0 +1,140 @@
+"""Jacobians of single steps by attitude and ω: the exact motion's, and an engine's steps'.
+
+Rows and columns: attitude (3, rad), ω (3, rad/s), body axes: docs/explanation/sensitivities.md.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from ....engines import Engine, State
+from ....reference import sensitivity, solve_cheaply
+from ....scenarios import FloatArray, Scenario
+from ....scenarios.rotation import cross, matrices, rotation_vectors, times, turned
+from ....scenarios.scenario import started_at
+from ..measuring.steps import Sessions
+
+#: Changes that a central difference of fourth order is taken with, and the weights of what they
+#: make (Fornberg, Math. Comp. 51 (1988) 699, table 1).
+CHANGES, WEIGHTS = np.array([-2.0, -1.0, 1.0, 2.0]), np.array([1.0, -8.0, 8.0, -1.0]) / 12
+#: Numbers of a state in the chart, of which the first three are the attitude's.
+CHART = 6
+
+
+@dataclass(frozen=True)
+class Units:
+    """What a change of each number of the chart is measured in.
+
+    Attributes
+    ----------
+    rate : rad/s, of ω; of the attitude it is 1 rad
+    ulp : of the numbers of an engine's state, relative
+    """
+
+    rate: float
+    ulp: float
+
+    @property
+    def each(self) -> FloatArray:
+        """Of each number, (6,)."""
+        return np.repeat([1.0, self.rate], 3)
+
+    @property
+    def change(self) -> float:
+        """That differences of fourth order are taken with: rounding and what they omit are alike."""
+        return float(self.ulp**0.2)
+
+    def of(self, jacobians: FloatArray) -> FloatArray:
+        """Jacobians, (..., 6, 6), in these units."""
+        return np.asarray(jacobians / self.each[:, None] * self.each)
+
+
+def units_of(engine: Engine, rate: float) -> Units:
+    """The units of an engine and a motion whose fastest rate is given, rad/s."""
+    return Units(rate, engine.ulp)
+
+
+def exact_jacobians(scenario: Scenario, states: State, timesteps: FloatArray) -> FloatArray:
+    """Those of the exact motion from K states over J timesteps, (J, K, 6, 6)."""
+    ascending = np.sort(timesteps)
+    found = []
+    for k in range(len(states.omega_body)):
+        scene = started_at(scenario, **vars(states.rows(k)))
+        (solution,) = solve_cheaply(scene, [ascending])
+        found.append(sensitivity(scene, solution.trajectory).state_transition[:, :, :CHART])
+    return np.stack(found, axis=1)[::-1]
+
+
+def own_jacobian(sessions: Sessions, state: State, timestep: float, units: Units) -> FloatArray:
+    """That of an engine's own step, by central differences of it, (6, 6)."""
+
+    def stepped(states: State) -> State:
+        ended = []
+        for k in range(len(states.omega_body)):
+            with sessions.at(states.rows(k), timestep) as session:
+                session.advance(1)
+                ended.append(session.snapshot())
+        return sessions.first.states(ended)
+
+    return differentiated(stepped, sessions.scenario, state, units)
+
+
+def differentiated(
+    map_states: Callable[[State], State], scenario: Scenario, state: State, units: Units
+) -> FloatArray:
+    """The Jacobian of a map of states at one state, by central differences, (6, 6)."""
+    offsets = (CHANGES[:, None, None] * np.diag(units.change * units.each)).reshape(-1, CHART)
+    ended = map_states(changed(scenario, state, np.vstack([np.zeros(CHART), offsets])))
+    q = ended.q_world_body_wxyz
+    turns = rotation_vectors(np.broadcast_to(q[0], q[1:].shape), q[1:])
+    ends = np.hstack([turns, ended.omega_body[1:] - ended.omega_body[0]])
+    summed = np.tensordot(WEIGHTS, ends.reshape(len(CHANGES), CHART, CHART), axes=1)
+    return np.asarray(summed.T / (units.change * units.each))
+
+
+def changed(scenario: Scenario, state: State, offsets: FloatArray) -> State:
+    """States that are off one by so much in attitude and ω, (n, 6), as what holds the body has it.
+
+    Of a body that is free com and velocity stay.
+    """
+    half = np.linalg.norm(offsets[:, :3], axis=1, keepdims=True) / 2
+    turn = np.hstack([np.cos(half), np.sinc(half / np.pi) * offsets[:, :3] / 2])
+    q = np.array([state.q_world_body_wxyz @ times(one) for one in turn])
+    q /= np.linalg.norm(q, axis=1, keepdims=True)
+    constraint, R_world_body = scenario.constraint, matrices(q)
+    omega_body = state.omega_body + offsets[:, 3:]
+    swing_world = turned(R_world_body, cross(omega_body, np.array(constraint.lever)))
+    count = len(offsets)
+    com, velocity, spins = (
+        np.tile(column, (count, 1)) for column in (state.com_world, state.velocity_world, state.spins)
+    )
+    return State(
+        q,
+        omega_body,
+        constraint.com_world(R_world_body @ constraint.lever, com),
+        constraint.velocity_world(swing_world, velocity),
+        spins,
+    )
+
+
+def own_jacobians(
+    sessions: Sessions, states: State, timesteps: FloatArray, units: Units
+) -> FloatArray:
+    """Those of an engine's own steps from K states with J timesteps, (J, K, 6, 6)."""
+    return np.array(
+        [
+            [own_jacobian(sessions, states.rows(k), float(h), units) for k in range(len(states.omega_body))]
+            for h in timesteps
+        ]
+    )
+
+
+def stepped_by_rate(rate: FloatArray, omega_body: FloatArray, timestep: float) -> FloatArray:
+    """The Jacobian of an explicit Euler step, (6, 6), from that of dω/dt, (3, 6).
+
+    The turn obeys δθ' = δω − ω × δθ.
+    """
+    x, y, z = omega_body
+    spin = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+    return np.eye(CHART) + timestep * np.vstack([np.hstack([-spin, np.eye(3)]), rate])

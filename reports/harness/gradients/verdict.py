@@ -1,0 +1,118 @@
+"""The verdict on a derivative: what it gains beyond the exact one, by the model of steps.
+
+A step's Jacobian minus the exact motion's, over the timestep, is a series that vanishes with it
+where the derivative is consistent (`measuring/gain_series.py`).
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ....scenarios import FloatArray
+from ...results.evidence import CONSISTENT, LEVEL
+from ..measuring.gain_series import GainSeries, fitted
+from ..measuring.noise import ULPS
+from .candidates import KNOWN, Exact, candidates
+from .jacobians import CHART, Units
+
+#: Halves of the rows, each judged by itself: attitude and ω.
+HALVES = 2
+#: Standard deviations within which a derivative is that of the engine's own step.
+SURE = 8.0
+
+
+@dataclass(frozen=True)
+class Judged:
+    """What was found of a derivative.
+
+    Attributes
+    ----------
+    verdict : converges, disagrees or unresolved
+    reason : in words
+    order : of the series of what it gains
+    limit : what it gains at vanishing timesteps, or is off at the shortest, in units of the rate
+    known_to : that the limit is known to, likewise
+    off_own : distance from differences of the engine's own steps, relative; None if it is a
+        derivative of no step, or these differences themselves
+    is_own : whether that is no more than rounding and ε make; None likewise
+    """
+
+    verdict: str
+    reason: str = ""
+    order: int = 0
+    limit: float = 0.0
+    known_to: float = 0.0
+    off_own: float | None = None
+    is_own: bool | None = None
+
+
+def noise_of(units: Units, timesteps: FloatArray, condition: float, epsilon: float) -> FloatArray:
+    """The standard deviation of what a derivative gains, in units, 1/s, (J, 6) by columns.
+
+    Parameters
+    ----------
+    condition : that rounding of the moments grows by
+    epsilon : of finite differences, rad and rad/s; 0 of exact derivatives. What they omit grows
+        with it, and is a fault beyond the cube root of an ulp, where central ones are best
+    """
+    rounding, each = ULPS * units.ulp, units.each
+    of_state = rounding * (each / epsilon if epsilon else np.ones(CHART))
+    omitted = ULPS * units.rate * np.minimum(epsilon / each, units.ulp ** (1 / 3))
+    of_body = rounding * condition * units.rate
+    return np.asarray(of_state / timesteps[:, None] + omitted + of_body)
+
+
+def judged(exact: Exact, found: FloatArray, noise: FloatArray) -> Judged:
+    """Judge Jacobians of steps, (J, K, 6, 6), whose noise by columns is known, (J, 6)."""
+    units, timesteps = exact.units, exact.timesteps
+    if not np.isfinite(found).all():
+        return Judged("disagrees", "it is not finite")
+    series = _series(exact, found - exact.jacobians, noise)
+    tail = min(1.0, HALVES * min(one.tail for one in series))
+    limits = np.linalg.norm(_joined(series), axis=(1, 2)) / units.rate
+    known_to = max(float(one.known_to.max()) for one in series) / units.rate
+    one = Judged(
+        "converges", "", min(one.order for one in series), float(limits.max()), known_to
+    )
+    if tail < LEVEL:
+        rough = np.hypot(noise, KNOWN * units.rate)
+        per_rate = _joined(series) * units.each[:, None] / units.each
+        for name, made in candidates(exact, per_rate):
+            left = _series(exact, found - made, rough)
+            if min(1.0, HALVES * min(part.tail for part in left)) >= LEVEL:
+                return replace(one, verdict="disagrees", reason=name)
+        off = np.abs(units.of(found - exact.jacobians))[-1].max() / (units.rate * timesteps[-1])
+        return replace(one, verdict="disagrees", reason=f"off by {off:.2g}, by no known mistake")
+    if known_to > CONSISTENT:
+        return replace(one, verdict="unresolved", reason=f"known to {known_to:.1g} only")
+    return one
+
+
+def beside_own(
+    one: Judged, units: Units, found: FloatArray, own: FloatArray, noise: FloatArray, h: FloatArray
+) -> Judged:
+    """The same with how far Jacobians are from those of the engine's own steps."""
+    apart = np.abs(units.of(found - own))
+    size = np.abs(units.of(own) - np.eye(CHART)).max()
+    of_differences = ULPS * units.ulp / units.change
+    most = SURE * (noise * h[:, None] + of_differences)[:, None, None, :]
+    return replace(one, off_own=float(apart[0].max() / size), is_own=bool((apart <= most).all()))
+
+
+def _series(exact: Exact, off: FloatArray, noise: FloatArray) -> list[GainSeries]:
+    """The series of rows of attitude and of ω: each column of each state is a vector of three."""
+    J, K = off.shape[:2]
+    gains = exact.units.of(off) / exact.timesteps[:, None, None, None]
+    columns = np.swapaxes(gains, 2, 3).reshape(J, K * CHART, CHART)
+    each = np.tile(noise, (1, K))
+    # Columns of differences share a step, so that they are not judged together.
+    return [
+        fitted(exact.timesteps, half, each, LEVEL / HALVES, may_split=False, is_pooled=False)
+        for half in np.split(columns, HALVES, axis=2)
+    ]
+
+
+def _joined(series: list[GainSeries]) -> FloatArray:
+    """The limits of all columns as Jacobians, (K, 6, 6)."""
+    rows = np.concatenate([one.limit for one in series], axis=1)
+    return np.swapaxes(rows.reshape(-1, CHART, CHART), 1, 2)
