@@ -7,6 +7,7 @@ unexplained vanishes with the timestep.
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from itertools import permutations
+from typing import Any
 
 import numpy as np
 
@@ -202,6 +203,20 @@ class _Rates:
         rates = [self._rates(step * np.diag(sizes), frozen) for step in CHANGES]
         return np.tensordot(WEIGHTS, np.array(rates), axes=1).T / sizes
 
+    def _held(
+        self, R: FloatArray, omega: FloatArray, torque: FloatArray, weighed: Any
+    ) -> FloatArray:
+        """The torque with that of the table, whose part by gravity is that of another state."""
+        scenario, none = self.equations.scenario, np.zeros(3)
+        answer = scenario.answer
+        assert answer is not None  # noqa: S101
+        by_weight = [
+            answer(scenario, weighed[0][2], weighed[1], none, g)[0]
+            for g in (scenario.gravity_world, none)
+        ]
+        held = answer(scenario, R[2], omega, torque, none)[0]
+        return np.asarray(held + by_weight[0] - by_weight[1])
+
     def _rates(self, offsets: FloatArray, frozen: str = "") -> FloatArray:
         """dω/dt of states that are off by so much, (n, 3), one term as at the state itself."""
         equations, scenario = self.equations, self.equations.scenario
@@ -219,6 +234,6 @@ class _Rates:
             held = omega0 if frozen in ("I ω", "gyroscopic torque") else omega
             torque = torque - cross(spin, equations.inertia @ held + kept)
             if scenario.answer is not None:
-                torque, _ = scenario.answer(scenario, R[2], omega, torque, scenario.gravity_world)
+                torque = self._held(R, omega, torque, at["gravity"])
             rows.append(equations.inverse @ torque)
         return np.array(rows)

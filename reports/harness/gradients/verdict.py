@@ -78,6 +78,8 @@ def judged(exact: Exact, found: FloatArray, noise: FloatArray) -> Judged:
         rough = np.hypot(noise, KNOWN * units.rate)
         per_rate = _joined(series) * units.each[:, None] / units.each
         for name, made in candidates(exact, per_rate):
+            if np.abs(_gains(exact, made - exact.jacobians)).max() < SURE * KNOWN * units.rate:
+                continue
             left = _series(exact, found - made, rough)
             if min(1.0, HALVES * min(part.tail for part in left)) >= LEVEL:
                 return replace(one, verdict="disagrees", reason=name)
@@ -102,14 +104,17 @@ def beside_own(
 def _series(exact: Exact, off: FloatArray, noise: FloatArray) -> list[GainSeries]:
     """The series of rows of attitude and of ω: each column of each state is a vector of three."""
     J, K = off.shape[:2]
-    gains = exact.units.of(off) / exact.timesteps[:, None, None, None]
-    columns = np.swapaxes(gains, 2, 3).reshape(J, K * CHART, CHART)
+    columns = np.swapaxes(_gains(exact, off), 2, 3).reshape(J, K * CHART, CHART)
     each = np.tile(noise, (1, K))
     # Columns of differences share a step, so that they are not judged together.
     return [
         fitted(exact.timesteps, half, each, LEVEL / HALVES, may_split=False, is_pooled=False)
         for half in np.split(columns, HALVES, axis=2)
     ]
+
+
+def _gains(exact: Exact, off: FloatArray) -> FloatArray:
+    return np.asarray(exact.units.of(off) / exact.timesteps[:, None, None, None])
 
 
 def _joined(series: list[GainSeries]) -> FloatArray:
