@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 import pydrake.all as drake
-from spincheck.engine import FloatArray, numbers_by_chart
+from spincheck.engine import FloatArray, UnsupportedError, numbers_by_chart
 
 from ...world_parts import matrix
 
@@ -17,15 +17,19 @@ def differentiated(world: Any) -> tuple[FloatArray, FloatArray]:
 
     Raises
     ------
-    RuntimeError, TypeError
+    UnsupportedError
+        If there are torques besides, which are given from outside.
+    RuntimeError
         If Drake cannot differentiate the plant.
     """
     if world.plant.get_applied_spatial_force_input_port().HasValue(world.context):
-        raise TypeError("its caller's torques, of Python, have no AutoDiff")
+        raise UnsupportedError("the torques are its caller's, which AutoDiff does not see")
     motion = world.motion()
     q, omega_world = motion[:4], motion[4:7]
-    start = np.concatenate([q, matrix(q).T @ omega_world])
-    numbers = drake.InitializeAutoDiff(start, gradient=numbers_by_chart(q)).ravel()
+    # Its stubs take arrays of no shape.
+    start: Any = np.concatenate([q, matrix(q).T @ omega_world])
+    by_chart: Any = numbers_by_chart(q)
+    numbers = drake.InitializeAutoDiff(start, gradient=by_chart).ravel()
     plant = world.plant.ToAutoDiffXd()
     context = plant.CreateDefaultContext()
     context.SetTimeStateAndParametersFrom(world.context)

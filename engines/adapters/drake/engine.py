@@ -102,7 +102,7 @@ class DrakeSession(WorldSession):
     def _derivative(self) -> FloatArray:
         try:
             q, numbers = differentiated(self.world)
-        except (RuntimeError, TypeError) as error:
+        except RuntimeError as error:
             words = " ".join(str(error).split())
             raise EngineError(f"Drake: {words}", "refused") from None
         derivative = in_chart(q, numbers) if self.world.is_discrete else numbers

@@ -3,9 +3,12 @@
 from functools import cache
 from typing import Any
 
+import jax
+import jax.numpy as jnp
 import numpy as np
+from mujoco import mjx
 
-from .world import in_precision, jax, jnp, mjx
+from .world import in_precision
 
 
 @cache

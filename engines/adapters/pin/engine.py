@@ -56,9 +56,8 @@ class PinocchioSession(WorldSession):
         """∂ddq/∂q and ∂ddq/∂v; its tangent of a joint that turns is a turn in body axes."""
         world = self.world
         if world.is_pushed:
-            raise UnsupportedError(
-                "the torques are its caller's, whose derivatives computeABADerivatives has not"
-            )
+            words = "the torques are its caller's, which computeABADerivatives does not see"
+            raise UnsupportedError(words)
         rates = self.module.pinocchio.computeABADerivatives(
             world.model, world.data, world.q, world.v, np.zeros(world.model.nv)
         )
