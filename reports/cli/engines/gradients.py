@@ -58,14 +58,13 @@ def exit_code(rows: Sequence[GradientRow]) -> int:
 
 
 def _found(row: GradientRow) -> dict[str, object]:
-    is_judged = row.verdict in ("converges", "disagrees", "unresolved")
     return {
         "scene": row.scene,
         "engine": row.engine,
         "method": row.method,
         "derivative": row.derivative,
         "verdict": row.verdict,
-        "order": row.order if is_judged else "",
+        "order": row.order or "",
         "off its own step": "" if row.off_own is None else f"{row.off_own:.1e}",
         "cost, steps": "" if row.cost is None else f"{row.cost:.0f}",
         "s": f"{row.seconds:.1f}",

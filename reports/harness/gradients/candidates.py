@@ -198,7 +198,7 @@ class _Rates:
         rates = [self._rates(step * np.diag(sizes), frozen) for step in CHANGES]
         return np.tensordot(WEIGHTS, np.array(rates), axes=1).T / sizes
 
-    def _held(
+    def _with_table(
         self,
         R: FloatArray,
         omega: FloatArray,
@@ -213,8 +213,8 @@ class _Rates:
             answer(scenario, weighed[0][2], weighed[1], none, g)[0]
             for g in (scenario.gravity_world, none)
         ]
-        held = answer(scenario, R[2], omega, torque, none)[0]
-        return np.asarray(held + by_weight[0] - by_weight[1])
+        otherwise = answer(scenario, R[2], omega, torque, none)[0]
+        return np.asarray(otherwise + by_weight[0] - by_weight[1])
 
     def _rates(self, offsets: FloatArray, frozen: str = "") -> FloatArray:
         """dω/dt of states that are off by so much, (n, 3), one term as at the state itself."""
@@ -230,9 +230,9 @@ class _Rates:
             Rp, op = at["drag and torques"]
             torque = torque + push(scenario.pushed, Rp, Rp @ op) @ Rp
             spin = omega0 if frozen in ("ω", "gyroscopic torque") else omega
-            held = omega0 if frozen in ("I ω", "gyroscopic torque") else omega
-            torque = torque - cross(spin, equations.inertia @ held + kept)
+            omega_of_L = omega0 if frozen in ("I ω", "gyroscopic torque") else omega
+            torque = torque - cross(spin, equations.inertia @ omega_of_L + kept)
             if scenario.answer is not None:
-                torque = self._held(R, omega, torque, at["gravity"])
+                torque = self._with_table(R, omega, torque, at["gravity"])
             rows.append(equations.inverse @ torque)
         return np.array(rows)

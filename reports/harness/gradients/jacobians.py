@@ -37,7 +37,7 @@ class Units:
 
     @property
     def each(self) -> FloatArray:
-        """Of each number, (6,)."""
+        """The unit of each number, (6,)."""
         return np.repeat([1.0, self.rate], 3)
 
     @property

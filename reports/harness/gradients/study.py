@@ -11,6 +11,7 @@ from ....engines.checks.equations import Equations
 from ....reference import ExactMotion
 from ....scenarios import FloatArray, Scenario
 from ....scenarios.fastest_rate import fastest_rate
+from ...results.verdict_words import VerdictWord
 from ..executors import CallFailed, Executor
 from ..measuring.examine import gives_way
 from ..measuring.places import Places, places
@@ -67,7 +68,7 @@ class GradientRow:
     engine: str
     method: str
     derivative: str
-    verdict: str
+    verdict: VerdictWord
     reason: str = ""
     order: int = 0
     limit: float = 0.0
@@ -104,7 +105,7 @@ def gradients_of(
     """
     method, began = engine.method(method_name), time.perf_counter()
 
-    def ended(verdict: str, reason: str) -> list[GradientRow]:
+    def ended(verdict: VerdictWord, reason: str) -> list[GradientRow]:
         seconds = time.perf_counter() - began
         made = GradientRow(scenario.name, engine.name, method_name, OURS, verdict, reason)
         return [replace(made, seconds=seconds)]

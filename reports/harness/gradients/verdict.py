@@ -10,6 +10,7 @@ import numpy as np
 
 from ....scenarios import FloatArray
 from ...results.evidence import CONSISTENT, LEVEL
+from ...results.verdict_words import VerdictWord
 from ..measuring.gain_series import GainSeries, fitted
 from ..measuring.noise import ULPS
 from .candidates import KNOWN, Exact, candidates
@@ -37,7 +38,7 @@ class Judged:
     is_own : whether that is no more than rounding and ε make; None likewise
     """
 
-    verdict: str
+    verdict: VerdictWord
     reason: str = ""
     order: int = 0
     limit: float = 0.0
