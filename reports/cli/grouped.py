@@ -19,7 +19,7 @@ GROUPS = {
     "Look at results": ["rows", "tidy"],
     "Scenes": ["list", "show", "new", "check", "reference", "export"],
     "Robot models": ["inspect", "import"],
-    "Engines": ["engines", "conform"],
+    "Engines": ["engines", "gradients", "conform"],
 }
 _OTHERS = "Others"
 

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
+    from spincheck.reports.harness.gradients.study import GradientRow
     from spincheck.reports.harness.recorded.judged import JudgedMotion
     from spincheck.reports.results.records import Row
     from spincheck.reports.results.verdicts import Verdict
@@ -22,7 +23,7 @@ if TYPE_CHECKING:
     #: A scene's name in the library, the path of its file, its tables, or the scene itself.
     Scene = str | Path | Mapping[str, Any] | Scenario
 
-__all__ = ["exact", "judge", "judge_timesteps", "load", "results", "run"]
+__all__ = ["exact", "gradients", "judge", "judge_timesteps", "load", "results", "run"]
 
 
 def load(scene: "Scene", name: str = "scene") -> "Scenario":
@@ -70,6 +71,36 @@ def exact(scene: "Scene") -> "ExactMotion":
     scenario = load(scene)
     _compile_first()
     return ExactMotion(scenario)
+
+
+def gradients(
+    scene: "Scene", *, engine: str, method: str, timestep: float | None = None
+) -> "list[GradientRow]":
+    """Compare an engine's derivatives of its steps with those of the exact motion.
+
+    It is done in a process of its own.
+
+    Parameters
+    ----------
+    timestep : s, of the steps of the window; chosen by the motion's fastest rate if None
+
+    Returns
+    -------
+    One row for each derivative that the engine gives, with its verdict, and one for central
+    differences of its steps.
+
+    Raises
+    ------
+    ValueError
+        If there is no such engine or method, or the timestep is not above 0.
+    spincheck.scenarios.ScenarioError
+        As `load`.
+    """
+    from .single_run import judged_gradients
+
+    scenario = load(scene)
+    _compile_first()
+    return judged_gradients(scenario, engine, method, timestep)
 
 
 def judge(

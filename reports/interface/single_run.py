@@ -1,4 +1,4 @@
-"""One run, for scripts."""
+"""One run, or the derivatives of one method, for scripts."""
 
 import atexit
 import os
@@ -6,9 +6,10 @@ from functools import cache
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from spincheck.engines import engines, missing
+from spincheck.engines import Engine, engines, missing
 from spincheck.reports.harness.choice import Choice
 from spincheck.reports.harness.executors import LocalWorkers
+from spincheck.reports.harness.gradients.study import GradientRow, gradients_by
 from spincheck.reports.harness.plan import plan
 from spincheck.reports.harness.study import run_study
 from spincheck.reports.results.records import Row
@@ -24,6 +25,50 @@ def single_run(scenario: Scenario, engine: str, method: str, timestep: float) ->
     ValueError
         If there is no such engine or method, or the timestep does not fit the window.
     """
+    chosen = _engine_of(engine, method)
+    if not 0 < timestep <= scenario.window.duration:
+        longest = scenario.window.duration
+        raise ValueError(f"'timestep' must be above 0 and at most {longest:g} s, got {timestep}.")
+    choice = Choice((chosen,), (method,), (timestep,), timed=False)
+    executor = _workers(os.getpid())
+    with (
+        TemporaryDirectory() as folder,
+        open_store(Path(folder) / "run.sqlite", create=True) as store,
+    ):
+        try:
+            run_study(plan([scenario], choice, store), choice, store, executor, lambda _: None)
+        except BaseException:  # an interrupt leaves a call under way
+            executor.close()
+            _workers.cache_clear()
+            raise
+        rows = store.read(choice.timesteps).rows
+    return next(row for row in rows if row.timestep in (timestep, 0.0))
+
+
+def judged_gradients(
+    scenario: Scenario, engine: str, method: str, timestep: float | None
+) -> list[GradientRow]:
+    """Judge the derivatives of one method, in the same worker process.
+
+    Raises
+    ------
+    ValueError
+        If there is no such engine or method, or the timestep is not above 0.
+    """
+    if timestep is not None and not 0 < timestep < float("inf"):
+        raise ValueError(f"'timestep' must be above 0, got {timestep}.")
+    chosen = _engine_of(engine, method)
+    return gradients_by(_workers(os.getpid()), scenario, chosen, method, timestep)
+
+
+def _engine_of(engine: str, method: str) -> Engine:
+    """The engine of that name, which has the method.
+
+    Raises
+    ------
+    ValueError
+        If there is no such engine or method.
+    """
     known = engines()
     if engine not in known:
         why = next((f" ({m.reason})" for m in missing() if m.name == engine), "")
@@ -31,28 +76,12 @@ def single_run(scenario: Scenario, engine: str, method: str, timestep: float) ->
     methods = [one.name for one in known[engine].methods]
     if method not in methods:
         raise ValueError(f"'method' must be one of {', '.join(methods)}, got '{method}'.")
-    if not 0 < timestep <= scenario.window.duration:
-        longest = scenario.window.duration
-        raise ValueError(f"'timestep' must be above 0 and at most {longest:g} s, got {timestep}.")
-    choice = Choice((known[engine],), (method,), (timestep,), timed=False)
-    workers = _workers(os.getpid())
-    with (
-        TemporaryDirectory() as folder,
-        open_store(Path(folder) / "run.sqlite", create=True) as store,
-    ):
-        try:
-            run_study(plan([scenario], choice, store), choice, store, workers, lambda _: None)
-        except BaseException:  # an interrupt leaves a call under way
-            workers.close()
-            _workers.cache_clear()
-            raise
-        rows = store.read(choice.timesteps).rows
-    return next(row for row in rows if row.timestep in (timestep, 0.0))
+    return known[engine]
 
 
 @cache
 def _workers(_process: int) -> LocalWorkers:
     """The worker of this process: starting one takes longer than most runs."""
-    workers = LocalWorkers(1)
-    atexit.register(workers.close)
-    return workers
+    executor = LocalWorkers(1)
+    atexit.register(executor.close)
+    return executor

@@ -258,19 +258,19 @@ def test_a_package_that_raises_on_import_costs_only_its_own_engine(
         (
             "    interface = 1\n",
             "",
-            "toy cannot be used: 'interface' must be 1, got None: state the version that it is "
-            "written for.",
+            "toy cannot be used: 'interface' must be 1 to 2, got None: state the version that it "
+            "is written for.",
         ),
         (
             "interface = 1",
-            "interface = 2",
-            "toy cannot be used: 'interface' must be 1, got 2: it needs a newer spincheck.",
+            "interface = 3",
+            "toy cannot be used: 'interface' must be 1 to 2, got 3: it needs a newer spincheck.",
         ),
         (
             "import BodyReading",
             "import Batch, BodyReading",
             "another_engine cannot be used: importing it failed: cannot import name 'Batch' from "
-            "'spincheck.engine': this spincheck has its version 1.",
+            "'spincheck.engine': this spincheck has its version 2.",
         ),
     ],
     ids=["states nothing", "too new", "needs what is newer"],

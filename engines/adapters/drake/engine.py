@@ -3,15 +3,24 @@
 What it does to a top by default, and how each effect was measured: docs/measured/engines-more.md.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import Any, final
 
 import numpy as np
-from spincheck.engine import COMMON_EFFECTS, EngineError, FloatArray, Method
+from spincheck.engine import (
+    COMMON_EFFECTS,
+    Derivative,
+    EngineError,
+    FloatArray,
+    Method,
+    along,
+    in_chart,
+)
 
 from ...scene_record import HeldRotor, WorldBody
 from ...world_engine import WorldEngine
 from ...world_session import WorldSession
+from .autodiff import differentiated
 
 #: A table is two slides under a ball joint, a rotor's hinge is a revolute joint.
 EFFECTS = COMMON_EFFECTS | {"rotors", "table"}
@@ -84,6 +93,20 @@ class DrakeSession(WorldSession):
             words = " ".join(str(error).split())
             singular = "singularity" in words
             raise EngineError(f"Drake: {words}", "warning" if singular else "refused") from None
+
+    def derivatives(self) -> Mapping[str, Derivative]:
+        """Those by `AutoDiffXd`: of the discrete update, or of dω/dt."""
+        what = "the discrete update" if self.world.is_discrete else "dω/dt"
+        return {f"AutoDiff of {what}": Derivative(self._derivative)}
+
+    def _derivative(self) -> FloatArray:
+        try:
+            q, numbers = differentiated(self.world)
+        except RuntimeError as error:
+            words = " ".join(str(error).split())
+            raise EngineError(f"Drake: {words}", "refused") from None
+        derivative = in_chart(q, numbers) if self.world.is_discrete else numbers
+        return along(self.frame.body_from_axes.as_matrix(), derivative)
 
     def check(self) -> None:
         """Check that Drake took the right number of steps."""

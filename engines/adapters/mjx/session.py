@@ -1,12 +1,21 @@
 """A scene in MJX: stepped by one compiled loop, audited by MuJoCo's functions."""
 
-from collections.abc import Callable, Sequence
-from functools import cache, lru_cache
+from collections.abc import Callable, Mapping, Sequence
+from functools import cache, lru_cache, partial
 from importlib import import_module
 from typing import Any, final
 
 import numpy as np
-from spincheck.engine import BodyReading, FloatArray, Scenario, Session, State
+from spincheck.engine import (
+    BodyReading,
+    Derivative,
+    FloatArray,
+    Scenario,
+    Session,
+    State,
+    in_chart,
+    numbers_by_chart,
+)
 
 from ...models.mjcf import start_coordinates
 from ...user_cache import user_cache
@@ -81,6 +90,22 @@ class MJXSession(Session):
         """What acts, from MJX's model and data; its pass of springs is that of dampers, too."""
         names_acting = acting(self._world.model, self._world.data(), self._scenario)
         return names_acting - {FLAG_WORDS[name] for name in SPRINGS}
+
+    def derivatives(self) -> Mapping[str, Derivative]:
+        """JAX's, of one step, in forward and reverse mode."""
+        return {way: Derivative(partial(self._derivative, way)) for way in ("jacfwd", "jacrev")}
+
+    def _derivative(self, way: str) -> FloatArray:
+        """That of the quaternion and ω by themselves, in the chart."""
+        jacobians: Any = import_module(f"{__package__}.jacobian")
+        before = self._world.data()
+        after, jacobian = jacobians.jacobian(self._world, way)
+        # The quaternion stands before any spins of rotors.
+        turning = self._coordinates.turning
+        kept = np.concatenate([np.arange(4) + turning[0], self._world.model.nq + turning])
+        q, q_after = np.array(before.qpos, dtype=float)[kept[:4]], after[kept[:4]]
+        numbers = jacobian[np.ix_(kept, kept)]
+        return in_chart(q_after, numbers @ numbers_by_chart(q))
 
     def close(self) -> None:
         """Drop model and data."""

@@ -67,7 +67,7 @@ class Coordinates:
         """
         if self._on_hinges:
             raise UnsupportedError("derivatives are taken of a ball joint, got three hinges")
-        return self._moving + np.arange(TURNING)
+        return np.arange(self._moving, self._moving + TURNING)
 
     def read_body(self) -> BodyReading:
         """The body with those welded to it and its rotors, in its own axes."""

@@ -191,11 +191,9 @@ class MuJoCoSession(Session):
         nv = self.model.nv
         A = np.zeros((2 * nv, 2 * nv))
         try:
-            mujoco.mjd_transitionFD(
-                self.model, self.data, EPSILON, centred, A, None, None, None
-            )
+            mujoco.mjd_transitionFD(self.model, self.data, EPSILON, centred, A, None, None, None)
         except mujoco.FatalError as error:
-            raise EngineError(f"MuJoCo: {error}", "refused") from None
+            raise UnsupportedError(f"MuJoCo: {error}") from None
         kept = self._coordinates.turning
         kept = np.concatenate([kept, kept + nv])
         return A[np.ix_(kept, kept)]

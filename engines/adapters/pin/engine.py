@@ -4,10 +4,18 @@ What is judged is its forward dynamics (articulated-body algorithm), stepped as 
 by a Runge-Kutta rule. How each effect was measured: docs/measured/engines-more.md.
 """
 
+from collections.abc import Mapping
 from typing import final
 
 import numpy as np
-from spincheck.engine import COMMON_EFFECTS, FloatArray, Method
+from spincheck.engine import (
+    COMMON_EFFECTS,
+    Derivative,
+    FloatArray,
+    Method,
+    UnsupportedError,
+    along,
+)
 
 from ...scene_record import HeldRotor, WorldBody
 from ...world_engine import WorldEngine
@@ -39,6 +47,23 @@ class PinocchioSession(WorldSession):
         R, axis = np.array(at.rotation), np.array(model.joints[joint].extract().axis)
         com = np.array(at.translation) + R @ inertia.lever
         return HeldRotor(inertia.mass, com, R @ inertia.inertia @ R.T, R @ axis)
+
+    def derivatives(self) -> Mapping[str, Derivative]:
+        """That of dω/dt by its articulated-body algorithm."""
+        return {"computeABADerivatives": Derivative(self._rate)}
+
+    def _rate(self) -> FloatArray:
+        """∂ddq/∂q and ∂ddq/∂v; its tangent of a joint that turns is a turn in body axes."""
+        world = self.world
+        if world.is_pushed:
+            words = "the torques are its caller's, which computeABADerivatives does not see"
+            raise UnsupportedError(words)
+        rates = self.module.pinocchio.computeABADerivatives(
+            world.model, world.data, world.q, world.v, np.zeros(world.model.nv)
+        )
+        turning = world.v_turning
+        rate = np.hstack([one[turning, turning] for one in rates[:2]])
+        return along(self.frame.body_from_axes.as_matrix(), rate)
 
     def active(self) -> frozenset[str]:
         """Gravity and pivot as in the model; torques as passed to `aba`."""

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from ..options import AsJson, Scene, Timestep
+from ..options import AsJson, Engines, Methods, Scene, TimeLimit, Timestep
 from ..terminal import (
     AGREES,
     DISAGREES,
@@ -110,6 +110,37 @@ def _methods_of(engine: "Engine") -> Iterator[str]:
             break_on_hyphens=False,
         )
     yield ""
+
+
+@app.command(epilog="Example: spincheck gradients fast-top --engine mujoco")
+def gradients(
+    scenes: Annotated[
+        list[str],
+        typer.Argument(metavar="SCENARIO|FOLDER", help="Files, folders or library scenes."),
+    ],
+    engine: Engines = None,
+    method: Methods = None,
+    timestep: Annotated[
+        float | None,
+        typer.Option("--timestep", metavar="S", help="The timestep of a window of many steps, s."),
+    ] = None,
+    time_limit: TimeLimit = None,
+    as_json: AsJson = False,
+) -> None:
+    """Check engines' derivatives of their steps against those of the exact motion.
+
+    Those that an engine gives itself, and central differences of its steps. Methods as shipped are
+    left out unless they are named. Exits with 1 if a derivative is wrong.
+    """
+    from .gradients import exit_code, gradients_as_json, print_gradients
+    from .gradients import gradients as judge_gradients
+
+    rows = judge_gradients(scenes, engine or [], method or [], timestep, time_limit)
+    if as_json:
+        print(to_json(gradients_as_json(rows)))
+    else:
+        print_gradients(rows)
+    raise typer.Exit(exit_code(rows))
 
 
 @app.command(epilog="Example: spincheck conform -- node my-engine.mjs")

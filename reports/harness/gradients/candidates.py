@@ -6,21 +6,25 @@ unexplained vanishes with the timestep.
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from functools import partial
 from itertools import permutations
 
 import numpy as np
+from scipy.optimize import minimize_scalar
 
 from ....engines import State
 from ....engines.checks.equations import Equations
 from ....scenarios import FloatArray, Scenario, push
 from ....scenarios.effects import gravity
 from ....scenarios.rotation import cross, matrix
+from ..measuring.steps import flowed
 from .jacobians import CHANGES, CHART, WEIGHTS, Units, changed, stepped_by_rate
 
 #: Terms of I dω/dt, by the word for them.
 TERMS = ("gravity", "drag and torques", "gyroscopic torque")
-#: Sizes of ε that are tried, rad and rad/s.
-EPSILONS = 10.0 ** np.arange(-5, 0.01, 0.125)
+#: Powers of ten of ε that are tried, in rad and rad/s, and their spacing.
+SPACING = 0.125
+POWERS = np.arange(-5.0, SPACING, SPACING).tolist()
 #: What the derivatives of terms are known to, relative, by differences.
 KNOWN = 1e-6
 
@@ -47,9 +51,9 @@ def candidates(exact: Exact, limits: FloatArray) -> Iterator[tuple[str, FloatArr
     yield "it is zero: nothing is differentiated", 0 * P
     yield "it is the identity: the step is detached", 0 * P + np.eye(CHART)
     yield "it is transposed", np.swapaxes(P, 2, 3)
-    yield "it is the inverse, of a step back", np.linalg.inv(P)
-    half = np.diag(np.repeat([0.5, 1.0], 3))
-    twice = np.linalg.inv(half)
+    yield "it is the inverse, of a step back", np.asarray(np.linalg.inv(P), dtype=float)
+    half: FloatArray = np.diag(np.repeat([0.5, 1.0], 3))
+    twice: FloatArray = np.diag(np.repeat([2.0, 1.0], 3))
     words = "the attitude is in numbers of the quaternion, half of the angle, in its"
     yield f"{words} rows and columns", half @ P @ twice
     yield f"{words} rows", half @ P
@@ -102,8 +106,6 @@ def _in_world_axes(exact: Exact) -> Iterator[tuple[str, FloatArray]]:
 
 def _ends(exact: Exact) -> list[list[tuple[FloatArray, FloatArray]]]:
     """Attitude and ω after each timestep from each state."""
-    from ..measuring.steps import flowed
-
     count = len(exact.states.omega_body)
     rows = np.tile(np.arange(count), len(exact.timesteps))
     flown = flowed(exact.scenario, exact.states.rows(rows), np.repeat(exact.timesteps, count))
@@ -132,38 +134,32 @@ def _changed_rates(exact: Exact, limits: FloatArray) -> Iterator[tuple[str, Floa
     h = exact.timesteps[:, None, None, None]
 
     def by(change: Callable[["_Rates"], FloatArray]) -> FloatArray:
-        return exact.jacobians + h * np.array([change(one) for one in rates])
+        return np.asarray(exact.jacobians + h * np.array([change(one) for one in rates]))
 
-    for name in TERMS:
-        yield f"the {name} is not differentiated", by(lambda s, name=name: s.without(name))
+    words = {name: f"the {name} is not differentiated" for name in TERMS}
     for name in ("ω", "I ω"):
-        words = f"of the gyroscopic torque ω × I ω the factor {name} is not differentiated"
-        yield words, by(lambda s, name=name: s.without(name))
+        words[name] = f"of the gyroscopic torque ω × I ω the factor {name} is not differentiated"
+    for name, said in words.items():
+        yield said, by(partial(_Rates.without, name=name))
     turn = "the attitude's derivative lacks"
-    yield f"{turn} the turn of the body's axes, ω × δθ", by(lambda s: s.without_turn(0))
-    yield f"{turn} δω", by(lambda s: s.without_turn(3))
-    for words, two_sided in {"forward": False, "central": True}.items():
-
-        def off(epsilon: float, two_sided: bool = two_sided) -> FloatArray:
-            return np.array([s.secant(epsilon, two_sided) for s in rates])
-
-        sizes = [np.linalg.norm(limits - off(epsilon)) for epsilon in EPSILONS]
-        least = int(np.argmin(sizes))
-        epsilon = _refined(lambda e: float(np.linalg.norm(limits - off(e))), EPSILONS[least])
-        made = exact.jacobians + h * off(epsilon)
-        yield f"ε of {words} differences is too large, about {epsilon:.2g}", made
+    for first, part in {0: "the turn of the body's axes, ω × δθ", 3: "δω"}.items():
+        yield f"{turn} {part}", by(partial(_Rates.without_turn, first=first))
+    for way, two_sided in {"forward": False, "central": True}.items():
+        epsilon = _fitted(rates, limits, two_sided)
+        made = by(partial(_Rates.secant, epsilon=epsilon, two_sided=two_sided))
+        yield f"ε of {way} differences is too large, about {epsilon:.2g}", made
 
 
-def _refined(size: Callable[[float], float], epsilon: float) -> float:
-    """The ε near one at which a size is least."""
-    from scipy.optimize import minimize_scalar
+def _fitted(rates: list["_Rates"], limits: FloatArray, two_sided: bool) -> float:
+    """The ε whose differences come closest to limits, rad and rad/s."""
 
-    found = minimize_scalar(
-        lambda power: size(10.0**power),
-        bounds=(np.log10(epsilon) - 0.2, np.log10(epsilon) + 0.2),
-        method="bounded",
-        options={"xatol": 1e-9},
-    )
+    def left(power: float) -> float:
+        off = np.array([one.secant(10.0**power, two_sided) for one in rates])
+        return float(np.linalg.norm(limits - off))
+
+    near = min(POWERS, key=left)
+    bounds = near - SPACING, near + SPACING
+    found = minimize_scalar(left, bounds=bounds, method="bounded", options={"xatol": KNOWN})
     return float(10.0**found.x)
 
 
@@ -202,6 +198,24 @@ class _Rates:
         rates = [self._rates(step * np.diag(sizes), frozen) for step in CHANGES]
         return np.tensordot(WEIGHTS, np.array(rates), axes=1).T / sizes
 
+    def _with_table(
+        self,
+        R: FloatArray,
+        omega: FloatArray,
+        torque: FloatArray,
+        weighed: tuple[FloatArray, FloatArray],
+    ) -> FloatArray:
+        """The torque with that of the table, whose part by gravity is that of another state."""
+        scenario, none = self.equations.scenario, np.zeros(3)
+        answer = scenario.answer
+        assert answer is not None
+        by_weight = [
+            answer(scenario, weighed[0][2], weighed[1], none, g)[0]
+            for g in (scenario.gravity_world, none)
+        ]
+        otherwise = answer(scenario, R[2], omega, torque, none)[0]
+        return np.asarray(otherwise + by_weight[0] - by_weight[1])
+
     def _rates(self, offsets: FloatArray, frozen: str = "") -> FloatArray:
         """dω/dt of states that are off by so much, (n, 3), one term as at the state itself."""
         equations, scenario = self.equations, self.equations.scenario
@@ -216,9 +230,9 @@ class _Rates:
             Rp, op = at["drag and torques"]
             torque = torque + push(scenario.pushed, Rp, Rp @ op) @ Rp
             spin = omega0 if frozen in ("ω", "gyroscopic torque") else omega
-            held = omega0 if frozen in ("I ω", "gyroscopic torque") else omega
-            torque = torque - cross(spin, equations.inertia @ held + kept)
+            omega_of_L = omega0 if frozen in ("I ω", "gyroscopic torque") else omega
+            torque = torque - cross(spin, equations.inertia @ omega_of_L + kept)
             if scenario.answer is not None:
-                torque, _ = scenario.answer(scenario, R[2], omega, torque, scenario.gravity_world)
+                torque = self._with_table(R, omega, torque, at["gravity"])
             rows.append(equations.inverse @ torque)
         return np.array(rows)

@@ -3,7 +3,6 @@
 Rows and columns: attitude (3, rad), ω (3, rad/s), body axes: docs/explanation/sensitivities.md.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,6 +12,7 @@ from ....reference import sensitivity, solve_cheaply
 from ....scenarios import FloatArray, Scenario
 from ....scenarios.rotation import cross, matrices, rotation_vectors, times, turned
 from ....scenarios.scenario import started_at
+from ..measuring.noise import ULPS
 from ..measuring.steps import Sessions
 
 #: Changes that a central difference of fourth order is taken with, and the weights of what they
@@ -37,12 +37,12 @@ class Units:
 
     @property
     def each(self) -> FloatArray:
-        """Of each number, (6,)."""
+        """The unit of each number, (6,)."""
         return np.repeat([1.0, self.rate], 3)
 
     @property
     def change(self) -> float:
-        """That differences of fourth order are taken with: rounding and what they omit are alike."""
+        """The one of differences of fourth order: rounding and what they omit are alike."""
         return float(self.ulp**0.2)
 
     def of(self, jacobians: FloatArray) -> FloatArray:
@@ -66,8 +66,15 @@ def exact_jacobians(scenario: Scenario, states: State, timesteps: FloatArray) ->
     return np.stack(found, axis=1)[::-1]
 
 
-def own_jacobian(sessions: Sessions, state: State, timestep: float, units: Units) -> FloatArray:
-    """That of an engine's own step, by central differences of it, (6, 6)."""
+def own_jacobian(
+    sessions: Sessions, state: State, timestep: float, units: Units, share: float = 1.0
+) -> FloatArray:
+    """That of an engine's own step, by central differences of it, (6, 6).
+
+    Parameters
+    ----------
+    share : of the change that is best where derivatives are of the size of the units
+    """
 
     def stepped(states: State) -> State:
         ended = []
@@ -77,20 +84,14 @@ def own_jacobian(sessions: Sessions, state: State, timestep: float, units: Units
                 ended.append(session.snapshot())
         return sessions.first.states(ended)
 
-    return differentiated(stepped, sessions.scenario, state, units)
-
-
-def differentiated(
-    map_states: Callable[[State], State], scenario: Scenario, state: State, units: Units
-) -> FloatArray:
-    """The Jacobian of a map of states at one state, by central differences, (6, 6)."""
-    offsets = (CHANGES[:, None, None] * np.diag(units.change * units.each)).reshape(-1, CHART)
-    ended = map_states(changed(scenario, state, np.vstack([np.zeros(CHART), offsets])))
+    sizes = share * units.change * units.each
+    offsets = (CHANGES[:, None, None] * np.diag(sizes)).reshape(-1, CHART)
+    ended = stepped(changed(sessions.scenario, state, np.vstack([np.zeros(CHART), offsets])))
     q = ended.q_world_body_wxyz
     turns = rotation_vectors(np.broadcast_to(q[0], q[1:].shape), q[1:])
     ends = np.hstack([turns, ended.omega_body[1:] - ended.omega_body[0]])
     summed = np.tensordot(WEIGHTS, ends.reshape(len(CHANGES), CHART, CHART), axes=1)
-    return np.asarray(summed.T / (units.change * units.each))
+    return np.asarray(summed.T / sizes)
 
 
 def changed(scenario: Scenario, state: State, offsets: FloatArray) -> State:
@@ -107,7 +108,8 @@ def changed(scenario: Scenario, state: State, offsets: FloatArray) -> State:
     swing_world = turned(R_world_body, cross(omega_body, np.array(constraint.lever)))
     count = len(offsets)
     com, velocity, spins = (
-        np.tile(column, (count, 1)) for column in (state.com_world, state.velocity_world, state.spins)
+        np.tile(column, (count, 1))
+        for column in (state.com_world, state.velocity_world, state.spins)
     )
     return State(
         q,
@@ -118,16 +120,36 @@ def changed(scenario: Scenario, state: State, offsets: FloatArray) -> State:
     )
 
 
-def own_jacobians(
-    sessions: Sessions, states: State, timesteps: FloatArray, units: Units
-) -> FloatArray:
-    """Those of an engine's own steps from K states with J timesteps, (J, K, 6, 6)."""
-    return np.array(
-        [
-            [own_jacobian(sessions, states.rows(k), float(h), units) for k in range(len(states.omega_body))]
-            for h in timesteps
-        ]
+@dataclass(frozen=True, eq=False)
+class Own:
+    """Jacobians of an engine's own steps, by differences of them.
+
+    Attributes
+    ----------
+    jacobians : from K states with J timesteps, (J, K, 6, 6)
+    known_to : in units, for each timestep, (J,): what rounding makes, or half the change does
+    """
+
+    jacobians: FloatArray
+    known_to: FloatArray
+
+
+def own_jacobians(sessions: Sessions, states: State, timesteps: FloatArray, units: Units) -> Own:
+    """Those from K states with J timesteps, with two sizes of the change."""
+    found, finer = (
+        np.array(
+            [
+                [
+                    own_jacobian(sessions, states.rows(k), float(h), units, share)
+                    for k in range(len(states.omega_body))
+                ]
+                for h in timesteps
+            ]
+        )
+        for share in (1.0, 0.5)
     )
+    apart = np.abs(units.of(found - finer)).max(axis=(1, 2, 3))
+    return Own(found, np.maximum(apart, ULPS * units.ulp / units.change))
 
 
 def stepped_by_rate(rate: FloatArray, omega_body: FloatArray, timestep: float) -> FloatArray:

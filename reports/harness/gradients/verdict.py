@@ -10,10 +10,11 @@ import numpy as np
 
 from ....scenarios import FloatArray
 from ...results.evidence import CONSISTENT, LEVEL
+from ...results.verdict_words import VerdictWord
 from ..measuring.gain_series import GainSeries, fitted
 from ..measuring.noise import ULPS
 from .candidates import KNOWN, Exact, candidates
-from .jacobians import CHART, Units
+from .jacobians import CHART, Own, Units
 
 #: Halves of the rows, each judged by itself: attitude and ω.
 HALVES = 2
@@ -37,7 +38,7 @@ class Judged:
     is_own : whether that is no more than rounding and ε make; None likewise
     """
 
-    verdict: str
+    verdict: VerdictWord
     reason: str = ""
     order: int = 0
     limit: float = 0.0
@@ -64,52 +65,72 @@ def noise_of(units: Units, timesteps: FloatArray, condition: float, epsilon: flo
 
 def judged(exact: Exact, found: FloatArray, noise: FloatArray) -> Judged:
     """Judge Jacobians of steps, (J, K, 6, 6), whose noise by columns is known, (J, 6)."""
-    units, timesteps = exact.units, exact.timesteps
+    units = exact.units
     if not np.isfinite(found).all():
         return Judged("disagrees", "it is not finite")
     series = _series(exact, found - exact.jacobians, noise)
-    tail = min(1.0, HALVES * min(one.tail for one in series))
     limits = np.linalg.norm(_joined(series), axis=(1, 2)) / units.rate
     known_to = max(float(one.known_to.max()) for one in series) / units.rate
-    one = Judged(
-        "converges", "", min(one.order for one in series), float(limits.max()), known_to
-    )
-    if tail < LEVEL:
+    one = Judged("converges", "", min(one.order for one in series), float(limits.max()), known_to)
+    if _tail(series) < LEVEL:
+        off = np.abs(_gains(exact, found - exact.jacobians))[-1].max()
         rough = np.hypot(noise, KNOWN * units.rate)
         per_rate = _joined(series) * units.each[:, None] / units.each
         for name, made in candidates(exact, per_rate):
-            left = _series(exact, found - made, rough)
-            if min(1.0, HALVES * min(part.tail for part in left)) >= LEVEL:
+            unlike = np.abs(_gains(exact, made - exact.jacobians)).max()
+            left = np.abs(_gains(exact, found - made))[-1].max()
+            if unlike < SURE * KNOWN * units.rate or left > off / 2:
+                continue
+            if _tail(_series(exact, found - made, rough)) >= LEVEL:
                 return replace(one, verdict="disagrees", reason=name)
-        off = np.abs(units.of(found - exact.jacobians))[-1].max() / (units.rate * timesteps[-1])
-        return replace(one, verdict="disagrees", reason=f"off by {off:.2g}, by no known mistake")
+        words = f"off by {off / units.rate:.2g}, by no known mistake"
+        return replace(one, verdict="disagrees", reason=words)
     if known_to > CONSISTENT:
         return replace(one, verdict="unresolved", reason=f"known to {known_to:.1g} only")
     return one
 
 
-def beside_own(
-    one: Judged, units: Units, found: FloatArray, own: FloatArray, noise: FloatArray, h: FloatArray
-) -> Judged:
+def beside_own(one: Judged, exact: Exact, found: FloatArray, own: Own, noise: FloatArray) -> Judged:
     """The same with how far Jacobians are from those of the engine's own steps."""
-    apart = np.abs(units.of(found - own))
-    size = np.abs(units.of(own) - np.eye(CHART)).max()
-    of_differences = ULPS * units.ulp / units.change
-    most = SURE * (noise * h[:, None] + of_differences)[:, None, None, :]
-    return replace(one, off_own=float(apart[0].max() / size), is_own=bool((apart <= most).all()))
+    units = exact.units
+    wanted = units.of(own.jacobians)
+    apart = units.of(found) - wanted
+    of_found = noise * exact.timesteps[:, None]
+    most = SURE * (of_found + own.known_to[:, None])[:, None, None, :]
+    is_own = bool((np.abs(apart) <= most).all())
+    reason = one.reason
+    if is_own and reason:
+        reason += "; the engine's own steps do the same"
+    elif not is_own and not reason:
+        # |q| is a factor of the attitude's rows if q is not normalised (`in_chart`).
+        rows, turned = apart[..., :3, :], wanted[..., :3, :]
+        factor = (rows * turned).sum((2, 3), keepdims=True) / (turned**2).sum((2, 3), keepdims=True)
+        left = np.concatenate([rows - factor * turned, apart[..., 3:, :]], axis=2)
+        unnormed = ": the attitude is not normalised" if (np.abs(left) <= most).all() else ""
+        reason = f"it is not the derivative of the engine's own step{unnormed}"
+    far = np.abs(apart[0]).max() / np.abs(wanted - np.eye(CHART)).max()
+    return replace(one, reason=reason, off_own=float(far), is_own=is_own)
 
 
 def _series(exact: Exact, off: FloatArray, noise: FloatArray) -> list[GainSeries]:
     """The series of rows of attitude and of ω: each column of each state is a vector of three."""
     J, K = off.shape[:2]
-    gains = exact.units.of(off) / exact.timesteps[:, None, None, None]
-    columns = np.swapaxes(gains, 2, 3).reshape(J, K * CHART, CHART)
+    columns = np.swapaxes(_gains(exact, off), 2, 3).reshape(J, K * CHART, CHART)
     each = np.tile(noise, (1, K))
     # Columns of differences share a step, so that they are not judged together.
     return [
         fitted(exact.timesteps, half, each, LEVEL / HALVES, may_split=False, is_pooled=False)
         for half in np.split(columns, HALVES, axis=2)
     ]
+
+
+def _gains(exact: Exact, off: FloatArray) -> FloatArray:
+    return np.asarray(exact.units.of(off) / exact.timesteps[:, None, None, None])
+
+
+def _tail(series: list[GainSeries]) -> float:
+    """The probability of what both halves gain."""
+    return min(1.0, HALVES * min(one.tail for one in series))
 
 
 def _joined(series: list[GainSeries]) -> FloatArray:

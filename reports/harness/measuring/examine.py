@@ -118,7 +118,7 @@ class _Examination:
         is_single = self.engine.single_precision
         look = self._taken(0, REPEATS[0] if is_single else 1)
         settle = 0
-        if self.at.gives_way or self._gives_way(look.steps):
+        if self.at.gives_way or gives_way(look.equations, self.engine, look.steps):
             settle = SETTLING // (1 + is_single)
             look = self._settled(settle, look.steps.repeats)
         elif look.tail < LEVEL and not is_single and not _is_plain(look):
@@ -191,14 +191,14 @@ class _Examination:
         stock = [h for h in stock_timesteps(self.engine) if halved[-1] < h < halved[0]]
         return np.array(sorted({*map(float, halved), between, *stock}, reverse=True))
 
-    def _gives_way(self, steps: Steps) -> bool:
-        """Whether a constraint holds the body: its com is off the pivot by what timesteps make it.
 
-        A body that is another keeps by how much it is off.
-        """
-        equations = Equations(self.sessions.scenario)
-        off = steps.by_timestep(norms(off_the_constraint(equations, steps.after)[1]))
-        return bool(np.ptp(off, axis=0).max() > 2 * ULPS * self.engine.slack * equations.reach)
+def gives_way(equations: Equations, engine: Engine, steps: Steps) -> bool:
+    """Whether a constraint holds the body: its com is off the pivot by what timesteps make it.
+
+    A body that is another keeps by how much it is off.
+    """
+    off = steps.by_timestep(norms(off_the_constraint(equations, steps.after)[1]))
+    return bool(np.ptp(off, axis=0).max() > 2 * ULPS * engine.slack * equations.reach)
 
 
 def _is_plain(look: Look) -> bool:

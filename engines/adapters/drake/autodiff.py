@@ -1,0 +1,71 @@
+"""Derivatives by Drake's automatic differentiation, of a plant with `AutoDiffXd` for numbers."""
+
+from typing import Any
+
+import numpy as np
+import pydrake.all as drake
+from spincheck.engine import FloatArray, UnsupportedError, numbers_by_chart
+
+from ...world_parts import matrix
+
+
+def differentiated(world: Any) -> tuple[FloatArray, FloatArray]:
+    """The attitude after a step, w x y z, and derivatives by the chart at the state of a world.
+
+    They are those of this quaternion and of ω, (7, 6), or of dω/dt where the plant does not step
+    itself, (3, 6); all along the axes of the record.
+
+    Raises
+    ------
+    UnsupportedError
+        If there are torques besides, which are given from outside.
+    RuntimeError
+        If Drake cannot differentiate the plant.
+    """
+    if world.plant.get_applied_spatial_force_input_port().HasValue(world.context):
+        raise UnsupportedError("the torques are its caller's, which AutoDiff does not see")
+    motion = world.motion()
+    q, omega_world = motion[:4], motion[4:7]
+    # Its stubs take arrays of no shape.
+    start: Any = np.concatenate([q, matrix(q).T @ omega_world])
+    by_chart: Any = numbers_by_chart(q)
+    numbers = drake.InitializeAutoDiff(start, gradient=by_chart).ravel()
+    plant = world.plant.ToAutoDiffXd()
+    context = plant.CreateDefaultContext()
+    context.SetTimeStateAndParametersFrom(world.context)
+    body = _set(world, plant, context, numbers)
+    if world.is_discrete:
+        after = context.Clone()
+        plant.CalcForcedUnrestrictedUpdate(context, after.get_mutable_state())
+        found = _turning(body.EvalSpatialVelocityInWorld(after), body, after)
+        attitude = body.EvalPoseInWorld(after).rotation().ToQuaternion().wxyz()
+        found = np.concatenate([attitude, found])
+        return drake.ExtractValue(attitude.reshape(-1, 1)).ravel(), _gradient(found)
+    # d(R ω)/dt is R dω/dt.
+    rate = _turning(body.EvalSpatialAccelerationInWorld(context), body, context)
+    return q, _gradient(rate)
+
+
+def _set(world: Any, plant: Any, context: Any, numbers: Any) -> Any:
+    """Set attitude and ω; returns the body."""
+    joint = plant.get_joint(world.joint.index())
+    quaternion = drake.Quaternion_[drake.AutoDiffXd](wxyz=numbers[:4])
+    R = drake.RotationMatrix_[drake.AutoDiffXd](quaternion)
+    if world.is_free:
+        joint.SetQuaternion(context, quaternion)
+    else:
+        own = drake.RotationMatrix(world.R_frame_own).cast[drake.AutoDiffXd]()
+        angles = drake.RollPitchYaw_[drake.AutoDiffXd](R.multiply(own))
+        joint.set_angles(context, angles.vector())
+    joint.set_angular_velocity(context, R.matrix() @ numbers[4:])
+    return plant.get_body(world.body.index())
+
+
+def _turning(spatial: Any, body: Any, context: Any) -> Any:
+    """The part of a spatial vector that turns, along the body's axes."""
+    R = body.EvalPoseInWorld(context).rotation().matrix()
+    return R.T @ spatial.rotational()
+
+
+def _gradient(numbers: Any) -> FloatArray:
+    return np.asarray(drake.ExtractGradient(numbers.reshape(-1, 1)))

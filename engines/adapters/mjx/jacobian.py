@@ -1,0 +1,36 @@
+"""The Jacobian of a step of MJX, as `jax.jacfwd` and `jax.jacrev` give it."""
+
+from functools import cache
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from mujoco import mjx
+
+from .world import in_precision
+
+
+@cache
+def _compiled(trees: Any, way: str) -> Any:
+    """Coordinates qpos and qvel after a step, and their Jacobian by those before."""
+    model_tree, data_tree = trees
+
+    def stepped(x: Any, still: Any, moving: Any) -> Any:
+        model = jax.tree.unflatten(model_tree, still)
+        data = jax.tree.unflatten(data_tree, moving)
+        data = data.replace(qpos=x[: model.nq], qvel=x[model.nq :])
+        data = mjx.step(model, data)
+        after = jnp.concatenate([data.qpos, data.qvel])
+        return after, after
+
+    return jax.jit(getattr(jax, way)(stepped, has_aux=True))
+
+
+def jacobian(world: Any, way: str) -> tuple[Any, Any]:
+    """Coordinates after the next step of a world, (n,), and their Jacobian, (n, n)."""
+    in_precision(world.is_double)
+    data = world.data()
+    x = np.concatenate([data.qpos, data.qvel])
+    found, after = _compiled(world.trees, way)(x, world.still, world.moving)
+    return np.asarray(after, dtype=float), np.asarray(found, dtype=float)

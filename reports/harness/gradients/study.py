@@ -1,0 +1,241 @@
+"""Every derivative of a method on a scene: its verdict, its cost, and gradients over a window."""
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ....engines import Engine, EngineError, Method, Session, UnsupportedError
+from ....engines.checks.equations import Equations
+from ....reference import ExactMotion
+from ....scenarios import FloatArray, Scenario
+from ....scenarios.fastest_rate import fastest_rate
+from ...results.verdict_words import VerdictWord
+from ..executors import CallFailed, Executor
+from ..measuring.examine import gives_way
+from ..measuring.places import Places, places
+from ..measuring.steps import Sessions, sessions_of, steps_from
+from .candidates import Exact
+from .jacobians import (
+    CHART,
+    Own,
+    Units,
+    exact_jacobians,
+    own_jacobian,
+    own_jacobians,
+    stepped_by_rate,
+    units_of,
+)
+from .verdict import beside_own, judged, noise_of
+from .window import Gradient, gradients_along, useless_from
+
+#: Exact states that steps are taken from.
+STATES = 4
+#: The name of what is found where an engine gives nothing.
+OURS = "central differences by spincheck"
+#: Why steps that a constraint or a contact takes are not judged here.
+SETTLES = (
+    "a constraint holds the body and has to settle: a step from an exact state is none of a run"
+)
+#: Steps that are timed, and derivatives.
+TIMED, TIMES = 200, 5
+#: Which of the halved timesteps a window is taken with: some 0.05 rad a step.
+FINE = 2
+
+
+@dataclass(frozen=True)
+class GradientRow:
+    """One derivative of one method on one scene.
+
+    Attributes
+    ----------
+    derivative : the engine's name for it, or `OURS`
+    verdict : converges, disagrees, unresolved, unsupported or failed
+    reason : of the verdict, in words
+    order : with which it approaches the motion's derivative as timesteps vanish
+    limit, known_to : what is left then, relative to the fastest rate, and how well that is known
+    off_own, is_own : distance from differences of the engine's own steps, relative, and whether it
+        is no more than rounding; None where no step is differentiated
+    cost : CPU time, in plain steps; None where it could not be taken
+    seconds : until the row was made, with what was compiled
+    timestep : s, of the window's steps
+    window : gradients along a run
+    useless_from : s, from when on they are as wrong as none; None if they are not
+    """
+
+    scene: str
+    engine: str
+    method: str
+    derivative: str
+    verdict: VerdictWord
+    reason: str = ""
+    order: int = 0
+    limit: float = 0.0
+    known_to: float = 0.0
+    off_own: float | None = None
+    is_own: bool | None = None
+    cost: float | None = None
+    seconds: float = 0.0
+    timestep: float = 0.0
+    window: tuple[Gradient, ...] = ()
+    useless_from: float | None = None
+
+
+def gradients_by(
+    executor: Executor, scenario: Scenario, engine: Engine, method: str, timestep: float | None
+) -> list[GradientRow]:
+    """As `gradients_of`, in another process: a crash, or running out of time, is a row."""
+    began = time.perf_counter()
+    answer = executor.call_at(engine.site, gradients_of, scenario, engine, method, timestep)
+    if isinstance(answer.value, CallFailed):
+        made = GradientRow(scenario.name, engine.name, method, OURS, "failed", answer.value.reason)
+        return [replace(made, seconds=time.perf_counter() - began)]
+    return answer.value
+
+
+def gradients_of(
+    scenario: Scenario, engine: Engine, method_name: str, timestep: float | None = None
+) -> list[GradientRow]:
+    """Judge every derivative of one method; what cannot be judged is a row with the reason.
+
+    Parameters
+    ----------
+    timestep : s, of the window's steps; chosen by the motion's fastest rate if None
+    """
+    method, began = engine.method(method_name), time.perf_counter()
+
+    def ended(verdict: VerdictWord, reason: str) -> list[GradientRow]:
+        seconds = time.perf_counter() - began
+        made = GradientRow(scenario.name, engine.name, method_name, OURS, verdict, reason)
+        return [replace(made, seconds=seconds)]
+
+    if reason := engine.unsupported(scenario, method):
+        return ended("unsupported", reason)
+    outline = ExactMotion(scenario).outline(scenario.times)
+    at = places(scenario, outline, None).thinned(STATES)
+    rate = fastest_rate(scenario, outline.omega_body) or 1 / scenario.window.duration
+    try:
+        with sessions_of(
+            lambda scene, h: engine.open(scene, method, h), scenario, float(at.timesteps[0])
+        ) as sessions:
+            return _Study(sessions, engine, method, at, units_of(engine, rate), timestep).rows()
+    except UnsupportedError as error:
+        return ended("unsupported", str(error))
+    except EngineError as error:
+        return ended("failed", str(error))
+
+
+@dataclass(frozen=True, eq=False)
+class _Study:
+    """A method whose derivatives are taken at exact states."""
+
+    sessions: Sessions
+    engine: Engine
+    method: Method
+    at: Places
+    units: Units
+    timestep: float | None
+
+    def rows(self) -> list[GradientRow]:
+        """One of each derivative that the engine gives, and that by differences of its steps."""
+        at, units = self.at, self.units
+        steps = steps_from(self.sessions, at.states, at.timesteps)
+        if gives_way(Equations(self.sessions.scenario), self.engine, steps):
+            return [replace(self._begun(OURS), verdict="unresolved", reason=SETTLES)]
+        jacobians = exact_jacobians(self.sessions.scenario, at.states, at.timesteps)
+        exact = Exact(self.sessions.scenario, at.states, at.timesteps, jacobians, units)
+        own = own_jacobians(self.sessions, at.states, at.timesteps, units)
+        rows = [self._row(exact, own, name) for name in self.sessions.first.derivatives()]
+        has_window = any(row.window for row in rows)
+        return [*rows, self._own_row(exact, own, has_window)]
+
+    def _row(self, exact: Exact, own: Own, name: str) -> GradientRow:
+        """A derivative of the engine's; whatever its own code raises is the reason."""
+        began = time.perf_counter()
+        row = self._begun(name)
+        try:
+            found, is_step = self._found(name, exact)
+            if found is None:
+                words = "four numbers of a quaternion instead of the three of a turn"
+                row = replace(row, verdict="disagrees", reason=f"it is not 6 by 6: {words}?")
+            else:
+                row = self._judged(row, exact, own if is_step else None, found, name)
+        except UnsupportedError as error:
+            row = replace(row, verdict="unsupported", reason=str(error))
+        except (EngineError, MemoryError, RuntimeError, ValueError, TypeError) as error:
+            row = replace(row, verdict="failed", reason=" ".join(str(error).split()))
+        return replace(row, seconds=time.perf_counter() - began)
+
+    def _judged(
+        self, row: GradientRow, exact: Exact, own: Own | None, found: FloatArray, name: str
+    ) -> GradientRow:
+        epsilon = self.sessions.first.derivatives()[name].epsilon
+        noise = noise_of(self.units, exact.timesteps, self.at.condition, epsilon)
+        one = judged(exact, found, noise)
+        if own is not None:
+            one = beside_own(one, exact, found, own, noise)
+        row = replace(row, **vars(one), cost=self._cost(name))
+        return self._with_window(row, lambda session: self._jacobian(session, name))
+
+    def _own_row(self, exact: Exact, own: Own, has_window: bool) -> GradientRow:
+        began = time.perf_counter()
+        noise = noise_of(self.units, exact.timesteps, self.at.condition, 0.0)
+        noise = noise + (own.known_to / exact.timesteps)[:, None]
+        row = replace(self._begun(OURS), **vars(judged(exact, own.jacobians, noise)))
+        if row.reason:
+            row = replace(row, reason=f"its steps themselves: {row.reason}")
+        # Where a scene is opened anew for each difference, a window would take minutes.
+        if self.sessions.first.can_restart and not has_window:
+            row = self._with_window(row, self._own)
+        return replace(row, seconds=time.perf_counter() - began)
+
+    def _begun(self, derivative: str) -> GradientRow:
+        scene = self.sessions.scenario.name
+        h = self.timestep or float(self.at.timesteps[FINE])
+        row = GradientRow(scene, self.engine.name, self.method.name, derivative, "failed")
+        return replace(row, timestep=h)
+
+    def _found(self, name: str, exact: Exact) -> tuple[FloatArray | None, bool]:
+        """Jacobians of steps by a derivative, (J, K, 6, 6), and whether it is one of a step."""
+        states, jacobians, is_step = self.at.states, np.empty_like(exact.jacobians), True
+        for j, k in np.ndindex(jacobians.shape[:2]):
+            h, state = float(exact.timesteps[j]), states.rows(k)
+            with self.sessions.at(state, h) as session:
+                found = np.asarray(session.derivatives()[name].compute(), dtype=float)
+            if found.shape not in ((CHART, CHART), (3, CHART)):
+                return None, is_step
+            is_step = len(found) == CHART
+            jacobians[j, k] = found if is_step else stepped_by_rate(found, state.omega_body, h)
+        return jacobians, is_step
+
+    def _jacobian(self, session: Session, name: str) -> FloatArray:
+        found = session.derivatives()[name].compute()
+        if len(found) == CHART:
+            return found
+        return stepped_by_rate(found, session.read_state().omega_body, self._begun("").timestep)
+
+    def _own(self, session: Session) -> FloatArray:
+        h = self._begun("").timestep
+        return own_jacobian(self.sessions, session.read_state(), h, self.units)
+
+    def _with_window(
+        self, row: GradientRow, jacobian: Callable[[Session], FloatArray]
+    ) -> GradientRow:
+        scenario = self.sessions.scenario
+        try:
+            with self.sessions.open_at(scenario, row.timestep) as session:
+                along = gradients_along(session, scenario, row.timestep, self.units, jacobian)
+        except EngineError as error:
+            return replace(row, reason=row.reason or f"no window: {error}")
+        return replace(row, window=along, useless_from=useless_from(along))
+
+    def _cost(self, name: str) -> float:
+        """CPU time of a derivative, in plain steps."""
+        with self.sessions.at(self.at.states.rows(0), float(self.at.timesteps[-1])) as session:
+            session.advance(TIMED)
+            a_step = session.timed(TIMED)[0] / TIMED
+            compute, began = session.derivatives()[name].compute, time.process_time()
+            for _ in range(TIMES):
+                compute()
+            return (time.process_time() - began) / TIMES / max(a_step, 1e-9)

@@ -1,0 +1,65 @@
+"""`spincheck gradients` and `spincheck.gradients`: what they print and return, and bad input."""
+
+import json
+
+import pytest
+import spincheck
+from case_loops import each_case
+from spincheck.reports.cli.engines.gradients import exit_code, gradients, print_gradients
+from spincheck.reports.cli.engines.gradients import gradients_as_json as as_json
+from spincheck.reports.cli.terminal import AGREES, DISAGREES, NOT_RUN, Complaint, to_json
+from spincheck.reports.harness.gradients.study import GradientRow
+
+pytestmark = pytest.mark.slow
+
+
+def test_a_line_for_each_derivative_with_its_reason(capsys: pytest.CaptureFixture[str]) -> None:
+    rows = gradients(["fast-top"], ["mujoco"], ["Euler", "rk4"], None, None)
+    print_gradients(rows)
+    printed = capsys.readouterr().out
+    for words in ("mjd_transitionFD, centred", "RK4 integrator is not supported", "cosine"):
+        assert words in printed
+    assert exit_code(rows) == AGREES
+    records = json.loads(to_json(as_json(rows)))
+    assert [one["verdict"] for one in records].count("unsupported") == 2
+    assert records[0]["window"][-1]["conditioning"] > 1
+
+
+@each_case(
+    ("verdict", "is_own", "code"),
+    [
+        ("converges", True, AGREES),
+        ("converges", None, AGREES),
+        ("converges", False, DISAGREES),
+        ("disagrees", True, DISAGREES),
+        ("unsupported", None, NOT_RUN),
+    ],
+)
+def test_the_exit_code_is_of_what_is_wrong(verdict: str, is_own: bool | None, code: int) -> None:
+    row = GradientRow("s", "e", "m", "d", verdict, is_own=is_own)  # type: ignore[arg-type]
+    assert exit_code([row]) == code
+
+
+def test_a_timestep_that_is_none_is_refused() -> None:
+    with pytest.raises(Complaint, match="'--timestep' must be above 0, got 0"):
+        gradients(["fast-top"], ["mujoco"], [], 0.0, None)
+
+
+@each_case(
+    ("named", "message"),
+    [
+        ({"engine": "moon"}, "'engine' must be one of"),
+        ({"method": "Moon"}, "'method' must be one of"),
+        ({"timestep": float("nan")}, "'timestep' must be above 0, got nan"),
+    ],
+)
+def test_bad_input_in_python_is_a_value_error(named: dict[str, object], message: str) -> None:
+    with pytest.raises(ValueError, match=message):
+        spincheck.gradients("fast-top", **({"engine": "mujoco", "method": "Euler"} | named))
+
+
+def test_python_returns_the_same_rows() -> None:
+    (forward, centred, ours) = spincheck.gradients("fast-top", engine="mujoco", method="Euler")
+    assert {row.verdict for row in (forward, centred, ours)} == {"converges"}
+    assert forward.window
+    assert centred.is_own

@@ -1,0 +1,317 @@
+"""Derivatives that engines give are judged right, and mistakes in them are named.
+
+Verified: honest derivatives of every engine that is installed converge, and are those of its own
+steps, on ten scenes, free, heavy and on a table; a mistake that is planted in MuJoCo's is told by
+its name on each of them that it changes anything on; a window's gradient is the exact one but for
+the error of the steps; what an engine refuses or runs out of is a row.
+Not verified: Newton and Brax. MJX's derivatives take long to compile: on two of the scenes.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+import pytest
+from case_loops import each_case
+from library_scenes import library_scene
+from spincheck.engine import Derivative, EngineError, FloatArray, State
+from spincheck.engines import engines
+from spincheck.engines.adapters.mujoco.session import MuJoCoSession
+from spincheck.reports.harness.executors import LocalWorkers
+from spincheck.reports.harness.gradients.study import OURS, gradients_by, gradients_of
+from spincheck.reports.harness.gradients.window import Gradient, useless_from
+from spincheck.scenarios import Scenario
+from spincheck.scenarios.rotation import matrix
+
+pytestmark = pytest.mark.slow
+
+MUJOCO = engines()["mujoco"]
+SCENES = (
+    "t-handle",
+    "book-middle-axis",
+    "book-in-skew-axes",
+    "discus-wobble",
+    "fast-top",
+    "sleeping-top",
+    "lopsided-body",
+    "spherical-pendulum",
+    "gliding-top",
+    "top-with-drag-on-the-table",
+)
+#: What an engine or its adapter does not differentiate, by words of the reason.
+OUT_OF_REACH = ("RK4 integrator is not supported", "its caller's")
+
+
+@dataclass(frozen=True, eq=False)
+class Step:
+    """What a mistake is made of: a step's Jacobian, by MuJoCo, and the states around it."""
+
+    session: MuJoCoSession
+    scenario: Scenario
+    jacobian: FloatArray
+
+    @property
+    def h(self) -> float:
+        """s."""
+        return float(self.session.model.opt.timestep)
+
+    @property
+    def states(self) -> tuple[State, State]:
+        """Before and after."""
+        before = self.session.read_state()
+        self.session.advance(1)
+        after = self.session.read_state()
+        self.session.restart(before)
+        return before, after
+
+    @property
+    def omega(self) -> FloatArray:
+        """rad/s, before, body axes."""
+        return self.states[0].omega_body
+
+    def without(self, rate: FloatArray, three: int) -> FloatArray:
+        """The Jacobian without a part of that of dω/dt, (3, 3), in three of the columns."""
+        made = self.jacobian.copy()
+        made[3:, three : three + 3] -= self.h * np.linalg.solve(self.scenario.inertia, rate)
+        return made
+
+
+def cross_matrix(v: FloatArray) -> FloatArray:
+    """M with M u = v × u."""
+    return np.cross(v, np.eye(3)).T
+
+
+def of_blocks(a: FloatArray, b: FloatArray, c: FloatArray) -> FloatArray:
+    """[[a, 0], [b, c]]."""
+    return np.block([[a, np.zeros((3, 3))], [b, c]])
+
+
+def in_world(attitude: bool, omega: bool) -> Callable[[Step], FloatArray]:
+    """Either vector along the world's axes."""
+
+    def made(step: Step) -> FloatArray:
+        ends = []
+        for state in step.states:
+            R = matrix(state.q_world_body_wxyz)
+            carried = -R @ cross_matrix(state.omega_body) if omega else np.zeros((3, 3))
+            ends.append(of_blocks(R if attitude else np.eye(3), carried, R if omega else np.eye(3)))
+        return ends[1] @ step.jacobian @ np.linalg.inv(ends[0])
+
+    return made
+
+
+def scaled(rows: float, columns: float) -> Callable[[Step], FloatArray]:
+    """The attitude's rows and columns times a factor."""
+    left, right = (np.repeat([factor, 1.0], 3) for factor in (rows, columns))
+    return lambda step: left[:, None] * step.jacobian * right
+
+
+def kept(order: list[int]) -> Callable[[Step], FloatArray]:
+    """Rows and columns in another order."""
+    return lambda step: step.jacobian[np.ix_(order, order)]
+
+
+def gyroscopic(step: Step) -> FloatArray:
+    """Without the derivative of −ω × I ω."""
+    inertia, omega = step.scenario.inertia, step.omega
+    return step.without(cross_matrix(inertia @ omega) - cross_matrix(omega) @ inertia, 3)
+
+
+def half_gyroscopic(step: Step) -> FloatArray:
+    """Without that by I ω."""
+    return step.without(-cross_matrix(step.omega) @ step.scenario.inertia, 3)
+
+
+def gravity(step: Step) -> FloatArray:
+    """Without the derivative of m com × Rᵀ g."""
+    body, R = step.scenario.body, matrix(step.states[0].q_world_body_wxyz)
+    pulled = cross_matrix(step.scenario.gravity_world @ R)
+    return step.without(body.mass * cross_matrix(np.array(body.com)) @ pulled, 0)
+
+
+def axes_that_stay(step: Step) -> FloatArray:
+    """Without −ω × δθ."""
+    made = step.jacobian.copy()
+    made[:3, :3] += step.h * cross_matrix(step.omega)
+    return made
+
+
+def unnormalised(step: Step) -> FloatArray:
+    """Through q + h q', whose norm is more than 1."""
+    (_, after) = step.states
+    speed = float(np.linalg.norm(after.omega_body))
+    return scaled(np.sqrt(1 + (step.h * speed / 2) ** 2), 1.0)(step)
+
+
+def differences(epsilon: float, centred: bool) -> Callable[[Step], FloatArray]:
+    """MuJoCo's own, with ε too large."""
+
+    def made(step: Step) -> FloatArray:
+        model, data = step.session.model, step.session.data
+        A = np.zeros((2 * model.nv, 2 * model.nv))
+        mujoco.mjd_transitionFD(model, data, epsilon, centred, A, None, None, None)
+        kept = step.session._coordinates.turning
+        kept = np.concatenate([kept, kept + model.nv])
+        return A[np.ix_(kept, kept)]
+
+    return made
+
+
+def always(_: Scenario) -> bool:
+    return True
+
+
+def on_no_table(scenario: Scenario) -> bool:
+    return scenario.constraint.is_free or scenario.constraint.is_pivot
+
+
+def on_a_pivot_with_weight(scenario: Scenario) -> bool:
+    return scenario.constraint.is_pivot and "gravity" in scenario.called_for
+
+
+#: By name: the mistake, words of the reason, and scenes on which it is another derivative.
+FAULTS: dict[str, tuple[Callable[[Step], FloatArray], str, Callable[[Scenario], bool]]] = {
+    "transposed": (lambda step: step.jacobian.T, "transposed", always),
+    "inverse": (lambda step: np.linalg.inv(step.jacobian), "inverse", always),
+    "zero": (lambda step: 0 * step.jacobian, "it is zero", always),
+    "identity": (lambda step: np.eye(6), "identity", always),
+    "nan": (lambda step: step.jacobian * np.nan, "not finite", always),
+    "raw numbers": (lambda step: np.eye(7), "four numbers", always),
+    "half angles": (scaled(0.5, 2.0), "half of the angle, in its rows and columns", always),
+    "half rows": (scaled(0.5, 1.0), "half of the angle, in its rows", always),
+    "half columns": (scaled(1.0, 2.0), "half of the angle, in its columns", always),
+    "detached quaternion": (scaled(1.0, 0.0), "attitude is detached: its columns", always),
+    "detached attitude rows": (scaled(0.0, 1.0), "attitude is detached: its rows", always),
+    "attitude in world axes": (in_world(True, False), "the attitude is in world axes", always),
+    "ω in world axes": (in_world(False, True), "ω is in world axes", always),
+    "world axes": (in_world(True, True), "attitude and ω are in world axes", always),
+    "axes exchanged": (kept([1, 0, 2, 4, 3, 5]), "axes are exchanged", always),
+    "ω first": (kept([3, 4, 5, 0, 1, 2]), "ω comes first", always),
+    "gyroscopic torque": (gyroscopic, "gyroscopic torque is not", on_no_table),
+    "half of it": (half_gyroscopic, "the factor I ω", on_no_table),
+    "gravity": (gravity, "gravity is not differentiated", on_a_pivot_with_weight),
+    "axes that stay": (axes_that_stay, "lacks the turn", always),
+    "ε forward": (differences(0.1, False), "ε of forward differences", on_a_pivot_with_weight),
+    "ε centred": (differences(0.3, True), "ε of central differences", on_a_pivot_with_weight),
+    "not normalised": (unnormalised, "not normalised", always),
+}
+
+
+@each_case("name", list(FAULTS))
+def test_a_planted_fault_is_named(monkeypatch: pytest.MonkeyPatch, name: str) -> None:
+    mistake, words, applies = FAULTS[name]
+    honest = MuJoCoSession.derivatives
+    untold: dict[str, str] = {}
+    for scene in map(library_scene, SCENES):
+        if not applies(scene):
+            continue
+
+        def planted(session: MuJoCoSession, scene: Scenario = scene) -> dict[str, Derivative]:
+            centred = honest(session)["mjd_transitionFD, centred"]
+            return {
+                "planted": Derivative(
+                    lambda: mistake(Step(session, scene, centred.compute())), centred.epsilon
+                )
+            }
+
+        with monkeypatch.context() as patch:
+            patch.setattr(MuJoCoSession, "derivatives", planted)
+            row = gradients_of(scene, MUJOCO, "Euler")[0]
+        if words not in row.reason:
+            untold[scene.name] = f"{row.verdict}: {row.reason}"
+    assert not untold
+
+
+@each_case(
+    ("engine", "scenes"),
+    [*((name, SCENES) for name in ("mujoco", "pin", "drake")), ("mjx", SCENES[3:9:5])],
+)
+def test_honest_derivatives_are_not_accused(engine: str, scenes: tuple[str, ...]) -> None:
+    """But for what `OUT_OF_REACH` names: that is refused, with a reason."""
+    if engine not in engines():
+        pytest.skip(f"{engine} is not installed")
+    accused: dict[str, str] = {}
+    for scene in map(library_scene, scenes):
+        for method in engines()[engine].methods_for(scene):
+            if method.as_shipped or method.name.startswith("contact"):
+                continue
+            rows = gradients_of(scene, engines()[engine], method.name)
+            assert rows[-1].derivative == OURS
+            for row in rows:
+                is_refused = row.verdict == "unsupported" and any(
+                    words in row.reason for words in OUT_OF_REACH
+                )
+                is_right = row.verdict == "converges" and not row.reason
+                if not (is_refused or is_right) or row.is_own is False:
+                    accused[f"{scene.name} {method.name} {row.derivative}"] = row.reason
+    assert not accused
+
+
+def test_a_derivative_that_cannot_be_had_is_a_row_with_the_reason(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def out_of_memory() -> FloatArray:
+        raise MemoryError("RESOURCE_EXHAUSTED: out of memory")
+
+    def refused() -> FloatArray:
+        raise EngineError("its solver did not end")
+
+    monkeypatch.setattr(
+        MuJoCoSession,
+        "derivatives",
+        lambda _: {"reverse": Derivative(out_of_memory), "other": Derivative(refused)},
+    )
+    rows = gradients_of(library_scene("fast-top"), MUJOCO, "Euler")
+    found = [(row.derivative, row.verdict, row.reason) for row in rows]
+    assert found == [
+        ("reverse", "failed", "RESOURCE_EXHAUSTED: out of memory"),
+        ("other", "failed", "its solver did not end"),
+        (OURS, "converges", ""),
+    ]
+
+
+def test_a_call_that_ends_with_its_process_is_a_row() -> None:
+    with LocalWorkers(1, time_limit=0.01) as executor:
+        (row,) = gradients_by(executor, library_scene("fast-top"), MUJOCO, "Euler", None)
+    assert row.verdict == "failed"
+    assert row.reason
+
+
+def test_a_windows_gradient_is_off_by_the_error_of_its_steps() -> None:
+    """Of first order: half the error with half the timestep, at the same time."""
+    scene, errors = library_scene("fast-top"), []
+    for h in (1e-3, 5e-4):
+        row = gradients_of(scene, MUJOCO, "Euler", h)[0]
+        errors.append({round(one.t / 1e-3): one.error for one in row.window})
+    shared = [errors[0][steps] / errors[1][steps] for steps in (16, 32, 64)]
+    assert np.allclose(shared, 2.0, rtol=0.1), shared
+
+
+def test_a_tape_that_is_cut_has_another_gradient(monkeypatch: pytest.MonkeyPatch) -> None:
+    honest = gradients_of(library_scene("fast-top"), MUJOCO, "Euler")[0].window
+    taken = MuJoCoSession.derivatives
+
+    def cut(session: MuJoCoSession) -> dict[str, Derivative]:
+        found = taken(session)["mjd_transitionFD, centred"]
+        is_taped = session.data.time < honest[-2].t
+        return {"cut": found if is_taped else Derivative(lambda: np.eye(6))}
+
+    monkeypatch.setattr(MuJoCoSession, "derivatives", cut)
+    window = gradients_of(library_scene("fast-top"), MUJOCO, "Euler")[0].window
+    assert window[-2].error < 10 * honest[-2].error < window[-1].error
+
+
+@each_case(
+    ("errors", "wanted"),
+    {
+        "never": ([0.1, 2.0, 0.5], None),
+        "from the second on": ([0.1, 2.0, 3.0], 2.0),
+        "always": ([1.0, 2.0, 3.0], 1.0),
+    },
+)
+def test_the_time_from_which_gradients_mean_nothing(
+    errors: list[float], wanted: float | None
+) -> None:
+    along = tuple(Gradient(t, e, 0.0, e, 1.0) for t, e in zip((1.0, 2.0, 3.0), errors, strict=True))
+    assert useless_from(along) == wanted

@@ -1,0 +1,109 @@
+"""Derivatives of every engine that is installed, on ten scenes and three that are hard to steer.
+
+Written to docs/how-to/gradients.md, between its marks.
+"""
+
+import sys
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+
+from library_scenes import library_scene
+from spincheck.engines import engines
+from spincheck.reports.harness.executors import LocalWorkers
+from spincheck.reports.harness.gradients.study import OURS, GradientRow, gradients_by
+
+#: Free, heavy and on a table.
+SCENES = (
+    "t-handle",
+    "book-middle-axis",
+    "book-in-skew-axes",
+    "discus-wobble",
+    "fast-top",
+    "sleeping-top",
+    "lopsided-body",
+    "spherical-pendulum",
+    "gliding-top",
+    "top-with-drag-on-the-table",
+)
+#: The middle axis, the sleeping top at its threshold, and chaos.
+STEERED = ("middle-axis-exactly", "asleep-at-the-threshold", "chaos-beyond-the-horizon")
+STEERED_BY = {"mujoco": ("Euler", "RK4"), "mjx": ("RK4",)}
+#: Engines with derivatives of their own, and one of those whose steps we difference.
+NAMES = ("mujoco", "mjx", "drake", "pin", "exudyn")
+PAGE = Path(__file__).parents[3] / "docs/how-to/gradients.md"
+
+
+def rows_of(executor: LocalWorkers, name: str, scenes: Sequence[str]) -> Iterator[GradientRow]:
+    """Of all clean methods of an engine that need no contact."""
+    engine = engines()[name]
+    for scene in map(library_scene, scenes):
+        for method in engine.methods_for(scene):
+            if not method.as_shipped and "contact" not in method.name:
+                print(name, scene.name, method.name, file=sys.stderr, flush=True)
+                yield from gradients_by(executor, scene, engine, method.name, None)
+
+
+def table(rows: Sequence[GradientRow]) -> Iterator[str]:
+    """A line for each derivative of a method, over all scenes."""
+    yield (
+        "| engine | method | derivative | converges, of scenes | order | off its own step "
+        "| gradient's error | refused |"
+    )
+    yield "|---|---|---|---|---|---|---|---|"
+    for key in dict.fromkeys((row.engine, row.method, row.derivative) for row in rows):
+        alike = [row for row in rows if (row.engine, row.method, row.derivative) == key]
+        right = [row for row in alike if row.verdict == "converges"]
+        refused = {row.reason for row in alike if row.verdict != "converges"}
+        orders = sorted({row.order for row in right})
+        own = max((row.off_own for row in right if row.off_own is not None), default=None)
+        errors = sorted(row.window[-1].error for row in right if row.window)
+        yield (
+            "| "
+            + " | ".join(
+                [
+                    *key,
+                    f"{len(right)} of {len(alike)}",
+                    ", ".join(map(str, orders)) or "–",
+                    "–" if own is None else f"{own:.0e}",
+                    f"{errors[0]:.0e} to {errors[-1]:.0e}" if errors else "–",
+                    "; ".join(sorted(refused)) or "–",
+                ]
+            )
+            + " |"
+        )
+
+
+def steered(rows: Sequence[GradientRow]) -> Iterator[str]:
+    """The gradient of each derivative as time goes on."""
+    yield "| scene | method, derivative | " + "time, s: error (conditioning) |"
+    yield "|---|---|---|"
+    for row in rows:
+        if row.window:
+            along = ", ".join(
+                f"{one.t:.2g}: {one.error:.0e} ({one.conditioning:.0e})" for one in row.window[3::2]
+            )
+            yield f"| {row.scene} | {row.engine} {row.method}, {row.derivative} | {along} |"
+
+
+def main() -> None:
+    """Write the tables into the page."""
+    with LocalWorkers(1, time_limit=600.0) as executor:
+        found = [row for name in NAMES for row in rows_of(executor, name, SCENES)]
+        hard = [
+            row
+            for name, methods in STEERED_BY.items()
+            for scene in STEERED
+            for method in methods
+            for row in gradients_by(executor, library_scene(scene), engines()[name], method, None)
+            if row.window and (row.derivative != OURS or method == "RK4")
+        ]
+    text = PAGE.read_text(encoding="utf-8")
+    for name, lines in {"measured": table(found), "steered": steered(hard)}.items():
+        begin, end = f"<!-- {name} -->\n", f"<!-- end of {name} -->"
+        before, _, rest = text.partition(begin)
+        text = before + begin + "\n".join(lines) + "\n" + end + rest.partition(end)[2]
+    PAGE.write_text(text, encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()
