@@ -234,11 +234,15 @@ def _two_series(measured: Measured, one: GainSeries) -> GainSeries:
 
 
 def _without(measured: Measured, off: slice) -> float:
-    """How likely gains are (logarithm), if those with some timesteps may be off by anything."""
+    """How likely gains are (logarithm), if those with some timesteps may be off by anything.
+
+    By the flat prior, as that of two series is.
+    """
     noise = measured.noise.copy()
     noise[off] += np.abs(measured.gains[off]).max(axis=(1, 2))
     others = replace(measured, noise=noise)
-    return _likeliest(lambda order: _Fit.of(others, order, constant=False)).total
+    fit = _likeliest(lambda order: _Fit.of(others, order, constant=False))
+    return float(log_sum(fit.white.evidence).sum())
 
 
 def _off_alone(measured: Measured, level: float) -> tuple[int | None, float]:
