@@ -24,9 +24,6 @@ from .intervals import apart, states_of
 BEGINNING, FEWEST = 2.0, 12
 #: Changes that are looked for at once, at most.
 MOST = 3
-#: The largest moment of a body is no more than the sum of the others; a fit keeps off those that
-#: are more by this factor, so that rods and plates are not at its bounds.
-NO_BODY = 2.0
 #: Third and fourth differences of noise have a variance of so many times its own: Σ (m over k)².
 OF_DIFFERENCES = {3: 20.0, 4: 70.0}
 #: The latter's size over that of the former, √3.5 of noise alone; of what is smooth it is less than
@@ -100,9 +97,6 @@ class Log(Data):
 
     def off(self, hypothesis: Hypothesis, samples: int | None = None) -> FloatArray:
         """As of `Data`, (n, 6), or (n, 3) without ω."""
-        least, middle, most = np.linalg.eigvalsh(hypothesis.equations.inertia)
-        if most > NO_BODY * (least + middle):
-            return np.full((len(self.t[:samples]), self.measured), np.nan)
         t, turn = self.t[:samples], Rotation.from_rotvec(hypothesis.start[:3])
         q = Rotation.from_quat(self.scene_start[:4], scalar_first=True) * turn
         omega = self.scene_start[4:] + hypothesis.start[3:]
