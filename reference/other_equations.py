@@ -55,9 +55,16 @@ class OtherEquations(NamedTuple):
     rate: float
 
     def with_inertia(self, inertia: FloatArray) -> "OtherEquations":
-        """The same of a body with another tensor, kg m², (3, 3)."""
-        inverse = np.asarray(np.linalg.inv(inertia), dtype=float)
-        return self._replace(inertia=inertia, inverse=inverse, gyroscopic=inertia.copy())
+        """The same of a body with another tensor, kg m², (3, 3); nan where it has no inverse."""
+        return self._replace(inertia=inertia, inverse=inverse(inertia), gyroscopic=inertia.copy())
+
+
+def inverse(matrix: FloatArray) -> FloatArray:
+    """The inverse of a matrix (3, 3); nan where it has none."""
+    try:
+        return np.asarray(np.linalg.inv(matrix), dtype=float)
+    except np.linalg.LinAlgError:
+        return np.full((3, 3), np.nan)
 
 
 def equations_of(scenario: Scenario) -> OtherEquations:
@@ -68,7 +75,7 @@ def equations_of(scenario: Scenario) -> OtherEquations:
     lever = np.array(constraint.lever)
     return OtherEquations(
         inertia,
-        np.asarray(np.linalg.inv(inertia), dtype=float),
+        inverse(inertia),
         inertia.copy(),
         np.eye(3),
         np.array(scenario.kept_body(scenario.kept_at_start)),

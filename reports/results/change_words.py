@@ -201,6 +201,8 @@ KINDS = {
         "drag were {} times as strong", "there were no drag", "drag had the other sign"
     ),
     "decay": Kind("L were {} /s", 1, _slowed),
+    "braking": Kind("the com's velocity were {} /s", 1, _slowed),
+    "decay and braking": Kind("L and the com's velocity were {} /s", 1, _slowed),
     "decays": Kind("L were slowed by {} /s", 2, _decays),
     "torque's size": _of_factor(
         "the torque were {} times as strong",

@@ -43,6 +43,7 @@ class Hypothesis(NamedTuple):
     read, bias, lag : of ω is read `read` @ ω + `bias` − `lag` ω', rad/s; (3, 3), (3,) and s
     step : timesteps that a step takes
     velocity : factor by which the com's velocity is read too large
+    braking : rate at which the com of a body without a pivot is slowed, 1/s
     """
 
     equations: OtherEquations
@@ -52,6 +53,7 @@ class Hypothesis(NamedTuple):
     lag: float = 0.0
     step: float = 1.0
     velocity: float = 1.0
+    braking: float = 0.0
 
     def of(self, **numbers: Any) -> "Hypothesis":
         """The same with other numbers of its equations."""

@@ -12,6 +12,7 @@ import numpy as np
 from ....engines import State
 from ....engines.checks.equations import Equations
 from ....reference.following import rates
+from ....reference.other_equations import inverse
 from ....scenarios import FloatArray
 from ....scenarios.rotation import matrices, turned
 from ...results.evidence import Explanation
@@ -59,7 +60,7 @@ class Gains(Data):
         """The gains by a hypothesis, the mean of repeats, (K, 4, 3)."""
         e, scenario = hypothesis.equations, self.equations.scenario
         R_world_body = matrices(self.states.q_world_body_wxyz)
-        omega = self.states.omega_body @ np.linalg.inv(hypothesis.read).T
+        omega = self.states.omega_body @ inverse(hypothesis.read).T
         turning, omega_rate = np.split(self._rates(hypothesis, omega), 2, axis=1)
         torque = omega_rate @ hypothesis.read.T @ self.equations.inertia.T
         if scenario.constraint.is_pivot:
@@ -74,6 +75,7 @@ class Gains(Data):
                 swing = np.cross(omega_rate, e.lever)
                 swing += np.cross(omega, np.cross(omega, e.lever))
                 velocity[:, 2] = turned(R_world_body, swing)[:, 2]
+            velocity -= hypothesis.braking * self.states.velocity_world
         velocity = hypothesis.velocity * velocity
         parts = hypothesis.step * turning, hypothesis.step * torque, step * velocity, step * place
         each = np.stack(parts, axis=1).reshape(-1, *self.excess.shape)
@@ -95,7 +97,8 @@ def gains_of(equations: Equations, states: State, excess: FloatArray, noise: Flo
 
 def explanations(gains: Gains) -> tuple[Explanation, ...]:
     """The change of the model, or the two at once, that explain the gains; empty if none do."""
-    found = Search(gains, [*_readings(), *changes(gains.equations.scenario)]).one_or_two()
+    candidates = [*_readings(), *changes(gains.equations.scenario), *_braking()]
+    found = Search(gains, candidates).one_or_two()
     return tuple(map(found.explanation, found.changes)) if found else ()
 
 
@@ -105,3 +108,14 @@ def _readings() -> Iterator[Change]:
     yield Change("step", lambda h, n: h._replace(step=1 + n[0]), one)
     yield Change("omega", lambda h, n: h._replace(read=(1 + n[0]) * unit), one)
     yield Change("velocity", lambda h, n: h._replace(velocity=1 + n[0]), one)
+
+
+def _braking() -> Iterator[Change]:
+    """The com's velocity that is slowed, alone or as ω is."""
+    one, slowed = np.ones(1), np.array([0.0, 1.0, 0.0])
+    yield Change("braking", lambda h, n: h._replace(braking=n[0]), one)
+    yield Change(
+        "decay and braking",
+        lambda h, n: h._replace(braking=n[0]).of(slowing=h.equations.slowing + n[0] * slowed),
+        one,
+    )

@@ -26,7 +26,7 @@ LEVEL = 1e-6
 #: A change explains what noise and a method's error do not if no more than this fraction is left.
 LEFT = 0.1
 #: What is left where numbers are nan: no motion is that far off.
-NOWHERE = 1e150
+NOWHERE = 1e30
 #: Numbers that are seen less than this, relative to those seen best, do not count.
 RANK = 1e-6
 #: Evaluations of a fit at most, and a step of a scaled number from which a slope is taken.

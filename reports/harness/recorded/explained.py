@@ -52,7 +52,7 @@ def explained(
     order : of accuracy, of the method that made it
     """
     motion = recorded.trajectory
-    floor = _floor(motion, recording.resolution, recorded.has_omega)
+    floor = _floor(scenario, motion, recording.resolution, recorded.has_omega)
     settings = recording.settings
     stated = [float(settings.get(name, 0.0)) for name in NOISE]
     noise = np.maximum(stated, floor) if any(stated) else None
@@ -92,13 +92,18 @@ def _elsewhere(exact: Trajectory, motion: Trajectory) -> list[str]:
     return [] if is_near else [started_elsewhere(float(exact.t[0]), (turned, faster))]
 
 
-def _floor(motion: Trajectory, resolution: float, has_omega: bool) -> FloatArray:
+def _floor(
+    scenario: Scenario, motion: Trajectory, resolution: float, has_omega: bool
+) -> FloatArray:
     """What rounding, and finding ω from attitudes, make of attitude, rad, and ω, rad/s, (2,)."""
-    floor = rounding(motion, resolution)
+    speed, distances = float(norms(motion.omega_body).max()), np.diff(motion.t)
+    # Rounding of ω about the axis of the largest moment turns a needle about its smallest.
+    turns = speed * float(np.median(distances)) * float(np.linalg.cond(scenario.inertia))
+    floor = (1 + turns) * rounding(motion, resolution)
     if not has_omega:
-        distance, speed = float(np.diff(motion.t).max()), float(norms(motion.omega_body).max())
+        distance = float(distances.max())
         # Of five samples, with numbers that are rounded.
-        found = speed * (speed * distance) ** 4 + floor[0] / float(np.diff(motion.t).min())
+        found = speed * (speed * distance) ** 4 + floor[0] / float(distances.min())
         floor = np.array([floor[0] + distance * found, found])
     return floor
 

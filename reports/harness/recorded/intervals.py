@@ -14,6 +14,8 @@ from ..measuring.likelihood import Data
 
 #: rad between two samples at most; intervals looked at.
 NEAR, FEWEST_INTERVALS, MOST_INTERVALS = 0.7, 4, 60
+#: Rates this small beside the largest are no rates of a motion.
+RESTS = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,6 +99,8 @@ def intervals_of(
     base = as_it_is(scenario)
     spans, equations = np.diff(motion.t), base.equations
     rates = np.maximum(norms(motion.omega_body), equations.rate)[:-1]
+    # A body may start from rest.
+    rates = np.maximum(rates, RESTS * rates.max())
     near = np.flatnonzero(spans * rates <= NEAR)
     if len(near) < FEWEST_INTERVALS or not motion.omega_body.any():
         return None

@@ -26,6 +26,8 @@ FEW = 12
 SAME = 1e-3
 #: Samples at which a clamp is looked for, and how well it has to fit, relative.
 FIRST, CLAMPED = 3, 1e-2
+#: rad/s; no body turns so slowly.
+TINY = 1e-300
 #: What the rounding of numbers makes of a short flow, in their distance from one another.
 ROUNDINGS = 8.0
 #: Relative, of a span that is a multiple of the timestep.
@@ -138,7 +140,7 @@ def _clamps(motion: Trajectory, exact: Trajectory) -> Iterator[str]:
             yield f"{words} is clamped to {bound:.4g} rad/s"
     speeds = norms(right.omega_body)[:, None]
     bound = float(norms(recorded.omega_body).max())
-    clamped = right.omega_body * np.minimum(1.0, bound / np.maximum(speeds, bound))
+    clamped = right.omega_body * np.where(speeds > bound, bound / np.maximum(speeds, TINY), 1.0)
     if _fits(recorded.omega_body, clamped, right.omega_body):
         yield f"‖ω‖ is clamped to {bound:.4g} rad/s"
 

@@ -1,0 +1,78 @@
+"""Motions by equations that are a scene's are the scene's, and integrators have their orders."""
+
+import numpy as np
+import pytest
+from case_loops import each_case
+from library_scenes import library_scene
+from spincheck.reference import solve
+from spincheck.reference.following import KNOWN, TURN, follow, rates
+from spincheck.reference.other_equations import equations_of
+
+#: Every term of the equations: none, gravity and a pivot, drag, torques, rotors, a table.
+SCENES = [
+    "tennis-racket",
+    "fast-top",
+    "book-with-drag",
+    "pushed-aslant",
+    "satellite-and-its-wheel",
+    "gliding-top",
+]
+ORDERS = {"the midpoint rule": 2, "RK4": 4}
+EPS = float(np.finfo(float).eps)
+#: Radians that are followed at the first rate, and ulps of the state that a step may be off by: a
+#: sum of twelve stages, each of a dozen products.
+TURNS, ULPS = 3.0, 12
+
+
+def states(name: str) -> tuple[np.ndarray, np.ndarray]:
+    """Times, s, and exact states q and ω along body axes, (n, 7), over some radians."""
+    scene = library_scene(name)
+    equations = equations_of(scene)
+    rate = max(equations.rate, float(np.linalg.norm(scene.start.omega_body)))
+    motion = solve(scene, np.linspace(0.0, min(TURNS / rate, scene.window.duration), 7)).trajectory
+    return motion.t, np.hstack([motion.q_world_body_wxyz, motion.omega_body])
+
+
+@each_case("name", SCENES)
+def test_by_a_scenes_equations_a_state_goes_where_the_exact_motion_does(name: str) -> None:
+    t, exact = states(name)
+    equations = equations_of(library_scene(name))
+    spans = np.diff(t, prepend=0.0)[None]
+    made = follow(equations, exact[:1], spans)[0]
+    size = np.repeat([1.0, np.abs(exact[:, 4:]).max()], [4, 3])
+    speeds = np.linalg.norm(exact[:, 4:], axis=1) + equations.rate
+    known = ULPS * EPS * np.sum(1 + np.diff(t) * speeds.max() / TURN)
+    assert np.abs((made - exact) / size).max() < known
+    if equations.slowing.any() or equations.torque.any() or equations.kept.any():
+        zero = np.zeros(3)
+        without = equations._replace(slowing=zero, torque=zero, torque_world=zero, kept=zero)
+        other = follow(without, exact[:1], spans)[0]
+        assert np.abs((other - exact) / size).max() > known
+
+
+@each_case("name", SCENES)
+def test_rates_are_those_of_the_states(name: str) -> None:
+    _, exact = states(name)
+    equations = equations_of(library_scene(name))
+    h = 1e-4 / max(equations.rate, float(np.linalg.norm(exact[0, 4:])))
+    kept = np.tile(equations.kept, (len(exact), 1))
+    around = [follow(equations, exact, np.full((len(exact), 1), s * h))[:, 0] for s in (1, -1)]
+    derivative = (around[0] - around[1])[:, 4:] / (2 * h)
+    # A central difference is off by h² of a third derivative, and by rounding over h.
+    size = np.abs(exact[:, 4:]).max()
+    assert (
+        np.abs(rates(equations, exact, kept)[:, 3:] - derivative).max() < 1e-7 * size**2 + EPS / h
+    )
+
+
+@pytest.mark.parametrize("integrator", KNOWN, ids=lambda one: one.name)
+def test_a_known_integrator_has_its_order(integrator) -> None:
+    """But for the one that keeps the length of L, on a scene whose gravity changes it."""
+    t, exact = states("fast-top")
+    equations, spans = equations_of(library_scene("fast-top")), np.full((1, 1), t[-1])
+    off = [
+        np.linalg.norm(follow(equations, exact[:1], spans, integrator, t[-1] / n)[0, 0] - exact[-1])
+        for n in (64, 128)
+    ]
+    order = np.log2(off[0] / off[1])
+    assert abs(order - (0 if integrator.keeps_length else ORDERS.get(integrator.name, 1))) < 0.25
