@@ -13,7 +13,7 @@ from scipy.special import chdtrc
 from ....scenarios import FloatArray
 
 #: Terms of the series that are kept.
-TERMS = 12
+TERMS = 9
 #: Inverse radii of convergence, and the ratio of neighbouring amplitudes, that are integrated over.
 RADII, SPACING = (0.5, 1.0, 2.0, 4.0), 10**0.35
 #: Gains with longer timesteps that a prediction needs.
