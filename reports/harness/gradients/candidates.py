@@ -21,7 +21,7 @@ from ..measuring.steps import flowed
 from .jacobians import CHANGES, CHART, WEIGHTS, Units, changed, stepped_by_rate
 
 #: Terms of I dω/dt, by the word for them.
-TERMS = ("gravity", "drag and torques", "gyroscopic torque")
+TERMS = ("gravity", "applied torques", "gyroscopic torque")
 #: Powers of ten of ε that are tried, in rad and rad/s, and their spacing.
 SPACING = 0.125
 POWERS = np.arange(-5.0, SPACING, SPACING).tolist()
@@ -227,7 +227,7 @@ class _Rates:
             R = matrix(q)
             at = {name: (R0, omega0) if name == frozen else (R, omega) for name in TERMS}
             torque = gravity.torque_body(scenario, at["gravity"][0])
-            Rp, op = at["drag and torques"]
+            Rp, op = at["applied torques"]
             torque = torque + push(scenario.pushed, Rp, Rp @ op) @ Rp
             spin = omega0 if frozen in ("ω", "gyroscopic torque") else omega
             omega_of_L = omega0 if frozen in ("I ω", "gyroscopic torque") else omega
