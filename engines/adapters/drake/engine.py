@@ -4,6 +4,7 @@ What it does to a top by default, and how each effect was measured: docs/measure
 """
 
 from collections.abc import Iterator, Mapping
+from importlib import import_module
 from typing import Any, final
 
 import numpy as np
@@ -20,7 +21,6 @@ from spincheck.engine import (
 from ...scene_record import HeldRotor, WorldBody
 from ...world_engine import WorldEngine
 from ...world_session import WorldSession
-from .autodiff import differentiated
 
 #: A table is two slides under a ball joint, a rotor's hinge is a revolute joint.
 EFFECTS = COMMON_EFFECTS | {"rotors", "table"}
@@ -101,7 +101,8 @@ class DrakeSession(WorldSession):
 
     def _derivative(self) -> FloatArray:
         try:
-            q, numbers = differentiated(self.world)
+            autodiff: Any = import_module(f"{__package__}.autodiff")
+            q, numbers = autodiff.differentiated(self.world)
         except RuntimeError as error:
             words = " ".join(str(error).split())
             raise EngineError(f"Drake: {words}", "refused") from None

