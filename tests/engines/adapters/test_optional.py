@@ -133,7 +133,7 @@ def test_its_first_steps_are_the_scenes_but_for_a_torque_that_it_leaves_out(
 ) -> None:
     residual = physics_in_words(engine, (SCENES | {"on-axis": ON_AXIS})[name], engine.methods[0])
     if (engine.name, name) == ("havok", "heavy-top"):
-        # Impulses hold its pivot in single precision: the torque is not known well enough to say why.
+        # Impulses hold its pivot in single precision: its torque is not known well enough to explain.
         assert residual.startswith("I dω/dt")
     elif engine.name in WITHOUT_GYROSCOPIC_TORQUE:
         assert residual.startswith("behaves as if there were no gyroscopic torque")
@@ -213,8 +213,8 @@ STAND_ALONE = ("world.py", "jacobian.py", "autodiff.py")
 def _imported_by_modules() -> set[str]:
     """What the adapters' modules import as soon as they are imported themselves.
 
-    All but those that adapters import when a scene is opened, which none of these may import, unless
-    the engine is not optional.
+    All but those that adapters import when a scene is opened, which none of these may import,
+    unless the engine is not optional.
     """
     modules = set()
     for path in Path(adapters_package.__path__[0]).rglob("*.py"):
