@@ -133,7 +133,7 @@ def test_its_first_steps_are_the_scenes_but_for_a_torque_that_it_leaves_out(
 ) -> None:
     residual = physics_in_words(engine, (SCENES | {"on-axis": ON_AXIS})[name], engine.methods[0])
     if (engine.name, name) == ("havok", "heavy-top"):
-        # Impulses hold its pivot in single precision: its torque is not known well enough to explain.
+        # Impulses hold its pivot in single precision: its torque is known too badly to explain it.
         assert residual.startswith("I dω/dt")
     elif engine.name in WITHOUT_GYROSCOPIC_TORQUE:
         assert residual.startswith("behaves as if there were no gyroscopic torque")
