@@ -190,11 +190,15 @@ class _Study:
             row = self._with_window(row, self._own)
         return replace(row, seconds=time.perf_counter() - began)
 
+    @property
+    def window_timestep(self) -> float:
+        """The timestep of a window, s."""
+        return self.timestep or float(self.at.timesteps[FINE])
+
     def _begun(self, derivative: str) -> GradientRow:
         scene = self.sessions.scenario.name
-        h = self.timestep or float(self.at.timesteps[FINE])
         row = GradientRow(scene, self.engine.name, self.method.name, derivative, "failed")
-        return replace(row, timestep=h)
+        return replace(row, timestep=self.window_timestep)
 
     def _found(self, name: str, exact: Exact) -> tuple[FloatArray | None, bool]:
         """Jacobians of steps by a derivative, (J, K, 6, 6), and whether it is one of a step."""
@@ -213,11 +217,11 @@ class _Study:
         found = session.derivatives()[name].compute()
         if len(found) == CHART:
             return found
-        return stepped_by_rate(found, session.read_state().omega_body, self._begun("").timestep)
+        return stepped_by_rate(found, session.read_state().omega_body, self.window_timestep)
 
     def _own(self, session: Session) -> FloatArray:
-        h = self._begun("").timestep
-        return own_jacobian(self.sessions, session.read_state(), h, self.units)
+        state = session.read_state()
+        return own_jacobian(self.sessions, state, self.window_timestep, self.units)
 
     def _with_window(
         self, row: GradientRow, jacobian: Callable[[Session], FloatArray]

@@ -123,13 +123,12 @@ def fitted(
     one = replace(_one_series(measured), is_pooled=is_pooled)
     if one.tail >= level:
         return one
+    alone, total = _off_alone(measured, level)
     if may_split and len(timesteps) > LEAST:
-        two = _two_series(measured, one)
-        if two.tail >= level:
-            alone, total = _off_alone(measured, level)
-            if alone is None or total - _Split.of(measured, two.order).total < -np.log(level):
-                return two
-    alone, _ = _off_alone(measured, level)
+        split = _likeliest(lambda order: _Split.of(measured, order))
+        two = _two_series(measured, one, split)
+        if two.tail >= level and (alone is None or total - split.total < -np.log(level)):
+            return two
     return replace(_off_limit(measured, one), alone=alone)
 
 
@@ -204,12 +203,11 @@ def _off_limit(measured: Measured, one: GainSeries) -> GainSeries:
     return replace(one, limit=limit * units[:, None], known_to=known_to * units)
 
 
-def _two_series(measured: Measured, one: GainSeries) -> GainSeries:
+def _two_series(measured: Measured, one: GainSeries, best: "_Split") -> GainSeries:
     """What is left where steps shorter than one timestep or one turn are computed otherwise.
 
     The timestep or turn is the most likely one, and is the same for all states, as is the order.
     """
-    best = _likeliest(lambda order: _Split.of(measured, order))
     tails, limit_tails = one.tails.copy(), one.limit_tails.copy()
     limit, known_to = one.limit.copy(), one.known_to.copy()
     flat = best.parts[0][0].flat

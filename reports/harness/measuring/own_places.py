@@ -15,6 +15,7 @@ from ....engines.checks.equations import Equations
 from ....engines.checks.read_back import State, stacked
 from ....scenarios import FloatArray, Scenario, Trajectory
 from ....scenarios.fastest_rate import fastest_rate
+from ..defects import FARTHEST_TURN
 from ..ladder import Rung
 from .examine import OPENED
 from .noise import largest_terms
@@ -25,8 +26,6 @@ from .steps import Sessions, Steps, flowed, step_gains
 TIMESTEPS = 4
 #: Intervals that steps are taken from at several states, and how many in each.
 GAINING, STATES = 4, 5
-#: rad; a motion that turns by more is not followed: it would take longer than a second.
-FARTHEST_TURN = 1e5
 
 
 @dataclass(frozen=True, eq=False)

@@ -8,23 +8,11 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from library_scenes import library_scene
+from scenes_of_derivatives import SCENES
 from spincheck.engines import engines
 from spincheck.reports.harness.executors import LocalWorkers
 from spincheck.reports.harness.gradients.study import OURS, GradientRow, gradients_by
 
-#: Free, heavy and on a table.
-SCENES = (
-    "t-handle",
-    "book-middle-axis",
-    "book-in-skew-axes",
-    "discus-wobble",
-    "fast-top",
-    "sleeping-top",
-    "lopsided-body",
-    "spherical-pendulum",
-    "gliding-top",
-    "top-with-drag-on-the-table",
-)
 #: The middle axis, the sleeping top at its threshold, and chaos.
 STEERED = ("middle-axis-exactly", "asleep-at-the-threshold", "chaos-beyond-the-horizon")
 STEERED_BY = {"mujoco": ("Euler", "RK4"), "mjx": ("RK4",)}

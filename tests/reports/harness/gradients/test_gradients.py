@@ -15,6 +15,7 @@ import numpy as np
 import pytest
 from case_loops import each_case
 from library_scenes import library_scene
+from scenes_of_derivatives import SCENES
 from spincheck.engine import Derivative, EngineError, FloatArray, State
 from spincheck.engines import engines
 from spincheck.engines.adapters.mujoco.session import MuJoCoSession
@@ -27,18 +28,6 @@ from spincheck.scenarios.rotation import matrix
 pytestmark = pytest.mark.slow
 
 MUJOCO = engines()["mujoco"]
-SCENES = (
-    "t-handle",
-    "book-middle-axis",
-    "book-in-skew-axes",
-    "discus-wobble",
-    "fast-top",
-    "sleeping-top",
-    "lopsided-body",
-    "spherical-pendulum",
-    "gliding-top",
-    "top-with-drag-on-the-table",
-)
 #: What an engine or its adapter does not differentiate, by words of the reason.
 OUT_OF_REACH = ("RK4 integrator is not supported", "its caller's")
 

@@ -152,11 +152,12 @@ AT_STOCK, STOCK = planted.AtExactlyTwoMilliseconds, {"stock_timestep": 2e-3}
     ("method", "engine"),
     [
         ("Euler", SteppedEngine(AT_STOCK, 1e-3, **STOCK)),
+        ("Euler", SteppedEngine(AT_STOCK, 1e-6, **STOCK)),
         ("RK4", SteppedEngine(AT_STOCK, 1e-5, **STOCK)),
         ("Euler", in_single(AT_STOCK, 1e-3, **STOCK)),
         ("RK4", in_single(AT_STOCK, 3e-2, **STOCK)),
     ],
-    ids=["Euler", "RK4", "Euler in 24 bits", "RK4 in 24 bits"],
+    ids=["Euler", "Euler, a little", "RK4", "Euler in 24 bits", "RK4 in 24 bits"],
 )
 def test_a_fault_at_the_stock_timestep_alone_is_told(method: str, engine: SteppedEngine) -> None:
     assert "with a timestep of 0.002 s" in in_words(looked_at(engine, method, BOOK))

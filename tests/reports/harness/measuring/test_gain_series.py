@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 from scipy.stats import kstest
+from spincheck.reports.harness.measuring import whitened
 from spincheck.reports.harness.measuring.gain_series import LEAST, GainSeries, fitted
 from spincheck.reports.harness.measuring.whitened import PREDICTED_FROM, TERMS
 from spincheck.reports.results.evidence import LEVEL
@@ -102,6 +103,22 @@ def test_tails_of_honest_gains_are_uniform(order: int, eps: float) -> None:
 @pytest.mark.parametrize("radius", [0.5, 2.0, 4.0])
 def test_so_are_those_of_series_that_converge_faster_or_slower(radius: float) -> None:
     assert distance(tails_of(sample(1, radius=radius))) <= ESTIMATED
+
+
+def test_a_state_whose_series_converges_late_has_a_radius_of_its_own(monkeypatch) -> None:
+    """As one near a pole of an engine's angles: by the radius of the others it is less likely."""
+
+    def least_tail() -> float:
+        chance, least = np.random.default_rng(SEED), []
+        for _ in range(METHODS):
+            usual, late = (drawn(chance, 3, radius=radius) for radius in (0.5, 8.0))
+            gains = np.concatenate([usual.gains[:, 1:], late.gains[:, :1]], axis=1)
+            least.append(Drawn(usual.timesteps, gains, usual.noise).fitted(0.0).least_tails[-1])
+        return float(np.median(least))
+
+    by_its_own = least_tail()
+    monkeypatch.setattr(whitened, "RADII", (0.5,))
+    assert by_its_own > 10 * least_tail()
 
 
 @PRECISIONS
