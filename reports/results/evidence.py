@@ -121,8 +121,8 @@ class StepEvidence:
     settled : steps in which a constraint settled first
     changes_below : s; what shorter steps gain is another function of the timestep, which vanishes
         as well; 0 where it is not
-    apart_from : s; from this timestep on steps gain what shorter ones, which vanish, do not
-        predict; 0 where they do
+    beyond_from : s; the shortest timestep that is beyond the radius of convergence of what steps
+        gain, in some state; 0 if none is
     """
 
     states: Count
@@ -134,7 +134,7 @@ class StepEvidence:
     fault: StepFault | None = None
     settled: Count = 0
     changes_below: Size = 0.0
-    apart_from: Size = 0.0
+    beyond_from: Size = 0.0
     declared: Count = 0
 
     @property

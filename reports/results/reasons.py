@@ -83,10 +83,11 @@ def _consistent(steps: StepEvidence, replays: Sequence[ReplayEvidence]) -> str:
             f"with timesteps below {steps.changes_below:.3g} s what steps gain is another "
             "function of the timestep, which vanishes as well"
         )
-    if steps.apart_from:
+    if steps.beyond_from:
         parts.append(
-            f"but with timesteps of {steps.apart_from:.3g} s and longer steps gain what shorter "
-            "ones do not predict: what acts depends on the timestep"
+            f"with timesteps of {steps.beyond_from:.3g} s and longer, steps from some states gain "
+            "what the series of shorter ones does not predict: that timestep is beyond its radius "
+            "of convergence, or what acts depends on the timestep"
         )
     return "; ".join(parts)
 

@@ -17,7 +17,7 @@ from .look import Look
 from .noise import SOLVED, ULPS, noise_of, noise_of_steps, rounding_of_body
 from .places import FINER, Places, places
 from .readings import misreading
-from .shapes import SURE, fault_of, without_longer
+from .shapes import SURE, fault_of
 from .steps import (
     Open,
     Sessions,
@@ -234,7 +234,6 @@ def _misread(sessions: Sessions, engine: Engine, at: Places) -> StepFault | None
 
 def evidence_of(look: Look, at: Places, order: int) -> StepEvidence:
     """What a look shows, as it is stored; `order` is the one that is declared."""
-    look, apart_from = without_longer(look)
     known_to, of_an_effect = look.known_to
     return StepEvidence(
         len(at.times),
@@ -246,7 +245,7 @@ def evidence_of(look: Look, at: Places, order: int) -> StepEvidence:
         fault_of(look, at),
         look.settled,
         _changes_below(look),
-        apart_from,
+        _beyond_from(look),
         order,
     )
 
@@ -283,6 +282,12 @@ def _curves(look: Look) -> list[GainCurve]:
         timesteps = tuple(map(float, look.steps.timesteps))
         curves.append(GainCurve(quantity, timesteps, *relative))
     return curves
+
+
+def _beyond_from(look: Look) -> float:
+    """The shortest timestep, s, that is beyond the radius of convergence in a state; 0 if none."""
+    count = max(int(one.beyond.max()) for one in look.series)
+    return float(look.steps.timesteps[count - 1]) if count else 0.0
 
 
 def _changes_below(look: Look) -> float:

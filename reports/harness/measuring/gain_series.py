@@ -17,6 +17,7 @@ over, with a prior that is estimated from all states (Kiefer & Wolfowitz, Ann. M
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from typing import TypeVar
 
 import numpy as np
@@ -24,14 +25,12 @@ from numpy.typing import NDArray
 from scipy.special import chdtrc
 
 from ....scenarios import FloatArray
-from .whitened import PREDICTED_FROM, Measured, Whitened, log_sum, normalised
+from .regression import LEAST, PREDICTED_FROM, Measured, Regression, log_sum, normalised
 
 #: Orders that are tried.
 ORDERS = (1, 2, 3, 4, 5, 6)
 #: Share of the prior that is the same everywhere, and steps of its estimation.
 LEAK, ESTIMATIONS = 0.1, 3
-#: Gains that tell a limit, if steps are computed otherwise from some timestep on.
-LEAST = 4
 
 T = TypeVar("T", "_Fit", "_Split")
 
@@ -50,6 +49,7 @@ class GainSeries:
         its standard deviation, (J, K)
     changes : the index of the timestep from which on steps are computed otherwise, (K,); 0 where
         there is none
+    beyond : how many of the longest timesteps are beyond the radius of convergence for sure, (K,)
     alone : the index of the timestep that would be off, if a single one is; None where more are
     """
 
@@ -61,6 +61,7 @@ class GainSeries:
     predicted: FloatArray
     predicted_to: FloatArray
     changes: NDArray[np.intp]
+    beyond: NDArray[np.intp]
     is_pooled: bool = True
     alone: int | None = None
 
@@ -105,9 +106,8 @@ def fitted(
     """Fit the model to what steps gain.
 
     Where one series leaves a tail below the level, two are tried: of a method that computes shorter
-    steps otherwise, both of which must vanish with the timestep. So may the longest timesteps be
-    beyond the radius of convergence. Two series follow many gains: where one with a single timestep
-    that is off is likelier by the level, that is a fault.
+    steps otherwise, both of which must vanish with the timestep. Two series follow many gains:
+    where one with a single timestep that is off is likelier by the level, that is a fault.
 
     Parameters
     ----------
@@ -120,16 +120,18 @@ def fitted(
     is_pooled : whether the limits of states are independent, and are judged together, too
     """
     measured = Measured.of(timesteps, gains, noise, rates)
-    one = replace(_one_series(measured), is_pooled=is_pooled)
+    fit = _likeliest(lambda order: _Fit.of(measured, order, constant=False))
+    one = replace(_one_series(fit), is_pooled=is_pooled)
     if one.tail >= level:
         return one
-    alone, total = _off_alone(measured, level)
+    alone, total = _off_alone(measured)
     if may_split and len(timesteps) > LEAST:
         split = _likeliest(lambda order: _Split.of(measured, order))
-        two = _two_series(measured, one, split)
-        if two.tail >= level and (alone is None or total - split.total < -np.log(level)):
+        two = _two_series(one, split)
+        if two.tail >= level and total - split.total < -np.log(level):
             return two
-    return replace(_off_limit(measured, one), alone=alone)
+    is_alone = total - fit.regression.total.sum() > -np.log(level)
+    return replace(_off_limit(measured, one), alone=alone if is_alone else None)
 
 
 def likelihood_of(order: int, measured: Measured, *, is_split: bool) -> float:
@@ -151,19 +153,20 @@ def _prior(evidence: FloatArray) -> tuple[FloatArray, float]:
 
 @dataclass(frozen=True, eq=False)
 class _Fit:
-    """Innovations of one order, the prior that goes with them, and how likely they are by it."""
+    """A regression by one order, the prior that goes with it, and how likely gains are by it."""
 
     order: int
     total: float
     prior: FloatArray
-    white: Whitened
+    regression: Regression
 
     @staticmethod
     def of(measured: Measured, order: int, *, constant: bool) -> "_Fit":
         """Fit a series with a constant or without."""
-        white = Whitened.of(measured, order)
-        prior, total = _prior(white.evidence_with_constant if constant else white.evidence)
-        return _Fit(order, total, prior, white)
+        regression = Regression.of(measured, order)
+        evidence = regression.evidence_with_constant if constant else regression.evidence
+        prior, total = _prior(evidence)
+        return _Fit(order, total, prior, regression)
 
 
 def _likeliest(fit: Callable[[int], T]) -> T:
@@ -177,48 +180,50 @@ def _likeliest(fit: Callable[[int], T]) -> T:
     return best
 
 
-def _one_series(measured: Measured) -> GainSeries:
+def _one_series(fit: _Fit) -> GainSeries:
     """What one series leaves."""
-    fit = _likeliest(lambda order: _Fit.of(measured, order, constant=False))
-    limit, known_to, limit_tails = fit.white.limit(fit.prior)
-    mean, error = fit.white.predictions(measured.gains, fit.prior)
-    units = measured.units
+    limit, known_to, limit_tails = fit.regression.limit(fit.prior)
+    tails, predicted, error = fit.regression.innovations(fit.prior)
+    units = fit.regression.measured.units
     return GainSeries(
         fit.order,
-        fit.white.tails(fit.prior),
+        tails,
         limit_tails,
         limit * units[:, None],
         known_to * units,
-        mean * units[:, None],
+        predicted * units[:, None],
         error * units,
         np.zeros(len(units), dtype=int),
+        fit.regression.beyond(fit.prior),
     )
 
 
 def _off_limit(measured: Measured, one: GainSeries) -> GainSeries:
     """The same, with the limit by the order that is most likely if it is not zero."""
     fit = _likeliest(lambda order: _Fit.of(measured, order, constant=True))
-    limit, known_to, _ = fit.white.limit(fit.prior)
+    limit, known_to, _ = fit.regression.limit(fit.prior)
     units = measured.units
     return replace(one, limit=limit * units[:, None], known_to=known_to * units)
 
 
-def _two_series(measured: Measured, one: GainSeries, best: "_Split") -> GainSeries:
+def _two_series(one: GainSeries, best: "_Split") -> GainSeries:
     """What is left where steps shorter than one timestep or one turn are computed otherwise.
 
     The timestep or turn is the most likely one, and is the same for all states, as is the order.
     """
     tails, limit_tails = one.tails.copy(), one.limit_tails.copy()
     limit, known_to = one.limit.copy(), one.known_to.copy()
-    flat = best.parts[0][0].flat
+    units, beyond = best.parts[0][0].measured.units, one.beyond.copy()
     for change in np.unique(best.changes):
         states, parts = best.changes == change, best.parts[change]
-        tails[:, states] = np.concatenate([part.tails(flat) for part in parts])[:, states]
+        each = [part.innovations(part.flat)[0] for part in parts]
+        tails[:, states] = np.concatenate(each)[:, states]
+        beyond[states] = parts[0].beyond(parts[0].flat)[states]
         # Fewer gains than that tell no limit from a series.
-        found = [part.limit(flat) for part in parts if len(part.sigma[0]) >= LEAST]
+        found = [part.limit(part.flat) for part in parts if len(part.measured.x) >= LEAST]
         finest, error, _ = found[-1]
-        limit[states] = (finest * measured.units[:, None])[states]
-        known_to[states] = (error * measured.units)[states]
+        limit[states] = (finest * units[:, None])[states]
+        known_to[states] = (error * units)[states]
         limit_tails[states] = np.min([of_limit for _, _, of_limit in found], axis=0)[states]
     return replace(
         one,
@@ -228,31 +233,24 @@ def _two_series(measured: Measured, one: GainSeries, best: "_Split") -> GainSeri
         limit=limit,
         known_to=known_to,
         changes=best.changes,
+        beyond=beyond,
     )
 
 
-def _without(measured: Measured, off: slice) -> float:
-    """How likely gains are (logarithm), if those with some timesteps may be off by anything.
-
-    By the flat prior, as that of two series is.
-    """
-    noise = measured.noise.copy()
-    noise[off] += np.abs(measured.gains[off]).max(axis=(1, 2))
-    others = replace(measured, noise=noise)
-    fit = _likeliest(lambda order: _Fit.of(others, order, constant=False))
-    return float(log_sum(fit.white.evidence).sum())
-
-
-def _off_alone(measured: Measured, level: float) -> tuple[int | None, float]:
+def _off_alone(measured: Measured) -> tuple[int, float]:
     """The timestep that is off, if a single one is, and how likely gains then are (logarithm).
 
-    None where no timestep is, or it cannot be told from all that are as long or longer, which may
-    be beyond the radius of convergence.
+    What steps gain with that timestep may be anything of its size. The prior is flat, as that of
+    two series is.
     """
-    each = [_without(measured, slice(j, j + 1)) for j in range(len(measured.x))]
-    j, total = int(np.argmax(each)), max(each)
-    is_one = total - _without(measured, slice(0, j + 1)) > -np.log(level)
-    return j if is_one else None, total
+    totals = []
+    for j in range(len(measured.x)):
+        noise = measured.noise.copy()
+        noise[j] += np.abs(measured.gains[j]).max()
+        others = replace(measured, noise=noise)
+        fit = _likeliest(lambda order: _Fit.of(others, order, constant=False))
+        totals.append(float(fit.regression.total.sum()))
+    return int(np.argmax(totals)), max(totals)
 
 
 @dataclass(frozen=True, eq=False)
@@ -268,18 +266,19 @@ class _Split:
 
     total: float
     order: int
-    parts: list[tuple[Whitened, ...]]
+    parts: list[tuple[Regression, ...]]
     changes: NDArray[np.intp]
 
     @staticmethod
     def of(measured: Measured, order: int) -> "_Split":
         """The most likely change, by one order."""
-        whole, count = Whitened.of(measured, order), len(measured.x)
-        pairs = [(whole.until(c), Whitened.of(measured, order, c)) for c in range(1, count)]
-        parts = [(whole,), *pairs]
-        each = np.array([sum(log_sum(part.evidence) for part in one) for one in parts])
-        # Of a pair each may have any radius and amplitude of the grid.
-        each[1:] -= np.log(len(whole.sigma))
+        count = len(measured.x)
+        edges = [(0, count), *((0, change, count) for change in range(1, count))]
+        parts = [
+            tuple(Regression.of(measured.part(*ends), order) for ends in pairwise(of_one))
+            for of_one in edges
+        ]
+        each = np.array([sum(part.total for part in one) for one in parts])
         tried = measured.changes(count - LEAST)
         totals = np.take_along_axis(each, tried, axis=0).sum(axis=1)
         best = int(totals.argmax())

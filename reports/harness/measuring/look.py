@@ -12,7 +12,7 @@ from ...results.evidence import CONSISTENT, LEVEL, QUANTITIES, SEEN
 from .gain_series import GainSeries, fitted, likelihood_of
 from .noise import largest_terms, weakest_effects
 from .steps import Steps
-from .whitened import Measured
+from .regression import Measured
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,12 +34,6 @@ class Look:
     settled: int
     may_split: bool = True
     is_pooled: bool = True
-
-    def from_timestep(self, first: int) -> "Look":
-        """Without the longest timesteps."""
-        steps = self.steps.from_timestep(first)
-        gains, noise = self.gains[first:], self.noise[first:]
-        return replace(self, steps=steps, gains=gains, noise=noise, may_split=False)
 
     @cached_property
     def series(self) -> tuple[GainSeries, ...]:

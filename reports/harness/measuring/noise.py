@@ -52,15 +52,16 @@ def noise_of(
     read = steps.by_timestep(_roundings(equations, steps)).max(axis=1)
     variance = (rounding * read) ** 2 / steps.repeats + (of_reading * sizes) ** 2
     variance[..., 1] += (of_body * sizes[1]) ** 2
-    # An angular acceleration that is off turns the body by half of what it adds to ω.
-    variance[..., 0] += (of_body * sizes[0] * np.minimum(1.0, spans * sizes[0] / 2)) ** 2
     if settled:
         variance[..., 0] += (engine.least_turn / spans) ** 2
     if not scenario.constraint.is_pivot:
         before = steps.before
         fast = norms(before.velocity_world) + equations.arm * norms(before.omega_body)
-        speeds = steps.by_timestep(fast).max(axis=1)
-        variance[..., 1] += (rounding * scenario.body.mass * speeds**2) ** 2
+        torques = rounding * scenario.body.mass * steps.by_timestep(fast).max(axis=1) ** 2
+        variance[..., 1] += torques**2
+        # An angular acceleration that is off turns the body by half of what it adds to ω.
+        variance[..., 0] += (torques * np.linalg.norm(equations.inverse, 2) * spans / 2) ** 2
+    variance[..., 0] += (of_body * sizes[0] * np.minimum(1.0, spans * sizes[0] / 2)) ** 2
     if steps.before.spins.size and scenario.constraint.is_free:
         force, _ = scenario.cancelling(np.abs(steps.before.spins))
         forced = rounding * steps.by_timestep(force).max(axis=1) / scenario.body.mass

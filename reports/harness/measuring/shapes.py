@@ -20,43 +20,10 @@ from .look import Look
 from .places import Places
 from .readings import misreading
 
-#: So many of the shortest steps have to vanish where longer ones do something else.
-VANISHING = 8
 #: So many of the shortest steps have to show that an error does not depend on their length.
 LEAPS = 4
 #: Standard errors of a limit within which an explanation must come.
 SURE = 8.0
-
-
-def without_longer(look: Look) -> tuple[Look, float]:
-    """The look without the longest timesteps, if the shorter ones alone vanish.
-
-    A method may compute long steps otherwise, or adapt their number: then what it does there is no
-    series. The shorter steps must be known well enough to show what the longer ones are off by. One
-    timestep alone that is off is none of these.
-
-    Returns
-    -------
-    The look, and the shortest timestep that was left out, s, 0 if none was.
-    """
-    count = len(look.steps.timesteps)
-    if look.tail >= LEVEL or count <= LEAST:
-        return look, 0.0
-    q, k = _worst(look)
-    if _shape(look, q, k)[0] == "timestep":
-        return look, 0.0
-    series = look.series[q]
-    off = float(norms(look.gains[:, k, q] - series.predicted[:, k])[series.tails[:, k].argmin()])
-
-    def from_on(first: int) -> Look | None:
-        shorter = look.from_timestep(first)
-        is_sharp = SURE * shorter.series[q].known_to[k] < off
-        return shorter if is_sharp and shorter.tail >= LEVEL else None
-
-    if count <= VANISHING or from_on(count - VANISHING) is None:
-        return look, 0.0
-    first = next(first for first in range(1, count) if from_on(first))
-    return look.from_timestep(first), float(look.steps.timesteps[first - 1])
 
 
 def _worst(look: Look) -> tuple[int, int]:

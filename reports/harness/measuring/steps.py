@@ -73,13 +73,6 @@ class Steps:
     exact: State
     repeats: int = 1
 
-    def from_timestep(self, first: int) -> "Steps":
-        """Without those with the longest timesteps."""
-        rows = slice(first * (len(self.spans) // len(self.timesteps)), None)
-        before, after, exact = (one.rows(rows) for one in (self.before, self.after, self.exact))
-        timesteps, spans = self.timesteps[first:], self.spans[rows]
-        return Steps(timesteps, spans, before, after, exact, self.repeats)
-
     def by_timestep(self, rows: FloatArray) -> FloatArray:
         """One value a row, of any shape (J R K, …), as (J, R, K, …)."""
         return rows.reshape(len(self.timesteps), self.repeats, -1, *rows.shape[1:])

@@ -11,9 +11,9 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 from scipy.stats import kstest
-from spincheck.reports.harness.measuring import whitened
+from spincheck.reports.harness.measuring import regression
 from spincheck.reports.harness.measuring.gain_series import LEAST, GainSeries, fitted
-from spincheck.reports.harness.measuring.whitened import PREDICTED_FROM, TERMS
+from spincheck.reports.harness.measuring.regression import PREDICTED_FROM, TERMS
 from spincheck.reports.results.evidence import LEVEL
 
 EPS, EPS_SINGLE = (float(np.finfo(kind).eps) for kind in (np.float64, np.float32))
@@ -51,20 +51,26 @@ class Drawn:
         return Drawn(self.timesteps, self.gains + fault, self.noise)
 
 
-def drawn(chance: np.random.Generator, order: int, eps: float = EPS, radius: float = 1.0) -> Drawn:
-    """Gains of amplitude 0.01 or so at the longest timestep, with noise of a few ulp a step."""
+def drawn(chance: np.random.Generator, order: int, eps: float = EPS, radius: float = 0.7) -> Drawn:
+    """Gains of amplitude 0.01 or so at the longest timestep, with noise of a few ulp a step.
+
+    Beyond the radius, which is the inverse of the one given, gains are any.
+    """
     timesteps = LONGEST / 2.0 ** np.arange(DOUBLE if eps == EPS else SINGLE)
-    x, powers = timesteps / LONGEST, np.arange(TERMS)
+    x, powers = timesteps / LONGEST, np.arange(2 * TERMS)
     amplitudes = 10 ** chance.normal(-2.0, DECADES, STATES)
     of_terms = amplitudes[:, None] * radius ** powers[:, None, None]
-    coefficients = of_terms * chance.standard_normal((TERMS, STATES, 3))
+    coefficients = of_terms * chance.standard_normal((len(powers), STATES, 3))
     basis = x[:, None] ** (order + powers)
     noise = np.broadcast_to((4 * eps / timesteps)[:, None], (len(x), STATES))
     gains = np.einsum("ji,ikc->jkc", basis, coefficients)
+    is_beyond = radius * x >= 1
+    largest = np.abs(gains[~is_beyond]).max()
+    gains[is_beyond] = largest * chance.standard_normal(gains[is_beyond].shape)
     return Drawn(timesteps, gains + noise[..., None] * chance.standard_normal(gains.shape), noise)
 
 
-def sample(order: int, eps: float = EPS, radius: float = 1.0) -> list[Drawn]:
+def sample(order: int, eps: float = EPS, radius: float = 0.7) -> list[Drawn]:
     chance = np.random.default_rng(SEED)
     return [drawn(chance, order, eps, radius) for _ in range(METHODS)]
 
@@ -79,8 +85,13 @@ def distance(values: np.ndarray) -> float:
     return float(kstest(values, "uniform").statistic - BY_CHANCE / np.sqrt(len(values)))
 
 
+def is_told(found: GainSeries) -> bool:
+    """As a fault, or as long steps that are beyond a radius or are computed otherwise."""
+    return is_accused(found) or bool(found.beyond.any() or found.changes.any())
+
+
 def is_accused(found: GainSeries) -> bool:
-    return bool(found.least_tails.min() * found.tests < LEVEL)
+    return found.tail < LEVEL
 
 
 EVERY = pytest.mark.parametrize("order", [1, 2, 4])
@@ -100,7 +111,7 @@ def test_tails_of_honest_gains_are_uniform(order: int, eps: float) -> None:
         assert distance(tails_of(methods, mistaken)) > ESTIMATED
 
 
-@pytest.mark.parametrize("radius", [0.5, 2.0, 4.0])
+@pytest.mark.parametrize("radius", [0.5, 0.6, 1.2, 1.5, 2.9, 3.3])
 def test_so_are_those_of_series_that_converge_faster_or_slower(radius: float) -> None:
     assert distance(tails_of(sample(1, radius=radius))) <= ESTIMATED
 
@@ -117,7 +128,7 @@ def test_a_state_whose_series_converges_late_has_a_radius_of_its_own(monkeypatch
         return float(np.median(least))
 
     by_its_own = least_tail()
-    monkeypatch.setattr(whitened, "RADII", (0.5,))
+    monkeypatch.setattr(regression, "_inverse_radii", lambda x: np.array([0.5]))
     assert by_its_own > 10 * least_tail()
 
 
@@ -181,7 +192,9 @@ SHAPES: dict[str, tuple[Shape, float]] = {
 def test_what_is_no_series_of_the_timestep_is_detected(order: int, name: str) -> None:
     shape, size = SHAPES[name]
     for one in sample(order)[:FAULTY]:
-        assert is_accused(one.with_fault(size * shape(one.timesteps)).fitted())
+        found = one.with_fault(size * shape(one.timesteps)).fitted()
+        # Of steps that vanish once they are short a method converges.
+        assert is_told(found) if name == "longer steps" else is_accused(found)
 
 
 @pytest.mark.parametrize("constant", [0.0, 1e-5])

@@ -1,0 +1,264 @@
+"""Bayesian linear regression of what steps gain on powers of the timestep.
+
+The model is that of `gain_series.py`, for one order and a grid of radii of convergence and
+amplitudes. Given these, gains are jointly Gaussian, and all that is needed follows from one
+singular value decomposition for each radius, of the powers in units of the noise (Bishop, Pattern
+Recognition and Machine Learning, §3.3). A gain beyond the radius may be any that steps have.
+"""
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.special import chdtrc
+
+from ....scenarios import FloatArray
+
+#: Terms of the series that are kept: more change no tail.
+TERMS = 16
+#: Ratios of neighbouring radii and amplitudes that are integrated over.
+RADIUS_RATIO, AMPLITUDE_RATIO = 2**0.5, 10**0.35
+#: Probability from which on a timestep is said to be beyond the radius.
+SURE = 1 - 1e-6
+#: Probability of a pair below which it makes no difference to any tail.
+IMPOSSIBLE = 1e-18
+#: Gains with longer timesteps that a prediction needs, and gains that tell a limit.
+PREDICTED_FROM, LEAST = 2, 4
+
+
+@dataclass(frozen=True, eq=False)
+class Measured:
+    """Gains in units in which the noise of all states is alike.
+
+    Attributes
+    ----------
+    x : timesteps, relative to the longest, (J,)
+    gains, noise : (J, K, 3) and (J,)
+    units : what a gain of each state is to be multiplied by, (K,)
+    amplitudes : those that are integrated over, (A,)
+    turns : of each state in each timestep, in any unit, (J, K)
+    radius : the least radius of convergence, which leaves two thirds of all timesteps within
+    """
+
+    x: FloatArray
+    gains: FloatArray
+    noise: FloatArray
+    units: FloatArray
+    amplitudes: FloatArray
+    turns: FloatArray
+    radius: float
+
+    @staticmethod
+    def of(
+        timesteps: FloatArray, gains: FloatArray, noise: FloatArray, rates: FloatArray | None
+    ) -> "Measured":
+        """Scale gains by each state's noise; how it depends on timesteps is as in the noisiest."""
+        units = np.median(noise / np.median(noise, axis=1, keepdims=True), axis=0)
+        scaled, alike = gains / units[:, None], (noise / units).max(axis=1)
+        least, largest = 0.1 * alike.min(), 1e3 * (np.abs(scaled).max() + alike.max())
+        count = int(np.ceil(np.log(largest / least) / np.log(AMPLITUDE_RATIO)))
+        amplitudes = least * AMPLITUDE_RATIO ** np.arange(count + 1)
+        x = timesteps / timesteps[0]
+        turns = x[:, None] * (np.ones(len(units)) if rates is None else rates)
+        return Measured(x, scaled, alike, units, amplitudes, turns, float(x[len(x) // 3]))
+
+    def changes(self, last: int) -> NDArray[np.intp]:
+        """The index of the timestep from which on steps may be computed otherwise, (n, K).
+
+        One row for each timestep up to `last`, the same for all states, and one for each turn that
+        some state changes at by then. 0 in states all of whose steps are on one side.
+        """
+        count, states = self.turns.shape
+        by_timestep = np.repeat(np.arange(1, last + 1)[:, None], states, axis=1)
+        by_turn = (self.turns[:, :, None] > np.unique(self.turns)).sum(axis=0).T
+        by_turn = np.where(by_turn < count, by_turn, 0)
+        is_seen = ((by_turn > 0) & (by_turn <= last)).any(axis=1) | ~by_turn.any(axis=1)
+        # One of the two series at least has as many steps as the shorter timesteps at `last`.
+        is_long = ((by_turn <= last) | (by_turn >= count - last)).all(axis=1)
+        return np.unique(np.concatenate([by_timestep, by_turn[is_seen & is_long]]), axis=0)
+
+    def part(self, first: int, beyond: int) -> "Measured":
+        """The gains with some of the timesteps alone."""
+        kept = slice(first, beyond)
+        x, gains, noise, turns = (a[kept] for a in (self.x, self.gains, self.noise, self.turns))
+        return replace(self, x=x, gains=gains, noise=noise, turns=turns)
+
+    @property
+    def largest(self) -> float:
+        """The largest component of a gain."""
+        return float(np.abs(self.gains).max())
+
+
+@dataclass(frozen=True, eq=False)
+class Regression:
+    """What J gains of K states say by one order, and by each of A pairs of the grid.
+
+    A pair is a radius and an amplitude, amplitudes running fastest.
+
+    Attributes
+    ----------
+    radii : the inverse radii of convergence, in units of the longest timestep, (R,)
+    noise : what is added to the series at each timestep, (R, J): beyond the radius any gain
+    basis : the powers of the timestep, zero beyond the radius, (R, J, TERMS)
+    """
+
+    measured: Measured
+    radii: FloatArray
+    noise: FloatArray
+    basis: FloatArray
+
+    @staticmethod
+    def of(measured: Measured, order: int) -> "Regression":
+        """The regression of all gains; beyond the radius one is as large as the largest there is."""
+        x, radii = measured.x, _inverse_radii(measured)
+        scaled = radii[:, None] * x
+        powers = scaled[:, :, None] ** np.arange(TERMS) * (x**order)[:, None]
+        within = scaled < 1
+        beyond = np.where(within, 0.0, measured.largest)
+        basis = np.where(within[:, :, None], powers, 0.0)
+        return Regression(measured, radii, np.hypot(measured.noise, beyond), basis)
+
+    def before(self, j: int) -> "Regression":
+        """The regression of the first j gains, by the same pairs."""
+        of_first = self.measured.part(0, j)
+        return Regression(of_first, self.radii, self.noise[:, :j], self.basis[:, :j])
+
+    @cached_property
+    def _decomposed(self) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+        """Of the basis in units of the noise: Uᵀ in these units, singular values squared, and Vᵀ.
+
+        And Uᵀ times the gains: (R, J, J), (R, J), (R, TERMS, TERMS) and (R, J, K, 3).
+        """
+        U, values, right = np.linalg.svd(self.basis / self.noise[:, :, None])
+        J, K, _ = self.measured.gains.shape
+        left = np.swapaxes(U, 1, 2) / self.noise[:, None, :]
+        squares = np.zeros((len(self.radii), J))
+        squares[:, : values.shape[1]] = values**2
+        turned = left @ self.measured.gains.reshape(J, 3 * K)
+        return left, squares, right, turned.reshape(len(left), J, K, 3)
+
+    @cached_property
+    def _shrunk(self) -> FloatArray:
+        """The inverse variance of each turned gain, (R, A, J)."""
+        _, squares, _, _ = self._decomposed
+        return np.asarray(1 / (1 + self.measured.amplitudes[:, None] ** 2 * squares[:, None]))
+
+    @property
+    def flat(self) -> FloatArray:
+        """The prior by which all pairs are alike, (A,)."""
+        count = len(self.radii) * len(self.measured.amplitudes)
+        return np.full(count, 1 / count)
+
+    @cached_property
+    def evidence(self) -> FloatArray:
+        """The logarithm of the density of all gains of a state, (A, K)."""
+        _, _, _, turned = self._decomposed
+        each = self._shrunk @ (turned**2).sum(axis=3)
+        scale = np.log(self._shrunk).sum(axis=2) - 2 * np.log(self.noise).sum(axis=1)[:, None]
+        return np.asarray((3 * scale[..., None] - each) / 2).reshape(len(self.flat), -1)
+
+    @property
+    def total(self) -> FloatArray:
+        """The same, if all pairs are alike, (K,)."""
+        return log_sum(self.evidence + np.log(self.flat)[:, None])
+
+    @cached_property
+    def constants(self) -> tuple[FloatArray, FloatArray]:
+        """The constant that fits best, (A, K, 3), and its standard error, (A,)."""
+        left, _, _, turned = self._decomposed
+        ones, (R, J, K, _) = left.sum(axis=2), turned.shape
+        precision = (self._shrunk @ (ones**2)[:, :, None]).reshape(-1)
+        summed = (self._shrunk * ones[:, None]) @ turned.reshape(R, J, -1)
+        return summed.reshape(-1, K, 3) / precision[:, None, None], 1 / np.sqrt(precision)
+
+    @cached_property
+    def evidence_with_constant(self) -> FloatArray:
+        """The evidence if a constant is added, of any size, (A, K)."""
+        constants, error = self.constants
+        gained = ((constants / error[:, None, None]) ** 2).sum(axis=2) / 2
+        return np.asarray(self.evidence + gained + 3 * np.log(error)[:, None])
+
+    def limit(self, prior: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """The limit, (K, 3), its standard error, (K,), and the tail of its being zero, (K,)."""
+        constants, error = self.constants
+        weights = normalised(self.evidence_with_constant + np.log(prior)[:, None])
+        limit = (weights[..., None] * constants).sum(axis=0)
+        spread = ((constants - limit) ** 2).mean(axis=2) + error[:, None] ** 2
+        squares = ((constants / error[:, None, None]) ** 2).sum(axis=2)
+        tails = (weights * chdtrc(3, squares)).sum(axis=0)
+        return limit, np.sqrt((weights * spread).sum(axis=0)), tails
+
+    def beyond(self, prior: FloatArray) -> NDArray[np.intp]:
+        """How many of the longest timesteps are beyond the radius for sure, (K,)."""
+        weights = normalised(self.evidence + np.log(prior)[:, None])
+        of_radius = weights.reshape(len(self.radii), -1, weights.shape[1]).sum(axis=1)
+        is_beyond = self.radii[:, None] * self.measured.x >= 1
+        return np.asarray((is_beyond.T @ of_radius >= SURE).sum(axis=0))
+
+    def innovations(self, prior: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """How far each gain is off what those before it predict.
+
+        Returns
+        -------
+        The probability of a gain so far off, (J, K), the predictions, (J, K, 3), and their
+        standard deviations, (J, K)
+        """
+        J, K, _ = self.measured.gains.shape
+        tails, means, errors = np.ones((J, K)), np.zeros((J, K, 3)), np.zeros((J, K))
+        for j in range(J):
+            mean, variance, weights = self._predicted(j, prior)
+            means[j] = (weights[..., None] * mean).sum(axis=0)
+            spread = ((mean - means[j]) ** 2).mean(axis=2) + variance[:, None]
+            errors[j] = np.sqrt((weights * spread).sum(axis=0))
+            if j >= PREDICTED_FROM:
+                squares = ((self.measured.gains[j] - mean) ** 2).sum(axis=2) / variance[:, None]
+                tails[j] = (weights * chdtrc(3, squares)).sum(axis=0)
+        return tails, means, errors
+
+    def _predicted(self, j: int, prior: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """A gain as those before it predict it, by the n pairs that are not all but impossible.
+
+        Returns
+        -------
+        Its mean, (n, K, 3), its variance, (n,), and the probability of each pair, given the gains
+        before, (n, K)
+        """
+        known, row, K = self.before(j), self.basis[:, j], self.measured.gains.shape[1]
+        weights = normalised(known.evidence + np.log(prior)[:, None])
+        _, squares, right, turned = known._decomposed
+        pairs = np.flatnonzero((weights > IMPOSSIBLE).any(axis=1))
+        of_radius, of_amplitude = np.divmod(pairs, len(self.measured.amplitudes))
+        amplitudes = self.measured.amplitudes[of_amplitude, None] ** 2
+        seen, squares = (right @ row[:, :, None])[of_radius, :, 0], squares[of_radius, :TERMS]
+        count = squares.shape[1]
+        shares = amplitudes * seen
+        shares[:, :count] /= 1 + amplitudes * squares
+        variance = (shares * seen).sum(axis=1) + self.noise[of_radius, j] ** 2
+        weighed = shares[:, None, :count] * np.sqrt(squares)[:, None]
+        mean = weighed @ turned[of_radius, :count].reshape(len(pairs), count, 3 * K)
+        return mean.reshape(len(pairs), K, 3), variance, weights[pairs]
+
+
+def _inverse_radii(measured: Measured) -> FloatArray:
+    """Inverse radii of convergence that are integrated over, (R,).
+
+    From a few times the longest timestep to the least, by which enough gains are within to show a
+    series.
+    """
+    count = np.arange(np.log(4 / measured.radius) / np.log(RADIUS_RATIO))
+    radii = RADIUS_RATIO ** (count + 0.5) / 4
+    within = (radii[:, None] * measured.x < 1).sum(axis=1)
+    return np.asarray(radii[within >= min(LEAST, len(measured.x))])
+
+
+def log_sum(logarithms: FloatArray) -> FloatArray:
+    """The logarithm of the sum over the first axis; scipy's takes ten times as long."""
+    largest = logarithms.max(axis=0)
+    return np.asarray(largest + np.log(np.exp(logarithms - largest).sum(axis=0)))
+
+
+def normalised(logarithms: FloatArray) -> FloatArray:
+    """Probabilities over the first axis."""
+    weights = np.exp(logarithms - logarithms.max(axis=0))
+    return np.asarray(weights / weights.sum(axis=0))
