@@ -16,13 +16,12 @@ from kinds_of_engines import installed
 from library_scenes import library_scene
 from spincheck.engines import Engine
 from spincheck.engines.adapters.node.discovered import HERE, modules_folder
-from spincheck.engines.checks.read_back import start_state
 from spincheck.engines.child import child_engine
 from spincheck.engines.child.process import end_idle
 from spincheck.reference import solve
 from spincheck.scenarios import Scenario, errors_between
 from spincheck.scenarios.fastest_rate import fastest_rate
-from spincheck.suite.contract_scenes import SCENES, from_elsewhere
+from spincheck.suite.contract_scenes import SCENES
 
 pytestmark = pytest.mark.slow
 
@@ -242,20 +241,3 @@ def test_a_fault_planted_in_the_hinges_of_an_engine_under_node_fails_the_run(
     end_idle()
     assert run.outcome == "failed"
     assert words in run.reason, run.reason
-
-
-@each_case("name", BY_IMPULSES)
-def test_a_restart_with_rotors_is_the_scene_opened_there(name: str) -> None:
-    engine, scene = installed(name), SCENES["pivot-rotors"]
-    method, elsewhere = engine.methods[0], from_elsewhere(scene)
-    with (
-        engine.open(scene, method, 2e-3) as session,
-        engine.open(elsewhere, method, 1e-3) as opened,
-    ):
-        session.advance(5)
-        session.read_state()
-        session.restart(start_state(elsewhere), 1e-3)
-        for one in (session, opened):
-            one.advance(5)
-        pairs = zip(session.read_state().columns, opened.read_state().columns, strict=True)
-        assert all(np.array_equal(one, other) for one, other in pairs), name
