@@ -61,10 +61,7 @@ def rows(
     ] = False,
     tidy: Annotated[
         bool,
-        typer.Option(
-            "--tidy",
-            help="First delete what was made again, as scene, engine or spincheck had changed.",
-        ),
+        typer.Option("--tidy", help="First delete results that were made again after a change."),
     ] = False,
     as_csv: AsCsv = False,
     as_json: AsJson = False,
