@@ -17,7 +17,7 @@ SPREAD := football-spiral book-middle-axis fast-top lopsided-body motor-driven-t
 	--method default --method RK4 --method multibody
 
 .PHONY: docs results report engines engines-2026 test quick pythons bench kills survey thresholds random suite
-.PHONY: encodings known-issues
+.PHONY: encodings known-issues lines
 .PHONY: lint types contract check schema format-page engine-verdicts clean
 
 # The page is there to look at after the free and the heavy tops, on short ladders and without the
@@ -111,6 +111,10 @@ types: $(READY)
 
 contract: $(READY)
 	PYTHONPATH=.types $(BIN)/lint-imports
+
+# Lines of code by folder, without docstrings, comments and blank lines.
+lines: $(READY)
+	$(BIN)/python tests/lines_of_code.py
 
 schema: $(READY)
 	$(BIN)/python -m spincheck.scenarios.schema

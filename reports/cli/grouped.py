@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 GROUPS = {
     "Run and judge": ["run", "judge", "report"],
     "Choose and compare": ["recommend", "compare", "reproduce"],
-    "Look at results": ["rows", "tidy"],
+    "Look at results": ["rows"],
     "Scenes": ["list", "show", "new", "check", "reference", "export"],
     "Robot models": ["inspect", "import"],
     "Engines": ["engines", "gradients", "conform"],

@@ -1,4 +1,4 @@
-"""The commands that print what a result file holds, record by record, in lines, JSON and CSV."""
+"""The command that prints what a result file holds, record by record, in lines, JSON and CSV."""
 
 import csv
 import io
@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from ..options import RESULT_FILE, AsCsv, AsJson, Stored
-from ..terminal import Complaint, as_complaint, to_json
+from ..terminal import Complaint, say, to_json
 
 #: What a formula begins with, or white space that spreadsheets pass over before one.
 FORMULA = ("=", "+", "-", "@", "\t", "\n")
@@ -51,7 +51,6 @@ def _no_formula(value: object) -> object:
 
 
 app = typer.Typer()
-MEGABYTE = 1e6
 
 
 @app.command(epilog="Example: spincheck rows spincheck.sqlite --csv")
@@ -59,6 +58,10 @@ def rows(
     results: Stored = RESULT_FILE,
     verdicts: Annotated[
         bool, typer.Option("--verdicts", help="Print every verdict instead.")
+    ] = False,
+    tidy: Annotated[
+        bool,
+        typer.Option("--tidy", help="First delete results that were made again after a change."),
     ] = False,
     as_csv: AsCsv = False,
     as_json: AsJson = False,
@@ -73,6 +76,8 @@ def rows(
 
     if as_csv and as_json:
         raise Complaint("takes '--csv' or '--json', not both")
+    if tidy:
+        say(running.tidied(results))
     found = running.read(results)
     if as_csv or as_json:
         records = verdict_records(found) if verdicts else run_records(found)
@@ -80,21 +85,3 @@ def rows(
         return
     for line in verdict_lines(found.verdicts) if verdicts else run_lines(found.every_row):
         print(printable(line))
-
-
-@app.command(epilog="Example: spincheck tidy spincheck.sqlite")
-def tidy(results: Stored = RESULT_FILE) -> None:
-    """Delete results that were made again, as the scene, the engine or spincheck had changed.
-
-    'spincheck run' finds that out, and keeps the old results until they are deleted.
-    """
-    from ...results.result_file import ResultFileError
-    from ...results.store import open_store
-
-    with as_complaint(ResultFileError):
-        with open_store(results):
-            before = results.stat().st_size
-        with open_store(results, create=True) as store:
-            deleted = store.tidy()
-    freed = before - results.stat().st_size
-    print(f"{deleted} records deleted, {freed / MEGABYTE:.1f} MB freed")

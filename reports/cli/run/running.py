@@ -209,6 +209,16 @@ def read(path: Path, scene: str = "") -> Results:
     return results.of(scene)
 
 
+def tidied(path: Path) -> str:
+    """Delete results that do not count any more; returns how much that was, in words."""
+    with as_complaint(ResultFileError):
+        with open_store(path):
+            before = path.stat().st_size
+        with open_store(path, create=True) as store:
+            deleted = store.tidy()
+    return f"{deleted} records deleted, {(before - path.stat().st_size) / 1e6:.1f} MB freed"
+
+
 def tell_untrue(results: Results) -> None:
     """Raise a `Complaint` if a scene's published values are not those of its exact motion."""
     scenarios = [scene.scenario for scene in results.scenes.values()]

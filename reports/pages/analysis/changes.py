@@ -5,8 +5,8 @@ counts as unchanged.
 """
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass
-from typing import Any, Literal
+from dataclasses import asdict, dataclass, replace
+from typing import Literal
 
 from ....engines import Outcome
 from ...results.records import Key, Row
@@ -126,9 +126,7 @@ def _order(key: Key, old: Verdict | None, new: Verdict | None) -> Iterator[Chang
     before, after = (v.order if v and v.verdict == "converges" else None for v in (old, new))
     if before is None or after is None or before == after:
         return
-    worse = after < before
-    direction: Direction = "worse" if worse else "better"
-    yield Change("order", "order", before, after, direction, worse, **_where(key))
+    yield _judged(key, "order", "order", before, after, after < before)
 
 
 def _expectations(key: Key, old: Verdict | None, new: Verdict | None) -> Iterator[Change]:
@@ -140,10 +138,8 @@ def _expectations(key: Key, old: Verdict | None, new: Verdict | None) -> Iterato
         for verdict in (old, new)
     ]
     for expected in sorted(unmet[0].keys() ^ unmet[1].keys()):
-        worse = expected in unmet[1]
-        words = ("kept", unmet[1][expected]) if worse else (unmet[0][expected], "kept")
-        direction: Direction = "worse" if worse else "better"
-        yield Change("expectation", expected, *words, direction, worse, **_where(key))
+        was, now = (one.get(expected, "kept") for one in unmet)
+        yield _judged(key, "expectation", expected, was, now, expected in unmet[1])
 
 
 def _runs(key: Key, old: _OfKey, new: _OfKey) -> Iterator[Change]:
@@ -165,9 +161,9 @@ def _errors(
     # Older files know no spins.
     for signal in (name for name in old_noise if name in new_noise):
         sizes = old.errors[signal], new.errors[signal]
-        if direction := _grown(*sizes, old_noise[signal] + new_noise[signal]):
-            where = _where(old.key, old.timestep)
-            yield Change("error", signal, *sizes, direction, direction == "worse", **where)
+        if _has_changed(*sizes, old_noise[signal] + new_noise[signal]):
+            is_worse = sizes[1] > sizes[0]
+            yield _judged(old.key, "error", signal, *sizes, is_worse, old.timestep)
 
 
 def _noise(scene: SceneRuns, row: Row) -> dict[str, float]:
@@ -177,13 +173,10 @@ def _noise(scene: SceneRuns, row: Row) -> dict[str, float]:
     return {name: bound[name] + row.steps * growth[name] for name in names}
 
 
-def _grown(old: float, new: float, noise: float) -> Direction | None:
+def _has_changed(old: float, new: float, noise: float) -> bool:
     """Whether an error has changed; large ones, where the timestep is too coarse, do not count."""
-    if old == new or min(old, new) >= ASYMPTOTIC or abs(new - old) <= noise:
-        return None
-    if max(old, new) <= ERROR_FACTOR * min(old, new):
-        return None
-    return "worse" if new > old else "better"
+    low, high = sorted((old, new))
+    return low != high and low < ASYMPTOTIC and high - low > noise and high > ERROR_FACTOR * low
 
 
 def _cost(key: Key, old: _OfKey, new: _OfKey, same_machine: bool) -> Iterator[Change]:
@@ -193,9 +186,8 @@ def _cost(key: Key, old: _OfKey, new: _OfKey, same_machine: bool) -> Iterator[Ch
     (was, spread), (now, scatter) = before, after
     if abs(now - was) <= spread + scatter or max(was, now) <= COST_FACTOR * min(was, now):
         return
-    direction: Direction = "worse" if now > was else "better"
-    regression = direction == "worse" and same_machine
-    yield Change("cost", "seconds_per_step", was, now, direction, regression, **_where(key))
+    found = _judged(key, "cost", "seconds_per_step", was, now, now > was)
+    yield replace(found, regression=found.regression and same_machine)
 
 
 def _seconds(rows: Iterable[Row]) -> tuple[float, float] | None:
@@ -215,12 +207,20 @@ def _in_words(
     timestep: float | None = None,
 ) -> Change:
     """A change of a word on a scale from good to bad; None is not there, and neither."""
-    where = _where(key, timestep)
     if old is None or new is None:
-        return Change(kind, kind, old, new, **where)
-    worse = scale.index(new) > scale.index(old)
-    return Change(kind, kind, old, new, "worse" if worse else "better", worse, **where)
+        return Change(kind, kind, old, new, **asdict(key), timestep=timestep)
+    return _judged(key, kind, kind, old, new, scale.index(new) > scale.index(old), timestep)
 
 
-def _where(key: Key, timestep: float | None = None) -> dict[str, Any]:
-    return asdict(key) | {"timestep": timestep}
+def _judged(
+    key: Key,
+    kind: Kind,
+    name: str,
+    old: str | float,
+    new: str | float,
+    worse: bool,
+    timestep: float | None = None,
+) -> Change:
+    """A change for the worse, which is a regression, or for the better."""
+    direction: Direction = "worse" if worse else "better"
+    return Change(kind, name, old, new, direction, worse, **asdict(key), timestep=timestep)

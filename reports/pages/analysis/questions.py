@@ -93,7 +93,7 @@ def _tried(scene: SceneRuns, runs: MethodRuns, place: int) -> tuple[Any, ...]:
         scene.solved is not None and scene.solved.scenario.hard,
         *runs.pair,
         place,
-        runs.declared is not None and runs.declared.as_shipped,
+        runs.as_shipped,
         verdict and verdict.verdict,
         verdict and verdict.as_shipped,
         verdict and bool(verdict.unmet),

@@ -54,6 +54,11 @@ class MethodRuns(OfMethod):
         return self.declared.setup.replace("TIMESTEP", typed(timestep)) if self.declared else ""
 
     @property
+    def as_shipped(self) -> bool:
+        """Whether it is declared to be the engine as shipped."""
+        return self.declared is not None and self.declared.as_shipped
+
+    @property
     def is_recommendable(self) -> bool:
         """Whether users may be recommended it; older files do not have what was declared."""
         return self.declared is None or self.declared.is_recommendable

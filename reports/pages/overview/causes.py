@@ -32,8 +32,7 @@ def without_gyroscopic_torque(gathered: ReportData) -> tuple[dict[str, dict[str,
         if scene.solved is None or scene.solved.scenario.called_for - {"gravity"}:
             continue
         for run in scene.compared:
-            shipped = run.runs.declared is not None and run.runs.declared.as_shipped
-            if not shipped or turned_in_space(run.exact) < TELLING:
+            if not run.runs.as_shipped or turned_in_space(run.exact) < TELLING:
                 continue
             if turned_in_space(run.motion) < STEADY * turned_in_space(run.exact):
                 lacking.setdefault(run.runs.pair, {})[scene.name] = float(run.series["omega"].max())

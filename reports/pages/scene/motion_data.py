@@ -71,7 +71,7 @@ def _first(scene: SceneRuns) -> int:
     shipped = [
         (float(run.series["attitude"].max()), k)
         for k, run in enumerate(scene.compared)
-        if run.runs.declared and run.runs.declared.as_shipped and run.row is run.runs.drawn[0]
+        if run.runs.as_shipped and run.row is run.runs.drawn[0]
     ]
     return min(shipped, default=(0.0, 0))[1]
 

@@ -47,7 +47,7 @@ def scene_answer(scene: SceneRuns) -> dict[str, Any] | None:
         return None
     of_files = _is_of_files(scene)
     choices = [] if of_files else best_choices(scene)
-    shipped = [runs for runs in scene.methods if runs.declared and runs.declared.as_shipped]
+    shipped = [runs for runs in scene.methods if runs.as_shipped]
     others = [runs for runs in scene.methods if runs not in shipped]
     seen = {(run.row.key, run.row.timestep): run for run in scene.compared}
     rows = [_line(scene, runs, row, seen) for runs in shipped for row in runs.stock[:1]]
@@ -86,7 +86,7 @@ def gains_shown_at_first(scene: SceneRuns) -> set[str]:
 
 def closest_defaults(scene: SceneRuns) -> list[tuple[MethodRuns, Row]]:
     """Engines as shipped at their own stock timesteps, the least wrong first."""
-    shipped = [runs for runs in scene.methods if runs.declared and runs.declared.as_shipped]
+    shipped = [runs for runs in scene.methods if runs.as_shipped]
     tried = [(runs, row) for runs in shipped for row in runs.stock[:1]]
     return sorted(tried, key=lambda one: one[1].errors.attitude if one[1].errors else math.inf)
 

@@ -1,4 +1,4 @@
-"""`spincheck tidy` deletes what no longer counts, and nothing else."""
+"""`spincheck rows --tidy` deletes what no longer counts, and nothing else."""
 
 from dataclasses import replace
 
@@ -34,24 +34,24 @@ def outdate(path) -> int:
 
 
 def test_what_no_longer_counts_is_deleted_and_its_room_is_freed(path):
-    assert spincheck("tidy", str(path)).stdout == "0 records deleted, 0.0 MB freed\n"
+    assert spincheck("rows", str(path), "--tidy").stderr == "0 records deleted, 0.0 MB freed\n"
     outdated = outdate(path)
     with open_store(path) as store:
         before = store.read()
-    done = spincheck("tidy", str(path))
+    done = spincheck("rows", str(path), "--tidy")
     assert done.returncode == AGREES
-    assert done.stdout == f"{outdated} records deleted, 0.4 MB freed\n"
+    assert done.stderr == f"{outdated} records deleted, 0.4 MB freed\n"
     with open_store(path) as store:
         after = store.read()
         assert after.rows == before.rows == []
         assert len(after.sweeps[0].points) == len(before.sweeps[0].points) > 0
-    assert spincheck("tidy", str(path)).stdout == "0 records deleted, 0.0 MB freed\n"
+    assert spincheck("rows", str(path), "--tidy").stderr == "0 records deleted, 0.0 MB freed\n"
 
 
 @pytest.mark.parametrize("name", ["nowhere.sqlite", "text.sqlite"])
 def test_no_file_is_made_or_changed_that_is_none_of_ours(tmp_path, name):
     (tmp_path / "text.sqlite").write_text("spincheck = 1\n" * 100)
-    done = spincheck("tidy", str(tmp_path / name))
+    done = spincheck("rows", str(tmp_path / name), "--tidy")
     assert (done.returncode, len(done.stderr.splitlines())) == (BAD_INPUT, 1)
     assert [entry.name for entry in tmp_path.iterdir()] == ["text.sqlite"]
 
