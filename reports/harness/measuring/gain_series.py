@@ -243,13 +243,15 @@ def _off_alone(measured: Measured) -> tuple[int, float]:
     What steps gain with that timestep may be anything of its size. The prior is flat, as that of
     two series is.
     """
-    totals = []
-    for j in range(len(measured.x)):
+
+    def total(j: int) -> float:
         noise = measured.noise.copy()
         noise[j] += np.abs(measured.gains[j]).max()
         others = replace(measured, noise=noise)
         fit = _likeliest(lambda order: _Fit.of(others, order, constant=False))
-        totals.append(float(fit.regression.total.sum()))
+        return float(fit.regression.total.sum())
+
+    totals = [total(j) for j in range(len(measured.x))]
     return int(np.argmax(totals)), max(totals)
 
 

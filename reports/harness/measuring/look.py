@@ -1,6 +1,6 @@
 """Steps from known states, what they gain, and the series that explain it."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -11,8 +11,8 @@ from ....scenarios.rotation import norms
 from ...results.evidence import CONSISTENT, LEVEL, QUANTITIES, SEEN
 from .gain_series import GainSeries, fitted, likelihood_of
 from .noise import largest_terms, weakest_effects
-from .steps import Steps
 from .regression import Measured
+from .steps import Steps
 
 
 @dataclass(frozen=True, eq=False)

@@ -110,7 +110,7 @@ class Regression:
 
     @staticmethod
     def of(measured: Measured, order: int) -> "Regression":
-        """The regression of all gains; beyond the radius one is as large as the largest there is."""
+        """The regression of all gains; beyond the radius one may be as large as the largest is."""
         x, radii = measured.x, _inverse_radii(measured)
         scaled = radii[:, None] * x
         powers = scaled[:, :, None] ** np.arange(TERMS) * (x**order)[:, None]

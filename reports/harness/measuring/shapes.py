@@ -15,10 +15,11 @@ from ...results.evidence import (
     Vector,
 )
 from .explanations import explanations, gains_of
-from .gain_series import LEAST, fitted
+from .gain_series import fitted
 from .look import Look
 from .places import Places
 from .readings import misreading
+from .regression import LEAST
 
 #: So many of the shortest steps have to show that an error does not depend on their length.
 LEAPS = 4

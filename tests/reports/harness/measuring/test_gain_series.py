@@ -12,8 +12,8 @@ import numpy as np
 import pytest
 from scipy.stats import kstest
 from spincheck.reports.harness.measuring import regression
-from spincheck.reports.harness.measuring.gain_series import LEAST, GainSeries, fitted
-from spincheck.reports.harness.measuring.regression import PREDICTED_FROM, TERMS
+from spincheck.reports.harness.measuring.gain_series import GainSeries, fitted
+from spincheck.reports.harness.measuring.regression import LEAST, PREDICTED_FROM, TERMS
 from spincheck.reports.results.evidence import LEVEL
 
 EPS, EPS_SINGLE = (float(np.finfo(kind).eps) for kind in (np.float64, np.float32))
