@@ -57,7 +57,7 @@ docs: $(INSTALLED)
 	$(BIN)/pip install --quiet --editable '.[docs]'
 	$(BIN)/python -m sphinx --fail-on-warning --keep-going -q -j 2 docs build/docs
 
-# Speed, with nothing else running; tables on the terminal, the same as JSON in build/bench.
+# Speed, with nothing else running.
 bench: $(READY)
 	for script in tests/bench/*.py; do $(BIN)/python $$script || exit 1; done
 

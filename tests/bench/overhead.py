@@ -5,10 +5,8 @@ one process; ratios are of CPU seconds, their median over the rounds, with the d
 quartiles.
 """
 
-import json
 from collections.abc import Callable
-from dataclasses import asdict, dataclass
-from pathlib import Path
+from dataclasses import dataclass
 
 import mujoco
 import numpy as np
@@ -28,7 +26,6 @@ with native_output():
     import pybullet as p
     from spincheck.engines.adapters.pybullet.session import PyBulletSession
 
-OUT = Path("build/bench/overhead.json")
 ROUNDS = 20
 #: Steps a stretch: a multiple of `PER_SAMPLE`, and what PyBullet is given in one call.
 STEPS = 10 * 2**10
@@ -157,7 +154,7 @@ def shown(ratio: Ratio, goal: float = np.inf) -> str:
 
 
 def main() -> None:
-    """Measure, print a table, and write the same as JSON."""
+    """Measure, and print a table."""
     done = [overhead(engines()[e], engines()[e].method(m), scene) for e, m, scene in CASES]
     grid = Table(
         "engine",
@@ -182,8 +179,6 @@ def main() -> None:
             shown(one.by_hand),
         )
     Console(width=120).print(grid)
-    OUT.parent.mkdir(parents=True, exist_ok=True)
-    OUT.write_text(json.dumps([asdict(one) for one in done], indent=1), encoding="utf-8")
 
 
 if __name__ == "__main__":

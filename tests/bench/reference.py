@@ -1,4 +1,4 @@
-"""Speed and error of the reference and of DOP853 (scipy) and heyoka's Taylor series.
+"""Speed and error of the reference and of scipy's DOP853.
 
 Errors are against the Taylor series of orders 34/18 in double-double, itself right to 1e-22 (see
 docs/explanation/ode.md): the largest difference in q, up to sign, and in ω over its size.
@@ -6,23 +6,27 @@ Ratios are of CPU seconds, all methods in turn: their median over the rounds, wi
 the quartiles. Takes three minutes.
 """
 
-import json
-from collections.abc import Iterator
-from dataclasses import asdict, dataclass
-from pathlib import Path
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any, NamedTuple
 
 import numpy as np
-from bench_rivals import HEYOKA, Solver, dop853, heyoka
 from bench_timing import in_turn, ratio
+from mpmath import mp
+from numba import njit
 from rich.console import Console
 from rich.table import Column, Table
+from scipy.integrate import solve_ivp
 from spincheck.reference.closed_forms import closed_form
 from spincheck.reference.problem import Problem
 from spincheck.reference.rotational_problem import rotational_problem
 from spincheck.reference.taylor import FINE_ORDERS, TRUTH_ORDERS, Orders, integrate_double_double
 from spincheck.scenarios import FloatArray, Scenario, find, load, loads
+from spincheck.scenarios.exact import DIGITS
 
-OUT = Path("build/bench/reference.json")
+#: ω and q at times (n,): (n, 7) double or long double.
+Solver = Callable[[FloatArray], np.ndarray]
+
 ROUNDS = 7
 #: What DOP853 does in some tenths of a second, and a closed form in as many hundredths.
 TIMED_PERIODS = 50
@@ -89,6 +93,88 @@ class Measured:
     later_error: float | None
 
 
+class Constants(NamedTuple):
+    """Of the equations: (Ij − Ik)/Ii and l/I by axis, and g in world axes.
+
+    Whether the top is heavy spares a free one what comes to nothing.
+    """
+
+    heavy: bool
+    euler: Sequence[Any]
+    next_: Sequence[Any]
+    after: Sequence[Any]
+    gravity: Sequence[Any]
+
+
+def constants(problem: Problem) -> Constants:
+    """Rounded once, from sixty digits."""
+    cyclic = ((0, 1, 2), (1, 2, 0), (2, 0, 1))
+    moments, lever = problem.moments, problem.lever_axes
+    with mp.workdps(DIGITS):
+        return Constants(
+            any(lever) and any(problem.gravity_world),
+            [float((moments[j] - moments[k]) / moments[i]) for i, j, k in cyclic],
+            [float(lever[j] / moments[i]) for i, j, k in cyclic],
+            [float(-lever[k] / moments[i]) for i, j, k in cyclic],
+            [*map(float, problem.gravity_world)],
+        )
+
+
+def rates(y: Sequence[Any], c: Constants) -> list[Any]:
+    """ω' and q': Euler's equations along the principal axes, and q' = ½ q ω."""
+    w1, w2, w3, q0, q1, q2, q3 = y
+    spin1, spin2, spin3 = c.euler[0] * w2 * w3, c.euler[1] * w3 * w1, c.euler[2] * w1 * w2
+    if c.heavy:
+        g = c.gravity
+        # Gravity as the body sees it: the columns of the rotation matrix times g.
+        gamma1 = (q0 * q0 + q1 * q1 - q2 * q2 - q3 * q3) * g[0]
+        gamma1 = gamma1 + 2 * (q1 * q2 + q0 * q3) * g[1] + 2 * (q1 * q3 - q0 * q2) * g[2]
+        gamma2 = (q0 * q0 - q1 * q1 + q2 * q2 - q3 * q3) * g[1]
+        gamma2 = gamma2 + 2 * (q1 * q2 - q0 * q3) * g[0] + 2 * (q2 * q3 + q0 * q1) * g[2]
+        gamma3 = (q0 * q0 - q1 * q1 - q2 * q2 + q3 * q3) * g[2]
+        gamma3 = gamma3 + 2 * (q1 * q3 + q0 * q2) * g[0] + 2 * (q2 * q3 - q0 * q1) * g[1]
+        spin1 = spin1 + c.next_[0] * gamma3 + c.after[0] * gamma2
+        spin2 = spin2 + c.next_[1] * gamma1 + c.after[1] * gamma3
+        spin3 = spin3 + c.next_[2] * gamma2 + c.after[2] * gamma1
+    return [
+        spin1,
+        spin2,
+        spin3,
+        (q1 * w1 + q2 * w2 + q3 * w3) * -0.5,
+        (q0 * w1 + q2 * w3 - q3 * w2) * 0.5,
+        (q0 * w2 + q3 * w1 - q1 * w3) * 0.5,
+        (q0 * w3 + q1 * w2 - q2 * w1) * 0.5,
+    ]
+
+
+def dop853(problem: Problem, tolerance: float, compiled: bool) -> Solver:
+    """Scipy's, its right side in Python floats or compiled by numba."""
+    c = constants(problem)
+    y0 = np.array([*problem.omega_axes, *problem.q_world_axes], dtype=float)
+
+    def in_python(_: float, y: FloatArray) -> list[float]:
+        return rates(y.tolist(), c)
+
+    right_side: Callable[..., Any] = in_python
+    if compiled:
+        frozen = Constants(c.heavy, *(tuple(row) for row in c[1:]))
+        shared = njit(rates)
+
+        @njit  # type: ignore[untyped-decorator]
+        def by_numba(_: float, y: FloatArray) -> FloatArray:
+            return np.array(shared((y[0], y[1], y[2], y[3], y[4], y[5], y[6]), frozen))
+
+        right_side = by_numba
+
+    def solve(times: FloatArray) -> np.ndarray:
+        solved = solve_ivp(
+            right_side, (0, times[-1]), y0, "DOP853", times, rtol=tolerance, atol=tolerance
+        )
+        return np.asarray(solved.y.T)
+
+    return solve
+
+
 def scenario(name: str | None) -> Scenario:
     return loads(LOPSIDED, name="lopsided") if name is None else load(find([name])[0])
 
@@ -116,9 +202,6 @@ def methods(problem: Problem) -> dict[str, Solver]:
     ours = by_closed_form(problem)
     solvers: dict[str, Solver] = {} if ours is None else {CLOSED_FORM: ours}
     solvers["series 28/10"] = series(problem, TRUTH_ORDERS)
-    if HEYOKA:
-        solvers["heyoka, long double"] = heyoka(problem, np.longdouble)
-        solvers["heyoka, double"] = heyoka(problem, float)
     for tolerance in TOLERANCES:
         solvers[f"DOP853 {tolerance:g}"] = dop853(problem, tolerance, compiled=False)
     solvers[f"DOP853 {TOLERANCES[0]:g}, numba"] = dop853(problem, TOLERANCES[0], compiled=True)
@@ -208,17 +291,10 @@ def scene_table(rows: list[Measured]) -> Table:
 
 
 def main() -> None:
-    """Measure, print tables, and write the same as JSON."""
+    """Measure, and print tables."""
     console = Console(width=120, markup=False)
-    if not HEYOKA:
-        console.print("heyoka is not installed and left out: pip install 'spincheck[bench]'")
-    by_scene = []
     for case in CASES.items():
-        by_scene.append(measure(*case))
-        console.print(scene_table(by_scene[-1]))
-    OUT.parent.mkdir(parents=True, exist_ok=True)
-    figures = [asdict(row) for rows in by_scene for row in rows]
-    OUT.write_text(json.dumps(figures, indent=1), encoding="utf-8")
+        console.print(scene_table(measure(*case)))
 
 
 if __name__ == "__main__":
