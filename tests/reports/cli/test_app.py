@@ -149,6 +149,7 @@ def test_run_as_json_has_rows_and_verdicts(spincheck, sphere):
         (["run", "sphere", "--engine", "bullet"], "'--engine' must be one of "),
         (["run", "sphere", "--method", "RK5"], "'--method' must be one of"),
         (["run", "sphere", "--timestep", "-1"], "'--timestep' must be positive"),
+        (["run", "sphere", "--time-limit", "0"], "'--time-limit' must be positive"),
         (["run", "sphere", "--timestep", "1e9"], "'--timestep' must be shorter than the window"),
         (
             ["reproduce", "sphere", "--engine", "mujoco", "--method", "RK4", "--timestep", "2ms"],

@@ -23,6 +23,8 @@ TIMESTEP = 2.0**-7
 DETECTED = {
     planted.RaisingSession: ("failed", "bug", "ZeroDivisionError"),
     planted.LyingAboutBodySession: ("failed", "read-back", "'mass' must read back"),
+    planted.LyingAboutStartSession: ("failed", "read-back", "'omega_body' must read back"),
+    planted.DampedOpenlySession: ("failed", "model", "damping"),
     planted.NotANumberSession: ("diverged", "not-finite", "no longer finite"),
     planted.ResetSession: ("diverged", "warning", "the clock went back"),
     planted.ExplodingSession: ("diverged", "energy", "the energy exceeds 10 times its base"),
@@ -37,6 +39,8 @@ DETECTED = {
     planted.AnotherStartSession: ("ok", "law", "after a step, however short it is"),
     planted.BarelyDampedSession: ("ok", "law", "as if L were slowed by 1e-09 /s"),
 }
+#: What comes of such a row.
+VERDICTS = {"failed": "failed", "diverged": "diverges", "ok": "disagrees"}
 #: By its row alone none of these can be told from an honest engine.
 UNDETECTED = (planted.TwiceTheMassSession, planted.LaggingSession)
 #: Nor these: their runs are not what they are from their own states, which their replays show.
@@ -47,26 +51,36 @@ LATER = (
 )
 
 
-def rows_of(tmp_path, engines, scene, timestep):
-    """The row of each engine, by its name."""
+def study_of(tmp_path, engines, scene, timestep):
     choice = Choice(tuple(engines), (), (timestep,), timed=False)
-    results = study(tmp_path / "results.sqlite", [scene], choice)
-    return {row.key.engine: row for row in results.rows}
+    return study(tmp_path / "results.sqlite", [scene], choice)
+
+
+def rows_of(*studied):
+    """The row of each engine, by its name."""
+    return {row.key.engine: row for row in study_of(*studied).rows}
 
 
 @pytest.fixture(scope="module")
-def rows(tmp_path_factory):
+def together(tmp_path_factory):
     kinds = [HeunSession, *DETECTED, *UNDETECTED, *LATER]
     folder = tmp_path_factory.mktemp("together")
-    return rows_of(folder, map(engine, kinds), loads(BOX, "box"), TIMESTEP)
+    return study_of(folder, map(engine, kinds), loads(BOX, "box"), TIMESTEP)
+
+
+@pytest.fixture(scope="module")
+def rows(together):
+    return {row.key.engine: row for row in together.rows}
 
 
 @each_case("kind", [*DETECTED])
-def test_a_planted_fault_is_reported_by_name(rows, kind):
+def test_a_planted_fault_is_reported_by_name(together, rows, kind):
     row = rows[engine(kind).name]
     outcome, cause, words = DETECTED[kind]
     assert (row.outcome, row.cause) == (outcome, cause)
     assert words in row.reason
+    (verdict,) = (one for one in together.verdicts if one.key == row.key)
+    assert verdict.verdict == VERDICTS[outcome]
     assert not (row.survived and row.outcome != "ok")
 
 

@@ -36,12 +36,6 @@ def verdict_of(
 TOP, BOOK = "nutation-loops", "book-middle-axis"
 
 
-@pytest.mark.parametrize("method", ["Euler", "RK4"])
-@pytest.mark.parametrize("name", [TOP, BOOK])
-def test_without_a_fault_it_converges(name, method):
-    assert verdict_of(name, method, None).verdict == "converges"
-
-
 #: A scene, a fault, and the quantities that may tell of it.
 FAULTS = [
     # A pivot that sags by half the arm.

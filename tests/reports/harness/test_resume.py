@@ -8,7 +8,6 @@ from shutil import copyfile
 
 import pytest
 from box import BOX
-from command_line import spincheck
 from failing_calls import FailingCalls, of_function
 from ladders import only
 from planted import HeunSession, RaisingSession, planted
@@ -256,14 +255,6 @@ def test_what_was_stopped_is_run_again_by_whoever_gives_it_longer(
     run(finished, replace(LADDER, time_limit=time_limit))
     assert {row.key.engine for row in runs} == ({"Heun"} if again else set())
     assert (differences(read(finished), undisturbed) == []) == again
-
-
-@pytest.mark.parametrize("seconds", ["0", "-1", "nan", "inf"])
-def test_a_time_limit_that_is_none_is_one_message(path, seconds):
-    done = spincheck("run", "fast-top", "--time-limit", seconds, "--out", path)
-    assert (done.returncode, done.stdout) == (2, "")
-    assert done.stderr.startswith("spincheck: '--time-limit' must be positive")
-    assert not path.exists()
 
 
 def test_the_comparison_notices(undisturbed):

@@ -1,4 +1,4 @@
-"""A study of engines with planted faults: each fault is reported and costs one row."""
+"""A study: crashes cost one row, motions end at horizons, expectations are judged."""
 
 import re
 from dataclasses import replace
@@ -6,23 +6,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from box import BOX
-from case_loops import each_case
-from faulty_mujoco import UpsideDown
-from library_scenes import library_scene
 from planted import (
     AbortSession,
     ChattySession,
-    DampedInSecretSession,
-    DampedOpenlySession,
-    ExplodingSession,
     HangSession,
     HeunSession,
-    LyingAboutBodySession,
-    LyingAboutStartSession,
-    NotANumberSession,
-    RaisingSession,
-    ResetSession,
-    SwappedMomentsSession,
     planted,
 )
 from spincheck.reference.solve import ExactMotion
@@ -50,43 +38,9 @@ def study(tmp_path, *kinds, text: str = BOX, executor=None) -> Results:
     return study_of(tmp_path / "results.sqlite", [loads(text, "box")], choice, executor)
 
 
-#: Of all that leave this process alive: the verdict, and what its reason names.
-VERDICTS = {
-    HeunSession: ("converges", ""),
-    DampedInSecretSession: ("disagrees", ""),
-    SwappedMomentsSession: ("disagrees", ""),
-    NotANumberSession: ("diverges", "no longer finite"),
-    ResetSession: ("diverges", "has reset itself"),
-    ExplodingSession: ("diverges", "energy"),
-    LyingAboutBodySession: ("failed", "'mass' must read back"),
-    LyingAboutStartSession: ("failed", "'omega_body' must read back"),
-    DampedOpenlySession: ("failed", "damping"),
-    RaisingSession: ("failed", "ZeroDivisionError: a bug in an adapter"),
-}
-
-
 @pytest.fixture(scope="module")
-def judged(tmp_path_factory):
-    """Verdict by session class, of one study."""
-    results = study(tmp_path_factory.mktemp("study"), *VERDICTS)
-    by_engine = {verdict.key.engine: verdict for verdict in results.verdicts}
-    return {kind: by_engine[planted(kind).name] for kind in VERDICTS}
-
-
-@each_case("kind", [*VERDICTS])
-def test_each_fault_has_its_verdict_and_is_named(judged, kind):
-    word, named = VERDICTS[kind]
-    assert judged[kind].verdict == word
-    assert named in judged[kind].reason
-    assert kind is not HeunSession or judged[kind].order == pytest.approx(2, abs=0.25)
-
-
-@pytest.fixture(scope="module")
-def isolated(judged, tmp_path_factory):
-    """A study, in a worker process, of engines that would take this one along.
-
-    What it needs compiled was compiled in this one.
-    """
+def isolated(tmp_path_factory):
+    """A study, in a worker process, of engines that would take this one along."""
     kinds = (ChattySession, HangSession, AbortSession, HeunSession)
     folder = tmp_path_factory.mktemp("isolated")
     return study(folder, *kinds, executor=LocalWorkers(1, TIME_LIMIT))
@@ -165,14 +119,3 @@ def test_of_a_run_that_blew_up_the_unmet_bound_is_stated():
         "outcome at 0.002 s: diverged, the energy exceeds all bounds; "
         "expected: attitude error at most 0.00573° (0.0001 rad)"
     ]
-
-
-@pytest.mark.parametrize(
-    ("name", "quantity"), [("nutation-loops", "angular momentum"), ("hammer", "velocity")]
-)
-def test_gravity_with_its_sign_flipped_disagrees(tmp_path, name, quantity):
-    scene = library_scene(name)
-    choice = Choice((UpsideDown(),), max_steps=1 << 16, timed=False)
-    (verdict,) = study_of(tmp_path / "results.sqlite", [scene], choice).verdicts
-    assert verdict.verdict == "disagrees"
-    assert verdict.steps.fault.quantity == quantity
