@@ -22,7 +22,6 @@ from pybullet_planted import (
 from scipy.spatial.transform import Rotation
 from spincheck.engines import EngineError, Method
 from spincheck.engines.adapters.pybullet import load as pybullet_load
-from spincheck.engines.adapters.pybullet import session as pybullet_session
 from spincheck.engines.adapters.pybullet import world as pybullet_world
 from spincheck.scenarios import Scenario
 from spincheck.scenarios.rotation import matrix
@@ -54,14 +53,6 @@ def test_the_default_clamp_holds_every_velocity_to_a_hundred(
     motion = run(rotor(FAST), method).trajectory
     assert motion is not None
     assert motion.omega_body[1:, 2] == pytest.approx(100.0)
-
-
-def test_a_velocity_at_the_clamp_ends_the_run(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(pybullet_world, "UNREACHED", 100.0)
-    monkeypatch.setattr(pybullet_session, "UNREACHED", 100.0)
-    result = run(rotor(FAST, effects=""), MULTIBODY)
-    assert (result.outcome, result.reason) == ("diverged", "PyBullet clamps velocities at 100")
-    assert (result.stopped_at, result.steps, result.trajectory) == (0.0, 0, None)
 
 
 # The rotation clamp

@@ -155,6 +155,8 @@ def test_run_as_json_has_rows_and_verdicts(spincheck, sphere):
             ["reproduce", "sphere", "--engine", "mujoco", "--method", "RK4", "--timestep", "2ms"],
             "must be a number of seconds, such as 0.002, got '2ms'",
         ),
+        (["recommend", "sphere", "--attitude", "5d"], "must be such as 1e-3 (rad) or 0.1deg"),
+        (["recommend", "sphere", "--omega", "3deg"], "must be a number, such as 1e-3, got '3deg'"),
         (["run", "--no-such-flag"], "No such option: --no-such-flag"),
         (["reference", "sphere", "--at", "-3"], "'--at' must be a time from 0 on"),
         (["report", "none.sqlite"], "no such result file"),

@@ -11,7 +11,6 @@ from spincheck.reports.harness.choice import Choice
 from spincheck.reports.harness.judging import ladder_end
 from spincheck.reports.results import fingerprints
 from spincheck.reports.results.evidence import StepEvidence
-from spincheck.reports.results.store import open_store
 from spincheck.reports.results.verdicts import Verdict
 from spincheck.scenarios import Scenario, loads
 from studies import study as study_of
@@ -59,20 +58,6 @@ def judging_is_another(patch: pytest.MonkeyPatch) -> None:
     patch.setattr(
         fingerprints, "program", lambda kind: program(kind) + "another" * (kind == "verdict")
     )
-
-
-def test_verdicts_are_made_again_to_the_last_bit_without_a_run(path, monkeypatch, opened):
-    before = verdicts(path)
-    assert opened
-    opened.clear()
-    judging_is_another(monkeypatch)
-    with open_store(path) as store:
-        motions = [row.timestep for row in store.read().rows if row.motion]
-    assert verdicts(path) == before
-    assert opened == []
-    with open_store(path) as store:
-        # The samples that were dropped with the verdict were not needed.
-        assert [row.timestep for row in store.read().rows if row.motion] == motions
 
 
 def test_a_changed_threshold_changes_the_verdict_without_a_run(path, monkeypatch, opened):

@@ -226,22 +226,6 @@ def test_a_bound_of_an_angle_may_be_in_degrees(
 
 
 @pytest.mark.parametrize(
-    ("command", "option", "bound", "rule"),
-    [
-        ("recommend", "--attitude", "fivedeg", "must be such as 1e-3 (rad) or 0.1deg"),
-        ("recommend", "--omega", "3deg", "must be a number, such as 1e-3"),
-        ("run", "--timestep", "2ms", "must be a number of seconds, such as 0.002"),
-    ],
-)
-def test_a_bound_that_is_no_number_is_one_message(
-    spincheck: Command, command: str, option: str, bound: str, rule: str
-) -> None:
-    code, _, err = spincheck(command, "box.toml", option, bound)
-    assert code == 2
-    assert f"'{option}': {rule}, got '{bound}'" in " ".join(err.split())
-
-
-@pytest.mark.parametrize(
     ("option", "bound", "words"),
     [
         ("--omega", "0", " must be positive, got 0"),
