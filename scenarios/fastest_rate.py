@@ -24,8 +24,3 @@ def fastest_rate(scenario: Scenario, omega_body: FloatArray) -> float:
 def decay_rate(scenario: Scenario) -> float:
     """The fastest rate at which a scene's effects slow the body, 1/s."""
     return sum(effect.decay(scenario) for effect in scenario.acting)
-
-
-def parts_rate(scenario: Scenario) -> float:
-    """The rate at which the momentum of a scene's parts turns ω, rad/s."""
-    return sum(effect.rate(scenario) for effect in scenario.acting if effect.is_part)

@@ -26,7 +26,6 @@ from spincheck.reference.invariants import drifts
 from spincheck.reference.rotational_problem import rotational_problem
 from spincheck.scenarios import LIBRARY, Scenario, errors_between, load
 from spincheck.scenarios.effects.table import EFFECT, force
-from spincheck.scenarios.fastest_rate import parts_rate
 from spincheck.scenarios.rotation import matrices
 from spincheck.scenarios.vary import varied
 from spincheck.suite.contract_scenes import SCENES as CONTRACT
@@ -56,7 +55,8 @@ def fastest(scene: Scenario) -> float:
     """rad/s, of spin, of swings, and of what rotors do."""
     speed = float(np.linalg.norm(scene.start.omega_body))
     swing = float(np.sqrt(9.81 / (np.linalg.norm(scene.constraint.lever) + 1e-3)))
-    return max(speed, swing, parts_rate(scene))
+    of_parts = sum(effect.rate(scene) for effect in scene.acting if effect.is_part)
+    return max(speed, swing, of_parts)
 
 
 def largest_error(scene: Scenario, told: Scenario) -> float:

@@ -11,7 +11,6 @@ from dataclasses import replace
 from functools import cache
 
 import numpy as np
-from planted_physics import Ungyroscopic
 from scipy.spatial.transform import Rotation
 from spincheck.engines import BodyReading, Engine, EngineError, Method, Session, State
 from spincheck.scenarios import EFFECTS, Scenario
@@ -198,21 +197,6 @@ class SpunUpFromHalfwaySession(DampedInSecretSession):
 
     def torque(self):
         return super().torque() if self.time >= HALFWAY else None
-
-
-class UngyroscopicSession(Ungyroscopic, HeunSession):
-    """Leaves the gyroscopic torque out, as engines for games do."""
-
-
-class SingleSession(HeunSession):
-    """Holds its state in 24 bits."""
-
-    def after_step(self) -> None:
-        self.y[:] = self.y.astype(np.float32)
-
-
-class SingleUngyroscopicSession(Ungyroscopic, SingleSession):
-    """Both."""
 
 
 class SwappedMomentsSession(HeunSession):

@@ -63,11 +63,6 @@ def _surface(semi_axes: FloatArray, names: tuple[str, str, str]) -> list[Trace]:
     ]
 
 
-def curve(points: FloatArray, style: dict[str, Any]) -> Trace:
-    """A curve in space, (n, 3), in the style of its method."""
-    return _trace(points, **style)
-
-
 def _on_surface(
     semi_axes: FloatArray,
     names: tuple[str, str, str],

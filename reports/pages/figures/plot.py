@@ -116,16 +116,6 @@ def line(x: FloatArray, y: FloatArray, k: int, **properties: Any) -> Trace:
     }
 
 
-def exact_look() -> dict[str, Any]:
-    """Style of the exact motion: a thick line in the colour of text."""
-    return {
-        "mode": "lines",
-        "line": {"color": INK, "width": REFERENCE_WIDTH},
-        "name": "exact",
-        "hoverinfo": "skip",
-    }
-
-
 def method_style(label: str, style: TraceStyle) -> dict[str, Any]:
     """Style of a method's path: a thin line; by its `legendgroup` the page switches it off."""
     return {
