@@ -1,4 +1,7 @@
-"""What the format allows and what it refuses; each complaint names the place and the rule."""
+"""What the format allows and what it refuses; each complaint names the place and the rule.
+
+What no key may be, lack or be called is planted in every one in `bad_input/test_mutated_scenes`.
+"""
 
 import pytest
 from case_loops import each_case
@@ -60,9 +63,7 @@ def test_it_is_a_scene(text):
 REFUSED = {
     # numbers
     "text for a number": ((MASS[0], 'mass = "2"'), r"made:5: \[body\] mass: .* number, got '2'"),
-    "true for a number": ((MASS[0], "mass = true"), r":5: \[body\] mass: .* number, got True"),
     "infinite": ((MASS[0], "mass = inf"), r":5: \[body\] mass: .* finite number, got inf"),
-    "not a number": ((MASS[0], "mass = nan"), r":5: \[body\] mass: .* finite number, got nan"),
     "negative": ((MASS[0], "mass = -2"), r":5: \[body\] mass: .* greater than 0, got -2"),
     "no duration": (("duration = 1.0", "duration = 0"), r"\[window\] duration: .* greater than 0"),
     "one sample": (
@@ -72,36 +73,18 @@ REFUSED = {
     "too many": (("samples = 5", "samples = 1_000_001"), r"samples: .* equal to 1000000, got"),
     "half a sample": (("samples = 5", "samples = 5.5"), r"samples: .* whole number, got 5\.5"),
     # shapes
-    "two moments": ((INERTIA[0], "inertia = [1.0, 2.0]"), r":6: \[body\] inertia\[2\]: is missing"),
     "one moment": ((INERTIA[0], "inertia = 1.0"), r":6: \[body\] inertia: must be an array, got 1"),
-    "a word among them": ((INERTIA[0], 'inertia = [1.0, "x", 2]'), r":6: \[body\] inertia\[1\]: "),
-    "a flat matrix": (
-        (INERTIA[0], "inertia = [[1, 0, 0], [0, 1, 0]]"),
-        r":6: \[body\] inertia\[2\]: is missing",
-    ),
-    "an entry of a matrix": (
-        (INERTIA[0], 'inertia = [[1, 0, 0], [0, "x", 0], [0, 0, 1]]'),
-        r":6: \[body\] inertia\[1\]\[1\]: .* number, got 'x'",
-    ),
     "decimal commas": (
         (ATTITUDE, "euler_zyz_deg = [0,0, 30,0, 0,0]"),
         r":9: \[start\] euler_zyz_deg: must have 3 entries, got 6: \[0, 0, 30, 0, 0, 0\]",
     ),
     # keys
-    "misspelt": (
-        (MASS[0], "mas = 2"),
-        r":5: \[body\] mas: unknown key; did you mean 'mass'\? known",
-    ),
     "unheard-of": (
         (MASS[0], f"{MASS[0]}\ncolour = 3"),
         r":6: \[body\] colour: unknown key; known k",
     ),
     "no title": (('title = "t"\n', ""), r"made: title: is missing"),
-    "no source": (('source = "s"\n', ""), r"made: source: is missing"),
-    "empty title": (('title = "t"', 'title = ""'), r":2: title: must not be empty, got ''"),
     "another version": (("spincheck = 1", "spincheck = 2"), r":1: spincheck: .* be 1, got 2"),
-    "true for a version": (("spincheck = 1", "spincheck = true"), r":1: .* whole number, got True"),
-    "no window": (("[window]\nduration = 1.0\nsamples = 5\n", ""), r"made: \[window\]: is missing"),
     # the body
     "lopsided matrix": (
         (INERTIA[0], "inertia = [[2, 0, 0.1], [0, 2, 0], [0, 0, 2]]"),
@@ -180,10 +163,6 @@ REFUSED_TABLES = {
     "a key where there is none": (
         "[effects.pivot]\nat = 1\n",
         r":15: \[effects.pivot\] at: unknown key; known keys: none$",
-    ),
-    "pivot that is no table": (
-        "[effects]\npivot = true\n",
-        r":15: \[effects\] pivot: must be a tab",
     ),
     "no drag": (
         "[effects.drag]\nrotational = 0.0\n",
