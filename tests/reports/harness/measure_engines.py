@@ -5,11 +5,9 @@ the run with a page of what is there by then.
 """
 
 import math
-from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from contextlib import suppress
-from dataclasses import dataclass, replace
-from itertools import groupby
+from dataclasses import replace
 from pathlib import Path
 from statistics import median
 
@@ -21,11 +19,12 @@ from spincheck.reports.harness.ladder import QUICK_STEPS
 from spincheck.reports.harness.plan import plan
 from spincheck.reports.harness.study import run_study
 from spincheck.reports.pages.analysis.cost_to_reach import reach
-from spincheck.reports.pages.analysis.report_data import MethodRuns, SceneRuns, report_data
-from spincheck.reports.pages.analysis.timesteps import survival
+from spincheck.reports.pages.analysis.questions import ask
+from spincheck.reports.pages.analysis.report_data import ReportData, report_data
 from spincheck.reports.pages.analysis.work_precision import curve_of
+from spincheck.reports.results.records import Pair
 from spincheck.reports.results.store import Store, open_store
-from spincheck.reports.results.verdict_words import RANKS, VerdictWord
+from spincheck.reports.results.verdict_words import RANKS
 
 ROOT = Path(__file__).parents[3]
 STORE = ROOT / "build" / "engines.sqlite"
@@ -52,7 +51,6 @@ MOST, HALF = 0.8, 0.5
 #: Errors of attitude, rad, whose cost is compared, with MuJoCo's RK4.
 LEVELS = (1e-2, 1e-4)
 YARDSTICK = ("mujoco", "RK4")
-COLUMNS = ("engine", "method", "scenes", *RANKS, "error, °", "survives")
 COSTS = tuple(f"cost, {math.degrees(level):.2g}°" for level in LEVELS)
 HEAD = f"""# Which engines get tops right, and at what price
 
@@ -61,61 +59,21 @@ scenes come first. `default` is the engine as shipped. Ladders are short: where 
 single steps and replayed intervals do. Made by `make engine-verdicts`, with all engines
 installed.
 
-- *Error* and *survives*, with steps of up to {math.degrees(TURN):.2g}°: the median error of the
-  attitude, and on how many scenes all such runs come to their end and are better than no motion.
+- *Error*: the median of the attitude's at the timestep that users of the engine get who set none.
+- *Survives*: on how many scenes all runs with steps of up to {math.degrees(TURN):.2g}° come to
+  their end and are better than no motion.
 - *Cost*: CPU time to keep the attitude within an error, as a multiple of MuJoCo RK4's on the same
   scene: the median, and in parentheses the number, of scenes on which both are known.
 """
-
-Cell = tuple[SceneRuns, MethodRuns]
-
-
-@dataclass(frozen=True)
-class Standing:
-    """What one method did on all the scenes of a table.
-
-    Attributes
-    ----------
-    errors : of the attitude at `TURN`, rad, one a scene; infinite where the run did not end well
-    ratios : at each of `LEVELS`, of its cost and the yardstick's, on the scenes of both
-    """
-
-    engine: str
-    method: str
-    verdicts: Counter[VerdictWord]
-    survives: int
-    errors: list[float]
-    ratios: tuple[list[float], ...]
-
-    @property
-    def label(self) -> str:
-        """As users type it."""
-        return f"`{self.engine}` {self.method}"
-
-    def share(self, verdict: VerdictWord) -> float:
-        """Part of the scenes that the method can simulate."""
-        simulated = self.verdicts.total() - self.verdicts["unsupported"]
-        return self.verdicts[verdict] / max(1, simulated)
-
-    @property
-    def rank(self) -> tuple[float, ...]:
-        """Sorts the methods that are right on most of what they can simulate to the front."""
-        wrong = sum(self.share(verdict) for verdict in ("disagrees", "diverges", "failed"))
-        cost = median(self.ratios[0]) if self.ratios[0] else math.inf
-        return -self.share("converges"), wrong, cost
-
-    def row(self, columns: Sequence[str]) -> str:
-        """As a line of the table."""
-        cells = {word: str(self.verdicts[word] or "") for word in RANKS} | {
-            "engine": f"`{self.engine}`",
-            "method": self.method,
-            "scenes": str(self.verdicts.total()),
-            "error, °": f"{math.degrees(median(self.errors)):.2g}" if self.errors else "–",
-            "survives": str(self.survives),
-        }
-        for name, ratios in zip(COSTS, self.ratios, strict=True):
-            cells[name] = f"{_two_digits(median(ratios))} ({len(ratios)})" if ratios else "–"
-        return f"| {' | '.join(cells[column] for column in columns)} |"
+COUNTED = ", ".join(f"sum(verdict = '{word}')" for word in RANKS)
+STANDINGS = f"""
+    WITH off AS (SELECT engine, method, hard, median(attitude) AS error
+        FROM usual JOIN tried USING (scene, engine, method) GROUP BY 1, 2, 3)
+    SELECT engine, method, error, {COUNTED}, count(*) FILTER (WHERE at_least OR turn >= {TURN})
+    FROM tried LEFT JOIN off USING (engine, method, hard)
+    WHERE hard = ? AND verdict IS NOT NULL GROUP BY 1, 2"""
+FAILED = """
+    SELECT engine, method, scene FROM tried WHERE hard = ? AND verdict = 'failed'"""
 
 
 def measure(store: Store) -> None:
@@ -134,59 +92,49 @@ def measure(store: Store) -> None:
             run_study(left, choice, store, executor, lambda words: print(words, flush=True))
 
 
-def standings(scenes: Sequence[SceneRuns]) -> list[Standing]:
-    """Of every method that has a verdict, best first."""
-    cells = [(scene, runs) for scene in scenes for runs in scene.methods if runs.verdict]
-    cells.sort(key=_name)
-    costs = [_costs(scenes, level) for level in LEVELS]
-    return sorted(
-        (_standing(*name, list(group), costs) for name, group in groupby(cells, _name)),
-        key=lambda standing: standing.rank,
+def table(gathered: ReportData, hard: bool) -> Iterator[str]:
+    """The verdicts on plain or hard scenes, in short above them, and below what failed."""
+    costs = [] if hard else [_ratios(gathered, level) for level in LEVELS]
+    ranked, ends = [], {"Right": [], "Wrong": []}
+    for engine, method, error, *counts, survives in ask(gathered, STANDINGS, hard):
+        words = dict(zip(RANKS, counts, strict=True))
+        simulated = max(1, sum(counts) - words["unsupported"])
+        right, wrong = words["converges"] / simulated, words["disagrees"] / simulated
+        ratios = [of_level.get((engine, method), []) for of_level in costs]
+        cells = [f"`{engine}`", method, str(sum(counts)), *(str(n or "") for n in counts)]
+        cells += ["–" if error is None else f"{math.degrees(error):.2g}", str(survives)]
+        cells += [f"{_two_digits(median(of))} ({len(of)})" if of else "–" for of in ratios]
+        # Of what is right on as many, the cheapest first.
+        cost = median(ratios[0]) if ratios and ratios[0] else math.inf
+        ranked.append(((-right, wrong, cost), cells))
+        if right >= MOST or wrong > HALF:
+            ends["Right" if right >= MOST else "Wrong"].append(f"`{engine}` {method}")
+    yield f"- **Right** on at least {MOST:.0%} of the scenes they can simulate: " + (
+        f"{', '.join(ends['Right']) or 'none'}.\n- **Wrong at any timestep**, on more than half: "
+        f"{', '.join(ends['Wrong']) or 'none'}.\n"
     )
+    columns = ["engine", "method", "scenes", *RANKS, "error, °", "survives", *COSTS[: len(costs)]]
+    lines = [columns, ["---"] * len(columns), *(cells for _, cells in sorted(ranked))]
+    yield from (f"| {' | '.join(line)} |" for line in lines)
+    yield ""
+    for engine, method, scene in ask(gathered, FAILED, hard):
+        yield f"- `{engine}` {method} failed on {scene}"
 
 
-def in_short(ranked: Sequence[Standing]) -> str:
-    """The two ends of the table."""
-    right = ", ".join(one.label for one in ranked if one.share("converges") >= MOST)
-    wrong = ", ".join(one.label for one in ranked if one.share("disagrees") > HALF)
-    return (
-        f"- **Right** on at least {MOST:.0%} of the scenes they can simulate: {right or 'none'}.\n"
-        f"- **Wrong at any timestep**, on more than half: {wrong or 'none'}.\n"
-    )
-
-
-def table(scenes: Sequence[SceneRuns], columns: Sequence[str]) -> str:
-    """The verdicts on some scenes, in short above it, and below it why a method failed on one."""
-    lines = [f"| {' | '.join(columns)} |", f"|{'---|' * len(columns)}"]
-    ranked = standings(scenes)
-    lines += [standing.row(columns) for standing in ranked]
-    return "\n".join([in_short(ranked), *lines, "", *failures(scenes)])
-
-
-def failures(scenes: Sequence[SceneRuns]) -> Iterator[str]:
-    """Every `failed`, with its reason."""
-    for scene in scenes:
-        for runs in scene.methods:
-            if runs.verdict and runs.verdict.verdict == "failed":
-                who = f"`{runs.engine}` {runs.method}"
-                yield f"- {who} failed on {scene.name}: {runs.verdict.reason}"
-
-
-def page(scenes: Sequence[SceneRuns]) -> str:
+def page(gathered: ReportData) -> str:
     """All of it as Markdown."""
     library = scenes_of((), quick=False)
     versions = ", ".join(f"{name} {engine.version}" for name, engine in engines().items())
     parts = [HEAD]
-    for title, is_hard, columns in (("plain", False, COSTS), ("hard", True, ())):
-        names = {scene.name for scene in library if scene.hard == is_hard}
-        run = [scene for scene in scenes if scene.name in names]
-        parts.append(f"## {len(run)} of the library's {len(names)} {title} scenes\n")
-        parts.append(table(run, (*COLUMNS, *columns)) + "\n")
+    for title, hard in (("plain", False), ("hard", True)):
+        count = sum(scene.hard == hard for scene in library)
+        ((run,),) = ask(gathered, "SELECT count(DISTINCT scene) FROM tried WHERE hard = ?", hard)
+        parts += [f"## {run} of the library's {count} {title} scenes\n", *table(gathered, hard), ""]
     parts.append(
         f"Ladders of up to {SHORT_STEPS} steps, of up to {QUICK_STEPS} where steps are timed: "
-        f"{', '.join(TIMED)}.\n"
+        f"{', '.join(TIMED)}.\n\nVersions: {versions}.\n"
     )
-    return "\n".join([*parts, f"Versions: {versions}.\n"])
+    return "\n".join(parts)
 
 
 def main() -> None:
@@ -195,7 +143,7 @@ def main() -> None:
     with open_store(STORE, create=True) as store:
         with suppress(KeyboardInterrupt):
             measure(store)
-        PAGE.write_text(page(report_data(store.read()).scenes), encoding="utf-8")
+        PAGE.write_text(page(report_data(store.read())), encoding="utf-8")
 
 
 def _two_digits(number: float) -> str:
@@ -204,49 +152,18 @@ def _two_digits(number: float) -> str:
     return f"{float(short):,.0f}" if number >= 100 else short
 
 
-def _name(cell: Cell) -> tuple[str, str]:
-    return cell[1].engine, cell[1].method
-
-
-def _standing(
-    engine: str, method: str, cells: list[Cell], costs: list[dict[tuple[str, str, str], float]]
-) -> Standing:
-    lives = [survival(runs.rows, scene.fastest_rate) for scene, runs in cells if scene.solved]
-    ratios = tuple(
-        [
-            at_level[scene.name, engine, method] / at_level[scene.name, *YARDSTICK]
-            for scene, _ in cells
-            if {(scene.name, engine, method), (scene.name, *YARDSTICK)} <= at_level.keys()
-        ]
-        for at_level in costs
-    )
-    verdicts = Counter(runs.verdict.verdict for _, runs in cells if runs.verdict)
-    survives = sum(life.reaches(TURN) for life in lives if life)
-    errors = [error for scene, runs in cells if (error := _error(scene, runs)) is not None]
-    return Standing(engine, method, verdicts, survives, errors, ratios)
-
-
-def _error(scene: SceneRuns, runs: MethodRuns) -> float | None:
-    """Of the attitude, rad, at the ladder's largest timestep of at most `TURN`."""
-    if not scene.solved:
-        return None
-    fine = [row for row in runs.rows if row.made and not row.stock]
-    fine = [row for row in fine if row.timestep * scene.fastest_rate <= TURN]
-    run = max(fine, key=lambda row: row.timestep, default=None)
-    if run is None or run.outcome == "unsupported":
-        return None
-    return run.errors.attitude if run.errors else math.inf
-
-
-def _costs(scenes: Sequence[SceneRuns], level: float) -> dict[tuple[str, str, str], float]:
-    """CPU seconds a simulated second by scene, engine and method, where it can be told."""
-    priced = {
-        (scene.name, runs.engine, runs.method): reach(curve_of(scene, runs, "attitude"), level).cost
-        for scene in scenes
-        if scene.name in TIMED
-        for runs in scene.methods
-    }
-    return {name: cost for name, cost in priced.items() if cost is not None}
+def _ratios(gathered: ReportData, level: float) -> dict[Pair, list[float]]:
+    """Of each method's cost and the yardstick's, on the scenes that are timed and have both."""
+    ratios: dict[Pair, list[float]] = {}
+    for scene in gathered.scenes:
+        costs = {
+            runs.pair: reach(curve_of(scene, runs, "attitude"), level).cost
+            for runs in (scene.methods if scene.name in TIMED else ())
+        }
+        for pair, cost in costs.items():
+            if cost is not None and (own := costs.get(YARDSTICK)):
+                ratios.setdefault(pair, []).append(cost / own)
+    return ratios
 
 
 if __name__ == "__main__":
