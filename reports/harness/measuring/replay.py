@@ -10,6 +10,7 @@ in the rhythm of the samples.
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -99,6 +100,72 @@ def _beginning(sessions: Sessions, at: Places) -> MadeRun:
 
 
 @dataclass(frozen=True, eq=False)
+class _Intervals:
+    """The n intervals of a run, each of which is run again from its own start.
+
+    Attributes
+    ----------
+    edges : the samples that intervals begin and end at, (n + 1,)
+    parts : steps after which an interval that is run again is restarted, (n,)
+    """
+
+    sessions: Sessions
+    run: MadeRun
+    edges: NDArray[np.intp]
+    parts: NDArray[np.int64]
+
+    @staticmethod
+    def of(sessions: Sessions, run: MadeRun) -> "_Intervals":
+        """All of a run, in irregular lengths."""
+        edges = _edges(len(run.motion.t), sessions.first.can_restart)
+        steps = np.diff(run.rung.sample_steps[edges])
+        chance = np.random.default_rng(len(edges))
+        return _Intervals(sessions, run, edges, chance.integers(1, np.maximum(steps, 2)))
+
+    @cached_property
+    def steps(self) -> NDArray[np.int64]:
+        """Steps of each interval, (n,)."""
+        return np.diff(self.run.rung.sample_steps[self.edges])
+
+    @cached_property
+    def starts(self) -> State:
+        """The states that intervals begin with, n of them."""
+        return states_of(self.run.motion).rows(self.edges[:-1])
+
+    @cached_property
+    def ends(self) -> State:
+        """The states that the run ends them with, n of them."""
+        return states_of(self.run.motion).rows(self.edges[1:])
+
+    @property
+    def times(self) -> FloatArray:
+        """When each is restarted, s, (n,)."""
+        return self.run.motion.t[self.edges[:-1]] + self.parts * self.run.rung.timestep
+
+    def again(self, k: int, start: State) -> tuple[State, State]:
+        """The states in the midst and at the end of an interval that is run from a start.
+
+        In its midst it is restarted, so that nothing hides in the rhythm of samples or strides.
+        """
+        states = []
+        for count in (int(self.parts[k]), int(self.steps[k] - self.parts[k])):
+            with self.sessions.at(start, self.run.rung.timestep) as session:
+                if count:
+                    session.advance(count)
+                start = session.read_state()
+            states.append(start)
+        return states[0], states[1]
+
+    def all_again(self) -> tuple[State, State]:
+        """The same of all, run in random order."""
+        chance = np.random.default_rng(len(self.steps))
+        order = map(int, chance.permutation(len(self.steps)))
+        made = {k: self.again(k, self.starts.rows(k)) for k in order}
+        midst, ends = zip(*(made[k] for k in sorted(made)), strict=True)
+        return stacked(midst), stacked(ends)
+
+
+@dataclass(frozen=True, eq=False)
 class _Replay:
     """What n intervals do otherwise than a run.
 
@@ -118,40 +185,22 @@ class _Replay:
 
 
 def _replay(sessions: Sessions, engine: Engine, run: MadeRun, condition: float) -> _Replay:
-    edges = _edges(len(run.motion.t), sessions.first.can_restart)
-    first, last = edges[:-1], edges[1:]
+    """Run all intervals of a run again, and hold what they do otherwise against its noise."""
+    intervals = _Intervals.of(sessions, run)
     states, reach = states_of(run.motion), Equations(sessions.scenario).reach
-    steps = np.diff(run.rung.sample_steps[edges])
-
-    chance = np.random.default_rng(len(edges))
-    parts = chance.integers(1, np.maximum(steps, 2))
-
-    midst: dict[int, State] = {}
-
-    def again(k: int, start: State) -> State:
-        # From another session in its midst: nothing hides in the rhythm of samples or strides.
-        for count in (int(parts[k]), int(steps[k] - parts[k])):
-            with sessions.at(start, run.rung.timestep) as session:
-                if count:
-                    session.advance(count)
-                start = session.read_state()
-            midst.setdefault(k, start)
-        return start
-
-    starts = [states.rows(int(k)) for k in first]
-    made = {int(k): again(int(k), starts[k]) for k in chance.permutation(len(starts))}
-    ends = stacked([made[k] for k in range(len(starts))])
-    off = np.nan_to_num(apart(ends, states.rows(last), reach), nan=np.inf)
+    midst, ends = intervals.all_again()
+    off = np.nan_to_num(apart(ends, intervals.ends, reach), nan=np.inf)
     sizes = np.sqrt((off**2).sum(axis=(1, 2)))
     worst = np.argsort(sizes)[-CHANGED:]
     k = int(worst[-1])
-    twice = stacked([again(k, starts[k])])
+    twice = stacked([intervals.again(k, intervals.starts.rows(k))[1]])
     spread = float(np.nan_to_num(np.abs(apart(twice, ends.rows(worst[-1:]), reach)).max()))
-    noise = _noise(sessions.scenario, engine, run, states, condition, steps)
+    noise = _noise(sessions.scenario, engine, run, states, condition, intervals.steps)
     # So large a change is no noise of the engine, of which nothing may be excused by itself.
     change = float(np.sqrt(max(NOISE, engine.ulp)))
     speed = change * float(norms(states.omega_body).max())
-    changed = stacked([again(int(k), _changed(starts[int(k)], speed)) for k in worst])
+    starts = [_changed(intervals.starts.rows(int(k)), speed) for k in worst]
+    changed = stacked([intervals.again(int(k), at)[1] for k, at in zip(worst, starts, strict=True)])
     grown = np.abs(apart(changed, ends.rows(worst), reach)).max(axis=(1, 2))
     # Where a change has grown to the motion's own size no more can be said of an interval.
     is_lost = (grown > LOST) & (spread <= LOST * change)
@@ -159,19 +208,19 @@ def _replay(sessions: Sessions, engine: Engine, run: MadeRun, condition: float) 
     squares = ((off / (growth * noise)[:, :, None]) ** 2).sum(axis=(1, 2))
     squares[worst[is_lost]] = 0.0
     tails = chdtrc(off[0].size, squares)
-    turns = np.diff(run.motion.t[edges])
-    turns *= np.maximum(norms(states.omega_body)[first], 1 / run.motion.t[-1])
+    times = run.motion.t[intervals.edges]
+    turns = np.diff(times) * np.maximum(norms(intervals.starts.omega_body), 1 / times[-1])
     tail = float(min(1.0, tails.min() * len(tails)))
     largest = min(LARGEST, float((sizes / turns)[squares.argmax()]))
     evidence = ReplayEvidence(run.rung.timestep, len(tails), tail, largest)
     if tail < LEVEL:
-        since = float(run.motion.t[first[int(np.argmax(tails * len(tails) < LEVEL))]])
+        since = float(times[int(np.argmax(tails * len(tails) < LEVEL))])
         is_chance = spread > growth * float(noise[k].max())
         spread = min(LARGEST, spread / turns[k]) if is_chance else 0.0
         evidence = replace(evidence, since=since, spread=spread)
-    times = run.motion.t[first] + parts * run.rung.timestep
-    met = Met(edges, stacked([midst[k] for k in range(len(starts))]), times)
-    return _Replay(float(sizes[squares.argmax()]), growth, int(steps.max()), evidence, met)
+    met = Met(intervals.edges, midst, intervals.times)
+    longest = int(intervals.steps.max())
+    return _Replay(float(sizes[squares.argmax()]), growth, longest, evidence, met)
 
 
 def _noise(

@@ -134,6 +134,15 @@ def test_a_state_whose_series_converges_late_has_a_radius_of_its_own(monkeypatch
 
 @PRECISIONS
 @EVERY
+def test_a_level_is_the_most_of_honest_methods_that_it_accuses(order: int, eps: float) -> None:
+    tails = np.array([one.fitted(0.0).tail for one in sample(order, eps)])
+    for level in (0.05, 0.2):
+        by_chance = np.sqrt(level * (1 - level) / len(tails))
+        assert (tails < level).mean() <= level + 3 * by_chance
+
+
+@PRECISIONS
+@EVERY
 def test_a_limit_is_as_far_from_zero_as_its_standard_error_says(order: int, eps: float) -> None:
     methods = sample(order, eps)
 
