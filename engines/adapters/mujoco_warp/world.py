@@ -32,20 +32,20 @@ class FirstWorld:
 
 
 def in_warp(compiled, worlds):
-    """MuJoCo Warp's model of many worlds, where `worlds` says which of the models each has."""
-    made = [mjw.put_model(one) for one in compiled]
+    """MuJoCo Warp's model of many worlds, where `worlds` says which of the models each has.
+
+    What may differ between worlds is an array over them where it does, as masses and inertias are;
+    the rest is the first model's.
+    """
+    first, *others = (mjw.put_model(one) for one in compiled)
     for field in fields(mjw.Model):
-        arrays = [getattr(one, field.name) for one in made]
-        if not isinstance(arrays[0], wp.array) or arrays[0].ptr is None:
-            continue
-        numbers = [array.numpy() for array in arrays]
-        if all(np.array_equal(numbers[0], other) for other in numbers[1:]):
-            continue
-        if field.type.shape[0] != "*":
-            raise ValueError(f"its worlds cannot differ in {field.name}")
-        each = np.concatenate(numbers)[worlds]
-        setattr(made[0], field.name, wp.array(each, dtype=arrays[0].dtype))
-    return made[0]
+        held = getattr(first, field.name)
+        if isinstance(held, wp.array) and field.type.shape[0] == "*":
+            numbers = [held.numpy(), *(getattr(one, field.name).numpy() for one in others)]
+            if any(not np.array_equal(numbers[0], other) for other in numbers):
+                each = wp.array(np.concatenate(numbers)[worlds], dtype=held.dtype)
+                setattr(first, field.name, each)
+    return first
 
 
 class World:
