@@ -53,9 +53,9 @@ class MJX(Engine):
 
     def open_batch(self, scenarios: Sequence[Scenario], method: Method, timestep: float) -> Batch:
         """Likewise, for `jax.vmap`."""
-        texts = {scenario: self._text(scenario, method) for scenario in scenarios}
-        each = [texts[scenario] for scenario in scenarios]
-        return batch(scenarios, each, timestep, is_double=not self.single_precision)
+        different = dict.fromkeys(scenarios)
+        texts = {scenario: self._text(scenario, method) for scenario in different}
+        return batch(scenarios, texts, timestep, is_double=not self.single_precision)
 
     def _text(self, scenario: Scenario, method: Method) -> str:
         check_not_too_small(scenario)

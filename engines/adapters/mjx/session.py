@@ -52,11 +52,12 @@ class MJXSession(PortSession):
 
 
 def batch(
-    scenarios: Sequence[Scenario], texts: Sequence[str], timestep: float, is_double: bool
+    scenarios: Sequence[Scenario], texts: Mapping[Scenario, str], timestep: float, is_double: bool
 ) -> PortBatch:
-    """A world of each scene, whose MJCF is given."""
-    models = [_in_mjx(text, is_double) for text in texts]
-    return PortBatch(_module().Worlds(models, timestep, *starts(scenarios)))
+    """A world of each scene; `texts` are the MJCF of the different ones."""
+    models = [_in_mjx(text, is_double) for text in texts.values()]
+    worlds = [list(texts).index(scenario) for scenario in scenarios]
+    return PortBatch(_module().Worlds(models, worlds, timestep, *starts(scenarios)))
 
 
 @lru_cache(maxsize=MODELS)

@@ -136,29 +136,30 @@ class World:
 class Worlds:
     """Worlds that one compiled loop steps by `jax.vmap`, from qpos and qvel on, one a row.
 
-    `models` has of each world what `in_mjx` returns; numbers that differ are arrays over worlds.
+    `models` are what `in_mjx` returns, and `worlds` says which of them each has: numbers in which
+    they differ are arrays over worlds.
     """
 
-    def __init__(self, models, timestep, qpos, qvel):
-        _, data = models[0]
+    def __init__(self, models, worlds, timestep, qpos, qvel):
+        (model, data), *_ = models
         self.is_double = data.qpos.dtype == np.float64
         in_precision(self.is_double)
-        trees = {jax.tree.structure(model) for model, _ in models}
+        trees = {jax.tree.structure(one) for one, _ in models}
         if len(trees) > 1:
             raise ValueError("its worlds cannot differ in more than numbers")
-        rows = [jax.tree.leaves(at_timestep(model, timestep)) for model, _ in models]
-        self.model, data_tree = at_timestep(models[0][0], timestep), jax.tree.structure(data)
-        each = [not all(one is leaf[0] for one in leaf) for leaf in zip(*rows)]
+        self.model = at_timestep(model, timestep)
+        leaves = zip(*(jax.tree.leaves(at_timestep(one, timestep)) for one, _ in models))
+        leaves = [np.array(leaf) for leaf in leaves]
+        each = [not all(np.array_equal(leaf[0], one) for one in leaf) for leaf in leaves]
         self.still = [
-            jnp.stack(leaf) if differs else leaf[0]
-            for leaf, differs in zip(zip(*rows), each)
+            leaf[worlds] if differs else leaf[0] for leaf, differs in zip(leaves, each)
         ]
+        rest = [np.repeat(leaf[None], len(worlds), axis=0) for leaf in jax.tree.leaves(data)]
+        self.data_tree = data_tree = jax.tree.structure(data)
         with np.errstate(over="ignore"):
-            numbers = [np.asarray(array, data.qpos.dtype) for array in (qpos, qvel)]
-        rest = [np.broadcast_to(leaf, (len(qpos), *leaf.shape)) for leaf in jax.tree.leaves(data)]
-        data = jax.tree.unflatten(data_tree, rest).replace(qpos=numbers[0], qvel=numbers[1])
-        self.moving = jax.device_put(jax.tree.leaves(data))
-        self.data_tree = data_tree
+            qpos, qvel = (np.array(numbers, data.qpos.dtype) for numbers in (qpos, qvel))
+        data = jax.tree.unflatten(data_tree, rest).replace(qpos=qpos, qvel=qvel)
+        self.still, self.moving = jax.device_put((self.still, jax.tree.leaves(data)))
 
         def step(still, moving):
             model = jax.tree.unflatten(*trees, still)
@@ -170,6 +171,7 @@ class Worlds:
             return jax.lax.fori_loop(0, steps, lambda _, now: stepped(still, now), moving)
 
         self.loop = jax.jit(run)
+        self.advance(0)  # Compiles it.
 
     def advance(self, steps):
         """Take steps of every world."""
