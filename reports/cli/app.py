@@ -4,7 +4,7 @@ import sys
 from importlib.metadata import version
 from io import TextIOWrapper
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, NoReturn
 
 import typer
 
@@ -34,6 +34,7 @@ from .options import (
     TimeLimit,
     Timesteps,
     Vary,
+    Worlds,
 )
 from .results.result_commands import app as result_commands
 from .scenes.scene_commands import app as scene_commands
@@ -141,6 +142,7 @@ def run(
     ensemble: MemberCount = None,
     seed: Seed = None,
     dask: Dask = None,
+    worlds: Worlds = "",
     strict: Annotated[
         bool,
         typer.Option("--strict", help=f"Exit with 1 also if a verdict is {UNPROVEN}."),
@@ -153,7 +155,8 @@ def run(
 ) -> None:
     """Simulate scenes, compare with the exact motion, and store the results.
 
-    '--vary' and '--ensemble' run many varied scenes instead, each at one timestep.
+    '--vary' and '--ensemble' run many varied scenes instead, each at one timestep. '--worlds'
+    compares worlds in batches with the same world alone instead, and stores nothing.
 
     Results that the file has already are not made again, unless the scene, the engine or spincheck
     has changed since, the run failed because of the machine, or '--again' is given.
@@ -171,6 +174,8 @@ def run(
         running.check_counting(timed=not (quick or is_sweep))
     if seed is not None and ensemble is None:
         raise Complaint("'--seed' is for an ensemble; '--ensemble' scatters a scene into one")
+    if worlds:
+        _run_batches(scenes or [], named, worlds, time_limit, as_json)
     if is_sweep:
         for option, is_given in {"--quick": quick, "--as": as_encoded, "--strict": strict}.items():
             if is_given:
@@ -207,6 +212,24 @@ def run(
     if as_encoded and not are_alike(results.encodings):
         code = code or DISAGREES
     raise typer.Exit(code)
+
+
+def _run_batches(
+    scenes: list[str],
+    named: tuple[list[str], list[str], list[float]],
+    worlds: str,
+    time_limit: float | None,
+    as_json: bool,
+) -> NoReturn:
+    """Compare batches, and end the command."""
+    from .run.batches import batches, batches_as_json, exit_code, named_worlds, print_batches
+
+    rows = batches(scenes, *named, named_worlds(worlds), time_limit)
+    if as_json:
+        print(to_json(batches_as_json(rows)))
+    else:
+        print_batches(rows)
+    raise typer.Exit(exit_code(rows))
 
 
 @app.command(epilog="Example: spincheck report spincheck.sqlite --out pages")
