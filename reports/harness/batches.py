@@ -146,7 +146,7 @@ class _Study:
             return _apart(first, second, convert, ulp)
 
         # Each place with the first.
-        first = replace(alike, snapshots=[row[:1] * len(row) for row in alike.snapshots])
+        first = replace(alike, snapshots=[[row[0]] * len(row) for row in alike.snapshots])
         by_number, by_place = apart(alone, first), apart(first, alike)
         because = [word for word, is_so in ((NUMBER, by_number), (PLACE, by_place)) if is_so]
         beside = None

@@ -141,31 +141,33 @@ class Worlds:
     """
 
     def __init__(self, models, worlds, timestep, qpos, qvel):
-        (model, data), *_ = models
+        (_, data), *_ = models
         self.is_double = data.qpos.dtype == np.float64
         in_precision(self.is_double)
-        trees = {jax.tree.structure(one) for one, _ in models}
+        models = [at_timestep(model, timestep) for model, _ in models]
+        trees = {jax.tree.structure(model) for model in models}
         if len(trees) > 1:
             raise ValueError("its worlds cannot differ in more than numbers")
-        self.model = at_timestep(model, timestep)
-        leaves = zip(*(jax.tree.leaves(at_timestep(one, timestep)) for one, _ in models))
-        leaves = [np.array(leaf) for leaf in leaves]
-        each = [not all(np.array_equal(leaf[0], one) for one in leaf) for leaf in leaves]
-        self.still = [
-            leaf[worlds] if differs else leaf[0] for leaf, differs in zip(leaves, each)
+        self.model, self.data_tree = models[0], jax.tree.structure(data)
+        rows = list(zip(*map(jax.tree.leaves, models), strict=True))
+        differs = [any(not np.array_equal(row[0], one) for one in row) for row in rows]
+        still = [
+            np.array(row)[worlds] if one_differs else row[0]
+            for row, one_differs in zip(rows, differs, strict=True)
         ]
-        rest = [np.repeat(leaf[None], len(worlds), axis=0) for leaf in jax.tree.leaves(data)]
-        self.data_tree = data_tree = jax.tree.structure(data)
+        moving = jax.tree.map(lambda leaf: np.repeat(leaf[None], len(worlds), axis=0), data)
         with np.errstate(over="ignore"):
             qpos, qvel = (np.array(numbers, data.qpos.dtype) for numbers in (qpos, qvel))
-        data = jax.tree.unflatten(data_tree, rest).replace(qpos=qpos, qvel=qvel)
-        self.still, self.moving = jax.device_put((self.still, jax.tree.leaves(data)))
+        moving = jax.tree.leaves(moving.replace(qpos=qpos, qvel=qvel))
+        self.still, self.moving = jax.device_put((still, moving))
 
         def step(still, moving):
             model = jax.tree.unflatten(*trees, still)
-            return jax.tree.leaves(mjx.step(model, jax.tree.unflatten(data_tree, moving)))
+            return jax.tree.leaves(mjx.step(model, jax.tree.unflatten(self.data_tree, moving)))
 
-        stepped = jax.vmap(step, in_axes=([0 if differs else None for differs in each], 0))
+        stepped = jax.vmap(
+            step, in_axes=([0 if one_differs else None for one_differs in differs], 0)
+        )
 
         def run(still, moving, steps):
             return jax.lax.fori_loop(0, steps, lambda _, now: stepped(still, now), moving)

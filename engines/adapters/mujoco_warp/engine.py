@@ -1,16 +1,16 @@
 """MuJoCo Warp: the scene as MJCF, MuJoCo's integrators in kernels of Warp."""
 
 from collections.abc import Sequence
+from functools import partial
 from importlib import import_module
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any, final
 
 import mujoco
-import numpy as np
 from spincheck.engine import COMMON_EFFECTS, Batch, Engine, Method, Scenario, Session
 
-from ...models.mjcf import mjcf, start_coordinates
+from ...models.mjcf import mjcf
 from ...warp_kernels import kernels_kept
 from ..mujoco.engine import setup
 from ..mujoco.port import PortBatch, PortSession, left_in, port_script, starts
@@ -57,9 +57,7 @@ class MuJoCoWarp(Engine):
         world = self._world([scenario], method, timestep)
         return PortSession(scenario, world.model, world, ALWAYS_ON)
 
-    def open_batch(
-        self, scenarios: Sequence[Scenario], method: Method, timestep: float
-    ) -> Batch:
+    def open_batch(self, scenarios: Sequence[Scenario], method: Method, timestep: float) -> Batch:
         """Likewise of each different scene, once."""
         return PortBatch(self._world(scenarios, method, timestep))
 
@@ -68,7 +66,7 @@ class MuJoCoWarp(Engine):
         for scenario in different:
             check_not_too_small(scenario)
         texts = [self._text(scenario, method) for scenario in different]
-        models = [compiled(lambda t=text: mujoco.MjModel.from_xml_string(t)) for text in texts]
+        models = [compiled(partial(mujoco.MjModel.from_xml_string, text)) for text in texts]
         worlds = [different.index(scenario) for scenario in scenarios]
         with kernels_kept():
             module = import_module(f"{__package__}.world")

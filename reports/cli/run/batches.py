@@ -44,9 +44,7 @@ def batches(
     if not scenes:
         raise Complaint("'--worlds' needs a scene, such as fast-top")
     scenarios = scenes_to_run(scenes)
-    chosen = choose(
-        engine_names, methods, timesteps, scenarios=scenarios, time_limit=time_limit
-    )
+    chosen = choose(engine_names, methods, timesteps, scenarios=scenarios, time_limit=time_limit)
     for engine in chosen.engines:
         _check_batches(engine)
     rows: list[BatchRow] = []
