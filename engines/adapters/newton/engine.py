@@ -3,17 +3,24 @@
 What it does to a top by default, and how each effect was measured: docs/measured/engines-more.md.
 """
 
-import warnings
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from importlib import import_module
 from typing import Any, final
 
 import numpy as np
-from spincheck.engine import COMMON_EFFECTS, FloatArray, Method, Release, Scenario, Session
+from spincheck.engine import (
+    COMMON_EFFECTS,
+    Batch,
+    FloatArray,
+    Method,
+    Release,
+    Scenario,
+    Session,
+)
 
-from ...native_output import native_output
-from ...scene_record import HeldRotor, WorldBody
-from ...user_cache import user_cache
+from ...scene_record import HeldRotor, WorldBody, scene_record
 from ...version_numbers import numbers_of
+from ...warp_kernels import kernels_kept
 from ...world_engine import WorldEngine
 from ...world_parts import matrix, push
 from ...world_session import WorldSession
@@ -115,6 +122,26 @@ class NewtonSession(WorldSession):
                 yield f"rotor {number} with {armed:g} kg m² on a {rotor['hinge']} hinge"
 
 
+@final
+class NewtonBatch(Batch):
+    """Worlds of one model."""
+
+    def __init__(self, world: Any) -> None:
+        self._world = world
+
+    def advance(self, steps: int) -> None:
+        """By launches recorded once."""
+        self._world.advance(steps)
+
+    def snapshots(self, places: Sequence[int]) -> list[FloatArray]:
+        """Their motions."""
+        return [self._world.motion(place) for place in places]
+
+    def close(self) -> None:
+        """Drop the worlds."""
+        del self._world
+
+
 def _clean(
     name: str, order: int, summary: str, solver: str, effects: frozenset[str] = EFFECTS
 ) -> Method:
@@ -139,6 +166,7 @@ class Newton(WorldEngine):
     package = "newton"
     step_seconds = 50e-6
     single_precision = True
+    has_batches = True
     methods = (
         _mujoco("rk4", 4, "Runge-Kutta"),
         _mujoco("implicitfast", 1, "Euler, implicit in velocity"),
@@ -185,9 +213,13 @@ class Newton(WorldEngine):
 
     def open(self, scenario: Scenario, method: Method, timestep: float) -> Session:
         """Build the model and the solver; kernels are compiled once, into the user's cache."""
-        with native_output(), warnings.catch_warnings():
-            warnings.simplefilter("ignore")
-            import warp
-
-            warp.config.kernel_cache_dir = str(user_cache() / "warp")
+        with kernels_kept():
             return super().open(scenario, method, timestep)
+
+    def open_batch(self, scenarios: Sequence[Scenario], method: Method, timestep: float) -> Batch:
+        """A world of one model for each scene."""
+        records = {scenario: scene_record(scenario) for scenario in dict.fromkeys(scenarios)}
+        first, *others = (records[scenario] for scenario in scenarios)
+        with kernels_kept():
+            module = import_module(f"{__package__}.world")
+            return NewtonBatch(module.World(first, method.name, timestep, others))
