@@ -9,12 +9,22 @@ import math
 from collections.abc import Callable, Sequence
 from contextlib import closing
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 from mpmath import mpf
 from scipy.spatial.transform import Rotation
 
-from ...engines import Engine, EngineError, Method, Session, State, UnsupportedError, engines
+from ...engines import (
+    Engine,
+    EngineError,
+    Method,
+    Outcome,
+    Session,
+    State,
+    UnsupportedError,
+    engines,
+)
 from ...scenarios import Scenario
 from ...scenarios.scatter import member
 from .executors import CallFailed, Executor
@@ -59,7 +69,7 @@ class BatchRow:
     because : what the motion depends on; empty if on nothing of its batch
     seconds_per_step : wall time of a step of all worlds
     beside : wall time of a step of `beside_by`, which steps one world on one core
-    reason : why nothing could be compared; empty if it could
+    outcome, reason : ok, or unsupported or failed, with why nothing could be compared
     """
 
     scene: str
@@ -78,6 +88,7 @@ class BatchRow:
     seconds_per_step: float | None = None
     beside: float | None = None
     beside_by: str = ""
+    outcome: Outcome = "ok"
     reason: str = ""
 
 
@@ -85,7 +96,7 @@ def batch_by(executor: Executor, scenario: Scenario, engine: Engine, row: BatchR
     """As `batch_of`, in another process: a crash, or running out of time, is a row."""
     answer = executor.call_at(engine.site, batch_of, scenario, engine, row)
     if isinstance(answer.value, CallFailed):
-        return replace(row, reason=answer.value.reason)
+        return replace(row, outcome="failed", reason=answer.value.reason)
     return answer.value
 
 
@@ -93,11 +104,14 @@ def batch_of(scenario: Scenario, engine: Engine, row: BatchRow) -> BatchRow:
     """Compare and time a batch; `row` has its scene, engine, method, timestep and size."""
     method = engine.method(row.method)
     if reason := engine.unsupported(scenario, method):
-        return replace(row, reason=reason)
+        return replace(row, outcome="unsupported", reason=reason)
     try:
-        return _Study(scenario, engine, method, row).row()
-    except (EngineError, UnsupportedError) as error:
-        return replace(row, reason=str(error))
+        with engine.open(scenario, method, row.timestep) as session:
+            return _Study(scenario, engine, method, row, session).row()
+    except UnsupportedError as error:
+        return replace(row, outcome="unsupported", reason=str(error))
+    except EngineError as error:
+        return replace(row, outcome="failed", reason=str(error))
 
 
 def neighbours_of(scenario: Scenario) -> dict[str, Scenario]:
@@ -134,30 +148,28 @@ class _Study:
     engine: Engine
     method: Method
     begun: BatchRow
+    session: Session
 
     def row(self) -> BatchRow:
         """Batches without and with odd neighbours; with one kind alone where these matter."""
         begun, odd = self.begun, neighbours_of(self.scenario)
         alike = self._batch(())
-        alone, convert = self._alone(alike.ends)
-        ulp = self.engine.ulp
-
-        def apart(first: _Motion, second: _Motion) -> Apart | None:
-            return _apart(first, second, convert, ulp)
+        alone = self._alone(alike.ends)
+        apart = partial(_apart, states=self.session.states, ulp=self.engine.ulp)
 
         # Each place with the first.
         first = replace(alike, snapshots=[[row[0]] * len(row) for row in alike.snapshots])
         by_number, by_place = apart(alone, first), apart(first, alike)
         because = [word for word, is_so in ((NUMBER, by_number), (PLACE, by_place)) if is_so]
-        beside = None
-        if len(self._free):
-            beside = apart(alike, self._batch([*odd.values()], alike.ends))
-        if beside:
+        by_neighbours = None
+        if self._free:
+            by_neighbours = apart(alike, self._batch([*odd.values()], alike.ends))
+        if by_neighbours:
             because += [
                 name for name, one in odd.items() if apart(alike, self._batch([one], alike.ends))
             ]
         steps = alike.ends[-1]
-        mujoco, name = _mujoco(self.scenario, self.method, begun.timestep)
+        beside_by, seconds = _mujoco(self.scenario, self.method, begun.timestep)
         return replace(
             begun,
             device=alike.device,
@@ -165,12 +177,12 @@ class _Study:
             until=steps * begun.timestep,
             alone=by_number,
             place=by_place,
-            neighbours=beside,
-            has_neighbours=len(self._free) > 0,
+            neighbours=by_neighbours,
+            has_neighbours=bool(self._free),
             because=tuple(because),
             seconds_per_step=alike.seconds_per_step,
-            beside=mujoco,
-            beside_by=name,
+            beside=seconds,
+            beside_by=beside_by,
         )
 
     @property
@@ -206,14 +218,11 @@ class _Study:
         last = max(1, min(window, round(BUDGET / a_step)))
         return [1 << k for k in range(last.bit_length()) if 1 << k < last] + [last]
 
-    def _alone(self, ends: Sequence[int]) -> tuple[_Motion, Callable[[Sequence[object]], State]]:
-        """The world in a session of its own, at every place; and what reads its snapshots."""
+    def _alone(self, ends: Sequence[int]) -> _Motion:
+        """The world in the session of its own, at every place."""
         snapshots: list[object] = []
-        session = self.engine.open(self.scenario, self.method, self.begun.timestep)
-        with session:
-            session.record(np.diff(ends, prepend=0).tolist(), snapshots.append)
-        count = len(self._places)
-        return _Motion(ends, [[one] * count for one in snapshots]), session.states
+        self.session.record(np.diff(ends, prepend=0).tolist(), snapshots.append)
+        return _Motion(ends, [[one] * len(self._places) for one in snapshots])
 
 
 def _apart(
@@ -251,14 +260,10 @@ def _degrees(first: State, second: State) -> float:
     return math.degrees(float((a.inv() * b).magnitude().max()))
 
 
-def _mujoco(scenario: Scenario, method: Method, timestep: float) -> tuple[float | None, str]:
-    """Wall time of a step of MuJoCo on one core, s, and the method's name."""
+def _mujoco(scenario: Scenario, method: Method, timestep: float) -> tuple[str, float]:
+    """A method of MuJoCo as accurate, and the wall time of its step on one core, s."""
     mujoco = engines()["mujoco"]
     by = mujoco.method("RK4" if method.order > 1 else "Euler")
     with mujoco.open(scenario, by, timestep) as session:
-        return min(_a_step(session) for _ in range(TIMES)), f"{mujoco.name} {by.name}"
-
-
-def _a_step(session: Session) -> float:
-    _, wall = session.timed(TIMED)
-    return wall / TIMED
+        walls = [wall for _, wall in (session.timed(TIMED) for _ in range(TIMES))]
+    return f"{mujoco.name} {by.name}", min(walls) / TIMED

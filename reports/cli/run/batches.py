@@ -91,10 +91,11 @@ def batches_as_json(rows: Sequence[BatchRow]) -> list[dict[str, Any]]:
 
 
 def exit_code(rows: Sequence[BatchRow]) -> int:
-    """Whether a motion depends on its batch, or none could be compared."""
-    if any(row.because for row in rows):
-        return DISAGREES
-    return NOT_RUN if all(row.reason for row in rows) else AGREES
+    """1 if a motion depends on its batch or a batch failed, 3 if none could be compared."""
+    if all(row.reason for row in rows):
+        return NOT_RUN
+    wrong = any(row.because or row.outcome == "failed" for row in rows)
+    return DISAGREES if wrong else AGREES
 
 
 def _line(row: BatchRow) -> dict[str, object]:
@@ -124,7 +125,7 @@ def _conclusions(rows: Sequence[BatchRow]) -> Iterator[str]:
             "degrees at the end."
         )
     else:
-        yield "A world moves the same, to the last bit, in every batch."
+        yield "A world moves the same, to the last bit, in each of these batches."
     beside = min(row.beside for row in rows if row.beside)
     costs = {row.worlds: (row.seconds_per_step or 0.0) / row.worlds for row in rows}
     paying = [count for count, cost in costs.items() if cost < beside]
