@@ -243,11 +243,12 @@ def _apart(
 
 def _distance(first: State, second: State) -> float:
     """The largest relative distance of a quantity, over rows; infinite if one is not finite."""
-    most = 0.0
+    found = [0.0]
     for a, b in zip(first.columns, second.columns, strict=True):
         size, off = (np.linalg.norm(x, axis=1) for x in (a, b - a))
-        moving = (size > 0) & ~(off == 0)
-        most = max(most, float(np.max(off[moving] / size[moving], initial=0.0)))
+        apart = (size > 0) & (off != 0)
+        found += (off[apart] / size[apart]).tolist()
+    most = float(np.max(found))
     return most if math.isfinite(most) else math.inf
 
 
