@@ -4,7 +4,7 @@ import sys
 from importlib.metadata import version
 from io import TextIOWrapper
 from pathlib import Path
-from typing import Annotated, NoReturn
+from typing import Annotated
 
 import typer
 
@@ -163,6 +163,8 @@ def run(
     """
     from .choosing import Where
     from .run import running
+    from .run.batches import batches, batches_as_json, named_worlds, print_batches
+    from .run.batches import exit_code as exit_code_of_batches
     from .run.encodings import are_alike, encoding_lines, named_encodings
     from .run.short_summary import short_summary
     from .run.summary import results_as_json, verdict_lines
@@ -174,12 +176,23 @@ def run(
         running.check_counting(timed=not (quick or is_sweep))
     if seed is not None and ensemble is None:
         raise Complaint("'--seed' is for an ensemble; '--ensemble' scatters a scene into one")
+    of_ladders = {"--quick": quick, "--as": as_encoded, "--strict": strict}
+    is_not = "is for ladders; '--vary' and '--ensemble' have none"
     if worlds:
-        _run_batches(scenes or [], named, worlds, time_limit, as_json)
+        of_ladders |= {"--vary": vary, "--ensemble": ensemble, "--instructions": instructions}
+        of_ladders |= {"--dask": dask, "--python": python}
+        is_not = "is not for '--worlds', which compares batches with worlds alone"
+    for option, is_given in of_ladders.items() if worlds or is_sweep else ():
+        if is_given:
+            raise Complaint(f"'{option}' {is_not}")
+    if worlds:
+        rows = batches(scenes or [], *named, named_worlds(worlds), time_limit)
+        if as_json:
+            print(to_json(batches_as_json(rows)))
+        else:
+            print_batches(rows)
+        raise typer.Exit(exit_code_of_batches(rows))
     if is_sweep:
-        for option, is_given in {"--quick": quick, "--as": as_encoded, "--strict": strict}.items():
-            if is_given:
-                raise Complaint(f"'{option}' is for ladders; '--vary' and '--ensemble' have none")
         choice = choose_for_sweep(*named, time_limit, again=again, python=python)
         swept = run_sweeps(scenes or [], vary or [], ensemble, seed or 0, choice, where, out)
         print_sweeps(swept, out, as_json)
@@ -212,24 +225,6 @@ def run(
     if as_encoded and not are_alike(results.encodings):
         code = code or DISAGREES
     raise typer.Exit(code)
-
-
-def _run_batches(
-    scenes: list[str],
-    named: tuple[list[str], list[str], list[float]],
-    worlds: str,
-    time_limit: float | None,
-    as_json: bool,
-) -> NoReturn:
-    """Compare batches, and end the command."""
-    from .run.batches import batches, batches_as_json, exit_code, named_worlds, print_batches
-
-    rows = batches(scenes, *named, named_worlds(worlds), time_limit)
-    if as_json:
-        print(to_json(batches_as_json(rows)))
-    else:
-        print_batches(rows)
-    raise typer.Exit(exit_code(rows))
 
 
 @app.command(epilog="Example: spincheck report spincheck.sqlite --out pages")

@@ -6,11 +6,12 @@ from importlib import import_module
 from typing import Any, final
 
 import numpy as np
-from spincheck.engine import Derivative, FloatArray, Scenario, in_chart, numbers_by_chart
+from spincheck.engine import Batch, Derivative, FloatArray, Scenario, in_chart, numbers_by_chart
 
 from ...models.mjcf import start_coordinates
 from ...user_cache import user_cache
-from ..mujoco.port import PortBatch, PortSession, starts
+from ...world_session import WorldBatch
+from ..mujoco.port import PortSession, starts
 from ..mujoco.session import compiled
 from .script import SPRINGS
 
@@ -53,11 +54,11 @@ class MJXSession(PortSession):
 
 def batch(
     scenarios: Sequence[Scenario], texts: Mapping[Scenario, str], timestep: float, is_double: bool
-) -> PortBatch:
+) -> Batch:
     """A world of each scene; `texts` are the MJCF of the different ones."""
     models = [_in_mjx(text, is_double) for text in texts.values()]
     worlds = [list(texts).index(scenario) for scenario in scenarios]
-    return PortBatch(_module().Worlds(models, worlds, timestep, *starts(scenarios)))
+    return WorldBatch(_module().Worlds(models, worlds, timestep, *starts(scenarios)))
 
 
 @lru_cache(maxsize=MODELS)

@@ -123,10 +123,10 @@ class World:
         """Take steps."""
         self.run([steps])
 
-    def numbers(self):
+    def motions(self, places):
         """qpos and qvel, in one row."""
         data = self.data()
-        return np.concatenate([data.qpos, data.qvel])[None]
+        return np.concatenate([data.qpos, data.qvel])[None][places]
 
     def data(self):
         """MJX's data now, in numpy's arrays."""
@@ -180,7 +180,7 @@ class Worlds:
         in_precision(self.is_double)
         self.moving = jax.block_until_ready(self.loop(self.still, self.moving, np.int32(steps)))
 
-    def numbers(self):
-        """qpos and qvel of each world, one a row."""
+    def motions(self, places):
+        """qpos and qvel of some worlds, one a row."""
         data = jax.tree.unflatten(self.data_tree, self.moving)
-        return np.concatenate([data.qpos, data.qvel], axis=1)
+        return np.concatenate([data.qpos, data.qvel], axis=1)[places]

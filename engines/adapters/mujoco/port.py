@@ -2,10 +2,10 @@
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any, final
+from typing import Any
 
 import numpy as np
-from spincheck.engine import Batch, BodyReading, FloatArray, Scenario, Session, State
+from spincheck.engine import BodyReading, FloatArray, Scenario, Session, State
 
 from ...models.mjcf import start_coordinates, switched_off
 from ...models.text import python_lines
@@ -41,7 +41,7 @@ class PortSession(Session):
     ----------
     model : at rest, with MuJoCo's names for its fields
     world : with `model` and `data()` as it holds them now, by MuJoCo's names, and `advance(steps)`,
-        `numbers()`: qpos and qvel of each world, `restart(qpos, qvel)`, `set_timestep(timestep)`
+        `motions(places)`: qpos and qvel of worlds, `restart(qpos, qvel)`, `set_timestep(timestep)`
     always_on : passes that cannot be switched off, by MuJoCo's names
     """
 
@@ -77,8 +77,8 @@ class PortSession(Session):
 
     def snapshot(self) -> FloatArray:
         """Coordinates qpos and velocities qvel now."""
-        numbers: FloatArray = self._world.numbers()[0]
-        return numbers
+        (numbers,) = self._world.motions([0])
+        return np.asarray(numbers)
 
     def states(self, snapshots: Sequence[FloatArray]) -> State:
         """The states, read from qpos and qvel alone."""
@@ -96,26 +96,6 @@ class PortSession(Session):
         """What acts, from the port's model and data; its passes that are always on do nothing."""
         names_acting = acting(self._world.model, self._world.data(), self._scenario)
         return names_acting - {FLAG_WORDS[name] for name in self._always_on}
-
-    def close(self) -> None:
-        """Drop model and data."""
-        del self._world
-
-
-@final
-class PortBatch(Batch):
-    """Worlds of a port; see `PortSession`."""
-
-    def __init__(self, world: Any) -> None:
-        self._world = world
-
-    def advance(self, steps: int) -> None:
-        """As the worlds do."""
-        self._world.advance(steps)
-
-    def snapshots(self, places: Sequence[int]) -> list[FloatArray]:
-        """Their coordinates qpos and velocities qvel."""
-        return list(self._world.numbers()[list(places)])
 
     def close(self) -> None:
         """Drop model and data."""

@@ -12,8 +12,9 @@ from spincheck.engine import COMMON_EFFECTS, Batch, Engine, Method, Scenario, Se
 
 from ...models.mjcf import mjcf
 from ...warp_kernels import kernels_kept
+from ...world_session import WorldBatch
 from ..mujoco.engine import setup
-from ..mujoco.port import PortBatch, PortSession, left_in, port_script, starts
+from ..mujoco.port import PortSession, left_in, port_script, starts
 from ..mujoco.session import check_not_too_small, compiled
 
 #: MuJoCo's flags that it refuses; it has no such passes.
@@ -59,7 +60,7 @@ class MuJoCoWarp(Engine):
 
     def open_batch(self, scenarios: Sequence[Scenario], method: Method, timestep: float) -> Batch:
         """Likewise of each different scene, once."""
-        return PortBatch(self._world(scenarios, method, timestep))
+        return WorldBatch(self._world(scenarios, method, timestep))
 
     def _world(self, scenarios: Sequence[Scenario], method: Method, timestep: float) -> Any:
         different = list(dict.fromkeys(scenarios))

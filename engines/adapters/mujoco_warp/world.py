@@ -79,9 +79,9 @@ class World:
         for _ in range(steps):
             wp.capture_launch(self.graph)
 
-    def numbers(self):
-        """qpos and qvel of each world, one a row."""
-        return np.concatenate([self.there.qpos.numpy(), self.there.qvel.numpy()], axis=1)
+    def motions(self, places):
+        """qpos and qvel of some worlds, one a row."""
+        return np.concatenate([self.there.qpos.numpy(), self.there.qvel.numpy()], axis=1)[places]
 
     def data(self):
         """The data now."""

@@ -23,7 +23,7 @@ from ...version_numbers import numbers_of
 from ...warp_kernels import kernels_kept
 from ...world_engine import WorldEngine
 from ...world_parts import matrix, push
-from ...world_session import WorldSession
+from ...world_session import WorldBatch, WorldSession
 
 #: A rotor is a link on a revolute or fixed joint; a driven one has an armature, which solvers in
 #: joint coordinates alone have.
@@ -122,26 +122,6 @@ class NewtonSession(WorldSession):
                 yield f"rotor {number} with {armed:g} kg m² on a {rotor['hinge']} hinge"
 
 
-@final
-class NewtonBatch(Batch):
-    """Worlds of one model."""
-
-    def __init__(self, world: Any) -> None:
-        self._world = world
-
-    def advance(self, steps: int) -> None:
-        """By launches recorded once."""
-        self._world.advance(steps)
-
-    def snapshots(self, places: Sequence[int]) -> list[FloatArray]:
-        """Their motions."""
-        return [self._world.motion(place) for place in places]
-
-    def close(self) -> None:
-        """Drop the worlds."""
-        del self._world
-
-
 def _clean(
     name: str, order: int, summary: str, solver: str, effects: frozenset[str] = EFFECTS
 ) -> Method:
@@ -222,4 +202,4 @@ class Newton(WorldEngine):
         first, *others = (records[scenario] for scenario in scenarios)
         with kernels_kept():
             module = import_module(f"{__package__}.world")
-            return NewtonBatch(module.World(first, method.name, timestep, others))
+            return WorldBatch(module.World(first, method.name, timestep, others))

@@ -159,6 +159,10 @@ class World:
         com = poses[0, :3] + R @ lever_of(scene)
         return np.concatenate([(w, x, y, z), omega, com, twists[0, :3], spins])
 
+    def motions(self, worlds):
+        """Of some worlds."""
+        return [self.motion(world) for world in worlds]
+
     def push(self):
         """Set the torques, which a step does not change."""
         scene = self.scene
