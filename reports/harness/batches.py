@@ -35,8 +35,8 @@ BUDGET = 10.0
 TRIED, TIMED, TIMES = 10, 2000, 5
 #: rad/s; overflows in single precision at once, in double precision after a few steps.
 BLOWING_UP = 1e60
-#: Cause where worlds differ that have no odd neighbours.
-NUMBER, PLACE = "the number of worlds", "its place"
+#: Causes where worlds differ that have no odd neighbours, or that differ beside no one kind alone.
+NUMBER, PLACE, TOGETHER = "the number of worlds", "its place", "its neighbours together"
 
 
 @dataclass(frozen=True)
@@ -156,7 +156,6 @@ class _Study:
         alike = self._batch(())
         alone = self._alone(alike.ends)
         apart = partial(_apart, states=self.session.states, ulp=self.engine.ulp)
-
         # Each place with the first.
         first = replace(alike, snapshots=[[row[0]] * len(row) for row in alike.snapshots])
         by_number, by_place = apart(alone, first), apart(first, alike)
@@ -165,9 +164,10 @@ class _Study:
         if self._free:
             by_neighbours = apart(alike, self._batch([*odd.values()], alike.ends))
         if by_neighbours:
-            because += [
+            kinds = [
                 name for name, one in odd.items() if apart(alike, self._batch([one], alike.ends))
             ]
+            because += kinds or [TOGETHER]
         steps = alike.ends[-1]
         beside_by, seconds = _mujoco(self.scenario, self.method, begun.timestep)
         return replace(
@@ -230,7 +230,7 @@ def _apart(
 ) -> Apart | None:
     """The largest difference of two motions, over places; None if they have the same bits."""
     same = [
-        np.array_equal(np.asarray(a), np.asarray(b))
+        np.array_equal(np.asarray(a), np.asarray(b), equal_nan=True)
         for a, b in zip(first.snapshots, second.snapshots, strict=True)
     ]
     if all(same):

@@ -14,7 +14,14 @@ from case_loops import each_case
 from kinds_of_engines import installed
 from quiet_session import QuietSession
 from spincheck.engine import Batch, BodyReading, Engine, FloatArray, Method, Scenario, State
-from spincheck.reports.harness.batches import NUMBER, PLACE, BatchRow, batch_of, neighbours_of
+from spincheck.reports.harness.batches import (
+    NUMBER,
+    PLACE,
+    TOGETHER,
+    BatchRow,
+    batch_of,
+    neighbours_of,
+)
 from spincheck.suite.contract_scenes import SCENES
 
 TIMESTEP, WORLDS = 2.0**-6, 8
@@ -98,6 +105,7 @@ FAULTS: dict[str, Fault] = {
     PLACE: lambda place, rates: place == len(rates) - 1 > 0,
     "one that blows up": lambda _, rates: (np.abs(rates) > 1e9).any(),
     "one at rest": lambda _, rates: (rates == 0).any(),
+    TOGETHER: lambda _, rates: (rates == 0).any() and is_another(rates).any(),
     "another body": lambda _, rates: is_another(rates).any(),
 }
 
