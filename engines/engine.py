@@ -1,7 +1,7 @@
 """One interface for every physics engine: what it can do, and how all of them are run."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from typing import Any, Literal, final
@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..scenarios import FloatArray, Scenario, Trajectory
+from .batch import Batch
 from .checks.audit import audit
 from .checks.equations import NO_ARM, Equations
 from .checks.faults import Bounds, clamped_turn
@@ -52,6 +53,7 @@ class Engine(Adapted, ABC):
     script_language : what `script` is written in
     steps_in : the native function in which its steps are taken, as valgrind names it, `*` for any
         characters; empty if they are not all native
+    has_batches : whether `open_batch` is implemented
     describes : features of `Description` that `open_with` can write
     varied : in which way it opens scenes otherwise than users' engine does, by name; empty for an
         adapter
@@ -70,6 +72,7 @@ class Engine(Adapted, ABC):
     of_file: bool = False
     script_language: Literal["Python", "JavaScript"] = "Python"
     steps_in: str = ""
+    has_batches: bool = False
     describes: frozenset[str] = frozenset()
     varied: Mapping[str, Any] = {}
 
@@ -110,6 +113,18 @@ class Engine(Adapted, ABC):
     @abstractmethod
     def open(self, scenario: Scenario, method: Method, timestep: float) -> Session:
         """Compile the scene, with its effects and nothing else, and set its start."""
+
+    def open_batch(
+        self,
+        scenarios: Sequence[Scenario],
+        method: Method,
+        timestep: float,
+    ) -> Batch:
+        """Open many worlds that are stepped together; scenes of one structure, one a world.
+
+        Since version 2 of the interface. They differ in numbers alone; most are the same scene.
+        """
+        raise NotImplementedError(f"{self.name} steps one world at a time.")
 
     def open_with(
         self,

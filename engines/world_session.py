@@ -7,10 +7,10 @@ from abc import abstractmethod
 from collections.abc import Sequence
 from importlib import import_module
 from pathlib import Path
-from typing import Any
+from typing import Any, final
 
 import numpy as np
-from spincheck.engine import BodyReading, EngineError, FloatArray, Scenario, Session, State
+from spincheck.engine import Batch, BodyReading, EngineError, FloatArray, Scenario, Session, State
 
 from ..scenarios.effects.push import is_pushed, push
 from .scene_record import ABOUT, RecordFrame, WorldBody, scene_record
@@ -104,6 +104,27 @@ class WorldSession(Session):
     def close(self) -> None:
         """Drop the world."""
         del self.world
+
+
+@final
+class WorldBatch(Batch):
+    """Worlds that a stand-alone module steps: with `advance(steps)` and `motions(places)`."""
+
+    def __init__(self, worlds: Any) -> None:
+        self._worlds = worlds
+
+    def advance(self, steps: int) -> None:
+        """As the worlds do."""
+        self._worlds.advance(steps)
+
+    def snapshots(self, places: Sequence[int]) -> Sequence[Any]:
+        """Their motions."""
+        motions: Sequence[Any] = self._worlds.motions(list(places))
+        return motions
+
+    def close(self) -> None:
+        """Drop the worlds."""
+        del self._worlds
 
 
 def world_script(path: Path, scenario: Scenario, method: str) -> str:

@@ -34,6 +34,7 @@ from .options import (
     TimeLimit,
     Timesteps,
     Vary,
+    Worlds,
 )
 from .results.result_commands import app as result_commands
 from .scenes.scene_commands import app as scene_commands
@@ -141,6 +142,7 @@ def run(
     ensemble: MemberCount = None,
     seed: Seed = None,
     dask: Dask = None,
+    worlds: Worlds = "",
     strict: Annotated[
         bool,
         typer.Option("--strict", help=f"Exit with 1 also if a verdict is {UNPROVEN}."),
@@ -153,13 +155,16 @@ def run(
 ) -> None:
     """Simulate scenes, compare with the exact motion, and store the results.
 
-    '--vary' and '--ensemble' run many varied scenes instead, each at one timestep.
+    '--vary' and '--ensemble' run many varied scenes instead, each at one timestep. '--worlds'
+    compares worlds in batches with the same world alone instead, and stores nothing.
 
     Results that the file has already are not made again, unless the scene, the engine or spincheck
     has changed since, the run failed because of the machine, or '--again' is given.
     """
     from .choosing import Where
     from .run import running
+    from .run.batches import batches, batches_as_json, named_worlds, print_batches
+    from .run.batches import exit_code as exit_code_of_batches
     from .run.encodings import are_alike, encoding_lines, named_encodings
     from .run.short_summary import short_summary
     from .run.summary import results_as_json, verdict_lines
@@ -171,10 +176,23 @@ def run(
         running.check_counting(timed=not (quick or is_sweep))
     if seed is not None and ensemble is None:
         raise Complaint("'--seed' is for an ensemble; '--ensemble' scatters a scene into one")
+    of_ladders = {"--quick": quick, "--as": as_encoded, "--strict": strict}
+    is_not = "is for ladders; '--vary' and '--ensemble' have none"
+    if worlds:
+        of_ladders |= {"--vary": vary, "--ensemble": ensemble, "--instructions": instructions}
+        of_ladders |= {"--dask": dask, "--python": python}
+        is_not = "is not for '--worlds', which compares batches with worlds alone"
+    for option, is_given in of_ladders.items() if worlds or is_sweep else ():
+        if is_given:
+            raise Complaint(f"'{option}' {is_not}")
+    if worlds:
+        rows = batches(scenes or [], *named, named_worlds(worlds), time_limit)
+        if as_json:
+            print(to_json(batches_as_json(rows)))
+        else:
+            print_batches(rows)
+        raise typer.Exit(exit_code_of_batches(rows))
     if is_sweep:
-        for option, is_given in {"--quick": quick, "--as": as_encoded, "--strict": strict}.items():
-            if is_given:
-                raise Complaint(f"'{option}' is for ladders; '--vary' and '--ensemble' have none")
         choice = choose_for_sweep(*named, time_limit, again=again, python=python)
         swept = run_sweeps(scenes or [], vary or [], ensemble, seed or 0, choice, where, out)
         print_sweeps(swept, out, as_json)

@@ -127,3 +127,11 @@ Again = Annotated[
 Dask = Annotated[
     str | None, typer.Option("--dask", metavar="ADDRESS", help="A Dask scheduler to run on.")
 ]
+Worlds = Annotated[
+    str,
+    typer.Option(
+        "--worlds",
+        metavar="N,N,…",
+        help="Compare a world in batches of so many, such as 1,64,4096, with the same world alone.",
+    ),
+]

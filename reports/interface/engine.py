@@ -4,6 +4,7 @@ This is the whole interface between spincheck and adapters, with the attributes 
 page. An adapter states the version that it is written for, as `Engine.interface`.
 """
 
+from spincheck.engines.batch import Batch
 from spincheck.engines.checks.read_back import (
     BodyReading,
     Difference,
@@ -29,6 +30,7 @@ __all__ = [
     "NEWEST",
     "OLDEST",
     "PLAIN",
+    "Batch",
     "BodyReading",
     "Cause",
     "Derivative",

@@ -268,8 +268,8 @@ def test_a_package_that_raises_on_import_costs_only_its_own_engine(
         ),
         (
             "import BodyReading",
-            "import Batch, BodyReading",
-            "another_engine cannot be used: importing it failed: cannot import name 'Batch' from "
+            "import Later, BodyReading",
+            "another_engine cannot be used: importing it failed: cannot import name 'Later' from "
             "'spincheck.engine': this spincheck has its version 2.",
         ),
     ],

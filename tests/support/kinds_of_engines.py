@@ -14,6 +14,7 @@ OPTIONAL = (
     "jolt",
     "mjx",
     "mjx-float32",
+    "mujoco-warp",
     "newton",
     "physx",
     "pin",

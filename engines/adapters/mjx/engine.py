@@ -1,22 +1,21 @@
 """MJX in both precisions: the scene as MJCF, MuJoCo's integrators as JAX compiles them."""
 
-from dataclasses import replace
+from collections.abc import Sequence
 from importlib.metadata import version
 from typing import final
 
 import mujoco
-from spincheck.engine import COMMON_EFFECTS, Engine, Method, Scenario, Session
+from spincheck.engine import COMMON_EFFECTS, Batch, Engine, Method, Scenario, Session
 
 from ...models.mjcf import mjcf
 from ..mujoco.engine import setup
+from ..mujoco.port import left_in
 from ..mujoco.session import check_not_too_small
-from .script import left_in, script
-from .session import MJXSession
+from .script import SPRINGS, script
+from .session import MJXSession, batch
 
 #: Torques along the world's axes come out wrong on a free body: docs/measured/engines-more.md.
-SINGLE = COMMON_EFFECTS - {"torque_world"}
-#: In single precision hinges and slides read back otherwise than MuJoCo's audit takes them.
-EFFECTS = SINGLE | {"rotors", "table"}
+EFFECTS = (COMMON_EFFECTS - {"torque_world"}) | {"rotors", "table"}
 
 
 def _method(name: str, order: int, summary: str) -> Method:
@@ -39,6 +38,7 @@ class MJX(Engine):
     package = "mujoco.mjx"
     step_seconds = 10e-6
     stock_timestep = 0.002
+    has_batches = True
     methods: tuple[Method, ...] = CLEAN
 
     @property
@@ -48,10 +48,20 @@ class MJX(Engine):
 
     def open(self, scenario: Scenario, method: Method, timestep: float) -> Session:
         """Compile the scene's MJCF, hand it to MJX, and have JAX compile the step."""
+        text = self._text(scenario, method)
+        return MJXSession(scenario, text, timestep, is_double=not self.single_precision)
+
+    def open_batch(self, scenarios: Sequence[Scenario], method: Method, timestep: float) -> Batch:
+        """Likewise, for `jax.vmap`."""
+        different = dict.fromkeys(scenarios)
+        texts = {scenario: self._text(scenario, method) for scenario in different}
+        return batch(scenarios, texts, timestep, is_double=not self.single_precision)
+
+    def _text(self, scenario: Scenario, method: Method) -> str:
         check_not_too_small(scenario)
         integrator = None if method.as_shipped else method.name
-        text = mjcf(scenario, self.stock_timestep, integrator, left_in(scenario, integrator))
-        return MJXSession(scenario, text, timestep, is_double=not self.single_precision)
+        passes = left_in(scenario, integrator, SPRINGS)
+        return mjcf(scenario, self.stock_timestep, integrator, passes)
 
     def script(self, scenario: Scenario, method: Method, timestep: float) -> str:
         """The MJCF, and the few calls that step it."""
@@ -67,6 +77,6 @@ class MJXSingle(MJX):
     extra = "mjx"
     single_precision = True
     methods = (
-        *(replace(method, effects=SINGLE) for method in CLEAN),
-        Method("default", 1, 1, "as shipped: Euler, every pass on", SINGLE, as_shipped=True),
+        *CLEAN,
+        Method("default", 1, 1, "as shipped: Euler, every pass on", EFFECTS, as_shipped=True),
     )

@@ -80,6 +80,11 @@ def loop(trees, still, moving):
     return jax.jit(run).lower(still_as, moving_as, strides_as, count_as).compile()
 
 
+def at_timestep(model, timestep):
+    """The model with another timestep, s."""
+    return model.tree_replace({"opt.timestep": np.asarray(timestep, model.opt.timestep.dtype)})
+
+
 class World:
     """MJX's model and data as flat lists of JAX's arrays, from coordinates qpos and qvel on."""
 
@@ -87,16 +92,16 @@ class World:
         self.is_double = data.qpos.dtype == np.float64
         in_precision(self.is_double)
         self.at_rest, self.trees = data, (jax.tree.structure(model), jax.tree.structure(data))
-        self.set_timestep(model, timestep)
+        self.model = model
+        self.set_timestep(timestep)
         self.still = jax.device_put(self.still)
         self.restart(qpos, qvel)
         self.loop = loop(self.trees, kinds(self.still), kinds(self.moving))
         self.run([])
 
-    def set_timestep(self, model, timestep):
-        """Set the length of the steps of a model from now on, s."""
-        made = np.asarray(timestep, dtype=model.opt.timestep.dtype)
-        self.model = model.tree_replace({"opt.timestep": made})
+    def set_timestep(self, timestep):
+        """Set the length of the steps from now on, s."""
+        self.model = at_timestep(self.model, timestep)
         self.still = jax.tree.leaves(self.model)
 
     def restart(self, qpos, qvel):
@@ -114,6 +119,68 @@ class World:
         self.moving, rows = jax.block_until_ready(ended)
         return np.asarray(rows)[: len(strides)]
 
+    def advance(self, steps):
+        """Take steps."""
+        self.run([steps])
+
+    def motions(self, places):
+        """qpos and qvel, in one row."""
+        data = self.data()
+        return np.concatenate([data.qpos, data.qvel])[None][places]
+
     def data(self):
         """MJX's data now, in numpy's arrays."""
         return jax.tree.unflatten(self.trees[1], [np.asarray(array) for array in self.moving])
+
+
+class Worlds:
+    """Worlds that one compiled loop steps by `jax.vmap`, from qpos and qvel on, one a row.
+
+    `models` are what `in_mjx` returns, and `worlds` says which of them each has: numbers in which
+    they differ are arrays over worlds.
+    """
+
+    def __init__(self, models, worlds, timestep, qpos, qvel):
+        (_, data), *_ = models
+        self.is_double = data.qpos.dtype == np.float64
+        in_precision(self.is_double)
+        models = [at_timestep(model, timestep) for model, _ in models]
+        trees = {jax.tree.structure(model) for model in models}
+        if len(trees) > 1:
+            raise ValueError("its worlds cannot differ in more than numbers")
+        self.model, self.data_tree = models[0], jax.tree.structure(data)
+        rows = list(zip(*map(jax.tree.leaves, models), strict=True))
+        differs = [any(not np.array_equal(row[0], one) for one in row) for row in rows]
+        still = [
+            np.array(row)[worlds] if one_differs else row[0]
+            for row, one_differs in zip(rows, differs, strict=True)
+        ]
+        moving = jax.tree.map(lambda leaf: np.repeat(leaf[None], len(worlds), axis=0), data)
+        with np.errstate(over="ignore"):
+            qpos, qvel = (np.array(numbers, data.qpos.dtype) for numbers in (qpos, qvel))
+        moving = jax.tree.leaves(moving.replace(qpos=qpos, qvel=qvel))
+        self.still, self.moving = jax.device_put((still, moving))
+
+        def step(still, moving):
+            model = jax.tree.unflatten(*trees, still)
+            return jax.tree.leaves(mjx.step(model, jax.tree.unflatten(self.data_tree, moving)))
+
+        stepped = jax.vmap(
+            step, in_axes=([0 if one_differs else None for one_differs in differs], 0)
+        )
+
+        def run(still, moving, steps):
+            return jax.lax.fori_loop(0, steps, lambda _, now: stepped(still, now), moving)
+
+        self.loop = jax.jit(run)
+        self.advance(0)  # Compiles it.
+
+    def advance(self, steps):
+        """Take steps of every world."""
+        in_precision(self.is_double)
+        self.moving = jax.block_until_ready(self.loop(self.still, self.moving, np.int32(steps)))
+
+    def motions(self, places):
+        """qpos and qvel of some worlds, one a row."""
+        data = jax.tree.unflatten(self.data_tree, self.moving)
+        return np.concatenate([data.qpos, data.qvel], axis=1)[places]

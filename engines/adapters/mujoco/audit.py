@@ -40,8 +40,8 @@ FOREIGN: dict[str, Callable[[Any], Any]] = {
 
 #: Those that rotors on hinges are to MuJoCo.
 OF_ROTORS = {"a second body", "a second joint", "added rotor inertia"}
-#: Relative, of numbers that went through text.
-HINGE_SLACK = 1e-12
+#: Relative, of numbers that went through text, in double precision; in single, some roundings.
+HINGE_SLACK, ROUNDINGS = 1e-12, 4
 
 #: MuJoCo's flags in words; flags of later versions are reported by MuJoCo's own names.
 FLAG_WORDS = {
@@ -104,6 +104,7 @@ def _wrong_hinges(model: Any, rotors: Sequence[Rotor]) -> Iterator[str]:
     if model.nbody - 2 != len(rotors) or (model.body_parentid[2:] != 1).any():
         yield f"{model.nbody - 2} parts of the body, not {len(rotors)} rotors"
         return
+    slack = max(HINGE_SLACK, ROUNDINGS * float(np.finfo(model.dof_armature.dtype).eps))
     for number, rotor in enumerate(rotors, start=1):
         joint, count = model.body_jntadr[number + 1], model.body_jntnum[number + 1]
         if rotor.hinge == "locked" or count != 1:
@@ -114,12 +115,12 @@ def _wrong_hinges(model: Any, rotors: Sequence[Rotor]) -> Iterator[str]:
         numbers = model.dof_armature[dof], model.dof_damping[dof]
         if model.jnt_type[joint] != mujoco.mjtJoint.mjJNT_HINGE:
             yield f"rotor {number} on a joint that is no hinge"
-        if not np.allclose(numbers, (armature(rotor), 0.0), rtol=HINGE_SLACK, atol=0.0):
+        if not np.allclose(numbers, (armature(rotor), 0.0), rtol=slack, atol=0.0):
             inertia, damping = map(float, numbers)
             on = f"on a {rotor.hinge} hinge"
             yield f"rotor {number} with {inertia:g} kg m² and {damping:g} N m s {on}"
         off = model.jnt_pos[joint] - model.body_ipos[number + 1]
-        if np.linalg.norm(np.cross(off, model.jnt_axis[joint])) > HINGE_SLACK * np.linalg.norm(off):
+        if np.linalg.norm(np.cross(off, model.jnt_axis[joint])) > slack * np.linalg.norm(off):
             yield f"rotor {number} on a hinge beside its centre of mass"
 
 
@@ -199,13 +200,18 @@ def _joints(model: Any, scenario: Scenario) -> tuple[str, set[str]]:
         ball == mujoco.mjtJoint.mjJNT_BALL
         and (slides == mujoco.mjtJoint.mjJNT_SLIDE).all()
         and np.array_equal(model.jnt_axis[:last], np.reshape(wanted, (-1, 3)))
-        and np.array_equal(model.jnt_pos[last], point_body)
-        and np.array_equal(model.body_pos[1], place_world - point_body)
+        and _same(model.jnt_pos[last], point_body)
+        and _same(model.body_pos[1], place_world - point_body)
         and np.array_equal(model.body_quat[1], (1, 0, 0, 0))
     )
     if not is_held:
         return "", {"a joint that is no ball where the scene holds the body"}
     return "pivot" if constraint.is_pivot else "table", other
+
+
+def _same(got: FloatArray, wanted: FloatArray) -> bool:
+    """Whether these are the numbers, in the precision of what was read."""
+    return np.array_equal(got, wanted.astype(got.dtype))
 
 
 def _rests(model: Any, scenario: Scenario) -> bool:

@@ -3,20 +3,27 @@
 What it does to a top by default, and how each effect was measured: docs/measured/engines-more.md.
 """
 
-import warnings
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from importlib import import_module
 from typing import Any, final
 
 import numpy as np
-from spincheck.engine import COMMON_EFFECTS, FloatArray, Method, Release, Scenario, Session
+from spincheck.engine import (
+    COMMON_EFFECTS,
+    Batch,
+    FloatArray,
+    Method,
+    Release,
+    Scenario,
+    Session,
+)
 
-from ...native_output import native_output
-from ...scene_record import HeldRotor, WorldBody
-from ...user_cache import user_cache
+from ...scene_record import HeldRotor, WorldBody, scene_record
 from ...version_numbers import numbers_of
+from ...warp_kernels import kernels_kept
 from ...world_engine import WorldEngine
 from ...world_parts import matrix, push
-from ...world_session import WorldSession
+from ...world_session import WorldBatch, WorldSession
 
 #: A rotor is a link on a revolute or fixed joint; a driven one has an armature, which solvers in
 #: joint coordinates alone have.
@@ -139,6 +146,7 @@ class Newton(WorldEngine):
     package = "newton"
     step_seconds = 50e-6
     single_precision = True
+    has_batches = True
     methods = (
         _mujoco("rk4", 4, "Runge-Kutta"),
         _mujoco("implicitfast", 1, "Euler, implicit in velocity"),
@@ -185,9 +193,13 @@ class Newton(WorldEngine):
 
     def open(self, scenario: Scenario, method: Method, timestep: float) -> Session:
         """Build the model and the solver; kernels are compiled once, into the user's cache."""
-        with native_output(), warnings.catch_warnings():
-            warnings.simplefilter("ignore")
-            import warp
-
-            warp.config.kernel_cache_dir = str(user_cache() / "warp")
+        with kernels_kept():
             return super().open(scenario, method, timestep)
+
+    def open_batch(self, scenarios: Sequence[Scenario], method: Method, timestep: float) -> Batch:
+        """A world of one model for each scene."""
+        records = {scenario: scene_record(scenario) for scenario in dict.fromkeys(scenarios)}
+        first, *others = (records[scenario] for scenario in scenarios)
+        with kernels_kept():
+            module = import_module(f"{__package__}.world")
+            return WorldBatch(module.World(first, method.name, timestep, others))

@@ -25,18 +25,20 @@ SOLVERS = {
 
 
 @wp.kernel
-def push_body(
+def push_bodies(
     pose: wp.array(dtype=wp.transform),
     twist: wp.array(dtype=wp.spatial_vector),
     drag: float,
     torque_body: wp.vec3,
     torque_world: wp.vec3,
+    bodies: int,
     wrench: wp.array(dtype=wp.spatial_vector),
 ):
-    """Set the torque on the first body."""
-    turned = wp.quat_rotate(wp.transform_get_rotation(pose[0]), torque_body)
-    torque = turned + torque_world - drag * wp.spatial_bottom(twist[0])
-    wrench[0] = wp.spatial_vector(wp.vec3(), torque)
+    """Set the torque on the first of so many bodies of each world."""
+    i = wp.tid() * bodies
+    turned = wp.quat_rotate(wp.transform_get_rotation(pose[i]), torque_body)
+    torque = turned + torque_world - drag * wp.spatial_bottom(twist[i])
+    wrench[i] = wp.spatial_vector(wp.vec3(), torque)
 
 
 def transform(place, q_wxyz=(1.0, 0.0, 0.0, 0.0)):
@@ -45,22 +47,29 @@ def transform(place, q_wxyz=(1.0, 0.0, 0.0, 0.0)):
     return wp.transform(wp.vec3(*place), wp.quat(x, y, z, w))
 
 
-class World:
-    """One body on a free joint at its com, or on a ball joint; its rotors on hinges."""
+def lever_of(scene):
+    """From the joint to the com, m, (3,)."""
+    return -np.array(scene["arm"] or (0.0, 0.0, 0.0))
 
-    def __init__(self, scene, method, timestep):
-        self.scene = scene
+
+class World:
+    """One body on a free joint at its com, or on a ball joint; its rotors on hinges.
+
+    `others` are the scenes of more worlds of one model, which have the same effects.
+    """
+
+    def __init__(self, scene, method, timestep, others=()):
+        self.scene, self.scenes = scene, [scene, *others]
         solver, options = SOLVERS[method]
         self.solver_class = getattr(newton.solvers, f"Solver{solver}")
-        builder = newton.ModelBuilder(gravity=tuple(scene["gravity"]))
-        if hasattr(self.solver_class, "register_custom_attributes"):
-            self.solver_class.register_custom_attributes(builder)
-        self.lever = -np.array(scene["arm"] or (0.0, 0.0, 0.0))  # from the joint to the com
-        body = self.add_body(builder, scene["mass"], self.lever, np.diag(scene["moments"]))
-        is_free = scene["arm"] is None
-        root = builder.add_joint_free(body) if is_free else builder.add_joint_ball(-1, body)
-        hinges = [self.add_rotor(builder, body, rotor) for rotor in scene.get("rotors", ())]
-        builder.add_articulation([root, *hinges])
+        builder = self.builder()
+        if others:
+            for one in self.scenes:
+                world = self.builder()
+                self.add_scene(world, one)
+                builder.add_world(world)
+        else:
+            self.add_scene(builder, scene)
         builder.color()
         self.model = builder.finalize()
         if method == "steel":
@@ -68,18 +77,35 @@ class World:
         self.solver = self.solver_class(self.model, **options)
         self.now, self.then = self.model.state(), self.model.state()
         self.control = self.model.control()
+        self.bodies = self.model.body_count // len(self.scenes)
         self.graphs = {}
-        self.restart(scene, timestep)
+        self.restart(self.scenes, timestep)
+
+    def builder(self):
+        """An empty model."""
+        builder = newton.ModelBuilder(gravity=tuple(self.scene["gravity"]))
+        if hasattr(self.solver_class, "register_custom_attributes"):
+            self.solver_class.register_custom_attributes(builder)
+        return builder
+
+    def add_scene(self, builder, scene):
+        """Add a scene's body and rotors."""
+        lever = lever_of(scene)
+        body = self.add_body(builder, scene["mass"], lever, np.diag(scene["moments"]))
+        is_free = scene["arm"] is None
+        root = builder.add_joint_free(body) if is_free else builder.add_joint_ball(-1, body)
+        hinges = [self.add_rotor(builder, body, lever, one) for one in scene.get("rotors", ())]
+        builder.add_articulation([root, *hinges])
 
     def add_body(self, builder, mass, com, tensor):
         """Add a body; returns its number."""
         inertia = wp.mat33(*tensor.ravel())
         return builder.add_link(mass=mass, com=wp.vec3(*com), inertia=inertia, lock_inertia=True)
 
-    def add_rotor(self, builder, body, rotor):
+    def add_rotor(self, builder, body, lever, rotor):
         """Add a rotor at its place; returns its joint."""
         child = self.add_body(builder, rotor["mass"], np.zeros(3), rotor_tensor(rotor))
-        at = transform(self.lever + rotor["place"])
+        at = transform(lever + rotor["place"])
         if rotor["hinge"] == "locked":
             return builder.add_joint_fixed(body, child, parent_xform=at)
         axis, armature = wp.vec3(*rotor["axis"]), drive(rotor)
@@ -88,52 +114,62 @@ class World:
         )
 
     def restart(self, motion, timestep):
-        """Set another motion and timestep, and leave nothing of earlier steps."""
-        self.start(motion)
+        """Set another motion, or one for each world, and timestep; leave nothing of earlier."""
+        motions = motion if isinstance(motion, list) else [motion]
+        self.start(motions)
         if timestep not in self.graphs:
             self.step(timestep)  # Loads what a recording may not load.
             with wp.ScopedCapture() as capture:
                 self.step(timestep)
             self.graphs[timestep] = capture.graph
-            self.start(motion)
+            self.start(motions)
         self.graph = self.graphs[timestep]
 
-    def start(self, motion):
-        """Set another motion."""
-        w, *xyz = motion["q"]
-        spins = zip(self.scene.get("rotors", ()), motion.get("spins", ()), strict=True)
-        spins = [spin for rotor, spin in spins if rotor["hinge"] != "locked"]
-        is_free = self.scene["arm"] is None
-        place, velocity = (motion["com"], motion["velocity"]) if is_free else ((), ())
-        q = [*place, *xyz, w, *np.zeros(len(spins))]
-        qd = [*velocity, *motion["omega"], *spins]
+    def start(self, motions):
+        """Set other motions."""
+        pairs = [self.coordinates(*both) for both in zip(self.scenes, motions, strict=True)]
+        with np.errstate(over="ignore"):
+            q, qd = (np.concatenate(part).astype(np.float32) for part in zip(*pairs, strict=True))
         for state in (self.now, self.then):
             self.solver.reset(state, flags=0)
-            state.joint_q.assign(np.array(q, dtype=np.float32))
-            state.joint_qd.assign(np.array(qd, dtype=np.float32))
+            state.joint_q.assign(q)
+            state.joint_qd.assign(qd)
             newton.eval_fk(self.model, state.joint_q, state.joint_qd, state)
 
-    def motion(self):
+    def coordinates(self, scene, motion):
+        """Of the joints of one world, with their velocities."""
+        w, *xyz = motion["q"]
+        spins = zip(scene.get("rotors", ()), motion.get("spins", ()), strict=True)
+        spins = [spin for rotor, spin in spins if rotor["hinge"] != "locked"]
+        place, velocity = (motion["com"], motion["velocity"]) if scene["arm"] is None else ((), ())
+        return [*place, *xyz, w, *np.zeros(len(spins))], [*velocity, *motion["omega"], *spins]
+
+    def motion(self, world=0):
         """Attitude, w x y z, ω, com and its velocity, world axes; spins."""
-        poses = self.now.body_q.numpy().astype(float)
-        twists = self.now.body_qd.numpy().astype(float)
+        scene, own = self.scenes[world], slice(world * self.bodies, (world + 1) * self.bodies)
+        poses = self.now.body_q.numpy()[own].astype(float)
+        twists = self.now.body_qd.numpy()[own].astype(float)
         x, y, z, w = poses[0, 3:]
         R, omega = matrix((w, x, y, z)), twists[0, 3:]
-        spun = zip(self.scene.get("rotors", ()), twists[1:, 3:], strict=True)
+        spun = zip(scene.get("rotors", ()), twists[1:, 3:], strict=True)
         spins = [
             (R @ rotor["axis"]) @ (turned - omega) * (rotor["hinge"] != "locked")
             for rotor, turned in spun
         ]
-        com = poses[0, :3] + R @ self.lever
+        com = poses[0, :3] + R @ lever_of(scene)
         return np.concatenate([(w, x, y, z), omega, com, twists[0, :3], spins])
 
+    def motions(self, worlds):
+        """Of some worlds."""
+        return [self.motion(world) for world in worlds]
+
     def push(self):
-        """Set the torque, which a step does not change."""
+        """Set the torques, which a step does not change."""
         scene = self.scene
         numbers = wp.vec3(*scene["torque_body"]), wp.vec3(*scene["torque_world"])
         state = self.now
-        inputs = [state.body_q, state.body_qd, scene["drag"], *numbers, state.body_f]
-        wp.launch(push_body, dim=1, inputs=inputs)
+        inputs = [state.body_q, state.body_qd, scene["drag"], *numbers, self.bodies, state.body_f]
+        wp.launch(push_bodies, dim=len(self.scenes), inputs=inputs)
 
     def step(self, timestep):
         """Take a step."""

@@ -7,10 +7,10 @@ from collections.abc import Iterator, Sequence
 
 from ....engines.fault import ENVIRONMENTAL
 from ....scenarios import Signal
-from ...pages.analysis.best_choice import BOUNDS, best_choice, within_in_words
+from ...pages.analysis.best_choice import BOUNDS, best_choice, finest_useful, within_in_words
 from ...pages.analysis.questions import at_stock, leading
 from ...pages.analysis.report_data import ReportData, report_data
-from ...pages.analysis.wording import duration, plural
+from ...pages.analysis.wording import duration, plural, span
 from ...results.records import Row
 from ...results.results import Results
 from ...results.verdict_words import LISTED
@@ -38,7 +38,7 @@ def short_summary(results: Results, timesteps: Sequence[float] = ()) -> list[str
     lines = [*_counts(results.verdicts), *_first_failure(results.verdicts), *_lost(results.rows)]
     if timesteps:
         return [*lines, *_asked_for(results.rows, timesteps)]
-    return [*lines, *_at_stock(report), *_best(report), *_counted(report)]
+    return [*lines, *_at_stock(report), *_best(report), *_finest(report), *_counted(report)]
 
 
 def _counts(verdicts: Sequence[Verdict]) -> Iterator[str]:
@@ -117,6 +117,20 @@ def _best(report: ReportData) -> Iterator[str]:
         method = f"{choice.runs.label} at {duration(choice.timestep)}"
         yield f"Best for {name}: {method}"
         yield f"    {_degrees(math.degrees(choice.row.errors.attitude))} off{price}"
+
+
+def _finest(report: ReportData) -> Iterator[str]:
+    """The timestep below which errors grow, of each method that shows it; the longest first."""
+    found: dict[str, list[float]] = {}
+    for scene in report.scenes:
+        for runs in scene.methods:
+            if (finest := finest_useful(scene, runs)) is not None:
+                found.setdefault(runs.label, []).append(finest)
+    if found:
+        coarsest = sorted(found.items(), key=lambda one: -max(one[1]))
+        ranges = "; ".join(f"{label} {span(sizes)}" for label, sizes in coarsest)
+        text = f"Errors grow with timesteps below: {ranges}."
+        yield from textwrap.wrap(text, WIDTH, max_lines=REASON_LINES, placeholder=" …")
 
 
 def _counted(report: ReportData) -> Iterator[str]:

@@ -7,6 +7,8 @@ from typing import Any
 
 from ....scenarios import SIGNALS, Signal
 from ....scenarios.fastest_rate import fastest_rate
+from ...pages.analysis.best_choice import finest_useful
+from ...pages.analysis.report_data import report_data
 from ...pages.analysis.timesteps import Survival, survival
 from ...pages.analysis.work_precision import cost
 from ...results.as_json import as_json
@@ -126,16 +128,22 @@ def results_as_json(results: Results) -> dict[str, Any]:
 
 
 def verdict_records(results: Results) -> list[dict[str, Any]]:
-    """Verdicts, each with the largest timestep that its method survives."""
+    """Verdicts, each with the timesteps between which its method is of use."""
     fastest_rates = {
         name: fastest_rate(scene.scenario, scene.solution.trajectory.omega_body)
         for name, scene in results.scenes.items()
+    }
+    finest = {
+        (scene.name, runs.pair): finest_useful(scene, runs)
+        for scene in report_data(results).scenes
+        for runs in scene.methods
     }
     rows: dict[Key, list[Row]] = {}
     for row in results.rows:
         rows.setdefault(row.key, []).append(row)
     return [
         verdict_record(verdict)
+        | {"finest_useful_timestep": finest.get((verdict.key.scenario, verdict.key.pair))}
         | _survival_record(
             survival(rows.get(verdict.key, ()), fastest_rates.get(verdict.key.scenario))
         )

@@ -1,7 +1,7 @@
 """The cheapest that is accurate enough: of a scene's runs, and of the timesteps between them."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from scipy.spatial.transform import Rotation
@@ -12,7 +12,7 @@ from ...results.results import SceneResult
 from .cost_to_reach import Barrier, How, reach
 from .report_data import MethodRuns, SceneRuns
 from .wording import number, rounded_down
-from .work_precision import cost, curve_of
+from .work_precision import Curve, cost, curve_of
 
 ErrorBounds = Mapping[str, float]
 
@@ -81,8 +81,7 @@ def _candidate(scene: SceneRuns, runs: MethodRuns, bounds: ErrorBounds) -> Candi
     curve, reach_there = curves[signal], reached[signal]
     key = Key(scene.name, runs.engine, runs.method)
     stable = curve.stable[0].timestep if curve.stable else None
-    useful = [one.least.timestep for one in curves.values() if one.least]
-    finest = max(useful, default=None)
+    finest = _finest(curves.values())
     candidate = Candidate(key, reach_there.word, reach_there.reason, signal, stable, finest)
     if not timesteps[signal] or curve.seconds_per_step is None:
         return candidate
@@ -93,6 +92,17 @@ def _candidate(scene: SceneRuns, runs: MethodRuns, bounds: ErrorBounds) -> Candi
         cost=reach_there.cost,
         spread=spread / curve.seconds_per_step,
     )
+
+
+def finest_useful(scene: SceneRuns, runs: MethodRuns) -> float | None:
+    """The timestep, s, below which errors of attitude or ω grow; None where no run shows that."""
+    if scene.solved is None:
+        return None
+    return _finest(curve_of(scene, runs, signal) for signal in BOUNDS)
+
+
+def _finest(curves: Iterable[Curve]) -> float | None:
+    return max((one.least.timestep for one in curves if one.least), default=None)
 
 
 #: Bounds of a best choice: attitude in rad; ω, relative to its largest.

@@ -64,6 +64,11 @@ def duration(seconds: float) -> str:
     return f"{shown.rstrip('0').rstrip('.') if '.' in shown else shown} {unit}"
 
 
+def span(timesteps: Sequence[float]) -> str:
+    """The shortest and the longest of several timesteps: 2 ms, 2 ms to 0.1 s."""
+    return " to ".join(dict.fromkeys(map(duration, (min(timesteps), max(timesteps)))))
+
+
 def rounded_down(seconds: float) -> float:
     """A timestep of two significant digits, as people type it, never a longer one."""
     exact = Decimal(repr(seconds))

@@ -7,9 +7,10 @@ from typing import Any
 import numpy as np
 
 from ...results.cost_records import MethodCost
+from ..analysis.best_choice import finest_useful
 from ..analysis.questions import Usual, ask, at_stock
 from ..analysis.report_data import ReportData
-from ..analysis.wording import NOTHING, duration, plural, readable
+from ..analysis.wording import NOTHING, duration, plural, readable, span
 from ..tables import Cell, figure, table
 from .causes import no_gyroscopic_torque, why
 
@@ -26,6 +27,7 @@ MEASURES = (
     "error a turn",
     "off at the end",
     "at worst",
+    "errors grow below",
     "CPU time of a step",
     "pruned",
 )
@@ -121,6 +123,12 @@ def _column(
         if cost.difference is not None and cost.cost and cost.key.pair == one.pair
     }
     ratios = (OWN_RATIO, "") if one is default else (_price(whole, base), _price(pruned, base))
+    finest = [
+        timestep
+        for scene in gathered.scenes
+        for runs in scene.methods
+        if runs.pair == one.pair and (timestep := finest_useful(scene, runs)) is not None
+    ]
     turns = NOTHING
     if one.turns is not None:
         turns = f"{readable(one.turns)} turns" if one.turns < math.inf else "never"
@@ -132,6 +140,7 @@ def _column(
     return [
         *map(figure, (duration(one.timestep), turns, a_turn, _median(one))),
         Cell(largest, "number", ", ".join(worst)),
+        figure(span(finest) if finest else ""),
         *map(figure, ratios),
     ]
 

@@ -12,6 +12,7 @@ from ..analysis.best_choice import (
     BestChoice,
     best_choice,
     best_choices,
+    finest_useful,
     nothing_because,
     within_in_words,
 )
@@ -164,10 +165,12 @@ def _facts(scene: SceneRuns, best: BestChoice) -> list[tuple[str, str]]:
     run, timestep = best.row.timestep, f"{typed(best.timestep)} s"
     if run != best.timestep:
         timestep += f" (measured at {number(run, 4)} s)"
+    finest = finest_useful(scene, best.runs)
     facts = [
         ("engine", f"{best.runs.engine} {best.row.engine_version}"),
         ("integrator", best.runs.method),
         ("timestep", timestep),
+        *([("finer makes errors grow", f"below {duration(finest)}")] if finest else []),
         ("attitude error", f"{attitude}°"),
         ("ω error", omega),
     ]

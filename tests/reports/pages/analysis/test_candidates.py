@@ -22,10 +22,12 @@ from ladders import (
 )
 from library_scenes import library
 from made_up import METHODS, TIMESTEPS, results
+from spincheck.reports.cli.run.short_summary import short_summary
+from spincheck.reports.cli.run.summary import verdict_records
 from spincheck.reports.pages.analysis.best_choice import Candidate, as_cheap, candidates
 from spincheck.reports.pages.analysis.cost_to_reach import LEVELS
 from spincheck.reports.pages.analysis.report_data import SceneRuns
-from spincheck.reports.pages.analysis.wording import number
+from spincheck.reports.pages.analysis.wording import duration, number
 from spincheck.reports.pages.cost_section import MARKS, reach_table
 from spincheck.reports.results.records import Key, Row
 from spincheck.reports.results.results import SceneResult
@@ -95,6 +97,17 @@ def test_no_timestep_is_recommended_below_which_errors_grow() -> None:
     assert (beyond.word, beyond.timestep) == ("round-off", None)
     assert f"{least:.3g} s is the least" in beyond.reason
     assert chosen(with_law(straight), "Euler", omega=BELOW).finest_useful is None
+
+
+@pytest.mark.parametrize("grows", [True, False])
+def test_a_run_ends_with_the_timestep_below_which_errors_grow(grows: bool) -> None:
+    rounding = 16 * straight(TIMESTEPS[-1]) * TIMESTEPS[-1] * grows
+    stored = with_law(lambda timestep: straight(timestep) + rounding / timestep)
+    least = min(TIMESTEPS, key=lambda timestep: straight(timestep) + rounding / timestep)
+    lines = [line for line in short_summary(stored) if "Errors grow with timesteps below" in line]
+    of_json = {one["method"]: one["finest_useful_timestep"] for one in verdict_records(stored)}
+    assert of_json["Euler"] == (least if grows else None)
+    assert [f"Euler {duration(least)}" in line for line in lines] == [True] * grows
 
 
 def test_costs_within_the_spread_of_the_timings_are_called_alike() -> None:

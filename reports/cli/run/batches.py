@@ -1,0 +1,149 @@
+"""The option `--worlds`, and what it prints: worlds in batches beside the same world alone."""
+
+import textwrap
+from collections.abc import Iterator, Sequence
+from dataclasses import asdict
+from itertools import groupby
+from typing import Any
+
+from ....engines import Engine, engines
+from ...harness.batches import Apart, BatchRow, batch_by
+from ...harness.stock import stock_timestep
+from ...pages.analysis.wording import duration
+from ..choosing import Where, check_timesteps, choose, executor_for
+from ..named_scenes import scenes_to_run
+from ..terminal import AGREES, DISAGREES, NOT_RUN, Complaint, say, table
+from .summary import WIDTH
+
+#: Worlds of a batch, at most.
+MOST = 1 << 20
+
+
+def named_worlds(text: str) -> list[int]:
+    """Numbers of worlds with commas between, in increasing order."""
+    try:
+        found = sorted({int(part) for part in text.split(",")})
+    except ValueError:
+        found = [0]
+    if not all(1 <= one <= MOST for one in found):
+        raise Complaint(
+            f"'--worlds' must be numbers from 1 to {MOST} with commas between, got '{text}'"
+        )
+    return found
+
+
+def batches(
+    scenes: Sequence[str],
+    engine_names: Sequence[str],
+    methods: Sequence[str],
+    timesteps: Sequence[float],
+    worlds: Sequence[int],
+    time_limit: float | None,
+) -> list[BatchRow]:
+    """A row for each scene, method and number of worlds; as shipped only if it is named."""
+    if not scenes:
+        raise Complaint("'--worlds' needs a scene, such as fast-top")
+    scenarios = scenes_to_run(scenes)
+    chosen = choose(engine_names, methods, timesteps, scenarios=scenarios, time_limit=time_limit)
+    for engine in chosen.engines:
+        _check_batches(engine)
+    check_timesteps(scenarios, chosen)
+    rows: list[BatchRow] = []
+    with executor_for(Where(1), chosen) as executor:
+        for scenario in scenarios:
+            for engine, method in chosen.methods_on(scenario).values():
+                if method.as_shipped and not methods:
+                    continue
+                for timestep in timesteps or [stock_timestep(engine)]:
+                    for count in worlds:
+                        named = scenario.name, engine.name, method.name
+                        say(f"{scenario.name}  {engine.name} {method.name}, {_worlds(count)}")
+                        begun = BatchRow(*named, timestep, count)
+                        rows.append(batch_by(executor, scenario, engine, begun))
+    return rows
+
+
+def _check_batches(engine: Engine) -> None:
+    if not engine.has_batches:
+        able = ", ".join(one.name for one in engines().values() if one.has_batches)
+        raise Complaint(
+            f"'--worlds': {engine.name} steps one world at a time; "
+            + (f"'--engine' may be {able}" if able else "no engine here steps more")
+        )
+
+
+def print_batches(rows: Sequence[BatchRow]) -> None:
+    """Print what was found of each method: a table, and what follows from it."""
+    for (scene, engine, method, timestep), group in groupby(
+        rows, key=lambda row: (row.scene, row.engine, row.method, row.timestep)
+    ):
+        found = list(group)
+        print(f"{scene}, {engine} {method} at {duration(timestep)}")
+        compared = [row for row in found if not row.reason]
+        table([_line(row) for row in compared])
+        for line in [*_conclusions(compared), *_failures(found)]:
+            print(textwrap.fill(line, WIDTH, subsequent_indent="  ", break_on_hyphens=False))
+        print()
+
+
+def batches_as_json(rows: Sequence[BatchRow]) -> list[dict[str, Any]]:
+    """A record of each."""
+    return [asdict(row) for row in rows]
+
+
+def exit_code(rows: Sequence[BatchRow]) -> int:
+    """1 if a motion depends on its batch or a batch failed, 3 if none could be compared."""
+    if all(row.reason for row in rows):
+        return NOT_RUN
+    wrong = any(row.because or row.outcome == "failed" for row in rows)
+    return DISAGREES if wrong else AGREES
+
+
+def _line(row: BatchRow) -> dict[str, object]:
+    assert row.seconds_per_step is not None, "only a row that was compared is printed"
+    return {
+        "worlds": row.worlds,
+        "from it alone": _words(row.alone),
+        "between places": _words(row.place) if row.worlds > 1 else "",
+        "odd neighbours": _words(row.neighbours) if row.has_neighbours else "",
+        "until": f"{row.until:.3g} s",
+        "a step": duration(row.seconds_per_step),
+        "a world": duration(row.seconds_per_step / row.worlds),
+    }
+
+
+def _words(apart: Apart | None) -> str:
+    return f"{apart.ulp:.2g} ulp, {apart.degrees:.1g}°" if apart else "same bits"
+
+
+def _conclusions(rows: Sequence[BatchRow]) -> Iterator[str]:
+    """What the motion depends on, and from how many worlds on a batch is cheaper than MuJoCo."""
+    if not rows:
+        return
+    if because := list(dict.fromkeys(word for row in rows for word in row.because)):
+        yield (
+            f"A world's motion depends on {', '.join(because)}: ulp where it first differs, "
+            "degrees at the end."
+        )
+    else:
+        yield "A world moves the same, to the last bit, in each of these batches."
+    beside = min(row.beside for row in rows if row.beside)
+    costs = {row.worlds: (row.seconds_per_step or 0.0) / row.worlds for row in rows}
+    paying = [count for count, cost in costs.items() if cost < beside]
+    mujoco = f"one of {rows[0].beside_by}, {duration(beside)} on one core"
+    most = f"with up to {_worlds(max(costs))}"
+    cheaper = f"from {_worlds(paying[0])} on" if paying else most
+    yield (
+        f"On the {rows[0].device}, {cheaper}, a world's step costs "
+        f"{'less' if paying else 'more'} than {mujoco}."
+    )
+
+
+def _failures(rows: Sequence[BatchRow]) -> Iterator[str]:
+    for row in rows:
+        if row.reason:
+            yield f"{_worlds(row.worlds)}: {row.reason}"
+
+
+def _worlds(count: int) -> str:
+    return "1 world" if count == 1 else f"{count} worlds"

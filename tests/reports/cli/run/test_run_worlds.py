@@ -1,0 +1,78 @@
+"""What 'run --worlds' prints, returns and refuses; what it measures is in test_batches.py."""
+
+from dataclasses import replace
+
+import pytest
+from case_loops import each_case
+from command_line import ended
+from spincheck.engines import engines
+from spincheck.reports.cli.run.batches import exit_code, print_batches
+from spincheck.reports.cli.terminal import AGREES, BAD_INPUT, DISAGREES, NOT_RUN
+from spincheck.reports.harness.batches import NUMBER, Apart, BatchRow
+
+COST = {"seconds_per_step": 64e-6, "beside": 2e-6, "beside_by": "mujoco Euler"}
+SAME = BatchRow("top", "e", "m", 2e-3, 64, "CPU", until=5.0, has_neighbours=True, **COST)
+APART = replace(SAME, alone=Apart(1, 3.0, 0.02), because=(NUMBER,))
+LOST = replace(SAME, worlds=4096, outcome="failed", reason="out of memory")
+UNABLE = replace(LOST, outcome="unsupported", reason="e m cannot simulate pivot")
+
+
+@each_case(
+    ("arguments", "message"),
+    [
+        (["fast-top", "--worlds", "2"], "mujoco steps one world at a time"),
+        (["--worlds", "2"], "'--worlds' needs a scene"),
+        (["fast-top", "--worlds", "0"], "'--worlds' must be numbers from 1"),
+        (["fast-top", "--worlds", "2,x"], "got '2,x'"),
+        (["fast-top", "--worlds", "2", "--quick"], "'--quick' is not for '--worlds'"),
+        (["fast-top", "--worlds", "2", "--ensemble", "3"], "'--ensemble' is not for '--worlds'"),
+    ],
+)
+def test_bad_input_is_one_line_and_exit_code_2(arguments: list[str], message: str) -> None:
+    code, out, err = ended("run", *arguments)
+    assert (code, out) == (BAD_INPUT, "")
+    assert message in err
+    assert len(err.splitlines()) == 1
+
+
+def test_an_engine_of_one_world_names_those_of_many() -> None:
+    many = [name for name, engine in engines().items() if engine.has_batches]
+    _, _, err = ended("run", "fast-top", "--engine", "mujoco", "--worlds", "2")
+    assert all(name in err for name in many)
+
+
+@each_case(
+    ("rows", "code"),
+    [
+        ([SAME], AGREES),
+        ([SAME, APART], DISAGREES),
+        ([SAME, LOST], DISAGREES),
+        ([SAME, UNABLE], AGREES),
+        ([UNABLE], NOT_RUN),
+    ],
+)
+def test_the_exit_code_says_whether_a_motion_depends_on_its_batch(
+    rows: list[BatchRow], code: int
+) -> None:
+    assert exit_code(rows) == code
+
+
+def test_differences_causes_costs_and_failures_are_printed(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    print_batches([replace(SAME, worlds=1), APART, LOST])
+    printed = capsys.readouterr().out
+    assert max(map(len, printed.splitlines())) <= 100
+    assert "3 ulp, 0.02°" in printed
+    text = " ".join(printed.split())
+    assert "depends on the number of worlds" in text
+    assert "from 64 worlds on, a world's step costs less than one of mujoco Euler, 2 µs" in text
+    assert "4096 worlds: out of memory" in text
+
+
+def test_a_dear_batch_is_not_said_to_pay(capsys: pytest.CaptureFixture[str]) -> None:
+    print_batches([replace(SAME, beside=0.5e-6)])
+    text = " ".join(capsys.readouterr().out.split())
+    assert "same bits" in text
+    assert "moves the same, to the last bit" in text
+    assert "with up to 64 worlds, a world's step costs more than" in text

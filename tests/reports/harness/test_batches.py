@@ -1,0 +1,169 @@
+"""A batch by which a world's motion depends on it is found out, with what it depends on.
+
+Verified: planted dependence on number, place and each kind of neighbour, with its size; that of the
+installed engines' batches each world holds its own body and start.
+Not verified: GPUs; times, but that they are there.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from case_loops import each_case
+from kinds_of_engines import installed
+from quiet_session import QuietSession
+from spincheck.engine import Batch, BodyReading, Engine, FloatArray, Method, Scenario, State
+from spincheck.reports.harness.batches import (
+    NUMBER,
+    PLACE,
+    TOGETHER,
+    BatchRow,
+    batch_of,
+    neighbours_of,
+)
+from spincheck.suite.contract_scenes import SCENES
+
+TIMESTEP, WORLDS = 2.0**-6, 8
+#: rad, by which a planted fault turns a world too far whenever it is stepped.
+FAULT = 2.0**-20
+#: Whether a world turns too far, by its place and the rates of all worlds, rad/s.
+Fault = Callable[[int, FloatArray], bool]
+SCENE = SCENES["free"]
+ROW = BatchRow(SCENE.name, "turning", "exact", TIMESTEP, WORLDS)
+RATE = float(SCENE.start.omega_body[2])
+
+
+class Turning(QuietSession):
+    """A body that turns about z at the rate at which it starts."""
+
+    def __init__(self, rate: float) -> None:
+        self.numbers = np.array([0.0, rate])
+
+    def advance(self, steps: int) -> None:
+        self.numbers[0] += steps * TIMESTEP * self.numbers[1]
+
+    def snapshot(self) -> FloatArray:
+        return self.numbers.copy()
+
+    def states(self, snapshots: Sequence[FloatArray]) -> State:
+        angle, rate = np.array(snapshots).T
+        still = np.zeros((len(angle), 3))
+        omega = np.stack([0 * rate, 0 * rate, rate], axis=1)
+        q = np.stack([np.cos(angle / 2), 0 * angle, 0 * angle, np.sin(angle / 2)], axis=1)
+        return State(q, omega, still, still)
+
+    def read_body(self) -> BodyReading:
+        raise NotImplementedError
+
+    def read_state(self) -> State:
+        raise NotImplementedError
+
+
+class TurningBatch(Batch):
+    def __init__(self, rates: Sequence[float], fault: Fault) -> None:
+        self.worlds = [Turning(rate) for rate in rates]
+        self.faulty = [k for k in range(len(rates)) if fault(k, np.array(rates))]
+
+    def advance(self, steps: int) -> None:
+        for world in self.worlds:
+            world.advance(steps)
+        for k in self.faulty:
+            self.worlds[k].numbers[0] += FAULT
+
+    def snapshots(self, places: Sequence[int]) -> list[FloatArray]:
+        return [self.worlds[place].snapshot() for place in places]
+
+    def close(self) -> None:
+        pass
+
+
+class TurningEngine(Engine):
+    interface = 2
+    name = version = "turning"
+    methods = (Method("exact", 1, 1, "made up", frozenset()),)
+
+    def __init__(self, fault: Fault = lambda *_: False) -> None:
+        self.fault = fault
+
+    def open(self, scenario: Scenario, method: Method, timestep: float) -> Turning:
+        return Turning(float(scenario.start.omega_body[2]))
+
+    def open_batch(
+        self, scenarios: Sequence[Scenario], method: Method, timestep: float
+    ) -> TurningBatch:
+        rates = [float(scenario.start.omega_body[2]) for scenario in scenarios]
+        return TurningBatch(rates, self.fault)
+
+
+def is_another(rates: FloatArray) -> FloatArray:
+    return (rates != RATE) & (rates != 0) & (np.abs(rates) < 1e9)
+
+
+FAULTS: dict[str, Fault] = {
+    NUMBER: lambda _, rates: len(rates) > 1,
+    PLACE: lambda place, rates: place == len(rates) - 1 > 0,
+    "one that blows up": lambda _, rates: (np.abs(rates) > 1e9).any(),
+    "one at rest": lambda _, rates: (rates == 0).any(),
+    TOGETHER: lambda _, rates: (rates == 0).any() and is_another(rates).any(),
+    "another body": lambda _, rates: is_another(rates).any(),
+}
+
+
+@each_case(("what", "fault"), [*FAULTS.items()])
+def test_what_a_motion_depends_on_is_named_with_its_size(what: str, fault: Fault) -> None:
+    row = batch_of(SCENE, TurningEngine(fault), ROW)
+    assert row.because == (what,), what
+    apart = {NUMBER: row.alone, PLACE: row.place}.get(what, row.neighbours)
+    assert apart is not None
+    assert apart.step == 1
+    # Half an angle in the quaternion.
+    assert apart.ulp == pytest.approx(FAULT / 2 / TurningEngine().ulp, rel=1e-3)
+    looked_at = len(bin(row.steps - 1)) - 1
+    assert np.radians(apart.degrees) == pytest.approx(looked_at * FAULT, rel=1e-3)
+
+
+def test_worlds_that_depend_on_nothing_have_the_same_bits() -> None:
+    row = batch_of(SCENE, TurningEngine(), ROW)
+    assert (row.because, row.alone, row.place, row.neighbours) == ((), None, None, None)
+    assert row.has_neighbours
+    assert row.until == SCENE.window.duration
+    assert row.seconds_per_step
+    assert row.beside
+
+
+def test_a_world_that_is_no_longer_finite_is_infinitely_far() -> None:
+    class Lost(TurningBatch):
+        def advance(self, steps: int) -> None:
+            super().advance(steps)
+            self.worlds[-1].numbers[0] = np.nan
+
+    engine = TurningEngine()
+    engine.open_batch = lambda scenarios, *_: Lost([RATE] * len(scenarios), engine.fault)
+    row = batch_of(SCENE, engine, replace(ROW, worlds=2))
+    assert row.because == (PLACE,)
+    assert row.place is not None
+    assert row.place.degrees == row.place.ulp == np.inf
+    assert not row.has_neighbours
+
+
+@pytest.mark.slow
+@each_case(
+    ("name", "method"), [("mujoco-warp", "RK4"), ("newton", "mujoco-rk4"), ("mjx-float32", "Euler")]
+)
+def test_each_world_has_its_own_body_and_start(name: str, method: str) -> None:
+    engine, scene = installed(name), SCENES["heavy-top"]
+    one, odd = engine.method(method), neighbours_of(scene)
+    worlds = [scene, *odd.values(), scene]
+    batch = engine.open_batch(worlds, one, TIMESTEP)
+    batch.advance(3)
+    found = list(batch.snapshots(range(len(worlds))))
+    batch.close()
+    assert not np.isfinite(found[1]).all(), "it does not blow up"
+    for k in (0, 2, 3, 4):
+        with engine.open(worlds[k], one, TIMESTEP) as session:
+            session.advance(3)
+            alone = np.asarray(session.snapshot(), dtype=float)
+            off = np.abs(np.asarray(found[k], dtype=float) - alone)
+            # MJX's loop over worlds is compiled otherwise: some roundings of the largest number.
+            assert off.max() <= 64 * engine.ulp * np.abs(alone).max(), (name, k)
