@@ -115,7 +115,7 @@ class Log(Data):
         """As of `Data`: how far a tensor's ratios are from the scene's, (9,)."""
         made, usual = (h.equations.inertia for h in (hypothesis, self.base))
         off = made / np.trace(made) - usual / np.trace(usual)
-        return 3 * off.ravel() / SPREAD
+        return np.asarray(3 * off.ravel() / SPREAD)
 
     def squares(self, rest: FloatArray) -> FloatArray:
         """The sum of squares of attitude and, where it is fitted, of ω: (2,) or (1,)."""
