@@ -9,7 +9,7 @@ nox.options.default_venv_backend = "venv"
 nox.options.error_on_missing_interpreters = False
 
 
-@nox.session(python=["3.11", "3.12", "3.13"])
+@nox.session(python=["3.11", "3.12", "3.13", "3.14"])
 def quick(session: nox.Session) -> None:
     """Install as users do, and run what `make quick` runs."""
     session.install(".[dev]")

@@ -10,6 +10,7 @@ import json
 import os
 import selectors
 import subprocess
+import sys
 import time
 from collections.abc import Sequence
 from contextlib import suppress
@@ -84,6 +85,9 @@ class ChildProcess:
         self._received = b""
         self._printed = b""
         self._broken: ProtocolError | None = None
+        if sys.platform == "win32":
+            words = f"'{printable(command[0], 100)}' needs a pipe that Windows cannot hand on"
+            raise ProtocolError(words, "refused")
         self._answers, theirs = os.pipe()
         try:
             self._process = start(

@@ -118,6 +118,9 @@ def install_for(
     VersionError
         If there is no such Python, or pip cannot; with its last words.
     """
+    if sys.platform == "win32":
+        words = "'--python' needs an environment as Linux and macOS have it; run it in WSL"
+        raise VersionError(words, is_usage=True)
     try:
         tag = _call("it fails", [python, ISOLATED, "-c", _TAG]).strip()
     except VersionError as error:

@@ -108,7 +108,8 @@ def _watch(obeyed: list[signal.Signals], received: threading.Event) -> None:
     except OSError:
         # If no descriptor is free, a signal is handled only when the current query ends.
         return
-    os.set_blocking(woken, False)
+    if sys.platform != "win32":
+        os.set_blocking(woken, False)
     signal.set_wakeup_fd(woken, warn_on_full_buffer=False)
 
     def watch() -> None:

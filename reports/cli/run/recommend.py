@@ -23,6 +23,7 @@ from ...harness.study import run_study
 from ...pages.analysis.best_choice import BOUNDS, Candidate, ErrorBounds, candidates, steady
 from ...pages.analysis.report_data import SceneRuns, report_data
 from ...pages.analysis.wording import rounded_down
+from ...results.cost_records import MethodCost
 from ...results.records import Key, Row
 from ...results.results import Results
 from ...results.store import open_store
@@ -52,6 +53,8 @@ class Recommendation:
     command : runs the first candidate again; empty where nothing is recommended
     nothing : why nothing is recommended; empty if something is
     source : the result file used; empty if the scene was run now
+    left_in : times of the first candidate's steps with what its adapter leaves out left in, as a
+        script has it; None where nothing is left out, or it was not timed
     """
 
     scenario: str
@@ -63,6 +66,7 @@ class Recommendation:
     command: str = ""
     nothing: str = ""
     source: str = ""
+    left_in: MethodCost | None = None
 
     @property
     def best(self) -> Candidate | None:
@@ -197,7 +201,7 @@ def _checked(scene: str, bounds: ErrorBounds, results: Results, folder: Path) ->
         if unchecked or within(checks[-1], bounds) or len(checks) == CHECKS:
             setup, command = _setup(tried, best), _command(scene, best)
             named = (tried.name, bounds, ranked, tuple(checks), unchecked, setup, command)
-            return Recommendation(*named)
+            return Recommendation(*named, left_in=_left_in(results, best.key))
         results = _with_run(results, checks[-1])
 
 
@@ -208,6 +212,11 @@ def _as_typed(candidate: Candidate) -> Candidate:
     timestep = rounded_down(candidate.timestep)
     cost = candidate.cost * candidate.timestep / timestep
     return replace(candidate, timestep=timestep, cost=cost)
+
+
+def _left_in(results: Results, key: Key) -> MethodCost | None:
+    whole = (one for one in results.costs if one.key == key and one.left_in)
+    return next((one for one in whole if one.cost and one.cost.ratio), None)
 
 
 def _setup(scene: SceneRuns, best: Candidate) -> str:

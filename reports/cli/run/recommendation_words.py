@@ -29,10 +29,17 @@ def recommendation_as_json(recommendation: Recommendation) -> dict[str, Any]:
             for row in recommendation.checks
         ],
         "setup": recommendation.setup,
+        "left_in_ratio": _ratio(recommendation),
         "command": recommendation.command,
         "source": recommendation.source or None,
         "methods": methods,
     }
+
+
+def _ratio(recommendation: Recommendation) -> float | None:
+    """The time of a step with what is left out left in, over that without."""
+    whole = recommendation.left_in
+    return whole.cost.ratio.median if whole and whole.cost and whole.cost.ratio else None
 
 
 def _with_unit(bound: float, unit: str) -> str:
@@ -67,6 +74,12 @@ def print_recommendation(recommendation: Recommendation) -> None:
         print(f"Not checked: {recommendation.unchecked}.")
     if recommendation.setup:
         print(f"In {best.key.engine}:\n{indent(recommendation.setup, '  ')}")
+    if ratio := _ratio(recommendation):
+        assert recommendation.left_in is not None, "it has a ratio"
+        print(
+            f"With these lines alone a step takes {ratio:.2g} times as long: what the adapter "
+            f"leaves out runs, too ({', '.join(recommendation.left_in.left_in)})."
+        )
     print(f"To check it again:\n  {recommendation.command}")
 
 

@@ -29,8 +29,11 @@ LEFT = 0.1
 NOWHERE = 1e30
 #: Numbers that are seen less than this, relative to those seen best, do not count.
 RANK = 1e-6
+EPS = float(np.finfo(float).eps)
 #: Evaluations of a fit at most, and a step of a scaled number from which a slope is taken.
 EVALUATIONS, SMALL = 50, 1e-5
+#: Relative steps at which a fit ends, and one to a part of the data.
+NEAR, ROUGHLY = 1e-9, 1e-3
 #: Changes are fitted that leave no more than this fraction where they are taken as linear; pairs of
 #: changes, no more than this fraction of what either alone leaves, and so many of them at most with
 #: as many numbers.
@@ -57,6 +60,10 @@ class Data(ABC):
         samples : the first ones that count; all of them if None
         """
 
+    def unlikely(self, hypothesis: Hypothesis) -> FloatArray:  # noqa: ARG002
+        """How far a hypothesis is from what is known beforehand, in standard deviations, (p,)."""
+        return np.empty(0)
+
     @property
     def parts(self) -> Sequence[int | None]:
         """How many of the first samples numbers are fitted to, one after the other."""
@@ -79,7 +86,7 @@ class Fit:
     Attributes
     ----------
     numbers : of all changes, (k,)
-    covariance : of the numbers, if noise alone is left, (k, k)
+    covariance : of the numbers, if noise alone is left, by what is known beforehand too, (k, k)
     rest : what is left, in units of its scale, (m,)
     count : of numbers that the data show
     """
@@ -111,9 +118,14 @@ class Fit:
         at = sum(len(one.sizes) for one in self.changes[: self.changes.index(change)])
         return slice(at, at + len(change.sizes))
 
+    def numbers_of(self, change: Change) -> FloatArray:
+        """Its numbers; zeros where it is not among the changes."""
+        is_made = change in self.changes
+        return self.numbers[self.rows(change)] if is_made else np.zeros(len(change.sizes))
+
     def explanation(self, change: Change) -> Explanation:
         """A change with its numbers."""
-        return change.explanation(self.numbers[self.rows(change)])
+        return change.explanation(self.numbers_of(change))
 
 
 @dataclass(frozen=True, eq=False)
@@ -141,6 +153,10 @@ class Trial:
         """What is left, in units of its scale, (m,)."""
         return self.data.left(self.hypothesis(x), samples)
 
+    def _improbable(self, x: FloatArray, samples: int | None) -> FloatArray:
+        """The same, and below it how far the numbers are from what is known beforehand."""
+        return np.concatenate([self.left(x, samples), self.data.unlikely(self.hypothesis(x))])
+
     @cached_property
     def at_none(self) -> FloatArray:
         """What is left with numbers of zero, (m,)."""
@@ -158,29 +174,32 @@ class Trial:
 
         Parameters
         ----------
-        before : a fit of the first of the changes, from whose numbers the search begins; else it
-            begins where they are zero, with a part of the data
+        before : a fit of some of the changes, from whose numbers the search begins; else it begins
+            where they are zero, with a part of the data
         """
-        x = np.zeros(len(self.sizes))
+        x, parts = np.zeros(len(self.sizes)), self.data.parts
         if not len(x):
             return Fit(self.changes, self.hypothesis(x), x, np.empty((0, 0)), self.at_none, 0)
         if before is not None:
-            known = len(before.numbers)
-            x[:known] = before.numbers / self.sizes[:known]
-        for samples in self.data.parts if before is None else (None,):
-            args = (samples,)
-            found = least_squares(self.left, x, args=args, xtol=1e-9, max_nfev=EVALUATIONS)
+            parts = (None,)
+            x = np.concatenate([before.numbers_of(one) / one.sizes for one in self.changes])
+        for samples in parts:
+            args, near = (samples,), NEAR if samples is None else ROUGHLY
+            found = least_squares(self._improbable, x, args=args, xtol=near, max_nfev=EVALUATIONS)
             x = found.x
-        J = np.asarray(found.jac)
-        seen = np.linalg.svd(J, compute_uv=False)
+        J, measured = np.asarray(found.jac), len(self.at_none)
+        seen = np.linalg.svd(J[:measured], compute_uv=False)
         count = int(np.count_nonzero(seen > RANK * seen[0]))
-        covariance = np.linalg.pinv(J.T @ J, RANK**2, hermitian=True)
+        _, known, directions = np.linalg.svd(J, full_matrices=False)
+        # What is neither seen nor known beforehand has a large error, not none.
+        one_error = directions / np.maximum(known, EPS * known[0])[:, None]
+        covariance = one_error.T @ one_error
         return Fit(
             self.changes,
             self.hypothesis(x),
             self.sizes * x,
             covariance * np.outer(self.sizes, self.sizes),
-            found.fun,
+            found.fun[:measured],
             count,
         )
 
@@ -219,21 +238,37 @@ class Search:
             return best
         return self._simplest([*single, *self._pairs()])
 
-    def one_by_one(self, most: int) -> Fit:
-        """The changes, so many of them at most, that each explain more than chance does.
+    def stepwise(self, first: tuple[Change, ...], most: int) -> Fit:
+        """The changes, so many of them at most, that explain more than chance does.
 
-        Each is the one of which chance explains least.
+        From the first ones on one is added, or left out, as long as that gains anything.
         """
-        fit = self.unchanged
-        while len(fit.changes) < most:
-            others = [one for one in self.changes if one not in fit.changes]
-            before = fit if fit.changes else None
-            fits = [Trial(self.data, (*fit.changes, one)).fit(before) for one in others]
-            beyond = [self._beyond(fit, other) for other in fits]
-            if max(beyond, default=0.0) <= 0:
-                break
-            fit = fits[int(np.argmax(beyond))]
-        return fit
+        best, fit = None, Trial(self.data, first).fit()
+        while best is None or self.gain(fit) > self.gain(best):
+            best = fit
+            fewer = [tuple(c for c in best.changes if c is not one) for one in best.changes]
+            more = [one for one in self.changes if one not in best.changes]
+            fits = [Trial(self.data, one).fit(best) for one in fewer]
+            fits += [self._more(best, one) for one in more if len(best.changes) < most]
+            fit = max(fits, key=self.gain)
+        return best
+
+    def _more(self, fit: Fit, change: Change) -> Fit:
+        """A fit with one more change; begun anew, too, where the one before leaves more than noise.
+
+        From numbers that are wrong a search may end at others that noise hides.
+        """
+        trial = Trial(self.data, (*fit.changes, change))
+        fits = [trial.fit(fit)]
+        if fit.left > _within_noise(fit.rest.size):
+            fits.append(trial.fit())
+        return max(fits, key=self.gain)
+
+    def gain(self, fit: Fit) -> float:
+        """How much more its changes explain than chance makes each of them explain."""
+        chance = sum(self._by_chance(len(change.sizes)) for change in fit.changes)
+        chance += float(np.sum(self.data.unlikely(fit.hypothesis) ** 2))
+        return self.data.falls(self.unchanged.rest, fit.rest) - chance
 
     def _pairs(self) -> list[Fit]:
         """Two changes at once, of which both are needed.
@@ -255,7 +290,7 @@ class Search:
     def _simplest(self, fits: Sequence[Fit]) -> Fit | None:
         """The simplest fit that leaves little, if none with more numbers leaves much less."""
         count = self.unchanged.rest.size
-        enough = max(float(chi2.isf(LEVEL, count)) / count, LEFT**2 * self.unchanged.left)
+        enough = max(_within_noise(count), LEFT**2 * self.unchanged.left)
         best = self.unchanged
         # Of those alike the first is named.
         for fit in sorted(fits, key=lambda fit: fit.count):
@@ -272,6 +307,11 @@ class Search:
 
     def _by_chance(self, numbers: int) -> float:
         return float(chi2.isf(LEVEL / len(self.changes), max(1, numbers)))
+
+
+def _within_noise(count: int) -> float:
+    """The mean square of so many numbers that noise makes seldom larger."""
+    return float(chi2.isf(LEVEL, count)) / count
 
 
 def _left_if_linear(trial: Trial) -> float:

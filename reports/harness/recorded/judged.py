@@ -31,6 +31,8 @@ DEGREE = pi / 180
 #: Times that go on for more windows of the scene are in another unit than s, and would take long to
 #: solve; those of one window in ms, which are explained, go on for 1000.
 MOST_WINDOWS = 2000
+#: Times as they are printed are so far off, relative to a timestep.
+ALIKE = 1e-2
 #: What a recording may lack of a free body.
 OPTIONAL = ("com", "velocity")
 
@@ -141,9 +143,12 @@ def judged_motion(scenario: Scenario, recording: Recording, order: int = 1) -> J
     Raises
     ------
     RecordingError
-        If its times are beyond those at which the exact motion is known, or ω is missing and cannot
-        be found from the attitudes.
+        If its timestep is longer than its samples are apart, its times are beyond those at which
+        the exact motion is known, or ω is missing and cannot be found from the attitudes.
     """
+    stated = recording.settings.get("timestep")
+    timestep = None if stated is None else float(stated)
+    _check_timestep(timestep, recording.arrays["t"])
     solution = exact_at(scenario, recording.arrays["t"])
     exact, reading = solution.trajectory, reading_of(recording)
     recorded = recorded_motion(scenario, recording, reading, exact)
@@ -154,8 +159,6 @@ def judged_motion(scenario: Scenario, recording: Recording, order: int = 1) -> J
     absent += ["omega"] * (not recorded.has_omega)
     errors = dict(series.worst()) | dict.fromkeys(absent)
     of_steps = defects(scenario, recorded.trajectory, exact)
-    stated = recording.settings.get("timestep")
-    timestep = None if stated is None else float(stated)
     explanation = explained(scenario, exact, recording, reading, recorded, timestep, order)
     return JudgedMotion(
         recorded,
@@ -178,6 +181,15 @@ def _drifts(scenario: Scenario, motion: Trajectory) -> dict[str, float]:
     return {name: v for name, v in drifts(scenario, motion).items() if name != "rotors_momentum"}
 
 
+def _check_timestep(timestep: float | None, times: FloatArray) -> None:
+    distance = float(np.diff(times).max())
+    if timestep is not None and timestep > (1 + ALIKE) * distance:
+        raise RecordingError(
+            f"its timestep is stated as {timestep:g} s, but no two samples are more than "
+            f"{distance:g} s apart; state that of its steps, or leave out samples in between"
+        )
+
+
 def exact_at(scenario: Scenario, times: FloatArray) -> Solution:
     """The exact motion at all of the times, s, (n,).
 
@@ -190,8 +202,8 @@ def exact_at(scenario: Scenario, times: FloatArray) -> Solution:
     if windows > MOST_WINDOWS:
         raise RecordingError(
             f"its times reach {times[-1]:.6g} s, {windows:.3g} times the "
-            f"{scenario.window.duration:g} s of {scenario.name}; if they are in another unit than "
-            "s, name it in the heading, such as t [us]"
+            f"{scenario.window.duration:g} s of {scenario.name}; they must be counted from its "
+            "start, and another unit than s named in the heading, such as t [us]"
         )
     try:
         check_scales(scenario, until=max(scenario.window.duration, float(times[-1])))

@@ -23,7 +23,11 @@ from .intervals import apart, states_of
 #: then twice as many, until it is all.
 BEGINNING, FEWEST = 2.0, 12
 #: Changes that are looked for at once, at most.
-MOST = 3
+MOST = 4
+#: A tensor is known beforehand, relative to its mean moment, to so many in each of its directions:
+#: the root mean square difference of two bodies of one trace whose second moments share it at
+#: random (uniform on the simplex) about axes at random, √(2 · 3/8 / 5).
+SPREAD = 0.387
 #: Third and fourth differences of noise have a variance of so many times its own: Σ (m over k)².
 OF_DIFFERENCES = {3: 20.0, 4: 70.0}
 #: The latter's size over that of the former, √3.5 of noise alone; of what is smooth it is less than
@@ -107,6 +111,12 @@ class Log(Data):
         off = apart(made, self.states[:samples]) / np.repeat(self.noise, 3)
         return off[:, : self.measured]
 
+    def unlikely(self, hypothesis: Hypothesis) -> FloatArray:
+        """As of `Data`: how far a tensor's ratios are from the scene's, (9,)."""
+        made, usual = (h.equations.inertia for h in (hypothesis, self.base))
+        off = made / np.trace(made) - usual / np.trace(usual)
+        return np.asarray(3 * off.ravel() / SPREAD)
+
     def squares(self, rest: FloatArray) -> FloatArray:
         """The sum of squares of attitude and, where it is fitted, of ω: (2,) or (1,)."""
         return np.asarray(np.sum(rest.reshape(len(self.t), -1, 3) ** 2, axis=(0, 2)))
@@ -167,7 +177,12 @@ class Measured:
         candidates += com(self.scenario, equations)
         if self.given.has_omega:
             candidates += GYROSCOPE
-        return Search(self.given, candidates).one_by_one(MOST)
+        search, both = Search(self.given, candidates), (START, self.tensor)
+        found = search.stepwise(both, MOST)
+        if set(both) <= set(found.changes):
+            return found
+        # Either may stand for a change that has fewer numbers.
+        return max(found, search.stepwise((), MOST), key=search.gain)
 
     @cached_property
     def log(self) -> Log:

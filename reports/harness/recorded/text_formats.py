@@ -42,7 +42,8 @@ class Table:
 
     def __init__(self, heads: Sequence[str]) -> None:
         self._columns = columns_of(heads)
-        self.ignored = tuple(h for h, c in zip(heads, self._columns, strict=True) if c is None)
+        unknown = (h for h, c in zip(heads, self._columns, strict=True) if c is None)
+        self.ignored = tuple(filter(None, unknown))
         self._rows: list[list[float]] = []
 
     def add(self, cells: Sequence[Any], where: str) -> None:

@@ -20,7 +20,12 @@ from spincheck.reports.cli import choosing
 from spincheck.reports.cli.run import recommend as recommend_module
 from spincheck.reports.cli.run import running
 from spincheck.reports.cli.run.recommend import CHECKS, Recommendation, exit_code, recommend
+from spincheck.reports.cli.run.recommendation_words import (
+    print_recommendation,
+    recommendation_as_json,
+)
 from spincheck.reports.cli.terminal import NOT_RUN, Complaint
+from spincheck.reports.results.cost_records import MethodCost, Ratio, StepCost
 from spincheck.reports.results.records import Key, Row
 from spincheck.reports.results.results import Results
 from spincheck.scenarios import Errors
@@ -71,6 +76,22 @@ def test_a_check_that_keeps_the_bounds_ends_it(monkeypatch: pytest.MonkeyPatch) 
     assert (recommendation.verified, exit_code(recommendation)) == (True, 0)
     assert check.timestep == recommendation.best.timestep
     assert f"--timestep {recommendation.best.timestep!r}" in recommendation.command
+
+
+def test_what_a_script_pays_for_what_the_adapter_leaves_out_is_said(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    key = STRAIGHT.rows[0].key
+    cost = StepCost(1e-6, 0.0, 1e-6, ratio=Ratio(2.5, 0.1))
+    whole = MethodCost(key, "", cost, '{"left_in": ["contact", "clock"]}', 0.0, 1.0)
+    other = replace(whole, key=replace(key, method="RK4"), cost=replace(cost, ratio=Ratio(9, 0)))
+    for costs, ratio in (([other, whole], 2.5), ([other], None), ([], None)):
+        ladder = replace(STRAIGHT, costs=costs)
+        recommendation = recommended(monkeypatch, ladder, straight, omega=BETWEEN)
+        assert recommendation_as_json(recommendation)["left_in_ratio"] == ratio
+        print_recommendation(replace(recommendation, setup="a line"))
+        words = "2.5 times as long: what the adapter leaves out runs, too (contact, clock)."
+        assert (words in capsys.readouterr().out) == (ratio is not None)
 
 
 def test_a_check_that_misses_is_one_more_run_to_interpolate_between(

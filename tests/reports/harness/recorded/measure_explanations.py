@@ -1,6 +1,6 @@
-"""Measures what `judge` makes of motions with faults, of honest ones and of simulated logs.
+"""Measures what `judge` makes of motions with faults, and of honest ones.
 
-``python tests/reports/harness/recorded/measure_explanations.py faults|honest|logs [N]`` prints what
+``python tests/reports/harness/recorded/measure_explanations.py faults|honest [N]`` prints what
 it finds of each, and a line of figures at the end.
 """
 
@@ -10,9 +10,7 @@ from pathlib import Path
 import numpy as np
 from planted_motions import Case, case, exactly, product, rates_of, stepped
 from scipy.spatial.transform import Rotation
-from spincheck.reference import solve
 from spincheck.reports.harness.recorded.judged import JudgedMotion, judged_motion
-from spincheck.reports.harness.recorded.measured import Measured
 from spincheck.reports.harness.recorded.recording import Recording
 
 Fault = tuple[str, dict[str, object]]
@@ -123,35 +121,6 @@ def measure_honest(count: int) -> None:
     print(f"of {count} honest motions {accused} are explained by faults, {beyond} are beyond")
 
 
-def measure_logs(count: int) -> None:
-    """Print how often intervals hold the tensor, at what is said of them."""
-    inside, named, numbers = 0, 0, 0
-    for k in range(count):
-        one, chance = case(2000 + k, duration=6.0, samples=121), np.random.default_rng(k)
-        motion = solve(one.scenario, one.scenario.times).trajectory
-        attitude, omega = 10.0 ** chance.uniform(-3.5, -2.3), 10.0 ** chance.uniform(-3.5, -2)
-        noise = Rotation.from_rotvec(chance.normal(0, attitude, (121, 3)))
-        arrays = {
-            "t": motion.t,
-            "q": (motion.R_world_body * noise).as_quat(scalar_first=True),
-            "omega": motion.omega_body + chance.normal(0, omega, (121, 3)),
-        }
-        fit = judged(one, arrays).measured
-        if not isinstance(fit, Measured):
-            print(k, "is not seen as measured", flush=True)
-            continue
-        named += bool(fit.explained())
-        if fit.explained():
-            print(k, fit.explained(), flush=True)
-        entries, errors = fit.tensor_entries()
-        of_scene = one.inertia[[0, 1, 2, 0, 0, 1], [0, 1, 2, 1, 2, 2]]
-        inside += int(np.count_nonzero(np.abs(entries - of_scene) < 1.96 * errors))
-        numbers += 6
-    print(
-        f"of {count} logs {named} are named; {inside} of {numbers} entries are within 1.96 errors"
-    )
-
-
 if __name__ == "__main__":
-    what = {"faults": measure_faults, "honest": measure_honest, "logs": measure_logs}
+    what = {"faults": measure_faults, "honest": measure_honest}
     what[sys.argv[1]](int(sys.argv[2]))

@@ -23,7 +23,8 @@ def written(folder, text, name="motion.csv"):
 
 
 def test_a_table_is_read_by_the_names_of_its_columns(tmp_path):
-    text = "wz,t,qw,qx,qy,qz,wx,wy,load\n2,0,1,0,0,0,0.5,0,7\n2,0.1,1,0,0,0,0.5,0,7\n"
+    # A spreadsheet may end each line with a comma.
+    text = "wz,t,qw,qx,qy,qz,wx,wy,load,\n2,0,1,0,0,0,0.5,0,7,\n2,0.1,1,0,0,0,0.5,0,7,\n"
     recording = read_recording(written(tmp_path, text))
     assert recording.arrays["omega"].tolist() == [[0.5, 0, 2], [0.5, 0, 2]]
     assert recording.arrays["t"].tolist() == [0, 0.1]

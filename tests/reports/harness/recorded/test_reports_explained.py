@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 from case_loops import each_case
 from library_scenes import library_scene
+from measure_logs import measured as log_of_kind
 from planted_motions import Case, case, exactly, product, rates_of, stepped
 from scipy.spatial.transform import Rotation
 from scipy.stats import chi2
@@ -24,7 +25,7 @@ from spincheck.reports.harness.measuring.changes import Change, as_it_is, resist
 from spincheck.reports.harness.measuring.likelihood import LEVEL, Search
 from spincheck.reports.harness.recorded.intervals import Intervals
 from spincheck.reports.harness.recorded.judged import JudgedMotion, judged_motion
-from spincheck.reports.harness.recorded.recording import Recording
+from spincheck.reports.harness.recorded.recording import Recording, RecordingError
 from spincheck.scenarios import Scenario
 from spincheck.scenarios.scenario import started_at
 
@@ -264,6 +265,24 @@ def test_another_moment_is_found_in_noise_with_its_standard_error() -> None:
     # Of six numbers none is off by five standard errors, but by chance in a million logs.
     assert np.all(np.abs(entries - wanted) < 5 * errors)
     assert np.all(errors < 0.01 * np.trace(LOG.inertia))
+
+
+@pytest.mark.parametrize("log", [2, 46])
+def test_where_a_log_hardly_shows_a_tensor_its_errors_are_as_large(log: int) -> None:
+    """Of moments within 3 %, others hundreds of errors off are hidden by noise, or nearly."""
+    _, fit, tensor, _ = log_of_kind(log)
+    assert fit is not None
+    assert not fit.is_beyond
+    entries, errors = fit.tensor_entries()
+    # Of six numbers none is off by five standard errors, but by chance in a million logs.
+    assert np.all(np.abs(entries - tensor) < 5 * errors)
+
+
+def test_a_timestep_longer_than_samples_are_apart_is_refused() -> None:
+    arrays = exactly(BODY, rates_of(BODY))
+    with pytest.raises(RecordingError, match=r"stated as 0\.05 s, but .* than 0\.02 s apart"):
+        judged(BODY.scenario, arrays, timestep=0.05)
+    assert not judged(BODY.scenario, arrays, timestep=0.02).is_another
 
 
 def test_noise_is_estimated_to_its_standard_error() -> None:

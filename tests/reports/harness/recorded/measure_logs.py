@@ -1,0 +1,124 @@
+"""Measures how often the intervals of a measured motion's fit hold what they should.
+
+``python tests/reports/harness/recorded/measure_logs.py [N [FIRST]]`` simulates N logs of bodies of
+four kinds, every second one with a gyroscope's bias, judges each by a scene whose tensor and start
+are a guess, and prints the table of docs/how-to/judge.md.
+"""
+
+import sys
+from collections import defaultdict
+from pathlib import Path
+
+import numpy as np
+from planted_motions import Case, exactly, rates_of
+from scipy.spatial.transform import Rotation
+from spincheck.reports.harness.recorded.judged import judged_motion
+from spincheck.reports.harness.recorded.measured import Measured
+from spincheck.reports.harness.recorded.recording import Recording
+from spincheck.scenarios import Scenario, from_tables
+
+SAMPLES, DURATION = 121, 6.0
+#: Of the guess: each entry of the tensor relative to the mean moment, rad, and rad/s.
+OFF = 0.05, 0.02, 0.02
+KINDS = ("of any shape", "two moments 1 % apart", "moments within 3 %", "about a principal axis")
+#: Of a normal distribution, between minus and plus so many standard errors is 95 %.
+NORMAL_95 = 1.96
+AT = (0, 1, 2, 0, 0, 1), (0, 1, 2, 1, 2, 2)
+
+
+def moments_of(kind: str, chance: np.random.Generator) -> np.ndarray:
+    """Moments of a body, kg m²."""
+    sides = chance.uniform(0.3, 1.5, 3) ** 2
+    if kind == KINDS[1]:
+        sides[1] = 1.01 * sides[0]
+    if kind == KINDS[2]:
+        sides = sides.mean() * (1 + chance.uniform(-0.03, 0.03, 3))
+    return chance.permutation(sides.sum() - sides)
+
+
+def scene_of(tensor: np.ndarray, q: Rotation, omega: np.ndarray) -> Scenario:
+    """A body that turns freely."""
+    tables = {
+        "title": "A log",
+        "source": "made up",
+        "body": {"mass": 1.5, "inertia": ((tensor + tensor.T) / 2).tolist()},
+        "start": {
+            "quaternion_wxyz": q.as_quat(scalar_first=True).tolist(),
+            "omega_body": omega.tolist(),
+        },
+        "window": {"duration": DURATION, "samples": SAMPLES},
+    }
+    return from_tables(tables, "log")
+
+
+def guess(tensor: np.ndarray, chance: np.random.Generator) -> np.ndarray:
+    """A tensor near another, of a body that can be."""
+    while True:
+        off = np.triu(chance.normal(0, OFF[0] * np.trace(tensor) / 3, (3, 3)))
+        tried = tensor + off + np.triu(off, 1).T
+        smallest, middle, largest = np.linalg.eigvalsh(tried)
+        if smallest > 0 and largest < smallest + middle:
+            return tried
+
+
+def measured(k: int) -> tuple[str, Measured | None, np.ndarray, np.ndarray]:
+    """Log k: its kind, its fit, and the entries, kg m², and bias, rad/s, that it should find."""
+    kind, chance = KINDS[k % 4], np.random.default_rng(k)
+    axes, q = Rotation.random(random_state=chance), Rotation.random(random_state=chance)
+    tensor = axes.as_matrix() * moments_of(kind, chance) @ axes.as_matrix().T
+    omega = chance.normal(size=3)
+    if kind == KINDS[3]:
+        omega = axes.as_matrix()[:, 0] + chance.normal(0, np.radians(1), 3)
+    omega *= chance.uniform(1.5, 4.0) / np.linalg.norm(omega)
+    one = Case(scene_of(tensor, q, omega), tensor, np.zeros(3), np.zeros(3))
+    arrays = exactly(one, rates_of(one))
+    attitude, rate = 10.0 ** chance.uniform(-3.5, -2.3), 10.0 ** chance.uniform(-3.5, -2)
+    noise = Rotation.from_rotvec(chance.normal(0, attitude, (SAMPLES, 3)))
+    bias = chance.normal(0, 0.05, 3) * (k // 4 % 2)
+    arrays["q"] = (Rotation.from_quat(arrays["q"], scalar_first=True) * noise).as_quat(
+        scalar_first=True
+    )
+    arrays["omega"] = arrays["omega"] + bias + chance.normal(0, rate, (SAMPLES, 3))
+    turned = q * Rotation.from_rotvec(chance.normal(0, OFF[1], 3))
+    scene = scene_of(guess(tensor, chance), turned, omega + chance.normal(0, OFF[2], 3))
+    fit = judged_motion(scene, Recording(Path("log.csv"), arrays, {})).measured
+    # A free body's is found up to a factor.
+    return kind, fit, tensor[AT] * np.trace(scene.inertia) / np.trace(tensor), bias
+
+
+def cells(deviations: list[np.ndarray]) -> str:
+    """How many numbers there are, how many of them are where they should be, and the worst."""
+    if not deviations:
+        return "0 | – | –"
+    z = np.abs(np.concatenate(deviations))
+    return f"{len(z)} | {100 * np.mean(z < NORMAL_95):.1f} % | {z.max():.1f}"
+
+
+def main(count: int, first: int) -> None:
+    """Print a row for each kind."""
+    z: dict[str, dict[str, list[np.ndarray]]] = {kind: defaultdict(list) for kind in KINDS}
+    wrongly: dict[str, list[bool]] = {kind: [] for kind in KINDS}
+    for k in range(first, first + count):
+        kind, fit, tensor, bias = measured(k)
+        if fit is None:
+            print(k, "is not seen as measured", flush=True)
+            continue
+        found, errors = fit.tensor_entries()
+        of_tensor = (found - tensor) / errors
+        z[kind]["tensor"].append(of_tensor)
+        names = [change.kind for change in fit.fit.changes]
+        if "bias" in names:
+            rows = fit.fit.rows(fit.fit.changes[names.index("bias")])
+            z[kind]["bias"].append((fit.fit.numbers[rows] - bias) / fit.fit.errors[rows])
+        is_right = {"start", "tensor, up to a factor", *(["bias"] if bias.any() else [])}
+        wrongly[kind].append(not is_right.issuperset(names))
+        if wrongly[kind][-1] or np.abs(of_tensor).max() > 4:
+            print(k, kind, bias, names, np.round(of_tensor, 1), fit.verdict, flush=True)
+    print("| body | numbers | within 1.96 errors | furthest | of bias | | | named wrongly |")
+    for kind in KINDS:
+        print(f"| {kind} | {cells(z[kind]['tensor'])} | {cells(z[kind]['bias'])} |", end=" ")
+        print(f"{sum(wrongly[kind])} |")
+
+
+if __name__ == "__main__":
+    main(*map(int, [*sys.argv[1:], *["1000", "0"][len(sys.argv) - 1 :]]))
