@@ -191,11 +191,12 @@ def full_disk(size: int) -> Iterator[None]:
         resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
 
 
-def test_a_full_disk_costs_a_message_and_the_run_resumes(elsewhere, monkeypatch):
+@pytest.mark.parametrize("size", [4_000, FULL, 180_000], ids=["begun", "first rows", "later"])
+def test_a_full_disk_costs_a_message_and_the_run_resumes(elsewhere, monkeypatch, size):
     monkeypatch.setattr(choosing, "LocalWorkers", lambda *_: InProcess())
     (elsewhere / "made.toml").write_text(written(LEAST))
     command = ("run", "made.toml", "--engine", "mujoco", "--method", "RK4", "--quick")
-    with full_disk(FULL):
+    with full_disk(size):
         done = command_line.spincheck(*command, "--out", "full.sqlite")
     assert done.returncode == BAD_INPUT
     assert done.stderr.endswith("the disk fails or is full\n")
