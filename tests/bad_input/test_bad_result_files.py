@@ -135,7 +135,7 @@ NOT_OURS = {
     "a newer format": (
         *(lambda path: foreign(path, APPLICATION_ID, FORMAT + 1), f"format {FORMAT + 1}"),
     ),
-    "a folder": (lambda path: path.mkdir(), ""),
+    "a folder": (lambda path: path.mkdir(), "cannot be read: it is a folder"),
     "a pipe": (os.mkfifo, ""),
     "a loop of links": (lambda path: path.symlink_to(path), ""),
 }
