@@ -131,7 +131,10 @@ NOT_OURS = {
     "binary": (lambda path: path.write_bytes(bytes(range(256)) * 64), "not a usable result file"),
     "another application's": (lambda path: foreign(path, 0x12345678, 1), "of spincheck"),
     "of nobody": (lambda path: foreign(path, 0, 0), "not a result file of spincheck"),
-    "an older format": (lambda path: foreign(path, APPLICATION_ID, FORMAT - 1), ""),
+    "an older format": (
+        lambda path: foreign(path, APPLICATION_ID, FORMAT - 1),
+        f"format {FORMAT - 1}, this version has format {FORMAT}: move it away, and start that",
+    ),
     "a newer format": (
         *(lambda path: foreign(path, APPLICATION_ID, FORMAT + 1), f"format {FORMAT + 1}"),
     ),
