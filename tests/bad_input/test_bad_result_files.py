@@ -131,11 +131,14 @@ NOT_OURS = {
     "binary": (lambda path: path.write_bytes(bytes(range(256)) * 64), "not a usable result file"),
     "another application's": (lambda path: foreign(path, 0x12345678, 1), "of spincheck"),
     "of nobody": (lambda path: foreign(path, 0, 0), "not a result file of spincheck"),
-    "an older format": (lambda path: foreign(path, APPLICATION_ID, FORMAT - 1), ""),
+    "an older format": (
+        lambda path: foreign(path, APPLICATION_ID, FORMAT - 1),
+        f"format {FORMAT - 1}, this version has format {FORMAT}: move it away, and start that",
+    ),
     "a newer format": (
         *(lambda path: foreign(path, APPLICATION_ID, FORMAT + 1), f"format {FORMAT + 1}"),
     ),
-    "a folder": (lambda path: path.mkdir(), ""),
+    "a folder": (lambda path: path.mkdir(), "cannot be read: it is a folder"),
     "a pipe": (os.mkfifo, ""),
     "a loop of links": (lambda path: path.symlink_to(path), ""),
 }
@@ -191,11 +194,12 @@ def full_disk(size: int) -> Iterator[None]:
         resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
 
 
-def test_a_full_disk_costs_a_message_and_the_run_resumes(elsewhere, monkeypatch):
+@pytest.mark.parametrize("size", [4_000, FULL, 180_000], ids=["begun", "first rows", "later"])
+def test_a_full_disk_costs_a_message_and_the_run_resumes(elsewhere, monkeypatch, size):
     monkeypatch.setattr(choosing, "LocalWorkers", lambda *_: InProcess())
     (elsewhere / "made.toml").write_text(written(LEAST))
     command = ("run", "made.toml", "--engine", "mujoco", "--method", "RK4", "--quick")
-    with full_disk(FULL):
+    with full_disk(size):
         done = command_line.spincheck(*command, "--out", "full.sqlite")
     assert done.returncode == BAD_INPUT
     assert done.stderr.endswith("the disk fails or is full\n")

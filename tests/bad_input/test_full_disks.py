@@ -17,7 +17,6 @@ from spincheck.reports.harness.executors import InProcess
 from spincheck.reports.results.store import open_store
 
 STUDY = ("run", "made.toml", "--engine", "pybullet", "--method", "maximal", "--quick")
-OUT = ("--out", "disk/results.sqlite")
 
 
 @pytest.fixture
@@ -26,20 +25,6 @@ def folder(tmp_path, monkeypatch):
     monkeypatch.setattr(choosing, "LocalWorkers", lambda *_: InProcess())
     (tmp_path / "made.toml").write_text(written(LEAST))
     return tmp_path
-
-
-@pytest.mark.parametrize("size", ["4k", "136k", "200k"], ids=["begun", "first rows", "later"])
-def test_a_disk_that_fills_is_reported_and_the_same_command_goes_on(folder, size):
-    with small_disk(folder / "disk", f"size={size}") as disk:
-        full = command_line.spincheck(*STUDY, *OUT)
-        assert full.returncode == BAD_INPUT
-        assert full.stderr.endswith("disk/results.sqlite: cannot be written: the disk is full\n")
-        disk.change("size=8m")
-        assert command_line.spincheck(*STUDY, *OUT).returncode == AGREES
-        with open_store(disk.folder / "results.sqlite") as store:
-            results = store.read()
-        assert {verdict.verdict for verdict in results.verdicts} == {"converges"}
-        assert {row.cause for row in results.rows} & {"environment", "bug", "refused"} == set()
 
 
 @contextmanager

@@ -200,44 +200,24 @@ def test_whatever_name_a_scene_may_have_its_models_have_too(name):
     assert mujoco.MjModel.from_xml_string(models["scene.xml"]).nbody
 
 
-BAD_NAMES = (
-    *("..", "..%2f..", "%2e%2e", "<script>", "a b", "a&b", "a'b", 'a"b', "-x", ".x", "a\nb"),
-    *(
-        "x" * 201,
-        "é" * 101,
-        "\x1b[31m",
-        "a\x00b",
-        "a\u202eb",
-        "a/b",
-        "a\\b",
-        "con:",
-        "~",
-        "",
-        "a?b",
-        "a#b",
-        "*",
-    ),
-)
-
-
-#: Those of them that a file can have.
-IN_A_FOLDER = [name for name in BAD_NAMES if name not in ("", "..") and not set(name) & set("/\0")]
+SHORT = r"""
+.. ..%2f.. %2e%2e <script> a&b a'b a"b -x .x a/b a\b con: ~ a?b a#b *
+"""
+LONGER = ["x" * 201, "é" * 101, "\x1b[31m", "a\x00b", "a\u202eb", "a b", "a\nb", ""]
+BAD_NAMES = [*SHORT.split(), *LONGER]
 
 
 @pytest.mark.parametrize("name", BAD_NAMES, ids=ascii)
-def test_a_name_that_could_be_more_than_a_name_is_refused_in_one_line(name):
+def test_a_name_that_could_be_more_than_a_name_is_refused_in_one_line(tmp_path, name):
     assert not is_scene_name(name)
     with pytest.raises(ScenarioError) as complaint:
         loads(written(LEAST), name)
     assert str(complaint.value).isprintable()
-
-
-@pytest.mark.parametrize("name", IN_A_FOLDER, ids=ascii)
-def test_a_file_of_such_a_name_is_refused(tmp_path, name):
-    path = tmp_path / f"{name}.toml"
-    path.write_text(written(LEAST))
-    with pytest.raises(ScenarioError, match="a scenario's name is its file's stem"):
-        load(path)
+    # Of those that a file can have, the file's own.
+    if name not in ("", "..") and not set(name) & set("/\0"):
+        (tmp_path / f"{name}.toml").write_text(written(LEAST))
+        with pytest.raises(ScenarioError, match="a scenario's name is its file's stem"):
+            load(tmp_path / f"{name}.toml")
 
 
 def test_planted_markup_is_seen():

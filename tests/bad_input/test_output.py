@@ -13,7 +13,6 @@ from io import StringIO
 import command_line
 import pytest
 from default_signals import WITH_DEFAULT_SIGNALS
-from mutated_scenes import LEAST, written
 from spincheck.engines import engines
 from spincheck.reports.cli import choosing, terminal
 from spincheck.reports.cli.stopping import ENDING, HEARING
@@ -151,15 +150,6 @@ def test_json_escapes_what_commands_a_terminal_and_reads_back_the_same():
     assert not {"\x1b", "\x9b", "\u202e"} & set(printed)
     assert "\u00e9" in printed
     assert json.loads(printed) == {text: [text]}
-
-
-def test_two_scenes_of_one_name_are_reported(tmp_path):
-    for folder in ("a", "b"):
-        (tmp_path / folder).mkdir()
-        (tmp_path / folder / "made.toml").write_text(written(LEAST))
-    done = command_line.spincheck("check", str(tmp_path))
-    assert (done.returncode, done.stdout) == (BAD_INPUT, "")
-    assert "another scene has the same name" in done.stderr
 
 
 @pytest.mark.parametrize("command", ["run", "recommend"])

@@ -209,25 +209,27 @@ def test_an_engine_with_parts_may_stop_at_any_step() -> None:
         assert (sampled.outcome, sampled.reason) == ("failed", "out of memory")
 
 
-def test_what_goes_wrong_unnoticed_is_stepped_on_no_longer_than_it_has_gone() -> None:
-    samples = np.arange(0, 100 * BLOCK_STEPS, BLOCK_STEPS)
-    wrong = FIRST_BLOCK + 1
-    engine = Spinner(NotFinite, int(samples[wrong]))
+#: Samples as far apart as blocks are long.
+APART = np.arange(0, 100 * BLOCK_STEPS, BLOCK_STEPS)
+LONG = np.arange(0, 5 * STRIDE * BLOCK, STRIDE)
+LOOKED_AT = min(BLOCK, int(np.searchsorted(SAMPLES, BLOCK_STEPS))) - 1
+
+
+@pytest.mark.parametrize(
+    ("samples", "fault_after", "least", "most"),
+    [
+        (APART, int(APART[FIRST_BLOCK + 1]), 0, APART[2 * (FIRST_BLOCK + 1)]),
+        (SAMPLES, EARLY, SAMPLES[LOOKED_AT], SAMPLES[LOOKED_AT]),
+        (LONG, LATE, LATE, LATE + STRIDE * BLOCK),
+    ],
+    ids=["no longer than it has gone", "no look that is not worth it", "a block at most"],
+)
+def test_what_goes_wrong_unnoticed_is_stepped_on_no_longer_than(
+    samples: np.ndarray, fault_after: int, least: int, most: int
+) -> None:
+    engine = Spinner(NotFinite, fault_after)
     engine.run(SCENE, METHOD, TIMESTEP, samples)
-    assert engine.session.steps <= samples[2 * wrong]
-
-
-def test_no_look_is_taken_at_fewer_steps_than_it_is_worth() -> None:
-    engine = Spinner(NotFinite, EARLY)
-    engine.run(SCENE, METHOD, TIMESTEP, SAMPLES)
-    assert engine.session.steps == SAMPLES[min(BLOCK, np.searchsorted(SAMPLES, BLOCK_STEPS)) - 1]
-
-
-def test_what_goes_wrong_late_is_stepped_on_for_a_block_at_most() -> None:
-    engine = Spinner(NotFinite, LATE)
-    engine.run(SCENE, METHOD, TIMESTEP, SAMPLES)
-    wrong = np.searchsorted(SAMPLES, LATE)
-    assert engine.session.steps <= SAMPLES[min(wrong + BLOCK, len(SAMPLES) - 1)]
+    assert least <= engine.session.steps <= most
 
 
 class CheckedAtTheEnd(Turning):

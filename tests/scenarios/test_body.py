@@ -13,6 +13,7 @@ from spincheck.scenarios.body import (
 )
 
 EPS = np.finfo(float).eps
+RANDOM = np.random.default_rng(3)
 COM = (0.1, -0.2, 0.3)
 TENSOR = ((1.4, 0.2, -0.1), (0.2, 1.1, 0.3), (-0.1, 0.3, 0.9))
 
@@ -49,46 +50,21 @@ def test_numbers_are_the_doubles_of_the_file_exactly():
     assert body.inertia_com_exact[0][1] == mpf(0.2)
 
 
-CUBE_CORNERS = [(1.0, *corner) for corner in itertools.product((-0.5, 0.5), repeat=3)]
-
-
-def test_eight_masses_at_the_corners_of_a_cube():
-    """Each is √½ from every axis: 8 · 1 · ½."""
-    body = body_of_particles(CUBE_CORNERS)
-    assert body.mass == 8
-    assert np.array_equal(body.com, [0, 0, 0])
-    assert np.array_equal(body.inertia_com, 4 * np.eye(3))
-
-
-def test_masses_moved_together_have_the_same_tensor_about_their_com():
-    moved = [(m, x + 3.0, y - 1.0, z + 0.25) for m, x, y, z in CUBE_CORNERS]
-    body = body_of_particles(moved)
-    assert np.array_equal(body.com, [3.0, -1.0, 0.25])
-    assert np.array_equal(body.inertia_com, 4 * np.eye(3))
-
-
-def test_six_masses_on_the_axes():
-    """Pairs at ±1, ±2, ±3 on x, y, z: I_xx = 2 (4 + 9) and so on."""
-    arms = [(1.0, 0, 0), (0, 2.0, 0), (0, 0, 3.0)]
-    pairs = [(1.0, s * x, s * y, s * z) for x, y, z in arms for s in (1, -1)]
-    assert np.array_equal(body_of_particles(pairs).inertia_com, np.diag([26.0, 20.0, 10.0]))
-
-
-def test_products_of_inertia_have_the_sign_of_the_tensor():
-    """I_xy = −Σ m x y: two masses on the diagonal x = y, one on the axis to give it width."""
-    body = body_of_particles([(1.0, 1, 1, 0), (1.0, -1, -1, 0), (1.0, 0, 0, 1), (1.0, 0, 0, -1)])
-    assert np.array_equal(body.inertia_com, [[4, -2, 0], [-2, 4, 0], [0, 0, 4]])
-
-
-def test_a_fine_grid_of_masses_is_a_solid_box():
-    """n³ equal masses in a box: M (b² + c²)/12 less the cells' own, a part 1/n² of it."""
-    n, sides = 6, (1.0, 2.0, 3.0)
-    ticks = [side * ((np.arange(n) + 0.5) / n - 0.5) for side in sides]
-    grid = [(1 / n**3, *point) for point in itertools.product(*ticks)]
-    solid = np.array([13.0, 10.0, 5.0]) / 12
-    moments = np.diag(body_of_particles(grid).inertia_com)
-    assert moments == pytest.approx(solid * (1 - 1 / n**2), rel=4 * EPS)
-    assert moments != pytest.approx(solid, rel=1e-3)
+def test_masses_have_the_tensor_of_its_definition_wherever_they_are():
+    """Σ m (r² 1 − r rᵀ), r from their com; and of a cube's eight corners exactly."""
+    masses, places = RANDOM.uniform(0.1, 2, 7), RANDOM.uniform(-3, 3, (7, 3))
+    body = body_of_particles([(m, *r) for m, r in zip(masses, places, strict=True)])
+    com = masses @ places / masses.sum()
+    r = places - com
+    by_hand = np.einsum("n,ni,nj->ij", masses, r, r)
+    by_hand = np.trace(by_hand) * np.eye(3) - by_hand
+    assert body.mass == pytest.approx(masses.sum(), rel=8 * EPS)
+    assert np.array(body.com) == pytest.approx(com, abs=16 * EPS)
+    assert np.abs(body.inertia_com - by_hand).max() < 64 * EPS * np.abs(by_hand).max()
+    ends = itertools.product((2.5, 3.5), (-1.5, -0.5), (-0.25, 0.75))
+    cube = body_of_particles([(1.0, *corner) for corner in ends])
+    assert np.array_equal(cube.inertia_com, 4 * np.eye(3))
+    assert (cube.mass, *cube.com) == (8, 3.0, -1.0, 0.25)
 
 
 def test_principal_moments_are_ascending():

@@ -120,45 +120,24 @@ def test_published_tolerances_are_coarser_than_doubles_and_finer_than_the_values
             assert EPS * largest < published.tolerance < largest
 
 
-def test_every_effect_appears() -> None:
-    assert set().union(*(scenario.called_for for scenario in SCENES)) == set(EFFECTS)
-
-
-@each_case("effect", [*EFFECTS])
-def test_every_effect_appears_alone_and_mixed_with_others(effect: str) -> None:
-    # Without gravity nothing presses a body on a table.
-    least = {"gravity", "table"} if effect == "table" else {effect}
-    assert any(scenario.called_for == least for scenario in SCENES)
-    assert any(scenario.called_for > {effect} for scenario in SCENES)
-
-
-@each_case("key", [*StartTable.model_fields])
-def test_every_way_to_start_is_used(key: str) -> None:
-    assert any(key in scenario.document.start.model_fields_set for scenario in SCENES)
-
-
 #: Of a body that was taken from somebody's model file, which the library has none of.
 OF_A_MODEL = {"model", "link", "welded", "sha256"}
 
 
-@each_case("key", sorted(set(BodyTable.model_fields) - OF_A_MODEL))
-def test_every_way_to_describe_a_body_is_used(key: str) -> None:
-    assert any(key in scenario.document.body.model_fields_set for scenario in SCENES)
-
-
-@each_case("about", ["com", "origin"])
-def test_inertia_is_given_about_either_point(about: str) -> None:
-    assert any(
-        scenario.document.body.inertia_about == about
-        and "inertia_about" in scenario.document.body.model_fields_set
-        for scenario in SCENES
-    )
-
-
-def test_inertia_is_given_as_moments_and_as_a_matrix() -> None:
-    inertias = [scenario.document.body.inertia for scenario in SCENES]
-    forms = {type(inertia[0]) for inertia in inertias if inertia is not None}
-    assert forms == {float, tuple}
+def test_the_format_is_used_to_the_full() -> None:
+    """Every key, an inertia in both forms and about both points, effects alone and mixed."""
+    bodies, starts = zip(*((s.document.body, s.document.start) for s in SCENES), strict=True)
+    used = set().union(*(table.model_fields_set for table in (*bodies, *starts)))
+    assert used >= {*StartTable.model_fields, *BodyTable.model_fields} - OF_A_MODEL
+    stated = [body for body in bodies if "inertia_about" in body.model_fields_set]
+    assert {body.inertia_about for body in stated} == {"com", "origin"}
+    assert {type(body.inertia[0]) for body in bodies if body.inertia} == {float, tuple}
+    called_for = {scenario.called_for for scenario in SCENES}
+    for effect in EFFECTS:
+        # Without gravity nothing presses a body on a table.
+        least = {"gravity", "table"} if effect == "table" else {effect}
+        assert least in called_for, effect
+        assert any(several > {effect} for several in called_for), effect
 
 
 def test_gravity_also_pulls_along_another_axis_than_z_and_on_another_body_than_earth() -> None:

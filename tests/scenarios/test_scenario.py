@@ -52,20 +52,11 @@ def test_omega_world_is_turned_into_body_axes():
     assert np.abs(scenario.start.omega_body - [0.5, 1.0, -2.0]).max() > 0.1
 
 
-def test_omega_body_is_kept_to_the_last_bit():
-    assert list(scene().start.omega_body) == [0.5, 1.0, -2.0]
-
-
 def test_euler_rates_are_turned_into_body_axes():
     """α̇ = 2 rad/s at β = 90 deg, γ = 0 is rotation about −x of the body."""
     rates = ("euler_zyz_rates = [2.0, 0.0, 5.0]",)
     scenario = scene((ATTITUDE, "euler_zyz_deg = [0.0, 90.0, 0.0]"), (OMEGA, *rates))
     assert scenario.start.omega_body == pytest.approx([-2.0, 0.0, 5.0], abs=EPS)
-
-
-def test_a_start_without_a_flight_is_at_rest_at_the_origin():
-    assert not scene().start.position_world.any()
-    assert not scene().start.velocity_world.any()
 
 
 @pytest.mark.parametrize(
@@ -94,15 +85,15 @@ def test_effects_have_the_values_given():
     assert not scenario.pushed["torque_world"].any()
 
 
-def test_effects_not_called_for_are_zero():
+def test_what_is_not_stated_is_zero_and_what_is_is_kept_to_the_last_bit():
     scenario = scene()
-    assert not scenario.gravity_world.any()
+    assert list(scenario.start.omega_body) == [0.5, 1.0, -2.0]
+    assert list(scenario.times) == [0.0, 0.25, 0.5, 0.75, 1.0]
     assert scenario.pushed["drag"] == 0
+    start = scenario.start
+    for at_rest in (start.position_world, start.velocity_world, scenario.gravity_world):
+        assert not at_rest.any()
     assert not scenario.pushed["torque_body"].any()
-
-
-def test_times_span_the_window_evenly():
-    assert list(scene().times) == [0.0, 0.25, 0.5, 0.75, 1.0]
 
 
 START = ("q_world_body_wxyz", "omega_body", "position_world", "velocity_world")

@@ -4,6 +4,7 @@ import pickle
 
 import numpy as np
 import pytest
+from case_loops import each_case
 from scipy.spatial.transform import Rotation
 from spincheck.scenarios import Trajectory
 
@@ -42,44 +43,34 @@ def test_lists_and_integers_become_doubles():
     assert motion.t.dtype == motion.com_world.dtype == np.float64
 
 
-@pytest.mark.parametrize("name", ["q_world_body_wxyz", "omega_body", "com_world", "velocity_world"])
-@pytest.mark.parametrize("cut", [np.s_[:-1], np.s_[:, :-1]], ids=["rows", "columns"])
-def test_shapes_agree(name, cut):
-    with pytest.raises(ValueError, match=rf"'{name}' must have shape \(4, "):
-        trajectory(**{name: COLUMNS[name][cut]})
+def spoilt(name, value):
+    return np.append(COLUMNS[name].ravel()[:-1], value).reshape(COLUMNS[name].shape)
 
 
-@pytest.mark.parametrize("t", [COLUMNS["t"][:, None], 0.0], ids=["a column", "a number"])
-def test_times_are_a_row(t):
-    with pytest.raises(ValueError, match="'t' must have one dimension"):
-        trajectory(t=t)
+def stretched(part):
+    """Attitudes whose norms are off by a part of what is allowed."""
+    return {"q_world_body_wxyz": COLUMNS["q_world_body_wxyz"] * (1 + part * SLACK)}
 
 
-@pytest.mark.parametrize("name", COLUMNS)
-@pytest.mark.parametrize("value", [np.nan, np.inf], ids=str)
-def test_every_number_is_finite(name, value):
-    spoilt = COLUMNS[name].copy()
-    spoilt[-1] = value
-    with pytest.raises(ValueError, match="finite throughout"):
-        trajectory(**{name: spoilt})
+SLACK, VECTORS = Trajectory.UNIT_NORM_SLACK, [name for name in COLUMNS if name != "t"]
+REFUSED = [
+    *(({n: COLUMNS[n][:-1]}, rf"'{n}' must have shape \(4, ") for n in VECTORS),
+    *(({n: COLUMNS[n][:, :-1]}, rf"'{n}' must have shape \(4, ") for n in VECTORS),
+    *(({"t": t}, "'t' must have one dimension") for t in (COLUMNS["t"][:, None], 0.0)),
+    *(({n: spoilt(n, x)}, "finite throughout") for n in COLUMNS for x in (np.nan, np.inf)),
+    *(({"t": t}, "'t' must increase") for t in ([0, 1, 1, 2], [0, 2, 1, 3])),
+    (stretched(2), "must have unit norm"),
+]
 
 
-@pytest.mark.parametrize("t", [[0, 1, 1, 2], [0, 2, 1, 3]], ids=["repeated", "backwards"])
-def test_times_increase(t):
-    with pytest.raises(ValueError, match="'t' must increase"):
-        trajectory(t=t)
+@each_case(("changes", "words"), REFUSED)
+def test_what_is_no_motion_is_refused(changes, words):
+    with pytest.raises(ValueError, match=words):
+        trajectory(**changes)
 
 
-@pytest.mark.parametrize("within", [True, False], ids=["within", "beyond"])
-def test_attitudes_are_of_unit_norm_to_single_precision(within):
-    stretched = COLUMNS["q_world_body_wxyz"] * (
-        1 + (0.5 if within else 2) * Trajectory.UNIT_NORM_SLACK
-    )
-    if within:
-        trajectory(q_world_body_wxyz=stretched)
-    else:
-        with pytest.raises(ValueError, match="must have unit norm"):
-            trajectory(q_world_body_wxyz=stretched)
+def test_attitudes_are_of_unit_norm_to_single_precision():
+    trajectory(**stretched(0.5))
 
 
 def test_attitudes_take_body_components_to_world_components():

@@ -45,8 +45,9 @@ def ran(engine: ChildEngine) -> Run:
     return engine.run(SPHERE, method, TIMESTEP, STEPS)
 
 
-def test_an_honest_child_is_an_engine_like_any_other() -> None:
-    run = ran(planted())
+@pytest.mark.parametrize("manner", ["", "chats"])
+def test_an_honest_child_is_an_engine_like_any_other_in_a_worker_too(manner: str) -> None:
+    run = ran(pickle.loads(pickle.dumps(planted(manner))))
     assert (run.outcome, run.reason) == ("ok", "")
     assert run.trajectory is not None
     start = SPHERE.start.omega_body
@@ -74,6 +75,9 @@ FAULTS = {
     "NaN": ("protocol", "null says that a number is not finite"),
     "heavier": ("read-back", "'mass' must read back as 2.0, got 2.02"),
     "confesses": ("model", "wind"),
+    # The motion's.
+    "no number": ("not-finite", ""),
+    "refuses": ("warning", "the solver will not\\x1b[2J"),
     # Somebody else is to blame.
     **{
         f"killed by {name}": ("killed", f"was killed from outside by {name} instead of answering")
@@ -87,7 +91,8 @@ FAULTS = {
 def test_a_child_that_misbehaves_costs_its_run_and_is_reported_by_name(fault: str) -> None:
     run = ran(planted(fault))
     cause, words = FAULTS[fault]
-    assert (run.outcome, run.cause) == ("failed", cause)
+    outcome = "diverged" if cause in ("not-finite", "warning") else "failed"
+    assert (run.outcome, run.cause) == (outcome, cause)
     assert words in run.reason
 
 
@@ -99,21 +104,6 @@ def test_a_child_that_restarts_keeps_the_contract() -> None:
         test_adapter.test_restarts_as_it_opens(
             planted("restarts with its old spin"), engine.methods[0]
         )
-
-
-def test_a_number_that_is_not_finite_is_a_motion_that_diverged() -> None:
-    run = ran(planted("no number"))
-    assert (run.outcome, run.cause) == ("diverged", "not-finite")
-
-
-def test_a_child_that_refuses_a_step_is_quoted_and_commands_no_terminal() -> None:
-    run = ran(planted("refuses"))
-    words = "the solver will not\\x1b[2J"
-    assert (run.outcome, run.cause, run.reason) == ("diverged", "warning", words)
-
-
-def test_what_a_child_prints_is_in_nobodys_way() -> None:
-    assert ran(planted("chats")).outcome == "ok"
 
 
 def test_a_child_that_is_another_each_time_is_not_opened() -> None:
@@ -213,11 +203,6 @@ def _is_dead(number: int) -> bool:
         return psutil.Process(number).status() == psutil.STATUS_ZOMBIE
     except psutil.NoSuchProcess:
         return True
-
-
-def test_a_child_engine_goes_to_a_worker_by_pickle() -> None:
-    engine = pickle.loads(pickle.dumps(planted()))
-    assert ran(engine).outcome == "ok"
 
 
 def test_what_the_command_names_counts_as_the_engines_sources() -> None:

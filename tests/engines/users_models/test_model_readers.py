@@ -2,14 +2,11 @@
 
 import numpy as np
 import pytest
-from spincheck.engines import EngineError
 from spincheck.engines.users_models import model_readers, read_model
-from users_models import arm, arm_with_a_tool, body, diagonal, inertial, joint, link, robot, written
+from users_models import arm, arm_with_a_tool, body, inertial, joint, link, robot, written
 
 pytest.importorskip("pybullet")
 EPS = float(np.finfo(float).eps)
-#: PyBullet's of a link that the file gives nothing: the flag takes it at its word.
-BY_DEFAULT = 1.0
 READERS = model_readers()
 BOTH = [(name, c.name) for name, reader in READERS.items() for c in reader.configurations]
 FAITHFUL = [("pybullet", "inertia-from-file"), ("mujoco", "unfused")]
@@ -36,24 +33,6 @@ def test_without_its_flag_pybullet_holds_none_of_it(tmp_path):
     arm_body = held(tmp_path, arm(), ("pybullet", "default"))["arm"]
     assert arm_body.mass == 2
     assert arm_body.inertia_com.max() < 1e-4 * 0.05
-
-
-def test_pybullet_sets_a_tensor_to_zero_that_no_body_has(tmp_path):
-    text = arm(diagonal(0.3, 0.1, 0.9))
-    arm_body = held(tmp_path, text, ("pybullet", "inertia-from-file"))["arm"]
-    assert (arm_body.mass, arm_body.inertia_com.any()) == (2, False)
-
-
-def test_pybullet_makes_a_body_of_what_the_file_gives_nothing(tmp_path):
-    base_body = held(tmp_path, arm(), ("pybullet", "inertia-from-file"))["base"]
-    assert base_body.mass == BY_DEFAULT
-    assert (base_body.inertia_com == BY_DEFAULT * np.eye(3)).all()
-
-
-@pytest.mark.parametrize("configuration", ["as-is", "unfused"])
-def test_mujoco_refuses_a_tensor_that_no_body_has(tmp_path, configuration):
-    with pytest.raises(EngineError, match=r"MuJoCo refuses the file: .*A \+ B >= C.*'arm'"):
-        held(tmp_path, arm(diagonal(0.3, 0.1, 0.9)), ("mujoco", configuration))
 
 
 def test_mujoco_fuses_what_no_joint_moves(tmp_path):

@@ -75,30 +75,22 @@ def test_without_a_network_one_message_says_so(monkeypatch: pytest.MonkeyPatch) 
 
 
 @pytest.mark.parametrize(
-    ("name", "words"),
+    ("name", "python", "words"),
     [
-        ("mujoco@../../etc", "a version must be like 3.1.6"),
-        ("mujoco@", "a version must be like 3.1.6"),
-        ("nonesuch@1.0", "'nonesuch' cannot be had in other versions, only mujoco, "),
-        ("havok@3.1.6", "cannot be had in other versions"),
+        ("mujoco@../../etc", "", "a version must be like 3.1.6"),
+        ("mujoco@", "", "a version must be like 3.1.6"),
+        ("nonesuch@1.0", "", "'nonesuch' cannot be had in other versions, only mujoco, "),
+        ("havok@3.1.6", "", "cannot be had in other versions"),
+        ("mujoco@3.1.6", "no-such-python", "'no-such-python' cannot be started"),
+        ("mujoco@3.1.6", "echo", "'--python' must be Python 3.11 or later, 'echo' says"),
+        ("mujoco@3.1.6", "false", "'--python' false: it fails: it said nothing"),
     ],
 )
-def test_what_is_no_version_is_reported(name: str, words: str) -> None:
+def test_what_is_no_version_or_no_interpreter_is_reported(
+    name: str, python: str, words: str
+) -> None:
     with pytest.raises(VersionError, match=words):
-        versioned(name)
-
-
-@pytest.mark.parametrize(
-    ("python", "words"),
-    {
-        "no-such-python": "'no-such-python' cannot be started",
-        "echo": "'--python' must be Python 3.11 or later, 'echo' says",
-        "false": "'--python' false: it fails: it said nothing",
-    }.items(),
-)
-def test_another_interpreter_that_is_none_is_reported(python: str, words: str) -> None:
-    with pytest.raises(VersionError, match=words):
-        versioned("mujoco@3.1.6", python)
+        versioned(name, python)
     assert folders.installed() == []
 
 

@@ -134,14 +134,6 @@ def test_run_judges_stores_and_prints_and_an_unmet_expectation_exits_with_1(
     assert "attitude error" in out
 
 
-def test_run_as_json_has_rows_and_verdicts(spincheck, sphere):
-    _, out, _ = spincheck("run", sphere, "--engine", "mujoco", "--timestep", 0.01, "--json")
-    results = json.loads(out)
-    names = {"scenario", "engine", "method", "timestep", "outcome", "omega_error", "steps"}
-    assert all(names <= row.keys() for row in results["rows"])
-    assert {row["timestep"] for row in results["rows"]} == {0.01}
-
-
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [

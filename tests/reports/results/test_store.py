@@ -2,8 +2,6 @@
 
 import math
 import os
-import subprocess
-import sys
 from dataclasses import asdict, replace
 from operator import attrgetter
 
@@ -212,18 +210,6 @@ def test_a_file_at_rest_is_one_file_without_gaps(path, row):
         assert pages_of(store, "freelist_count") == 0
 
 
-@pytest.mark.processes
-def test_a_second_writer_is_refused(path):
-    program = (
-        "import sys; from pathlib import Path\n"
-        "from spincheck.reports.results.store import open_store\n"
-        "open_store(Path(sys.argv[1]), create=True).__enter__()"
-    )
-    with open_store(path, create=True):
-        done = subprocess.run([sys.executable, "-c", program, path], capture_output=True, text=True)
-    assert done.stderr.endswith("another 'spincheck run' is writing to it\n")
-
-
 def fill_the_disk(path, row) -> None:
     with open_store(path, create=True) as store:
         # As many pages as there are: what SQLite says of a page too many is what a full disk says.
@@ -262,15 +248,6 @@ def test_what_may_not_be_written_is_reported(path, row, what):
             assert len(store.read().rows) == 1
     finally:
         place.chmod(mode)
-
-
-@pytest.mark.parametrize("out", ["nowhere/results.sqlite", "."])
-def test_a_place_where_no_file_can_be_is_reported(tmp_path, out):
-    with (
-        pytest.raises(ResultFileError, match="cannot be written: "),
-        open_store(tmp_path / out, create=True),
-    ):
-        pass
 
 
 @pytest.mark.usefixtures("solved")

@@ -1,13 +1,12 @@
 """Runs that scenes expect to blow up do so on real engines, as shipped too."""
 
 import pytest
-from library_scenes import library
 from scene_texts import FAST_TOP
 from spincheck.engines import engines
 from spincheck.reports.harness.prepared import prepare
 from spincheck.reports.harness.study import convergence_study_of
 from spincheck.reports.results.verdicts import Verdict
-from spincheck.scenarios import Expect, Scenario, loads
+from spincheck.scenarios import Scenario, loads
 from studies import verdict_of
 
 pytestmark = pytest.mark.slow
@@ -57,19 +56,6 @@ def judged(scene: Scenario, engine: str, method: str, timestep: float) -> Verdic
 
 def top(engine: str, method: str, timestep: float, spin: float) -> str:
     return TOP.format(engine=engine, method=method, timestep=timestep, spin=spin)
-
-
-LIBRARY = [
-    pytest.param(scene, expected, id=f"{scene.name}-{expected.engine}-{expected.method}")
-    for scene in library()
-    for expected in scene.expect
-]
-
-
-@pytest.mark.needs_pybullet
-@pytest.mark.parametrize(("scene", "expected"), LIBRARY)
-def test_what_the_library_says_of_blow_ups_holds(scene: Scenario, expected: Expect) -> None:
-    assert judged(scene, expected.engine, expected.method, expected.timestep).agrees
 
 
 @pytest.mark.needs_pybullet
