@@ -28,7 +28,7 @@ class Batch(ABC):
 
     @abstractmethod
     def snapshots(self, places: Sequence[int]) -> Sequence[Any]:
-        """Of the worlds at these places, what `Session.snapshot` is of one alone: its numbers.
+        """The numbers that `Session.snapshot` is of one alone, of the worlds at these places.
 
         Never raises for a world that blew up.
         """

@@ -39,11 +39,11 @@ def in_warp(compiled, worlds):
     """
     first, *others = (mjw.put_model(one) for one in compiled)
     for field in fields(mjw.Model):
-        held = getattr(first, field.name)
-        if isinstance(held, wp.array) and field.type.shape[0] == "*":
-            numbers = [held.numpy(), *(getattr(one, field.name).numpy() for one in others)]
+        array = getattr(first, field.name)
+        if isinstance(array, wp.array) and field.type.shape[0] == "*":
+            numbers = [array.numpy(), *(getattr(one, field.name).numpy() for one in others)]
             if any(not np.array_equal(numbers[0], other) for other in numbers):
-                each = wp.array(np.concatenate(numbers)[worlds], dtype=held.dtype)
+                each = wp.array(np.concatenate(numbers)[worlds], dtype=array.dtype)
                 setattr(first, field.name, each)
     return first
 

@@ -48,7 +48,7 @@ def transform(place, q_wxyz=(1.0, 0.0, 0.0, 0.0)):
 
 
 def lever_of(scene):
-    """From the joint to the com, m, (3,)."""
+    """The vector from the joint to the com, m, (3,)."""
     return -np.array(scene["arm"] or (0.0, 0.0, 0.0))
 
 
@@ -137,7 +137,7 @@ class World:
             newton.eval_fk(self.model, state.joint_q, state.joint_qd, state)
 
     def coordinates(self, scene, motion):
-        """Of the joints of one world, with their velocities."""
+        """The joints' coordinates and velocities of one world."""
         w, *xyz = motion["q"]
         spins = zip(scene.get("rotors", ()), motion.get("spins", ()), strict=True)
         spins = [spin for rotor, spin in spins if rotor["hinge"] != "locked"]
@@ -160,7 +160,7 @@ class World:
         return np.concatenate([(w, x, y, z), omega, com, twists[0, :3], spins])
 
     def motions(self, worlds):
-        """Of some worlds."""
+        """The motions of some worlds."""
         return [self.motion(world) for world in worlds]
 
     def push(self):
