@@ -21,6 +21,10 @@ SAMPLES, DURATION = 121, 6.0
 #: Of the guess: each entry of the tensor relative to the mean moment, rad, and rad/s.
 OFF = 0.05, 0.02, 0.02
 ALL = "all"
+HEADINGS = (
+    *("body", "entries of tensors", "within 1.96 errors", "furthest, in errors"),
+    *("of biases", "within", "furthest", "named wrongly"),
+)
 KINDS = ("of any shape", "two moments 1 % apart", "moments within 3 %", "about a principal axis")
 #: Of a normal distribution, between minus and plus so many standard errors is 95 %.
 NORMAL_95 = 1.96
@@ -127,7 +131,7 @@ def main(count: int, first: int) -> None:
         if done % 50 and done < count:
             continue
         print(f"{done} logs from {first} on:")
-        print("| body | entries | within 1.96 errors | furthest | of bias | | | named wrongly |")
+        print(f"| {' | '.join(HEADINGS)} |")
         for row in (*KINDS, ALL):
             of_tensor, of_bias = cells(z[row, "tensor"]), cells(z[row, "bias"])
             print(f"| {row} | {of_tensor} | {of_bias} | {wrongly[row]} |", flush=True)
