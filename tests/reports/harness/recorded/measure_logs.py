@@ -6,7 +6,7 @@ are a guess, and prints the table of docs/how-to/judge.md.
 """
 
 import sys
-from collections import defaultdict
+from collections import Counter, defaultdict
 from pathlib import Path
 
 import numpy as np
@@ -20,9 +20,16 @@ from spincheck.scenarios import Scenario, from_tables
 SAMPLES, DURATION = 121, 6.0
 #: Of the guess: each entry of the tensor relative to the mean moment, rad, and rad/s.
 OFF = 0.05, 0.02, 0.02
+ALL = "all"
+HEADINGS = (
+    *("body", "entries of tensors", "within 1.96 errors", "furthest, in errors"),
+    *("of biases", "within", "furthest", "named wrongly"),
+)
 KINDS = ("of any shape", "two moments 1 % apart", "moments within 3 %", "about a principal axis")
 #: Of a normal distribution, between minus and plus so many standard errors is 95 %.
 NORMAL_95 = 1.96
+#: Standard errors, of a log that is printed.
+FAR = 4.0
 AT = (0, 1, 2, 0, 0, 1), (0, 1, 2, 1, 2, 2)
 
 
@@ -94,30 +101,40 @@ def cells(deviations: list[np.ndarray]) -> str:
     return f"{len(z)} | {100 * np.mean(z < NORMAL_95):.1f} % | {z.max():.1f}"
 
 
+def deviations(k: int) -> tuple[str, dict[str, np.ndarray], bool]:
+    """Log k's kind, what is off in standard errors, and whether what is named is wrong."""
+    kind, fit, tensor, bias = measured(k)
+    if fit is None:
+        raise ValueError(f"log {k} is not seen as measured")
+    entries, errors = fit.tensor_entries()
+    z, names = {"tensor": (entries - tensor) / errors}, [one.kind for one in fit.fit.changes]
+    if "bias" in names:
+        rows = fit.fit.rows(fit.fit.changes[names.index("bias")])
+        z["bias"] = (fit.fit.numbers[rows] - bias) / fit.fit.errors[rows]
+    is_right = {"start", "tensor, up to a factor", *(["bias"] if bias.any() else [])}
+    is_wrong = not is_right.issuperset(names)
+    if is_wrong or np.abs(z["tensor"]).max() > FAR:
+        print(k, kind, names, np.round(z["tensor"], 1), fit.verdict)
+    return kind, z, is_wrong
+
+
 def main(count: int, first: int) -> None:
-    """Print a row for each kind."""
-    z: dict[str, dict[str, list[np.ndarray]]] = {kind: defaultdict(list) for kind in KINDS}
-    wrongly: dict[str, list[bool]] = {kind: [] for kind in KINDS}
-    for k in range(first, first + count):
-        kind, fit, tensor, bias = measured(k)
-        if fit is None:
-            print(k, "is not seen as measured", flush=True)
+    """Print a row for each kind, and one of all, after every fifty logs."""
+    z: dict[tuple[str, str], list[np.ndarray]] = defaultdict(list)
+    wrongly: Counter[str] = Counter()
+    for done in range(1, count + 1):
+        kind, off, is_wrong = deviations(first + done - 1)
+        for row in (kind, ALL):
+            wrongly[row] += is_wrong
+            for of, numbers in off.items():
+                z[row, of].append(numbers)
+        if done % 50 and done < count:
             continue
-        found, errors = fit.tensor_entries()
-        of_tensor = (found - tensor) / errors
-        z[kind]["tensor"].append(of_tensor)
-        names = [change.kind for change in fit.fit.changes]
-        if "bias" in names:
-            rows = fit.fit.rows(fit.fit.changes[names.index("bias")])
-            z[kind]["bias"].append((fit.fit.numbers[rows] - bias) / fit.fit.errors[rows])
-        is_right = {"start", "tensor, up to a factor", *(["bias"] if bias.any() else [])}
-        wrongly[kind].append(not is_right.issuperset(names))
-        if wrongly[kind][-1] or np.abs(of_tensor).max() > 4:
-            print(k, kind, bias, names, np.round(of_tensor, 1), fit.verdict, flush=True)
-    print("| body | numbers | within 1.96 errors | furthest | of bias | | | named wrongly |")
-    for kind in KINDS:
-        print(f"| {kind} | {cells(z[kind]['tensor'])} | {cells(z[kind]['bias'])} |", end=" ")
-        print(f"{sum(wrongly[kind])} |")
+        print(f"{done} logs from {first} on:")
+        print(f"| {' | '.join(HEADINGS)} |")
+        for row in (*KINDS, ALL):
+            of_tensor, of_bias = cells(z[row, "tensor"]), cells(z[row, "bias"])
+            print(f"| {row} | {of_tensor} | {of_bias} | {wrongly[row]} |", flush=True)
 
 
 if __name__ == "__main__":

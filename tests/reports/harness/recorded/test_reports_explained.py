@@ -267,7 +267,7 @@ def test_another_moment_is_found_in_noise_with_its_standard_error() -> None:
     assert np.all(errors < 0.01 * np.trace(LOG.inertia))
 
 
-@pytest.mark.parametrize("log", [2, 46])
+@pytest.mark.parametrize("log", [10, 46])
 def test_where_a_log_hardly_shows_a_tensor_its_errors_are_as_large(log: int) -> None:
     """Of moments within 3 %, others hundreds of errors off are hidden by noise, or nearly."""
     _, fit, tensor, _ = log_of_kind(log)
