@@ -251,19 +251,12 @@ def evidence_of(look: Look, at: Places, order: int) -> StepEvidence:
 
 
 def _order_shown(look: Look, declared: int) -> int:
-    """The least order of attitude and angular momentum, where gains are more than noise.
-
-    An order of half of the declared one, or less, must be likelier than that by the level.
-    """
-    shown = []
-    for q, series in enumerate(look.series[:2]):
-        if not (np.abs(look.gains[:, :, q]).max(axis=2) > 1e3 * look.noise[:, :, q]).any():
-            continue
-        order = series.order
-        if 2 * order <= declared:
-            of_order, of_declared = (look.likelihood_of(one, q) for one in (order, declared))
-            order = order if of_order - of_declared > -np.log(LEVEL) else declared
-        shown.append(order)
+    """The least order of attitude and angular momentum, where gains are more than noise."""
+    shown = [
+        series.order
+        for q, series in enumerate(look.series[:2])
+        if (np.abs(look.gains[:, :, q]).max(axis=2) > 1e3 * look.noise[:, :, q]).any()
+    ]
     return min(shown, default=declared)
 
 

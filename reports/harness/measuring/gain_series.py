@@ -134,13 +134,6 @@ def fitted(
     return replace(_off_limit(measured, one), alone=alone if is_alone else None)
 
 
-def likelihood_of(order: int, measured: Measured, *, is_split: bool) -> float:
-    """How likely gains are by an order (logarithm)."""
-    if is_split:
-        return _Split.of(measured, order).total
-    return _Fit.of(measured, order, constant=False).total
-
-
 def _prior(evidence: FloatArray) -> tuple[FloatArray, float]:
     """The distribution over the grid that the states show, (A,), and how likely they are by it."""
     count = len(evidence)

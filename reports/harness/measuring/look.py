@@ -9,9 +9,8 @@ from ....engines.checks.equations import Equations
 from ....scenarios import FloatArray
 from ....scenarios.rotation import norms
 from ...results.evidence import CONSISTENT, LEVEL, QUANTITIES, SEEN
-from .gain_series import GainSeries, fitted, likelihood_of
+from .gain_series import GainSeries, fitted
 from .noise import largest_terms, weakest_effects
-from .regression import Measured
 from .steps import Steps
 
 
@@ -50,13 +49,6 @@ class Look:
             )
             for q in range(len(QUANTITIES))
         )
-
-    def likelihood_of(self, order: int, q: int) -> float:
-        """How likely the gains of a quantity are by an order (logarithm)."""
-        measured = Measured.of(
-            self.steps.timesteps, self.gains[:, :, q], self.noise[:, :, q], self.rates
-        )
-        return likelihood_of(order, measured, is_split=bool(self.series[q].changes.any()))
 
     @property
     def rates(self) -> FloatArray:

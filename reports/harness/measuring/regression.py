@@ -126,9 +126,12 @@ class Regression:
 
     @cached_property
     def _decomposed(self) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
-        """Of the basis in units of the noise: Uᵀ in these units, singular values squared, and Vᵀ.
+        """The singular value decomposition U S Vᵀ of the basis in units of the noise.
 
-        And Uᵀ times the gains: (R, J, J), (R, J), (R, TERMS, TERMS) and (R, J, K, 3).
+        Returns
+        -------
+        Uᵀ over the noise, (R, J, J), S², (R, J), Vᵀ, (R, TERMS, TERMS), and the gains multiplied
+        by the first of these, (R, J, K, 3)
         """
         U, values, right = np.linalg.svd(self.basis / self.noise[:, :, None])
         J, K, _ = self.measured.gains.shape

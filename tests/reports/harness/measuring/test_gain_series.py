@@ -6,7 +6,7 @@ are of this model is verified on engines, in `test_examine.py` and `test_false_p
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
@@ -179,6 +179,15 @@ def test_a_constant_is_detected_and_known(order: int, eps: float, size: float) -
         surest = int(found.known_to.argmin())
         limit = float(np.linalg.norm(found.limit[surest]))
         assert limit == pytest.approx(size, abs=6 * found.known_to[surest])
+
+
+def test_a_constant_that_no_state_shows_by_itself_is_detected_of_all_together() -> None:
+    for one in sample(1)[:FAULTY]:
+        error = one.fitted(0.0).known_to
+        each = Drawn(one.timesteps, one.gains + 4 * error[:, None] * ASKEW, one.noise).fitted(0.0)
+        assert each.least_tails.min() * each.tests > LEVEL
+        assert each.tail < LEVEL
+        assert replace(each, is_pooled=False).tail > LEVEL
 
 
 def at_one(h: np.ndarray) -> np.ndarray:
