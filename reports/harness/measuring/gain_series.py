@@ -120,7 +120,7 @@ def fitted(
     is_pooled : whether the limits of states are independent, and are judged together, too
     """
     measured = Measured.of(timesteps, gains, noise, rates)
-    fit = _likeliest(lambda order: _Fit.of(measured, order, constant=False))
+    fit = _likeliest(lambda order: _Fit.of(measured, order))
     one = replace(_one_series(fit), is_pooled=is_pooled)
     if one.tail >= level:
         return one
@@ -130,36 +130,46 @@ def fitted(
         two = _two_series(one, split)
         if two.tail >= level and total - split.total < -np.log(level):
             return two
-    is_alone = total - fit.regression.total.sum() > -np.log(level)
+    is_alone = total - fit.total > -np.log(level)
     return replace(_off_limit(measured, one), alone=alone if is_alone else None)
 
 
-def _prior(evidence: FloatArray) -> tuple[FloatArray, float]:
-    """The distribution over the grid that the states show, (A,), and how likely they are by it."""
+def _prior(evidence: FloatArray) -> FloatArray:
+    """The distribution over the grid that the states show, (A,)."""
     count = len(evidence)
     prior = np.full(count, 1 / count)
     for _ in range(ESTIMATIONS):
         posterior = normalised(evidence + np.log(prior)[:, None])
         prior = (1 - LEAK) * posterior.mean(axis=1) + LEAK / count
-    return prior, float(log_sum(evidence + np.log(prior)[:, None]).sum())
+    return prior
 
 
 @dataclass(frozen=True, eq=False)
 class _Fit:
-    """A regression by one order, the prior that goes with it, and how likely gains are by it."""
+    """A regression by one order, and the prior that goes with it.
+
+    Attributes
+    ----------
+    each : the logarithm of how likely the gains of each state are, (K,)
+    """
 
     order: int
-    total: float
+    each: FloatArray
     prior: FloatArray
     regression: Regression
 
     @staticmethod
-    def of(measured: Measured, order: int, *, constant: bool) -> "_Fit":
+    def of(measured: Measured, order: int, *, constant: bool = False) -> "_Fit":
         """Fit a series with a constant or without."""
         regression = Regression.of(measured, order)
         evidence = regression.evidence_with_constant if constant else regression.evidence
-        prior, total = _prior(evidence)
-        return _Fit(order, total, prior, regression)
+        prior = _prior(evidence)
+        return _Fit(order, log_sum(evidence + np.log(prior)[:, None]), prior, regression)
+
+    @property
+    def total(self) -> float:
+        """How likely the gains of all states are (logarithm)."""
+        return float(self.each.sum())
 
 
 def _likeliest(fit: Callable[[int], T]) -> T:
@@ -206,14 +216,15 @@ def _two_series(one: GainSeries, best: "_Split") -> GainSeries:
     """
     tails, limit_tails = one.tails.copy(), one.limit_tails.copy()
     limit, known_to = one.limit.copy(), one.known_to.copy()
-    units, beyond = best.parts[0][0].measured.units, one.beyond.copy()
+    units, beyond = best.parts[0][0].regression.measured.units, one.beyond.copy()
     for change in np.unique(best.changes):
         states, parts = best.changes == change, best.parts[change]
-        each = [part.innovations(part.flat)[0] for part in parts]
+        each = [part.regression.innovations(part.prior)[0] for part in parts]
         tails[:, states] = np.concatenate(each)[:, states]
-        beyond[states] = parts[0].beyond(parts[0].flat)[states]
+        beyond[states] = parts[0].regression.beyond(parts[0].prior)[states]
         # Fewer gains than that tell no limit from a series.
-        found = [part.limit(part.flat) for part in parts if len(part.measured.x) >= LEAST]
+        long = [part for part in parts if len(part.regression.measured.x) >= LEAST]
+        found = [part.regression.limit(part.prior) for part in long]
         finest, error, _ = found[-1]
         limit[states] = (finest * units[:, None])[states]
         known_to[states] = (error * units)[states]
@@ -233,16 +244,14 @@ def _two_series(one: GainSeries, best: "_Split") -> GainSeries:
 def _off_alone(measured: Measured) -> tuple[int, float]:
     """The timestep that is off, if a single one is, and how likely gains then are (logarithm).
 
-    What steps gain with that timestep may be anything of its size. The prior is flat, as that of
-    two series is.
+    What steps gain with that timestep may be anything of its size.
     """
 
     def total(j: int) -> float:
         noise = measured.noise.copy()
         noise[j] += np.abs(measured.gains[j]).max()
         others = replace(measured, noise=noise)
-        fit = _likeliest(lambda order: _Fit.of(others, order, constant=False))
-        return float(fit.regression.total.sum())
+        return _likeliest(lambda order: _Fit.of(others, order)).total
 
     totals = [total(j) for j in range(len(measured.x))]
     return int(np.argmax(totals)), max(totals)
@@ -261,7 +270,7 @@ class _Split:
 
     total: float
     order: int
-    parts: list[tuple[Regression, ...]]
+    parts: list[tuple[_Fit, ...]]
     changes: NDArray[np.intp]
 
     @staticmethod
@@ -270,10 +279,10 @@ class _Split:
         count = len(measured.x)
         edges = [(0, count), *((0, change, count) for change in range(1, count))]
         parts = [
-            tuple(Regression.of(measured.part(*ends), order) for ends in pairwise(of_one))
+            tuple(_Fit.of(measured.part(*ends), order) for ends in pairwise(of_one))
             for of_one in edges
         ]
-        each = np.array([sum(part.total for part in one) for one in parts])
+        each = np.array([sum(part.each for part in one) for one in parts])
         tried = measured.changes(count - LEAST)
         totals = np.take_along_axis(each, tried, axis=0).sum(axis=1)
         best = int(totals.argmax())

@@ -147,24 +147,13 @@ class Regression:
         _, squares, _, _ = self._decomposed
         return np.asarray(1 / (1 + self.measured.amplitudes[:, None] ** 2 * squares[:, None]))
 
-    @property
-    def flat(self) -> FloatArray:
-        """The prior by which all pairs are alike, (A,)."""
-        count = len(self.radii) * len(self.measured.amplitudes)
-        return np.full(count, 1 / count)
-
     @cached_property
     def evidence(self) -> FloatArray:
         """The logarithm of the density of all gains of a state, (A, K)."""
         _, _, _, turned = self._decomposed
         each = self._shrunk @ (turned**2).sum(axis=3)
         scale = np.log(self._shrunk).sum(axis=2) - 2 * np.log(self.noise).sum(axis=1)[:, None]
-        return np.asarray((3 * scale[..., None] - each) / 2).reshape(len(self.flat), -1)
-
-    @property
-    def total(self) -> FloatArray:
-        """The same, if all pairs are alike, (K,)."""
-        return log_sum(self.evidence + np.log(self.flat)[:, None])
+        return np.asarray((3 * scale[..., None] - each) / 2).reshape(-1, turned.shape[2])
 
     @cached_property
     def constants(self) -> tuple[FloatArray, FloatArray]:
