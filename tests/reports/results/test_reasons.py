@@ -1,0 +1,13 @@
+"""The words of a verdict's reason."""
+
+from spincheck.reports.results.evidence import StepEvidence, StepFault
+from spincheck.reports.results.reasons import fault_in_words, reason_in_words
+
+
+def test_a_fault_that_a_run_tells_is_not_told_twice() -> None:
+    fault = StepFault("limit", "attitude", 0.0, 1e-3, (1.0, 0.0, 0.0), (0.0, 0.0, 1.0), ())
+    steps = StepEvidence(3, 0.0, 0.0, 0.0, 1, fault=fault)
+    told = fault_in_words(fault)
+    assert reason_in_words("disagrees", "it blew up", steps, None, ()) == f"{told}; it blew up"
+    quoted = f"it blew up; {told}"
+    assert reason_in_words("disagrees", quoted, steps, None, ()) == quoted
