@@ -99,7 +99,7 @@ def fitted(
     noise: FloatArray,
     level: float,
     *,
-    rates: FloatArray | None = None,
+    turns: FloatArray | None = None,
     may_split: bool = True,
     is_pooled: bool = True,
 ) -> GainSeries:
@@ -115,11 +115,11 @@ def fitted(
     gains : a second, (J, K, 3)
     noise : its standard deviation in each component, (J, K)
     level : tails below it, together, are a fault
-    rates : how fast the body turns in each state, rad/s, (K,); None where it is not known
+    turns : by how much each step turns the body, rad, (J, K); None where it is not known
     may_split : whether two series are tried
     is_pooled : whether the limits of states are independent, and are judged together, too
     """
-    measured = Measured.of(timesteps, gains, noise, rates)
+    measured = Measured.of(timesteps, gains, noise, turns)
     fit = _likeliest(lambda order: _Fit.of(measured, order))
     one = replace(_one_series(fit), is_pooled=is_pooled)
     if one.tail >= level:

@@ -7,7 +7,7 @@ import numpy as np
 
 from ....engines.checks.equations import Equations
 from ....scenarios import FloatArray
-from ....scenarios.rotation import norms
+from ....scenarios.rotation import norms, rotation_vectors
 from ...results.evidence import CONSISTENT, LEVEL, QUANTITIES, SEEN
 from .gain_series import GainSeries, fitted
 from .noise import largest_terms, weakest_effects
@@ -43,7 +43,7 @@ class Look:
                 self.gains[:, :, q],
                 self.noise[:, :, q],
                 self.level,
-                rates=self.rates,
+                turns=self.turns,
                 may_split=self.may_split,
                 is_pooled=self.is_pooled,
             )
@@ -51,10 +51,11 @@ class Look:
         )
 
     @property
-    def rates(self) -> FloatArray:
-        """How fast the body turns in each state, rad/s, (K,)."""
-        speeds = self.steps.by_timestep(norms(self.steps.before.omega_body))
-        return np.asarray(speeds.mean(axis=(0, 1)))
+    def turns(self) -> FloatArray:
+        """By how much each step turned the body, rad, (J, K)."""
+        before, after = self.steps.before.q_world_body_wxyz, self.steps.after.q_world_body_wxyz
+        turns = self.steps.by_timestep(norms(rotation_vectors(before, after)))
+        return np.asarray(turns.mean(axis=1))
 
     @property
     def level(self) -> float:

@@ -37,7 +37,7 @@ class Measured:
     gains, noise : (J, K, 3) and (J,)
     units : what a gain of each state is to be multiplied by, (K,)
     amplitudes : those that are integrated over, (A,)
-    turns : of each state in each timestep, in any unit, (J, K)
+    turns : by how much each step turns the body, in any unit, (J, K)
     radius : the least radius of convergence, which leaves two thirds of all timesteps within
     """
 
@@ -51,7 +51,7 @@ class Measured:
 
     @staticmethod
     def of(
-        timesteps: FloatArray, gains: FloatArray, noise: FloatArray, rates: FloatArray | None
+        timesteps: FloatArray, gains: FloatArray, noise: FloatArray, turns: FloatArray | None
     ) -> "Measured":
         """Scale gains by each state's noise; how it depends on timesteps is as in the noisiest."""
         units = np.median(noise / np.median(noise, axis=1, keepdims=True), axis=0)
@@ -60,7 +60,8 @@ class Measured:
         count = int(np.ceil(np.log(largest / least) / np.log(AMPLITUDE_RATIO)))
         amplitudes = least * AMPLITUDE_RATIO ** np.arange(count + 1)
         x = timesteps / timesteps[0]
-        turns = x[:, None] * (np.ones(len(units)) if rates is None else rates)
+        if turns is None:
+            turns = np.repeat(x[:, None], len(units), axis=1)
         return Measured(x, scaled, alike, units, amplitudes, turns, float(x[len(x) // 3]))
 
     def changes(self, last: int) -> NDArray[np.intp]:

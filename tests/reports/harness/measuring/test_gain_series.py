@@ -272,7 +272,7 @@ def below_a_turn(timesteps: int, seed: int) -> tuple[np.ndarray, ...]:
 def test_a_method_may_compute_steps_below_a_turn_otherwise(timesteps: int) -> None:
     for seed in range(FAULTY):
         h, gains, noise, rates = below_a_turn(timesteps, seed)
-        assert np.isfinite(fitted(h, gains, noise, LEVEL, rates=rates).tail)
+        assert np.isfinite(fitted(h, gains, noise, LEVEL, turns=h[:, None] * rates).tail)
         if timesteps == DOUBLE:
             assert fitted(h, gains, noise, LEVEL).tail < LEVEL
-            assert fitted(h, gains, noise, LEVEL, rates=rates).tail >= LEVEL
+            assert fitted(h, gains, noise, LEVEL, turns=h[:, None] * rates).tail >= LEVEL
