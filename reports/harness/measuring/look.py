@@ -10,7 +10,7 @@ from ....scenarios import FloatArray
 from ....scenarios.rotation import norms, rotation_vectors
 from ...results.evidence import CONSISTENT, LEVEL, QUANTITIES, SEEN
 from .gain_series import GainSeries, fitted
-from .noise import largest_terms, weakest_effects
+from .noise import NO_SIZE, largest_terms, weakest_effects
 from .steps import Steps
 
 
@@ -52,10 +52,11 @@ class Look:
 
     @property
     def turns(self) -> FloatArray:
-        """By how much each step turned the body, rad, (J, K)."""
+        """By how much each step turned the body, rad, to three digits, (J, K)."""
         before, after = self.steps.before.q_world_body_wxyz, self.steps.after.q_world_body_wxyz
         turns = self.steps.by_timestep(norms(rotation_vectors(before, after)))
-        return np.asarray(turns.mean(axis=1))
+        # Rounding makes no state's turn another than those of states that turn alike.
+        return np.asarray(10 ** np.round(np.log10(turns.mean(axis=1) + NO_SIZE), 3))
 
     @property
     def level(self) -> float:
