@@ -163,6 +163,18 @@ def test_a_fault_at_the_stock_timestep_alone_is_told(method: str, engine: Steppe
     assert is_consistent(looked_at(SteppedEngine(**STOCK), method, BOOK))
 
 
+@pytest.mark.parametrize("method", ["Euler", "RK4"])
+@pytest.mark.parametrize("size", [1e-5, 1e-3])
+def test_a_fault_in_short_steps_alone_is_told_with_the_longest_of_them(
+    method: str, size: float
+) -> None:
+    found = looked_at(SteppedEngine(planted.InStepsBelowTwiceThat, size), method, BOOK)
+    assert "and shorter ones, though not with longer ones" in in_words(found)
+    assert found.fault is not None
+    # Of the book, which turns by 10 rad/s.
+    assert planted.SHORT < 10 * found.fault.timestep < 2 * planted.SHORT
+
+
 def test_a_fault_at_one_timestep_is_told_where_rounding_hides_what_shorter_steps_gain() -> None:
     """It may as well be the first of a series that vanishes faster."""
     found = looked_at(in_single(AT_STOCK, 3e-2, **STOCK), "RK4", BOOK)
