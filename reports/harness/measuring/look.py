@@ -52,7 +52,7 @@ class Look:
 
     @property
     def turns(self) -> FloatArray:
-        """By how much each step turned the body, rad, to three digits, (J, K)."""
+        """The angle by which each step turned the body, rad, to three digits, (J, K)."""
         before, after = self.steps.before.q_world_body_wxyz, self.steps.after.q_world_body_wxyz
         turns = self.steps.by_timestep(norms(rotation_vectors(before, after)))
         # Rounding makes no state's turn another than those of states that turn alike.

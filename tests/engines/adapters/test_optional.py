@@ -108,10 +108,7 @@ def test_its_first_steps_are_the_scenes_but_for_a_torque_that_it_leaves_out(
     engine: Engine, name: str
 ) -> None:
     residual = physics_in_words(engine, (SCENES | {"on-axis": ON_AXIS})[name], engine.methods[0])
-    if (engine.name, name) == ("havok", "heavy-top"):
-        # Impulses hold its pivot in single precision: its torque is known too badly to explain it.
-        assert residual.startswith("I dω/dt")
-    elif engine.name in WITHOUT_GYROSCOPIC_TORQUE:
+    if engine.name in WITHOUT_GYROSCOPIC_TORQUE:
         assert residual.startswith("behaves as if there were no gyroscopic torque")
     else:
         assert residual == ""
