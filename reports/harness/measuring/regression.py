@@ -15,12 +15,12 @@ from scipy.special import chdtrc
 
 from ....scenarios import FloatArray
 
-#: Terms of the series that are kept: more change no tail.
+#: Terms of the series that are kept: more change no tail to twice as much, or half.
 TERMS = 16
 #: Ratios of neighbouring radii and amplitudes that are integrated over.
 RADIUS_RATIO, AMPLITUDE_RATIO = 2**0.5, 10**0.35
 #: Probability from which on a timestep is said to be beyond the radius.
-SURE = 1 - 1e-6
+CERTAIN = 1 - 1e-6
 #: Probability of a pair below which it makes no difference to any tail.
 IMPOSSIBLE = 1e-18
 #: Gains with longer timesteps that a prediction needs, and gains that tell a limit.
@@ -183,11 +183,11 @@ class Regression:
         return limit, np.sqrt((weights * spread).sum(axis=0)), tails
 
     def beyond(self, prior: FloatArray) -> NDArray[np.intp]:
-        """How many of the longest timesteps are beyond the radius for sure, (K,)."""
+        """How many of the longest timesteps are beyond the radius for certain, (K,)."""
         weights = normalised(self.evidence + np.log(prior)[:, None])
         of_radius = weights.reshape(len(self.radii), -1, weights.shape[1]).sum(axis=1)
         is_beyond = self.radii[:, None] * self.measured.x >= 1
-        return np.asarray((is_beyond.T @ of_radius >= SURE).sum(axis=0))
+        return np.asarray((is_beyond.T @ of_radius >= CERTAIN).sum(axis=0))
 
     def innovations(self, prior: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
         """How far each gain is off what those before it predict.

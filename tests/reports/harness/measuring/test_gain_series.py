@@ -132,6 +132,18 @@ def test_a_state_whose_series_converges_late_has_a_radius_of_its_own(monkeypatch
     assert by_its_own > 10 * least_tail()
 
 
+def test_more_terms_change_no_tail_to_twice_as_much(monkeypatch) -> None:
+    methods = sample(1, radius=2.9)[:FAULTY]
+    tails = tails_of(methods)
+
+    def changed(terms: int) -> float:
+        monkeypatch.setattr(regression, "TERMS", terms)
+        return float(np.abs(np.log10(tails_of(methods) / tails)).max())
+
+    # To a level of 1e-9 a tail that is twice as large is the same.
+    assert changed(2 * TERMS) < np.log10(2) < changed(TERMS // 2)
+
+
 @PRECISIONS
 @EVERY
 def test_a_level_is_the_most_of_honest_methods_that_it_accuses(order: int, eps: float) -> None:
