@@ -135,8 +135,8 @@ class _Examination:
 
     def _taken(self, settle: int, repeats: int) -> Look:
         steps = self._steps(settle, repeats, self._timesteps(self.at.timesteps))
-        # In double precision another look with shorter steps shows that.
-        return replace(self._look(steps, settle), may_split=self.engine.single_precision)
+        # Another look with shorter steps shows that.
+        return replace(self._look(steps, settle), may_split=False)
 
     def _settled(self, settle: int, repeats: int) -> Look:
         """Steps after a constraint has settled; what further settling changes is their noise.
@@ -181,7 +181,9 @@ class _Examination:
         equations = Equations(self.sessions.scenario)
         gains = step_gains(equations, steps).mean(axis=1)
         noise = noise_of(equations, steps, self.engine, self.at.condition, settled=bool(settle))
-        return Look(equations, steps, gains, noise, settle, is_pooled=self.at.are_apart)
+        # What short steps leave out of a turn is less than rounding of 24 bits.
+        may_split = not self.engine.single_precision
+        return Look(equations, steps, gains, noise, settle, may_split, self.at.are_apart)
 
     def _timesteps(self, halved: FloatArray) -> FloatArray:
         """Those halved, one between two of them, and the engine's stock ones in between, s."""

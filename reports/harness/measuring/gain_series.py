@@ -17,6 +17,7 @@ over, with a prior that is estimated from all states (Kiefer & Wolfowitz, Ann. M
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import cached_property
 from itertools import pairwise
 from typing import TypeVar
 
@@ -32,7 +33,7 @@ ORDERS = (1, 2, 3, 4, 5, 6)
 #: Share of the prior that is the same everywhere, and steps of its estimation.
 LEAK, ESTIMATIONS = 0.1, 3
 
-T = TypeVar("T", "_Fit", "_Split")
+T = TypeVar("T", "_Fit", "_Splits")
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,8 +107,10 @@ def fitted(
     """Fit the model to what steps gain.
 
     Where one series leaves a tail below the level, two are tried: of a method that computes shorter
-    steps otherwise, both of which must vanish with the timestep. Two series follow many gains:
-    where one with a single timestep that is off is likelier by the level, that is a fault.
+    steps otherwise, both of which must vanish with the timestep. Where steps change is not known:
+    a method is consistent if one of all changes leaves no tail below the level. Two series follow
+    many gains: where one with a single timestep that is off is likelier by the level, that is a
+    fault.
 
     Parameters
     ----------
@@ -126,12 +129,20 @@ def fitted(
         return one
     alone, total = _off_alone(measured)
     if may_split and len(timesteps) > LEAST:
-        split = _likeliest(lambda order: _Split.of(measured, order))
-        two = _two_series(one, split)
-        if two.tail >= level and total - split.total < -np.log(level):
-            return two
-    is_alone = total - fit.total > -np.log(level)
-    return replace(_off_limit(measured, one), alone=alone if is_alone else None)
+        splits = _likeliest(lambda order: _Splits.of(measured, order))
+        for changes in splits.changes[splits.totals > total + np.log(level)]:
+            two = _two_series(one, splits, changes)
+            if two.tail >= level:
+                return two
+    off = _likeliest(lambda order: _Fit.of(measured, order, constant=True))
+    limit, known_to, _ = off.limit
+    units = measured.units
+    return replace(
+        one,
+        limit=limit * units[:, None],
+        known_to=known_to * units,
+        alone=alone if total > max(off.total, fit.total - np.log(level)) else None,
+    )
 
 
 def _prior(evidence: FloatArray) -> FloatArray:
@@ -171,6 +182,21 @@ class _Fit:
         """How likely the gains of all states are (logarithm)."""
         return float(self.each.sum())
 
+    @cached_property
+    def limit(self) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """The limit at vanishing timesteps, as `Regression.limit` returns it."""
+        return self.regression.limit(self.prior)
+
+    @cached_property
+    def innovations(self) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """How far gains are off their predictions, as `Regression.innovations` returns it."""
+        return self.regression.innovations(self.prior)
+
+    @cached_property
+    def beyond(self) -> NDArray[np.intp]:
+        """How many of the longest timesteps are beyond the radius for certain, (K,)."""
+        return self.regression.beyond(self.prior)
+
 
 def _likeliest(fit: Callable[[int], T]) -> T:
     """The fit of the likeliest order: up to it likelihoods rise, and fall beyond."""
@@ -185,8 +211,8 @@ def _likeliest(fit: Callable[[int], T]) -> T:
 
 def _one_series(fit: _Fit) -> GainSeries:
     """What one series leaves."""
-    limit, known_to, limit_tails = fit.regression.limit(fit.prior)
-    tails, predicted, error = fit.regression.innovations(fit.prior)
+    limit, known_to, limit_tails = fit.limit
+    tails, predicted, error = fit.innovations
     units = fit.regression.measured.units
     return GainSeries(
         fit.order,
@@ -197,46 +223,38 @@ def _one_series(fit: _Fit) -> GainSeries:
         predicted * units[:, None],
         error * units,
         np.zeros(len(units), dtype=int),
-        fit.regression.beyond(fit.prior),
+        fit.beyond,
     )
 
 
-def _off_limit(measured: Measured, one: GainSeries) -> GainSeries:
-    """The same, with the limit by the order that is most likely if it is not zero."""
-    fit = _likeliest(lambda order: _Fit.of(measured, order, constant=True))
-    limit, known_to, _ = fit.regression.limit(fit.prior)
-    units = measured.units
-    return replace(one, limit=limit * units[:, None], known_to=known_to * units)
-
-
-def _two_series(one: GainSeries, best: "_Split") -> GainSeries:
+def _two_series(one: GainSeries, splits: "_Splits", changes: NDArray[np.intp]) -> GainSeries:
     """What is left where steps shorter than one timestep or one turn are computed otherwise.
 
-    The timestep or turn is the most likely one, and is the same for all states, as is the order.
+    Parameters
+    ----------
+    changes : where each state changes, (K,)
     """
     tails, limit_tails = one.tails.copy(), one.limit_tails.copy()
     limit, known_to = one.limit.copy(), one.known_to.copy()
-    units, beyond = best.parts[0][0].regression.measured.units, one.beyond.copy()
-    for change in np.unique(best.changes):
-        states, parts = best.changes == change, best.parts[change]
-        each = [part.regression.innovations(part.prior)[0] for part in parts]
-        tails[:, states] = np.concatenate(each)[:, states]
-        beyond[states] = parts[0].regression.beyond(parts[0].prior)[states]
+    units, beyond = splits.parts[0][0].regression.measured.units, one.beyond.copy()
+    for change in np.unique(changes):
+        states, parts = changes == change, splits.parts[change]
+        tails[:, states] = np.concatenate([part.innovations[0] for part in parts])[:, states]
+        beyond[states] = parts[0].beyond[states]
         # Fewer gains than that tell no limit from a series.
-        long = [part for part in parts if len(part.regression.measured.x) >= LEAST]
-        found = [part.regression.limit(part.prior) for part in long]
+        found = [part.limit for part in parts if len(part.regression.measured.x) >= LEAST]
         finest, error, _ = found[-1]
         limit[states] = (finest * units[:, None])[states]
         known_to[states] = (error * units)[states]
         limit_tails[states] = np.min([of_limit for _, _, of_limit in found], axis=0)[states]
     return replace(
         one,
-        order=best.order,
+        order=splits.order,
         tails=tails,
         limit_tails=limit_tails,
         limit=limit,
         known_to=known_to,
-        changes=best.changes,
+        changes=changes,
         beyond=beyond,
     )
 
@@ -258,24 +276,24 @@ def _off_alone(measured: Measured) -> tuple[int, float]:
 
 
 @dataclass(frozen=True, eq=False)
-class _Split:
-    """Gains as two series, of longer and shorter timesteps.
+class _Splits:
+    """Gains as two series, of longer and shorter timesteps, in all ways that are tried.
 
     Attributes
     ----------
-    total : the logarithm of how likely the gains of all states are
     parts : the series of the whole, then those of which the second begins at each timestep
-    changes : which of `parts` is that of each state, (K,)
+    changes : which of `parts` is that of each state, the most likely way first, (n, K)
+    totals : the logarithm of how likely the gains of all states are by each, (n,)
     """
 
-    total: float
     order: int
     parts: list[tuple[_Fit, ...]]
     changes: NDArray[np.intp]
+    totals: FloatArray
 
     @staticmethod
-    def of(measured: Measured, order: int) -> "_Split":
-        """The most likely change, by one order."""
+    def of(measured: Measured, order: int) -> "_Splits":
+        """All changes, by one order."""
         count = len(measured.x)
         edges = [(0, count), *((0, change, count) for change in range(1, count))]
         parts = [
@@ -285,5 +303,10 @@ class _Split:
         each = np.array([sum(part.each for part in one) for one in parts])
         tried = measured.changes(count - LEAST)
         totals = np.take_along_axis(each, tried, axis=0).sum(axis=1)
-        best = int(totals.argmax())
-        return _Split(float(totals[best]), order, parts, tried[best])
+        likeliest = np.argsort(-totals)
+        return _Splits(order, parts, tried[likeliest], totals[likeliest])
+
+    @property
+    def total(self) -> float:
+        """How likely the gains of all states are at most (logarithm)."""
+        return float(self.totals[0])

@@ -4,13 +4,14 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ....engines.checks.equations import Equations
 from ....scenarios import FloatArray
 from ....scenarios.rotation import norms, rotation_vectors
 from ...results.evidence import CONSISTENT, LEVEL, QUANTITIES, SEEN
 from .gain_series import GainSeries, fitted
-from .noise import NO_SIZE, largest_terms, weakest_effects
+from .noise import largest_terms, weakest_effects
 from .steps import Steps
 
 
@@ -51,12 +52,18 @@ class Look:
         )
 
     @property
-    def turns(self) -> FloatArray:
-        """The angle by which each step turned the body, rad, to three digits, (J, K)."""
+    def turns(self) -> NDArray[np.intp]:
+        """The rank of the angle by which each step turned the body, (J, K), from 0.
+
+        Angles that their noise does not tell apart have the same.
+        """
         before, after = self.steps.before.q_world_body_wxyz, self.steps.after.q_world_body_wxyz
-        turns = self.steps.by_timestep(norms(rotation_vectors(before, after)))
-        # Rounding makes no state's turn another than those of states that turn alike.
-        return np.asarray(10 ** np.round(np.log10(turns.mean(axis=1) + NO_SIZE), 3))
+        angles = self.steps.by_timestep(norms(rotation_vectors(before, after))).mean(axis=1)
+        noise = self.noise[:, :, 0] * self.steps.timesteps[:, None]
+        order = angles.argsort(axis=None)
+        ranks = np.zeros(angles.size, dtype=int)
+        ranks[order[1:]] = np.cumsum(np.diff(angles.flat[order]) > noise.flat[order[1:]])
+        return ranks.reshape(angles.shape)
 
     @property
     def level(self) -> float:

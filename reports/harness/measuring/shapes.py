@@ -1,7 +1,5 @@
 """How the gains of steps are not those of a method that converges: when, and by how much."""
 
-from typing import Any
-
 import numpy as np
 
 from ....scenarios import FloatArray
@@ -67,11 +65,7 @@ def _shape(look: Look, q: int, k: int) -> tuple[FaultKind, int]:
     leaps = norms(gains[-LEAPS:, k]) * timesteps[-LEAPS:]
     if len(bad) and np.ptp(leaps) < leaps.min() / 2:
         return "leap", count - 1
-
-    def explains(kept: Any) -> bool:
-        return fitted(timesteps[kept], gains[kept], noise[kept], 0.0).tail >= look.level
-
-    if series.alone is not None and explains(np.arange(count) != series.alone):
+    if series.alone is not None:
         return "timestep", series.alone
     if len(bad) and bad[0] >= LEAST:
         longer = slice(None, int(bad[0]))

@@ -176,9 +176,8 @@ def test_a_fault_in_short_steps_alone_is_told_with_the_longest_of_them(
 
 
 def test_a_fault_at_one_timestep_is_told_where_rounding_hides_what_shorter_steps_gain() -> None:
-    """It may as well be the first of a series that vanishes faster."""
     found = looked_at(in_single(AT_STOCK, 3e-2, **STOCK), "RK4", BOOK)
-    assert found.fault or found.changes_below == pytest.approx(3.1e-3, rel=0.1)
+    assert found.fault
 
 
 @pytest.mark.parametrize("method", ["Euler", "RK4"])
@@ -229,7 +228,7 @@ def test_a_body_that_impulses_hold_in_24_bits_settles_in_the_same_states_at_each
     assert not looked_at(engine, "Euler", name).known_to < found.known_to
 
 
-@pytest.mark.parametrize("size", [1e-3, -7e-4])
+@pytest.mark.parametrize("size", [1e-3, -3e-4])
 @pytest.mark.parametrize("name", ["fast-top", PLAIN])
 def test_a_small_misreading_of_omega_is_told_in_24_bits_where_impulses_hold_the_body(
     name: str, size: float
