@@ -16,8 +16,8 @@ from .executors import Answer
 from .judging import Records
 from .judging.ladder_end import cut_short, is_down
 from .ladder import Ladder, Rung
+from .measuring.intervals import MadeRun
 from .measuring.noise import rounding_of_body
-from .measuring.own_places import MadeRun
 from .measuring.places import Places
 from .stock import StockRun, stock_timestep
 

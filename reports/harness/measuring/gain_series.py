@@ -118,7 +118,7 @@ def fitted(
     gains : a second, (J, K, 3)
     noise : its standard deviation in each component, (J, K)
     level : tails below it, together, are a fault
-    turns : by how much each step turns the body, rad, (J, K); None where it is not known
+    turns : by how much each step turns the body, or its rank, (J, K); None where it is not known
     may_split : whether two series are tried
     is_pooled : whether the limits of states are independent, and are judged together, too
     """

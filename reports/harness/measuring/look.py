@@ -4,7 +4,6 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ....engines.checks.equations import Equations
 from ....scenarios import FloatArray
@@ -52,7 +51,7 @@ class Look:
         )
 
     @property
-    def turns(self) -> NDArray[np.intp]:
+    def turns(self) -> FloatArray:
         """The rank of the angle by which each step turned the body, (J, K), from 0.
 
         Angles that their noise does not tell apart have the same.
@@ -61,7 +60,7 @@ class Look:
         angles = self.steps.by_timestep(norms(rotation_vectors(before, after))).mean(axis=1)
         noise = self.noise[:, :, 0] * self.steps.timesteps[:, None]
         order = angles.argsort(axis=None)
-        ranks = np.zeros(angles.size, dtype=int)
+        ranks = np.zeros(angles.size)
         ranks[order[1:]] = np.cumsum(np.diff(angles.flat[order]) > noise.flat[order[1:]])
         return ranks.reshape(angles.shape)
 

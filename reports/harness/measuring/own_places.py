@@ -6,18 +6,18 @@ a method makes itself, is met as well. Few short timesteps tell whether a step g
 vanish.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ....engines.checks.equations import Equations
-from ....engines.checks.read_back import State, stacked
-from ....scenarios import FloatArray, Scenario, Trajectory
+from ....engines.checks.read_back import stacked
+from ....scenarios import FloatArray, Scenario
 from ....scenarios.fastest_rate import fastest_rate
 from ..defects import FARTHEST_TURN
-from ..ladder import Rung
 from .examine import OPENED
+from .intervals import MadeRun, Replay
 from .noise import largest_terms
 from .places import Places, states_of
 from .steps import Sessions, Steps, flowed, step_gains
@@ -28,31 +28,8 @@ TIMESTEPS = 4
 GAINING, STATES = 4, 5
 
 
-@dataclass(frozen=True, eq=False)
-class MadeRun:
-    """A run that came to its end: its timestep and samples, and its motion at these."""
-
-    rung: Rung
-    motion: Trajectory
-
-
-@dataclass(frozen=True, eq=False)
-class Met:
-    """States of a run that were met when its n intervals were run again, one in each.
-
-    Attributes
-    ----------
-    edges : the samples that intervals begin and end at, (n + 1,)
-    states, times : one in each interval, and when, s, (n,)
-    """
-
-    edges: NDArray[np.intp]
-    states: State
-    times: FloatArray
-
-
 def own_places(
-    sessions: Sessions, at: Places, run: MadeRun, met: Met, *, is_single: bool
+    sessions: Sessions, at: Places, run: MadeRun, replay: Replay, *, is_single: bool
 ) -> Places | None:
     """States of a run; None where nothing can hold the body in any.
 
@@ -62,10 +39,10 @@ def own_places(
     is_single : whether the engine computes in single precision: there, and where a constraint has
         to settle first, few states with all timesteps tell a limit, and not few timesteps
     """
-    states, times = [met.states], [met.times]
-    for k in np.argsort(-_gains(sessions.scenario, run, met.edges))[:GAINING]:
-        first, last = run.rung.sample_steps[met.edges[k : k + 2]]
-        start = states_of(run.motion).rows(int(met.edges[k]))
+    states, times = [replay.states], [replay.times]
+    for k in np.argsort(-_gains(sessions.scenario, run, replay.edges))[:GAINING]:
+        first, last = run.rung.sample_steps[replay.edges[k : k + 2]]
+        start = states_of(run.motion).rows(int(replay.edges[k]))
         for count in np.unique(np.linspace(0, last - first - 1, STATES).astype(int)):
             with sessions.at(start, run.rung.timestep) as session:
                 session.advance(int(count))

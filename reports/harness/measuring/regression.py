@@ -37,9 +37,8 @@ class Measured:
     gains, noise : (J, K, 3) and (J,)
     units : what a gain of each state is to be multiplied by, (K,)
     amplitudes : those that are integrated over, (A,)
-    turns : by how much each step turns the body, in any unit, (J, K)
-    radius : the least radius of convergence, which leaves two thirds of all timesteps within, and
-        enough of them to show a series
+    turns : by how much each step turns the body, or its rank, (J, K)
+    radius : the least radius of convergence, which leaves two thirds of all timesteps within
     """
 
     x: FloatArray
@@ -63,22 +62,22 @@ class Measured:
         x = timesteps / timesteps[0]
         if turns is None:
             turns = np.repeat(x[:, None], len(units), axis=1)
-        least = x[max(0, min(len(x) // 3, len(x) - LEAST))]
-        return Measured(x, scaled, alike, units, amplitudes, turns, float(least))
+        return Measured(x, scaled, alike, units, amplitudes, turns, float(x[len(x) // 3]))
 
     def changes(self, last: int) -> NDArray[np.intp]:
         """The index of the timestep from which on steps may be computed otherwise, (n, K).
 
-        One row for each turn that some state changes at by the timestep `last`. 0 in states all of
-        whose steps are on one side.
+        One row for each timestep up to `last`, the same for all states, and one for each turn that
+        some state changes at by then. 0 in states all of whose steps are on one side.
         """
-        count = len(self.turns)
-        changes = (self.turns[:, :, None] > np.unique(self.turns)).sum(axis=0).T
-        changes = np.where(changes < count, changes, 0)
-        is_seen = ((changes > 0) & (changes <= last)).any(axis=1)
+        count, states = self.turns.shape
+        by_timestep = np.repeat(np.arange(1, last + 1)[:, None], states, axis=1)
+        by_turn = (self.turns[:, :, None] > np.unique(self.turns)).sum(axis=0).T
+        by_turn = np.where(by_turn < count, by_turn, 0)
+        is_seen = ((by_turn > 0) & (by_turn <= last)).any(axis=1)
         # One of the two series at least has as many steps as the shorter timesteps at `last`.
-        is_long = ((changes <= last) | (changes >= count - last)).all(axis=1)
-        return np.unique(changes[is_seen & is_long], axis=0)
+        is_long = ((by_turn <= last) | (by_turn >= count - last)).all(axis=1)
+        return np.unique(np.concatenate([by_timestep, by_turn[is_seen & is_long]]), axis=0)
 
     def part(self, first: int, beyond: int) -> "Measured":
         """The gains with some of the timesteps alone."""
@@ -171,7 +170,9 @@ class Regression:
         """The evidence if a constant is added, which may be as large as any gain, (A, K)."""
         constants, error = self.constants
         gained = ((constants / error[:, None, None]) ** 2).sum(axis=2) / 2
-        return np.asarray(self.evidence + gained + 3 * np.log(error / self.measured.largest)[:, None])
+        return np.asarray(
+            self.evidence + gained + 3 * np.log(error / self.measured.largest)[:, None]
+        )
 
     def limit(self, prior: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
         """The limit, (K, 3), its standard error, (K,), and the tail of its being zero, (K,)."""
@@ -237,10 +238,13 @@ class Regression:
 def _inverse_radii(measured: Measured) -> FloatArray:
     """Inverse radii of convergence that are integrated over, (R,).
 
-    From a few times the longest timestep to the least.
+    From a few times the longest timestep to the least, by which enough gains are within to show a
+    series.
     """
     count = np.arange(np.log(4 / measured.radius) / np.log(RADIUS_RATIO))
-    return np.asarray(RADIUS_RATIO ** (count + 0.5) / 4)
+    radii = RADIUS_RATIO ** (count + 0.5) / 4
+    within = (radii[:, None] * measured.x < 1).sum(axis=1)
+    return np.asarray(radii[within >= min(LEAST, len(measured.x))])
 
 
 def log_sum(logarithms: FloatArray) -> FloatArray:

@@ -10,7 +10,7 @@ from library_scenes import library_scene
 from looked_at import in_words
 from spincheck.reports.harness.convergence_study import ConvergenceStudy
 from spincheck.reports.harness.judging import judge
-from spincheck.reports.harness.measuring import replay
+from spincheck.reports.harness.measuring import intervals
 from spincheck.reports.harness.prepared import prepare
 from spincheck.reports.harness.study import convergence_study_of
 from spincheck.reports.results.evidence import LEVEL, ReplayEvidence
@@ -45,11 +45,11 @@ def replayed(*given: object, **as_if: object) -> ReplayEvidence:
 @pytest.mark.parametrize("samples", [3, 4, 5, 12, 101, 401, 2001])
 @pytest.mark.parametrize("can_restart", [True, False])
 def test_intervals_cover_a_run_and_are_of_irregular_length(samples: int, can_restart: bool) -> None:
-    edges = replay._edges(samples, can_restart)
+    edges = intervals._edges(samples, can_restart)
     lengths = np.diff(edges)
     assert (edges[0], edges[-1]) == (0, samples - 1)
     assert (lengths > 0).all()
-    most = replay.INTERVALS if can_restart else replay.OPENED
+    most = intervals.INTERVALS if can_restart else intervals.OPENED
     assert 1 <= len(lengths) <= most
     assert samples < 100 or np.ptp(lengths) >= 5
 

@@ -1,0 +1,137 @@
+"""The intervals of a run, each of which is run again from its own start."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ....engines import State
+from ....engines.checks.read_back import stacked
+from ....scenarios import FloatArray, Trajectory
+from ...results.evidence import ReplayEvidence
+from ..ladder import Rung
+from .examine import OPENED
+from .places import FINER, Places, states_of
+from .steps import Sessions
+
+#: Intervals of a run at most.
+INTERVALS = 64
+#: Steps of a run that is made to be replayed where there is none.
+BEGINNING = 4096
+
+
+@dataclass(frozen=True, eq=False)
+class MadeRun:
+    """A run that came to its end: its timestep and samples, and its motion at these."""
+
+    rung: Rung
+    motion: Trajectory
+
+
+@dataclass(frozen=True, eq=False)
+class Intervals:
+    """The n intervals of a run, each of which is run again from its own start.
+
+    Attributes
+    ----------
+    edges : the samples that intervals begin and end at, (n + 1,)
+    parts : steps after which an interval that is run again is restarted, (n,)
+    """
+
+    sessions: Sessions
+    run: MadeRun
+    edges: NDArray[np.intp]
+    parts: NDArray[np.int64]
+
+    @staticmethod
+    def of(sessions: Sessions, run: MadeRun) -> "Intervals":
+        """All of a run, in irregular lengths."""
+        edges = _edges(len(run.motion.t), sessions.first.can_restart)
+        steps = np.diff(run.rung.sample_steps[edges])
+        chance = np.random.default_rng(len(edges))
+        return Intervals(sessions, run, edges, chance.integers(1, np.maximum(steps, 2)))
+
+    @cached_property
+    def steps(self) -> NDArray[np.int64]:
+        """Steps of each interval, (n,)."""
+        return np.diff(self.run.rung.sample_steps[self.edges])
+
+    @cached_property
+    def starts(self) -> State:
+        """The states that intervals begin with, n of them."""
+        return states_of(self.run.motion).rows(self.edges[:-1])
+
+    @cached_property
+    def ends(self) -> State:
+        """The states that the run ends them with, n of them."""
+        return states_of(self.run.motion).rows(self.edges[1:])
+
+    @property
+    def times(self) -> FloatArray:
+        """When each is restarted, s, (n,)."""
+        return self.run.motion.t[self.edges[:-1]] + self.parts * self.run.rung.timestep
+
+    def again(self, k: int, start: State) -> tuple[State, State]:
+        """The states in the midst and at the end of an interval that is run from a start.
+
+        In its midst it is restarted, so that nothing hides in the rhythm of samples or strides.
+        """
+        states = []
+        for count in (int(self.parts[k]), int(self.steps[k] - self.parts[k])):
+            with self.sessions.at(start, self.run.rung.timestep) as session:
+                if count:
+                    session.advance(count)
+                start = session.read_state()
+            states.append(start)
+        return states[0], states[1]
+
+    def all_again(self) -> tuple[State, State]:
+        """The same of all, run in random order."""
+        chance = np.random.default_rng(len(self.steps))
+        order = map(int, chance.permutation(len(self.steps)))
+        made = {k: self.again(k, self.starts.rows(k)) for k in order}
+        midst, ends = zip(*(made[k] for k in sorted(made)), strict=True)
+        return stacked(midst), stacked(ends)
+
+
+@dataclass(frozen=True, eq=False)
+class Replay:
+    """What n intervals do otherwise than a run.
+
+    Attributes
+    ----------
+    off : the largest difference, as `apart` has it
+    growth : the factor by which a small change of a state grows in an interval
+    steps : of the longest interval
+    edges : the samples that intervals begin and end at, (n + 1,)
+    states, times : one in the midst of each interval, and when, s, (n,)
+    """
+
+    off: float
+    growth: float
+    steps: int
+    evidence: ReplayEvidence
+    edges: NDArray[np.intp]
+    states: State
+    times: FloatArray
+
+
+def beginning_of(sessions: Sessions, at: Places) -> MadeRun:
+    """The first steps of a motion of which no run was made, as it takes too many steps."""
+    timestep, strides = float(at.timesteps[FINER]), [0, *[BEGINNING // INTERVALS] * INTERVALS]
+    snapshots: list[object] = []
+    with sessions.at(at.states.rows(0), timestep) as session:
+        session.record(strides, snapshots.append)
+    counts = np.cumsum(strides)
+    states = sessions.first.states(snapshots)
+    return MadeRun(Rung(timestep, counts), Trajectory(counts * timestep, *states.columns))
+
+
+def _edges(samples: int, can_restart: bool) -> NDArray[np.intp]:
+    """The samples that intervals begin and end at: all of the run, in irregular lengths."""
+    most = INTERVALS if can_restart else OPENED
+    count = min(most, max(1, 2 * (samples - 1) // 3))
+    chance = np.random.default_rng(samples)
+    inner = chance.choice(np.arange(1, samples - 1), count - 1, replace=False)
+    return np.sort(np.concatenate([[0, samples - 1], inner])).astype(np.intp)
