@@ -26,7 +26,7 @@ ABSURD = ("ABSURD_ENERGY = 10.0", "ABSURD_ENERGY = 9.0")
 CHANGES = {
     "engines/adapters/pybullet/engine.py": (ADDED, {"pybullet"}),
     "reports/harness/judging/ladder_end.py": (("GOAL = 1e-9", "GOAL = 1e-8"), {"verdict"}),
-    "reports/harness/measuring/replay.py": (INTERVALS, {"run"}),
+    "reports/harness/measuring/intervals.py": (INTERVALS, {"run"}),
     "reports/results/evidence.py": (("LEVEL = 1e-9", "LEVEL = 1e-8"), {"run", "verdict"}),
     "reports/harness/comparison.py": (ABSURD, {"run", "verdict"}),
     "reports/harness/costs/timing.py": (ADDED, {"timing"}),
