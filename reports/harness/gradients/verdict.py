@@ -28,10 +28,10 @@ class Judged:
 
     Attributes
     ----------
-    verdict : converges, disagrees or unresolved
+    verdict : converges, disagrees, unresolved, unsupported or failed
     reason : in words
-    order : of the series of what it gains
-    limit : what it gains at vanishing timesteps, or is off at the shortest, in units of the rate
+    order : with which it approaches the motion's derivative as timesteps vanish
+    limit : what is left then, relative to the fastest rate
     known_to : that the limit is known to, likewise
     off_own : distance from differences of the engine's own steps, relative; None if it is a
         derivative of no step, or these differences themselves

@@ -40,10 +40,12 @@ def table(rows: Sequence[GradientRow]) -> Iterator[str]:
     yield "|---|---|---|---|---|---|---|---|"
     for key in dict.fromkeys((row.engine, row.method, row.derivative) for row in rows):
         alike = [row for row in rows if (row.engine, row.method, row.derivative) == key]
-        right = [row for row in alike if row.verdict == "converges"]
-        refused = {row.reason for row in alike if row.verdict != "converges"}
-        orders = sorted({row.order for row in right})
-        own = max((row.off_own for row in right if row.off_own is not None), default=None)
+        right = [row for row in alike if row.judged.verdict == "converges"]
+        refused = {row.judged.reason for row in alike if row.judged.verdict != "converges"}
+        orders = sorted({row.judged.order for row in right})
+        own = max(
+            (row.judged.off_own for row in right if row.judged.off_own is not None), default=None
+        )
         errors = sorted(row.window[-1].error for row in right if row.window)
         yield (
             "| "

@@ -209,8 +209,8 @@ def test_a_planted_fault_is_named(monkeypatch: pytest.MonkeyPatch, name: str) ->
         with monkeypatch.context() as patch:
             patch.setattr(MuJoCoSession, "derivatives", planted)
             row = gradients_of(scene, MUJOCO, "Euler")[0]
-        if words not in row.reason:
-            untold[scene.name] = f"{row.verdict}: {row.reason}"
+        if words not in row.judged.reason:
+            untold[scene.name] = f"{row.judged.verdict}: {row.judged.reason}"
     assert not untold
 
 
@@ -230,12 +230,12 @@ def test_honest_derivatives_are_not_accused(engine: str, scenes: tuple[str, ...]
             rows = gradients_of(scene, engines()[engine], method.name)
             assert rows[-1].derivative == OURS
             for row in rows:
-                is_refused = row.verdict == "unsupported" and any(
-                    words in row.reason for words in OUT_OF_REACH
+                is_refused = row.judged.verdict == "unsupported" and any(
+                    words in row.judged.reason for words in OUT_OF_REACH
                 )
-                is_right = row.verdict == "converges" and not row.reason
-                if not (is_refused or is_right) or row.is_own is False:
-                    accused[f"{scene.name} {method.name} {row.derivative}"] = row.reason
+                is_right = row.judged.verdict == "converges" and not row.judged.reason
+                if not (is_refused or is_right) or row.judged.is_own is False:
+                    accused[f"{scene.name} {method.name} {row.derivative}"] = row.judged.reason
     assert not accused
 
 
@@ -270,7 +270,7 @@ def test_a_derivative_that_cannot_be_had_is_a_row_with_the_reason(
         lambda _: {"reverse": Derivative(out_of_memory), "other": Derivative(refused)},
     )
     rows = gradients_of(library_scene("fast-top"), MUJOCO, "Euler")
-    found = [(row.derivative, row.verdict, row.reason) for row in rows]
+    found = [(row.derivative, row.judged.verdict, row.judged.reason) for row in rows]
     assert found == [
         ("reverse", "failed", "RESOURCE_EXHAUSTED: out of memory"),
         ("other", "failed", "its solver did not end"),
@@ -281,8 +281,8 @@ def test_a_derivative_that_cannot_be_had_is_a_row_with_the_reason(
 def test_a_call_that_ends_with_its_process_is_a_row() -> None:
     with LocalWorkers(1, time_limit=0.01) as executor:
         (row,) = gradients_by(executor, library_scene("fast-top"), MUJOCO, "Euler", None)
-    assert row.verdict == "failed"
-    assert row.reason
+    assert row.judged.verdict == "failed"
+    assert row.judged.reason
 
 
 def test_a_windows_gradient_is_off_by_the_error_of_its_steps() -> None:
