@@ -3,14 +3,16 @@
 What it does to a top by default, and how each effect was measured: docs/measured/engines-more.md.
 """
 
+from collections.abc import Sequence
+from importlib import import_module
 from typing import final
 
 import numpy as np
-from spincheck.engine import Method
+from spincheck.engine import Batch, Method, Scenario
 
-from ...scene_record import WorldBody
+from ...scene_record import WorldBody, scene_record
 from ...world_engine import WorldEngine
-from ...world_session import WorldSession
+from ...world_session import WorldBatch, WorldSession
 
 #: Its forces act on joints, of which a free body and a pivot have none that is the scene's torque.
 EFFECTS = frozenset({"gravity", "pivot"})
@@ -60,6 +62,7 @@ class Brax(WorldEngine):
     package = "brax"
     step_seconds = 30e-6
     single_precision = True
+    has_batches = True
     stock_timestep = 0.002
     methods = (
         _method("generalized", "semi-implicit Euler in joint coordinates"),
@@ -69,3 +72,12 @@ class Brax(WorldEngine):
             "default", "as shipped: generalized, its mass matrix inverted roughly", as_shipped=True
         ),
     )
+
+    def open_batch(self, scenarios: Sequence[Scenario], method: Method, timestep: float) -> Batch:
+        """A world of each different scene, and of all of them one a row."""
+        module = import_module(f"{__package__}.world")
+        worlds = {
+            scenario: module.World(scene_record(scenario), method.name, timestep)
+            for scenario in dict.fromkeys(scenarios)
+        }
+        return WorldBatch(module.Worlds([worlds[scenario] for scenario in scenarios]))

@@ -149,7 +149,10 @@ class World:
 
     def motion(self):
         """Attitude, w x y z, ω, com and its velocity, world axes."""
-        state = self.state
+        return self.motion_of(self.state)
+
+    def motion_of(self, state):
+        """Those of a state of its system."""
         q, qd = np.asarray(state.q, float), np.asarray(state.qd, float)
         if not self.is_generalized:
             place, turning = jax.tree.map(
@@ -167,3 +170,38 @@ class World:
         """Take steps."""
         ended = stepped(self.pipeline, self.system, self.state, np.int32(steps))
         self.state = jax.block_until_ready(ended)
+
+
+@partial(jax.jit, static_argnums=0)
+def stepped_all(pipeline, systems, states, count):
+    """The states of all worlds after some steps."""
+    without_actuators = np.zeros(0, np.float32)
+    step = jax.vmap(lambda system, now: pipeline.step(system, now, without_actuators))
+    return jax.lax.fori_loop(0, count, lambda _, now: step(systems, now), states)
+
+
+def stacked(trees):
+    """Trees of arrays as one, a row each."""
+    return jax.tree.map(lambda *leaves: np.stack(leaves), *trees)
+
+
+class Worlds:
+    """Worlds of systems that differ in numbers alone, stepped by `jax.vmap`."""
+
+    def __init__(self, worlds):
+        self.worlds, self.pipeline = worlds, worlds[0].pipeline
+        self.systems = jax.device_put(stacked([world.system for world in worlds]))
+        self.states = jax.device_put(stacked([world.state for world in worlds]))
+
+    def advance(self, steps):
+        """Take steps."""
+        ended = stepped_all(self.pipeline, self.systems, self.states, np.int32(steps))
+        self.states = jax.block_until_ready(ended)
+
+    def motions(self, places):
+        """The motions of some worlds, as `World.motion` gives them."""
+        states = jax.tree.map(np.asarray, self.states)
+        return [
+            self.worlds[k].motion_of(jax.tree.map(lambda leaf, k=k: leaf[k], states))
+            for k in places
+        ]
