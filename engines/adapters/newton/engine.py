@@ -165,7 +165,6 @@ class Newton(WorldEngine):
     session = NewtonSession
     name = "newton"
     package = "newton"
-    step_seconds = 50e-6
     single_precision = True
     has_batches = True
     methods = (
