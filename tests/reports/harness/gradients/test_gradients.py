@@ -4,7 +4,8 @@ Verified: honest derivatives of every engine that is installed converge, and are
 steps, on ten scenes, free, heavy and on a table; a mistake that is planted in MuJoCo's is told by
 its name on each of them that it changes anything on; a window's gradient is the exact one but for
 the error of the steps; what an engine refuses or runs out of is a row.
-Not verified: Newton and Brax. MJX's derivatives take long to compile: on two of the scenes.
+Newton's tape: a solver that it goes through, one that it does not, and one that refuses it.
+Not verified: Brax. MJX's derivatives take long to compile: on two of the scenes.
 """
 
 from collections.abc import Callable
@@ -14,6 +15,7 @@ import mujoco
 import numpy as np
 import pytest
 from case_loops import each_case
+from kinds_of_engines import installed
 from library_scenes import library_scene
 from scenes_of_derivatives import SCENES
 from spincheck.engine import Derivative, EngineError, FloatArray, State
@@ -235,6 +237,22 @@ def test_honest_derivatives_are_not_accused(engine: str, scenes: tuple[str, ...]
                 if not (is_refused or is_right) or row.judged.is_own is False:
                     accused[f"{scene.name} {method.name} {row.derivative}"] = row.judged.reason
     assert not accused
+
+
+@each_case(
+    ("method", "verdict", "words"),
+    [
+        ("featherstone", "converges", ""),
+        ("mujoco-euler", "disagrees", "it is zero: nothing is differentiated"),
+        ("steel", "unsupported", "SolverSteel does not support gradients"),
+    ],
+)
+def test_newtons_tape_is_judged_by_its_solver(method: str, verdict: str, words: str) -> None:
+    newton = installed("newton")
+    row = gradients_of(library_scene("fast-top"), newton, method)[0]
+    assert (row.derivative, row.verdict) == ("Warp's tape", verdict)
+    assert words in row.reason
+    assert row.is_own in ((True,) if verdict == "converges" else (False, None))
 
 
 def test_a_derivative_that_cannot_be_had_is_a_row_with_the_reason(
