@@ -5,7 +5,7 @@ from dataclasses import asdict
 from typing import Any
 
 from ...harness.gradients.study import GradientRow, gradients_by
-from ..choosing import Where, choose, compile_first, executor_for
+from ..choosing import choose, compile_first, executor_for
 from ..named_scenes import scenes_to_run
 from ..terminal import AGREES, DISAGREES, NOT_RUN, Complaint, say, table
 
@@ -24,7 +24,7 @@ def gradients(
     choice = choose(engine, method, (), scenarios=scenarios, time_limit=time_limit)
     compile_first()
     rows: list[GradientRow] = []
-    with executor_for(Where(1), choice) as executor:
+    with executor_for(1, choice) as executor:
         for scenario in scenarios:
             for one, way in choice.methods_on(scenario).values():
                 if way.as_shipped and not method:

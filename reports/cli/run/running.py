@@ -21,7 +21,6 @@ from ...results.results import Results
 from ...results.store import open_store
 from ...results.verdict_words import UNPROVEN
 from ..choosing import (
-    Where,
     check_timesteps,
     choose,
     executor_for,
@@ -46,7 +45,7 @@ STEPS_QUICK, STEPS = 35_000, 50_000
 OVERHEAD, TIMING = 0.3, 0.06
 
 
-def announcement(left: Plan, choice: Choice, jobs: int | None) -> str:
+def announcement(left: Plan, choice: Choice, jobs: int) -> str:
     """Engines, number of verdicts and timings to be made, estimated time.
 
     Empty for one verdict at most.
@@ -85,7 +84,7 @@ def run(
     engine_names: Sequence[str],
     methods: Sequence[str],
     timesteps: Sequence[float],
-    where: Where,
+    jobs: int,
     out: Path,
     *,
     quick: bool = False,
@@ -124,12 +123,12 @@ def run(
         left = plan(scenarios, choice, store)
         if str(left):
             say(f"{out}: {left}")
-        if words := announcement(left, choice, None if where.cluster else where.jobs):
+        if words := announcement(left, choice, jobs):
             say(words)
         if left.scenes:
             say_if_compiling()
         with (
-            executor_for(where, choice) as executor,
+            executor_for(jobs, choice) as executor,
             progress(left.total) as advance,
         ):
             run_study(left, choice, store, executor, advance)

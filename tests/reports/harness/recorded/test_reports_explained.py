@@ -25,6 +25,7 @@ from spincheck.reports.harness.measuring.changes import Change, as_it_is, resist
 from spincheck.reports.harness.measuring.likelihood import LEVEL, Search
 from spincheck.reports.harness.recorded.intervals import Intervals
 from spincheck.reports.harness.recorded.judged import JudgedMotion, judged_motion
+from spincheck.reports.harness.recorded.measured import SHARED
 from spincheck.reports.harness.recorded.recording import Recording, RecordingError
 from spincheck.scenarios import Scenario
 from spincheck.scenarios.scenario import started_at
@@ -276,6 +277,24 @@ def test_where_a_log_hardly_shows_a_tensor_its_errors_are_as_large(log: int) -> 
     entries, errors = fit.tensor_entries()
     # Of six numbers none is off by five standard errors, but by chance in a million logs.
     assert np.all(np.abs(entries - tensor) < 5 * errors)
+
+
+def test_mistakes_of_a_gyroscope_that_a_log_does_not_tell_apart_are_both_named() -> None:
+    """ω of log 358 hardly changes: by its noise a scale is likelier than the bias that it has."""
+    _, fit, _, bias = log_of_kind(358)
+    assert fit is not None
+    (sentence,) = (words for words in fit.explained() if "gyroscope" in words)
+    first, _, (second, likely) = *sentence.partition(", or ")[:2], sentence.rsplit(" (", 1)
+    assert first.startswith("the gyroscope's axes read ")
+    assert ", or the gyroscope has a bias of " in second
+    assert re.fullmatch(r"0\.\d+ times as likely\)", likely)
+    scale = next(change for change in fit.fit.changes if change.kind == "scale")
+    ((times, other, instead),) = fit.alternatives(scale)
+    falls = np.sum(fit.found.rest**2) - np.sum(instead.rest**2)
+    # The noise is estimated: its variance is known to five standard errors of so many numbers.
+    assert np.log(times) == pytest.approx(falls / 2, rel=5 * np.sqrt(2 * SHARED / fit.freedom))
+    rows = instead.rows(other)
+    assert np.all(np.abs(instead.numbers[rows] - bias) < 5 * instead.errors[rows])
 
 
 def test_a_timestep_longer_than_samples_are_apart_is_refused() -> None:
