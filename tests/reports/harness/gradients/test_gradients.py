@@ -30,6 +30,7 @@ from spincheck.scenarios.rotation import matrix
 pytestmark = pytest.mark.slow
 
 MUJOCO = engines()["mujoco"]
+HONEST = MuJoCoSession.derivatives
 #: What an engine or its adapter does not differentiate, by words of the reason.
 OUT_OF_REACH = ("RK4 integrator is not supported", "its caller's")
 
@@ -192,14 +193,13 @@ FAULTS: dict[str, tuple[Callable[[Step], FloatArray], str, Callable[[Scenario], 
 @each_case("name", list(FAULTS))
 def test_a_planted_fault_is_named(monkeypatch: pytest.MonkeyPatch, name: str) -> None:
     mistake, words, applies = FAULTS[name]
-    honest = MuJoCoSession.derivatives
     untold: dict[str, str] = {}
     for scene in map(library_scene, SCENES):
         if not applies(scene):
             continue
 
         def planted(session: MuJoCoSession, scene: Scenario = scene) -> dict[str, Derivative]:
-            centred = honest(session)["mjd_transitionFD, centred"]
+            centred = HONEST(session)["mjd_transitionFD, centred"]
             return {
                 "planted": Derivative(
                     lambda: mistake(Step(session, scene, centred.compute())), centred.epsilon
@@ -295,18 +295,82 @@ def test_a_windows_gradient_is_off_by_the_error_of_its_steps() -> None:
     assert np.allclose(shared, 2.0, rtol=0.1), shared
 
 
-def test_a_tape_that_is_cut_has_another_gradient(monkeypatch: pytest.MonkeyPatch) -> None:
-    honest = gradients_of(library_scene("fast-top"), MUJOCO, "Euler")[0].window
-    taken = MuJoCoSession.derivatives
+#: Steps that a planted tape goes through.
+TAPED = 16
+
+
+@each_case(
+    ("held", "words"),
+    {
+        "all": (range(TAPED), ""),
+        "first": (range(12), "the tape is cut: of 16 steps it holds 12"),
+        "last": (range(12, TAPED), "the tape is cut: of 16 steps it holds 4"),
+    },
+)
+def test_a_tape_that_is_cut_is_named(
+    monkeypatch: pytest.MonkeyPatch, held: range, words: str
+) -> None:
+
+    def through(session: MuJoCoSession) -> FloatArray:
+        before, whole = session.read_state(), np.eye(6)
+        for n in range(TAPED):
+            if n in held:
+                whole = HONEST(session)["mjd_transitionFD, centred"].compute() @ whole
+            session.advance(1)
+        session.restart(before)
+        return whole
+
+    monkeypatch.setattr(
+        MuJoCoSession,
+        "derivatives",
+        lambda session: {"tape": Derivative(lambda: through(session), 1e-6, TAPED)},
+    )
+    found = {
+        scene: gradients_of(library_scene(scene), MUJOCO, "Euler")[0].judged
+        for scene in SCENES[::4]
+    }
+    wanted = "disagrees" if words else "converges"
+    untold = {scene: one for scene, one in found.items() if one.verdict != wanted}
+    assert not untold
+    assert {one.reason for one in found.values()} == {words}
+    assert {one.is_own for one in found.values()} == {not words}
+
+
+@each_case(
+    ("left", "words"),
+    {
+        "zero": (np.zeros((6, 6)), "zero"),
+        "detached": (np.eye(6), "the identity"),
+        "nan": (np.full((6, 6), np.nan), "not finite"),
+    },
+)
+def test_a_derivative_that_ends_within_a_run_is_named(
+    monkeypatch: pytest.MonkeyPatch, left: FloatArray, words: str
+) -> None:
+    """As of a buffer that holds so many steps."""
 
     def cut(session: MuJoCoSession) -> dict[str, Derivative]:
-        found = taken(session)["mjd_transitionFD, centred"]
-        is_taped = session.data.time < honest[-2].t
-        return {"cut": found if is_taped else Derivative(lambda: np.eye(6))}
+        found = HONEST(session)["mjd_transitionFD, centred"]
+        is_taped = session.data.time < 63.5 * session.model.opt.timestep
+        return {"cut": found if is_taped else Derivative(lambda: left)}
 
     monkeypatch.setattr(MuJoCoSession, "derivatives", cut)
-    window = gradients_of(library_scene("fast-top"), MUJOCO, "Euler")[0].window
-    assert window[-2].error < 10 * honest[-2].error < window[-1].error
+    one = gradients_of(library_scene("fast-top"), MUJOCO, "Euler")[0].judged
+    assert one.verdict == "disagrees"
+    assert one.reason == f"the tape is cut after 64 steps: from there on it is {words}"
+
+
+def test_states_whose_derivative_is_not_finite_are_counted(monkeypatch: pytest.MonkeyPatch) -> None:
+    """As of a norm that is differentiated at zero."""
+    asked = iter(range(10**6))
+
+    def mostly(session: MuJoCoSession) -> dict[str, Derivative]:
+        one = HONEST(session)["mjd_transitionFD, centred"]
+        return {"nan": Derivative(lambda: one.compute() * (1.0 if next(asked) else np.nan), 1e-6)}
+
+    monkeypatch.setattr(MuJoCoSession, "derivatives", mostly)
+    one = gradients_of(library_scene("fast-top"), MUJOCO, "Euler")[0].judged
+    assert (one.verdict, one.reason) == ("disagrees", "it is not finite from 1 of 40 states")
 
 
 @each_case(
