@@ -14,7 +14,6 @@ from ....scenarios import (
     FloatArray,
     Misfit,
     Scenario,
-    Trajectory,
     check_scales,
     error_series,
 )
