@@ -1,25 +1,33 @@
 """A Brax system of one body, which needs `brax`, `mujoco`, `jax` and numpy."""
 
+import warnings
 from functools import partial
-from importlib import import_module
 
 import jax
 import mujoco
 import numpy as np
-from brax import com, kinematics
-from brax.base import Motion, Transform
-from brax.io.mjcf import load_model
 
 from ...world_parts import matrix, quaternion
+
+#: It warns that it is not maintained, nor a package that it imports, and of what it has of MJX.
+WARNINGS = {"action": "ignore", "category": Warning}
+
+with warnings.catch_warnings(**WARNINGS):
+    from brax import com, kinematics
+    from brax.base import Motion, Transform
+    from brax.generalized import pipeline as generalized
+    from brax.io.mjcf import load_model
+    from brax.positional import pipeline as positional
+    from brax.spring import pipeline as spring
 
 jax.config.update("jax_platforms", "cpu")
 #: By name, what is set in a body's MJCF for it: Brax reads its options as MuJoCo's `custom`.
 PIPELINES = {
     # With iterations it inverts the mass matrix roughly, from the inverse of the step before.
-    "generalized": ("generalized", {"matrix_inv_iterations": 0}),
-    "spring": ("spring", {}),
-    "positional": ("positional", {}),
-    "default": ("generalized", {}),
+    "generalized": (generalized, {"matrix_inv_iterations": 0}),
+    "spring": (spring, {}),
+    "positional": (positional, {}),
+    "default": (generalized, {}),
 }
 MJCF = """\
 <mujoco>
@@ -119,11 +127,11 @@ class World:
 
     def __init__(self, scene, method, timestep):
         self.scene, self.is_free = scene, scene["arm"] is None
-        name, options = PIPELINES[method]
-        self.pipeline = import_module(f"brax.{name}.pipeline")
-        self.is_generalized = name == "generalized"
+        self.pipeline, options = PIPELINES[method]
+        self.is_generalized = self.pipeline is generalized
         model = mujoco.MjModel.from_xml_string(mjcf(scene, options))
-        system = load_model(model)
+        with warnings.catch_warnings(**WARNINGS):
+            system = load_model(model)
         # Without it, numbers are all that differs between systems: they are compiled once.
         self.system = jax.tree.map(np.asarray, system.replace(mj_model=None))
         self.restart(scene, timestep)
@@ -141,11 +149,12 @@ class World:
         else:
             q = angles(R)
             qd = np.linalg.solve(hinge_axes(q), omega)
-        self.state = begun(self.pipeline, self.system, single(q), single(qd))
-        if not self.is_generalized:
-            place = Transform(pos=single([motion["com"]]), rot=single([motion["q"]]))
-            turning = Motion(ang=single([omega]), vel=single([motion["velocity"]]))
-            self.state = moved(self.system, self.state, place, turning)
+        with warnings.catch_warnings(**WARNINGS):
+            self.state = begun(self.pipeline, self.system, single(q), single(qd))
+            if not self.is_generalized:
+                place = Transform(pos=single([motion["com"]]), rot=single([motion["q"]]))
+                turning = Motion(ang=single([omega]), vel=single([motion["velocity"]]))
+                self.state = moved(self.system, self.state, place, turning)
 
     def motion(self):
         """Attitude, w x y z, ω, com and its velocity, world axes."""
@@ -168,7 +177,8 @@ class World:
 
     def advance(self, steps):
         """Take steps."""
-        ended = stepped(self.pipeline, self.system, self.state, np.int32(steps))
+        with warnings.catch_warnings(**WARNINGS):
+            ended = stepped(self.pipeline, self.system, self.state, np.int32(steps))
         self.state = jax.block_until_ready(ended)
 
 
@@ -195,7 +205,8 @@ class Worlds:
 
     def advance(self, steps):
         """Take steps."""
-        ended = stepped_all(self.pipeline, self.systems, self.states, np.int32(steps))
+        with warnings.catch_warnings(**WARNINGS):
+            ended = stepped_all(self.pipeline, self.systems, self.states, np.int32(steps))
         self.states = jax.block_until_ready(ended)
 
     def motions(self, places):
