@@ -129,11 +129,10 @@ def _overview(gathered: ReportData, results: Results) -> dict[str, Any]:
         "spread": spread(results),
         "heat": heat_map(gathered),
         "first_signal": FIRST_SIGNAL,
-        "stock": stock_table(plain),
+        "stock": stock_table(gathered),
         "headline": overview.headline(gathered),
         "counts": overview.counts(plain),
         "at_stock": overview.at_stock(plain),
-        "matrix": overview.matrix(plain),
         "methods": overview.methods_table(plain),
         "costs": median_table(plain),
         # Complaints include hard scenes.
@@ -154,7 +153,6 @@ def _hard_cases(gathered: ReportData, environment: Environment) -> dict[str, Any
     return {
         "scenes": scenes,
         "text": environment.get_template("hard.md").render(count=count, **RULES),
-        "matrix": overview.survivors(gathered),
         "methods": overview.survivors_table(gathered),
     }
 

@@ -29,12 +29,6 @@ class Survival:
     turn: float | None
     at_least: bool
 
-    def __str__(self) -> str:
-        if self.timestep is None or self.turn is None:
-            return "unstable at every timestep tested"
-        bound = "≥ " if self.at_least else ""
-        return f"{bound}{number(self.timestep)} s, {number(self.turn)} rad"
-
 
 def survival(rows: Iterable[Row], fastest_rate: float | None) -> Survival | None:
     """The largest timestep that a method survives on a scene; None if it was not run there.

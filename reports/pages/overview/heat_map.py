@@ -43,7 +43,8 @@ def _stock_cell(scene: SceneRuns, pair: tuple[str, str], stock: float) -> Cell:
     row = row_at(runs, "stock", stock)
     word = runs.verdict.verdict if runs.verdict else None
     sign = f"{VERDICT[word].sign} " if word and word != "converges" else ""
-    return figure(f"{sign}{_attitude(scene, row) if row else NOTHING}")
+    link = f"{scene_page(scene.name)}#{method_anchor(*pair)}"
+    return Cell(f"{sign}{_attitude(scene, row) if row else NOTHING}", "number", link=link)
 
 
 def _best_in_words(scene: SceneRuns) -> str:

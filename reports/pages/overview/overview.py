@@ -1,9 +1,7 @@
-"""The first page: headline, matrix of verdicts, methods, complaints, survivors of hard scenes."""
+"""The first page: headline, methods, complaints, survivors of hard scenes."""
 
 import math
-from collections import Counter
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable
 
 from ....engines import Method
 from ....scenarios import EFFECTS
@@ -12,7 +10,6 @@ from ...results.verdict_words import LISTED, VerdictKind
 from ...results.verdicts import Verdict
 from ..analysis.questions import ask, verdict_counts
 from ..analysis.report_data import MethodRuns, ReportData, SceneRuns
-from ..analysis.timesteps import survival
 from ..analysis.wording import NOTHING, number, plural
 from ..tables import Cell, Table, figure, method_anchor, named, records, scene_page, verdict_cell
 
@@ -24,20 +21,6 @@ FREE, NOT_SOLVED = "Free", "Not solved"
 _OF_HELD = [one.group for one in EFFECTS.values() if one.group and one.constraint]
 _OF_OTHERS = [one.group for one in EFFECTS.values() if one.group and not one.constraint]
 GROUPS = tuple(dict.fromkeys([*_OF_HELD, FREE, *_OF_OTHERS, NOT_SOLVED]))
-
-
-#: A scene's name, title and page, and its cells; a title, and the scenes below it.
-SceneLine = tuple[Cell, tuple[Cell, ...]]
-Group = tuple[str, tuple[SceneLine, ...]]
-
-
-@dataclass(frozen=True)
-class VerdictMatrix:
-    """Verdicts, scenes down and methods across. `engines` are names and numbers of methods."""
-
-    engines: tuple[tuple[str, int], ...]
-    methods: tuple[str, ...]
-    groups: tuple[Group, ...]
 
 
 def headline(gathered: ReportData) -> str:
@@ -89,31 +72,6 @@ def counts(gathered: ReportData) -> list[Cell]:
     """How many pairs have each verdict; without engines as shipped."""
     counted = verdict_counts(gathered, as_shipped=False)
     return [verdict_cell(word, str(counted[word])) for word in WORDS if word in counted]
-
-
-def matrix(gathered: ReportData) -> VerdictMatrix:
-    """The matrix of verdicts, with the order of accuracy in each cell."""
-    return matrix_of(gathered, gathered.scenes, _order_detail)
-
-
-def matrix_of(
-    gathered: ReportData,
-    shown: Sequence[SceneRuns],
-    detail: Callable[[SceneRuns, MethodRuns], str],
-) -> VerdictMatrix:
-    """Matrix of verdicts on some scenes, with a note in each cell."""
-    engines = Counter(engine for engine, _ in gathered.pairs)
-    groups = []
-    for title in GROUPS:
-        scenes = [scene for scene in shown if group_of(scene) == title]
-        if scenes:
-            rows = tuple(_matrix_row(scene, gathered.pairs, detail) for scene in scenes)
-            groups.append((title, rows))
-    shipped = {v.key.pair for v in gathered.verdicts if v.as_shipped}
-    methods = tuple(
-        f"{pair[1]}, as shipped" if pair in shipped else pair[1] for pair in gathered.pairs
-    )
-    return VerdictMatrix(tuple(engines.items()), methods, tuple(groups))
 
 
 def group_of(scene: SceneRuns) -> str:
@@ -173,40 +131,6 @@ def complaints(
     return records(rows)
 
 
-def _matrix_row(
-    scene: SceneRuns,
-    pairs: Sequence[Pair],
-    detail: Callable[[SceneRuns, MethodRuns], str],
-) -> SceneLine:
-    page = scene_page(scene.name)
-    cells = []
-    for pair in pairs:
-        runs = scene.by_pair.get(pair)
-        title = detail(scene, runs) if runs else ""
-        cells.append(_matrix_cell(runs, page, title))
-    return Cell(scene.name, "scene", scene.title, page), tuple(cells)
-
-
-def _matrix_cell(runs: MethodRuns | None, page: str, detail: str) -> Cell:
-    if runs is None:
-        return Cell("not run", "absent")
-    link = f"{page}#{method_anchor(runs.engine, runs.method)}"
-    if runs.verdict is None:
-        return Cell("no verdict", "absent", "", link)
-    return verdict_cell(runs.verdict.verdict, detail, link)
-
-
-def _order_detail(scene: SceneRuns, runs: MethodRuns) -> str:  # noqa: ARG001
-    verdict = runs.verdict
-    if verdict is None:
-        return ""
-    if verdict.unmet:
-        return "expectation unmet"
-    if verdict.order is not None:
-        return f"order {verdict.order}"
-    return "to round-off" if verdict.verdict == "converges" else ""
-
-
 def _declared_orders(declared: Method | None) -> str:
     if declared is None:
         return NOTHING
@@ -245,11 +169,6 @@ def hard_scenes(gathered: ReportData) -> tuple[SceneRuns, ...]:
     return tuple(scene for scene in gathered.scenes if scene.solved and scene.solved.scenario.hard)
 
 
-def survivors(gathered: ReportData) -> VerdictMatrix:
-    """Matrix of verdicts on hard scenes, with the largest surviving timestep in each cell."""
-    return matrix_of(gathered, hard_scenes(gathered), _detail)
-
-
 def survivors_table(gathered: ReportData) -> Table:
     """Table of how many hard scenes each method survives, and at which timestep."""
     reached = ", ".join(f"count(*) FILTER (WHERE at_least OR turn >= {turn})" for turn in TURNS)
@@ -271,10 +190,3 @@ def survivors_table(gathered: ReportData) -> Table:
         | {"largest turn a step it survives, rad (median)": figure(number(middle))}
         for engine, method, middle, *counts in ask(gathered, question)
     )
-
-
-def _detail(scene: SceneRuns, runs: MethodRuns) -> str:
-    if not runs.rows:
-        return "no run fits"
-    survived = survival(runs.rows, scene.fastest_rate)
-    return str(survived) if survived else ""
