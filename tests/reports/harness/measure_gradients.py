@@ -27,7 +27,6 @@ DRAWN, TIMESTEPS = "fast-top", (4e-3, 2e-3, 1e-3, 5e-4)
 DRAWN_BY = {
     ("mujoco", "Euler"): "mjd_transitionFD, centred",
     ("mujoco", "RK4"): OURS,
-    ("mjx", "RK4"): "jacfwd",
     ("drake", "discrete"): "AutoDiff of the discrete update",
 }
 #: Steps with the longest timestep, after which timesteps are compared.
