@@ -115,6 +115,8 @@ def picture(rows: Sequence[tuple[float, GradientRow]]) -> None:
     by_timestep.set(
         xlabel=f"timestep, s, at T = {end:.2g} s", ylabel="error of the gradient, relative"
     )
+    by_timestep.set_xticks(TIMESTEPS, [f"{h:g}" for h in TIMESTEPS])
+    by_timestep.minorticks_off()
     by_time.set(xlabel=f"T, s, with a timestep of {TIMESTEPS[2]:g} s")
     figure.legend(loc="outside lower center", ncols=2, frameon=False, fontsize="small")
     figure.savefig(PICTURE, dpi=150)
