@@ -224,7 +224,9 @@ class _Study:
                     session, scenario, row.timestep, self.units, jacobian, at_once
                 )
         except TapeCut as error:
-            return replace(row, judged=replace(row.judged, verdict="disagrees", reason=str(error)))
+            one = row.judged
+            words = one.reason or str(error)
+            return replace(row, judged=replace(one, verdict="disagrees", reason=words))
         except EngineError as error:
             one = row.judged
             return replace(row, judged=replace(one, reason=one.reason or f"no window: {error}"))

@@ -27,7 +27,6 @@ DRAWN, TIMESTEPS = "fast-top", (4e-3, 2e-3, 1e-3, 5e-4)
 DRAWN_BY = {
     ("mujoco", "Euler"): "mjd_transitionFD, centred",
     ("mujoco", "RK4"): OURS,
-    ("mjx", "RK4"): "jacfwd",
     ("drake", "discrete"): "AutoDiff of the discrete update",
 }
 #: Steps with the longest timestep, after which timesteps are compared.
@@ -116,6 +115,8 @@ def picture(rows: Sequence[tuple[float, GradientRow]]) -> None:
     by_timestep.set(
         xlabel=f"timestep, s, at T = {end:.2g} s", ylabel="error of the gradient, relative"
     )
+    by_timestep.set_xticks(TIMESTEPS, [f"{h:g}" for h in TIMESTEPS])
+    by_timestep.minorticks_off()
     by_time.set(xlabel=f"T, s, with a timestep of {TIMESTEPS[2]:g} s")
     figure.legend(loc="outside lower center", ncols=2, frameon=False, fontsize="small")
     figure.savefig(PICTURE, dpi=150)

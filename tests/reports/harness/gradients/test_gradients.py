@@ -250,9 +250,9 @@ def test_honest_derivatives_are_not_accused(engine: str, scenes: tuple[str, ...]
 def test_newtons_tape_is_judged_by_its_solver(method: str, verdict: str, words: str) -> None:
     newton = installed("newton")
     row = gradients_of(library_scene("fast-top"), newton, method)[0]
-    assert (row.derivative, row.verdict) == ("Warp's tape", verdict)
-    assert words in row.reason
-    assert row.is_own in ((True,) if verdict == "converges" else (False, None))
+    assert (row.derivative, row.judged.verdict) == ("Warp's tape", verdict)
+    assert words in row.judged.reason
+    assert row.judged.is_own in ((True,) if verdict == "converges" else (False, None))
 
 
 def test_a_derivative_that_cannot_be_had_is_a_row_with_the_reason(
