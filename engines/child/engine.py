@@ -25,7 +25,6 @@ class ChildEngine(Engine):
     """
 
     interface = 1
-    step_seconds = 15e-6
     script_language = "JavaScript"
 
     def __init__(

@@ -20,7 +20,6 @@ from .options import (
     Again,
     AsEncoded,
     AsJson,
-    Dask,
     Engines,
     From,
     Jobs,
@@ -141,7 +140,6 @@ def run(
     vary: Vary = None,
     ensemble: MemberCount = None,
     seed: Seed = None,
-    dask: Dask = None,
     worlds: Worlds = "",
     strict: Annotated[
         bool,
@@ -161,7 +159,6 @@ def run(
     Results that the file has already are not made again, unless the scene, the engine or spincheck
     has changed since, the run failed because of the machine, or '--again' is given.
     """
-    from .choosing import Where
     from .run import running
     from .run.batches import batches, batches_as_json, named_worlds, print_batches
     from .run.batches import exit_code as exit_code_of_batches
@@ -170,7 +167,7 @@ def run(
     from .run.summary import results_as_json, verdict_lines
     from .sweeps.sweep_running import choose_for_sweep, exit_code_of, print_sweeps, run_sweeps
 
-    named, where = (engine or [], method or [], timestep or []), Where(jobs, dask)
+    named = (engine or [], method or [], timestep or [])
     is_sweep = bool(vary) or ensemble is not None
     if instructions:
         running.check_counting(timed=not (quick or is_sweep))
@@ -180,7 +177,7 @@ def run(
     is_not = "is for ladders; '--vary' and '--ensemble' have none"
     if worlds:
         of_ladders |= {"--vary": vary, "--ensemble": ensemble, "--instructions": instructions}
-        of_ladders |= {"--dask": dask, "--python": python}
+        of_ladders |= {"--python": python}
         is_not = "is not for '--worlds', which compares batches with worlds alone"
     for option, is_given in of_ladders.items() if worlds or is_sweep else ():
         if is_given:
@@ -194,13 +191,13 @@ def run(
         raise typer.Exit(exit_code_of_batches(rows))
     if is_sweep:
         choice = choose_for_sweep(*named, time_limit, again=again, python=python)
-        swept = run_sweeps(scenes or [], vary or [], ensemble, seed or 0, choice, where, out)
+        swept = run_sweeps(scenes or [], vary or [], ensemble, seed or 0, choice, jobs, out)
         print_sweeps(swept, out, as_json)
         raise typer.Exit(exit_code_of(swept))
     results = running.run(
         scenes or [],
         *named,
-        where,
+        jobs,
         out,
         quick=quick,
         counted=instructions,

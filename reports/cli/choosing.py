@@ -3,7 +3,6 @@
 import shlex
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
 from tempfile import gettempdir
 
 from ...engines import Engine, add, engines, missing
@@ -13,40 +12,12 @@ from ..harness.executors import Executor, LocalWorkers
 from .terminal import BAD_INPUT, NOT_RUN, Complaint, as_complaint, say
 
 
-@dataclass(frozen=True)
-class Where:
-    """Where runs are made.
-
-    Attributes
-    ----------
-    jobs : worker processes on this computer
-    cluster : a Dask scheduler's address; used instead of worker processes if not empty
-    """
-
-    jobs: int
-    cluster: str | None = None
-
-
 @contextmanager
-def executor_for(where: Where, choice: Choice) -> Iterator[Executor]:
-    """Open the executor for what was chosen, and close it at the end."""
+def executor_for(jobs: int, choice: Choice) -> Iterator[Executor]:
+    """Open worker processes for what was chosen, and end them at the end."""
     check_temporary_folder()
-    if where.cluster is None:
-        with LocalWorkers(where.jobs, choice.time_limit) as executor:
-            yield executor
-        return
-    for engine in choice.engines:
-        if engine.site:
-            raise Complaint(f"'--dask' runs no versions of engines, got '--engine' {engine.name}")
-    # What talks to clusters is of no use to others, and takes long to import.
-    from ..harness.executors.dask_cluster import ClusterError, DaskCluster
-
-    try:
-        with DaskCluster(where.cluster, choice.time_limit) as executor:
-            yield executor
-    except ClusterError as error:
-        exit_code = BAD_INPUT if error.bad_address else NOT_RUN
-        raise Complaint(f"'--dask': {error}", exit_code) from None
+    with LocalWorkers(jobs, choice.time_limit) as executor:
+        yield executor
 
 
 def say_if_compiling() -> None:

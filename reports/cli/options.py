@@ -124,9 +124,6 @@ Seed = Annotated[
 Again = Annotated[
     bool, typer.Option("--again", help="Run what the result file holds already, too.")
 ]
-Dask = Annotated[
-    str | None, typer.Option("--dask", metavar="ADDRESS", help="A Dask scheduler to run on.")
-]
 Worlds = Annotated[
     str,
     typer.Option(

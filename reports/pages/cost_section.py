@@ -1,22 +1,13 @@
 """The report's sections on cost: of accuracy, on both kinds of page, and of what is left out."""
 
-from collections.abc import Callable, Sequence
-from typing import Any
+from collections.abc import Sequence
 
 from ..results.cost_records import MethodCost
-from ..results.records import Key
-from .analysis.cost_to_reach import (
-    LEVELS,
-    Costs,
-    Reach,
-    reach,
-)
+from ..results.records import Key, Pair
+from .analysis.cost_to_reach import LEVELS, Reach, reach, tallies
 from .analysis.report_data import MethodRuns, ReportData, SceneRuns
-from .analysis.trace_style import trace_styles
-from .analysis.wording import NOTHING, number
+from .analysis.wording import NOTHING, number, plural
 from .analysis.work_precision import curve_of, curves
-from .figures.figures import Titled
-from .figures.profile_figure import profile_figures
 from .tables import Cell, Table, figure, named, records, table
 
 #: Microseconds in a second.
@@ -42,44 +33,22 @@ def reach_table(scene: SceneRuns, signal: str) -> Table:
     return records(rows)
 
 
-def reached_table(gathered: ReportData, costs: Costs) -> Table:
-    """Table of the number of scenes on which each method reaches each error."""
-    return _by_level(
-        gathered, costs, lambda reached, extrapolated, _: f"{reached} ({extrapolated})"
-    )
+def median_table(gathered: ReportData) -> Table:
+    """Table of the median cost of each error, over the scenes that a method can simulate.
 
+    Second lines: on how many scenes it reaches the error.
+    """
+    found = tallies([curves(scene, COMPARED) for scene in gathered.scenes if scene.solved])
 
-def median_table(gathered: ReportData, costs: Costs) -> Table:
-    """Table of the median cost of each error, over the scenes that a method can simulate."""
-    return _by_level(gathered, costs, lambda _reached, _beyond, cost: number(cost))
+    def cell(pair: Pair, level: float) -> Cell:
+        reached, extrapolated, cost = found.get((*pair, level), (0, 0, None))
+        by_extrapolation = f", {extrapolated} by extrapolation" if extrapolated else ""
+        return Cell(number(cost), "number", f"{plural(reached, 'scene')}{by_extrapolation}")
 
-
-def _by_level(
-    gathered: ReportData, costs: Costs, said: Callable[[int, int, float | None], str]
-) -> Table:
-    """What is said of each method at each error."""
-    found = costs.tallies()
     return records(
-        named(pair)
-        | {
-            to: figure(said(*found.get((*pair, level), (0, 0, None))))
-            for to, level in TO_LEVEL.items()
-        }
+        named(pair) | {to: cell(pair, level) for to, level in TO_LEVEL.items()}
         for pair in gathered.pairs
     )
-
-
-def ratio_table(costs: Costs) -> Table:
-    """Table of the cost of the cheapest first-order method over that of the cheapest of order 4."""
-    counts, medians, largest = zip(
-        *costs.order_ratios() or [(0, None, None)] * len(LEVELS), strict=True
-    )
-    rows: list[list[Cell | str]] = [
-        ["scenes where both reach it", *(figure(str(count)) for count in counts)],
-        ["median ratio", *(figure(number(ratio)) for ratio in medians)],
-        ["largest ratio", *(figure(number(ratio)) for ratio in largest)],
-    ]
-    return table(("first order over fourth", *TO_LEVEL), rows)
 
 
 def _reach_cell(reached: Reach) -> Cell:
@@ -141,40 +110,12 @@ def _whole_cell(cost: MethodCost) -> Cell:
 
 #: The error by which methods are compared over all scenes; every scene's page has all.
 COMPARED = "omega"
-#: Errors with a profile each: for everyday use, and beyond what first-order methods reach.
-PROFILED = (1e-3, 1e-6)
 #: Explanation of the costs in the tables.
 LEGEND = (
     "CPU seconds of native stepping that one simulated second takes. No mark: interpolated "
     "between two runs. ≤: the ladder's coarsest run is within it already. ≈: extrapolated below "
     "the finest run by the order found, where rounding leaves room. A word: why it is out of reach."
 )
-
-
-def cost_section(gathered: ReportData) -> dict[str, Any]:
-    """The cost of accuracy, over all scenes that were solved; no profiles where none was timed."""
-    scenes = [curves(scene, COMPARED) for scene in gathered.scenes if scene.solved]
-    drawn = trace_styles(gathered.pairs)
-    timed = any(curve.seconds_per_step is not None for tried in scenes for curve in tried)
-    costs = Costs(scenes, COMPARED)
-    profiles = [costs.profile(level) for level in PROFILED]
-    titled = Titled(
-        "profiles",
-        "Performance profiles",
-        "Fraction of scenes on which a method stays within the error at no more than τ times the "
-        "cost of the cheapest method there (Dolan & Moré 2002). Higher is better; the right end "
-        "is the fraction within reach at all. Extrapolated costs count; at τ near 1, methods "
-        "closer than the spread of the timings change places by chance.",
-        profile_figures(profiles, drawn),
-    )
-    return {
-        "scenes": len(scenes),
-        "methods": [(" ".join(pair), style) for pair, style in drawn.items()],
-        "profiles": titled if timed else None,
-        "reached": reached_table(gathered, costs),
-        "medians": median_table(gathered, costs),
-        "ratios": ratio_table(costs),
-    }
 
 
 def scene_costs(scene: SceneRuns) -> list[tuple[str, Table]]:

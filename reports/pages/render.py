@@ -21,7 +21,7 @@ from ..results import evidence
 from ..results.results import Results
 from .analysis import observed_order
 from .analysis.report_data import ReportData, SceneRuns, report_data
-from .cost_section import cost_section, left_out_section, scene_costs
+from .cost_section import left_out_section, median_table, scene_costs
 from .figures.figures import figures
 from .markdown import as_markdown
 from .overview import overview
@@ -135,7 +135,7 @@ def _overview(gathered: ReportData, results: Results) -> dict[str, Any]:
         "at_stock": overview.at_stock(plain),
         "matrix": overview.matrix(plain),
         "methods": overview.methods_table(plain),
-        "costs": cost_section(plain),
+        "costs": median_table(plain),
         # Complaints include hard scenes.
         "complaints": [
             overview.complaints(gathered, lambda kind: kind.fails),

@@ -15,7 +15,6 @@ from forging import columns, forge
 from mutated_scenes import LEAST, written
 from spincheck.reports.cli import choosing
 from spincheck.reports.cli.app import app
-from spincheck.reports.cli.choosing import Where
 from spincheck.reports.cli.run import running
 from spincheck.reports.cli.terminal import AGREES, BAD_INPUT, Complaint
 from spincheck.reports.harness.executors import InProcess
@@ -155,7 +154,7 @@ def test_what_is_no_result_file_is_reported_and_left_as_it_is(elsewhere, make, w
         assert complaint
         assert words in complaint
     with pytest.raises(Complaint) as complaint:
-        running.run(["made.toml"], ["mujoco"], ["RK4"], [], Where(1), path, quick=True)
+        running.run(["made.toml"], ["mujoco"], ["RK4"], [], 1, path, quick=True)
     assert complaint.value.exit_code == BAD_INPUT
     assert before is None or path.read_bytes() == before
 

@@ -15,7 +15,6 @@ from page import read_page
 from spincheck.engines.models.mjcf import mjcf
 from spincheck.engines.models.urdf import urdf
 from spincheck.reports.cli import choosing
-from spincheck.reports.cli.choosing import Where
 from spincheck.reports.cli.run import running
 from spincheck.reports.cli.scenes.scene import model_files
 from spincheck.reports.harness.executors import InProcess
@@ -86,7 +85,7 @@ def results(tmp_path_factory):
     out = folder / "clean.sqlite"
     scene = [str(folder / "made.toml")]
     with patch.object(choosing, "LocalWorkers", lambda *_: InProcess()):
-        return running.run(scene, ["mujoco"], ["RK4"], [], Where(1), out, quick=True)
+        return running.run(scene, ["mujoco"], ["RK4"], [], 1, out, quick=True)
 
 
 COST = StepCost(2e-6, 1e-7, 2e-6, ratio=Ratio(2.0, 0.1))

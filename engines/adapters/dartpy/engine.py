@@ -104,7 +104,6 @@ class Dart(WorldEngine):
     session = DartSession
     name = "dartpy"
     package = "dartpy"
-    step_seconds = 2e-6
     # getTimeStep() of a new World.
     stock_timestep = 1e-3
     methods = (

@@ -171,7 +171,6 @@ class Drake(WorldEngine):
     session = DrakeSession
     name = "drake"
     package = "pydrake"
-    step_seconds = 15e-6
     # MultibodyPlantConfig.time_step.
     stock_timestep = 1e-3
     # Orders: its documentation of the integrators; measured in docs/measured/engines-more.md.

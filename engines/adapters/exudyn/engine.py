@@ -214,7 +214,6 @@ class Exudyn(WorldEngine):
     session = ExudynSession
     name = "exudyn"
     package = "exudyn"
-    step_seconds = 5e-6
     # SimulationSettings: a hundred steps to an end time of 1 s.
     stock_timestep = 0.01
     # Orders: its manual, "Explicit solvers" and "Implicit solvers"; measured in

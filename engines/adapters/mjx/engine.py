@@ -36,7 +36,6 @@ class MJX(Engine):
     interface = 2
     name = "mjx"
     package = "mujoco.mjx"
-    step_seconds = 10e-6
     stock_timestep = 0.002
     has_batches = True
     methods: tuple[Method, ...] = CLEAN

@@ -36,7 +36,6 @@ class MuJoCoWarp(Engine):
     interface = 2
     name = "mujoco-warp"
     package = "mujoco_warp"
-    step_seconds = 30e-6
     stock_timestep = 0.002
     single_precision = True
     has_batches = True

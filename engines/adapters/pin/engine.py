@@ -104,7 +104,6 @@ class Pinocchio(WorldEngine):
     session = PinocchioSession
     name = "pin"
     package = "pinocchio"
-    step_seconds = 30e-6
     methods = (
         Method("semi-implicit", 1, 1, "aba, then integrate with the new velocity", EFFECTS),
         Method("RK4", 4, 4, "aba, in classical Runge-Kutta steps of its state", EFFECTS),

@@ -119,7 +119,6 @@ class Rapier3D(WorldEngine):
     session = Rapier3DSession
     name = "rapier3d"
     package = "rapier3d"
-    step_seconds = 6e-6
     single_precision = True
     # IntegrationParameters.dt of its documentation.
     stock_timestep = 1 / 60

@@ -10,7 +10,7 @@ from ....engines import Engine, engines
 from ...harness.batches import Apart, BatchRow, batch_by
 from ...harness.stock import stock_timestep
 from ...pages.analysis.wording import duration
-from ..choosing import Where, check_timesteps, choose, executor_for
+from ..choosing import check_timesteps, choose, executor_for
 from ..named_scenes import scenes_to_run
 from ..terminal import AGREES, DISAGREES, NOT_RUN, Complaint, say, table
 from .summary import WIDTH
@@ -49,7 +49,7 @@ def batches(
         _check_batches(engine)
     check_timesteps(scenarios, chosen)
     rows: list[BatchRow] = []
-    with executor_for(Where(1), chosen) as executor:
+    with executor_for(1, chosen) as executor:
         for scenario in scenarios:
             for engine, method in chosen.methods_on(scenario).values():
                 if method.as_shipped and not methods:

@@ -27,7 +27,7 @@ from ...results.cost_records import MethodCost
 from ...results.records import Key, Row
 from ...results.results import Results
 from ...results.store import open_store
-from ..choosing import Where, check_temporary_folder, choose
+from ..choosing import check_temporary_folder, choose
 from ..grouped import option
 from ..named_scenes import one_scene
 from ..stopping import saying
@@ -107,7 +107,7 @@ def recommend(
             say(f"From the runs in {stored}.")
             return replace(_checked(scene, bounds, timed_runs, Path(folder)), source=str(stored))
         out = Path(folder) / "ladder.sqlite"
-        results = running.run([scene], engine_names, methods, [], Where(jobs), out)
+        results = running.run([scene], engine_names, methods, [], jobs, out)
         if running.exit_code(results) == NOT_RUN:
             raise Complaint(f"{scene}: nothing could be run: {results.rows[0].reason}", NOT_RUN)
         return _checked(scene, bounds, results, Path(folder))

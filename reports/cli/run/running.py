@@ -1,14 +1,12 @@
 """What the command `run` does, and how its results are read back."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from ....engines import Engine
 from ....scenarios import Scenario, did_you_mean, printable
 from ...harness.choice import Choice
 from ...harness.costs.instructions import why_not_counted
-from ...harness.executors.compiling import share_of_a_core
 from ...harness.ladder import QUICK_STEPS
 from ...harness.plan import Plan, plan
 from ...harness.scene_checks.published import published_that_do_not_hold
@@ -21,7 +19,6 @@ from ...results.results import Results
 from ...results.store import open_store
 from ...results.verdict_words import UNPROVEN
 from ..choosing import (
-    Where,
     check_timesteps,
     choose,
     executor_for,
@@ -35,49 +32,23 @@ from ..terminal import (
     NOT_RUN,
     Complaint,
     as_complaint,
-    in_words,
     progress,
     say,
 )
 
-#: Typical number of steps of all runs of one verdict: on short ladders, and on whole ones.
-STEPS_QUICK, STEPS = 35_000, 50_000
-#: s, that a verdict takes besides its steps; s, that the timing of a method on a scene takes.
-OVERHEAD, TIMING = 0.3, 0.06
 
-
-def announcement(left: Plan, choice: Choice, jobs: int | None) -> str:
-    """Engines, number of verdicts and timings to be made, estimated time.
-
-    Empty for one verdict at most.
-
-    Parameters
-    ----------
-    jobs : worker processes; None on a cluster, of which no time is estimated
-    """
+def announcement(left: Plan) -> str:
+    """Engines, number of verdicts and timings to be made; empty for one verdict at most."""
     pairs = [pair for scene in left.scenes for pair in scene.to_run]
     if len(pairs) < 2:
         return ""
     names = dict.fromkeys(engine.name for engine, _ in pairs)
     timed = left.total - len(pairs)
     to_time = f", and {plural(timed, 'scene')} to be timed" if timed else ""
-    words = (
+    return (
         f"{plural(len(pairs), 'verdict')} of {plural(len(names), 'engine')} ({', '.join(names)}) "
         f"on {plural(len(left.scenes), 'scene')}{to_time}"
-    )
-    if jobs is not None:
-        timings = sum(len(scene.to_run) for scene in left.scenes if scene.to_time)
-        seconds = _seconds((engine for engine, _ in pairs), choice) / jobs + TIMING * timings
-        seconds /= share_of_a_core(jobs)
-        words += f": roughly {in_words(seconds)} with {plural(jobs, 'worker')}"
-    return words + ("; --engine names fewer" if len(names) > 2 else "")
-
-
-def _seconds(engines: Iterable[Engine], choice: Choice) -> float:
-    steps = STEPS_QUICK if choice.max_steps <= QUICK_STEPS else STEPS
-    if choice.timesteps:
-        steps = 0
-    return sum(steps * engine.step_seconds + OVERHEAD for engine in engines)
+    ) + ("; --engine names fewer" if len(names) > 2 else "")
 
 
 def run(
@@ -85,7 +56,7 @@ def run(
     engine_names: Sequence[str],
     methods: Sequence[str],
     timesteps: Sequence[float],
-    where: Where,
+    jobs: int,
     out: Path,
     *,
     quick: bool = False,
@@ -124,12 +95,12 @@ def run(
         left = plan(scenarios, choice, store)
         if str(left):
             say(f"{out}: {left}")
-        if words := announcement(left, choice, None if where.cluster else where.jobs):
+        if words := announcement(left):
             say(words)
         if left.scenes:
             say_if_compiling()
         with (
-            executor_for(where, choice) as executor,
+            executor_for(jobs, choice) as executor,
             progress(left.total) as advance,
         ):
             run_study(left, choice, store, executor, advance)

@@ -1,10 +1,8 @@
 """What the commands `reference` and `export --truth` do: the exact motion, printed and as files."""
 
 import json
-import re
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict
-from textwrap import wrap
 from typing import Any
 
 import numpy as np
@@ -32,13 +30,12 @@ COLUMNS = {
     "omega_body": "angular velocity, rad/s, body axes",
     "com_world": "centre of mass, m, world axes",
     "velocity_world": "its velocity, m/s, world axes",
+    "rotors_spin": "spins of the rotors, if there are any, relative to the body, rad/s",
     "L_world": "angular momentum about the pivot, or the centre of mass, kg m²/s, world axes",
     "energy": "kinetic and potential, J, the latter zero at the world's origin",
 }
 #: Letters of a column's components.
 LETTERS = {1: [""], 3: ["_x", "_y", "_z"], 4: ["_w", "_x", "_y", "_z"]}
-#: Characters of a line of the header's numbers.
-WIDTH = 96
 
 
 def solved(scenario: Scenario, times: FloatArray) -> Solution:
@@ -49,7 +46,7 @@ def solved(scenario: Scenario, times: FloatArray) -> Solution:
 
 
 def truth_files(scenario: Scenario, sensitivities: bool = False) -> dict[str, str]:
-    """The texts of truth.csv, truth.json and truth.h, and of sensitivities.json if wanted."""
+    """The texts of truth.csv, and of sensitivities.json if wanted."""
     solution = solved(scenario, scenario.times)
     motion = solution.trajectory
     columns = {
@@ -58,80 +55,37 @@ def truth_files(scenario: Scenario, sensitivities: bool = False) -> dict[str, st
         "omega_body": motion.omega_body,
         "com_world": motion.com_world,
         "velocity_world": motion.velocity_world,
+        **({"rotors_spin": motion.spins} if motion.spins.size else {}),
         "L_world": angular_momentum_world(scenario, motion),
         "energy": energy(scenario, motion),
     }
-    formats = {"truth.csv": _csv, "truth.json": _json, "truth.h": _c_header}
-    texts = {name: text_of(scenario, solution, columns) for name, text_of in formats.items()}
+    texts = {"truth.csv": _csv(scenario, solution, columns)}
     if sensitivities:
         derived = {"scenario": scenario.name} | derivatives(scenario, motion)
         texts["sensitivities.json"] = json.dumps(derived, indent=1, allow_nan=False) + "\n"
     return texts
 
 
-def _header_lines(scenario: Scenario, solution: Solution) -> Iterator[str]:
-    yield f"{printable(scenario.name)}: {printable(scenario.title)}"
-    yield f"Exact motion by spincheck: {solution.method}."
-    uncertainty = ", ".join(f"{name} {value:.1e}" for name, value in solution.uncertainty)
-    yield f"Uncertainty, relative (attitude: rad): {uncertainty}."
-    for name, meaning in COLUMNS.items():
-        yield f"{name}: {meaning}"
-
-
 def _csv(scenario: Scenario, solution: Solution, columns: dict[str, FloatArray]) -> str:
-    lines = [f"# {line}" for line in _header_lines(scenario, solution)]
+    uncertainty = ", ".join(f"{name} {value:.1e}" for name, value in solution.uncertainty)
+    about = [
+        f"{printable(scenario.name)}: {printable(scenario.title)}",
+        f"Exact motion by spincheck: {solution.method}.",
+        f"Uncertainty, relative (attitude: rad): {uncertainty}.",
+        *(f"{name}: {meaning}" for name, meaning in COLUMNS.items()),
+    ]
+    lines = [f"# {line}" for line in about]
     table = {name: values.reshape(len(values), -1) for name, values in columns.items()}
-    heads = [f"{name}{end}" for name, v in table.items() for end in LETTERS[v.shape[1]]]
+    heads = [f"{name}{end}" for name, v in table.items() for end in _ends(name, v.shape[1])]
     lines.append(",".join(heads))
     rows = zip(*(values.tolist() for values in table.values()), strict=True)
     lines += [",".join(repr(number) for part in row for number in part) for row in rows]
     return "\n".join([*lines, ""])
 
 
-def _json(scenario: Scenario, solution: Solution, columns: dict[str, FloatArray]) -> str:
-    content = {
-        "scenario": scenario.name,
-        "title": scenario.title,
-        "method": solution.method,
-        "uncertainty": dict(solution.uncertainty),
-        "units_and_frames": COLUMNS,
-        "columns": {name: values.tolist() for name, values in columns.items()},
-    }
-    return json.dumps(content, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
-
-
-def _c_header(scenario: Scenario, solution: Solution, columns: dict[str, FloatArray]) -> str:
-    name = re.sub(r"[^A-Za-z0-9]", "_", f"spincheck_{scenario.name}")
-    comment = "\n".join(
-        f" * {line.replace('*/', '* /')}" for line in _header_lines(scenario, solution)
-    )
-    parts = [
-        f"/*\n{comment}\n */",
-        f"#ifndef {name.upper()}_H\n#define {name.upper()}_H",
-        f"enum {{ {name}_samples = {len(columns['t'])} }};",
-        *(
-            f"static const double {name}_{what}_uncertainty = {value!r};"
-            for what, value in solution.uncertainty
-        ),
-        *(_c_array(f"{name}_{what}", values) for what, values in columns.items()),
-        "#endif",
-    ]
-    return "\n\n".join([*parts, ""])
-
-
-def _c_array(name: str, values: FloatArray) -> str:
-    rows = values.tolist()
-    size = f"[{len(rows)}]" + (f"[{len(rows[0])}]" if values.ndim > 1 else "")
-    numbers = ", ".join(_c_row(row) if values.ndim > 1 else repr(row) for row in rows)
-    return (
-        f"static const double {name}{size} = {{\n"
-        + "\n".join(wrap(numbers, WIDTH, break_on_hyphens=False))
-        + "\n};"
-    )
-
-
-def _c_row(row: list[float]) -> str:
-    return "{" + ", ".join(repr(number) for number in row) + "}"
+def _ends(name: str, count: int) -> list[str]:
+    """What the components of a column have behind its name: rotors are numbered."""
+    return [f"_{k}" for k in range(1, count + 1)] if name == "rotors_spin" else LETTERS[count]
 
 
 #: Where a user names no times: the start, the end, and three between.

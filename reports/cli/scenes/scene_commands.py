@@ -114,7 +114,7 @@ def export(
     scenario: Scene,
     folder: Annotated[Path, typer.Argument(metavar="DIR", help="Made if it is not there.")],
     truth: Annotated[
-        bool, typer.Option("--truth", help="The exact motion instead: truth.csv, .json, .h (C).")
+        bool, typer.Option("--truth", help="The exact motion instead, as truth.csv.")
     ] = False,
     sensitivities: Annotated[
         bool, typer.Option("--sensitivities", help="With --truth: sensitivities.json as well.")

@@ -23,7 +23,7 @@ from ...results.sweep_records import (
     SweepResult,
     points_of,
 )
-from ..choosing import Where, check_timesteps, choose, executor_for, say_if_compiling
+from ..choosing import check_timesteps, choose, executor_for, say_if_compiling
 from ..named_scenes import one_scene, scenes_to_run
 from ..run.running import check_all_apply, gone_on_with
 from ..run.summary import row_record
@@ -98,7 +98,7 @@ def run_sweeps(
     members: int | None,
     seed: int,
     choice: Choice,
-    where: Where,
+    jobs: int,
     out: Path,
 ) -> list[SweepResult]:
     """Run the points that a map or an ensemble of each scene still lacks, and read all of it.
@@ -122,7 +122,7 @@ def run_sweeps(
     check_timesteps(
         [b for b, s in zip(bases, sweeps, strict=True) if _DURATION not in s.names], choice
     )
-    return _carried_out(list(zip(sweeps, bases, strict=True)), choice, where, out)
+    return _carried_out(list(zip(sweeps, bases, strict=True)), choice, jobs, out)
 
 
 def _check_members(members: int, seed: int) -> None:
@@ -232,7 +232,7 @@ def _timestep(choice: Choice) -> float | None:
 
 
 def _carried_out(
-    sweeps: Sequence[tuple[Map | Ensemble, Scenario]], choice: Choice, where: Where, out: Path
+    sweeps: Sequence[tuple[Map | Ensemble, Scenario]], choice: Choice, jobs: int, out: Path
 ) -> list[SweepResult]:
     """Run what is missing of sweeps, and return them with the points of the methods chosen."""
     check_all_apply(choice, [base for _, base in sweeps])
@@ -249,7 +249,7 @@ def _carried_out(
         if complete < total:
             say_if_compiling()
             with (
-                executor_for(where, choice) as executor,
+                executor_for(jobs, choice) as executor,
                 progress(total - complete, PROGRESS_LINES) as advance,
             ):
                 for planned, base in left:

@@ -4,7 +4,6 @@
 before its first scene: else each worker would compile for itself.
 """
 
-import os
 from collections.abc import Callable
 from functools import partial
 
@@ -41,16 +40,7 @@ def compile_first(tell: Callable[[str], object]) -> None:
 
 def notice() -> str:
     """The sentence that stands before a compilation."""
-    wait = SECONDS / share_of_a_core(len(HALVES))
-    return f"First, once: the solver of exact motions is compiled, roughly {wait:.0f} s."
-
-
-def share_of_a_core(jobs: int) -> float:
-    """The part of a core that each of so many processes may hope for, beside what runs already."""
-    cores = os.cpu_count() or 1
-    # Not every system tells.
-    load = os.getloadavg()[0] if hasattr(os, "getloadavg") else 0.0
-    return min(1.0, cores / (load + jobs))
+    return f"First, once: the solver of exact motions is compiled, roughly {SECONDS:.0f} s."
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""The interface of executors: each makes calls, in this process, in workers or on a cluster."""
+"""The interface of executors: each makes calls, in this process or in workers."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Iterator

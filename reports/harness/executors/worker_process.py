@@ -3,7 +3,7 @@
 Calls are sent to its standard input, answers come from its standard output, each as a length and a
 pickle; everything printed comes from its standard error. It is started like any program, and gets
 from its parent only the paths of modules. So `__main__` is not imported twice, and processes that
-may not have children of `multiprocessing`, such as workers of a cluster, may have this one.
+may not have children of `multiprocessing`, may have this one.
 """
 
 import json

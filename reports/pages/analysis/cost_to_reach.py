@@ -1,10 +1,7 @@
 """The cost for a method to stay within an error, on a scene and over all scenes.
 
 It is interpolated between two runs, or extrapolated below the finest; else there is a reason why it
-cannot be reached. The rules and their constants are in docs/explanation/cost.md. A performance
-profile gives the fraction of scenes that a method solves at no more than τ times the cost of the
-cheapest method there (Dolan & Moré, Math. Program. 91 (2002) 201, eqs. 2.1 and 2.2); a scene that
-it does not reach counts as one of infinite cost.
+cannot be reached. The rules and their constants are in docs/explanation/cost.md.
 """
 
 import math
@@ -12,7 +9,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
 
-from ...results.records import Pair
 from ...results.verdict_words import VerdictWord
 from .in_memory import Tables
 from .observed_order import SETTLING_ORDER
@@ -24,81 +20,26 @@ LEVELS = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8)
 SceneCurves = Sequence[Curve]
 
 
-@dataclass(frozen=True)
-class Profile:
-    """Performance profiles of all methods at one error.
-
-    Attributes
-    ----------
-    scenes : number of all scenes, reached or not
-    ratios : by method, ascending: its cost over the cheapest, on each scene that it reaches
-    """
-
-    signal: str
-    level: float
-    scenes: int
-    ratios: dict[Pair, tuple[float, ...]]
-
-    def fraction(self, pair: Pair, factor: float) -> float:
-        """Fraction of the scenes that a method solves within a factor of the cheapest."""
-        within = sum(ratio <= factor for ratio in self.ratios[pair])
-        return within / self.scenes if self.scenes else 0.0
+#: By engine, method and level: the number of scenes within reach, that of those by extrapolation
+#: only, and the median of CPU seconds a simulated second over the scenes that the method can
+#: simulate, infinite where it is out of reach.
+Tallies = dict[tuple[str, str, float], tuple[int, int, float | None]]
 
 
-class Costs:
-    """What each level costs each method on each scene, as a table that is asked in SQL."""
-
-    def __init__(
-        self, scenes: Sequence[SceneCurves], signal: str, levels: Sequence[float] = LEVELS
-    ) -> None:
-        self._scenes, self._signal = len(scenes), signal
-        lines = (
-            (scene, *curve.pair, curve.declared, level, reached.word, reached.cost)
-            for scene, curves in enumerate(scenes)
-            for curve in curves
-            for level in levels
-            for reached in [reach(curve, level)]
-        )
-        self._table = Tables(
-            {"cost (scene, engine, method, declared, level, word, seconds)": lines}
-        )
-
-    def profile(self, level: float) -> Profile:
-        """Return the profiles of every method that was tried on any of the scenes."""
-        ratios: dict[Pair, list[float]] = {}
-        question = """SELECT engine, method, seconds / min(seconds) OVER (PARTITION BY scene)
-            FROM cost WHERE level = ? ORDER BY cost.rowid"""
-        for engine, method, ratio in self._table.ask(question, level):
-            ratios.setdefault((engine, method), []).extend([ratio] * (ratio is not None))
-        ordered = {pair: tuple(sorted(of_pair)) for pair, of_pair in ratios.items()}
-        return Profile(self._signal, level, self._scenes, ordered)
-
-    def tallies(self) -> dict[tuple[str, str, float], tuple[int, int, float | None]]:
-        """Return three numbers for each engine, method and level.
-
-        They are the number of scenes within reach, that of those by extrapolation only, and the
-        median of CPU seconds a simulated second over the scenes that the method can simulate,
-        infinite where it is out of reach.
-        """
-        question = """SELECT engine, method, level, count(seconds), sum(word = 'extrapolated'),
-            median_high(coalesce(seconds, 9e999)) FILTER (WHERE word <> 'unsupported')
-            FROM cost GROUP BY 1, 2, 3"""
-        return {
-            (engine, method, level): (reached, extrapolated, middle)
-            for engine, method, level, reached, extrapolated, middle in self._table.ask(question)
-        }
-
-    def order_ratios(self) -> list[tuple[int, float | None, float | None]]:
-        """Return of how many scenes methods of first and of fourth order reach each level.
-
-        And the median and the largest ratio of the cost of the cheapest of both.
-        """
-        question = """SELECT count(ratio), median(ratio), max(ratio) FROM (
-                SELECT level, min(seconds) FILTER (WHERE declared = 1)
-                    / min(seconds) FILTER (WHERE declared = 4) AS ratio
-                FROM cost GROUP BY scene, level)
-            GROUP BY level ORDER BY level DESC"""
-        return self._table.ask(question)
+def tallies(scenes: Sequence[SceneCurves], levels: Sequence[float] = LEVELS) -> Tallies:
+    """Return what each level costs each method over all scenes."""
+    lines = (
+        (*curve.pair, level, reached.word, reached.cost)
+        for curves in scenes
+        for curve in curves
+        for level in levels
+        for reached in [reach(curve, level)]
+    )
+    asked = """SELECT engine, method, level, count(seconds), sum(word = 'extrapolated'),
+        median_high(coalesce(seconds, 9e999)) FILTER (WHERE word <> 'unsupported')
+        FROM cost GROUP BY 1, 2, 3"""
+    found = Tables({"cost (engine, method, level, word, seconds)": lines}).ask(asked)
+    return {(engine, method, level): tuple(counts) for engine, method, level, *counts in found}
 
 
 #: How the cost of a level is known: between two runs, at the coarsest run, below the finest.

@@ -12,8 +12,8 @@ from ...results.sweep_records import Ensemble, SweepResult
 from ..analysis.measures import ATTITUDE, QUANTILES, Members, members_of
 from ..analysis.trace_style import TraceStyle, trace_styles
 from ..analysis.wording import NOTHING, count, duration, readable
+from ..figures.distribution import LOW, distribution
 from ..figures.figures import Titled
-from ..figures.profile_figure import LOW, distribution
 from ..sweeps.sweep_pages import methods_of, numbered
 from ..tables import Cell, figure, sweep_page, table
 

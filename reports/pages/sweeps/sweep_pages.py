@@ -16,9 +16,9 @@ from ..analysis.map_grid import Grid, axis_title
 from ..analysis.measures import ATTITUDE, FIRST, MEASURES, OMEGA, Members, is_coloured, members_of
 from ..analysis.trace_style import TraceStyle, trace_styles
 from ..analysis.wording import NOTHING, count
+from ..figures.distribution import distribution
 from ..figures.figures import Titled
 from ..figures.map_figure import map_figure
-from ..figures.profile_figure import distribution
 from ..markdown import as_markdown
 from ..page_data import PageData
 from ..tables import Captioned, Cell, Table, figure, sweep_page, table

@@ -8,11 +8,9 @@ import pytest
 from library_scenes import library_scene
 from spincheck.engines import Missing, engines
 from spincheck.engines.adapters.node.discovered import FAMILY
-from spincheck.engines.versions.engine import VersionedEngine
 from spincheck.reports.cli import choosing
-from spincheck.reports.cli.choosing import Where, choose, executor_for
+from spincheck.reports.cli.choosing import choose
 from spincheck.reports.cli.terminal import BAD_INPUT, NOT_RUN, Complaint
-from spincheck.reports.harness.choice import Choice
 
 PLANTED = Path(__file__).parents[2] / "engines" / "child" / "planted_child.py"
 #: What runs without being named, if it is installed.
@@ -39,15 +37,6 @@ def test_an_optional_engine_runs_only_if_it_is_named() -> None:
     # Those of users' files, where a scene names one.
     chosen = choose(["all"], [], [], scenarios=[library_scene("fast-top")]).engines
     assert not any(engine.of_file for engine in chosen)
-
-
-def test_a_cluster_runs_no_versions() -> None:
-    old = VersionedEngine("mujoco", "3.3.0", engines()["mujoco"].methods, Path("nowhere"))
-    with (
-        pytest.raises(Complaint, match="'--dask' runs no versions of engines"),
-        executor_for(Where(1, "127.0.0.1:9"), Choice((old,))),
-    ):
-        pass
 
 
 def test_a_family_is_asked_for_by_its_name(monkeypatch: pytest.MonkeyPatch) -> None:

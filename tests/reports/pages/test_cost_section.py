@@ -1,25 +1,21 @@
 """What the report says about cost: on the first page, on each scene's, and in Markdown."""
 
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
-import plotly.graph_objects as go
 import pytest
-from made_up import METHODS, SECONDS_PER_STEP, WALL_SECONDS_PER_STEP, results
+from made_up import SECONDS_PER_STEP, WALL_SECONDS_PER_STEP
 from markdown_text import markdown_tables
 from page import Page, read_page
-from plotted import coloured, values_of
+from plotted import values_of
 from spincheck.reports.pages.analysis.cost_to_reach import LEVELS
-from spincheck.reports.pages.analysis.report_data import SceneRuns, report_data
+from spincheck.reports.pages.analysis.report_data import SceneRuns
 from spincheck.reports.pages.analysis.wording import number
 from spincheck.reports.pages.analysis.work_precision import curves, front
-from spincheck.reports.pages.cost_section import PROFILED, cost_section
 from spincheck.reports.pages.figures.ladder_figures import work_precision
 from spincheck.scenarios import EVERYWHERE, SIGNAL
 
 TOP = "made-up-top"
-LABELS = [f"{method.engine} {method.method}" for method in METHODS]
 
 
 @pytest.fixture(scope="module")
@@ -33,31 +29,18 @@ def columns_of_levels(tables: list[list[list[str]]]) -> list[list[list[str]]]:
     return [t for t in level_tables if all("to " in cell for cell in t[0][-len(LEVELS) :])]
 
 
-def test_the_first_page_has_its_section_and_draws_its_profiles(first: Page) -> None:
-    assert {"costs", "profiles"} <= set(first.attribute("id"))
+def test_the_first_page_has_its_section_and_without_figures_no_plotly(first: Page) -> None:
+    assert "costs" in first.attribute("id")
     assert "#costs" in first.attribute("href")
-    scripts = {"packed.js", "overview.js", "plotly.js", "figures.js"}
+    scripts = {"packed.js", "overview.js", "figures.js"}
     assert {Path(src).name for src in first.attribute("src")} == scripts
-    # Every method can be switched off.
-    assert set(first.attribute("data-method")) == set(LABELS)
 
 
-def test_plotly_accepts_the_profiles_and_what_was_not_timed_has_none() -> None:
-    stored = results()
-    parts = cost_section(report_data(stored))["profiles"].parts
-    for part in parts:
-        go.Figure(coloured(part))
-    traces = [trace for part in parts for trace in part["data"]]
-    assert len(traces) == len(PROFILED) * len(LABELS)
-    rows = [replace(row, seconds_per_step=None) for row in stored.rows]
-    assert cost_section(report_data(replace(stored, rows=rows)))["profiles"] is None
-
-
-def test_the_first_page_has_reach_medians_and_ratios_and_a_scene_a_table_an_error(
+def test_the_first_page_has_a_table_of_costs_and_a_scene_one_an_error(
     first: Page, folder: Path
 ) -> None:
     for tables in (first.tables(), markdown_tables(folder / "report.md")):
-        assert len(columns_of_levels(tables)) == 3
+        assert len(columns_of_levels(tables)) == 1
     page = read_page(folder / "scenes" / f"{TOP}.html")
     for tables in (page.tables(), markdown_tables(folder / "scenes" / f"{TOP}.md")):
         assert len(columns_of_levels(tables)) == len(EVERYWHERE)

@@ -15,7 +15,6 @@ from made_up_sweeps import map_result
 from spincheck.engines import engines
 from spincheck.reports.cli import choosing
 from spincheck.reports.cli.app import app
-from spincheck.reports.cli.choosing import Where
 from spincheck.reports.cli.run.summary import run_lines
 from spincheck.reports.cli.sweeps import sweep_running
 from spincheck.reports.cli.sweeps.sweep_running import choose_for_sweep as choose
@@ -24,7 +23,7 @@ from spincheck.reports.cli.sweeps.sweep_running import (
     run_sweeps,
 )
 from spincheck.reports.cli.terminal import AGREES, BAD_INPUT, DISAGREES, NOT_RUN, Complaint
-from spincheck.reports.harness.executors import InProcess, dask_cluster
+from spincheck.reports.harness.executors import InProcess
 from spincheck.reports.results.store import open_store
 from spincheck.reports.results.sweep_records import Ensemble
 from spincheck.scenarios import loads
@@ -87,7 +86,7 @@ def test_asked_again_it_answers_from_the_file_in_words_with_the_worst_point_and_
 @pytest.mark.usefixtures("in_process")
 def test_methods_made_for_other_scenes_are_not_run(path):
     """As in a study: `contact` is for bodies on a table, `mujoco-file` for users' files."""
-    (swept,) = run_sweeps([SCENE], [], 1, 0, choose(["mujoco"], [], [0.5]), Where(1), path)
+    (swept,) = run_sweeps([SCENE], [], 1, 0, choose(["mujoco"], [], [0.5]), 1, path)
     methods = {one.name for one in engines()["mujoco"].methods_for(swept.scenario)}
     with open_store(path) as store:
         assert {point.pair[1] for point in store.varied(SCENE)} == methods
@@ -196,13 +195,6 @@ def test_what_cannot_be_used_is_one_message_and_exit_code_2(
     assert not list(tmp_path.iterdir())
 
 
-def test_a_scheduler_that_is_not_there_is_reported_with_exit_code_3(path, monkeypatch):
-    monkeypatch.setattr(dask_cluster, "CONNECT_LIMIT", 0.1)
-    done = spincheck(*ENSEMBLE, 3, "--dask", "127.0.0.1:9", "--out", path)
-    assert done.returncode == NOT_RUN
-    assert done.stderr == "spincheck: '--dask': no scheduler answers at 127.0.0.1:9\n"
-
-
 @pytest.mark.processes
 def test_ctrl_c_ends_it_with_130_and_the_same_command_goes_on(path):
     arguments = [*ENSEMBLE, "8", *ONE_METHOD, "--jobs", "1", "--out", str(path)]
@@ -240,7 +232,7 @@ def test_a_sweep_fails_only_by_runs_that_failed(outcomes, code):
 @pytest.mark.usefixtures("in_process")
 def test_of_several_engines_in_a_file_those_asked_for_are_reported(mapped):
     choice = choose(["mujoco"], ["Euler"], [])
-    (swept,) = run_sweeps([SCENE], [SPIN, STEPS], None, 0, choice, Where(1), mapped[0])
+    (swept,) = run_sweeps([SCENE], [SPIN, STEPS], None, 0, choice, 1, mapped[0])
     assert {point.key.method for point in swept.points} == {"Euler"}
 
 
@@ -248,7 +240,7 @@ def test_of_several_engines_in_a_file_those_asked_for_are_reported(mapped):
 def test_a_member_runs_as_in_its_ensemble(path, tmp_path):
     """What the command prints is the very scene whose point is in the file."""
     choice = choose(["mujoco"], ["RK4"], [])
-    (ensemble,) = run_sweeps([SCENE], [], 2, 7, choice, Where(1), path)
+    (ensemble,) = run_sweeps([SCENE], [], 2, 7, choice, 1, path)
     point, alone = ensemble.points[1], tmp_path / "alone.toml"
     alone.write_text(spincheck("show", SCENE, "--toml", "--seed", 7, "--member", 1).stdout)
     options = ("--timestep", repr(point.timestep), "--out", tmp_path / "alone.sqlite", "--json")

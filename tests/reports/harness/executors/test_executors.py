@@ -7,11 +7,9 @@ from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 from pathlib import Path
-from typing import Any
 
 import calls
 import pytest
-from clusters import cluster_of_threads
 from spincheck.reports.harness.executors import (
     CallFailed,
     Executor,
@@ -19,42 +17,30 @@ from spincheck.reports.harness.executors import (
     InProcess,
     LocalWorkers,
 )
-from spincheck.reports.harness.executors.dask_cluster import DaskCluster
 from spincheck.reports.harness.executors.executor import QUEUED_PER_THREAD
 
-#: Worker processes, threads of the cluster.
+#: Worker processes.
 JOBS = 2
 
 
-@pytest.fixture(scope="module")
-def scheduler() -> Iterator[Any]:
-    with cluster_of_threads(JOBS) as started:
-        yield started
-
-
-def in_process(request) -> Executor:
+def in_process() -> Executor:
     return InProcess()
 
 
-def local_workers(request) -> Executor:
+def local_workers() -> Executor:
     return LocalWorkers(JOBS)
-
-
-def dask_cluster(request) -> Executor:
-    return DaskCluster(request.getfixturevalue("scheduler").scheduler_address)
 
 
 KINDS = [
     in_process,
     pytest.param(local_workers, marks=pytest.mark.processes),
-    pytest.param(dask_cluster, marks=pytest.mark.processes),
 ]
 
 
 @pytest.fixture(scope="module", params=KINDS, ids=lambda kind: kind.__name__)
 def executor(request) -> Iterator[Executor]:
     """One of each kind, that all tests share: what it starts is started once."""
-    with request.param(request) as opened:
+    with request.param() as opened:
         yield opened
 
 
@@ -122,7 +108,7 @@ def test_several_threads_may_call_at_once(executor):
 
 @pytest.fixture(params=KINDS, ids=lambda kind: kind.__name__)
 def executor_of_its_own(request) -> Iterator[Executor]:
-    with request.param(request) as opened:
+    with request.param() as opened:
         yield opened
 
 
@@ -133,17 +119,14 @@ def test_once_stopped_it_makes_no_call(executor_of_its_own):
 
 
 @pytest.mark.processes
-@pytest.mark.parametrize("kind", [local_workers, dask_cluster], ids=lambda kind: kind.__name__)
-def test_stopped_it_ends_the_call_under_way(request, kind, tmp_path):
+def test_stopped_they_end_the_call_under_way(tmp_path):
     begun, end = tmp_path / "begun", tmp_path / "end"
-    with kind(request) as executor:
+    with LocalWorkers(JOBS) as executor:
         stopping = threading.Thread(target=_stop_once_there_is, args=(begun, executor))
         stopping.start()
         with pytest.raises(ExecutorStopped):
             executor.call(calls.mark_and_wait, begun, end)
         stopping.join()
-    # What runs on a cluster's worker ends by itself.
-    end.touch()
 
 
 def _stop_once_there_is(mark: Path, executor: Executor) -> None:
