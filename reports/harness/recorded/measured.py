@@ -18,6 +18,7 @@ from ....scenarios.rotation import norms
 from ..measuring.changes import Change, Hypothesis, as_it_is, com, is_scaled, resistance, tensor
 from ..measuring.likelihood import LEVEL, Data, Fit, Search, Trial
 from .intervals import apart, states_of
+from .mistakes import FITS
 
 #: rad that the body turns in the samples that are fitted first, and how many these are at least;
 #: then twice as many, until it is all.
@@ -346,6 +347,8 @@ def estimated_noise(
         for m in OF_DIFFERENCES
     )
     noise = fourth / np.sqrt(OF_DIFFERENCES[4])
-    is_noise = (fourth > ALTERNATES * third) & (noise > PRINTED * floor)
+    # Less is left by an integrator's interpolation.
+    least = np.maximum(PRINTED * floor, FITS * np.array([1.0, norms(motion.omega_body).max()]))
+    is_noise = (fourth > ALTERNATES * third) & (noise > least)
     seen = is_noise.all() if has_omega else is_noise[0]
     return np.maximum(noise, floor) if seen else None
