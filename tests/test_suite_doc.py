@@ -1,11 +1,11 @@
-"""The page about the suite lists its tests, what their failures mean, and its version."""
+"""The page about the suite lists its tests and what their failures mean."""
 
 import re
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from spincheck.suite import SCENES, VERSION, test_adapter, test_physics
+from spincheck.suite import SCENES, test_adapter, test_physics
 
 PAGE = (Path(__file__).parents[1] / "docs/how-to/suite.md").read_text(encoding="utf-8")
 CHAPTERS = {"The adapter": test_adapter, "The physics": test_physics}
@@ -32,15 +32,6 @@ def test_the_page_lists_every_test_and_what_its_failure_means(chapter: str) -> N
     section = PAGE.partition(f"## {chapter}\n")[2].partition("\n## ")[0]
     listed = [line for line in section.splitlines() if line.startswith("| `")]
     assert listed == [row(name, test) for name, test in in_chapter(CHAPTERS[chapter]).items()]
-
-
-def test_the_page_names_the_version() -> None:
-    assert f"`{VERSION}`" in PAGE
-    assert all(
-        vars(test)["since"] <= VERSION
-        for module in CHAPTERS.values()
-        for test in in_chapter(module).values()
-    )
 
 
 def test_every_scene_is_used() -> None:

@@ -16,7 +16,7 @@ _HEAD = 1 << 14
 #: The settings of which engines are tested, and of how many steps a run of a ladder may take.
 _ENGINES, _MAX_STEPS = "spincheck_engines", "spincheck_max_steps"
 #: Options of `spincheck.suite`.
-ENGINE, XFAILS, SUITE = "--spincheck-engine", "--spincheck-xfails", "--spincheck-suite"
+ENGINE, XFAILS = "--spincheck-engine", "--spincheck-xfails"
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
@@ -45,9 +45,6 @@ def pytest_addoption(parser: pytest.Parser) -> None:
     group.addoption(
         XFAILS, metavar="FILE", help="TOML: the tests that are known to fail, each with its reason"
     )
-    group.addoption(
-        SUITE, metavar="YYYY.MM", help="leave out tests that are newer than this version"
-    )
 
 
 def pytest_configure(config: pytest.Config) -> None:
@@ -56,9 +53,7 @@ def pytest_configure(config: pytest.Config) -> None:
     if names := config.getoption(ENGINE):
         from .suite.hooks import SuiteHooks
 
-        config.pluginmanager.register(
-            SuiteHooks(names, config.getoption(XFAILS), config.getoption(SUITE))
-        )
+        config.pluginmanager.register(SuiteHooks(names, config.getoption(XFAILS)))
 
 
 def pytest_collect_file(file_path: Path, parent: pytest.Collector) -> pytest.Collector | None:

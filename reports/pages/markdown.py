@@ -146,20 +146,13 @@ def _text(element: _Element) -> str:
 
 
 def _table(element: _Element) -> str:
-    """A table; of two lines of headings, the first of which spans columns, one is made."""
-    heads = [_cells(row) for head in element.all("thead") for row in head.all("tr")]
-    width = max(map(len, heads))
-    padded = [[""] * (width - len(line)) + line for line in heads]
-    headings = [" ".join(filter(None, column)) for column in zip(*padded, strict=True)]
-    lines = [row for body in element.all("tbody") for row in body.all("tr")]
-    # A line of one cell is the title of those below.
-    whole = [row for row in lines if width == 1 or len(row.elements) > 1]
-    return _lines([headings, *map(_cells, whole)])
+    """A table, of one line of headings."""
+    heads, bodies = element.all("thead"), element.all("tbody")
+    return _lines([_cells(row) for part in (*heads, *bodies) for row in part.all("tr")])
 
 
 def _cells(row: _Element) -> list[str]:
-    cells = row.all("td", "th")
-    return [_line(one) for one in cells for _ in range(int(one.attributes.get("colspan") or 1))]
+    return [_line(one) for one in row.all("td", "th")]
 
 
 def _packed_cell(cell: list[str]) -> str:

@@ -1,4 +1,4 @@
-"""What `recommend` prints: every method with its cost, the choice, and its checks."""
+"""What `recommend` prints: the choice, that of other engines, and its checks."""
 
 import math
 from dataclasses import asdict
@@ -8,7 +8,6 @@ from typing import Any
 from ....scenarios import SIGNAL
 from ...pages.analysis.best_choice import Candidate, ErrorBounds, as_cheap
 from ...results.records import Row
-from ..terminal import table
 from .recommend import Recommendation
 
 
@@ -47,13 +46,12 @@ def _with_unit(bound: float, unit: str) -> str:
 
 
 def print_recommendation(recommendation: Recommendation) -> None:
-    """Print every method with its cost, the choice, its checks, and how to run it again."""
+    """Print the choice, its checks, how to run it again, and why other methods are out of reach."""
     bounds = ", ".join(
         f"{SIGNAL[signal].label} to {_with_unit(bound, SIGNAL[signal].unit)}"
         for signal, bound in recommendation.bounds.items()
     )
     print(f"{recommendation.scenario}: {bounds}")
-    table([_line(candidate) for candidate in recommendation.candidates])
     for candidate in recommendation.candidates:
         if candidate.timestep is None:
             words = candidate.reason.removeprefix(f"{candidate.label} ")
@@ -84,9 +82,11 @@ def print_recommendation(recommendation: Recommendation) -> None:
 
 
 def _priced(candidate: Candidate) -> str:
+    finest = candidate.finest_useful
+    floor = f", below {finest:.3g} s errors grow" if finest is not None else ""
     return (
-        f"{candidate.label} with a timestep of {candidate.timestep!r} s, "
-        f"{candidate.cost:.3g} CPU seconds a simulated second"
+        f"{candidate.label} with a timestep of {candidate.timestep!r} s, {candidate.cost:.3g} CPU "
+        f"seconds a simulated second ({candidate.word}{floor})"
     )
 
 
@@ -100,18 +100,6 @@ def _method(candidate: Candidate) -> dict[str, Any]:
         "decided_by": candidate.decided_by,
         "largest_stable_timestep": candidate.largest_stable,
         "finest_useful_timestep": candidate.finest_useful,
-    }
-
-
-def _line(candidate: Candidate) -> dict[str, object]:
-    return {
-        "method": candidate.label,
-        "timestep, s": candidate.timestep,
-        "CPU s a simulated s": candidate.cost,
-        "known": candidate.word,
-        "decided by": SIGNAL[candidate.decided_by].label,
-        "stable to, s": candidate.largest_stable,
-        "finer is worse below, s": candidate.finest_useful,
     }
 
 

@@ -11,7 +11,7 @@ from pkgutil import resolve_name
 from typing import Any, TypeGuard, final
 
 import pytest
-from spincheck.suite import SCENES, VERSION, test_adapter, test_physics
+from spincheck.suite import SCENES, test_adapter, test_physics
 
 from ....engines import Engine, Method, NameTaken, add
 from ....engines.interface import misfit
@@ -220,23 +220,16 @@ class SuiteHooks:
     ----------
     engines : as typed
     xfails : a file of known failures, as typed
-    version : of the suite, whose tests are run; the newest if None
 
     Raises
     ------
     pytest.UsageError
-        If an engine, the file or the version cannot be used.
+        If an engine or the file cannot be used.
     """
 
-    def __init__(self, engines: list[str], xfails: str | None, version: str | None) -> None:
+    def __init__(self, engines: list[str], xfails: str | None) -> None:
         self._subjects = list(subjects(engines))
         self._known = known_failures(Path(xfails)) if xfails else {}
-        self._version = version or VERSION
-        if self._version > VERSION:
-            raise pytest.UsageError(
-                f"'--spincheck-suite' must be {VERSION} or older, got '{version}'; a newer "
-                "spincheck has a newer suite"
-            )
 
     def pytest_generate_tests(self, metafunc: pytest.Metafunc) -> None:
         """Repeat each test for each method of the engines."""
@@ -245,16 +238,9 @@ class SuiteHooks:
             metafunc.parametrize(SUBJECT, self._subjects, ids=ids)
 
     @pytest.hookimpl(tryfirst=True)
-    def pytest_collection_modifyitems(
-        self, config: pytest.Config, items: list[pytest.Item]
-    ) -> None:
-        """Leave out tests that are newer than the version asked for; mark known failures."""
-        ours = [item for item in items if _is_of_suite(item)]
-        newer = [item for item in ours if vars(item.function)["since"] > self._version]
-        if newer:
-            config.hook.pytest_deselected(items=newer)
-            items[:] = [item for item in items if item not in newer]
-        for item in ours:
+    def pytest_collection_modifyitems(self, items: list[pytest.Item]) -> None:
+        """Mark known failures."""
+        for item in filter(_is_of_suite, items):
             reason = self._known.get(item.name) or self._known.get(item.originalname)
             if reason:
                 item.add_marker(pytest.mark.xfail(reason=reason, strict=True))
@@ -272,9 +258,9 @@ class SuiteHooks:
         return report
 
     def pytest_terminal_summary(self, terminalreporter: Any) -> None:
-        """Name the suite's version and what it was run on."""
+        """Name what the suite was run on."""
         names = ", ".join(dict.fromkeys(subject.about for subject in self._subjects))
-        terminalreporter.write_line(f"spincheck suite {self._version} on {names}")
+        terminalreporter.write_line(f"spincheck suite on {names}")
 
 
 def _is_of_suite(item: pytest.Item) -> TypeGuard[pytest.Function]:

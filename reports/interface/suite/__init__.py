@@ -7,9 +7,7 @@ docs/how-to/suite.md.
 
 from pathlib import Path
 
-__all__ = ["SCENES", "VERSION"]
+__all__ = ["SCENES"]
 
-#: Of the suite, year and month: it is a new one whenever a test or a scene is added or changed.
-VERSION = "2026.11"
 #: The folder of the scenes of `test_physics`.
 SCENES = Path(__file__).parent / "scenes"

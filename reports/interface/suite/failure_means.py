@@ -3,23 +3,20 @@
 from collections.abc import Callable
 from typing import TypeVar
 
-from spincheck.suite import VERSION
-
 Test = TypeVar("Test", bound=Callable[..., None])
 
 
-def failure_means(sentence: str, *issues: str, since: str = VERSION) -> Callable[[Test], Test]:
+def failure_means(sentence: str, *issues: str) -> Callable[[Test], Test]:
     """Return a decorator that attaches this to a test; it is shown when the test fails.
 
     Parameters
     ----------
     issues : of GitHub, ``owner/repository#number``, or pull requests
-    since : the suite's version in which the test is new, or was changed
     """
     urls = tuple(f"https://github.com/{issue.replace('#', '/issues/')}" for issue in issues)
 
     def attach(test: Test) -> Test:
-        vars(test).update(sentence=sentence, issues=urls, since=since)
+        vars(test).update(sentence=sentence, issues=urls)
         return test
 
     return attach

@@ -13,10 +13,8 @@ PAGE = """<head><title>not a word</title></head>
 <pre><code>a  |
 b</code></pre>
 <table>
-<thead><tr><td rowspan="2"></td><th colspan="2">mujoco</th></tr>
-<tr><th>RK4</th><th>Euler</th></tr></thead>
-<tbody><tr><th colspan="3">Free</th></tr>
-<tr><td>top</td>
+<thead><tr><th></th><th>RK4</th><th>Euler</th></tr></thead>
+<tbody><tr><td>top</td>
 <td>1<span class="detail">stock</span></td>
 <td>a|b<details class="note">not a word</details></td></tr>
 </tbody></table>
@@ -43,7 +41,7 @@ a  |
 b
 ```
 
-|  | mujoco RK4 | mujoco Euler |
+|  | RK4 | Euler |
 | --- | --- | --- |
 | top | 1 (stock) | a\\|b |
 
