@@ -3,6 +3,7 @@
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
@@ -13,8 +14,8 @@ from ....scenarios import FloatArray, Scenario
 from ....scenarios.fastest_rate import fastest_rate
 from ...results.verdict_words import VerdictWord
 from ..executors import CallFailed, Executor
-from ..measuring.examine import gives_way
-from ..measuring.places import Places, places
+from ..measuring.examine import FURTHER, SETTLING, gives_way
+from ..measuring.places import FINER, Places, places
 from ..measuring.steps import Sessions, sessions_of, steps_from
 from .candidates import Exact
 from .jacobians import (
@@ -24,19 +25,24 @@ from .jacobians import (
     exact_jacobians,
     own_jacobian,
     own_jacobians,
+    settled_jacobians,
     stepped_by_rate,
     units_of,
 )
 from .verdict import beside_own, judged, noise_of
-from .window import Gradient, gradients_along, useless_from
+from .window import STEPS, Gradient, gradients_along, useless_from
 
 #: Exact states that steps are taken from.
 STATES = 4
 #: The name of what is found where an engine gives nothing.
 OURS = "central differences by spincheck"
-#: Why steps that a constraint or a contact takes are not judged here.
-SETTLES = (
-    "a constraint holds the body and has to settle: a step from an exact state is none of a run"
+#: Steps of a derivative through many, and over windows.
+MANY = 8
+TAPED = (MANY, 64)
+#: Why an engine's derivative is not judged where a constraint or a contact gives way.
+HELD = (
+    "a constraint gives way: by attitude and ω with the com where it is, as the engine "
+    "differentiates, no motion is allowed; only differences of its runs are judged"
 )
 #: Steps that are timed, and derivatives.
 TIMED, TIMES = 200, 5
@@ -127,6 +133,15 @@ def gradients_of(
 
 
 @dataclass(frozen=True, eq=False)
+class _Asked:
+    """What derivatives should be: the exact ones over some steps, and the engine's own."""
+
+    exact: Exact
+    own: Own
+    timesteps: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
 class _Study:
     """A method whose derivatives are taken at exact states."""
 
@@ -139,28 +154,46 @@ class _Study:
 
     def rows(self) -> list[GradientRow]:
         """One of each derivative that the engine gives, and that by differences of its steps."""
-        at, units = self.at, self.units
-        steps = steps_from(self.sessions, at.states, at.timesteps)
+        began, offered = time.perf_counter(), self.sessions.first.derivatives()
+        steps = steps_from(self.sessions, self.at.states, self.at.timesteps)
         if gives_way(Equations(self.sessions.scenario), self.engine, steps):
-            return [replace(self._begun(OURS), verdict="unresolved", reason=SETTLES)]
-        jacobians = exact_jacobians(self.sessions.scenario, at.states, at.timesteps)
-        exact = Exact(self.sessions.scenario, at.states, at.timesteps, jacobians, units)
-        own = own_jacobians(self.sessions, at.states, at.timesteps, units)
-        rows = [self._row(exact, own, name) for name in self.sessions.first.derivatives()]
-        has_window = any(row.window for row in rows)
-        return [*rows, self._own_row(exact, own, has_window)]
+            rows = [self._held_row(name) for name in offered]
+            return [*rows, self._own_row(self._settled(), began)]
+        asked = self._asked(1)
+        rows = [self._row(asked, name) for name in offered]
+        if taped := [name for name, one in offered.items() if one.through]:
+            many = self._asked(MANY)
+            rows += [self._row(many, name) for name in taped]
+        return [*rows, self._own_row(asked, time.perf_counter())]
 
-    def _row(self, exact: Exact, own: Own, name: str) -> GradientRow:
+    def _asked(self, steps: int) -> _Asked:
+        """Of so many steps, which last as long as one step of the longer timesteps."""
+        scenario, at, units = self.sessions.scenario, self.at, self.units
+        timesteps = at.timesteps[at.timesteps <= at.timesteps[0] / steps]
+        spans = steps * timesteps
+        jacobians = exact_jacobians(scenario, at.states, spans)
+        own = own_jacobians(self.sessions, at.states, timesteps, units, steps)
+        exact = Exact(scenario, at.states, spans, jacobians, units, steps)
+        return _Asked(exact, own, timesteps)
+
+    def _settled(self) -> _Asked:
+        """Of a step after others, without the longest timesteps, which turn the body by much."""
+        scenario, at, units = self.sessions.scenario, self.at, self.units
+        settling, timesteps = (SETTLING, SETTLING + FURTHER), at.timesteps[FINER:]
+        own, jacobians = settled_jacobians(self.sessions, at.states, timesteps, units, settling)
+        return _Asked(Exact(scenario, at.states, timesteps, jacobians, units), own, timesteps)
+
+    def _row(self, asked: _Asked, name: str) -> GradientRow:
         """A derivative of the engine's; whatever its own code raises is the reason."""
-        began = time.perf_counter()
-        row = self._begun(name)
+        began, steps = time.perf_counter(), asked.exact.steps
+        row = self._begun(name if steps == 1 else f"{name}, through {steps} steps")
         try:
-            found, is_step = self._found(name, exact)
+            found, is_step = self._found(name, asked)
             if found is None:
                 words = "four numbers of a quaternion instead of the three of a turn"
                 row = replace(row, verdict="disagrees", reason=f"it is not 6 by 6: {words}?")
             else:
-                row = self._judged(row, exact, own if is_step else None, found, name)
+                row = self._judged(row, asked, found, is_step, name)
         except UnsupportedError as error:
             row = replace(row, verdict="unsupported", reason=str(error))
         except (EngineError, MemoryError, RuntimeError, ValueError, TypeError) as error:
@@ -168,26 +201,29 @@ class _Study:
         return replace(row, seconds=time.perf_counter() - began)
 
     def _judged(
-        self, row: GradientRow, exact: Exact, own: Own | None, found: FloatArray, name: str
+        self, row: GradientRow, asked: _Asked, found: FloatArray, is_step: bool, name: str
     ) -> GradientRow:
-        epsilon = self.sessions.first.derivatives()[name].epsilon
-        noise = noise_of(self.units, exact.timesteps, self.at.condition, epsilon)
+        epsilon, exact = self.sessions.first.derivatives()[name].epsilon, asked.exact
+        noise = noise_of(self.units, asked.timesteps, self.at.condition, epsilon)
         one = judged(exact, found, noise)
-        if own is not None:
-            one = beside_own(one, exact, found, own, noise)
-        row = replace(row, **vars(one), cost=self._cost(name))
-        return self._with_window(row, lambda session: self._jacobian(session, name))
+        if is_step:
+            one = beside_own(one, exact, found, asked.own, noise)
+        row = replace(row, **vars(one), cost=self._cost(name, exact.steps))
+        return self._with_window(row, name, is_taped=exact.steps > 1)
 
-    def _own_row(self, exact: Exact, own: Own, has_window: bool) -> GradientRow:
-        began = time.perf_counter()
-        noise = noise_of(self.units, exact.timesteps, self.at.condition, 0.0)
-        noise = noise + (own.known_to / exact.timesteps)[:, None]
+    def _held_row(self, name: str) -> GradientRow:
+        return replace(self._begun(name), verdict="unresolved", reason=HELD)
+
+    def _own_row(self, asked: _Asked, began: float) -> GradientRow:
+        exact, own = asked.exact, asked.own
+        noise = noise_of(self.units, asked.timesteps, self.at.condition, 0.0)
+        noise = noise + (own.known_to / exact.spans)[:, None]
         row = replace(self._begun(OURS), **vars(judged(exact, own.jacobians, noise)))
         if row.reason:
             row = replace(row, reason=f"its steps themselves: {row.reason}")
         # Where a scene is opened anew for each difference, a window would take minutes.
-        if self.sessions.first.can_restart and not has_window:
-            row = self._with_window(row, self._own)
+        if self.sessions.first.can_restart:
+            row = self._with_window(row)
         return replace(row, seconds=time.perf_counter() - began)
 
     @property
@@ -200,13 +236,13 @@ class _Study:
         row = GradientRow(scene, self.engine.name, self.method.name, derivative, "failed")
         return replace(row, timestep=self.window_timestep)
 
-    def _found(self, name: str, exact: Exact) -> tuple[FloatArray | None, bool]:
-        """Jacobians of steps by a derivative, (J, K, 6, 6), and whether it is one of a step."""
-        states, jacobians, is_step = self.at.states, np.empty_like(exact.jacobians), True
+    def _found(self, name: str, asked: _Asked) -> tuple[FloatArray | None, bool]:
+        """Jacobians by a derivative, (J, K, 6, 6), and whether it is one of steps."""
+        states, jacobians, is_step = self.at.states, np.empty_like(asked.exact.jacobians), True
         for j, k in np.ndindex(jacobians.shape[:2]):
-            h, state = float(exact.timesteps[j]), states.rows(k)
+            h, state = float(asked.timesteps[j]), states.rows(k)
             with self.sessions.at(state, h) as session:
-                found = np.asarray(session.derivatives()[name].compute(), dtype=float)
+                found = np.asarray(_by(session, name, asked.exact.steps)(), dtype=float)
             if found.shape not in ((CHART, CHART), (3, CHART)):
                 return None, is_step
             is_step = len(found) == CHART
@@ -219,27 +255,39 @@ class _Study:
             return found
         return stepped_by_rate(found, session.read_state().omega_body, self.window_timestep)
 
-    def _own(self, session: Session) -> FloatArray:
-        state = session.read_state()
-        return own_jacobian(self.sessions, state, self.window_timestep, self.units)
-
-    def _with_window(
-        self, row: GradientRow, jacobian: Callable[[Session], FloatArray]
-    ) -> GradientRow:
-        scenario = self.sessions.scenario
+    def _with_window(self, row: GradientRow, name: str = "", is_taped: bool = False) -> GradientRow:
+        """A row with gradients along a run, by a derivative or by differences of the whole run."""
+        scenario, sessions, h = self.sessions.scenario, self.sessions, row.timestep
         try:
-            with self.sessions.open_at(scenario, row.timestep) as session:
-                along = gradients_along(session, scenario, row.timestep, self.units, jacobian)
+            with sessions.open_at(scenario, h) as session:
+                taped: dict[int, FloatArray] = {}
+                if is_taped:
+                    taped = {count: _by(session, name, count)() for count in TAPED}
+                elif not name:
+                    ours = own_jacobian(
+                        sessions, session.read_state(), h, self.units, STEPS.tolist()
+                    )
+                    taped = dict(zip(map(int, STEPS), ours, strict=True))
+                each = (lambda one: self._jacobian(one, name)) if name else None
+                along, cut = gradients_along(session, scenario, h, self.units, each, taped)
         except EngineError as error:
             return replace(row, reason=row.reason or f"no window: {error}")
+        if cut:
+            row = replace(row, reason=row.reason or cut, is_own=False)
         return replace(row, window=along, useless_from=useless_from(along))
 
-    def _cost(self, name: str) -> float:
-        """CPU time of a derivative, in plain steps."""
+    def _cost(self, name: str, steps: int) -> float:
+        """CPU time of a derivative, in as many plain steps as it is of."""
         with self.sessions.at(self.at.states.rows(0), float(self.at.timesteps[-1])) as session:
             session.advance(TIMED)
             a_step = session.timed(TIMED)[0] / TIMED
-            compute, began = session.derivatives()[name].compute, time.process_time()
+            compute, began = _by(session, name, steps), time.process_time()
             for _ in range(TIMES):
                 compute()
-            return (time.process_time() - began) / TIMES / max(a_step, 1e-9)
+            return (time.process_time() - began) / TIMES / max(a_step, 1e-9) / steps
+
+
+def _by(session: Session, name: str, steps: int) -> Callable[[], FloatArray]:
+    """Computes a derivative of so many steps, many by what the engine has for many."""
+    one = session.derivatives()[name]
+    return one.compute if steps == 1 or one.through is None else partial(one.through, steps)

@@ -95,7 +95,7 @@ def beside_own(one: Judged, exact: Exact, found: FloatArray, own: Own, noise: Fl
     units = exact.units
     wanted = units.of(own.jacobians)
     apart = units.of(found) - wanted
-    of_found = noise * exact.timesteps[:, None]
+    of_found = noise * exact.spans[:, None]
     most = SURE * (of_found + own.known_to[:, None])[:, None, None, :]
     is_own = bool((np.abs(apart) <= most).all())
     reason = one.reason
@@ -119,13 +119,13 @@ def _series(exact: Exact, off: FloatArray, noise: FloatArray) -> list[GainSeries
     each = np.tile(noise, (1, K))
     # Columns of differences share a step, so that they are not judged together.
     return [
-        fitted(exact.timesteps, half, each, LEVEL / HALVES, may_split=False, is_pooled=False)
+        fitted(exact.spans, half, each, LEVEL / HALVES, may_split=False, is_pooled=False)
         for half in np.split(columns, HALVES, axis=2)
     ]
 
 
 def _gains(exact: Exact, off: FloatArray) -> FloatArray:
-    return np.asarray(exact.units.of(off) / exact.timesteps[:, None, None, None])
+    return np.asarray(exact.units.of(off) / exact.spans[:, None, None, None])
 
 
 def _tail(series: list[GainSeries]) -> float:

@@ -9,7 +9,7 @@ Not verified: Brax. MJX's derivatives take long to compile: on two of the scenes
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import mujoco
 import numpy as np
@@ -30,6 +30,8 @@ from spincheck.scenarios.rotation import matrix
 pytestmark = pytest.mark.slow
 
 MUJOCO = engines()["mujoco"]
+#: MuJoCo's own.
+HONEST = MuJoCoSession.derivatives
 #: What an engine or its adapter does not differentiate, by words of the reason.
 OUT_OF_REACH = ("RK4 integrator is not supported", "its caller's")
 
@@ -295,18 +297,59 @@ def test_a_windows_gradient_is_off_by_the_error_of_its_steps() -> None:
     assert np.allclose(shared, 2.0, rtol=0.1), shared
 
 
-def test_a_tape_that_is_cut_has_another_gradient(monkeypatch: pytest.MonkeyPatch) -> None:
-    honest = gradients_of(library_scene("fast-top"), MUJOCO, "Euler")[0].window
-    taken = MuJoCoSession.derivatives
+#: Steps that a tape through so many is of, what becomes of its Jacobian, and words of the reason.
+TAPES: dict[str, tuple[Callable[[int], range], Callable[[int, FloatArray], FloatArray], str]] = {
+    "honest": (range, lambda _, J: J, ""),
+    "half": (lambda n: range(n // 2), lambda _, J: J, "the tape is cut: it is of 4 of 8 steps"),
+    "zero": (range, lambda _, J: 0 * J, "it is zero: nothing is differentiated"),
+    "not finite": (range, lambda _, J: np.nan * J, "it is not finite"),
+    "none": (lambda _: range(0), lambda _, J: J, "it is the identity"),
+    "32 at most": (lambda n: range(min(n, 32)), lambda _, J: J, "cut: it is of the first 32"),
+    "the last 32": (
+        lambda n: range(max(n - 32, 0), n),
+        lambda _, J: J,
+        "cut: it is of the last 32",
+    ),
+    "zero if long": (range, lambda n, J: J * (n < 9), "over 64 steps it is zero"),
+    "NaN if long": (range, lambda n, J: J * (1.0 if n < 9 else np.nan), "64 steps it is not fin"),
+    "another if long": (range, lambda n, J: J * (1.0 if n < 9 else 1.01), "64 steps it is not the"),
+}
 
-    def cut(session: MuJoCoSession) -> dict[str, Derivative]:
-        found = taken(session)["mjd_transitionFD, centred"]
-        is_taped = session.data.time < honest[-2].t
-        return {"cut": found if is_taped else Derivative(lambda: np.eye(6))}
 
-    monkeypatch.setattr(MuJoCoSession, "derivatives", cut)
-    window = gradients_of(library_scene("fast-top"), MUJOCO, "Euler")[0].window
-    assert window[-2].error < 10 * honest[-2].error < window[-1].error
+@each_case("name", list(TAPES))
+def test_a_tape_through_many_steps_is_right_or_the_fault_is_named(
+    monkeypatch: pytest.MonkeyPatch, name: str
+) -> None:
+    kept, after, words = TAPES[name]
+
+    def planted(session: MuJoCoSession) -> dict[str, Derivative]:
+        one = HONEST(session)["mjd_transitionFD, centred"]
+
+        def through(steps: int) -> FloatArray:
+            before, jacobian = session.read_state(), np.eye(6)
+            for step in range(steps):
+                if step in kept(steps):
+                    jacobian = one.compute() @ jacobian
+                session.advance(1)
+            session.restart(before)
+            return after(steps, jacobian)
+
+        return {"planted": replace(one, through=through)}
+
+    monkeypatch.setattr(MuJoCoSession, "derivatives", planted)
+    single, many, _ = gradients_of(library_scene("fast-top"), MUJOCO, "Euler")
+    assert (single.verdict, single.reason) == ("converges", "")
+    assert many.derivative == "planted, through 8 steps"
+    assert words in many.reason
+    is_told = many.reason or many.verdict != "converges" or many.is_own is False
+    assert bool(is_told) == bool(words)
+
+
+@each_case("method", ["maximal", "multibody-p2p"])
+def test_steps_of_a_body_that_a_constraint_holds_are_judged_after_they_settled(method: str) -> None:
+    (row,) = gradients_of(library_scene("fast-top"), installed("pybullet"), method)
+    assert (row.derivative, row.verdict, row.order) == (OURS, "converges", 1)
+    assert row.window[-1].cosine > 0.9
 
 
 @each_case(
