@@ -1,17 +1,20 @@
 """Derivatives of every engine that is installed, on ten scenes and three that are hard to steer.
 
-Written to docs/how-to/gradients.md, between its marks.
+Written to docs/how-to/gradients.md, between its marks, and drawn beside it. It needs matplotlib.
 """
 
 import sys
 from collections.abc import Iterator, Sequence
 from pathlib import Path
+from statistics import median
 
+import matplotlib.pyplot as plt
+import numpy as np
 from library_scenes import library_scene
 from scenes_of_derivatives import SCENES
 from spincheck.engines import engines
 from spincheck.reports.harness.executors import LocalWorkers
-from spincheck.reports.harness.gradients.study import OURS, GradientRow, gradients_by
+from spincheck.reports.harness.gradients.study import OURS, GradientRow, gradients_by, gradients_of
 
 #: The middle axis, the sleeping top at its threshold, and chaos.
 STEERED = ("middle-axis-exactly", "asleep-at-the-threshold", "chaos-beyond-the-horizon")
@@ -19,6 +22,14 @@ STEERED_BY = {"mujoco": ("Euler", "RK4"), "mjx": ("RK4",)}
 #: Engines with derivatives of their own, and one of those whose steps we difference.
 NAMES = ("mujoco", "mjx", "drake", "pin", "exudyn")
 PAGE = Path(__file__).parents[3] / "docs/how-to/gradients.md"
+PICTURE = PAGE.parents[1] / "gallery/images/gradients.png"
+#: What is drawn: engine, method, derivative, on a scene, with timesteps, s.
+DRAWN = (
+    ("mujoco", "Euler", "mjd_transitionFD, centred"),
+    ("mujoco", "RK4", OURS),
+    ("pybullet", "multibody", OURS),
+)
+DRAWN_ON, TIMESTEPS = "fast-top", 2e-3 / 2.0 ** np.arange(6)
 
 
 def rows_of(executor: LocalWorkers, name: str, scenes: Sequence[str]) -> Iterator[GradientRow]:
@@ -35,15 +46,16 @@ def table(rows: Sequence[GradientRow]) -> Iterator[str]:
     """A line for each derivative of a method, over all scenes."""
     yield (
         "| engine | method | derivative | converges, of scenes | order | off its own step "
-        "| gradient's error | refused |"
+        "| gradient's error | cost, steps | refused |"
     )
-    yield "|---|---|---|---|---|---|---|---|"
+    yield "|---|---|---|---|---|---|---|---|---|"
     for key in dict.fromkeys((row.engine, row.method, row.derivative) for row in rows):
         alike = [row for row in rows if (row.engine, row.method, row.derivative) == key]
         right = [row for row in alike if row.verdict == "converges"]
         refused = {row.reason for row in alike if row.verdict != "converges"}
         orders = sorted({row.order for row in right})
         own = max((row.off_own for row in right if row.off_own is not None), default=None)
+        costs = [row.cost for row in right if row.cost is not None]
         errors = sorted(row.window[-1].error for row in right if row.window)
         yield (
             "| "
@@ -54,6 +66,7 @@ def table(rows: Sequence[GradientRow]) -> Iterator[str]:
                     ", ".join(map(str, orders)) or "–",
                     "–" if own is None else f"{own:.0e}",
                     f"{errors[0]:.0e} to {errors[-1]:.0e}" if errors else "–",
+                    f"{median(costs):.0f}" if costs else "–",
                     "; ".join(sorted(refused)) or "–",
                 ]
             )
@@ -73,6 +86,28 @@ def steered(rows: Sequence[GradientRow]) -> Iterator[str]:
             yield f"| {row.scene} | {row.engine} {row.method}, {row.derivative} | {along} |"
 
 
+def picture() -> None:
+    """Draw the error of the gradient against the timestep, and against the time."""
+    scene = library_scene(DRAWN_ON)
+    figure, (left, right) = plt.subplots(1, 2, figsize=(9, 3.5), sharey=True, layout="constrained")
+    for name, method, derivative in DRAWN:
+        errors: list[float] = []
+        for n, h in enumerate(map(float, TIMESTEPS)):
+            rows = gradients_of(scene, engines()[name], method, h)
+            (window,) = [row.window for row in rows if row.derivative == derivative]
+            # The same time with each timestep.
+            errors.append(window[4 + n].error)
+            if not n:
+                times = [one.t for one in window]
+                right.loglog(times, [one.error for one in window], "o-", label=f"{name} {method}")
+        left.loglog(TIMESTEPS, errors, "o-", label=f"{name} {method}")
+    span = 2**4 * float(TIMESTEPS[0])
+    left.set(xlabel="timestep, s", ylabel="error of the gradient", title=f"after {span:.3g} s")
+    right.set(xlabel="T, s", title=f"with {float(TIMESTEPS[0]):.3g} s")
+    left.legend()
+    figure.savefig(PICTURE, dpi=100)
+
+
 def main() -> None:
     """Write the tables into the page."""
     with LocalWorkers(1, time_limit=600.0) as executor:
@@ -85,6 +120,7 @@ def main() -> None:
             for row in gradients_by(executor, library_scene(scene), engines()[name], method, None)
             if row.window and (row.derivative != OURS or method == "RK4")
         ]
+    picture()
     text = PAGE.read_text(encoding="utf-8")
     for name, lines in {"measured": table(found), "steered": steered(hard)}.items():
         begin, end = f"<!-- {name} -->\n", f"<!-- end of {name} -->"
