@@ -9,8 +9,8 @@ from spincheck.engine import FloatArray, UnsupportedError, numbers_by_chart
 from ...world_parts import matrix
 
 
-def differentiated(world: Any) -> tuple[FloatArray, FloatArray]:
-    """The attitude after a step, w x y z, and derivatives by the chart at the state of a world.
+def differentiated(world: Any, steps: int) -> tuple[FloatArray, FloatArray]:
+    """The attitude after some steps, w x y z, and derivatives by the chart at the state of a world.
 
     They are those of this quaternion and of ω, (7, 6), or of dω/dt where the plant does not step
     itself, (3, 6); all along the axes of the record.
@@ -36,7 +36,9 @@ def differentiated(world: Any) -> tuple[FloatArray, FloatArray]:
     body = _set(world, plant, context, numbers)
     if world.is_discrete:
         after = context.Clone()
-        plant.CalcForcedUnrestrictedUpdate(context, after.get_mutable_state())
+        for _ in range(steps):
+            plant.CalcForcedUnrestrictedUpdate(context, after.get_mutable_state())
+            context.SetTimeStateAndParametersFrom(after)
         found = _turning(body.EvalSpatialVelocityInWorld(after), body, after)
         attitude = body.EvalPoseInWorld(after).rotation().ToQuaternion().wxyz()
         found = np.concatenate([attitude, found])

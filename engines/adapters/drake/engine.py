@@ -96,13 +96,15 @@ class DrakeSession(WorldSession):
 
     def derivatives(self) -> Mapping[str, Derivative]:
         """Those by `AutoDiffXd`: of the discrete update, or of dω/dt."""
-        what = "the discrete update" if self.world.is_discrete else "dω/dt"
-        return {f"AutoDiff of {what}": Derivative(self._derivative)}
+        if self.world.is_discrete:
+            update = Derivative(self._derivative, through=self._derivative)
+            return {"AutoDiff of the discrete update": update}
+        return {"AutoDiff of dω/dt": Derivative(self._derivative)}
 
-    def _derivative(self) -> FloatArray:
+    def _derivative(self, steps: int = 1) -> FloatArray:
         try:
             autodiff: Any = import_module(f"{__package__}.autodiff")
-            q, numbers = autodiff.differentiated(self.world)
+            q, numbers = autodiff.differentiated(self.world, steps)
         except RuntimeError as error:
             words = " ".join(str(error).split())
             raise EngineError(f"Drake: {words}", "refused") from None

@@ -1,4 +1,4 @@
-"""The Jacobian of a step of MJX, as `jax.jacfwd` and `jax.jacrev` give it."""
+"""The Jacobian of steps of MJX, as `jax.jacfwd` and `jax.jacrev` give it."""
 
 from functools import cache
 from typing import Any
@@ -12,25 +12,25 @@ from .world import in_precision
 
 
 @cache
-def _compiled(trees: Any, way: str) -> Any:
-    """Coordinates qpos and qvel after a step, and their Jacobian by those before."""
+def _compiled(trees: Any, way: str, steps: int) -> Any:
+    """Coordinates qpos and qvel after so many steps, and their Jacobian by those before."""
     model_tree, data_tree = trees
 
     def stepped(x: Any, still: Any, moving: Any) -> Any:
         model = jax.tree.unflatten(model_tree, still)
         data = jax.tree.unflatten(data_tree, moving)
         data = data.replace(qpos=x[: model.nq], qvel=x[model.nq :])
-        data = mjx.step(model, data)
+        data = jax.lax.fori_loop(0, steps, lambda _, data: mjx.step(model, data), data)
         after = jnp.concatenate([data.qpos, data.qvel])
         return after, after
 
     return jax.jit(getattr(jax, way)(stepped, has_aux=True))
 
 
-def jacobian(world: Any, way: str) -> tuple[Any, Any]:
-    """Coordinates after the next step of a world, (n,), and their Jacobian, (n, n)."""
+def jacobian(world: Any, way: str, steps: int) -> tuple[Any, Any]:
+    """Coordinates after the next steps of a world, (n,), and their Jacobian, (n, n)."""
     in_precision(world.is_double)
     data = world.data()
     x = np.concatenate([data.qpos, data.qvel])
-    found, after = _compiled(world.trees, way)(x, world.still, world.moving)
+    found, after = _compiled(world.trees, way, steps)(x, world.still, world.moving)
     return np.asarray(after, dtype=float), np.asarray(found, dtype=float)

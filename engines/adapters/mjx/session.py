@@ -36,14 +36,15 @@ class MJXSession(PortSession):
                 keep(row)
 
     def derivatives(self) -> Mapping[str, Derivative]:
-        """JAX's, of one step, in forward and reverse mode."""
-        return {way: Derivative(partial(self._derivative, way)) for way in ("jacfwd", "jacrev")}
+        """JAX's, of one step or through many, in forward and reverse mode."""
+        ways = {way: partial(self._derivative, way) for way in ("jacfwd", "jacrev")}
+        return {way: Derivative(compute, through=compute) for way, compute in ways.items()}
 
-    def _derivative(self, way: str) -> FloatArray:
+    def _derivative(self, way: str, steps: int = 1) -> FloatArray:
         """That of the quaternion and ω by themselves, in the chart."""
         jacobians: Any = import_module(f"{__package__}.jacobian")
         before = self._world.data()
-        after, jacobian = jacobians.jacobian(self._world, way)
+        after, jacobian = jacobians.jacobian(self._world, way, steps)
         # The quaternion stands before any spins of rotors.
         turning = self._coordinates.turning
         kept = np.concatenate([np.arange(4) + turning[0], self._world.model.nq + turning])

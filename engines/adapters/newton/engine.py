@@ -82,7 +82,7 @@ class NewtonSession(WorldSession):
 
     def derivatives(self) -> Mapping[str, Derivative]:
         """Those by Warp's tape of a solver's steps."""
-        return {"Warp's tape": Derivative(self._taped)}
+        return {"Warp's tape": Derivative(self._taped, through=self._taped)}
 
     def _taped(self, steps: int = 1) -> FloatArray:
         motion = self.frame.motion(self.read_state())

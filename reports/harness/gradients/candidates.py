@@ -31,14 +31,14 @@ KNOWN = 1e-6
 
 @dataclass(frozen=True, eq=False)
 class Exact:
-    """What is differentiated: K states, J times that it is over, the exact Jacobians, (J, K, 6, 6).
+    """What is differentiated: K states, J times, s, and the exact Jacobians, (J, K, 6, 6).
 
-    Each is over the same number of steps.
+    Each time is one of so many steps.
     """
 
     scenario: Scenario
     states: State
-    timesteps: FloatArray
+    spans: FloatArray
     jacobians: FloatArray
     units: Units
     steps: int = 1
@@ -54,9 +54,12 @@ def candidates(exact: Exact, limits: FloatArray) -> Iterator[tuple[str, FloatArr
     P = exact.jacobians
     yield "it is zero: nothing is differentiated", 0 * P
     yield "it is the identity: the step is detached", 0 * P + np.eye(CHART)
+    for taken in range(1, exact.steps):
+        share = taken / exact.steps
+        words = f"the tape is cut: it is of {taken} of {exact.steps} steps"
+        yield words, share * P + (1 - share) * np.eye(CHART)
     yield "it is transposed", np.swapaxes(P, 2, 3)
     yield "it is the inverse, of a step back", np.asarray(np.linalg.inv(P), dtype=float)
-    yield from _cut(exact, limits)
     half: FloatArray = np.diag(np.repeat([0.5, 1.0], 3))
     twice: FloatArray = np.diag(np.repeat([2.0, 1.0], 3))
     words = "the attitude is in numbers of the quaternion, half of the angle, in its"
@@ -72,17 +75,6 @@ def candidates(exact: Exact, limits: FloatArray) -> Iterator[tuple[str, FloatArr
     swapped = [3, 4, 5, 0, 1, 2]
     yield "ω comes first, and the attitude last", P[:, :, swapped][..., swapped]
     yield from _changed_rates(exact, limits)
-
-
-def _cut(exact: Exact, limits: FloatArray) -> Iterator[tuple[str, FloatArray]]:
-    """What is left of many steps if a tape holds some of them alone."""
-    gained = exact.jacobians - np.eye(CHART)
-    a_second = gained[-1] / exact.timesteps[-1]
-    lost = -(limits * a_second).sum() / (a_second**2).sum()
-    held = round((1 - lost) * exact.steps)
-    if 0 < held < exact.steps:
-        words = f"the tape is cut: of {exact.steps} steps it holds {held}"
-        yield words, np.eye(CHART) + held / exact.steps * gained
 
 
 def _detached(P: FloatArray) -> Iterator[tuple[str, FloatArray]]:
@@ -123,8 +115,8 @@ def _in_world_axes(exact: Exact) -> Iterator[tuple[str, FloatArray]]:
 def _ends(exact: Exact) -> list[list[tuple[FloatArray, FloatArray]]]:
     """Attitude and ω after each timestep from each state."""
     count = len(exact.states.omega_body)
-    rows = np.tile(np.arange(count), len(exact.timesteps))
-    flown = flowed(exact.scenario, exact.states.rows(rows), np.repeat(exact.timesteps, count))
+    rows = np.tile(np.arange(count), len(exact.spans))
+    flown = flowed(exact.scenario, exact.states.rows(rows), np.repeat(exact.spans, count))
     pairs = list(zip(flown.q_world_body_wxyz, flown.omega_body, strict=True))
     return [pairs[j : j + count] for j in range(0, len(pairs), count)]
 
@@ -147,7 +139,7 @@ def _changed_rates(exact: Exact, limits: FloatArray) -> Iterator[tuple[str, Floa
     """The exact Jacobians with another derivative of dx/dt."""
     states, scenario, units = exact.states, exact.scenario, exact.units
     rates = [_Rates(Equations(scenario), states.rows(k), units) for k in range(len(limits))]
-    h = exact.timesteps[:, None, None, None]
+    h = exact.spans[:, None, None, None]
 
     def by(change: Callable[["_Rates"], FloatArray]) -> FloatArray:
         return np.asarray(exact.jacobians + h * np.array([change(one) for one in rates]))

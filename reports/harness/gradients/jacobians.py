@@ -3,6 +3,7 @@
 Rows and columns: attitude (3, rad), ω (3, rad/s), body axes: docs/explanation/sensitivities.md.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,7 +14,7 @@ from ....scenarios import FloatArray, Scenario
 from ....scenarios.rotation import cross, matrices, rotation_vectors, times, turned
 from ....scenarios.scenario import started_at
 from ..measuring.noise import ULPS
-from ..measuring.steps import Sessions
+from ..measuring.steps import Sessions, flowed
 
 #: Changes that a central difference of fourth order is taken with, and the weights of what they
 #: make (Fornberg, Math. Comp. 51 (1988) 699, table 1).
@@ -67,32 +68,40 @@ def exact_jacobians(scenario: Scenario, states: State, timesteps: FloatArray) ->
 
 
 def own_jacobian(
-    sessions: Sessions, state: State, timestep: float, units: Units, steps: int, share: float = 1.0
+    sessions: Sessions,
+    state: State,
+    timestep: float,
+    units: Units,
+    counts: Sequence[int],
+    share: float = 1.0,
 ) -> FloatArray:
-    """That of an engine's own steps, by central differences of them, (6, 6).
+    """Those of an engine's own steps from a state, by central differences, (n, 6, 6).
 
     Parameters
     ----------
-    steps : how many
+    counts : of steps, ascending, one a Jacobian
     share : of the change that is best where derivatives are of the size of the units
     """
-
-    def stepped(states: State) -> State:
-        ended = []
-        for k in range(len(states.omega_body)):
-            with sessions.at(states.rows(k), timestep) as session:
-                session.advance(steps)
-                ended.append(session.snapshot())
-        return sessions.first.states(ended)
-
     sizes = share * units.change * units.each
     offsets = (CHANGES[:, None, None] * np.diag(sizes)).reshape(-1, CHART)
-    ended = stepped(changed(sessions.scenario, state, np.vstack([np.zeros(CHART), offsets])))
-    q = ended.q_world_body_wxyz
-    turns = rotation_vectors(np.broadcast_to(q[0], q[1:].shape), q[1:])
-    ends = np.hstack([turns, ended.omega_body[1:] - ended.omega_body[0]])
-    summed = np.tensordot(WEIGHTS, ends.reshape(len(CHANGES), CHART, CHART), axes=1)
-    return np.asarray(summed.T / sizes)
+    begun = changed(sessions.scenario, state, np.vstack([np.zeros(CHART), offsets]))
+    ended = []
+    for k in range(len(begun.omega_body)):
+        with sessions.at(begun.rows(k), timestep) as session:
+            for more in np.diff(counts, prepend=0):
+                if more:
+                    session.advance(int(more))
+                ended.append(session.snapshot())
+    states, found = sessions.first.states(ended), []
+    for n in range(len(counts)):
+        q, omega_body = (
+            column[n :: len(counts)] for column in (states.q_world_body_wxyz, states.omega_body)
+        )
+        turns = rotation_vectors(np.broadcast_to(q[0], q[1:].shape), q[1:])
+        ends = np.hstack([turns, omega_body[1:] - omega_body[0]])
+        summed = np.tensordot(WEIGHTS, ends.reshape(len(CHANGES), CHART, CHART), axes=1)
+        found.append(summed.T / sizes)
+    return np.array(found)
 
 
 def changed(scenario: Scenario, state: State, offsets: FloatArray) -> State:
@@ -127,8 +136,8 @@ class Own:
 
     Attributes
     ----------
-    jacobians : from K states over J times, (J, K, 6, 6)
-    known_to : in units, for each time, (J,): what rounding makes, or half the change does
+    jacobians : from K states with J timesteps, (J, K, 6, 6)
+    known_to : in units, for each timestep, (J,): what rounding makes, or half the change does
     """
 
     jacobians: FloatArray
@@ -136,23 +145,59 @@ class Own:
 
 
 def own_jacobians(
-    sessions: Sessions, states: State, times: FloatArray, units: Units, steps: int
+    sessions: Sessions, states: State, timesteps: FloatArray, units: Units, steps: int
 ) -> Own:
-    """Those from K states over J times, of so many steps each, with two sizes of the change."""
+    """Those of so many steps from K states with J timesteps, with two sizes of the change."""
     found, finer = (
         np.array(
             [
                 [
-                    own_jacobian(sessions, states.rows(k), float(t) / steps, units, steps, share)
+                    own_jacobian(sessions, states.rows(k), float(h), units, [steps], share)[0]
                     for k in range(len(states.omega_body))
                 ]
-                for t in times
+                for h in timesteps
             ]
         )
         for share in (1.0, 0.5)
     )
-    apart = np.abs(units.of(found - finer)).max(axis=(1, 2, 3))
-    return Own(found, np.maximum(apart, ULPS * units.ulp / units.change))
+    return Own(found, _apart(units, found, finer))
+
+
+def settled_jacobians(
+    sessions: Sessions, states: State, timesteps: FloatArray, units: Units, settling: Sequence[int]
+) -> tuple[Own, FloatArray]:
+    """Those of a step that a constraint has settled before, and the exact ones, (J, K, 6, 6).
+
+    A run begins where the exact motion was so many steps before. Its states are changed there, as
+    the constraint allows, so that what the step makes of a change is what it and all steps before
+    make, divided by what these do. Only attitude and ω may be free; all else follows them.
+
+    Parameters
+    ----------
+    settling : two numbers of steps, which what is left of settling is the difference of
+    """
+    found = np.empty((len(settling), len(timesteps), len(states.omega_body), CHART, CHART))
+    exact = np.empty(found.shape[1:])
+    for j, h in enumerate(map(float, timesteps)):
+        for which, (count, share) in enumerate(zip(settling, (0.5, 1.0), strict=True)):
+            spans = np.full(found.shape[2], -count * h)
+            begun = flowed(sessions.scenario, states, spans)
+            for k in range(found.shape[2]):
+                pair = own_jacobian(sessions, begun.rows(k), h, units, [count, count + 1], share)
+                found[which, j, k] = pair[1] @ np.linalg.inv(pair[0])
+                with sessions.at(begun.rows(k), h) as session:
+                    session.advance(count)
+                    there = session.read_state()
+                one = State(*(column[None] for column in there.columns))
+                exact[j, k] = exact_jacobians(sessions.scenario, one, np.array([h]))[0, 0]
+    # The last ones settled longest; the exact ones are from where these did.
+    return Own(found[-1], _apart(units, *found)), exact
+
+
+def _apart(units: Units, found: FloatArray, other: FloatArray) -> FloatArray:
+    """What Jacobians are known to by their distance from others, (J,)."""
+    apart = np.abs(units.of(found - other)).max(axis=(1, 2, 3))
+    return np.asarray(np.maximum(apart, ULPS * units.ulp / units.change))
 
 
 def stepped_by_rate(rate: FloatArray, omega_body: FloatArray, timestep: float) -> FloatArray:

@@ -3,20 +3,19 @@
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import cache, partial
+from functools import partial
 
 import numpy as np
 
 from ....engines import Engine, EngineError, Method, Session, UnsupportedError
 from ....engines.checks.equations import Equations
-from ....engines.derivative import Derivative
 from ....reference import ExactMotion
 from ....scenarios import FloatArray, Scenario
 from ....scenarios.fastest_rate import fastest_rate
 from ...results.verdict_words import VerdictWord
 from ..executors import CallFailed, Executor
-from ..measuring.examine import gives_way
-from ..measuring.places import Places, places
+from ..measuring.examine import FURTHER, SETTLING, gives_way
+from ..measuring.places import FINER, Places, places
 from ..measuring.steps import Sessions, sessions_of, steps_from
 from .candidates import Exact
 from .jacobians import (
@@ -26,19 +25,24 @@ from .jacobians import (
     exact_jacobians,
     own_jacobian,
     own_jacobians,
+    settled_jacobians,
     stepped_by_rate,
     units_of,
 )
 from .verdict import Judged, beside_own, judged, noise_of
-from .window import Gradient, TapeCut, gradients_along, useless_from
+from .window import STEPS, Gradient, gradients_along, useless_from
 
 #: Exact states that steps are taken from.
 STATES = 4
 #: The name of what is found where an engine gives nothing.
 OURS = "central differences by spincheck"
-#: Why steps that a constraint or a contact takes are not judged here.
-SETTLES = (
-    "a constraint holds the body and has to settle: a step from an exact state is none of a run"
+#: Steps of a derivative through many, and over windows.
+MANY = 8
+TAPED = (MANY, 64)
+#: Why an engine's derivative is not judged where a constraint or a contact gives way.
+HELD = (
+    "a constraint gives way: by attitude and ω with the com where it is, as the engine "
+    "differentiates, no motion is allowed; only differences of its runs are judged"
 )
 #: Steps that are timed, and derivatives.
 TIMED, TIMES = 200, 5
@@ -54,7 +58,7 @@ class GradientRow:
     ----------
     derivative : the engine's name for it, or `OURS`
     judged : what was found of it; failed or unsupported where nothing was
-    cost : CPU time in plain steps, of each step that it goes through; None where none was taken
+    cost : CPU time, in plain steps; None where it could not be taken
     seconds : until the row was made, with what was compiled
     timestep : s, of the window's steps
     window : gradients along a run
@@ -119,6 +123,15 @@ def gradients_of(
 
 
 @dataclass(frozen=True, eq=False)
+class _Asked:
+    """What derivatives should be: the exact ones over some steps, and the engine's own."""
+
+    exact: Exact
+    own: Own
+    timesteps: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
 class _Study:
     """A method whose derivatives are taken at exact states."""
 
@@ -131,55 +144,70 @@ class _Study:
 
     def rows(self) -> list[GradientRow]:
         """One of each derivative that the engine gives, and that by differences of its steps."""
-        at, units = self.at, self.units
-        steps = steps_from(self.sessions, at.states, at.timesteps)
+        began, offered = time.perf_counter(), self.sessions.first.derivatives()
+        steps = steps_from(self.sessions, self.at.states, self.at.timesteps)
         if gives_way(Equations(self.sessions.scenario), self.engine, steps):
-            return [self._row(OURS, Judged("unresolved", SETTLES))]
-        jacobians = exact_jacobians(self.sessions.scenario, at.states, at.timesteps)
-        exact = Exact(self.sessions.scenario, at.states, at.timesteps, jacobians, units)
-        own = cache(partial(own_jacobians, self.sessions, at.states, at.timesteps, units))
-        rows = [
-            self._engines_row(replace(exact, steps=one.steps), own, name, one)
-            for name, one in self.sessions.first.derivatives().items()
-        ]
-        has_window = any(row.window for row in rows)
-        return [*rows, self._own_row(exact, own(1), has_window)]
+            rows = [self._row(name, Judged("unresolved", HELD)) for name in offered]
+            return [*rows, self._own_row(self._settled(), began)]
+        asked = self._asked(1)
+        rows = [self._engines_row(asked, name) for name in offered]
+        if taped := [name for name, one in offered.items() if one.through]:
+            many = self._asked(MANY)
+            rows += [self._engines_row(many, name) for name in taped]
+        return [*rows, self._own_row(asked, time.perf_counter())]
 
-    def _engines_row(
-        self, exact: Exact, own: Callable[[int], Own], name: str, one: Derivative
-    ) -> GradientRow:
+    def _asked(self, steps: int) -> _Asked:
+        """Of so many steps, which last as long as one step of the longer timesteps."""
+        scenario, at, units = self.sessions.scenario, self.at, self.units
+        timesteps = at.timesteps[at.timesteps <= at.timesteps[0] / steps]
+        spans = steps * timesteps
+        jacobians = exact_jacobians(scenario, at.states, spans)
+        own = own_jacobians(self.sessions, at.states, timesteps, units, steps)
+        exact = Exact(scenario, at.states, spans, jacobians, units, steps)
+        return _Asked(exact, own, timesteps)
+
+    def _settled(self) -> _Asked:
+        """Of a step after others, without the longest timesteps, which turn the body by much."""
+        scenario, at, units = self.sessions.scenario, self.at, self.units
+        settling, timesteps = (SETTLING, SETTLING + FURTHER), at.timesteps[FINER:]
+        own, jacobians = settled_jacobians(self.sessions, at.states, timesteps, units, settling)
+        return _Asked(Exact(scenario, at.states, timesteps, jacobians, units), own, timesteps)
+
+    def _engines_row(self, asked: _Asked, name: str) -> GradientRow:
         """A derivative of the engine's; whatever its own code raises is the reason."""
-        began = time.perf_counter()
+        began, steps = time.perf_counter(), asked.exact.steps
+        called = name if steps == 1 else f"{name}, through {steps} steps"
         try:
-            found, is_step = self._found(name, exact)
+            found, is_step = self._found(name, asked)
             if found is None:
                 words = "four numbers of a quaternion instead of the three of a turn"
-                row = self._row(name, Judged("disagrees", f"it is not 6 by 6: {words}?"))
+                row = self._row(called, Judged("disagrees", f"it is not 6 by 6: {words}?"))
             else:
-                noise = noise_of(
-                    self.units, exact.timesteps, self.at.condition, one.epsilon, one.steps
-                )
-                found_to_be = judged(exact, found, noise)
-                if is_step:
-                    found_to_be = beside_own(found_to_be, exact, found, own(one.steps), noise)
-                row = replace(self._row(name, found_to_be), cost=self._cost(name))
-                row = self._with_window(row, partial(self._jacobian, name=name), one.steps)
+                one = self._judged(asked, found, is_step, name)
+                row = replace(self._row(called, one), cost=self._cost(name, steps))
+                row = self._with_window(row, name, is_taped=steps > 1)
         except UnsupportedError as error:
-            row = self._row(name, Judged("unsupported", str(error)))
+            row = self._row(called, Judged("unsupported", str(error)))
         except (EngineError, MemoryError, RuntimeError, ValueError, TypeError) as error:
-            row = self._row(name, Judged("failed", " ".join(str(error).split())))
+            row = self._row(called, Judged("failed", " ".join(str(error).split())))
         return replace(row, seconds=time.perf_counter() - began)
 
-    def _own_row(self, exact: Exact, own: Own, has_window: bool) -> GradientRow:
-        began = time.perf_counter()
-        noise = noise_of(self.units, exact.timesteps, self.at.condition, 0.0)
-        one = judged(exact, own.jacobians, noise + (own.known_to / exact.timesteps)[:, None])
+    def _judged(self, asked: _Asked, found: FloatArray, is_step: bool, name: str) -> Judged:
+        epsilon = self.sessions.first.derivatives()[name].epsilon
+        noise = noise_of(self.units, asked.timesteps, self.at.condition, epsilon)
+        one = judged(asked.exact, found, noise)
+        return beside_own(one, asked.exact, found, asked.own, noise) if is_step else one
+
+    def _own_row(self, asked: _Asked, began: float) -> GradientRow:
+        exact, own = asked.exact, asked.own
+        noise = noise_of(self.units, asked.timesteps, self.at.condition, 0.0)
+        one = judged(exact, own.jacobians, noise + (own.known_to / exact.spans)[:, None])
         if one.reason:
             one = replace(one, reason=f"its steps themselves: {one.reason}")
         row = self._row(OURS, one)
         # Where a scene is opened anew for each difference, a window would take minutes.
-        if self.sessions.first.can_restart and not has_window:
-            row = self._with_window(row, self._own, 1)
+        if self.sessions.first.can_restart:
+            row = self._with_window(row)
         return replace(row, seconds=time.perf_counter() - began)
 
     @property
@@ -191,13 +219,13 @@ class _Study:
         names = self.sessions.scenario.name, self.engine.name, self.method.name, derivative
         return GradientRow(*names, one, timestep=self.window_timestep)
 
-    def _found(self, name: str, exact: Exact) -> tuple[FloatArray | None, bool]:
-        """Jacobians of steps by a derivative, (J, K, 6, 6), and whether it is one of a step."""
-        states, jacobians, is_step = self.at.states, np.empty_like(exact.jacobians), True
+    def _found(self, name: str, asked: _Asked) -> tuple[FloatArray | None, bool]:
+        """Jacobians by a derivative, (J, K, 6, 6), and whether it is one of steps."""
+        states, jacobians, is_step = self.at.states, np.empty_like(asked.exact.jacobians), True
         for j, k in np.ndindex(jacobians.shape[:2]):
-            h, state = float(exact.timesteps[j]) / exact.steps, states.rows(k)
+            h, state = float(asked.timesteps[j]), states.rows(k)
             with self.sessions.at(state, h) as session:
-                found = np.asarray(session.derivatives()[name].compute(), dtype=float)
+                found = np.asarray(_by(session, name, asked.exact.steps)(), dtype=float)
             if found.shape not in ((CHART, CHART), (3, CHART)):
                 return None, is_step
             is_step = len(found) == CHART
@@ -210,35 +238,40 @@ class _Study:
             return found
         return stepped_by_rate(found, session.read_state().omega_body, self.window_timestep)
 
-    def _own(self, session: Session) -> FloatArray:
-        state = session.read_state()
-        return own_jacobian(self.sessions, state, self.window_timestep, self.units, 1)
-
-    def _with_window(
-        self, row: GradientRow, jacobian: Callable[[Session], FloatArray], at_once: int
-    ) -> GradientRow:
-        scenario = self.sessions.scenario
+    def _with_window(self, row: GradientRow, name: str = "", is_taped: bool = False) -> GradientRow:
+        """A row with gradients along a run, by a derivative or by differences of the whole run."""
+        scenario, sessions, h = self.sessions.scenario, self.sessions, row.timestep
+        one = row.judged
         try:
-            with self.sessions.open_at(scenario, row.timestep) as session:
-                along = gradients_along(
-                    session, scenario, row.timestep, self.units, jacobian, at_once
-                )
-        except TapeCut as error:
-            one = row.judged
-            words = one.reason or str(error)
-            return replace(row, judged=replace(one, verdict="disagrees", reason=words))
+            with sessions.open_at(scenario, h) as session:
+                taped: dict[int, FloatArray] = {}
+                if is_taped:
+                    taped = {count: _by(session, name, count)() for count in TAPED}
+                elif not name:
+                    ours = own_jacobian(
+                        sessions, session.read_state(), h, self.units, STEPS.tolist()
+                    )
+                    taped = dict(zip(map(int, STEPS), ours, strict=True))
+                each = (lambda one: self._jacobian(one, name)) if name else None
+                along, cut = gradients_along(session, scenario, h, self.units, each, taped)
         except EngineError as error:
-            one = row.judged
             return replace(row, judged=replace(one, reason=one.reason or f"no window: {error}"))
+        if cut:
+            row = replace(row, judged=replace(one, reason=one.reason or cut, is_own=False))
         return replace(row, window=along, useless_from=useless_from(along))
 
-    def _cost(self, name: str) -> float:
-        """CPU time of a derivative, in plain steps, for each of its own."""
+    def _cost(self, name: str, steps: int) -> float:
+        """CPU time of a derivative, in as many plain steps as it is of."""
         with self.sessions.at(self.at.states.rows(0), float(self.at.timesteps[-1])) as session:
             session.advance(TIMED)
             a_step = session.timed(TIMED)[0] / TIMED
-            one, began = session.derivatives()[name], time.process_time()
+            compute, began = _by(session, name, steps), time.process_time()
             for _ in range(TIMES):
-                one.compute()
-            taken = time.process_time() - began
-            return taken / TIMES / one.steps / max(a_step, 1e-9)
+                compute()
+            return (time.process_time() - began) / TIMES / max(a_step, 1e-9) / steps
+
+
+def _by(session: Session, name: str, steps: int) -> Callable[[], FloatArray]:
+    """Computes a derivative of so many steps, many by what the engine has for many."""
+    one = session.derivatives()[name]
+    return one.compute if steps == 1 or one.through is None else partial(one.through, steps)

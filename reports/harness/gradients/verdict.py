@@ -47,9 +47,7 @@ class Judged:
     is_own: bool | None = None
 
 
-def noise_of(
-    units: Units, timesteps: FloatArray, condition: float, epsilon: float, steps: int = 1
-) -> FloatArray:
+def noise_of(units: Units, timesteps: FloatArray, condition: float, epsilon: float) -> FloatArray:
     """The standard deviation of what a derivative gains, in units, 1/s, (J, 6) by columns.
 
     Parameters
@@ -57,12 +55,11 @@ def noise_of(
     condition : that rounding of the moments grows by
     epsilon : of finite differences, rad and rad/s; 0 of exact derivatives. What they omit grows
         with it, and is a fault beyond the cube root of an ulp, where central ones are best
-    steps : that each of the timesteps consists of
     """
-    rounding, each = ULPS * units.ulp * steps, units.each
+    rounding, each = ULPS * units.ulp, units.each
     of_state = rounding * (each / epsilon if epsilon else np.ones(CHART))
     omitted = ULPS * units.rate * np.minimum(epsilon / each, units.ulp ** (1 / 3))
-    of_body = ULPS * units.ulp * condition * units.rate
+    of_body = rounding * condition * units.rate
     return np.asarray(of_state / timesteps[:, None] + omitted + of_body)
 
 
@@ -100,7 +97,7 @@ def beside_own(one: Judged, exact: Exact, found: FloatArray, own: Own, noise: Fl
     units = exact.units
     wanted = units.of(own.jacobians)
     apart = units.of(found) - wanted
-    of_found = noise * exact.timesteps[:, None]
+    of_found = noise * exact.spans[:, None]
     most = SURE * (of_found + own.known_to[:, None])[:, None, None, :]
     is_own = bool((np.abs(apart) <= most).all())
     reason = one.reason
@@ -124,13 +121,13 @@ def _series(exact: Exact, off: FloatArray, noise: FloatArray) -> list[GainSeries
     each = np.tile(noise, (1, K))
     # Columns of differences share a step, so that they are not judged together.
     return [
-        fitted(exact.timesteps, half, each, LEVEL / HALVES, may_split=False, is_pooled=False)
+        fitted(exact.spans, half, each, LEVEL / HALVES, may_split=False, is_pooled=False)
         for half in np.split(columns, HALVES, axis=2)
     ]
 
 
 def _gains(exact: Exact, off: FloatArray) -> FloatArray:
-    return np.asarray(exact.units.of(off) / exact.timesteps[:, None, None, None])
+    return np.asarray(exact.units.of(off) / exact.spans[:, None, None, None])
 
 
 def _tail(series: list[GainSeries]) -> float:

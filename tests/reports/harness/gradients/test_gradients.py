@@ -9,7 +9,7 @@ Not verified: Brax. MJX's derivatives take long to compile: on two of the scenes
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import mujoco
 import numpy as np
@@ -30,6 +30,7 @@ from spincheck.scenarios.rotation import matrix
 pytestmark = pytest.mark.slow
 
 MUJOCO = engines()["mujoco"]
+#: MuJoCo's own.
 HONEST = MuJoCoSession.derivatives
 #: What an engine or its adapter does not differentiate, by words of the reason.
 OUT_OF_REACH = ("RK4 integrator is not supported", "its caller's")
@@ -193,13 +194,14 @@ FAULTS: dict[str, tuple[Callable[[Step], FloatArray], str, Callable[[Scenario], 
 @each_case("name", list(FAULTS))
 def test_a_planted_fault_is_named(monkeypatch: pytest.MonkeyPatch, name: str) -> None:
     mistake, words, applies = FAULTS[name]
+    honest = MuJoCoSession.derivatives
     untold: dict[str, str] = {}
     for scene in map(library_scene, SCENES):
         if not applies(scene):
             continue
 
         def planted(session: MuJoCoSession, scene: Scenario = scene) -> dict[str, Derivative]:
-            centred = HONEST(session)["mjd_transitionFD, centred"]
+            centred = honest(session)["mjd_transitionFD, centred"]
             return {
                 "planted": Derivative(
                     lambda: mistake(Step(session, scene, centred.compute())), centred.epsilon
@@ -285,6 +287,19 @@ def test_a_call_that_ends_with_its_process_is_a_row() -> None:
     assert row.judged.reason
 
 
+def test_states_whose_derivative_is_not_finite_are_counted(monkeypatch: pytest.MonkeyPatch) -> None:
+    """As of a norm that is differentiated at zero."""
+    honest, asked = MuJoCoSession.derivatives, iter(range(10**6))
+
+    def mostly(session: MuJoCoSession) -> dict[str, Derivative]:
+        one = honest(session)["mjd_transitionFD, centred"]
+        return {"nan": Derivative(lambda: one.compute() * (1.0 if next(asked) else np.nan), 1e-6)}
+
+    monkeypatch.setattr(MuJoCoSession, "derivatives", mostly)
+    one = gradients_of(library_scene("fast-top"), MUJOCO, "Euler")[0].judged
+    assert (one.verdict, one.reason) == ("disagrees", "it is not finite from 1 of 40 states")
+
+
 def test_a_windows_gradient_is_off_by_the_error_of_its_steps() -> None:
     """Of first order: half the error with half the timestep, at the same time."""
     scene, errors = library_scene("fast-top"), []
@@ -295,82 +310,60 @@ def test_a_windows_gradient_is_off_by_the_error_of_its_steps() -> None:
     assert np.allclose(shared, 2.0, rtol=0.1), shared
 
 
-#: Steps that a planted tape goes through.
-TAPED = 16
+#: Steps that a tape through so many is of, what becomes of its Jacobian, and words of the reason.
+TAPES: dict[str, tuple[Callable[[int], range], Callable[[int, FloatArray], FloatArray], str]] = {
+    "honest": (range, lambda _, J: J, ""),
+    "half": (lambda n: range(n // 2), lambda _, J: J, "the tape is cut: it is of 4 of 8 steps"),
+    "zero": (range, lambda _, J: 0 * J, "it is zero: nothing is differentiated"),
+    "not finite": (range, lambda _, J: np.nan * J, "it is not finite"),
+    "none": (lambda _: range(0), lambda _, J: J, "it is the identity"),
+    "32 at most": (lambda n: range(min(n, 32)), lambda _, J: J, "cut: it is of the first 32"),
+    "the last 32": (
+        lambda n: range(max(n - 32, 0), n),
+        lambda _, J: J,
+        "cut: it is of the last 32",
+    ),
+    "zero if long": (range, lambda n, J: J * (n < 9), "over 64 steps it is zero"),
+    "NaN if long": (range, lambda n, J: J * (1.0 if n < 9 else np.nan), "64 steps it is not fin"),
+    "another if long": (range, lambda n, J: J * (1.0 if n < 9 else 1.01), "64 steps it is not the"),
+}
 
 
-@each_case(
-    ("held", "words"),
-    {
-        "all": (range(TAPED), ""),
-        "first": (range(12), "the tape is cut: of 16 steps it holds 12"),
-        "last": (range(12, TAPED), "the tape is cut: of 16 steps it holds 4"),
-    },
-)
-def test_a_tape_that_is_cut_is_named(
-    monkeypatch: pytest.MonkeyPatch, held: range, words: str
+@each_case("name", list(TAPES))
+def test_a_tape_through_many_steps_is_right_or_the_fault_is_named(
+    monkeypatch: pytest.MonkeyPatch, name: str
 ) -> None:
+    kept, after, words = TAPES[name]
 
-    def through(session: MuJoCoSession) -> FloatArray:
-        before, whole = session.read_state(), np.eye(6)
-        for n in range(TAPED):
-            if n in held:
-                whole = HONEST(session)["mjd_transitionFD, centred"].compute() @ whole
-            session.advance(1)
-        session.restart(before)
-        return whole
-
-    monkeypatch.setattr(
-        MuJoCoSession,
-        "derivatives",
-        lambda session: {"tape": Derivative(lambda: through(session), 1e-6, TAPED)},
-    )
-    found = {
-        scene: gradients_of(library_scene(scene), MUJOCO, "Euler")[0].judged
-        for scene in SCENES[::4]
-    }
-    wanted = "disagrees" if words else "converges"
-    untold = {scene: one for scene, one in found.items() if one.verdict != wanted}
-    assert not untold
-    assert {one.reason for one in found.values()} == {words}
-    assert {one.is_own for one in found.values()} == {not words}
-
-
-@each_case(
-    ("left", "words"),
-    {
-        "zero": (np.zeros((6, 6)), "zero"),
-        "detached": (np.eye(6), "the identity"),
-        "nan": (np.full((6, 6), np.nan), "not finite"),
-    },
-)
-def test_a_derivative_that_ends_within_a_run_is_named(
-    monkeypatch: pytest.MonkeyPatch, left: FloatArray, words: str
-) -> None:
-    """As of a buffer that holds so many steps."""
-
-    def cut(session: MuJoCoSession) -> dict[str, Derivative]:
-        found = HONEST(session)["mjd_transitionFD, centred"]
-        is_taped = session.data.time < 63.5 * session.model.opt.timestep
-        return {"cut": found if is_taped else Derivative(lambda: left)}
-
-    monkeypatch.setattr(MuJoCoSession, "derivatives", cut)
-    one = gradients_of(library_scene("fast-top"), MUJOCO, "Euler")[0].judged
-    assert one.verdict == "disagrees"
-    assert one.reason == f"the tape is cut after 64 steps: from there on it is {words}"
-
-
-def test_states_whose_derivative_is_not_finite_are_counted(monkeypatch: pytest.MonkeyPatch) -> None:
-    """As of a norm that is differentiated at zero."""
-    asked = iter(range(10**6))
-
-    def mostly(session: MuJoCoSession) -> dict[str, Derivative]:
+    def planted(session: MuJoCoSession) -> dict[str, Derivative]:
         one = HONEST(session)["mjd_transitionFD, centred"]
-        return {"nan": Derivative(lambda: one.compute() * (1.0 if next(asked) else np.nan), 1e-6)}
 
-    monkeypatch.setattr(MuJoCoSession, "derivatives", mostly)
-    one = gradients_of(library_scene("fast-top"), MUJOCO, "Euler")[0].judged
-    assert (one.verdict, one.reason) == ("disagrees", "it is not finite from 1 of 40 states")
+        def through(steps: int) -> FloatArray:
+            before, jacobian = session.read_state(), np.eye(6)
+            for step in range(steps):
+                if step in kept(steps):
+                    jacobian = one.compute() @ jacobian
+                session.advance(1)
+            session.restart(before)
+            return after(steps, jacobian)
+
+        return {"planted": replace(one, through=through)}
+
+    monkeypatch.setattr(MuJoCoSession, "derivatives", planted)
+    single, many, _ = gradients_of(library_scene("fast-top"), MUJOCO, "Euler")
+    assert (single.judged.verdict, single.judged.reason) == ("converges", "")
+    assert many.derivative == "planted, through 8 steps"
+    found = many.judged
+    assert words in found.reason
+    is_told = found.reason or found.verdict != "converges" or found.is_own is False
+    assert bool(is_told) == bool(words)
+
+
+@each_case("method", ["maximal", "multibody-p2p"])
+def test_steps_of_a_body_that_a_constraint_holds_are_judged_after_they_settled(method: str) -> None:
+    (row,) = gradients_of(library_scene("fast-top"), installed("pybullet"), method)
+    assert (row.derivative, row.judged.verdict, row.judged.order) == (OURS, "converges", 1)
+    assert row.window[-1].cosine > 0.9
 
 
 @each_case(
