@@ -17,7 +17,7 @@ SPREAD := football-spiral book-middle-axis fast-top lopsided-body motor-driven-t
 	--method default --method RK4 --method multibody
 
 .PHONY: docs results report engines engines-2026 test quick pythons bench kills survey thresholds random suite
-.PHONY: encodings known-issues lines
+.PHONY: encodings known-issues lines recorded-motions
 .PHONY: lint types contract check schema format-page engine-verdicts clean
 
 # The page is there to look at after the free and the heavy tops, on short ladders and without the
@@ -38,8 +38,8 @@ engines: $(INSTALLED)
 
 # Engines of 500 MB and more that compile their kernels for minutes, once: apart, so that `make engines` stays fast.
 engines-2026: $(INSTALLED)
-	@echo "Installing Newton and MuJoCo Warp, 500 MB."
-	$(BIN)/pip install --quiet --editable '.[mujoco-warp,newton]'
+	@echo "Installing Brax, MuJoCo Warp and Newton, 1 GB."
+	$(BIN)/pip install --quiet --editable '.[brax,mujoco-warp,newton]'
 
 test: $(READY)
 	$(BIN)/pytest -n auto --dist loadfile --no-loadscope-reorder tests scenarios/library
@@ -94,6 +94,10 @@ encodings: $(READY)
 # What became of public issues on the rotation of single bodies, in the engines at hand; docs/measured/known-issues.md.
 known-issues: $(READY)
 	PYTHONPATH=tests/support $(BIN)/python tests/reports/harness/measure_known_issues.py
+
+# What judge says of motions with the faults of public reports, and of honest ones; docs/measured/recorded-motions.md.
+recorded-motions: $(READY)
+	PYTHONPATH=tests/support $(BIN)/python tests/reports/harness/recorded/measure_explanations.py
 
 # What engines hold of the robots of public packages (200 MB of them): docs/measured/public-models.md.
 survey: $(READY)

@@ -21,14 +21,16 @@ class Derivative:
 
     Attributes
     ----------
-    compute : returns it, (6, 6) of the next step, or (3, 6) of dω/dt, and leaves the state as it
+    compute : returns it, (6, 6) of the next steps, or (3, 6) of dω/dt, and leaves the state as it
         is; raises `EngineError` if the engine refuses
     epsilon : the change of a number that differences are taken with, rad and rad/s; 0 of an exact
         derivative
+    steps : how many steps it goes through
     """
 
     compute: Callable[[], FloatArray]
     epsilon: float = 0.0
+    steps: int = 1
 
 
 def numbers_by_chart(q_wxyz: FloatArray) -> FloatArray:

@@ -51,8 +51,6 @@ class Engine(Adapted, ABC):
     family : a name for several optional engines, by which users may ask for all of them
     of_file : whether it loads the link that a scene names out of the user's own model file
     script_language : what `script` is written in
-    steps_in : the native function in which its steps are taken, as valgrind names it, `*` for any
-        characters; empty if they are not all native
     has_batches : whether `open_batch` is implemented
     describes : features of `Description` that `open_with` can write
     varied : in which way it opens scenes otherwise than users' engine does, by name; empty for an
@@ -71,7 +69,6 @@ class Engine(Adapted, ABC):
     family: str = ""
     of_file: bool = False
     script_language: Literal["Python", "JavaScript"] = "Python"
-    steps_in: str = ""
     has_batches: bool = False
     describes: frozenset[str] = frozenset()
     varied: Mapping[str, Any] = {}

@@ -9,7 +9,7 @@ class Fact:
 
     Attributes
     ----------
-    name : what it is called; observables of a run use the same names
+    name : what it is called
     value : may be inf: a period on a separatrix
     unit : SI, degrees ("deg") for angles, "" for ratios
     meaning : formula or explanation, in a line

@@ -12,7 +12,7 @@ from scipy.integrate import DOP853
 
 from ..scenarios import FloatArray
 from .kernel import called, kernel
-from .other_equations import FIRST_ANGLES, WORLD, OtherEquations
+from .other_equations import FIRST_ANGLES, KEPT_IN_WORLD, WORLD, OtherEquations
 
 #: rad of a step of `EXACT`, whose error is then an ulp.
 TURN = 0.2
@@ -203,6 +203,8 @@ def _turning(e: OtherEquations, R: FloatArray, omega: Vector) -> Vector:
         return omega
     if e.kinematics == WORLD:
         return _to_body(R, omega)
+    if e.kinematics == KEPT_IN_WORLD:
+        return _times(R, omega)
     which = e.kinematics - FIRST_ANGLES
     i, j, k = which // 9, which // 3 % 3, which % 3
     # Where an axis comes twice the components are the rates of the angles in order.
@@ -237,7 +239,11 @@ def _rates(e: OtherEquations, y: FloatArray, R: FloatArray, stage: FloatArray) -
     for i in range(4):
         stage[i] = 0.0
     _add_product(y, 1.0, turning, stage)
-    _put(_by_tensor(e, e.inverse, R, _torque(e, R, omega)), stage, 4)
+    accelerated = _by_tensor(e, e.inverse, R, _torque(e, R, omega))
+    if e.kinematics == KEPT_IN_WORLD:
+        # Body axes turn with the attitude, and no component along world axes does.
+        accelerated = _plus(accelerated, _cross(omega, turning), 1.0)
+    _put(accelerated, stage, 4)
     _put(turning, stage, 7)
 
 

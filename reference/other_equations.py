@@ -11,12 +11,12 @@ import numpy as np
 
 from ..scenarios import FloatArray, Scenario
 
-#: How q' is a product of q and ω: as it is due, or with ω, along body axes, on the side of world
-#: axes.
-BODY, WORLD = 0, 1
+#: How q' is a product of q and ω: as it is due; with ω, along body axes, on the side of world axes;
+#: or with ω, along world axes, in which its components are kept, on the side of body axes.
+BODY, WORLD, KEPT_IN_WORLD = 0, 1, 2
 #: A kinematic number above is a convention of Euler angles, `FIRST_ANGLES` + 9 i + 3 j + k for
 #: R = R_i(a) R_j(b) R_k(c), whose rates ω is taken for.
-FIRST_ANGLES = 2
+FIRST_ANGLES = 3
 
 
 class OtherEquations(NamedTuple):
@@ -34,7 +34,7 @@ class OtherEquations(NamedTuple):
     slowing : c, a, b
     lever, mobility : from a table to the com, m, and 1/mass, which is 0 without a table
     in_world : whether I and G are along world axes
-    kinematics : `BODY`, `WORLD`, or of Euler angles
+    kinematics : `BODY`, `WORLD`, `KEPT_IN_WORLD`, or of Euler angles
     rate : rad/s besides ‖ω‖, at which the state may change
     """
 

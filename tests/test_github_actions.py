@@ -1,19 +1,32 @@
-"""The workflow for GitHub Actions calls existing commands with existing options."""
+"""The workflows for GitHub Actions call existing commands with existing options."""
 
 import re
 import shlex
 from pathlib import Path
 
+import numpy as np
 import pytest
 import typer
+from command_line import ended
+from planted_physics import Ungyroscopic
 from spincheck.reports.cli.app import app
+from spincheck.scenarios import load
+from spincheck.suite import SCENES
+from stepped import METHODS, Stepped, SteppedEngine
 
-WORKFLOW = Path(__file__).parents[1] / "docs/how-to/github-actions.yml"
-LINES = re.findall(r"\bspincheck [a-z]+ [^\n]*", WORKFLOW.read_text(encoding="utf-8"))
-CALLS = [line for line in LINES if not line.endswith((".", ","))]
+HOW_TO = Path(__file__).parents[1] / "docs/how-to"
+WORKFLOW, JUDGING = HOW_TO / "github-actions.yml", HOW_TO / "github-actions-judge.yml"
 
 
-@pytest.mark.parametrize("call", CALLS)
+def calls(workflow: Path) -> list[str]:
+    lines = re.findall(r"\bspincheck [a-z]+ [^\n]*", workflow.read_text(encoding="utf-8"))
+    return [line for line in lines if not line.endswith((".", ","))]
+
+
+CALLS, (JUDGE,) = calls(WORKFLOW), [call for call in calls(JUDGING) if "judge" in call]
+
+
+@pytest.mark.parametrize("call", [*CALLS, JUDGE])
 def test_a_call_is_of_a_command_with_its_options(call: str) -> None:
     name, *words = shlex.split(call.partition(">")[0])[1:]
     commands = vars(typer.main.get_command(app))["commands"]
@@ -31,3 +44,26 @@ def test_what_is_compared_and_shown_is_what_the_run_wrote() -> None:
     written = re.search(r"spincheck run .*--out (\S+)", WORKFLOW.read_text(encoding="utf-8"))
     assert written is not None
     assert all(written[1] in call for call in CALLS if call.split()[1] in ("compare", "report"))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", [Stepped, Ungyroscopic])
+def test_a_simulator_that_is_judged_passes_and_one_with_a_fault_does_not(
+    kind: type[Stepped], tmp_path: Path
+) -> None:
+    (tmp_path / "scenes").mkdir()
+    file = SCENES / "free-asymmetric.toml"
+    (tmp_path / "scenes/my-body.toml").write_text(file.read_text(encoding="utf-8"))
+    scene = load(file)
+    for name, timestep in zip(
+        re.findall(r"motion-\d\.csv", JUDGE), re.findall(r"--timestep (\S+)", JUDGE), strict=True
+    ):
+        steps = np.arange(0, round(1.0 / float(timestep)) + 1, round(0.02 / float(timestep)))
+        motion = SteppedEngine(kind).run(scene, METHODS[2], float(timestep), steps).trajectory
+        assert motion is not None
+        table = np.column_stack([motion.t, motion.q_world_body_wxyz, motion.omega_body])
+        heads = "t,qw,qx,qy,qz,wx,wy,wz"
+        np.savetxt(tmp_path / name, table, delimiter=",", header=heads, comments="")
+    code, out, _ = ended(*shlex.split(JUDGE)[1:], cwd=tmp_path)
+    assert (code, "no gyroscopic torque" in out) == (int(kind is Ungyroscopic),) * 2
+    assert (tmp_path / "spincheck-judged").is_dir()

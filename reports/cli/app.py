@@ -128,13 +128,6 @@ def run(
         bool,
         typer.Option("--quick", help="Fewer timesteps, without timing; hard scenes only if named."),
     ] = False,
-    instructions: Annotated[
-        bool,
-        typer.Option(
-            "--instructions",
-            help="Count the instructions of a step, too, under valgrind, which is slow.",
-        ),
-    ] = False,
     time_limit: TimeLimit = None,
     python: Python = "",
     vary: Vary = None,
@@ -169,15 +162,12 @@ def run(
 
     named = (engine or [], method or [], timestep or [])
     is_sweep = bool(vary) or ensemble is not None
-    if instructions:
-        running.check_counting(timed=not (quick or is_sweep))
     if seed is not None and ensemble is None:
         raise Complaint("'--seed' is for an ensemble; '--ensemble' scatters a scene into one")
     of_ladders = {"--quick": quick, "--as": as_encoded, "--strict": strict}
     is_not = "is for ladders; '--vary' and '--ensemble' have none"
     if worlds:
-        of_ladders |= {"--vary": vary, "--ensemble": ensemble, "--instructions": instructions}
-        of_ladders |= {"--python": python}
+        of_ladders |= {"--vary": vary, "--ensemble": ensemble, "--python": python}
         is_not = "is not for '--worlds', which compares batches with worlds alone"
     for option, is_given in of_ladders.items() if worlds or is_sweep else ():
         if is_given:
@@ -200,7 +190,6 @@ def run(
         jobs,
         out,
         quick=quick,
-        counted=instructions,
         time_limit=time_limit,
         again=again,
         python=python,

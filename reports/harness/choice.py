@@ -19,7 +19,6 @@ class Choice:
     timesteps : s; if empty, the ladder is run
     max_steps : a ladder ends before a run would take more steps
     timed : whether steps are timed
-    counted : whether their instructions are counted, too
     hard_in_passing : whether hard scenes get short ladders without timing, as in a quick study:
         which methods survive shows in few steps
     time_limit : s, that a run may take; the workers' own limit if None
@@ -31,7 +30,6 @@ class Choice:
     timesteps: tuple[float, ...] = ()
     max_steps: int = MAX_STEPS
     timed: bool = True
-    counted: bool = False
     hard_in_passing: bool = False
     time_limit: float | None = None
     again: bool = False

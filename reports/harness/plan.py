@@ -73,8 +73,7 @@ def plan(scenarios: Sequence[Scenario], choice: Choice, store: Store) -> Plan:
         SceneLeft(
             scenario,
             [pair for key, pair in choice.methods_on(scenario).items() if key not in settled],
-            choice.times(scenario)
-            and (choice.counted or _untimed(scenario, choice, settled, timed)),
+            choice.times(scenario) and _untimed(scenario, choice, settled, timed),
         )
         for scenario in scenarios
     ]

@@ -113,6 +113,7 @@ def judge(
     omega_world: "ArrayLike | None" = None,
     com: "ArrayLike | None" = None,
     velocity: "ArrayLike | None" = None,
+    spins: "ArrayLike | None" = None,
     timestep: float | None = None,
     precision: str | None = None,
     order: int = 1,
@@ -129,6 +130,7 @@ def judge(
     q_wxyz, q_xyzw : (n, 4) attitudes, body to world components; one of the two
     omega_body, omega_world : (n, 3) rad/s; at most one, else ω is found from the attitudes
     com, velocity : (n, 3) m and m/s, world axes, of the centre of mass, if there
+    spins : (n, rotors) rad/s, relative to the body, of a scene with rotors, if there
     timestep : s, that a method made it with; else its samples' distance is assumed
     precision : "single" or "double", in which it was computed; else the numbers tell
     order : of accuracy, of the method that made it
@@ -147,6 +149,7 @@ def judge(
     made = Made(timestep, precision, order, noise_attitude, noise_omega)
     arrays = {"t": t, "q_wxyz": q_wxyz, "q_xyzw": q_xyzw, "omega_body": omega_body}
     arrays |= {"omega_world": omega_world, "com": com, "velocity": velocity}
+    arrays["spins"] = spins
     scenario = load(scene)
     _compile_first()
     return judged(scenario, {name: a for name, a in arrays.items() if a is not None}, made)

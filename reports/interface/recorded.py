@@ -13,7 +13,8 @@ from spincheck.reports.harness.recorded.text_formats import setting
 from spincheck.reports.results.verdicts import Verdict
 from spincheck.scenarios import FloatArray, Scenario
 
-#: By the name of an argument, the quantity that it gives and its number of components.
+#: By the name of an argument, the quantity that it gives and its number of components: of t none,
+#: of spins any.
 ARGUMENTS = {
     "t": ("t", None),
     "q_wxyz": ("q", 4),
@@ -22,6 +23,7 @@ ARGUMENTS = {
     "omega_world": ("omega", 3),
     "com": ("com", 3),
     "velocity": ("velocity", 3),
+    "spins": ("spins", None),
 }
 
 
@@ -72,8 +74,8 @@ def judged(scenario: Scenario, arguments: Mapping[str, ArrayLike], made: Made) -
     for name, values in arguments.items():
         quantity, width = ARGUMENTS[name]
         array = np.asarray(values, dtype=float)
-        if array.ndim != (1 if width is None else 2) or (width and array.shape[1] != width):
-            form = "(n,)" if width is None else f"(n, {width})"
+        if array.ndim != (1 if name == "t" else 2) or (width and array.shape[1] != width):
+            form = "(n,)" if name == "t" else f"(n, {width or 'rotors'})"
             raise ValueError(f"'{name}' must have the shape {form}, got {array.shape}.")
         if quantity in arrays:
             raise ValueError(f"'{name}' must not be given besides the same in another form.")

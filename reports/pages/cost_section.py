@@ -23,13 +23,11 @@ def reach_table(scene: SceneRuns, signal: str) -> Table:
 
     Second lines, shown in HTML only: the timestep, or the error that rounding may cause at it.
     """
-    counts = {runs.pair: _instructions(runs) for runs in scene.methods}
     rows = []
     for runs in scene.methods:
-        curve, count = curve_of(scene, runs, signal), counts[runs.pair] or NOTHING
-        counted = {"instructions a step": figure(count)} if any(counts.values()) else {}
+        curve = curve_of(scene, runs, signal)
         cells = {to: _reach_cell(reach(curve, level)) for to, level in TO_LEVEL.items()}
-        rows.append(named(runs.pair) | _step_costs(runs) | counted | cells)
+        rows.append(named(runs.pair) | _step_costs(runs) | cells)
     return records(rows)
 
 
@@ -71,12 +69,6 @@ def _step_costs(runs: MethodRuns) -> dict[str, Cell]:
         cpu = Cell(_microseconds(row.seconds_per_step), "number", above)
         wall = figure(_microseconds(row.wall_seconds_per_step))
     return {"CPU a step, µs": cpu, "wall a step, µs": wall}
-
-
-def _instructions(runs: MethodRuns) -> str:
-    """The instructions of a step; empty if they were not counted."""
-    counts = (row.instructions_per_step for row in runs.rows if row.instructions_per_step)
-    return next((f"{count:,.1f}" for count in counts), "")
 
 
 def _microseconds(seconds: float | None) -> str:

@@ -173,7 +173,6 @@ def _scene(scene: SceneRuns) -> dict[str, Any]:
             "facts": scene_tables.facts_table(scene.solved),
             "costs": scene_costs(scene),
             "drifts": scene_tables.drifts_table(scene),
-            "observables": scene_tables.observables_table(scene),
             "published": scene_tables.published_table(scene.solved.scenario),
             "models": _models(scene.solved.scenario),
             "defaults": default_tables(scene),

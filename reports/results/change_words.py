@@ -110,6 +110,9 @@ KINDS = {
         "q' = ½ ω q, as if ω were along world axes: the product is on the wrong side",
         is_kinematic=True,
     ),
+    "wrong side in world axes": Kind(
+        "q' = ½ q ω with ω along world axes: the product is on the wrong side", is_kinematic=True
+    ),
     "wrong side, no ½": Kind("q' = ω q, without the ½, and on the wrong side", is_kinematic=True),
     "wrong side, reversed": Kind(
         "q' = −½ ω q, with the other sign, and on the wrong side", is_kinematic=True

@@ -28,14 +28,12 @@ class StepCost:
     seconds_spread : maximum minus minimum over the repeats, CPU seconds
     wall_seconds_per_step : the minimum of the wall time; shorter than the CPU time only if threads
         share the work, longer if another program had the processor
-    instructions_per_step : None unless they were counted (`harness/costs/instructions.py`)
     ratio : of a varied engine, its time over that of the engine as it is
     """
 
     seconds_per_step: Size
     seconds_spread: Size
     wall_seconds_per_step: Size
-    instructions_per_step: Size | None = None
     ratio: Ratio | None = None
 
 

@@ -201,7 +201,6 @@ class Row(Record):
     seconds_per_step, seconds_spread : CPU seconds, least over the repeats, and (max − min) of them;
         None where it was not timed
     wall_seconds_per_step : the least wall time; None where it was not timed
-    instructions_per_step : None where they were not counted
     motion : the samples; None if there are none, or only those of a finer run are kept
     printed : what the engine wrote to the terminal
     stock : whether the timestep is one at which an engine is run on every scene: its own stock
@@ -233,7 +232,6 @@ class Row(Record):
     seconds_per_step: Size | None = None
     seconds_spread: Size | None = None
     wall_seconds_per_step: Size | None = None
-    instructions_per_step: Size | None = None
     motion: Trajectory | None = None
     printed: str = ""
     without_skill: bool = False

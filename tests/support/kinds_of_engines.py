@@ -6,6 +6,7 @@ from spincheck.engines.child import ChildEngine
 
 #: Optional engines of which a name stands in a test; each is run where it is there.
 OPTIONAL = (
+    "brax",
     "cannon-es",
     "dartpy",
     "drake",

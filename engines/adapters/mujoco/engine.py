@@ -128,7 +128,6 @@ class MuJoCo(Engine):
 
     interface = 2
     name = "mujoco"
-    steps_in = "mj_step"
     # Documentation, XML reference, option/timestep.
     stock_timestep = 0.002
     describes = frozenset({"parts", "full tensor", "shape", "joint", "compensated", "urdf"})

@@ -3,7 +3,8 @@
 What it does to a top by default, and how each effect was measured: docs/measured/engines-more.md.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from functools import cached_property
 from importlib import import_module
 from typing import Any, final
 
@@ -11,11 +12,14 @@ import numpy as np
 from spincheck.engine import (
     COMMON_EFFECTS,
     Batch,
+    Derivative,
     FloatArray,
     Method,
     Release,
     Scenario,
     Session,
+    UnsupportedError,
+    along,
 )
 
 from ...scene_record import HeldRotor, WorldBody, scene_record
@@ -75,6 +79,23 @@ class NewtonSession(WorldSession):
             model.joint_axis.numpy()[model.joint_qd_start.numpy()[number]] if turns else np.zeros(3)
         )
         return HeldRotor(mass, place, tensor, axis)
+
+    def derivatives(self) -> Mapping[str, Derivative]:
+        """Those by Warp's tape of a solver's steps."""
+        return {"Warp's tape": Derivative(self._taped)}
+
+    def _taped(self, steps: int = 1) -> FloatArray:
+        motion = self.frame.motion(self.read_state())
+        try:
+            with kernels_kept():
+                found = self._tape.jacobian(motion, self.timestep, steps)
+        except NotImplementedError as error:
+            raise UnsupportedError(f"Newton: {error}") from None
+        return along(self.frame.body_from_axes.as_matrix(), found)
+
+    @cached_property
+    def _tape(self) -> Any:
+        return import_module(f"{__package__}.tape").Tape(self.world)
 
     def active(self) -> frozenset[str]:
         """What acts, as reported by the model and the solver."""

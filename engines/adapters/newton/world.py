@@ -60,7 +60,7 @@ class World:
 
     def __init__(self, scene, method, timestep, others=()):
         self.scene, self.scenes = scene, [scene, *others]
-        solver, options = SOLVERS[method]
+        solver, self.options = SOLVERS[method]
         self.solver_class = getattr(newton.solvers, f"Solver{solver}")
         builder = self.builder()
         if others:
@@ -74,7 +74,7 @@ class World:
         self.model = builder.finalize()
         if method == "steel":
             self.model.steel.rigid_body_angular_damping.zero_()
-        self.solver = self.solver_class(self.model, **options)
+        self.solver = self.solver_class(self.model, **self.options)
         self.now, self.then = self.model.state(), self.model.state()
         self.control = self.model.control()
         self.bodies = self.model.body_count // len(self.scenes)

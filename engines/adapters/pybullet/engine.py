@@ -92,7 +92,6 @@ class PyBullet(Engine):
 
     interface = 1
     name = "pybullet"
-    steps_in = "btDiscreteDynamicsWorld::stepSimulation*"
     # PyBullet quickstart guide, setTimeStep.
     stock_timestep = 1 / 240
     describes = frozenset({"parts", "full tensor", "shape"})

@@ -38,8 +38,8 @@ def print_gradients(rows: Sequence[GradientRow]) -> None:
     """Print what was found, reasons below, then the gradients at the end of windows."""
     table(list(map(_found, rows)))
     for row in rows:
-        if row.reason:
-            print(f"{row.scene} {row.engine} {row.method}, {row.derivative}: {row.reason}")
+        if row.judged.reason:
+            print(f"{row.scene} {row.engine} {row.method}, {row.derivative}: {row.judged.reason}")
     if windows := list(_windows(rows)):
         print("\nGradient of the turn to a target, over the longest window:")
         table(windows)
@@ -52,9 +52,9 @@ def gradients_as_json(rows: Sequence[GradientRow]) -> list[dict[str, Any]]:
 
 def exit_code(rows: Sequence[GradientRow]) -> int:
     """Whether a derivative is wrong, or none could be judged."""
-    if any(row.verdict == "disagrees" or row.is_own is False for row in rows):
+    if any(row.judged.verdict == "disagrees" or row.judged.is_own is False for row in rows):
         return DISAGREES
-    return AGREES if any(row.verdict == "converges" for row in rows) else NOT_RUN
+    return AGREES if any(row.judged.verdict == "converges" for row in rows) else NOT_RUN
 
 
 def _found(row: GradientRow) -> dict[str, object]:
@@ -63,9 +63,9 @@ def _found(row: GradientRow) -> dict[str, object]:
         "engine": row.engine,
         "method": row.method,
         "derivative": row.derivative,
-        "verdict": row.verdict,
-        "order": row.order or "",
-        "off its own step": "" if row.off_own is None else f"{row.off_own:.1e}",
+        "verdict": row.judged.verdict,
+        "order": row.judged.order or "",
+        "off its own step": "" if row.judged.off_own is None else f"{row.judged.off_own:.1e}",
         "cost, steps": "" if row.cost is None else f"{row.cost:.0f}",
         "s": f"{row.seconds:.1f}",
     }

@@ -6,7 +6,6 @@ from pathlib import Path
 
 from ....scenarios import Scenario, did_you_mean, printable
 from ...harness.choice import Choice
-from ...harness.costs.instructions import why_not_counted
 from ...harness.ladder import QUICK_STEPS
 from ...harness.plan import Plan, plan
 from ...harness.scene_checks.published import published_that_do_not_hold
@@ -60,7 +59,6 @@ def run(
     out: Path,
     *,
     quick: bool = False,
-    counted: bool = False,
     time_limit: float | None = None,
     again: bool = False,
     python: str = "",
@@ -83,7 +81,7 @@ def run(
         time_limit=time_limit,
     )
     check_all_apply(choice, scenarios)
-    choice = replace(choice, hard_in_passing=not scenes, again=again, counted=counted)
+    choice = replace(choice, hard_in_passing=not scenes, again=again)
     if quick:
         choice = replace(choice, max_steps=QUICK_STEPS, timed=False)
     check_timesteps(scenarios, choice)
@@ -107,13 +105,6 @@ def run(
             described = run_encodings(scenarios, choice, encodings, store, executor)
         found = replace(store.read(choice.timesteps), varied=described)
         return _asked_for(found, scenarios, choice)
-
-
-def check_counting(*, timed: bool) -> None:
-    """Check that instructions can be counted."""
-    why = why_not_counted() if timed else "with '--quick' or '--ensemble' no steps are timed"
-    if why:
-        raise Complaint(f"'--instructions': {why}")
 
 
 def gone_on_with(out: Path) -> str:

@@ -38,7 +38,7 @@ def short_summary(results: Results, timesteps: Sequence[float] = ()) -> list[str
     lines = [*_counts(results.verdicts), *_first_failure(results.verdicts), *_lost(results.rows)]
     if timesteps:
         return [*lines, *_asked_for(results.rows, timesteps)]
-    return [*lines, *_at_stock(report), *_best(report), *_finest(report), *_counted(report)]
+    return [*lines, *_at_stock(report), *_best(report), *_finest(report)]
 
 
 def _counts(verdicts: Sequence[Verdict]) -> Iterator[str]:
@@ -131,19 +131,6 @@ def _finest(report: ReportData) -> Iterator[str]:
         ranges = "; ".join(f"{label} {span(sizes)}" for label, sizes in coarsest)
         text = f"Errors grow with timesteps below: {ranges}."
         yield from textwrap.wrap(text, WIDTH, max_lines=REASON_LINES, placeholder=" …")
-
-
-def _counted(report: ReportData) -> Iterator[str]:
-    """The instructions of a step, where they were counted."""
-    counts = [
-        f"{runs.label} {row.instructions_per_step:,.1f} on {scene.name}"
-        for scene in report.scenes
-        for runs in scene.methods
-        for row in runs.rows[-1:]
-        if row.instructions_per_step
-    ]
-    if counts:
-        yield from textwrap.wrap(f"Instructions a step: {'; '.join(counts)}.", WIDTH)
 
 
 def _asked_for(rows: Sequence[Row], timesteps: Sequence[float]) -> Iterator[str]:

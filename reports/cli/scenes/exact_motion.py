@@ -30,6 +30,7 @@ COLUMNS = {
     "omega_body": "angular velocity, rad/s, body axes",
     "com_world": "centre of mass, m, world axes",
     "velocity_world": "its velocity, m/s, world axes",
+    "rotors_spin": "spins of the rotors, if there are any, relative to the body, rad/s",
     "L_world": "angular momentum about the pivot, or the centre of mass, kg m²/s, world axes",
     "energy": "kinetic and potential, J, the latter zero at the world's origin",
 }
@@ -54,6 +55,7 @@ def truth_files(scenario: Scenario, sensitivities: bool = False) -> dict[str, st
         "omega_body": motion.omega_body,
         "com_world": motion.com_world,
         "velocity_world": motion.velocity_world,
+        **({"rotors_spin": motion.spins} if motion.spins.size else {}),
         "L_world": angular_momentum_world(scenario, motion),
         "energy": energy(scenario, motion),
     }
@@ -74,11 +76,16 @@ def _csv(scenario: Scenario, solution: Solution, columns: dict[str, FloatArray])
     ]
     lines = [f"# {line}" for line in about]
     table = {name: values.reshape(len(values), -1) for name, values in columns.items()}
-    heads = [f"{name}{end}" for name, v in table.items() for end in LETTERS[v.shape[1]]]
+    heads = [f"{name}{end}" for name, v in table.items() for end in _ends(name, v.shape[1])]
     lines.append(",".join(heads))
     rows = zip(*(values.tolist() for values in table.values()), strict=True)
     lines += [",".join(repr(number) for part in row for number in part) for row in rows]
     return "\n".join([*lines, ""])
+
+
+def _ends(name: str, count: int) -> list[str]:
+    """What the components of a column have behind its name: rotors are numbered."""
+    return [f"_{k}" for k in range(1, count + 1)] if name == "rotors_spin" else LETTERS[count]
 
 
 #: Where a user names no times: the start, the end, and three between.

@@ -1,7 +1,6 @@
 """Times the steps of a scene's methods after all runs, and stores the costs."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 
 from ...results.cost_records import MethodCost
 from ...results.environment import processor
@@ -10,9 +9,8 @@ from ...results.store import Store
 from ..choice import Choice
 from ..executors import CallFailed, Executor
 from ..plan import SceneLeft, can_be_timed, settled_verdicts
-from .instructions import instructions_per_step
 from .left_out import motions_apart, with_all_left_in
-from .step_cost import TimingRefused, measure, timed, timed_timestep
+from .step_cost import TimingRefused, measure, timed
 
 
 def time_scene(
@@ -58,9 +56,6 @@ def _time_scene(
     costs, complaints = measure(executor, scenario, pairs) if pairs else ([], [])
     made = []
     for (engine, method), cost in zip(pairs, costs, strict=True):
-        if choice.counted and cost is not None and not engine.varied:
-            count = instructions_per_step(scenario, engine, method, timed_timestep(scenario))
-            cost = replace(cost, instructions_per_step=count)
         found = apart.get((engine.name, method.name)) if engine.varied else None
         until, difference = (None, None) if isinstance(found, CallFailed | None) else found
         key, varied = Key(scenario.name, engine.name, method.name), variation(engine.varied)

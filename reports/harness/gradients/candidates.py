@@ -31,13 +31,17 @@ KNOWN = 1e-6
 
 @dataclass(frozen=True, eq=False)
 class Exact:
-    """What is differentiated: K states, J timesteps, the exact Jacobians, (J, K, 6, 6)."""
+    """What is differentiated: K states, J times that it is over, the exact Jacobians, (J, K, 6, 6).
+
+    Each is over the same number of steps.
+    """
 
     scenario: Scenario
     states: State
     timesteps: FloatArray
     jacobians: FloatArray
     units: Units
+    steps: int = 1
 
 
 def candidates(exact: Exact, limits: FloatArray) -> Iterator[tuple[str, FloatArray]]:
@@ -52,6 +56,7 @@ def candidates(exact: Exact, limits: FloatArray) -> Iterator[tuple[str, FloatArr
     yield "it is the identity: the step is detached", 0 * P + np.eye(CHART)
     yield "it is transposed", np.swapaxes(P, 2, 3)
     yield "it is the inverse, of a step back", np.asarray(np.linalg.inv(P), dtype=float)
+    yield from _cut(exact, limits)
     half: FloatArray = np.diag(np.repeat([0.5, 1.0], 3))
     twice: FloatArray = np.diag(np.repeat([2.0, 1.0], 3))
     words = "the attitude is in numbers of the quaternion, half of the angle, in its"
@@ -67,6 +72,17 @@ def candidates(exact: Exact, limits: FloatArray) -> Iterator[tuple[str, FloatArr
     swapped = [3, 4, 5, 0, 1, 2]
     yield "ω comes first, and the attitude last", P[:, :, swapped][..., swapped]
     yield from _changed_rates(exact, limits)
+
+
+def _cut(exact: Exact, limits: FloatArray) -> Iterator[tuple[str, FloatArray]]:
+    """What is left of many steps if a tape holds some of them alone."""
+    gained = exact.jacobians - np.eye(CHART)
+    a_second = gained[-1] / exact.timesteps[-1]
+    lost = -(limits * a_second).sum() / (a_second**2).sum()
+    held = round((1 - lost) * exact.steps)
+    if 0 < held < exact.steps:
+        words = f"the tape is cut: of {exact.steps} steps it holds {held}"
+        yield words, np.eye(CHART) + held / exact.steps * gained
 
 
 def _detached(P: FloatArray) -> Iterator[tuple[str, FloatArray]]:

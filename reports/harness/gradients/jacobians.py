@@ -67,12 +67,13 @@ def exact_jacobians(scenario: Scenario, states: State, timesteps: FloatArray) ->
 
 
 def own_jacobian(
-    sessions: Sessions, state: State, timestep: float, units: Units, share: float = 1.0
+    sessions: Sessions, state: State, timestep: float, units: Units, steps: int, share: float = 1.0
 ) -> FloatArray:
-    """That of an engine's own step, by central differences of it, (6, 6).
+    """That of an engine's own steps, by central differences of them, (6, 6).
 
     Parameters
     ----------
+    steps : how many
     share : of the change that is best where derivatives are of the size of the units
     """
 
@@ -80,7 +81,7 @@ def own_jacobian(
         ended = []
         for k in range(len(states.omega_body)):
             with sessions.at(states.rows(k), timestep) as session:
-                session.advance(1)
+                session.advance(steps)
                 ended.append(session.snapshot())
         return sessions.first.states(ended)
 
@@ -126,24 +127,26 @@ class Own:
 
     Attributes
     ----------
-    jacobians : from K states with J timesteps, (J, K, 6, 6)
-    known_to : in units, for each timestep, (J,): what rounding makes, or half the change does
+    jacobians : from K states over J times, (J, K, 6, 6)
+    known_to : in units, for each time, (J,): what rounding makes, or half the change does
     """
 
     jacobians: FloatArray
     known_to: FloatArray
 
 
-def own_jacobians(sessions: Sessions, states: State, timesteps: FloatArray, units: Units) -> Own:
-    """Those from K states with J timesteps, with two sizes of the change."""
+def own_jacobians(
+    sessions: Sessions, states: State, times: FloatArray, units: Units, steps: int
+) -> Own:
+    """Those from K states over J times, of so many steps each, with two sizes of the change."""
     found, finer = (
         np.array(
             [
                 [
-                    own_jacobian(sessions, states.rows(k), float(h), units, share)
+                    own_jacobian(sessions, states.rows(k), float(t) / steps, units, steps, share)
                     for k in range(len(states.omega_body))
                 ]
-                for h in timesteps
+                for t in times
             ]
         )
         for share in (1.0, 0.5)

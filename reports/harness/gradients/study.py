@@ -3,11 +3,13 @@
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import cache, partial
 
 import numpy as np
 
 from ....engines import Engine, EngineError, Method, Session, UnsupportedError
 from ....engines.checks.equations import Equations
+from ....engines.derivative import Derivative
 from ....reference import ExactMotion
 from ....scenarios import FloatArray, Scenario
 from ....scenarios.fastest_rate import fastest_rate
@@ -27,8 +29,8 @@ from .jacobians import (
     stepped_by_rate,
     units_of,
 )
-from .verdict import beside_own, judged, noise_of
-from .window import Gradient, gradients_along, useless_from
+from .verdict import Judged, beside_own, judged, noise_of
+from .window import Gradient, TapeCut, gradients_along, useless_from
 
 #: Exact states that steps are taken from.
 STATES = 4
@@ -51,13 +53,8 @@ class GradientRow:
     Attributes
     ----------
     derivative : the engine's name for it, or `OURS`
-    verdict : converges, disagrees, unresolved, unsupported or failed
-    reason : of the verdict, in words
-    order : with which it approaches the motion's derivative as timesteps vanish
-    limit, known_to : what is left then, relative to the fastest rate, and how well that is known
-    off_own, is_own : distance from differences of the engine's own steps, relative, and whether it
-        is no more than rounding; None where no step is differentiated
-    cost : CPU time, in plain steps; None where it could not be taken
+    judged : what was found of it; failed or unsupported where nothing was
+    cost : CPU time in plain steps, of each step that it goes through; None where none was taken
     seconds : until the row was made, with what was compiled
     timestep : s, of the window's steps
     window : gradients along a run
@@ -68,13 +65,7 @@ class GradientRow:
     engine: str
     method: str
     derivative: str
-    verdict: VerdictWord
-    reason: str = ""
-    order: int = 0
-    limit: float = 0.0
-    known_to: float = 0.0
-    off_own: float | None = None
-    is_own: bool | None = None
+    judged: Judged
     cost: float | None = None
     seconds: float = 0.0
     timestep: float = 0.0
@@ -89,8 +80,9 @@ def gradients_by(
     began = time.perf_counter()
     answer = executor.call_at(engine.site, gradients_of, scenario, engine, method, timestep)
     if isinstance(answer.value, CallFailed):
-        made = GradientRow(scenario.name, engine.name, method, OURS, "failed", answer.value.reason)
-        return [replace(made, seconds=time.perf_counter() - began)]
+        failed = Judged("failed", answer.value.reason)
+        seconds = time.perf_counter() - began
+        return [GradientRow(scenario.name, engine.name, method, OURS, failed, seconds=seconds)]
     return answer.value
 
 
@@ -107,8 +99,8 @@ def gradients_of(
 
     def ended(verdict: VerdictWord, reason: str) -> list[GradientRow]:
         seconds = time.perf_counter() - began
-        made = GradientRow(scenario.name, engine.name, method_name, OURS, verdict, reason)
-        return [replace(made, seconds=seconds)]
+        one = Judged(verdict, reason)
+        return [GradientRow(scenario.name, engine.name, method_name, OURS, one, seconds=seconds)]
 
     if reason := engine.unsupported(scenario, method):
         return ended("unsupported", reason)
@@ -142,52 +134,52 @@ class _Study:
         at, units = self.at, self.units
         steps = steps_from(self.sessions, at.states, at.timesteps)
         if gives_way(Equations(self.sessions.scenario), self.engine, steps):
-            return [replace(self._begun(OURS), verdict="unresolved", reason=SETTLES)]
+            return [self._row(OURS, Judged("unresolved", SETTLES))]
         jacobians = exact_jacobians(self.sessions.scenario, at.states, at.timesteps)
         exact = Exact(self.sessions.scenario, at.states, at.timesteps, jacobians, units)
-        own = own_jacobians(self.sessions, at.states, at.timesteps, units)
-        rows = [self._row(exact, own, name) for name in self.sessions.first.derivatives()]
+        own = cache(partial(own_jacobians, self.sessions, at.states, at.timesteps, units))
+        rows = [
+            self._engines_row(replace(exact, steps=one.steps), own, name, one)
+            for name, one in self.sessions.first.derivatives().items()
+        ]
         has_window = any(row.window for row in rows)
-        return [*rows, self._own_row(exact, own, has_window)]
+        return [*rows, self._own_row(exact, own(1), has_window)]
 
-    def _row(self, exact: Exact, own: Own, name: str) -> GradientRow:
+    def _engines_row(
+        self, exact: Exact, own: Callable[[int], Own], name: str, one: Derivative
+    ) -> GradientRow:
         """A derivative of the engine's; whatever its own code raises is the reason."""
         began = time.perf_counter()
-        row = self._begun(name)
         try:
             found, is_step = self._found(name, exact)
             if found is None:
                 words = "four numbers of a quaternion instead of the three of a turn"
-                row = replace(row, verdict="disagrees", reason=f"it is not 6 by 6: {words}?")
+                row = self._row(name, Judged("disagrees", f"it is not 6 by 6: {words}?"))
             else:
-                row = self._judged(row, exact, own if is_step else None, found, name)
+                noise = noise_of(
+                    self.units, exact.timesteps, self.at.condition, one.epsilon, one.steps
+                )
+                found_to_be = judged(exact, found, noise)
+                if is_step:
+                    found_to_be = beside_own(found_to_be, exact, found, own(one.steps), noise)
+                row = replace(self._row(name, found_to_be), cost=self._cost(name))
+                row = self._with_window(row, partial(self._jacobian, name=name), one.steps)
         except UnsupportedError as error:
-            row = replace(row, verdict="unsupported", reason=str(error))
+            row = self._row(name, Judged("unsupported", str(error)))
         except (EngineError, MemoryError, RuntimeError, ValueError, TypeError) as error:
-            row = replace(row, verdict="failed", reason=" ".join(str(error).split()))
+            row = self._row(name, Judged("failed", " ".join(str(error).split())))
         return replace(row, seconds=time.perf_counter() - began)
-
-    def _judged(
-        self, row: GradientRow, exact: Exact, own: Own | None, found: FloatArray, name: str
-    ) -> GradientRow:
-        epsilon = self.sessions.first.derivatives()[name].epsilon
-        noise = noise_of(self.units, exact.timesteps, self.at.condition, epsilon)
-        one = judged(exact, found, noise)
-        if own is not None:
-            one = beside_own(one, exact, found, own, noise)
-        row = replace(row, **vars(one), cost=self._cost(name))
-        return self._with_window(row, lambda session: self._jacobian(session, name))
 
     def _own_row(self, exact: Exact, own: Own, has_window: bool) -> GradientRow:
         began = time.perf_counter()
         noise = noise_of(self.units, exact.timesteps, self.at.condition, 0.0)
-        noise = noise + (own.known_to / exact.timesteps)[:, None]
-        row = replace(self._begun(OURS), **vars(judged(exact, own.jacobians, noise)))
-        if row.reason:
-            row = replace(row, reason=f"its steps themselves: {row.reason}")
+        one = judged(exact, own.jacobians, noise + (own.known_to / exact.timesteps)[:, None])
+        if one.reason:
+            one = replace(one, reason=f"its steps themselves: {one.reason}")
+        row = self._row(OURS, one)
         # Where a scene is opened anew for each difference, a window would take minutes.
         if self.sessions.first.can_restart and not has_window:
-            row = self._with_window(row, self._own)
+            row = self._with_window(row, self._own, 1)
         return replace(row, seconds=time.perf_counter() - began)
 
     @property
@@ -195,16 +187,15 @@ class _Study:
         """The timestep of a window, s."""
         return self.timestep or float(self.at.timesteps[FINE])
 
-    def _begun(self, derivative: str) -> GradientRow:
-        scene = self.sessions.scenario.name
-        row = GradientRow(scene, self.engine.name, self.method.name, derivative, "failed")
-        return replace(row, timestep=self.window_timestep)
+    def _row(self, derivative: str, one: Judged) -> GradientRow:
+        names = self.sessions.scenario.name, self.engine.name, self.method.name, derivative
+        return GradientRow(*names, one, timestep=self.window_timestep)
 
     def _found(self, name: str, exact: Exact) -> tuple[FloatArray | None, bool]:
         """Jacobians of steps by a derivative, (J, K, 6, 6), and whether it is one of a step."""
         states, jacobians, is_step = self.at.states, np.empty_like(exact.jacobians), True
         for j, k in np.ndindex(jacobians.shape[:2]):
-            h, state = float(exact.timesteps[j]), states.rows(k)
+            h, state = float(exact.timesteps[j]) / exact.steps, states.rows(k)
             with self.sessions.at(state, h) as session:
                 found = np.asarray(session.derivatives()[name].compute(), dtype=float)
             if found.shape not in ((CHART, CHART), (3, CHART)):
@@ -221,25 +212,33 @@ class _Study:
 
     def _own(self, session: Session) -> FloatArray:
         state = session.read_state()
-        return own_jacobian(self.sessions, state, self.window_timestep, self.units)
+        return own_jacobian(self.sessions, state, self.window_timestep, self.units, 1)
 
     def _with_window(
-        self, row: GradientRow, jacobian: Callable[[Session], FloatArray]
+        self, row: GradientRow, jacobian: Callable[[Session], FloatArray], at_once: int
     ) -> GradientRow:
         scenario = self.sessions.scenario
         try:
             with self.sessions.open_at(scenario, row.timestep) as session:
-                along = gradients_along(session, scenario, row.timestep, self.units, jacobian)
+                along = gradients_along(
+                    session, scenario, row.timestep, self.units, jacobian, at_once
+                )
+        except TapeCut as error:
+            one = row.judged
+            words = one.reason or str(error)
+            return replace(row, judged=replace(one, verdict="disagrees", reason=words))
         except EngineError as error:
-            return replace(row, reason=row.reason or f"no window: {error}")
+            one = row.judged
+            return replace(row, judged=replace(one, reason=one.reason or f"no window: {error}"))
         return replace(row, window=along, useless_from=useless_from(along))
 
     def _cost(self, name: str) -> float:
-        """CPU time of a derivative, in plain steps."""
+        """CPU time of a derivative, in plain steps, for each of its own."""
         with self.sessions.at(self.at.states.rows(0), float(self.at.timesteps[-1])) as session:
             session.advance(TIMED)
             a_step = session.timed(TIMED)[0] / TIMED
-            compute, began = session.derivatives()[name].compute, time.process_time()
+            one, began = session.derivatives()[name], time.process_time()
             for _ in range(TIMES):
-                compute()
-            return (time.process_time() - began) / TIMES / max(a_step, 1e-9)
+                one.compute()
+            taken = time.process_time() - began
+            return taken / TIMES / one.steps / max(a_step, 1e-9)

@@ -28,10 +28,10 @@ class Judged:
 
     Attributes
     ----------
-    verdict : converges, disagrees or unresolved
+    verdict : converges, disagrees, unresolved, unsupported or failed
     reason : in words
-    order : of the series of what it gains
-    limit : what it gains at vanishing timesteps, or is off at the shortest, in units of the rate
+    order : with which it approaches the motion's derivative as timesteps vanish
+    limit : what is left then, relative to the fastest rate
     known_to : that the limit is known to, likewise
     off_own : distance from differences of the engine's own steps, relative; None if it is a
         derivative of no step, or these differences themselves
@@ -47,7 +47,9 @@ class Judged:
     is_own: bool | None = None
 
 
-def noise_of(units: Units, timesteps: FloatArray, condition: float, epsilon: float) -> FloatArray:
+def noise_of(
+    units: Units, timesteps: FloatArray, condition: float, epsilon: float, steps: int = 1
+) -> FloatArray:
     """The standard deviation of what a derivative gains, in units, 1/s, (J, 6) by columns.
 
     Parameters
@@ -55,11 +57,12 @@ def noise_of(units: Units, timesteps: FloatArray, condition: float, epsilon: flo
     condition : that rounding of the moments grows by
     epsilon : of finite differences, rad and rad/s; 0 of exact derivatives. What they omit grows
         with it, and is a fault beyond the cube root of an ulp, where central ones are best
+    steps : that each of the timesteps consists of
     """
-    rounding, each = ULPS * units.ulp, units.each
+    rounding, each = ULPS * units.ulp * steps, units.each
     of_state = rounding * (each / epsilon if epsilon else np.ones(CHART))
     omitted = ULPS * units.rate * np.minimum(epsilon / each, units.ulp ** (1 / 3))
-    of_body = rounding * condition * units.rate
+    of_body = ULPS * units.ulp * condition * units.rate
     return np.asarray(of_state / timesteps[:, None] + omitted + of_body)
 
 
@@ -67,7 +70,9 @@ def judged(exact: Exact, found: FloatArray, noise: FloatArray) -> Judged:
     """Judge Jacobians of steps, (J, K, 6, 6), whose noise by columns is known, (J, 6)."""
     units = exact.units
     if not np.isfinite(found).all():
-        return Judged("disagrees", "it is not finite")
+        wrong = int((~np.isfinite(found).all(axis=(2, 3))).sum())
+        words = f"it is not finite from {wrong} of {found[..., 0, 0].size} states"
+        return Judged("disagrees", words)
     series = _series(exact, found - exact.jacobians, noise)
     limits = np.linalg.norm(_joined(series), axis=(1, 2)) / units.rate
     known_to = max(float(one.known_to.max()) for one in series) / units.rate

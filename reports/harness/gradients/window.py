@@ -28,6 +28,10 @@ HUGE = 1e150
 USELESS = 1.0
 
 
+class TapeCut(EngineError):
+    """A derivative is none of steps from somewhere on."""
+
+
 @dataclass(frozen=True)
 class Gradient:
     """The gradient of the turn to the target after some steps, beside the exact one.
@@ -54,29 +58,37 @@ def gradients_along(
     timestep: float,
     units: Units,
     jacobian: Callable[[Session], FloatArray],
+    at_once: int,
 ) -> tuple[Gradient, ...]:
     """Those along a run from the start of a scene, as far as its exact motion is known.
 
     Parameters
     ----------
-    jacobian : of the next step of a session, (6, 6)
+    jacobian : of the next steps of a session, (6, 6)
+    at_once : how many those are
 
     Raises
     ------
+    TapeCut
+        If a derivative is none of steps.
     EngineError
         If the run ends in numbers that are not finite, or the engine refuses a step.
     """
-    (solution,) = solve_cheaply(scenario, [np.asarray(STEPS * timestep, dtype=float)])
+    counts = STEPS[STEPS % at_once == 0]
+    (solution,) = solve_cheaply(scenario, [np.asarray(counts * timestep, dtype=float)])
     exact = solution.trajectory
     truth = sensitivity(scenario, exact)
     equations, found, taken = Equations(scenario), [], 0
     whole: FloatArray = np.eye(CHART)
-    for n, steps in enumerate(STEPS[: len(exact.t)]):
+    for n, steps in enumerate(counts[: len(exact.t)]):
         while taken < steps:
+            stepped = jacobian(session)
+            if words := _no_steps(stepped):
+                raise TapeCut(f"the tape is cut after {taken} steps: from there on it is {words}")
             with np.errstate(over="ignore", invalid="ignore"):
-                whole = np.asarray(jacobian(session) @ whole, dtype=float)
-            session.advance(1)
-            taken += 1
+                whole = np.asarray(stepped @ whole, dtype=float)
+            session.advance(at_once)
+            taken += at_once
         state = session.read_state()
         if not (np.abs(whole).max() < HUGE and np.isfinite(state.omega_body).all()):
             raise EngineError(f"the gradient overflows after {taken} steps", "not-finite")
@@ -110,6 +122,15 @@ def useless_from(gradients: tuple[Gradient, ...]) -> float | None:
             break
         wrong.append(one.t)
     return wrong[-1] if len(wrong) > len(gradients) else None
+
+
+def _no_steps(jacobian: FloatArray) -> str:
+    """What a Jacobian is instead of one of steps, in words; empty if it may be one."""
+    if not np.isfinite(jacobian).all():
+        return "not finite"
+    if not jacobian.any():
+        return "zero"
+    return "the identity" if np.array_equal(jacobian, np.eye(CHART)) else ""
 
 
 def _slopes(equations: Equations, state: State, target: FloatArray) -> list[FloatArray]:

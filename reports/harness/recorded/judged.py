@@ -14,7 +14,6 @@ from ....scenarios import (
     FloatArray,
     Misfit,
     Scenario,
-    Trajectory,
     check_scales,
     error_series,
 )
@@ -153,10 +152,9 @@ def judged_motion(scenario: Scenario, recording: Recording, order: int = 1) -> J
     exact, reading = solution.trajectory, reading_of(recording)
     recorded = recorded_motion(scenario, recording, reading, exact)
     series = error_series(scenario, recorded.trajectory, exact)
-    # No recording has spins.
     lacks = [name for name in OPTIONAL if name not in recording.arrays]
-    absent = [*(lacks if not scenario.constraint.is_pivot else ()), "spins"]
-    absent += ["omega"] * (not recorded.has_omega)
+    absent = lacks if not scenario.constraint.is_pivot else []
+    absent += ["omega"] * (not recorded.has_omega) + ["spins"] * (not recorded.has_spins)
     errors = dict(series.worst()) | dict.fromkeys(absent)
     of_steps = defects(scenario, recorded.trajectory, exact)
     explanation = explained(scenario, exact, recording, reading, recorded, timestep, order)
@@ -166,7 +164,7 @@ def judged_motion(scenario: Scenario, recording: Recording, order: int = 1) -> J
         timestep,
         errors=errors,
         series=series,
-        drifts=_drifts(scenario, recorded.trajectory),
+        drifts=_drifts(scenario, recorded),
         defects=of_steps.summary(len(exact.t) - 1, EPS) if of_steps else {},
         remarks=tuple(filter(None, [recording.drift_off_the_sphere])),
         ignored=recording.ignored,
@@ -176,9 +174,12 @@ def judged_motion(scenario: Scenario, recording: Recording, order: int = 1) -> J
     )
 
 
-def _drifts(scenario: Scenario, motion: Trajectory) -> dict[str, float]:
-    """Drifts of a recording, but for what its spins, which it has none of, are taken to keep."""
-    return {name: v for name, v in drifts(scenario, motion).items() if name != "rotors_momentum"}
+def _drifts(scenario: Scenario, recorded: RecordedMotion) -> dict[str, float]:
+    """Drifts of a recording, but for what spins that it has none of are taken to keep."""
+    found = drifts(scenario, recorded.trajectory)
+    if not recorded.has_spins:
+        found.pop("rotors_momentum", None)
+    return found
 
 
 def _check_timestep(timestep: float | None, times: FloatArray) -> None:

@@ -18,6 +18,7 @@ from ....scenarios.rotation import norms
 from ..measuring.changes import Change, Hypothesis, as_it_is, com, is_scaled, resistance, tensor
 from ..measuring.likelihood import LEVEL, Data, Fit, Search, Trial
 from .intervals import apart, states_of
+from .mistakes import FITS
 
 #: rad that the body turns in the samples that are fitted first, and how many these are at least;
 #: then twice as many, until it is all.
@@ -170,19 +171,39 @@ class Measured:
         return tensor(self.given.base.equations)
 
     @cached_property
-    def found(self) -> Fit:
-        """The fit with all changes that the samples call for, by the noise that is given."""
+    def search(self) -> Search:
+        """The search for the changes that the samples call for, by the noise that is given."""
         equations = self.given.base.equations
         candidates = [START, self.tensor, *resistance(self.scenario, equations)]
         candidates += com(self.scenario, equations)
         if self.given.has_omega:
             candidates += GYROSCOPE
-        search, both = Search(self.given, candidates), (START, self.tensor)
+        return Search(self.given, candidates)
+
+    @cached_property
+    def found(self) -> Fit:
+        """The fit with all of these changes."""
+        search, both = self.search, (START, self.tensor)
         found = search.stepwise(both, MOST)
         if set(both) <= set(found.changes):
             return found
         # Either may stand for a change that has fewer numbers.
         return max(found, search.stepwise((), MOST), key=search.gain)
+
+    def alternatives(self, change: Change) -> list[tuple[float, Change, Fit]]:
+        """The mistakes of a gyroscope that explain as much as the one that is named, or nearly.
+
+        Each with how likely it is beside that one, and its fit, the likeliest first. Where ω hardly
+        changes, a bias and a scale are alike. Left out is what is less likely than `LEVEL`.
+        """
+        fits = []
+        for other in GYROSCOPE:
+            if other not in self.found.changes:
+                changes = (other if one is change else one for one in self.found.changes)
+                fit = Trial(self.given, tuple(changes)).fit(self.found)
+                gain = self.search.gain(fit) - self.search.gain(self.found)
+                fits.append((float(np.exp(min(gain, 0.0) / 2)), other, fit))
+        return sorted((one for one in fits if one[0] > LEVEL), key=lambda one: -one[0])
 
     @cached_property
     def log(self) -> Log:
@@ -260,9 +281,12 @@ class Measured:
     def _in_words(self, change: Change) -> str:
         rows = self.fit.rows(change)
         numbers, errors = self.fit.numbers[rows], self.fit.errors[rows]
-        if change.kind in WORDS:
-            words, added, factor = WORDS[change.kind]
-            return words.format(_plus_minus(added + factor * numbers, factor * errors))
+        if change in GYROSCOPE:
+            others = (
+                f", or {_of_gyroscope(other, fit)} ({likely:.2g} times as likely)"
+                for likely, other, fit in self.alternatives(change)
+            )
+            return _of_gyroscope(change, self.fit) + "".join(others)
         if change is START:
             return started_elsewhere(self.log.t[0], norms(numbers.reshape(2, 3)))
         listed = ", ".join(f"{error:.2g}" for error in errors)
@@ -276,6 +300,12 @@ class Measured:
         slopes = np.array([entries(unit) for unit in np.eye(count)]) - usual
         covariance = slopes.T @ fit.covariance[rows, rows] @ slopes
         return np.asarray(entries(fit.numbers[rows])), np.sqrt(np.diag(covariance))
+
+
+def _of_gyroscope(change: Change, fit: Fit) -> str:
+    """Say a mistake of a gyroscope, with its numbers in a fit."""
+    rows, (words, added, factor) = fit.rows(change), WORDS[change.kind]
+    return words.format(_plus_minus(added + factor * fit.numbers[rows], factor * fit.errors[rows]))
 
 
 def started_elsewhere(at: float, off: Sequence[float] | FloatArray) -> str:
@@ -317,6 +347,8 @@ def estimated_noise(
         for m in OF_DIFFERENCES
     )
     noise = fourth / np.sqrt(OF_DIFFERENCES[4])
-    is_noise = (fourth > ALTERNATES * third) & (noise > PRINTED * floor)
+    # Less is left by an integrator's interpolation.
+    least = np.maximum(PRINTED * floor, FITS * np.array([1.0, norms(motion.omega_body).max()]))
+    is_noise = (fourth > ALTERNATES * third) & (noise > least)
     seen = is_noise.all() if has_omega else is_noise[0]
     return np.maximum(noise, floor) if seen else None

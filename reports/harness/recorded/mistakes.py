@@ -67,9 +67,11 @@ def mistakes(scenario: Scenario, exact: Trajectory, reading: Reading) -> list[st
         omega = made[:, 4:] if omega is None else omega
         turned, faster = np.split(apart(made, np.hstack([reading.q, omega])), 2, axis=1)
         speed = norms(made[:, 4:]).max() or 1.0
-        return float(
-            np.nan_to_num(max(norms(turned).max(), norms(faster).max() / speed), nan=np.inf)
-        )
+        off = [norms(turned).max(), norms(faster).max() / speed]
+        if reading.spins is not None:
+            spins = scenario.spins(made[:, 4:], scenario.kept_at_start)
+            off.append(norms(reading.spins - spins).max() / max(speed, norms(spins).max()))
+        return float(np.nan_to_num(max(off), nan=np.inf))
 
     reading = reading.rows(slice(_beginning(exact)))
     readings: list[tuple[list[str], Reading]] = [([], reading)]
@@ -81,7 +83,7 @@ def mistakes(scenario: Scenario, exact: Trajectory, reading: Reading) -> list[st
             ([*words, word], other)
             for words, one in readings
             if len(one.t) >= FEWEST_LEFT
-            for word, other in _undone(one)
+            for word, other in _undone(one, scenario)
         ]
         errors = [error(other) for _, other in readings]
         if min(errors) < least / EXPLAINS:
@@ -96,7 +98,7 @@ def _beginning(exact: Trajectory) -> int:
     return max(FEWEST + MOST, int(np.searchsorted(turned, BEGINNING)) + 1)
 
 
-def _undone(reading: Reading) -> Iterator[tuple[str, Reading]]:
+def _undone(reading: Reading, scenario: Scenario) -> Iterator[tuple[str, Reading]]:
     """Every mistake in words, and the reading without it."""
     other: QuaternionOrder = "xyzw" if reading.order == "wxyz" else "wxyz"
     letters = " ".join(other)
@@ -122,6 +124,23 @@ def _undone(reading: Reading) -> Iterator[tuple[str, Reading]]:
             yield f"each state is that of {words} {when} its time", reading._replace(t=later)
     if reading.omega is not None:
         yield from _of_omega(reading, reading.omega)
+    if reading.spins is not None:
+        yield from _of_spins(reading, reading.spins, scenario)
+
+
+def _of_spins(
+    reading: Reading, spins: FloatArray, scenario: Scenario
+) -> Iterator[tuple[str, Reading]]:
+    yield "the spins have the opposite sign", reading._replace(spins=-spins)
+    for words, factor in RATES.items():
+        told = words.replace("wx", "spin1").replace("was", "were")
+        yield f"the spins are {told}", reading._replace(spins=spins * factor)
+    if (omega_body := reading.omega_body) is not None:
+        of_body = omega_body @ scenario.rotors.axes_body.T
+        yield (
+            "the spins are those in space; they are to be relative to the body",
+            reading._replace(spins=spins - of_body),
+        )
 
 
 def _of_omega(reading: Reading, omega: FloatArray) -> Iterator[tuple[str, Reading]]:

@@ -24,6 +24,7 @@ class Reading(NamedTuple):
     q : with the scalar first, (n, 4)
     omega : rad/s, (n, 3); None if it was not recorded
     order, frame : of the quaternion's components and of ω
+    spins : of rotors, relative to the body, rad/s, (n, rotors); None if they were not recorded
     """
 
     t: FloatArray
@@ -31,11 +32,12 @@ class Reading(NamedTuple):
     omega: FloatArray | None
     order: QuaternionOrder
     frame: OmegaFrame
+    spins: FloatArray | None
 
     def rows(self, rows: slice) -> "Reading":
         """Some of the samples."""
-        omega = None if self.omega is None else self.omega[rows]
-        return self._replace(t=self.t[rows], q=self.q[rows], omega=omega)
+        omega, spins = (None if one is None else one[rows] for one in (self.omega, self.spins))
+        return self._replace(t=self.t[rows], q=self.q[rows], omega=omega, spins=spins)
 
     @property
     def omega_body(self) -> FloatArray | None:
@@ -52,7 +54,8 @@ def reading_of(recording: Recording) -> Reading:
     frame: OmegaFrame = "world" if stated.get("omega") == "world" else "body"
     q = np.roll(recording.arrays["q"], order == "xyzw", axis=1)
     q = q / norms(q)[:, None]
-    return Reading(recording.arrays["t"], q, recording.arrays.get("omega"), order, frame)
+    arrays = recording.arrays
+    return Reading(arrays["t"], q, arrays.get("omega"), order, frame, arrays.get("spins"))
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,10 +66,12 @@ class RecordedMotion:
     ----------
     trajectory : at the file's own times; a com or velocity that was not recorded is the exact one
     has_omega : else ω is the derivative of the attitudes
+    has_spins : else parts keep what they should
     """
 
     trajectory: Trajectory
     has_omega: bool
+    has_spins: bool
 
 
 def recorded_motion(
@@ -81,7 +86,7 @@ def recorded_motion(
     Raises
     ------
     RecordingError
-        If attitudes are too far apart to tell ω from them.
+        If attitudes are too far apart to tell ω from them, or a rotor has no spin.
     """
     arrays, t, q = recording.arrays, reading.t, reading.q
     R_world_body, constraint = matrices(q), scenario.constraint
@@ -95,9 +100,16 @@ def recorded_motion(
     if "velocity" not in arrays:
         swing_world = turned(R_world_body, np.cross(omega_body, constraint.lever))
         velocity = constraint.velocity_world(swing_world, velocity)
-    # A recording has none: those with which parts keep what they should.
     spins = scenario.spins(omega_body, scenario.kept_at_start)
-    return RecordedMotion(Trajectory(t, q, omega_body, com, velocity, spins), has_omega)
+    if reading.spins is not None:
+        if reading.spins.shape != spins.shape:
+            raise RecordingError(
+                f"must have a spin for each of the scene's {spins.shape[1]} rotors, got "
+                f"{reading.spins.shape[1]}"
+            )
+        spins = reading.spins
+    motion = Trajectory(t, q, omega_body, com, velocity, spins)
+    return RecordedMotion(motion, has_omega, reading.spins is not None)
 
 
 def omega_of_attitudes(t: FloatArray, q_world_body_wxyz: FloatArray) -> FloatArray:

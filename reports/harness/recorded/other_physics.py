@@ -11,27 +11,31 @@ from functools import cached_property
 
 import numpy as np
 
-from ....reference.following import KNOWN
-from ....reference.other_equations import OtherEquations
+from ....reference.following import KNOWN, follow
+from ....reference.other_equations import KEPT_IN_WORLD, OtherEquations
 from ....scenarios import FloatArray, Scenario, Trajectory
-from ....scenarios.rotation import norms
+from ....scenarios.rotation import matrices, norms, turned, turned_back
 from ...results.change_words import KINDS
-from ..measuring.changes import changes
+from ..measuring.changes import Change, as_it_is, changes
 from ..measuring.likelihood import LEFT, Fit, Search
-from .intervals import Intervals, intervals_of
+from .intervals import Intervals, intervals_of, states_of
 
 #: Intervals that integrators are tried on, whose steps are many.
 FEW = 12
 #: Of what an integrator does wrong, what may be left: its steps are those, or they are not.
 SAME = 1e-3
-#: Samples at which a clamp is looked for, and how well it has to fit, relative.
-FIRST, CLAMPED = 3, 1e-2
+#: How well a clamp has to fit, relative, and of how many samples at least.
+CLAMPED, FEWEST = 1e-2, 3
 #: rad/s; no body turns so slowly.
 TINY = 1e-300
 #: What the rounding of numbers makes of a short flow, in their distance from one another.
 ROUNDINGS = 8.0
 #: Relative, of a span that is a multiple of the timestep.
 MULTIPLE = 1e-6
+#: As of a game engine, which keeps ω along world axes.
+IN_WORLD = Change(
+    "wrong side in world axes", lambda h, _: h.of(kinematics=KEPT_IN_WORLD), np.empty(0)
+)
 KINEMATICS = "ω obeys Euler's equations, but the attitude does not follow ω"
 DYNAMICS = "the attitude follows ω, but ω does not obey Euler's equations"
 
@@ -64,7 +68,7 @@ class Physics:
     def search(self) -> Search | None:
         """The search for a change of the equations."""
         data = self.intervals
-        return None if data is None else Search(data, tuple(changes(self.scenario)))
+        return None if data is None else Search(data, (IN_WORLD, *changes(self.scenario)))
 
     @property
     def is_beyond(self) -> bool:
@@ -95,13 +99,29 @@ class Physics:
 
     def explained(self) -> list[str]:
         """The clamp, or the changes, that explain the motion, in words; often none."""
-        clamps = _clamps(self.motion, self.exact) if len(self.motion.t) > FIRST else ()
-        if words := [*clamps][:1]:
+        if words := [*self._clamps()][:1]:
             return words
         if self.intervals is None or self.search is None or not self.search.is_called_for:
             return []
         found = self.search.one_or_two()
         return self._in_words(self.intervals, found) if found else _where(self.intervals)
+
+    def _clamps(self) -> Iterator[str]:
+        """Clamps of ω that make of each sample, and of the exact start, the next one."""
+        states = states_of(self.motion)
+        if len(states) <= FEWEST:
+            return
+        kept = np.unique(np.linspace(0, len(states) - 2, FEW).astype(int))
+        spans, starts, ends = np.diff(self.motion.t)[kept, None], states[kept], states[kept + 1]
+        # The first may be recorded as it was set, or as it was made of that.
+        starts[0] = states_of(self.exact.until(1))[0]
+        equations = as_it_is(self.scenario).equations
+        wanted = follow(equations, starts, spans)[:, 0]
+        for words, size_of, limited in CLAMPS:
+            bound = float(size_of(ends).max())
+            clamped = limited(follow(equations, limited(starts, bound), spans)[:, 0], bound)
+            if _fits(ends[:, 4:], clamped[:, 4:], wanted[:, 4:]):
+                yield f"{words} is clamped to {bound:.4g} rad/s"
 
     def _in_words(self, data: Intervals, found: Fit) -> list[str]:
         sentences = []
@@ -125,24 +145,35 @@ def _where(data: Intervals) -> list[str]:
     return []
 
 
-def _clamps(motion: Trajectory, exact: Trajectory) -> Iterator[str]:
-    """Clamps of ω that make of the first exact samples what was recorded."""
-    # The first may be the start as it was set.
-    recorded, right = (one.until(FIRST + 1).at(np.arange(1, FIRST + 1)) for one in (motion, exact))
-    frames = (
-        ("each component of ω in world axes", recorded.to_world, right.to_world),
-        ("each component of ω in body axes", np.asarray, np.asarray),
-    )
-    for words, of_recorded, of_right in frames:
-        omega, wanted = of_recorded(recorded.omega_body), of_right(right.omega_body)
-        bound = float(np.abs(omega).max())
-        if _fits(omega, np.clip(wanted, -bound, bound), wanted):
-            yield f"{words} is clamped to {bound:.4g} rad/s"
-    speeds = norms(right.omega_body)[:, None]
-    bound = float(norms(recorded.omega_body).max())
-    clamped = right.omega_body * np.where(speeds > bound, bound / np.maximum(speeds, TINY), 1.0)
-    if _fits(recorded.omega_body, clamped, right.omega_body):
-        yield f"‖ω‖ is clamped to {bound:.4g} rad/s"
+def _in_world(states: FloatArray) -> FloatArray:
+    """ω along world axes, rad/s, (S, 3)."""
+    return turned(matrices(states[:, :4]), states[:, 4:])
+
+
+def _with_omega(states: FloatArray, omega_body: FloatArray) -> FloatArray:
+    return np.hstack([states[:, :4], omega_body])
+
+
+def _by_component(states: FloatArray, bound: float) -> FloatArray:
+    return _with_omega(states, np.clip(states[:, 4:], -bound, bound))
+
+
+def _by_component_in_world(states: FloatArray, bound: float) -> FloatArray:
+    clamped = np.clip(_in_world(states), -bound, bound)
+    return _with_omega(states, turned_back(matrices(states[:, :4]), clamped))
+
+
+def _by_norm(states: FloatArray, bound: float) -> FloatArray:
+    speeds = np.maximum(norms(states[:, 4:]), TINY)[:, None]
+    return _with_omega(states, states[:, 4:] * np.minimum(1.0, bound / speeds))
+
+
+#: Clamps: in words, what is bounded of states (S, 7), and the states with it clamped.
+CLAMPS = (
+    ("each component of ω in world axes", lambda s: np.abs(_in_world(s)), _by_component_in_world),
+    ("each component of ω in body axes", lambda s: np.abs(s[:, 4:]), _by_component),
+    ("‖ω‖", lambda s: norms(s[:, 4:]), _by_norm),
+)
 
 
 def _fits(omega: FloatArray, clamped: FloatArray, wanted: FloatArray) -> bool:

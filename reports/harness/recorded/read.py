@@ -60,7 +60,7 @@ def read_npz(path: Path) -> Recording:
                     quantity = quantities[name]
                     if quantity.name in arrays:
                         raise RecordingError(f"holds '{quantity.name}' twice")
-                    width = len(quantity.columns)
+                    width = len(quantity.columns) or None
                     shape = (None,) if quantity.name == "t" else (None, width)
                     arrays[quantity.name] = _array(archive, entry, shape).astype(float)
                 else:

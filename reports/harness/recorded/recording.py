@@ -25,7 +25,8 @@ class Quantity:
     Attributes
     ----------
     name : of its array in npz and JSON lines, with all its components
-    columns : the names of its components in a table
+    columns : the names of its components in a table; of spins, of which there is one a rotor, none:
+        they are `spin1`, `spin2`, …
     written : as `spincheck export --truth` names it; components have the letters behind them
     units : the units it may be in, in SI first
     """
@@ -37,6 +38,9 @@ class Quantity:
 
     def component(self, column: str) -> int | None:
         """The index of the component that a column of this name holds; None if it is none."""
+        if not self.columns:
+            numbered = _NUMBERED.fullmatch(column)
+            return int(numbered["number"]) - 1 if numbered else None
         letters = [name[-1] for name in self.columns]
         spelled = [f"{self.written}_{letter}" for letter in letters]
         for names in (self.columns, spelled):
@@ -51,8 +55,10 @@ QUANTITIES = (
     Quantity("omega", ("wx", "wy", "wz"), "omega_body", RATES),
     Quantity("com", ("x", "y", "z"), "com_world", LENGTHS),
     Quantity("velocity", ("vx", "vy", "vz"), "velocity_world", SPEEDS),
+    Quantity("spins", (), "rotors_spin", RATES),
 )
 REQUIRED = ("t", "q")
+_NUMBERED = re.compile(r"(spin|rotors_spin_)(?P<number>[1-9][0-9]{0,3})")
 _HEAD = re.compile(r"^\s*(?P<name>[A-Za-z_0-9]+)\s*(?:[\[(]\s*(?P<unit>[^\])]*?)\s*[\])])?\s*$")
 
 
@@ -84,8 +90,9 @@ def columns_of(heads: Sequence[str]) -> list[Column | None]:
         found = [c.component for c in columns if c is not None and c.quantity is quantity]
         if len(found) != len(set(found)):
             raise ColumnError(f"{_names(quantity)} must be one column each, got one twice")
-        if len(found) != len(quantity.columns) and (found or quantity.name in REQUIRED):
-            what = "columns" if len(quantity.columns) > 1 else "a column"
+        wanted = len(quantity.columns) or max(found, default=-1) + 1
+        if len(found) != wanted and (found or quantity.name in REQUIRED):
+            what = "a column" if len(quantity.columns) == 1 else "columns"
             raise ColumnError(
                 f"{_names(quantity)} must be {what} of the file, got {', '.join(heads) or 'none'}"
             )
@@ -120,7 +127,7 @@ def _column(head: str) -> Column | None:
 
 
 def _names(quantity: Quantity) -> str:
-    return ", ".join(f"'{name}'" for name in quantity.columns)
+    return ", ".join(f"'{name}'" for name in quantity.columns) or "'spin1', 'spin2', …"
 
 
 #: How far a quaternion's norm may be off: what is printed with four digits passes.
@@ -140,7 +147,8 @@ class Recording:
     Attributes
     ----------
     path : the file
-    arrays : t (n,), q (n, 4) and, where the file has them, omega, com, velocity, (n, 3)
+    arrays : t (n,), q (n, 4) and, where the file has them, omega, com, velocity, (n, 3),
+        and spins, (n, rotors)
     settings : what the file states of itself, by the names of `SETTINGS`
     ignored : headings of columns that mean nothing here
     """

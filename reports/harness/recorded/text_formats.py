@@ -202,7 +202,8 @@ def _flat(record: dict[str, Any], number: int) -> Iterator[tuple[str, Any]]:
         quantity = quantities.get(key)
         if quantity is None:
             continue
-        if len(value) != len(quantity.columns):
-            wanted = f"'{key}' must have {len(quantity.columns)} numbers, got {len(value)}"
+        columns = quantity.columns or [f"spin{k}" for k in range(1, len(value) + 1)]
+        if len(value) != len(columns):
+            wanted = f"'{key}' must have {len(columns)} numbers, got {len(value)}"
             raise RecordingError(f"line {number}: {wanted}")
-        yield from zip(quantity.columns, value, strict=True)
+        yield from zip(columns, value, strict=True)

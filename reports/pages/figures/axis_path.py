@@ -5,7 +5,6 @@ from typing import Any
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from ....reference.observables import frame_about
 from ....reference.rotational_problem import rotational_problem
 from ....scenarios import FloatArray, Trajectory
 from ..analysis.report_data import SceneRuns
@@ -148,7 +147,7 @@ def axis_path(scene: SceneRuns) -> list[Figure]:
     """The path on the sphere, from above, and unrolled into azimuth and tilt."""
     scenario, motion = scene.exact.scenario, dense_motion(scene)
     # World components to two level components and up; up is −g, or z without gravity, (3, 3).
-    R_upright_world = frame_about(_unit(-scenario.gravity_world, UP))
+    R_upright_world = _frame_about(_unit(-scenario.gravity_world, UP))
     # Where the axis points, (n, 3): two level components and up.
     exact = np.asarray(motion.to_world(axis_body(scenario)) @ R_upright_world.T)
     overlay = _overlay("axis", R_upright_world)
@@ -235,7 +234,7 @@ def polhode(scene: SceneRuns) -> list[Figure]:
     tips = omega_axes / root_energy
     return [
         _on_surface(semi_axes, ("1", "2", "3"), tips, POLHODE_HEIGHT, overlay),
-        _herpolhode(exact, frame_about(along)),
+        _herpolhode(exact, _frame_about(along)),
     ]
 
 
@@ -248,3 +247,11 @@ def _herpolhode(exact: Trajectory, R_level_world: FloatArray) -> Figure:
     panel = square((title, title, "Herpolhode"), widest)
     overlay = _overlay("omega_world", R_level_world[:2], panel=1)
     return drawing([start_dot(flat[0, 0], flat[0, 1], 1)], [panel], POLHODE_HEIGHT, overlay)
+
+
+def _frame_about(third: FloatArray) -> FloatArray:
+    """Rows e1, e2, e3 of a right-handed frame with e3 given; x and y themselves for z, (3, 3)."""
+    first = np.eye(3)[np.argmin(np.abs(third))]
+    first = first - (first @ third) * third
+    first /= np.linalg.norm(first)
+    return np.array([first, np.cross(third, first), third])

@@ -3,7 +3,6 @@
 from collections import Counter
 
 from ....reference import facts, invariants
-from ....reference.observables import observables
 from ....scenarios import EFFECTS, SIGNALS, FloatArray, Scenario, Signal
 from ...harness.scene_checks.published import published_values
 from ...results.records import Row
@@ -137,24 +136,6 @@ def drifts_table(scene: SceneRuns) -> Table | None:
         if row is not None and row.drifts is not None
     )
     return made if laws and made.rows else None
-
-
-def observables_table(scene: SceneRuns) -> Table | None:
-    """Table of rates, bounds and periods measured on each finest run, beside the exact ones."""
-    scenario, exact_motion = scene.exact.scenario, scene.exact.solution.trajectory
-    exact = observables(scenario, exact_motion)
-    if not exact:
-        return None
-    rows: list[list[Cell | str]] = [
-        ["exact value", "", *(figure(observed(one.exact)) for one in exact)],
-        ["exact motion", "read alike", *(figure(observed(one.value)) for one in exact)],
-    ]
-    for runs in scene.methods:
-        if runs.finest and runs.finest.motion:
-            seen = {one.name: one.value for one in observables(scenario, runs.finest.motion)}
-            values = (observed(seen[one.name]) if one.name in seen else NOTHING for one in exact)
-            rows.append([*named(runs.pair).values(), *map(figure, values)])
-    return table(("engine", "method", *(f"{one.name}, {one.unit}" for one in exact)), rows)
 
 
 def runs_tables(scene: SceneRuns) -> list[Captioned]:

@@ -183,7 +183,7 @@ def test_without_their_packages_they_are_missing_with_the_command_that_installs_
 
 
 #: Modules that are imported when a scene is opened, or a derivative taken.
-STAND_ALONE = ("world.py", "jacobian.py", "autodiff.py")
+STAND_ALONE = ("world.py", "jacobian.py", "autodiff.py", "tape.py")
 
 
 def _imported_by_modules() -> set[str]:

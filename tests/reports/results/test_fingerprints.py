@@ -20,13 +20,13 @@ ROOT = Path(__file__).parents[3]
 NAME = "mujoco@3.3.0"
 ADAPTERS = ("mujoco", "pybullet")
 ADDED = ("\nfrom ", "\nCHANGED = 1\nfrom ")
-INTERVALS = ("INTERVALS = 64", "INTERVALS = 32")
+LOST = ("LOST = 0.1", "LOST = 0.2")
 ABSURD = ("ABSURD_ENERGY = 10.0", "ABSURD_ENERGY = 9.0")
 #: By file a change of a value in it, and which kinds of results rest on it.
 CHANGES = {
     "engines/adapters/pybullet/engine.py": (ADDED, {"pybullet"}),
     "reports/harness/judging/ladder_end.py": (("GOAL = 1e-9", "GOAL = 1e-8"), {"verdict"}),
-    "reports/harness/measuring/intervals.py": (INTERVALS, {"run"}),
+    "reports/harness/measuring/replay.py": (LOST, {"run"}),
     "reports/results/evidence.py": (("LEVEL = 1e-9", "LEVEL = 1e-8"), {"run", "verdict"}),
     "reports/harness/comparison.py": (ABSURD, {"run", "verdict"}),
     "reports/harness/costs/timing.py": (ADDED, {"timing"}),

@@ -9,6 +9,7 @@ from spincheck.reports.cli.engines.gradients import exit_code, gradients, print_
 from spincheck.reports.cli.engines.gradients import gradients_as_json as as_json
 from spincheck.reports.cli.terminal import AGREES, DISAGREES, NOT_RUN, Complaint, to_json
 from spincheck.reports.harness.gradients.study import GradientRow
+from spincheck.reports.harness.gradients.verdict import Judged
 
 pytestmark = pytest.mark.slow
 
@@ -21,7 +22,7 @@ def test_a_line_for_each_derivative_with_its_reason(capsys: pytest.CaptureFixtur
         assert words in printed
     assert exit_code(rows) == AGREES
     records = json.loads(to_json(as_json(rows)))
-    assert [one["verdict"] for one in records].count("unsupported") == 2
+    assert [one["judged"]["verdict"] for one in records].count("unsupported") == 2
     assert records[0]["window"][-1]["conditioning"] > 1
 
 
@@ -36,7 +37,7 @@ def test_a_line_for_each_derivative_with_its_reason(capsys: pytest.CaptureFixtur
     ],
 )
 def test_the_exit_code_is_of_what_is_wrong(verdict: str, is_own: bool | None, code: int) -> None:
-    row = GradientRow("s", "e", "m", "d", verdict, is_own=is_own)  # type: ignore[arg-type]
+    row = GradientRow("s", "e", "m", "d", Judged(verdict, is_own=is_own))  # type: ignore[arg-type]
     assert exit_code([row]) == code
 
 
@@ -60,6 +61,6 @@ def test_bad_input_in_python_is_a_value_error(named: dict[str, object], message:
 
 def test_python_returns_the_same_rows() -> None:
     (forward, centred, ours) = spincheck.gradients("fast-top", engine="mujoco", method="Euler")
-    assert {row.verdict for row in (forward, centred, ours)} == {"converges"}
+    assert {row.judged.verdict for row in (forward, centred, ours)} == {"converges"}
     assert forward.window
-    assert centred.is_own
+    assert centred.judged.is_own

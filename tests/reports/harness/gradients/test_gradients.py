@@ -4,7 +4,8 @@ Verified: honest derivatives of every engine that is installed converge, and are
 steps, on ten scenes, free, heavy and on a table; a mistake that is planted in MuJoCo's is told by
 its name on each of them that it changes anything on; a window's gradient is the exact one but for
 the error of the steps; what an engine refuses or runs out of is a row.
-Not verified: Newton and Brax. MJX's derivatives take long to compile: on two of the scenes.
+Newton's tape: a solver that it goes through, one that it does not, and one that refuses it.
+Not verified: Brax. MJX's derivatives take long to compile: on two of the scenes.
 """
 
 from collections.abc import Callable
@@ -14,6 +15,7 @@ import mujoco
 import numpy as np
 import pytest
 from case_loops import each_case
+from kinds_of_engines import installed
 from library_scenes import library_scene
 from scenes_of_derivatives import SCENES
 from spincheck.engine import Derivative, EngineError, FloatArray, State
@@ -28,6 +30,7 @@ from spincheck.scenarios.rotation import matrix
 pytestmark = pytest.mark.slow
 
 MUJOCO = engines()["mujoco"]
+HONEST = MuJoCoSession.derivatives
 #: What an engine or its adapter does not differentiate, by words of the reason.
 OUT_OF_REACH = ("RK4 integrator is not supported", "its caller's")
 
@@ -190,14 +193,13 @@ FAULTS: dict[str, tuple[Callable[[Step], FloatArray], str, Callable[[Scenario], 
 @each_case("name", list(FAULTS))
 def test_a_planted_fault_is_named(monkeypatch: pytest.MonkeyPatch, name: str) -> None:
     mistake, words, applies = FAULTS[name]
-    honest = MuJoCoSession.derivatives
     untold: dict[str, str] = {}
     for scene in map(library_scene, SCENES):
         if not applies(scene):
             continue
 
         def planted(session: MuJoCoSession, scene: Scenario = scene) -> dict[str, Derivative]:
-            centred = honest(session)["mjd_transitionFD, centred"]
+            centred = HONEST(session)["mjd_transitionFD, centred"]
             return {
                 "planted": Derivative(
                     lambda: mistake(Step(session, scene, centred.compute())), centred.epsilon
@@ -207,8 +209,8 @@ def test_a_planted_fault_is_named(monkeypatch: pytest.MonkeyPatch, name: str) ->
         with monkeypatch.context() as patch:
             patch.setattr(MuJoCoSession, "derivatives", planted)
             row = gradients_of(scene, MUJOCO, "Euler")[0]
-        if words not in row.reason:
-            untold[scene.name] = f"{row.verdict}: {row.reason}"
+        if words not in row.judged.reason:
+            untold[scene.name] = f"{row.judged.verdict}: {row.judged.reason}"
     assert not untold
 
 
@@ -228,13 +230,29 @@ def test_honest_derivatives_are_not_accused(engine: str, scenes: tuple[str, ...]
             rows = gradients_of(scene, engines()[engine], method.name)
             assert rows[-1].derivative == OURS
             for row in rows:
-                is_refused = row.verdict == "unsupported" and any(
-                    words in row.reason for words in OUT_OF_REACH
+                is_refused = row.judged.verdict == "unsupported" and any(
+                    words in row.judged.reason for words in OUT_OF_REACH
                 )
-                is_right = row.verdict == "converges" and not row.reason
-                if not (is_refused or is_right) or row.is_own is False:
-                    accused[f"{scene.name} {method.name} {row.derivative}"] = row.reason
+                is_right = row.judged.verdict == "converges" and not row.judged.reason
+                if not (is_refused or is_right) or row.judged.is_own is False:
+                    accused[f"{scene.name} {method.name} {row.derivative}"] = row.judged.reason
     assert not accused
+
+
+@each_case(
+    ("method", "verdict", "words"),
+    [
+        ("featherstone", "converges", ""),
+        ("mujoco-euler", "disagrees", "it is zero: nothing is differentiated"),
+        ("steel", "unsupported", "SolverSteel does not support gradients"),
+    ],
+)
+def test_newtons_tape_is_judged_by_its_solver(method: str, verdict: str, words: str) -> None:
+    newton = installed("newton")
+    row = gradients_of(library_scene("fast-top"), newton, method)[0]
+    assert (row.derivative, row.judged.verdict) == ("Warp's tape", verdict)
+    assert words in row.judged.reason
+    assert row.judged.is_own in ((True,) if verdict == "converges" else (False, None))
 
 
 def test_a_derivative_that_cannot_be_had_is_a_row_with_the_reason(
@@ -252,7 +270,7 @@ def test_a_derivative_that_cannot_be_had_is_a_row_with_the_reason(
         lambda _: {"reverse": Derivative(out_of_memory), "other": Derivative(refused)},
     )
     rows = gradients_of(library_scene("fast-top"), MUJOCO, "Euler")
-    found = [(row.derivative, row.verdict, row.reason) for row in rows]
+    found = [(row.derivative, row.judged.verdict, row.judged.reason) for row in rows]
     assert found == [
         ("reverse", "failed", "RESOURCE_EXHAUSTED: out of memory"),
         ("other", "failed", "its solver did not end"),
@@ -263,8 +281,8 @@ def test_a_derivative_that_cannot_be_had_is_a_row_with_the_reason(
 def test_a_call_that_ends_with_its_process_is_a_row() -> None:
     with LocalWorkers(1, time_limit=0.01) as executor:
         (row,) = gradients_by(executor, library_scene("fast-top"), MUJOCO, "Euler", None)
-    assert row.verdict == "failed"
-    assert row.reason
+    assert row.judged.verdict == "failed"
+    assert row.judged.reason
 
 
 def test_a_windows_gradient_is_off_by_the_error_of_its_steps() -> None:
@@ -277,18 +295,82 @@ def test_a_windows_gradient_is_off_by_the_error_of_its_steps() -> None:
     assert np.allclose(shared, 2.0, rtol=0.1), shared
 
 
-def test_a_tape_that_is_cut_has_another_gradient(monkeypatch: pytest.MonkeyPatch) -> None:
-    honest = gradients_of(library_scene("fast-top"), MUJOCO, "Euler")[0].window
-    taken = MuJoCoSession.derivatives
+#: Steps that a planted tape goes through.
+TAPED = 16
+
+
+@each_case(
+    ("held", "words"),
+    {
+        "all": (range(TAPED), ""),
+        "first": (range(12), "the tape is cut: of 16 steps it holds 12"),
+        "last": (range(12, TAPED), "the tape is cut: of 16 steps it holds 4"),
+    },
+)
+def test_a_tape_that_is_cut_is_named(
+    monkeypatch: pytest.MonkeyPatch, held: range, words: str
+) -> None:
+
+    def through(session: MuJoCoSession) -> FloatArray:
+        before, whole = session.read_state(), np.eye(6)
+        for n in range(TAPED):
+            if n in held:
+                whole = HONEST(session)["mjd_transitionFD, centred"].compute() @ whole
+            session.advance(1)
+        session.restart(before)
+        return whole
+
+    monkeypatch.setattr(
+        MuJoCoSession,
+        "derivatives",
+        lambda session: {"tape": Derivative(lambda: through(session), 1e-6, TAPED)},
+    )
+    found = {
+        scene: gradients_of(library_scene(scene), MUJOCO, "Euler")[0].judged
+        for scene in SCENES[::4]
+    }
+    wanted = "disagrees" if words else "converges"
+    untold = {scene: one for scene, one in found.items() if one.verdict != wanted}
+    assert not untold
+    assert {one.reason for one in found.values()} == {words}
+    assert {one.is_own for one in found.values()} == {not words}
+
+
+@each_case(
+    ("left", "words"),
+    {
+        "zero": (np.zeros((6, 6)), "zero"),
+        "detached": (np.eye(6), "the identity"),
+        "nan": (np.full((6, 6), np.nan), "not finite"),
+    },
+)
+def test_a_derivative_that_ends_within_a_run_is_named(
+    monkeypatch: pytest.MonkeyPatch, left: FloatArray, words: str
+) -> None:
+    """As of a buffer that holds so many steps."""
 
     def cut(session: MuJoCoSession) -> dict[str, Derivative]:
-        found = taken(session)["mjd_transitionFD, centred"]
-        is_taped = session.data.time < honest[-2].t
-        return {"cut": found if is_taped else Derivative(lambda: np.eye(6))}
+        found = HONEST(session)["mjd_transitionFD, centred"]
+        is_taped = session.data.time < 63.5 * session.model.opt.timestep
+        return {"cut": found if is_taped else Derivative(lambda: left)}
 
     monkeypatch.setattr(MuJoCoSession, "derivatives", cut)
-    window = gradients_of(library_scene("fast-top"), MUJOCO, "Euler")[0].window
-    assert window[-2].error < 10 * honest[-2].error < window[-1].error
+    one = gradients_of(library_scene("fast-top"), MUJOCO, "Euler")[0].judged
+    assert one.verdict == "disagrees"
+    assert one.reason == f"the tape is cut after 64 steps: from there on it is {words}"
+
+
+def test_states_whose_derivative_is_not_finite_are_counted(monkeypatch: pytest.MonkeyPatch) -> None:
+    """As of a norm that is differentiated at zero."""
+    asked = iter(range(10**6))
+
+    def mostly(session: MuJoCoSession) -> dict[str, Derivative]:
+        one = HONEST(session)["mjd_transitionFD, centred"]
+        return {"nan": Derivative(lambda: one.compute() * (1.0 if next(asked) else np.nan), 1e-6)}
+
+    monkeypatch.setattr(MuJoCoSession, "derivatives", mostly)
+    one = gradients_of(library_scene("fast-top"), MUJOCO, "Euler")[0].judged
+    assert (one.verdict, one.reason) == ("disagrees", "it is not finite from 1 of 40 states")
 
 
 @each_case(

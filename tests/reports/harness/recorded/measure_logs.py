@@ -13,7 +13,7 @@ import numpy as np
 from planted_motions import Case, exactly, rates_of
 from scipy.spatial.transform import Rotation
 from spincheck.reports.harness.recorded.judged import judged_motion
-from spincheck.reports.harness.recorded.measured import Measured
+from spincheck.reports.harness.recorded.measured import GYROSCOPE, Measured
 from spincheck.reports.harness.recorded.recording import Recording
 from spincheck.scenarios import Scenario, from_tables
 
@@ -107,12 +107,18 @@ def deviations(k: int) -> tuple[str, dict[str, np.ndarray], bool]:
     if fit is None:
         raise ValueError(f"log {k} is not seen as measured")
     entries, errors = fit.tensor_entries()
-    z, names = {"tensor": (entries - tensor) / errors}, [one.kind for one in fit.fit.changes]
-    if "bias" in names:
-        rows = fit.fit.rows(fit.fit.changes[names.index("bias")])
-        z["bias"] = (fit.fit.numbers[rows] - bias) / fit.fit.errors[rows]
+    z, found, names = {"tensor": (entries - tensor) / errors}, fit.fit, []
+    for change in found.changes:
+        others = fit.alternatives(change) if change in GYROSCOPE else []
+        names.append(" or ".join([change.kind, *(other.kind for _, other, _ in others)]))
+        # What is named as well is not named wrongly.
+        found = next((instead for _, other, instead in others if other.kind == "bias"), found)
+    for change in found.changes:
+        if change.kind == "bias":
+            rows = found.rows(change)
+            z["bias"] = (found.numbers[rows] - bias) / found.errors[rows]
     is_right = {"start", "tensor, up to a factor", *(["bias"] if bias.any() else [])}
-    is_wrong = not is_right.issuperset(names)
+    is_wrong = not is_right.issuperset(one.kind for one in found.changes)
     if is_wrong or np.abs(z["tensor"]).max() > FAR:
         print(k, kind, names, np.round(z["tensor"], 1), fit.verdict)
     return kind, z, is_wrong

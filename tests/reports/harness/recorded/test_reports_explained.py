@@ -25,6 +25,7 @@ from spincheck.reports.harness.measuring.changes import Change, as_it_is, resist
 from spincheck.reports.harness.measuring.likelihood import LEVEL, Search
 from spincheck.reports.harness.recorded.intervals import Intervals
 from spincheck.reports.harness.recorded.judged import JudgedMotion, judged_motion
+from spincheck.reports.harness.recorded.measured import SHARED
 from spincheck.reports.harness.recorded.recording import Recording, RecordingError
 from spincheck.scenarios import Scenario
 from spincheck.scenarios.scenario import started_at
@@ -59,85 +60,6 @@ def judged(scenario: Scenario, arrays: dict[str, np.ndarray], **stated: object) 
 def unnormalised(q: np.ndarray, omega: np.ndarray) -> np.ndarray:
     """ω along body axes, on the side of world axes."""
     return product(np.array([0, *omega]), q) / 2
-
-
-#: By report: the equations that it had, and the words.
-REPORTS: dict[str, tuple[dict[str, object], list[str]]] = {
-    "google/brax#48": (
-        {"gyroscopic": 0 * BODY.inertia},
-        [AS_IF + "there were no gyroscopic torque"],
-    ),
-    "mockingbirdnest/Principia#4580": (
-        {"gyroscopic": 0 * BODY.inertia, "torque": lambda omega: -0.05 * BODY.inertia @ omega},
-        [AS_IF + "there were no gyroscopic torque", AS_IF + "L were slowed by 0.05 /s"],
-    ),
-    "newton-physics/urdf-usd-converter#118": (
-        {"inertia": AXES.T @ np.diag(MOMENTS) @ AXES},
-        [AS_IF + "the tensor were about conjugated principal axes"],
-    ),
-    "google-deepmind/mujoco#3559": (
-        {"inertia": np.diag(MOMENTS)},
-        [AS_IF + "the principal moments were along the body's axes, without the tensor's rotation"],
-    ),
-    "students, the product on the wrong side": (
-        {"turning": unnormalised},
-        [KINEMATICS + WRONG_SIDE],
-    ),
-    "students, without the half": (
-        {"turning": lambda q, omega: product(q, np.array([0, *omega]))},
-        [KINEMATICS + "q' = q ω, without the ½"],
-    ),
-    "avianphysics/avian#745": (
-        {"gyroscopic": DIAGONAL},
-        [AS_IF + "the gyroscopic torque ω × Iω were of the tensor's diagonal alone"],
-    ),
-    "mahaarbo/urdf2casadi#2": (
-        {"inertia": 2 * DIAGONAL - BODY.inertia},
-        [AS_IF + "the products of inertia had the other sign"],
-    ),
-}
-
-
-@pytest.mark.parametrize("report", REPORTS)
-def test_a_reported_fault_is_named(report: str) -> None:
-    changes, words = REPORTS[report]
-    found = judged(BODY.scenario, exactly(BODY, rates_of(BODY, **changes)), timestep=1e-4)
-    assert list(found.explained_by) == words
-    assert found.is_beyond
-    assert found.verdict == (
-        "beyond what a method of order 1 makes of the exact motion at a timestep of 0.0001 s"
-    )
-
-
-def test_a_rotors_momentum_that_is_reversed_is_named() -> None:
-    """As in ethz-asl/rotors_simulator#6."""
-    scene = library_scene("satellite-and-its-wheel")
-    equations = equations_of(scene)
-    times = scene.times[:61]
-    start = np.concatenate([scene.start.q_world_body_wxyz, scene.start.omega_body])[None]
-    reversed_ = equations._replace(kept=-equations.kept)
-    states = follow(reversed_, start, np.diff(times, prepend=0.0)[None])[0]
-    found = judged(scene, {"t": times, "q": states[:, :4], "omega": states[:, 4:]}, timestep=1e-3)
-    assert list(found.explained_by) == [AS_IF + "the rotors' torque ω × h had the other sign"]
-
-
-def test_a_gyroscopic_step_that_keeps_the_length_of_L_is_named() -> None:
-    """As of avianphysics/avian#993, at 1/60 s."""
-    one, h = case(7, duration=5.0, samples=301), 1 / 60
-    q, omega = one.scenario.start.q_world_body_wxyz, one.scenario.start.omega_body
-    states = [np.concatenate([q, omega])]
-    for _ in one.scenario.times[1:]:
-        L = one.inertia @ omega
-        after = L - h * np.cross(omega, L)
-        omega = np.linalg.solve(one.inertia, after * np.linalg.norm(L) / np.linalg.norm(after))
-        turn = Rotation.from_rotvec(h * omega).as_quat(scalar_first=True)
-        q = product(q, turn)
-        states.append(np.concatenate([q, omega]))
-    table = np.array(states)
-    arrays = {"t": one.scenario.times, "q": table[:, :4], "omega": table[:, 4:]}
-    found = judged(one.scenario, arrays, timestep=h)
-    assert found.made_by == "what semi-implicit Euler with ‖L‖ kept at 0.01667 s makes"
-    assert found.explained_by == ()
 
 
 def test_quaternions_that_are_not_normalised_are_with_a_remark() -> None:
@@ -276,6 +198,24 @@ def test_where_a_log_hardly_shows_a_tensor_its_errors_are_as_large(log: int) -> 
     entries, errors = fit.tensor_entries()
     # Of six numbers none is off by five standard errors, but by chance in a million logs.
     assert np.all(np.abs(entries - tensor) < 5 * errors)
+
+
+def test_mistakes_of_a_gyroscope_that_a_log_does_not_tell_apart_are_both_named() -> None:
+    """ω of log 358 hardly changes: by its noise a scale is likelier than the bias that it has."""
+    _, fit, _, bias = log_of_kind(358)
+    assert fit is not None
+    (sentence,) = (words for words in fit.explained() if "gyroscope" in words)
+    first, _, (second, likely) = *sentence.partition(", or ")[:2], sentence.rsplit(" (", 1)
+    assert first.startswith("the gyroscope's axes read ")
+    assert ", or the gyroscope has a bias of " in second
+    assert re.fullmatch(r"0\.\d+ times as likely\)", likely)
+    scale = next(change for change in fit.fit.changes if change.kind == "scale")
+    ((times, other, instead),) = fit.alternatives(scale)
+    falls = np.sum(fit.found.rest**2) - np.sum(instead.rest**2)
+    # The noise is estimated: its variance is known to five standard errors of so many numbers.
+    assert np.log(times) == pytest.approx(falls / 2, rel=5 * np.sqrt(2 * SHARED / fit.freedom))
+    rows = instead.rows(other)
+    assert np.all(np.abs(instead.numbers[rows] - bias) < 5 * instead.errors[rows])
 
 
 def test_a_timestep_longer_than_samples_are_apart_is_refused() -> None:

@@ -1,0 +1,83 @@
+"""Brax's three pipelines, in single precision, on the CPU.
+
+What it does to a top by default, and how each effect was measured: docs/measured/engines-more.md.
+"""
+
+from collections.abc import Sequence
+from importlib import import_module
+from typing import final
+
+import numpy as np
+from spincheck.engine import Batch, Method, Scenario
+
+from ...scene_record import WorldBody, scene_record
+from ...world_engine import WorldEngine
+from ...world_session import WorldBatch, WorldSession
+
+#: Its forces act on joints, of which a free body and a pivot have none that is the scene's torque.
+EFFECTS = frozenset({"gravity", "pivot"})
+SLACK = 8 * float(np.finfo(np.float32).eps)
+
+
+@final
+class BraxSession(WorldSession):
+    """One body in a system of its own, its frame at the joint."""
+
+    def world_body(self) -> WorldBody:
+        """The body as the system holds it."""
+        inertia = self.world.system.link.inertia
+        mass, com, tensor = (
+            np.asarray(one[0], dtype=float)
+            for one in (inertia.mass, inertia.transform.pos, inertia.i)
+        )
+        return WorldBody(float(mass), com, tensor, None if self.world.is_free else np.zeros(3))
+
+    def active(self) -> frozenset[str]:
+        """What acts, as the system says."""
+        system, gravity = self.world.system, np.asarray(self.world.system.gravity, dtype=float)
+        right = np.allclose(gravity, self.scenario.gravity_world, rtol=SLACK, atol=0)
+        named = {
+            "gravity" if right else f"a gravity of {gravity.tolist()} m/s²": gravity.any(),
+            "pivot": system.link_types == "3",
+            "damping": np.any(system.ang_damping) or np.any(system.vel_damping),
+            "joint damping": np.any(system.dof.damping),
+            "armature": np.any(system.dof.armature),
+            "a fluid": bool(system.enable_fluid),
+            "other bodies": system.num_links() != 1,
+        }
+        return frozenset(name for name, acts in named.items() if acts)
+
+
+def _method(name: str, summary: str, *, as_shipped: bool = False) -> Method:
+    setup = f"state = brax.{name}.pipeline.step(sys, state, act)"
+    return Method(name, 1, 1, summary, EFFECTS, as_shipped=as_shipped, setup=setup)
+
+
+@final
+class Brax(WorldEngine):
+    """A body on a free joint, or on three hinges at its pivot."""
+
+    session = BraxSession
+    name = "brax"
+    package = "brax"
+    step_seconds = 30e-6
+    single_precision = True
+    has_batches = True
+    stock_timestep = 0.002
+    methods = (
+        _method("generalized", "semi-implicit Euler in joint coordinates"),
+        _method("spring", "semi-implicit Euler of bodies, joints as springs"),
+        _method("positional", "position-based dynamics"),
+        _method(
+            "default", "as shipped: generalized, its mass matrix inverted roughly", as_shipped=True
+        ),
+    )
+
+    def open_batch(self, scenarios: Sequence[Scenario], method: Method, timestep: float) -> Batch:
+        """A world of each different scene, and of all of them one a row."""
+        module = import_module(f"{__package__}.world")
+        worlds = {
+            scenario: module.World(scene_record(scenario), method.name, timestep)
+            for scenario in dict.fromkeys(scenarios)
+        }
+        return WorldBatch(module.Worlds([worlds[scenario] for scenario in scenarios]))

@@ -1,0 +1,218 @@
+"""A Brax system of one body, which needs `brax`, `mujoco`, `jax` and numpy."""
+
+import warnings
+from functools import partial
+
+import jax
+import mujoco
+import numpy as np
+
+from ...world_parts import matrix, quaternion
+
+#: It warns that it is not maintained, nor a package that it imports, and of what it has of MJX.
+WARNINGS = {"action": "ignore", "category": Warning}
+
+with warnings.catch_warnings(**WARNINGS):
+    from brax import com, kinematics
+    from brax.base import Motion, Transform
+    from brax.generalized import pipeline as generalized
+    from brax.io.mjcf import load_model
+    from brax.positional import pipeline as positional
+    from brax.spring import pipeline as spring
+
+jax.config.update("jax_platforms", "cpu")
+#: By name, what is set in a body's MJCF for it: Brax reads its options as MuJoCo's `custom`.
+PIPELINES = {
+    # With iterations it inverts the mass matrix roughly, from the inverse of the step before.
+    "generalized": (generalized, {"matrix_inv_iterations": 0}),
+    "spring": (spring, {}),
+    "positional": (positional, {}),
+    "default": (generalized, {}),
+}
+MJCF = """\
+<mujoco>
+  <option gravity="{gravity}"/>
+  <custom>{custom}</custom>
+  <worldbody>
+    <body>
+      {joints}
+      <inertial pos="{com}" mass="{mass!r}" diaginertia="{moments}"/>
+    </body>
+  </worldbody>
+</mujoco>"""
+#: It has no ball joint: three hinges about the axes of the body, one after the other.
+HINGES = "".join(f'<joint axis="{axis}"/>' for axis in ("1 0 0", "0 1 0", "0 0 1"))
+
+
+def single(numbers):
+    """Numbers in single precision."""
+    with np.errstate(over="ignore"):
+        return np.asarray(numbers, np.float32)
+
+
+def texts(numbers):
+    """Numbers as MJCF has them."""
+    return " ".join(map(repr, map(float, numbers)))
+
+
+def mjcf(scene, options):
+    """A body on a free joint at its com, or on three hinges at its pivot, (text)."""
+    is_free = scene["arm"] is None
+    custom = "".join(f'<numeric name="{key}" data="{options[key]}"/>' for key in options)
+    return MJCF.format(
+        gravity=texts(scene["gravity"]),
+        custom=custom,
+        joints="<freejoint/>" if is_free else HINGES,
+        com=texts(-np.array(scene["arm"] or (0.0, 0.0, 0.0))),
+        mass=scene["mass"],
+        moments=texts(scene["moments"]),
+    )
+
+
+def angles(R):
+    """The angles of three hinges about x, y and z, rad, whose product is a rotation matrix."""
+    return np.array(
+        [
+            np.arctan2(-R[1, 2], R[2, 2]),
+            np.arctan2(R[0, 2], np.hypot(R[0, 0], R[0, 1])),
+            np.arctan2(-R[0, 1], R[0, 0]),
+        ]
+    )
+
+
+def turned_about(angle, axis):
+    """The rotation matrix of one hinge."""
+    q = np.zeros(4)
+    q[0], q[1 + axis] = np.cos(angle / 2), np.sin(angle / 2)
+    return matrix(q)
+
+
+def hinge_axes(q):
+    """The axes about which three hinges turn the body, world axes, in columns."""
+    first = turned_about(q[0], 0)
+    second = first @ turned_about(q[1], 1)
+    return np.column_stack([np.eye(3)[0], first[:, 1], second[:, 2]])
+
+
+@partial(jax.jit, static_argnums=0)
+def begun(pipeline, system, q, qd):
+    """The state with these coordinates."""
+    return pipeline.init(system, q, qd)
+
+
+@jax.jit
+def moved(system, state, place, turning):
+    """A state of bodies with another place and velocity of their coms.
+
+    By `init` the velocity of a body on several hinges is wrong: "fix qd->jd calculation for
+    stacked/offset joints" (brax/kinematics.py).
+    """
+    x, xd = com.to_world(system, place, turning)
+    j, jd, a_p, a_c = kinematics.world_to_joint(system, x, xd)
+    found = {"x": x, "xd": xd, "j": j, "jd": jd, "a_p": a_p, "a_c": a_c}
+    return state.replace(x_i=place, xd_i=turning, **found)
+
+
+@partial(jax.jit, static_argnums=0)
+def stepped(pipeline, system, state, count):
+    """The state after some steps."""
+    without_actuators = np.zeros(0, np.float32)
+    return jax.lax.fori_loop(
+        0, count, lambda _, now: pipeline.step(system, now, without_actuators), state
+    )
+
+
+class World:
+    """One body in a system of its own."""
+
+    def __init__(self, scene, method, timestep):
+        self.scene, self.is_free = scene, scene["arm"] is None
+        self.pipeline, options = PIPELINES[method]
+        self.is_generalized = self.pipeline is generalized
+        model = mujoco.MjModel.from_xml_string(mjcf(scene, options))
+        with warnings.catch_warnings(**WARNINGS):
+            system = load_model(model)
+        # Without it, numbers are all that differs between systems: they are compiled once.
+        self.system = jax.tree.map(np.asarray, system.replace(mj_model=None))
+        self.restart(scene, timestep)
+
+    def restart(self, motion, timestep):
+        """Set another motion and timestep; leave nothing of earlier steps."""
+        system = self.system
+        option = system.opt.replace(timestep=np.asarray(timestep, system.opt.timestep.dtype))
+        self.system = system.replace(opt=option)
+        R, omega = matrix(motion["q"]), np.array(motion["omega"])
+        if self.is_free:
+            # Its angular velocity is along the body's axes.
+            q = [*motion["com"], *motion["q"]]
+            qd = [*motion["velocity"], *(R.T @ omega)]
+        else:
+            q = angles(R)
+            qd = np.linalg.solve(hinge_axes(q), omega)
+        with warnings.catch_warnings(**WARNINGS):
+            self.state = begun(self.pipeline, self.system, single(q), single(qd))
+            if not self.is_generalized:
+                place = Transform(pos=single([motion["com"]]), rot=single([motion["q"]]))
+                turning = Motion(ang=single([omega]), vel=single([motion["velocity"]]))
+                self.state = moved(self.system, self.state, place, turning)
+
+    def motion(self):
+        """Attitude, w x y z, ω, com and its velocity, world axes."""
+        return self.motion_of(self.state)
+
+    def motion_of(self, state):
+        """Those of a state of its system."""
+        q, qd = np.asarray(state.q, float), np.asarray(state.qd, float)
+        if not self.is_generalized:
+            place, turning = jax.tree.map(
+                lambda row: np.asarray(row[0], float), (state.x_i, state.xd_i)
+            )
+            return np.concatenate([place.rot, turning.ang, place.pos, turning.vel])
+        if self.is_free:
+            return np.concatenate([q[3:], matrix(q[3:]) @ qd[3:], q[:3], qd[:3]])
+        first = turned_about(q[0], 0) @ turned_about(q[1], 1)
+        R, omega = first @ turned_about(q[2], 2), hinge_axes(q) @ qd
+        com = R @ -np.array(self.scene["arm"])
+        return np.concatenate([quaternion(R), omega, com, np.cross(omega, com)])
+
+    def advance(self, steps):
+        """Take steps."""
+        with warnings.catch_warnings(**WARNINGS):
+            ended = stepped(self.pipeline, self.system, self.state, np.int32(steps))
+        self.state = jax.block_until_ready(ended)
+
+
+@partial(jax.jit, static_argnums=0)
+def stepped_all(pipeline, systems, states, count):
+    """The states of all worlds after some steps."""
+    without_actuators = np.zeros(0, np.float32)
+    step = jax.vmap(lambda system, now: pipeline.step(system, now, without_actuators))
+    return jax.lax.fori_loop(0, count, lambda _, now: step(systems, now), states)
+
+
+def stacked(trees):
+    """Trees of arrays as one, a row each."""
+    return jax.tree.map(lambda *leaves: np.stack(leaves), *trees)
+
+
+class Worlds:
+    """Worlds of systems that differ in numbers alone, stepped by `jax.vmap`."""
+
+    def __init__(self, worlds):
+        self.worlds, self.pipeline = worlds, worlds[0].pipeline
+        self.systems = jax.device_put(stacked([world.system for world in worlds]))
+        self.states = jax.device_put(stacked([world.state for world in worlds]))
+
+    def advance(self, steps):
+        """Take steps."""
+        with warnings.catch_warnings(**WARNINGS):
+            ended = stepped_all(self.pipeline, self.systems, self.states, np.int32(steps))
+        self.states = jax.block_until_ready(ended)
+
+    def motions(self, places):
+        """The motions of some worlds, as `World.motion` gives them."""
+        states = jax.tree.map(np.asarray, self.states)
+        return [
+            self.worlds[k].motion_of(jax.tree.map(lambda leaf, k=k: leaf[k], states))
+            for k in places
+        ]

@@ -1,0 +1,91 @@
+"""Derivatives of a world's steps by Warp's tape, in a model of its own whose arrays have gradients.
+
+Newton's users record `solver.step` and propagate backwards from what they want differentiated.
+"""
+
+from typing import Any
+
+import newton
+import numpy as np
+import warp as wp
+from spincheck.engine import FloatArray, in_chart, numbers_by_chart
+
+from ...world_parts import is_pushed, matrix
+from .world import push_bodies
+
+#: It has no types.
+TAPE: Any = wp.Tape
+#: Where a transform or a twist has attitude (w x y z of x y z w) and ω.
+QUATERNION, TURNING = (6, 3, 4, 5), (3, 4, 5)
+
+
+class Tape:
+    """A differentiable twin of a world of one scene."""
+
+    def __init__(self, world: Any) -> None:
+        builder = world.builder()
+        world.add_scene(builder, world.scene)
+        builder.color()
+        self._world, self._model = world, builder.finalize(requires_grad=True)
+        self._solver = world.solver_class(self._model, **world.options)
+
+    def jacobian(self, motion: Any, timestep: float, steps: int) -> FloatArray:
+        """That of so many steps from a motion, along the axes of the record, (6, 6).
+
+        Raises
+        ------
+        NotImplementedError
+            If the solver takes no model that has gradients.
+        """
+        model = self._model
+        start, *others = states = [model.state() for _ in range(steps + 1)]
+        q, qd = self._world.coordinates(self._world.scene, motion)
+        start.joint_q.assign(np.array(q, dtype=np.float32))
+        start.joint_qd.assign(np.array(qd, dtype=np.float32))
+        control, tape = model.control(), TAPE()
+        with tape:
+            newton.eval_fk(model, start.joint_q, start.joint_qd, start)
+            for now, then in zip(states, others, strict=False):
+                self._push(now)
+                self._solver.step(now, then, control, None, timestep)
+        return self._in_chart(motion, states[-1], self._rows(tape, start, states[-1]))
+
+    def _push(self, state: Any) -> None:
+        """Record the torques, which the world sets before each step."""
+        scene = self._world.scene
+        if is_pushed(scene):
+            numbers = wp.vec3(*scene["torque_body"]), wp.vec3(*scene["torque_world"])
+            inputs = [state.body_q, state.body_qd, scene["drag"], *numbers, self._world.bodies]
+            wp.launch(push_bodies, dim=1, inputs=[*inputs, state.body_f])
+
+    def _rows(self, tape: Any, start: Any, end: Any) -> FloatArray:
+        """Derivatives of attitude, w x y z, and ω by the same at the start, world axes, (7, 7)."""
+        is_free = self._world.scene["arm"] is None
+        of_q = np.array(QUATERNION) - (0 if is_free else 3)
+        of_qd = np.array(TURNING) - (0 if is_free else 3)
+        rows = []
+        wanted = [(end.body_q, place) for place in QUATERNION]
+        for array, place in wanted + [(end.body_qd, place) for place in TURNING]:
+            seed = np.zeros_like(array.numpy())
+            seed[0, place] = 1.0
+            tape.zero()
+            tape.backward(grads={array: wp.array(seed, dtype=array.dtype)})
+            by_q, by_qd = start.joint_q.grad.numpy(), start.joint_qd.grad.numpy()
+            rows.append([*by_q[of_q], *by_qd[of_qd]])
+        return np.array(rows, dtype=float)
+
+    def _in_chart(self, motion: Any, end: Any, rows: FloatArray) -> FloatArray:
+        """Derivatives by world axes as those of the chart: ω_world is R ω, δR is R [δθ]×."""
+        q, q_after = np.array(motion["q"]), end.body_q.numpy()[0, list(QUATERNION)].astype(float)
+        R, R_after = matrix(q), matrix(q_after)
+        before = numbers_by_chart(q)
+        before[4:] = np.hstack([-R @ _cross(R.T @ motion["omega"]), R])
+        after = in_chart(q_after, rows @ before)
+        omega_after = R_after.T @ end.body_qd.numpy()[0, list(TURNING)].astype(float)
+        after[3:] = R_after.T @ after[3:] + _cross(omega_after) @ after[:3]
+        return after
+
+
+def _cross(v: FloatArray) -> FloatArray:
+    """M with M u = v × u."""
+    return np.asarray(np.cross(v, np.eye(3)).T)
