@@ -131,7 +131,6 @@ def _overview(gathered: ReportData, results: Results) -> dict[str, Any]:
         "first_signal": FIRST_SIGNAL,
         "stock": stock_table(gathered),
         "headline": overview.headline(gathered),
-        "counts": overview.counts(plain),
         "at_stock": overview.at_stock(plain),
         "methods": overview.methods_table(plain),
         "costs": median_table(plain),

@@ -60,7 +60,6 @@ class Brax(WorldEngine):
     session = BraxSession
     name = "brax"
     package = "brax"
-    step_seconds = 30e-6
     single_precision = True
     has_batches = True
     stock_timestep = 0.002

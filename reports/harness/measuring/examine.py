@@ -124,7 +124,8 @@ class _Examination:
         elif look.tail < LEVEL and not is_single and not _is_plain(look):
             return self._taken_again()
         for repeats in REPEATS[1:] if is_single else ():
-            if look.tail < LEVEL or look.is_known:
+            # What explains a fault is known better with more of them, too.
+            if look.is_known:
                 break
             more = self._settled(settle, repeats) if settle else self._taken(0, repeats)
             is_in_vain = max(more.known_to) > STILL_GAINING * max(look.known_to)

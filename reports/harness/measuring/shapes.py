@@ -85,7 +85,7 @@ def _explained(
         for name in ("limit", "known_to")
     )
     last = slice(-look.steps.repeats * look.gains.shape[1], None)
-    gains = gains_of(look.equations, look.steps.before.rows(last), limits, errors)
+    gains = gains_of(look.equations, look.steps.before.rows(last), limits, SURE * errors)
     return gains.exact[k, q], explanations(gains) if is_limit else ()
 
 

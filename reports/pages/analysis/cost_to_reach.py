@@ -35,10 +35,10 @@ def tallies(scenes: Sequence[SceneCurves], levels: Sequence[float] = LEVELS) -> 
         for level in levels
         for reached in [reach(curve, level)]
     )
-    asked = """SELECT engine, method, level, count(seconds), sum(word = 'extrapolated'),
+    question = """SELECT engine, method, level, count(seconds), sum(word = 'extrapolated'),
         median_high(coalesce(seconds, 9e999)) FILTER (WHERE word <> 'unsupported')
         FROM cost GROUP BY 1, 2, 3"""
-    found = Tables({"cost (engine, method, level, word, seconds)": lines}).ask(asked)
+    found = Tables({"cost (engine, method, level, word, seconds)": lines}).ask(question)
     return {(engine, method, level): tuple(counts) for engine, method, level, *counts in found}
 
 

@@ -68,12 +68,6 @@ def at_stock(gathered: ReportData) -> str:
     )
 
 
-def counts(gathered: ReportData) -> list[Cell]:
-    """How many pairs have each verdict; without engines as shipped."""
-    counted = verdict_counts(gathered, as_shipped=False)
-    return [verdict_cell(word, str(counted[word])) for word in WORDS if word in counted]
-
-
 def group_of(scene: SceneRuns) -> str:
     """The one of `GROUPS` that a scene belongs to, by its effects."""
     if scene.solved is None:

@@ -97,9 +97,10 @@ def test_what_a_script_pays_for_what_the_adapter_leaves_out_is_said(
 def test_a_cost_is_said_with_how_it_is_known_and_the_timestep_below_which_errors_grow(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    recommendation = recommended(monkeypatch, STRAIGHT, straight, omega=BETWEEN)
+    recommendation = recommended(monkeypatch, STRAIGHT, straight, omega=BELOW)
     best, *others = recommendation.candidates
-    for finest, words in ((None, "(measured)."), (2e-4, "(measured, below 0.0002 s errors grow).")):
+    floor = "(extrapolated, below 0.0002 s errors grow)."
+    for finest, words in ((None, "(extrapolated)."), (2e-4, floor)):
         known = (replace(best, finest_useful=finest), *others)
         print_recommendation(replace(recommendation, candidates=known))
         (line,) = (n for n in capsys.readouterr().out.splitlines() if n.startswith("Cheapest: "))
