@@ -106,6 +106,10 @@ WRONG = {
         GOOD.replace("0.1,1,", "0.1,0,"),
         "drift off it slowly from 1 on, that of sample 1 is 0 long",
     ),
+    "a first quaternion that has not drifted yet": (
+        GOOD.replace("\n0,1,", "\n0,1.2,"),
+        "that of sample 0 is 1.2 long and the one before 1",
+    ),
     "a wrong frame": ("# omega = local\n" + GOOD, "line 1: 'omega' must be body or world"),
     "a wrong timestep": ("# timestep = -1\n" + GOOD, "'timestep' must be a positive number"),
     "a long line": ("t" * (1 << 15), "line 1 must be shorter than"),
