@@ -45,7 +45,7 @@ class Engine(Adapted, ABC):
     single_precision : whether it holds its state in 24 bits
     least_turn : rad, below which its solver leaves out how a constraint turns a body in a step
     stock_timestep : s, the default timestep; None where users have to set one
-    step_seconds : not read any more; adapters may go on stating it
+    step_seconds, steps_in : not read any more; adapters may go on stating them
     package : of an optional engine, the package that it needs, imported when a scene is opened
     extra : the extra of spincheck that installs that; the engine's name if empty
     family : a name for several optional engines, by which users may ask for all of them
@@ -64,6 +64,7 @@ class Engine(Adapted, ABC):
     least_turn: float = 0.0
     stock_timestep: float | None = None
     step_seconds: float = 1e-6
+    steps_in: str = ""
     package: str = ""
     extra: str = ""
     family: str = ""

@@ -40,7 +40,7 @@ OURS = "central differences by spincheck"
 MANY = 8
 TAPED = (MANY, 64)
 #: Why an engine's derivative is not judged where a constraint or a contact gives way.
-HELD = (
+UNSETTLED = (
     "a constraint gives way: by attitude and ω with the com where it is, as the engine "
     "differentiates, no motion is allowed; only differences of its runs are judged"
 )
@@ -123,7 +123,7 @@ def gradients_of(
 
 
 @dataclass(frozen=True, eq=False)
-class _Asked:
+class _Target:
     """What derivatives should be: the exact ones over some steps, and the engine's own."""
 
     exact: Exact
@@ -147,43 +147,43 @@ class _Study:
         began, offered = time.perf_counter(), self.sessions.first.derivatives()
         steps = steps_from(self.sessions, self.at.states, self.at.timesteps)
         if gives_way(Equations(self.sessions.scenario), self.engine, steps):
-            rows = [self._row(name, Judged("unresolved", HELD)) for name in offered]
-            return [*rows, self._own_row(self._settled(), began)]
-        asked = self._asked(1)
-        rows = [self._engines_row(asked, name) for name in offered]
+            rows = [self._row(name, Judged("unresolved", UNSETTLED)) for name in offered]
+            return [*rows, self._own_row(self._settled_target(), began)]
+        target = self._target(1)
+        rows = [self._engines_row(target, name) for name in offered]
         if taped := [name for name, one in offered.items() if one.through]:
-            many = self._asked(MANY)
+            many = self._target(MANY)
             rows += [self._engines_row(many, name) for name in taped]
-        return [*rows, self._own_row(asked, time.perf_counter())]
+        return [*rows, self._own_row(target, time.perf_counter())]
 
-    def _asked(self, steps: int) -> _Asked:
-        """Of so many steps, which last as long as one step of the longer timesteps."""
+    def _target(self, steps: int) -> _Target:
+        """The target over so many steps, which last as long as one step of the longer timesteps."""
         scenario, at, units = self.sessions.scenario, self.at, self.units
         timesteps = at.timesteps[at.timesteps <= at.timesteps[0] / steps]
         spans = steps * timesteps
         jacobians = exact_jacobians(scenario, at.states, spans)
         own = own_jacobians(self.sessions, at.states, timesteps, units, steps)
         exact = Exact(scenario, at.states, spans, jacobians, units, steps)
-        return _Asked(exact, own, timesteps)
+        return _Target(exact, own, timesteps)
 
-    def _settled(self) -> _Asked:
-        """Of a step after others, without the longest timesteps, which turn the body by much."""
+    def _settled_target(self) -> _Target:
+        """The target of a step after others, without the longest timesteps, which turn the body by much."""
         scenario, at, units = self.sessions.scenario, self.at, self.units
         settling, timesteps = (SETTLING, SETTLING + FURTHER), at.timesteps[FINER:]
         own, jacobians = settled_jacobians(self.sessions, at.states, timesteps, units, settling)
-        return _Asked(Exact(scenario, at.states, timesteps, jacobians, units), own, timesteps)
+        return _Target(Exact(scenario, at.states, timesteps, jacobians, units), own, timesteps)
 
-    def _engines_row(self, asked: _Asked, name: str) -> GradientRow:
+    def _engines_row(self, target: _Target, name: str) -> GradientRow:
         """A derivative of the engine's; whatever its own code raises is the reason."""
-        began, steps = time.perf_counter(), asked.exact.steps
+        began, steps = time.perf_counter(), target.exact.steps
         called = name if steps == 1 else f"{name}, through {steps} steps"
         try:
-            found, is_step = self._found(name, asked)
+            found, is_step = self._found(name, target)
             if found is None:
                 words = "four numbers of a quaternion instead of the three of a turn"
                 row = self._row(called, Judged("disagrees", f"it is not 6 by 6: {words}?"))
             else:
-                one = self._judged(asked, found, is_step, name)
+                one = self._judged(target, found, is_step, name)
                 row = replace(self._row(called, one), cost=self._cost(name, steps))
                 row = self._with_window(row, name, is_taped=steps > 1)
         except UnsupportedError as error:
@@ -192,15 +192,15 @@ class _Study:
             row = self._row(called, Judged("failed", " ".join(str(error).split())))
         return replace(row, seconds=time.perf_counter() - began)
 
-    def _judged(self, asked: _Asked, found: FloatArray, is_step: bool, name: str) -> Judged:
+    def _judged(self, target: _Target, found: FloatArray, is_step: bool, name: str) -> Judged:
         epsilon = self.sessions.first.derivatives()[name].epsilon
-        noise = noise_of(self.units, asked.timesteps, self.at.condition, epsilon)
-        one = judged(asked.exact, found, noise)
-        return beside_own(one, asked.exact, found, asked.own, noise) if is_step else one
+        noise = noise_of(self.units, target.timesteps, self.at.condition, epsilon)
+        one = judged(target.exact, found, noise)
+        return beside_own(one, target.exact, found, target.own, noise) if is_step else one
 
-    def _own_row(self, asked: _Asked, began: float) -> GradientRow:
-        exact, own = asked.exact, asked.own
-        noise = noise_of(self.units, asked.timesteps, self.at.condition, 0.0)
+    def _own_row(self, target: _Target, began: float) -> GradientRow:
+        exact, own = target.exact, target.own
+        noise = noise_of(self.units, target.timesteps, self.at.condition, 0.0)
         one = judged(exact, own.jacobians, noise + (own.known_to / exact.spans)[:, None])
         if one.reason:
             one = replace(one, reason=f"its steps themselves: {one.reason}")
@@ -219,13 +219,13 @@ class _Study:
         names = self.sessions.scenario.name, self.engine.name, self.method.name, derivative
         return GradientRow(*names, one, timestep=self.window_timestep)
 
-    def _found(self, name: str, asked: _Asked) -> tuple[FloatArray | None, bool]:
+    def _found(self, name: str, target: _Target) -> tuple[FloatArray | None, bool]:
         """Jacobians by a derivative, (J, K, 6, 6), and whether it is one of steps."""
-        states, jacobians, is_step = self.at.states, np.empty_like(asked.exact.jacobians), True
+        states, jacobians, is_step = self.at.states, np.empty_like(target.exact.jacobians), True
         for j, k in np.ndindex(jacobians.shape[:2]):
-            h, state = float(asked.timesteps[j]), states.rows(k)
+            h, state = float(target.timesteps[j]), states.rows(k)
             with self.sessions.at(state, h) as session:
-                found = np.asarray(_by(session, name, asked.exact.steps)(), dtype=float)
+                found = np.asarray(_by(session, name, target.exact.steps)(), dtype=float)
             if found.shape not in ((CHART, CHART), (3, CHART)):
                 return None, is_step
             is_step = len(found) == CHART

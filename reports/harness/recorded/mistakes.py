@@ -133,8 +133,8 @@ def _of_spins(
 ) -> Iterator[tuple[str, Reading]]:
     yield "the spins have the opposite sign", reading._replace(spins=-spins)
     for words, factor in RATES.items():
-        told = words.replace("wx", "spin1").replace("was", "were")
-        yield f"the spins are {told}", reading._replace(spins=spins * factor)
+        of_spins = words.replace("wx", "spin1").replace("was", "were")
+        yield f"the spins are {of_spins}", reading._replace(spins=spins * factor)
     if (omega_body := reading.omega_body) is not None:
         of_body = omega_body @ scenario.rotors.axes_body.T
         yield (
