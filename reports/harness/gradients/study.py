@@ -167,7 +167,7 @@ class _Study:
         return _Target(exact, own, timesteps)
 
     def _settled_target(self) -> _Target:
-        """The target of a step after others, without the longest timesteps, which turn the body by much."""
+        """The target of a step after others, without timesteps that turn the body by much."""
         scenario, at, units = self.sessions.scenario, self.at, self.units
         settling, timesteps = (SETTLING, SETTLING + FURTHER), at.timesteps[FINER:]
         own, jacobians = settled_jacobians(self.sessions, at.states, timesteps, units, settling)
