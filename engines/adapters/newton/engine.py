@@ -102,7 +102,7 @@ class NewtonSession(WorldSession):
         world, model, scenario = self.world, self.world.model, self.scenario
         motion, gravity = world.motion(), model.gravity.numpy()[0].astype(float)
         wanted = push(self.scene, matrix(motion[:4]), motion[4:7])
-        world.push()
+        world.push(world.now)
         force, torque = np.split(world.now.body_f.numpy()[0].astype(float), 2)
         pushed_right = np.linalg.norm(torque - wanted) <= SLACK * np.linalg.norm(wanted)
         right = np.allclose(gravity, scenario.gravity_world, rtol=SLACK, atol=0)

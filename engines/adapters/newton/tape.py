@@ -11,7 +11,6 @@ import warp as wp
 from spincheck.engine import FloatArray, in_chart, numbers_by_chart
 
 from ...world_parts import is_pushed, matrix
-from .world import push_bodies
 
 #: It has no types.
 TAPE: Any = wp.Tape
@@ -46,17 +45,10 @@ class Tape:
         with tape:
             newton.eval_fk(model, start.joint_q, start.joint_qd, start)
             for now, then in zip(states, others, strict=False):
-                self._push(now)
+                if is_pushed(self._world.scene):
+                    self._world.push(now)
                 self._solver.step(now, then, control, None, timestep)
         return self._in_chart(motion, states[-1], self._rows(tape, start, states[-1]))
-
-    def _push(self, state: Any) -> None:
-        """Record the torques, which the world sets before each step."""
-        scene = self._world.scene
-        if is_pushed(scene):
-            numbers = wp.vec3(*scene["torque_body"]), wp.vec3(*scene["torque_world"])
-            inputs = [state.body_q, state.body_qd, scene["drag"], *numbers, self._world.bodies]
-            wp.launch(push_bodies, dim=1, inputs=[*inputs, state.body_f])
 
     def _rows(self, tape: Any, start: Any, end: Any) -> FloatArray:
         """Derivatives of attitude, w x y z, and ω by the same at the start, world axes, (7, 7)."""

@@ -163,18 +163,17 @@ class World:
         """The motions of some worlds."""
         return [self.motion(world) for world in worlds]
 
-    def push(self):
-        """Set the torques, which a step does not change."""
+    def push(self, state):
+        """Set the torques on the bodies of a state, which a step does not change."""
         scene = self.scene
         numbers = wp.vec3(*scene["torque_body"]), wp.vec3(*scene["torque_world"])
-        state = self.now
         inputs = [state.body_q, state.body_qd, scene["drag"], *numbers, self.bodies, state.body_f]
         wp.launch(push_bodies, dim=len(self.scenes), inputs=inputs)
 
     def step(self, timestep):
         """Take a step."""
         if is_pushed(self.scene):
-            self.push()
+            self.push(self.now)
         self.solver.step(self.now, self.then, self.control, None, timestep)
         self.now.assign(self.then)
 
