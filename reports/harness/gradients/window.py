@@ -141,13 +141,11 @@ def cut_in_words(each: FloatArray, taped: FloatArray, ulp: float) -> str:
     for words, made in (("first", first), ("last", last)):
         off = np.linalg.norm(np.array(made) - taped, axis=(1, 2))
         # The whole product is the same from both ends, and comes before any part of it.
-        kept = steps if off[-1] <= known_to else int(off.argmin())
+        if off[-1] <= known_to:
+            return ""
+        kept = int(off[:-1].argmin())
         if off[kept] <= known_to:
-            return (
-                ""
-                if kept == steps
-                else (f"over {steps} steps the tape is cut: it is of the {words} {kept}")
-            )
+            return f"over {steps} steps the tape is cut: it is of the {words} {kept}"
     return f"over {steps} steps it is not the product of its steps' derivatives"
 
 

@@ -208,6 +208,7 @@ def gives_way(equations: Equations, engine: Engine, steps: Steps) -> bool:
     if np.ptp(place, axis=0).max() > within:
         return True
     fastest = max(float(norms(state.omega_body).max()) for state in (steps.before, steps.after))
+    # What a misreading makes of it changes by less than itself.
     change = np.ptp(velocity, axis=0).max()
     return bool(change > max(within * fastest, velocity.max() / 2))
 

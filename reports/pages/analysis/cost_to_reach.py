@@ -19,7 +19,6 @@ LEVELS = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8)
 #: One scene's curves, in one error, one a method.
 SceneCurves = Sequence[Curve]
 
-
 #: By engine, method and level: the number of scenes within reach, that of those by extrapolation
 #: only, and the median of CPU seconds a simulated second over the scenes that the method can
 #: simulate, infinite where it is out of reach.
