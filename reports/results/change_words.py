@@ -162,12 +162,23 @@ KINDS = {
         "the rotors' torque ω × h had the other sign",
     ),
     # The tensor.
-    "tensor as at the start": Kind(
-        "the tensor did not turn with the body: as it is at the start, in world axes"
-    ),
-    "tensor along the world": Kind(
-        "the tensor were along world axes, and did not turn with the body"
-    ),
+    **{
+        f"{kind}{how}": Kind(before + words)
+        for how, before in (
+            ("", ""),
+            (", not gyroscopic", "there were no gyroscopic torque, and "),
+        )
+        for kind, words in (
+            (
+                "tensor as at the start",
+                "the tensor did not turn with the body: as it is at the start, in world axes",
+            ),
+            (
+                "tensor along the world",
+                "the tensor were along world axes, and did not turn with the body",
+            ),
+        )
+    },
     "other products": Kind("the products of inertia had the other sign"),
     "no products": Kind("there were no products of inertia"),
     "signs of products": Kind("{} had the other sign", 3, _products),

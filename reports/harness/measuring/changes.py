@@ -188,8 +188,13 @@ def _of_gyroscopic_torque(scenario: Scenario, e: OtherEquations) -> Iterator[Cha
             yield _set(kind, gyroscopic=tensor)
     yield _set("inverse of the diagonal", inverse=np.diag(1 / np.diag(inertia)))
     R = matrix(scenario.start.q_world_body_wxyz)
-    yield _set("tensor as at the start", **_body(R @ inertia @ R.T), in_world=True)
-    yield _set("tensor along the world", **_body(inertia), in_world=True)
+    for kind, tensor in (
+        ("tensor as at the start", R @ inertia @ R.T),
+        ("tensor along the world", inertia),
+    ):
+        held = {**_body(tensor), "in_world": True}
+        yield _set(kind, **held)
+        yield _set(f"{kind}, not gyroscopic", **{**held, "gyroscopic": 0 * inertia})
     # ω × cω is zero: G is known up to a multiple of 1.
     yield _with_trace("gyroscopic tensor", inertia, lambda h, G: h.of(gyroscopic=G))
 

@@ -344,7 +344,7 @@ FAULTS = (
     Fault(
         "gszauer/GamePhysicsCookbook#14",
         "the body's inverse tensor times a torque in world axes, no gyroscopic torque",
-        (NO_GYROSCOPIC, "the tensor were along world axes, and did not turn with the body"),
+        (f"{NO_GYROSCOPIC}, and the tensor were along world axes, and did not turn with",),
         _of(PUSHED, _fixed_in_world(PUSHED, pushed, is_gyroscopic=False)),
     ),
     Fault(
