@@ -45,13 +45,13 @@ def reason_in_words(
         if steps and steps.is_of_low_order:
             orders = f"order {steps.order}, though {steps.declared} is declared"
             parts.append(f"what steps gain vanishes with the timestep at {orders}")
+    if word == "unresolved" and steps and not steps.is_known:
+        parts.append(_open(steps))
     if quoted:
         # A run's reason may have the fault of its steps already.
         parts = [*(one for one in parts if one not in quoted), quoted]
     if word == "converges" and steps:
         parts.append(_consistent(steps, replays))
-    if word == "unresolved" and steps and not steps.is_known:
-        parts.append(_open(steps))
     return "; ".join(parts)
 
 

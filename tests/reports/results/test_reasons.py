@@ -11,3 +11,10 @@ def test_a_fault_that_a_run_tells_is_not_told_twice() -> None:
     assert reason_in_words("disagrees", "it blew up", steps, None, ()) == f"{told}; it blew up"
     quoted = f"it blew up; {told}"
     assert reason_in_words("disagrees", quoted, steps, None, ()) == quoted
+
+
+def test_what_is_open_is_told_before_what_acts_besides() -> None:
+    steps = StepEvidence(3, 1.0, 0.06, 0.0, 1)
+    reason = reason_in_words("unresolved", "damping acts", steps, None, ())
+    assert reason.startswith("the limit of what steps gain is known to 0.06 of the largest terms")
+    assert reason.endswith("; damping acts")
