@@ -49,11 +49,11 @@ def _judged(records: Records) -> tuple[VerdictWord, str]:
         return "disagrees", quoted
     if evidence.steps and evidence.steps.is_of_low_order:
         return "disagrees", quoted
-    # Runs that blow up cannot be replayed to any accuracy.
-    if last and last.outcome == "diverged":
-        return "diverges", last.ending_in_words
+    # Runs that came to their end are replayed, whether or not others blew up.
     if any(one.is_wrong for one in evidence.replays):
         return "disagrees", quoted
+    if last and last.outcome == "diverged":
+        return "diverges", last.ending_in_words
     if evidence.refusal:
         return "unresolved", f"it cannot be examined from other states: {evidence.refusal}"
     if evidence.steps is None:

@@ -192,9 +192,9 @@ def _of_gyroscopic_torque(scenario: Scenario, e: OtherEquations) -> Iterator[Cha
         ("tensor as at the start", R @ inertia @ R.T),
         ("tensor along the world", inertia),
     ):
-        held = {**_body(tensor), "in_world": True}
-        yield _set(kind, **held)
-        yield _set(f"{kind}, not gyroscopic", **{**held, "gyroscopic": 0 * inertia})
+        terms = {**_body(tensor), "in_world": True}
+        yield _set(kind, **terms)
+        yield _set(f"{kind}, not gyroscopic", **{**terms, "gyroscopic": 0 * inertia})
     # ω × cω is zero: G is known up to a multiple of 1.
     yield _with_trace("gyroscopic tensor", inertia, lambda h, G: h.of(gyroscopic=G))
 

@@ -8,17 +8,19 @@ import numpy as np
 from ....engines import Engine
 from ....engines.checks.equations import Equations
 from ....engines.checks.read_back import stacked
+from ....scenarios import FloatArray
 from ...results.evidence import LEVEL, ReplayEvidence
 from .examine import OPENED
 from .gain_series import fitted
 from .intervals import Replay
 from .noise import NOISE, ULPS
-from .places import Places
+from .places import FINER, Places
 from .steps import Sessions, apart
 
 #: Steps before and after a restart that show a memory.
 REMEMBERED = 8
-#: The factor by which a run may differ more than from exact states.
+#: The factor by which a run may differ more than from exact states: it is restarted twice in an
+#: interval, and in more states than these.
 EXPLAINED = 3.0
 
 
@@ -34,9 +36,9 @@ def explained_by_memory(
 
     From exact states a method takes some steps at once, and others after it was restarted between
     them. What that changes, over the length of the one step that lacks its memory, is a gain like
-    any other. It explains a run that differs from its replays by no more. Of a method whose steps
-    are those of a settled constraint, impulses of earlier steps are in what these gain: they need
-    explain no more than the size of the difference.
+    any other. It explains a run that differs from its replays by no more, after as many steps as
+    its longest interval has. Of a method whose steps are those of a settled constraint, impulses of
+    earlier steps are in what these gain: they need explain no more than the size of the difference.
 
     Parameters
     ----------
@@ -44,28 +46,16 @@ def explained_by_memory(
     declared : the method's order
     settled : steps in which a constraint settled before those that were examined
     """
-    equations, timesteps = Equations(sessions.scenario), at.timesteps
+    # With longer ones the body turns by many radians meanwhile; in 24 bits shorter ones show noise.
+    timesteps = at.timesteps[0 if engine.single_precision else FINER :]
     remembered = max(REMEMBERED, settled)
-    at_once, restarted = [], []
     if not sessions.first.can_restart:
         at = at.thinned(OPENED)
-    for timestep in map(float, timesteps):
-        for k in range(len(at.times)):
-            with sessions.at(at.states.rows(k), timestep) as session:
-                session.advance(remembered)
-                middle = session.read_state()
-                session.advance(remembered)
-                at_once.append(session.read_state())
-            with sessions.at(middle, timestep) as session:
-                session.advance(remembered)
-                restarted.append(session.read_state())
-    off = apart(stacked(at_once), stacked(restarted), equations.reach)
-    off = off.reshape(len(timesteps), -1, *off.shape[1:])
-    sizes = np.abs(off).max(axis=(1, 2, 3))
-    noise = max(NOISE, ULPS * engine.ulp) * np.sqrt(remembered)
     shown = [one.evidence for one in replays]
     tail, order = 1.0, 1
     if not settled:
+        noise = max(NOISE, ULPS * engine.ulp) * np.sqrt(remembered)
+        off = np.stack([_lacking(sessions, at, h, remembered) for h in map(float, timesteps)])
         gains, table = off / timesteps[:, None, None, None], np.empty(off.shape[:2])
         table[:] = noise / timesteps[:, None]
         series = [fitted(timesteps, gains[:, :, q], table, LEVEL) for q in range(off.shape[2])]
@@ -77,10 +67,8 @@ def explained_by_memory(
         order = min(orders)
 
     def explains(one: Replay) -> bool:
-        size = float(np.interp(one.evidence.timestep, timesteps[::-1], sizes[::-1]))
-        # What is left of an impulse goes on for as long as an interval lasts.
-        lasting = max(1.0, one.steps / remembered) if settled else 1.0
-        return one.off <= EXPLAINED * one.growth * lasting * size
+        off = _lacking(sessions, at, one.evidence.timestep, max(remembered, one.steps))
+        return one.off <= EXPLAINED * float(np.sqrt((off**2).sum(axis=(1, 2))).max())
 
     return [
         replace(one.evidence, tail=tail, order=order, declared=declared)
@@ -88,3 +76,22 @@ def explained_by_memory(
         else one.evidence
         for one in replays
     ]
+
+
+def _lacking(sessions: Sessions, at: Places, timestep: float, steps: int) -> FloatArray:
+    """What is different, as `apart` has it, so many steps after a restart than without, (K, 5, 3).
+
+    As many steps are taken before the restart.
+    """
+    at_once, restarted = [], []
+    for k in range(len(at.times)):
+        with sessions.at(at.states.rows(k), timestep) as session:
+            session.advance(steps)
+            middle = session.read_state()
+            session.advance(steps)
+            at_once.append(session.read_state())
+        with sessions.at(middle, timestep) as session:
+            session.advance(steps)
+            restarted.append(session.read_state())
+    reach = Equations(sessions.scenario).reach
+    return apart(stacked(at_once), stacked(restarted), reach)

@@ -30,7 +30,7 @@ def studied(
     """A study that has been run."""
     planted.begin()
     engine, scene = SteppedEngine(kind, size, **as_if), library_scene(name)
-    solved = prepare(scene, (), FEW)
+    solved = prepare(scene, (), FEW, [engine.stock_timestep] if engine.stock_timestep else [])
     study = convergence_study_of(scene, engine, engine.method(method), solved)
     verdict_of(study)
     return study
@@ -157,6 +157,21 @@ def test_a_memory_that_vanishes_with_the_timestep_is_of_an_order(
     first, fourth = (replayed(kind, size, method) for method in ("Euler", "RK4"))
     assert (first.order, first.declared, first.is_wrong) == (1, 1, False)
     assert (fourth.order, fourth.declared, fourth.is_wrong) == (1, 4, True)
+
+
+@pytest.mark.parametrize(
+    ("kind", "name", "timestep"),
+    [
+        (planted.LagsAStep, TOP, 0.0035),
+        (planted.ForgetsWithTheTimestep, "spherical-pendulum", 0.035),
+    ],
+)
+def test_a_memory_that_vanishes_explains_runs_with_longer_timesteps_than_single_steps(
+    kind: type[Stepped], name: str, timestep: float
+) -> None:
+    study = studied(kind, 1e-2, "Euler", name, stock_timestep=timestep)
+    assert study.replays[-1].timestep > study.places.timesteps[0]
+    assert [(one.order, one.is_wrong) for one in study.replays] == [(1, False)] * 2
 
 
 @pytest.mark.parametrize("method", ["Euler", "RK4"])
