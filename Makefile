@@ -33,7 +33,7 @@ report: $(INSTALLED)
 
 # Every optional engine: Python packages into .venv, npm packages into the user's cache.
 engines: $(INSTALLED)
-	$(BIN)/pip install --quiet --editable '.[dartpy,drake,exudyn,mjx,pin,rapier3d]'
+	$(BIN)/pip install --quiet --editable '.[dartpy,drake,exudyn,mjx,pin,pybox3d,rapier3d]'
 	$(BIN)/python -m spincheck.engines.adapters.node || [ $$? -eq 3 ]
 
 # Engines of 500 MB and more that compile their kernels for minutes, once: apart, so that `make engines` stays fast.

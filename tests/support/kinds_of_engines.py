@@ -19,6 +19,7 @@ OPTIONAL = (
     "newton",
     "physx",
     "pin",
+    "pybox3d",
     "rapier3d",
     "rapier3d-js",
 )

@@ -60,7 +60,7 @@ NOT_KEPT = {
 #: precision it is the same model, and all its methods share it.
 COMPILED = {"mjx": {*RESTARTED, "free-drag"}, "mjx-float32": {"heavy-top", "free-drag"}}
 NOT_MJX = [name for name in OPTIONAL if name != "mjx"]
-WITHOUT_GYROSCOPIC_TORQUE = ("cannon-es", "havok")
+WITHOUT_GYROSCOPIC_TORQUE = ("cannon-es", "havok", "pybox3d")
 
 
 @pytest.fixture(params=OPTIONAL)

@@ -1,0 +1,89 @@
+"""The library libbox3d, in single precision, from its Python package `pybox3d`.
+
+What it does to a top by default, and how each effect was measured: docs/measured/engines-more.md.
+"""
+
+from typing import final
+
+import numpy as np
+from spincheck.engine import COMMON_EFFECTS, FloatArray, Method
+
+from ...scene_record import WorldBody
+from ...world_engine import WorldEngine
+from ...world_session import WorldSession
+
+#: Relative rounding of numbers in single precision.
+SLACK = 8 * float(np.finfo(np.float32).eps)
+#: How users keep bodies from falling asleep.
+AWAKE = """\
+world.sleeping_enabled = False
+world.step(TIMESTEP)"""
+
+
+@final
+class PyBox3DSession(WorldSession):
+    """One box, its origin the com."""
+
+    def world_body(self) -> WorldBody:
+        """Its mass and the joint's anchor; its tensor by what impulses do to it."""
+        joint, xyz = self.world.joint, self.module.xyz
+        arm = None if joint is None else xyz(joint.anchor_b)
+        return WorldBody(self.world.body.mass, np.zeros(3), self._tensor(), arm)
+
+    def _tensor(self) -> FloatArray:
+        """The tensor, body axes, kg m²: no attribute tells it.
+
+        Each couple would give a body of the scene's moments 2 rad/s about one axis.
+        """
+        body, world = self.world.body, self.world.world
+        before = world.snapshot()
+        body.position, body.orientation = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0)
+        turned, moments = [], np.array(self.scene["moments"])
+        for arm, impulse in zip(np.eye(3)[[1, 2, 0]], np.diag(moments)[[0, 1, 2]], strict=True):
+            body.angular_velocity = (0.0, 0.0, 0.0)
+            across = np.cross(impulse, arm)
+            body.apply_impulse(tuple(across), tuple(arm))
+            body.apply_impulse(tuple(-across), tuple(-arm))
+            turned.append(self.module.xyz(body.angular_velocity))
+        world.restore(before)
+        tensor: FloatArray = np.linalg.solve(np.array(turned), np.diag(2 * moments))
+        return (tensor + tensor.T) / 2
+
+    def active(self) -> frozenset[str]:
+        """What acts, as reported by the world; torques, which nothing tells, by its own word."""
+        world, scenario = self.world.world, self.scenario
+        joint, gravity = self.world.joint, self.module.xyz(world.gravity)
+        right = np.allclose(gravity, scenario.gravity_world, rtol=SLACK, atol=0)
+        # A pivot's filter is a joint as well.
+        expected = (1, 0) if joint is None else (2, 2)
+        named = {
+            "gravity" if right else f"a gravity of {gravity.tolist()} m/s²": gravity.any(),
+            "pivot": joint is not None and joint.kind == "spherical",
+            "other bodies or joints": (world.body_count, world.joint_count) != expected,
+            "sleeping": world.sleeping_enabled,
+        }
+        acting = {name for name, acts in named.items() if acts}
+        return frozenset(acting | scenario.called_for & scenario.pushed.keys())
+
+
+@final
+class PyBox3D(WorldEngine):
+    """Its rigid bodies, each a box of the scene's moments; a pivot as a spherical joint."""
+
+    session = PyBox3DSession
+    name = "pybox3d"
+    package = "pybox3d"
+    single_precision = True
+    # The timestep of its README.
+    stock_timestep = 1 / 60
+    methods = (
+        Method(
+            "impulse",
+            1,
+            1,
+            "semi-implicit Euler, the pivot by impulses",
+            COMMON_EFFECTS,
+            setup=AWAKE,
+        ),
+        Method("default", 1, 1, "as shipped: may fall asleep", COMMON_EFFECTS, as_shipped=True),
+    )
