@@ -6,6 +6,8 @@ and PyBullet. What is a fault is said beforehand, by theory: one whose effect va
 timestep is none.
 
     measure_power.py COUNT SEED
+
+The page is of all seeds in build/power.
 """
 
 import json
@@ -341,12 +343,17 @@ def _told(row: dict[str, Any]) -> str:
 def main(arguments: Sequence[str]) -> None:
     count, seed = [*map(int, arguments), *(COUNT, SEED)[len(arguments) :]]
     KEPT.mkdir(parents=True, exist_ok=True)
-    path, rows = KEPT / f"{seed}.jsonl", []
-    with path.open("w", encoding="utf-8") as file:
+    with (KEPT / f"{seed}.jsonl").open("w", encoding="utf-8") as file:
         for p, felt in plan(count, seed):
-            rows.append(judged(p, felt))
-            print(json.dumps(rows[-1], ensure_ascii=False), file=file, flush=True)
-    PAGE.write_text(page(rows), encoding="utf-8")
+            print(json.dumps(judged(p, felt), ensure_ascii=False), file=file, flush=True)
+    PAGE.write_text(page(kept()), encoding="utf-8")
+
+
+def kept() -> list[dict[str, Any]]:
+    """What was judged with all seeds, of kinds that there are."""
+    texts = [path.read_text(encoding="utf-8") for path in sorted(KEPT.glob("*.jsonl"))]
+    rows = [json.loads(line) for text in texts for line in text.splitlines()]
+    return [row for row in rows if row["kind"] in KINDS or row["kind"] == "none"]
 
 
 def plan(count: int, seed: int) -> Iterator[tuple[Planted, float]]:
