@@ -16,7 +16,7 @@ SPREAD := football-spiral book-middle-axis fast-top lopsided-body motor-driven-t
 	--engine mujoco --engine pybullet \
 	--method default --method RK4 --method multibody
 
-.PHONY: docs results report engines engines-2026 test quick pythons bench kills survey thresholds random suite
+.PHONY: docs results report engines engines-2026 test quick pythons bench kills survey thresholds random suite power
 .PHONY: encodings known-issues lines recorded-motions
 .PHONY: lint types contract check schema format-page engine-verdicts clean
 
@@ -68,6 +68,10 @@ kills: $(READY)
 # The smallest planted fault that is detected, by kind, method class and scene; written to docs/measured/thresholds.md.
 thresholds: $(READY)
 	PYTHONPATH=tests/support $(BIN)/python tests/reports/harness/measure_thresholds.py
+
+# Faults planted at random, by somebody who did not write the checks; docs/measured/power.md.
+power: $(READY)
+	PYTHONPATH=tests/support $(BIN)/python tests/reports/harness/measure_power.py
 
 # Verdicts, survivors and the cost of accuracy of every engine there is; docs/measured/engine-verdicts.md.
 engine-verdicts: $(READY)
