@@ -44,6 +44,8 @@ def _judged(records: Records) -> tuple[VerdictWord, str]:
         return last.outcome, last.ending_in_words
     # Of an engine as shipped: how its model differs from the scene.
     quoted = last.reason if last and last.cause != "law" else ""
+    if last and last.outcome == "diverged":
+        quoted = last.ending_in_words
     faults = (one.fault for one in (evidence.steps, evidence.own_steps) if one)
     if any(faults) or (last and last.cause == "precision"):
         return "disagrees", quoted
@@ -53,7 +55,7 @@ def _judged(records: Records) -> tuple[VerdictWord, str]:
     if any(one.is_wrong for one in evidence.replays):
         return "disagrees", quoted
     if last and last.outcome == "diverged":
-        return "diverges", last.ending_in_words
+        return "diverges", quoted
     if evidence.refusal:
         return "unresolved", f"it cannot be examined from other states: {evidence.refusal}"
     if evidence.steps is None:
