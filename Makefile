@@ -38,8 +38,8 @@ engines: $(INSTALLED)
 
 # Engines of 500 MB and more that compile their kernels for minutes, once: apart, so that `make engines` stays fast.
 engines-2026: $(INSTALLED)
-	@echo "Installing Brax, MuJoCo Warp and Newton, 1 GB."
-	$(BIN)/pip install --quiet --editable '.[brax,mujoco-warp,newton]'
+	@echo "Installing Brax, Genesis, MuJoCo Warp and Newton, 4.3 GB; more where torch brings CUDA."
+	$(BIN)/pip install --quiet --editable '.[brax,genesis,mujoco-warp,newton]'
 
 test: $(READY)
 	$(BIN)/pytest -n auto --dist loadfile --no-loadscope-reorder tests scenarios/library

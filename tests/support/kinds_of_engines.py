@@ -11,6 +11,7 @@ OPTIONAL = (
     "dartpy",
     "drake",
     "exudyn",
+    "genesis",
     "havok",
     "jolt",
     "mjx",

@@ -208,8 +208,8 @@ LONG = 240
 HEAD = """# Faults planted by an outsider
 
 Made by `make power`: {planted} faults of {kinds} kinds, drawn at random on {scenes} scenes,
-judged as `spincheck run` judges. Who wrote the catalogue, `tests/support/power_faults.py`, had
-not seen the checks. A small engine integrates what a scene asks for at order 1, 2 or 4, in double
+judged as `spincheck run` judges. Who wrote the catalogue, `tests/support/power_faults.py`, did not
+write the checks. A small engine integrates what a scene asks for at order 1, 2 or 4, in double
 or single precision, but for the fault; some are planted in MuJoCo and PyBullet. Sizes are from
 0.1 to 1e-9 of the largest terms; a fault that comes to less than {least:.0e} of them on the exact
 motion was drawn anew. Runs have up to {steps} steps. A verdict takes {seconds:.2f} s of CPU time

@@ -1,0 +1,139 @@
+"""Genesis's rigid solver, in single precision, on the CPU.
+
+What it does to a top by default, and how each effect was measured: docs/measured/engines-more.md.
+"""
+
+import warnings
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from importlib import import_module
+from importlib.metadata import version
+from typing import final
+
+import numpy as np
+from spincheck.engine import (
+    COMMON_EFFECTS,
+    Batch,
+    EngineError,
+    Method,
+    Scenario,
+    Session,
+)
+
+from ...native_output import native_output
+from ...scene_record import WorldBody, scene_record
+from ...world_engine import WorldEngine
+from ...world_parts import matrix, push
+from ...world_session import WorldBatch, WorldSession
+
+SLACK = 8 * float(np.finfo(np.float32).eps)
+SETUP = """\
+rigid = gs.options.RigidOptions(integrator=gs.integrator.{}, disable_constraint=True)
+scene = gs.Scene(sim_options=gs.options.SimOptions(dt=TIMESTEP), rigid_options=rigid)"""
+
+
+@contextmanager
+def _silent() -> Iterator[None]:
+    """Inside the block Genesis compiles its kernels, and prints nothing."""
+    with native_output(), warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        yield
+
+
+@final
+class GenesisSession(WorldSession):
+    """One body in a scene of its own, its frame at the joint."""
+
+    def world_body(self) -> WorldBody:
+        """The body as the solver holds it."""
+        links = self.world.solver.dyn_info.links
+        mass, com, tensor, q = (
+            getattr(links, f"inertial_{name}").to_numpy()[-1].astype(float)
+            for name in ("mass", "pos", "i", "quat")
+        )
+        R = matrix(q)
+        return WorldBody(
+            float(mass), com, R @ tensor @ R.T, None if self.world.is_free else np.zeros(3)
+        )
+
+    def active(self) -> frozenset[str]:
+        """What acts, as the solver says."""
+        world, solver = self.world, self.world.solver
+        motion = world.motion()
+        gravity = solver.get_gravity().numpy().astype(float).ravel()
+        wanted = push({**self.scene, "drag": 0.0}, matrix(motion[:4]), motion[4:7])
+        world.push()
+        # Genesis counts loads on a link negative.
+        torque = -solver.dyn_state.links.cfrc_applied_ang.to_numpy()[-1, 0].astype(float)
+        solver.clear_external_force()
+        damping = solver.get_dofs_damping().numpy().astype(float).ravel().tolist()
+        pushed_right = np.linalg.norm(torque - wanted) <= SLACK * np.linalg.norm(wanted)
+        right = np.allclose(gravity, self.scenario.gravity_world, rtol=SLACK, atol=0)
+        drag = [0.0] * (len(damping) - 3) + [self.scene["drag"]] * 3
+        held = np.allclose(damping, drag, rtol=SLACK, atol=0)
+        named = {
+            "gravity" if right else f"a gravity of {gravity.tolist()} m/s²": gravity.any(),
+            "pivot": solver.n_dofs == 3,
+            "drag" if held else f"a joint damping of {damping} N m s": any(damping),
+            f"a torque of {torque.tolist()} N m": not pushed_right,
+            "joint friction": solver.get_dofs_frictionloss().numpy().any(),
+            "joint springs": solver.get_dofs_stiffness().numpy().any(),
+            "armature": solver.get_dofs_armature().numpy().any(),
+            "other bodies": solver.n_links != 1,
+        }
+        acting = {name for name, acts in named.items() if acts}
+        stated = self.scenario.called_for & {"torque_body", "torque_world"}
+        return frozenset(acting | stated if torque.any() else acting)
+
+    def advance(self, steps: int) -> None:
+        """As the world does; Genesis raises where a state is no longer finite."""
+        try:
+            super().advance(steps)
+        except self.module.gs.GenesisException as error:
+            raise EngineError(f"Genesis: {error}") from None
+
+    def close(self) -> None:
+        """Free the scene."""
+        self.world.close()
+        super().close()
+
+
+def _method(name: str, summary: str, *, as_shipped: bool = False) -> Method:
+    setup = "" if as_shipped else SETUP.format(name)
+    return Method(name, 1, 1, summary, COMMON_EFFECTS, as_shipped=as_shipped, setup=setup)
+
+
+@final
+class Genesis(WorldEngine):
+    """A body on a free or ball joint, by each of its rigid solver's integrators."""
+
+    session = GenesisSession
+    name = "genesis"
+    package = "genesis"
+    single_precision = True
+    has_batches = True
+    stock_timestep = 0.01
+    methods = (
+        _method("Euler", "semi-implicit Euler in joint coordinates"),
+        _method("implicitfast", "Euler, implicit in damping; free bodies by implicit midpoint"),
+        _method("approximate_implicitfast", "likewise, with one mass matrix a step"),
+        _method("default", "as shipped: approximate_implicitfast, every pass on", as_shipped=True),
+    )
+
+    @property
+    def version(self) -> str:
+        """The version of the installed distribution."""
+        return version("genesis-world")
+
+    def open(self, scenario: Scenario, method: Method, timestep: float) -> Session:
+        """Build the scene; kernels are compiled once, into the user's cache."""
+        with _silent():
+            return super().open(scenario, method, timestep)
+
+    def open_batch(self, scenarios: Sequence[Scenario], method: Method, timestep: float) -> Batch:
+        """A world of one Genesis scene for each scene."""
+        records = {scenario: scene_record(scenario) for scenario in dict.fromkeys(scenarios)}
+        first, *others = (records[scenario] for scenario in scenarios)
+        with _silent():
+            module = import_module(f"{__package__}.world")
+            return WorldBatch(module.World(first, method.name, timestep, others))

@@ -1,0 +1,149 @@
+"""A Genesis scene of one body, which needs `genesis-world`, `torch` and numpy."""
+
+import sys
+import warnings
+
+import numpy as np
+
+from ...world_parts import matrix
+
+hook = sys.excepthook
+with warnings.catch_warnings(action="ignore"):
+    import genesis as gs
+
+    gs.init(backend=gs.cpu, precision="32", logging_level="error")
+sys.excepthook = hook
+#: Passes that no scene needs, and the inertia that Genesis gives to hinges which have none.
+OFF = {"enable_collision": False, "enable_joint_limit": False, "disable_constraint": True}
+WITHOUT_ARMATURE = {"default_armature": None}
+MJCF = """\
+<mujoco>
+  <worldbody>
+    <body>
+      <{joint}/>
+      <inertial pos="{com}" mass="{mass!r}" diaginertia="{moments}"/>
+    </body>
+  </worldbody>
+</mujoco>"""
+
+
+def texts(numbers):
+    """Numbers as MJCF has them."""
+    return " ".join(map(repr, map(float, numbers)))
+
+
+def lever_of(scene):
+    """The vector from the joint to the com, m, (3,)."""
+    return -np.array(scene["arm"] or (0.0, 0.0, 0.0))
+
+
+def mjcf(scene):
+    """A body on a free joint at its com, or on a ball joint at its pivot, (text)."""
+    return MJCF.format(
+        joint="freejoint" if scene["arm"] is None else 'joint type="ball"',
+        com=texts(lever_of(scene)),
+        mass=scene["mass"],
+        moments=texts(scene["moments"]),
+    )
+
+
+class World:
+    """One body; `others` are the scenes of more worlds, which have the same effects."""
+
+    def __init__(self, scene, method, timestep, others=()):
+        self.scene, self.scenes = scene, [scene, *others]
+        self.is_free = scene["arm"] is None
+        options, morph = {"batch_links_info": bool(others)}, {}
+        if method != "default":
+            options |= {"integrator": getattr(gs.integrator, method), **OFF}
+            morph = WITHOUT_ARMATURE
+        self.there = gs.Scene(
+            sim_options=gs.options.SimOptions(dt=timestep, gravity=tuple(scene["gravity"])),
+            rigid_options=gs.options.RigidOptions(**options),
+            show_viewer=False,
+        )
+        self.there.add_entity(gs.morphs.MJCF(file=mjcf(scene), **morph))
+        self.there.build(n_envs=len(self.scenes))
+        self.solver = self.there.rigid_solver
+        if others:
+            self.set_bodies()
+        if scene["drag"]:
+            rotations = np.arange(self.solver.n_dofs)[-3:]
+            self.solver.set_dofs_damping(np.full(3, scene["drag"]), rotations)
+        self.start(self.scenes)
+
+    def set_bodies(self):
+        """Give each world its own body."""
+        link = [self.solver.n_links - 1]
+        rows = [(one["mass"], lever_of(one), np.diag(one["moments"])) for one in self.scenes]
+        mass, com, tensor = (
+            np.array(part, np.float32)[:, None] for part in zip(*rows, strict=True)
+        )
+        self.solver.set_links_mass(mass, link)
+        self.solver.set_links_COM(com, link)
+        self.solver.set_links_inertia(tensor, link)
+
+    def restart(self, motion, timestep):
+        """Set another motion and timestep; leave nothing of earlier steps."""
+        self.there.reset()
+        self.solver.rigid_info.substep_dt.fill(timestep)
+        self.start([motion])
+
+    def start(self, motions):
+        """Set a motion of each world."""
+        pairs = [self.coordinates(motion) for motion in motions]
+        with np.errstate(over="ignore"):
+            q, qd = (np.array(part, np.float32) for part in zip(*pairs, strict=True))
+        self.solver.set_qpos(q)
+        self.solver.set_dofs_velocity(qd)
+
+    def coordinates(self, motion):
+        """The joint's coordinates, and its velocities: ω is along the body's axes."""
+        place, velocity = (motion["com"], motion["velocity"]) if self.is_free else ((), ())
+        omega = matrix(motion["q"]).T @ motion["omega"]
+        return [*place, *motion["q"]], [*velocity, *omega]
+
+    def motion(self):
+        """Attitude, w x y z, ω, com and its velocity, world axes."""
+        (motion,) = self.motions([0])
+        return motion
+
+    def motions(self, worlds):
+        """The motions of some worlds."""
+        q, qd = (
+            numbers.numpy().astype(float)
+            for numbers in (self.solver.get_qpos(), self.solver.get_dofs_velocity())
+        )
+        return [self.motion_of(self.scenes[k], q[k], qd[k]) for k in worlds]
+
+    def motion_of(self, scene, q, qd):
+        """That of a joint's coordinates and velocities."""
+        R = matrix(q[-4:])
+        omega = R @ qd[-3:]
+        if self.is_free:
+            return np.concatenate([q[3:], omega, q[:3], qd[:3]])
+        com = R @ lever_of(scene)
+        return np.concatenate([q, omega, com, np.cross(omega, com)])
+
+    def push(self):
+        """Set the torques of one step."""
+        link = [self.solver.n_links - 1]
+        for torque, is_local in (
+            (self.scene["torque_body"], True),
+            (self.scene["torque_world"], False),
+        ):
+            if any(torque):
+                torques = np.tile(np.array(torque, np.float32), (len(self.scenes), 1, 1))
+                self.solver.apply_links_external_wrench(
+                    torque=torques, links_idx=link, local=is_local
+                )
+
+    def advance(self, steps):
+        """Take steps."""
+        for _ in range(steps):
+            self.push()
+            self.there.step(update_visualizer=False)
+
+    def close(self):
+        """Free its memory."""
+        self.there.destroy()
