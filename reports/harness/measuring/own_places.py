@@ -45,7 +45,8 @@ def own_places(
         start = states_of(run.motion).rows(int(replay.edges[k]))
         for count in np.unique(np.linspace(0, last - first - 1, STATES).astype(int)):
             with sessions.at(start, run.rung.timestep) as session:
-                session.advance(int(count))
+                if count:
+                    session.advance(int(count))
                 states.append(stacked([session.read_state()]))
             times.append((first + count) * run.rung.timestep)
     own = stacked(states)

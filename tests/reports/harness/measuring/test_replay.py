@@ -8,6 +8,7 @@ import pytest
 import stepped_faults as planted
 from library_scenes import library_scene
 from looked_at import in_words
+from spincheck.engines import EngineError
 from spincheck.reports.harness.convergence_study import ConvergenceStudy
 from spincheck.reports.harness.judging import judge
 from spincheck.reports.harness.measuring import intervals
@@ -61,6 +62,20 @@ def test_an_honest_run_is_the_same_from_its_own_states(name: str, method: str) -
     assert (found.since, found.spread, found.order, found.is_wrong) == (None, 0.0, 0, False)
     # But for the rounding of an attitude's norm when it is set.
     assert found.off < 1e-12
+
+
+def test_no_engine_is_asked_for_no_steps() -> None:
+    """Drake refuses them."""
+
+    class TakesSome(Stepped):
+        def advance(self, steps):
+            if not steps:
+                raise EngineError("no steps were asked for")
+            super().advance(steps)
+
+    study = studied(TakesSome)
+    assert study.refusal == ""
+    assert study.own_steps is not None
 
 
 @pytest.mark.parametrize("method", ["Euler", "RK4"])
