@@ -13,7 +13,7 @@ from ...results.evidence import LEVEL, ReplayEvidence
 from .examine import OPENED
 from .gain_series import fitted
 from .intervals import Replay
-from .noise import NOISE, ULPS
+from .noise import NOISE, SOLVED, ULPS
 from .places import FINER, Places
 from .steps import Sessions, apart
 
@@ -37,8 +37,10 @@ def explained_by_memory(
     From exact states a method takes some steps at once, and others after it was restarted between
     them. What that changes, over the length of the one step that lacks its memory, is a gain like
     any other. It explains a run that differs from its replays by no more, after as many steps as
-    its longest interval has. Of a method whose steps are those of a settled constraint, impulses of
-    earlier steps are in what these gain: they need explain no more than the size of the difference.
+    its longest interval has. Where shorter timesteps show no memory, no more is explained than an
+    iterative solver leaves, which begins with the step before. Of a method whose steps are those of
+    a settled constraint, impulses of earlier steps are in what these gain: they need explain no
+    more than the size of the difference.
 
     Parameters
     ----------
@@ -62,16 +64,18 @@ def explained_by_memory(
         tail = min(1.0, *(len(series) * one.tail for one in series))
         is_seen = np.abs(off).max(axis=(0, 1, 3)) > EXPLAINED * noise
         orders = [one.order for one, seen in zip(series, is_seen, strict=True) if seen]
-        if tail < LEVEL or not orders:
+        if tail < LEVEL:
             return shown
-        order = min(orders)
+        order = min(orders, default=0)
 
     def explains(one: Replay) -> bool:
+        if not order and one.off > SOLVED:
+            return False
         off = _lacking(sessions, at, one.evidence.timestep, max(remembered, one.steps))
         return one.off <= EXPLAINED * float(np.sqrt((off**2).sum(axis=(1, 2))).max())
 
     return [
-        replace(one.evidence, tail=tail, order=order, declared=declared)
+        replace(one.evidence, tail=tail, order=order or declared, declared=declared)
         if explains(one)
         else one.evidence
         for one in replays

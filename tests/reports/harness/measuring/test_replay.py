@@ -189,6 +189,21 @@ def test_a_memory_that_vanishes_explains_runs_with_longer_timesteps_than_single_
     assert [(one.order, one.is_wrong) for one in study.replays] == [(1, False)] * 2
 
 
+@pytest.mark.parametrize(("size", "is_wrong"), [(1e-8, False), (1e-7, True)])
+def test_of_long_steps_alone_no_more_is_explained_than_a_solver_leaves(
+    size: float, is_wrong: bool
+) -> None:
+    class BeginsWithTheStepBefore(planted.Remembers):
+        def after_step(self):
+            if self.timestep > 1e-3:
+                super().after_step()
+
+    study = studied(BeginsWithTheStepBefore, size, "RK4", TOP, stock_timestep=0.0035)
+    finest, stock = study.replays
+    assert (finest.tail, finest.is_wrong) == (1.0, False)
+    assert (stock.order, stock.is_wrong) == (0 if is_wrong else 4, is_wrong)
+
+
 @pytest.mark.parametrize("method", ["Euler", "RK4"])
 def test_a_memory_that_does_not_vanish_is_none_of_any_order(method: str) -> None:
     found = replayed(planted.Remembers, 1e-3, method)
