@@ -57,7 +57,8 @@ def explained_by_memory(
     tail, order = 1.0, 1
     if not settled:
         noise = max(NOISE, ULPS * engine.ulp) * np.sqrt(remembered)
-        off = np.stack([_lacking(sessions, at, h, remembered) for h in map(float, timesteps)])
+        steps = remembered, remembered
+        off = np.stack([_lacking(sessions, at, h, *steps) for h in map(float, timesteps)])
         gains, table = off / timesteps[:, None, None, None], np.empty(off.shape[:2])
         table[:] = noise / timesteps[:, None]
         series = [fitted(timesteps, gains[:, :, q], table, LEVEL) for q in range(off.shape[2])]
@@ -71,7 +72,8 @@ def explained_by_memory(
     def explains(one: Replay) -> bool:
         if not order and one.off > SOLVED:
             return False
-        off = _lacking(sessions, at, one.evidence.timestep, max(remembered, one.steps))
+        steps = remembered, max(remembered, one.steps)
+        off = _lacking(sessions, at, one.evidence.timestep, *steps)
         return one.off <= EXPLAINED * float(np.sqrt((off**2).sum(axis=(1, 2))).max())
 
     return [
@@ -82,20 +84,22 @@ def explained_by_memory(
     ]
 
 
-def _lacking(sessions: Sessions, at: Places, timestep: float, steps: int) -> FloatArray:
-    """What is different, as `apart` has it, so many steps after a restart than without, (K, 5, 3).
+def _lacking(
+    sessions: Sessions, at: Places, timestep: float, before: int, after: int
+) -> FloatArray:
+    """What a restart between so many steps changes, as `apart` has it, (K, 5, 3).
 
-    As many steps are taken before the restart.
+    Few steps before it hold what a method remembers, and not what depends on a clock.
     """
     at_once, restarted = [], []
     for k in range(len(at.times)):
         with sessions.at(at.states.rows(k), timestep) as session:
-            session.advance(steps)
+            session.advance(before)
             middle = session.read_state()
-            session.advance(steps)
+            session.advance(after)
             at_once.append(session.read_state())
         with sessions.at(middle, timestep) as session:
-            session.advance(steps)
+            session.advance(after)
             restarted.append(session.read_state())
     reach = Equations(sessions.scenario).reach
     return apart(stacked(at_once), stacked(restarted), reach)

@@ -189,6 +189,17 @@ def test_a_memory_that_vanishes_explains_runs_with_longer_timesteps_than_single_
     assert [(one.order, one.is_wrong) for one in study.replays] == [(1, False)] * 2
 
 
+@pytest.mark.parametrize("size", [1e-8, 1e-5])
+def test_a_torque_that_oscillates_with_time_is_no_memory(size: float) -> None:
+    """A clock that begins anew at each restart is off by less, the shorter the timestep is."""
+
+    class Oscillates(planted.Pushed):
+        def torque(self):
+            return super().torque() * np.sin(self.rate * self.time)
+
+    assert replayed(Oscillates, size, "Euler").is_wrong
+
+
 @pytest.mark.parametrize(("size", "is_wrong"), [(1e-8, False), (1e-7, True)])
 def test_of_long_steps_alone_no_more_is_explained_than_a_solver_leaves(
     size: float, is_wrong: bool
