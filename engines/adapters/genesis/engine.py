@@ -70,11 +70,11 @@ class GenesisSession(WorldSession):
         pushed_right = np.linalg.norm(torque - wanted) <= SLACK * np.linalg.norm(wanted)
         right = np.allclose(gravity, self.scenario.gravity_world, rtol=SLACK, atol=0)
         drag = [0.0] * (len(damping) - 3) + [self.scene["drag"]] * 3
-        held = np.allclose(damping, drag, rtol=SLACK, atol=0)
+        is_right = np.allclose(damping, drag, rtol=SLACK, atol=0)
         named = {
             "gravity" if right else f"a gravity of {gravity.tolist()} m/s²": gravity.any(),
             "pivot": solver.n_dofs == 3,
-            "drag" if held else f"a joint damping of {damping} N m s": any(damping),
+            "drag" if is_right else f"a joint damping of {damping} N m s": any(damping),
             f"a torque of {torque.tolist()} N m": not pushed_right,
             "joint friction": solver.get_dofs_frictionloss().numpy().any(),
             "joint springs": solver.get_dofs_stiffness().numpy().any(),
