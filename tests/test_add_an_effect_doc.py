@@ -24,7 +24,7 @@ OTHER_TABLES = {f"reports/pages/{name}.py" for name in OTHERS}
 OTHER_TABLES.add("scenarios/format_page.py")
 #: Of a constraint with a force and an end of its own: measured.
 MOST_OF_A_CONSTRAINT = 12
-MOST, MOST_WITH_ADAPTERS = 12, 23
+MOST, MOST_WITH_ADAPTERS = 12, 25
 #: Of a part, which adds states: measured.
 MOST_OF_A_PART = 20
 

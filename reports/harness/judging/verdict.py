@@ -44,18 +44,16 @@ def _judged(records: Records) -> tuple[VerdictWord, str]:
         return last.outcome, last.ending_in_words
     # Of an engine as shipped: how its model differs from the scene.
     quoted = last.reason if last and last.cause != "law" else ""
-    if last and last.outcome == "diverged":
-        quoted = last.ending_in_words
     faults = (one.fault for one in (evidence.steps, evidence.own_steps) if one)
     if any(faults) or (last and last.cause == "precision"):
         return "disagrees", quoted
     if evidence.steps and evidence.steps.is_of_low_order:
         return "disagrees", quoted
-    # Runs that came to their end are replayed, whether or not others blew up.
+    # Runs that blow up cannot be replayed to any accuracy.
+    if last and last.outcome == "diverged":
+        return "diverges", last.ending_in_words
     if any(one.is_wrong for one in evidence.replays):
         return "disagrees", quoted
-    if last and last.outcome == "diverged":
-        return "diverges", quoted
     if evidence.refusal:
         return "unresolved", f"it cannot be examined from other states: {evidence.refusal}"
     if evidence.steps is None:

@@ -102,12 +102,14 @@ class Replay:
     Attributes
     ----------
     off : the largest difference, as `apart` has it
+    growth : the factor by which a small change of a state grows in an interval
     steps : of the longest interval
     edges : the samples that intervals begin and end at, (n + 1,)
     states, times : one in the midst of each interval, and when, s, (n,)
     """
 
     off: float
+    growth: float
     steps: int
     evidence: ReplayEvidence
     edges: NDArray[np.intp]

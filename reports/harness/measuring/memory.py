@@ -74,7 +74,9 @@ def explained_by_memory(
             return False
         steps = remembered, max(remembered, one.steps)
         off = _lacking(sessions, at, one.evidence.timestep, *steps)
-        return one.off <= EXPLAINED * float(np.sqrt((off**2).sum(axis=(1, 2))).max())
+        # Impulses of a settled constraint hold other states, too, that no exact state is near.
+        growth = one.growth if settled else 1.0
+        return one.off <= EXPLAINED * growth * float(np.sqrt((off**2).sum(axis=(1, 2))).max())
 
     return [
         replace(one.evidence, tail=tail, order=order or declared, declared=declared)

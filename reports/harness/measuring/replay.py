@@ -115,7 +115,7 @@ def _replay(sessions: Sessions, engine: Engine, run: MadeRun, condition: float) 
         spread = min(LARGEST, spread / turns[k]) if is_chance else 0.0
         evidence = replace(evidence, since=since, spread=spread)
     longest, worst_off = int(intervals.steps.max()), float(sizes[squares.argmax()])
-    return Replay(worst_off, longest, evidence, intervals.edges, midst, intervals.times)
+    return Replay(worst_off, growth, longest, evidence, intervals.edges, midst, intervals.times)
 
 
 def _noise(

@@ -16,7 +16,7 @@ from spincheck.reports.harness.judging import judge
 from spincheck.reports.harness.judging.ladder_end import GOAL
 from spincheck.reports.harness.ladder import DECIDED_STEPS, MAX_STEPS, MIN_RUNGS
 from spincheck.reports.harness.prepared import prepare
-from spincheck.reports.results.evidence import CONSISTENT, SEEN, ReplayEvidence, StepEvidence
+from spincheck.reports.results.evidence import CONSISTENT, SEEN, StepEvidence
 from spincheck.scenarios import Scenario, Trajectory, loads
 
 #: What steps of a method that converges show.
@@ -97,16 +97,6 @@ def test_a_blow_up_that_a_shorter_timestep_does_not_delay_ends_a_ladder():
     verdict = judge(ended.records)
     assert verdict.verdict == "diverges"
     assert f"at 0.5 s, with a timestep of {ended.rows[-1].timestep:.3g} s" in verdict.reason
-
-
-def test_a_finer_run_that_blows_up_does_not_hide_what_a_replay_shows():
-    blown = go_down(study(), lambda dt: 0.0, 0.0, dies_at=lambda dt: 0.5)
-    assert judge(blown.records).verdict == "diverges"
-    blown.replays = (ReplayEvidence(0.01, 64, 0.0, 1e-3, since=1.0),)
-    verdict = judge(blown.records)
-    assert verdict.verdict == "disagrees"
-    assert "from t = 1 s on" in verdict.reason
-    assert "at 0.5 s" in verdict.reason
 
 
 @each_case(
