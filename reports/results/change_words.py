@@ -100,6 +100,9 @@ def _of_factor(template: str, none: str = "", reversed_: str = "") -> Kind:
 
 _ENTRIES = "Ixx, Iyy, Izz, Ixy, Ixz, Iyz = {} kg m²"
 _GYROSCOPIC = "the gyroscopic torque ω × Iω were "
+_NOT_GYROSCOPIC = "there were no gyroscopic torque"
+_AS_AT_THE_START = "the tensor did not turn with the body: as it is at the start, in world axes"
+_ALONG_THE_WORLD = "the tensor were along world axes, and did not turn with the body"
 _BESIDES = "a torque of {} N m acted besides, along "
 _WITH_HALF = {1.0: "q' = q ω, without the ½", -0.5: "q' = ¼ q ω, with the ½ twice"}
 _TURNING = _WITH_HALF | {-2.0: "q' = −½ q ω, with the other sign"}
@@ -133,7 +136,7 @@ KINDS = {
         _GYROSCOPIC + "{} times as strong",
         1,
         lambda n: _factor([-n[0]]),
-        special={1.0: "there were no gyroscopic torque"},
+        special={1.0: _NOT_GYROSCOPIC},
     ),
     "gyroscopic, with parts": _of_factor(
         "the gyroscopic torque ω × (Iω + h) were {} times as strong"
@@ -162,23 +165,10 @@ KINDS = {
         "the rotors' torque ω × h had the other sign",
     ),
     # The tensor.
-    **{
-        f"{kind}{how}": Kind(before + words)
-        for how, before in (
-            ("", ""),
-            (", not gyroscopic", "there were no gyroscopic torque, and "),
-        )
-        for kind, words in (
-            (
-                "tensor as at the start",
-                "the tensor did not turn with the body: as it is at the start, in world axes",
-            ),
-            (
-                "tensor along the world",
-                "the tensor were along world axes, and did not turn with the body",
-            ),
-        )
-    },
+    "tensor as at the start": Kind(_AS_AT_THE_START),
+    "tensor as at the start, not gyroscopic": Kind(f"{_NOT_GYROSCOPIC}, and {_AS_AT_THE_START}"),
+    "tensor along the world": Kind(_ALONG_THE_WORLD),
+    "tensor along the world, not gyroscopic": Kind(f"{_NOT_GYROSCOPIC}, and {_ALONG_THE_WORLD}"),
     "other products": Kind("the products of inertia had the other sign"),
     "no products": Kind("there were no products of inertia"),
     "signs of products": Kind("{} had the other sign", 3, _products),

@@ -1,6 +1,6 @@
 """A small engine that is right but for one planted fault, and a catalogue of faults.
 
-Written by somebody who had not seen the checks: what real engines get wrong, from 0.1 to 1e-9 of
+Written by somebody who did not write the checks: what real engines get wrong, from 0.1 to 1e-9 of
 the largest terms. `tests/reports/harness/measure_power.py` draws from it.
 """
 

@@ -74,7 +74,7 @@ def explained_by_memory(
             return False
         steps = remembered, max(remembered, one.steps)
         off = _lacking(sessions, at, one.evidence.timestep, *steps)
-        # Impulses of a settled constraint hold other states, too, that no exact state is near.
+        # A run with a constraint is in states that no exact one is near, where changes grow more.
         growth = one.growth if settled else 1.0
         return one.off <= EXPLAINED * growth * float(np.sqrt((off**2).sum(axis=(1, 2))).max())
 
