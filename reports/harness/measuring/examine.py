@@ -274,7 +274,7 @@ def _order_shown(look: Look, declared: int) -> int:
 
 def _curves(look: Look) -> list[GainCurve]:
     curves = []
-    for q, (quantity, series) in enumerate(zip(QUANTITIES, look.series, strict=True)):
+    for q, (quantity, series) in enumerate(zip(QUANTITIES, look.series, strict=False)):
         if not look.gains[:, :, q].any():
             continue
         k = int(series.least_tails.argmin())

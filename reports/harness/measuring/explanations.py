@@ -20,6 +20,8 @@ from .changes import Change, Hypothesis, as_it_is, changes
 from .likelihood import Data, Search
 from .noise import NO_SIZE
 
+#: Quantities of `step_gains` that are the body's.
+OF_THE_BODY = 4
 #: Fraction of the largest excess that differences of steps do not show.
 ROUNDED = 1e-6
 

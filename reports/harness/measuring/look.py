@@ -8,7 +8,7 @@ import numpy as np
 from ....engines.checks.equations import Equations
 from ....scenarios import FloatArray
 from ....scenarios.rotation import norms, rotation_vectors
-from ...results.evidence import CONSISTENT, LEVEL, QUANTITIES, SEEN
+from ...results.evidence import CONSISTENT, LEVEL, SEEN
 from .gain_series import GainSeries, fitted
 from .noise import largest_terms, weakest_effects
 from .steps import Steps
@@ -20,7 +20,7 @@ class Look:
 
     Attributes
     ----------
-    gains, noise : (J, K, 4, 3) and (J, K, 4)
+    gains, noise : of Q quantities, (J, K, Q, 3) and (J, K, Q)
     settled : steps in which a constraint settled first
     is_pooled : whether what states show is independent: neighbours of a recording share much
     may_split : whether steps may be computed otherwise with other timesteps
@@ -47,7 +47,7 @@ class Look:
                 may_split=self.may_split,
                 is_pooled=self.is_pooled,
             )
-            for q in range(len(QUANTITIES))
+            for q in range(self.gains.shape[2])
         )
 
     @property
@@ -67,7 +67,7 @@ class Look:
     @property
     def level(self) -> float:
         """The level of one quantity."""
-        return LEVEL / len(QUANTITIES)
+        return LEVEL / self.gains.shape[2]
 
     @property
     def tail(self) -> float:
@@ -76,7 +76,7 @@ class Look:
 
     @cached_property
     def sizes(self) -> FloatArray:
-        """The largest terms that the gains are sums of, (4,)."""
+        """The largest terms that the gains are sums of, (Q,)."""
         return largest_terms(self.equations, self.steps)
 
     @property

@@ -8,7 +8,8 @@
   Stability of Numerical Algorithms, §7.1).
 - Flight: `ULPS` ulp of m v², a torque, as engines may solve for rotation and flight together
   (measured in MuJoCo 4.0), with v that of the body's origin, which engines move.
-- Rotors: `ULPS` ulp of the forces that cancel between them (`Scenario.cancelling`).
+- Rotors: `ULPS` ulp of the forces that cancel between them, and of the torques that cancel about
+  their axes (`Scenario.cancelling`); noise of I dω/dt turns them, too.
 - A turn that a solver leaves out in a step, as the adapter declares (`Engine.least_turn`).
 - A constraint's solver: measured, by settling further (`examine.py`), and `SOLVED`.
 - Noise of the engine that is no fault: measured, and `NOISE` a step at most (`examine.py`).
@@ -44,7 +45,7 @@ def rounding_of_body(condition: float, ulp: float = float(np.finfo(float).eps)) 
 def noise_of(
     equations: Equations, steps: Steps, engine: Engine, condition: float, *, settled: bool
 ) -> FloatArray:
-    """The standard deviation of the mean gain of the repeats, of derived sources, (J, K, 4)."""
+    """The standard deviation of the mean gain of the repeats, of derived sources, (J, K, Q)."""
     scenario, rounding = equations.scenario, ULPS * engine.ulp
     spans, sizes = steps.timesteps[:, None], largest_terms(equations, steps)
     of_body = rounding * condition
@@ -62,27 +63,31 @@ def noise_of(
         # An angular acceleration that is off turns the body by half of what it adds to ω.
         variance[..., 0] += (torques * np.linalg.norm(equations.inverse, 2) * spans / 2) ** 2
     variance[..., 0] += (of_body * sizes[0] * np.minimum(1.0, spans * sizes[0] / 2)) ** 2
-    if steps.before.spins.size and scenario.constraint.is_free:
-        force, _ = scenario.cancelling(np.abs(steps.before.spins))
-        forced = rounding * steps.by_timestep(force).max(axis=1) / scenario.body.mass
-        variance[..., 2] += forced**2
-        variance[..., 3] += (forced * spans) ** 2
+    if steps.before.spins.size:
+        force, torque = scenario.cancelling(np.abs(steps.before.spins))
+        turned = equations.largest_axial * float(np.linalg.norm(equations.inverse, 2))
+        variance[..., 4] += variance[..., 1] * turned**2
+        variance[..., 4] += (rounding * steps.by_timestep(torque).max(axis=1)) ** 2
+        if scenario.constraint.is_free:
+            forced = rounding * steps.by_timestep(force).max(axis=1) / scenario.body.mass
+            variance[..., 2] += forced**2
+            variance[..., 3] += (forced * spans) ** 2
     return np.asarray(np.maximum(np.sqrt(variance), NO_SIZE))
 
 
 def noise_of_steps(equations: Equations, steps: Steps) -> FloatArray:
-    """What noise of `NOISE` of the fastest state makes of a gain in a step, (J, 1, 4)."""
+    """What noise of `NOISE` of the fastest state makes of a gain in a step, (J, 1, Q)."""
     read = steps.by_timestep(_roundings(equations, steps)).max(axis=(1, 2))
     return np.asarray(NOISE * read[:, None])
 
 
 def largest_terms(equations: Equations, steps: Steps) -> FloatArray:
-    """The largest of the terms that the gains of all steps are sums of, (4,)."""
+    """The largest of the terms that the gains of all steps are sums of, (Q,)."""
     return np.asarray(np.maximum(term_sizes(equations, steps.before).max(axis=0), NO_SIZE))
 
 
 def term_sizes(equations: Equations, states: State) -> FloatArray:
-    """Sizes of the terms that gains are sums of, (n, 4)."""
+    """Sizes of the terms that gains are sums of, (n, Q)."""
     scenario, reach = equations.scenario, equations.reach
     speeds = norms(states.omega_body)
     g = float(np.linalg.norm(scenario.gravity_world))
@@ -92,18 +97,22 @@ def term_sizes(equations: Equations, states: State) -> FloatArray:
         velocity, place = g + reach * speeds**2, norms(states.velocity_world) + reach * speeds
     torque = _largest_moment(equations) * speeds**2 + norms(equations.kept_body(states)) * speeds
     torque += _torques(equations, states).sum(axis=1)
-    return np.stack([speeds, torque, velocity, place], axis=1)
+    sizes = [speeds, torque, velocity, place]
+    if states.spins.size:
+        turned = float(np.linalg.norm(equations.inverse, 2)) * torque
+        sizes.append(_kept(equations, states) * speeds + equations.largest_axial * turned)
+    return np.stack(sizes, axis=1)
 
 
 def weakest_effects(equations: Equations, steps: Steps) -> FloatArray:
-    """The least that an effect adds at most to each term that gains are sums of, (4,).
+    """The least that an effect adds at most to each term that gains are sums of, (Q,).
 
     Infinite where no effect adds any. Effects that hold or push alike count as one, and those that
     add less than `NEGLIGIBLE` of the largest terms do not count.
     """
     nothing = NEGLIGIBLE * largest_terms(equations, steps)
     torques = _torques(equations, steps.before).max(axis=0)
-    least = np.full(4, np.inf)
+    least = np.full_like(nothing, np.inf)
     least[1] = torques[torques > nothing[1]].min(initial=np.inf)
     g = float(np.linalg.norm(equations.scenario.gravity_world))
     if g > nothing[2] and not equations.scenario.constraint.is_pivot:
@@ -125,16 +134,23 @@ def _torques(equations: Equations, states: State) -> FloatArray:
 
 
 def _roundings(equations: Equations, steps: Steps) -> FloatArray:
-    """The change of a gain by a change of one, relative, of the states that are read, (n, 4)."""
+    """The change of a gain by a change of one, relative, of the states that are read, (n, Q)."""
     states, spans = steps.before, steps.spans
     speeds = np.maximum(norms(states.omega_body), norms(steps.after.omega_body))
     fast = norms(states.velocity_world) + equations.reach * speeds
     far = norms(states.com_world) + equations.reach
     sizes = [1 / spans, _largest_moment(equations) * speeds / spans, fast, far]
-    table = np.stack(np.broadcast_arrays(*sizes), axis=1)
     if not equations.scenario.constraint.is_pivot:
-        table[:, 2:] /= spans[:, None]
-    return table
+        sizes[2:] = fast / spans, far / spans
+    if states.spins.size:
+        sizes.append(_kept(equations, states) / spans)
+    return np.stack(np.broadcast_arrays(*sizes), axis=1)
+
+
+def _kept(equations: Equations, states: State) -> FloatArray:
+    """The most that terms of what a rotor's hinge keeps come to, kg m²/s, (n,)."""
+    fastest = norms(states.omega_body) + np.abs(states.spins).max(axis=1)
+    return equations.largest_axial * fastest
 
 
 def _largest_moment(equations: Equations) -> float:

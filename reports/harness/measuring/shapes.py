@@ -12,7 +12,7 @@ from ...results.evidence import (
     StepFault,
     Vector,
 )
-from .explanations import explanations, gains_of
+from .explanations import OF_THE_BODY, explanations, gains_of
 from .gain_series import fitted
 from .look import Look
 from .places import Places
@@ -80,8 +80,10 @@ def _explained(
     look: Look, k: int, q: int, *, is_limit: bool
 ) -> tuple[FloatArray, tuple[Explanation, ...]]:
     """What state k should gain in a quantity, (3,), and the changes that explain all limits."""
+    if QUANTITIES[q] == "rotors":
+        return np.zeros(3), ()
     limits, errors = (
-        np.stack([getattr(one, name) for one in look.series], axis=1)
+        np.stack([getattr(one, name) for one in look.series[:OF_THE_BODY]], axis=1)
         for name in ("limit", "known_to")
     )
     last = slice(-look.steps.repeats * look.gains.shape[1], None)

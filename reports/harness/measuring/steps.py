@@ -136,11 +136,12 @@ def _earlier(scenario: Scenario, states: State, span: float) -> State:
 
 
 def step_gains(equations: Equations, steps: Steps) -> FloatArray:
-    """What each step gains beyond the exact motion, a second, (J, R, K, 4, 3).
+    """What each step gains beyond the exact motion, a second, (J, R, K, Q, 3).
 
     The quantities are: of the attitude rad/s and of I ω N m, body axes; of a free body's velocity
     m/s² and place m/s, world axes; of a body on a pivot how far velocity (m/s) and com (m) are from
-    where ω and attitude put them.
+    where ω and attitude put them; and of a body with rotors what their hinges keep, N m, of more
+    than three in three directions.
     """
     spans, after, exact = steps.spans[:, None], steps.after, steps.exact
     attitude = rotation_vectors(exact.q_world_body_wxyz, after.q_world_body_wxyz) / spans
@@ -152,7 +153,22 @@ def step_gains(equations: Equations, steps: Steps) -> FloatArray:
         off_velocity, off_place = off_the_constraint(equations, steps.before)
         velocity = (after.velocity_world - exact.velocity_world - off_velocity) / spans
         place = (after.com_world - exact.com_world - off_place) / spans
-    return steps.by_timestep(np.stack([attitude, torque, velocity, place], axis=1))
+    gains = [attitude, torque, velocity, place]
+    if after.spins.size:
+        kept = (equations.scenario.kept(*_turning(state)) for state in (after, exact))
+        gains.append(np.subtract(*kept) @ _directions(after.spins.shape[1]) / spans)
+    return steps.by_timestep(np.stack(gains, axis=1))
+
+
+def _turning(state: State) -> tuple[FloatArray, FloatArray]:
+    return state.omega_body, state.spins
+
+
+def _directions(rotors: int) -> FloatArray:
+    """Orthonormal directions that all rotors show in, (rotors, 3); of few, each in its own."""
+    if rotors <= 3:
+        return np.eye(rotors, 3)
+    return np.linalg.qr(np.random.default_rng(rotors).standard_normal((rotors, 3)))[0]
 
 
 def off_the_constraint(equations: Equations, states: State) -> tuple[FloatArray, FloatArray]:

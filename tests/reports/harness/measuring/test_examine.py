@@ -9,7 +9,7 @@ import pytest
 import stepped_faults as planted
 from box import BOX
 from case_loops import each_case
-from faulty_mujoco import FaultyMuJoCo, PlantedFault, applies
+from faulty_mujoco import FaultyMuJoCo, FaultySession, PlantedFault, applies
 from held_by_impulses import HeldByImpulses, ReadsOmegaOffWhereHeld
 from kinds_of_engines import why_missing
 from library_scenes import library_scene
@@ -133,6 +133,34 @@ def test_a_fault_of_a_ten_millionth_is_told_at_first_order(name: str, kind: str)
     if not applies(fault, library_scene(name)):
         pytest.skip(f"'{name}' has no {kind} that acts")
     assert looked_at(FaultyMuJoCo(fault), "Euler", name).fault
+
+
+class SlowsRotors(FaultyMuJoCo):
+    """The rotors' spins decay by themselves; the body does not feel it."""
+
+    def __init__(self, rate: float) -> None:
+        super().__init__()
+        self.rate = rate
+
+    def open(self, scenario: Scenario, method: Method, timestep: float) -> Session:
+        honest, faulty = (MuJoCo.open(self, scenario, method, timestep) for _ in range(2))
+
+        def read(state, time):
+            return replace(state, spins=(1 - self.rate * time) * state.spins)
+
+        session = FaultySession(honest, faulty, scenario, read, 1.0)
+        session.timestep = timestep
+        return session
+
+
+@pytest.mark.parametrize("rate", [0.0, 1e-8, 1e-2])
+@pytest.mark.parametrize("method", ["Euler", "RK4"])
+@pytest.mark.parametrize("name", ["gyroscope-in-its-frame", "quadrotor-body"])
+def test_rotors_that_slow_by_themselves_are_told(name: str, method: str, rate: float) -> None:
+    """Also of four rotors, two of which turn the other way, so that their sum stays zero."""
+    found = in_words(looked_at(SlowsRotors(rate), method, name))
+    told = "the rotors' angular momentum about their axes changes at a rate of"
+    assert found.startswith(told) if rate else not found
 
 
 def test_a_body_that_no_engine_holds_is_not_known_well_enough() -> None:
