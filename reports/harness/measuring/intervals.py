@@ -1,5 +1,6 @@
 """The intervals of a run, each of which is run again from its own start."""
 
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -77,14 +78,14 @@ class Intervals:
 
         In its midst it is restarted, so that nothing hides in the rhythm of samples or strides.
         """
-        states = []
-        for count in (int(self.parts[k]), int(self.steps[k] - self.parts[k])):
-            with self.sessions.at(start, self.run.rung.timestep) as session:
-                if count:
-                    session.advance(count)
-                start = session.read_state()
-            states.append(start)
-        return states[0], states[1]
+        (parts,) = self.parts_of([k])
+        midst, end = restarted(self.sessions, start, self.run.rung.timestep, parts)
+        return midst, end
+
+    def parts_of(self, kept: Sequence[int] | NDArray[np.intp]) -> NDArray[np.int64]:
+        """Steps of k intervals before and after they are restarted, (k, 2)."""
+        first = self.parts[kept]
+        return np.stack([first, self.steps[kept] - first], axis=1)
 
     def all_again(self) -> tuple[State, State]:
         """The same of all, run in random order."""
@@ -101,20 +102,30 @@ class Replay:
 
     Attributes
     ----------
-    off : the largest difference, as `apart` has it
-    growth : the factor by which a small change of a state grows in an interval
-    steps : of the longest interval
-    edges : the samples that intervals begin and end at, (n + 1,)
-    states, times : one in the midst of each interval, and when, s, (n,)
+    worst : the K intervals that differ the most
+    off : what these do otherwise, as `apart` has it, (K, 5, 3)
+    states : one in the midst of each interval, n of them
     """
 
-    off: float
-    growth: float
-    steps: int
+    intervals: Intervals
     evidence: ReplayEvidence
-    edges: NDArray[np.intp]
+    worst: NDArray[np.intp]
+    off: FloatArray
     states: State
-    times: FloatArray
+
+
+def restarted(
+    sessions: Sessions, state: State, timestep: float, counts: Iterable[int]
+) -> list[State]:
+    """The states after each of some counts of steps, with a restart before each."""
+    states = []
+    for count in map(int, counts):
+        with sessions.at(state, timestep) as session:
+            if count:
+                session.advance(count)
+            state = session.read_state()
+        states.append(state)
+    return states
 
 
 def beginning_of(sessions: Sessions, at: Places) -> MadeRun:

@@ -1,107 +1,122 @@
 """Whether a memory that vanishes with the timestep explains a run that differs from its replays."""
 
-from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
-from ....engines import Engine
+from ....engines import Engine, State
 from ....engines.checks.equations import Equations
 from ....engines.checks.read_back import stacked
 from ....scenarios import FloatArray
 from ...results.evidence import LEVEL, ReplayEvidence
-from .examine import OPENED
 from .gain_series import fitted
-from .intervals import Replay
+from .intervals import Replay, restarted
 from .noise import NOISE, SOLVED, ULPS
-from .places import FINER, Places
+from .places import HALVINGS, states_of
+from .regression import PREDICTED_FROM
 from .steps import Sessions, apart
 
-#: Steps before and after a restart that show a memory.
+#: Steps that a method may remember.
 REMEMBERED = 8
-#: The factor by which a run may differ more than from exact states: it is restarted twice in an
-#: interval, and in more states than these.
-EXPLAINED = 3.0
+#: Standard deviations of noise beyond which a memory is seen.
+SEEN = 3.0
+#: A memory of so few steps explains a difference if it leaves no more than this part of it.
+UNEXPLAINED = 0.5
 
 
 def explained_by_memory(
-    replays: Sequence[Replay],
-    sessions: Sessions,
-    engine: Engine,
-    at: Places,
-    declared: int,
-    settled: int,
-) -> list[ReplayEvidence]:
-    """What replays show, where a memory that vanishes with the timestep may explain it.
+    replay: Replay, engine: Engine, declared: int, settled: int
+) -> ReplayEvidence:
+    """What a replay shows, where a memory that vanishes with the timestep may explain it.
 
-    From exact states a method takes some steps at once, and others after it was restarted between
-    them. What that changes, over the length of the one step that lacks its memory, is a gain like
-    any other. It explains a run that differs from its replays by no more, after as many steps as
-    its longest interval has. Where shorter timesteps show no memory, no more is explained than an
-    iterative solver leaves, which begins with the step before. Of a method whose steps are those of
-    a settled constraint, impulses of earlier steps are in what these gain: they need explain no
-    more than the size of the difference.
+    The intervals in which the run differs the most are run again from its states some steps before
+    each: at once, and with the restarts of the replay. With the run's timestep that must change
+    what the run does otherwise; or as much, where that is no more than is left by an iterative
+    solver that begins with the step before. Over few steps, with shorter and shorter timesteps, it
+    is a gain like any other, which must vanish. Of a method whose steps are those of a settled
+    constraint, impulses of earlier steps are in what these gain, so that the first suffices.
 
     Parameters
     ----------
-    at : the exact states
     declared : the method's order
     settled : steps in which a constraint settled before those that were examined
     """
-    # With longer ones the body turns by many radians meanwhile; in 24 bits shorter ones show noise.
-    timesteps = at.timesteps[0 if engine.single_precision else FINER :]
-    remembered = max(REMEMBERED, settled)
-    if not sessions.first.can_restart:
-        at = at.thinned(OPENED)
-    shown = [one.evidence for one in replays]
-    tail, order = 1.0, 1
-    if not settled:
-        noise = max(NOISE, ULPS * engine.ulp) * np.sqrt(remembered)
-        steps = remembered, remembered
-        off = np.stack([_lacking(sessions, at, h, *steps) for h in map(float, timesteps)])
-        gains, table = off / timesteps[:, None, None, None], np.empty(off.shape[:2])
-        table[:] = noise / timesteps[:, None]
-        series = [fitted(timesteps, gains[:, :, q], table, LEVEL) for q in range(off.shape[2])]
-        tail = min(1.0, *(len(series) * one.tail for one in series))
-        is_seen = np.abs(off).max(axis=(0, 1, 3)) > EXPLAINED * noise
-        orders = [one.order for one, seen in zip(series, is_seen, strict=True) if seen]
-        if tail < LEVEL:
-            return shown
-        order = min(orders, default=0)
-
-    def explains(one: Replay) -> bool:
-        if not order and one.off > SOLVED:
-            return False
-        steps = remembered, max(remembered, one.steps)
-        off = _lacking(sessions, at, one.evidence.timestep, *steps)
-        # A run with a constraint is in states that no exact one is near, where changes grow more.
-        growth = one.growth if settled else 1.0
-        return one.off <= EXPLAINED * growth * float(np.sqrt((off**2).sum(axis=(1, 2))).max())
-
-    return [
-        replace(one.evidence, tail=tail, order=order or declared, declared=declared)
-        if explains(one)
-        else one.evidence
-        for one in replays
-    ]
+    shown, intervals = replay.evidence, replay.intervals
+    if shown.tail >= LEVEL:
+        return shown
+    before, starts = _earlier(replay, max(REMEMBERED, settled))
+    parts = intervals.parts_of(replay.worst)
+    lost = _lost(intervals.sessions, starts, shown.timestep, before, parts)
+    off, left = _largest(replay.off), _largest(replay.off - lost)
+    if off <= SOLVED:
+        # What an iterative solver leaves is of a size alone.
+        left = off - _largest(lost)
+    if not left <= UNEXPLAINED * off:
+        return shown
+    order, tail = (declared, 1.0) if settled else _vanishing(replay, engine)
+    if tail < LEVEL:
+        return shown
+    return replace(shown, tail=tail, order=order or declared, declared=declared)
 
 
-def _lacking(
-    sessions: Sessions, at: Places, timestep: float, before: int, after: int
-) -> FloatArray:
-    """What a restart between so many steps changes, as `apart` has it, (K, 5, 3).
+def _largest(off: FloatArray) -> float:
+    return float(np.sqrt((off**2).sum(axis=(1, 2))).max())
 
-    Few steps before it hold what a method remembers, and not what depends on a clock.
+
+def _earlier(replay: Replay, steps: int) -> tuple[NDArray[np.int64], State]:
+    """The last samples that are so many steps before the worst intervals, or the first one.
+
+    Returns
+    -------
+    How many steps each is before its interval, (K,), and the states there.
     """
-    at_once, restarted = [], []
-    for k in range(len(at.times)):
-        with sessions.at(at.states.rows(k), timestep) as session:
-            session.advance(before)
-            middle = session.read_state()
-            session.advance(after)
+    run, edges = replay.intervals.run, replay.intervals.edges[replay.worst]
+    taken = run.rung.sample_steps
+    samples = np.maximum(np.searchsorted(taken, taken[edges] - steps, side="right") - 1, 0)
+    return taken[edges] - taken[samples], states_of(run.motion).rows(samples)
+
+
+def _vanishing(replay: Replay, engine: Engine) -> tuple[int, float]:
+    """The order at which a memory vanishes, 0 where none is seen, and the tail of its gains."""
+    starts, sessions = replay.intervals.starts.rows(replay.worst), replay.intervals.sessions
+    timesteps = np.array([replay.evidence.timestep / 2.0**j for j in range(HALVINGS)])
+    before = np.full(len(replay.worst), REMEMBERED)
+    parts = np.stack([before // 2, before // 2], axis=1)
+    lost = np.stack([_lost(sessions, starts, float(h), before, parts) for h in timesteps])
+    noise = max(NOISE, ULPS * engine.ulp) * np.sqrt(REMEMBERED)
+    gains, table = lost / timesteps[:, None, None, None], np.empty(lost.shape[:2])
+    table[:] = noise / timesteps[:, None]
+    series = [fitted(timesteps, gains[:, :, q], table, LEVEL) for q in range(lost.shape[2])]
+    # Of the longest timesteps alone there is no order.
+    seen = np.abs(lost[PREDICTED_FROM:]).max(axis=(0, 1, 3)) > SEEN * noise
+    orders = [one.order for one, is_seen in zip(series, seen, strict=True) if is_seen]
+    tail = min(1.0, *(len(series) * one.tail for one in series))
+    return min(orders, default=0), tail
+
+
+def _lost(
+    sessions: Sessions,
+    starts: State,
+    timestep: float,
+    before: NDArray[np.int64],
+    parts: NDArray[np.int64],
+) -> FloatArray:
+    """What restarts change of steps from K states, as `apart` has it, (K, 5, 3).
+
+    Parameters
+    ----------
+    before : steps before the first restart, (K,)
+    parts : steps before and after the second, (K, 2)
+    """
+    at_once, others = [], []
+    for k, each in enumerate(parts):
+        with sessions.at(starts.rows(k), timestep) as session:
+            if before[k]:
+                session.advance(int(before[k]))
+            state = session.read_state()
+            session.advance(int(each.sum()))
             at_once.append(session.read_state())
-        with sessions.at(middle, timestep) as session:
-            session.advance(after)
-            restarted.append(session.read_state())
+        others.append(restarted(sessions, state, timestep, each)[-1])
     reach = Equations(sessions.scenario).reach
-    return apart(stacked(at_once), stacked(restarted), reach)
+    return apart(stacked(others), stacked(at_once), reach)

@@ -39,10 +39,11 @@ def own_places(
     is_single : whether the engine computes in single precision: there, and where a constraint has
         to settle first, few states with all timesteps tell a limit, and not few timesteps
     """
-    states, times = [replay.states], [replay.times]
-    for k in np.argsort(-_gains(sessions.scenario, run, replay.edges))[:GAINING]:
-        first, last = run.rung.sample_steps[replay.edges[k : k + 2]]
-        start = states_of(run.motion).rows(int(replay.edges[k]))
+    edges = replay.intervals.edges
+    states, times = [replay.states], [replay.intervals.times]
+    for k in np.argsort(-_gains(sessions.scenario, run, edges))[:GAINING]:
+        first, last = run.rung.sample_steps[edges[k : k + 2]]
+        start = states_of(run.motion).rows(int(edges[k]))
         for count in np.unique(np.linspace(0, last - first - 1, STATES).astype(int)):
             with sessions.at(start, run.rung.timestep) as session:
                 if count:

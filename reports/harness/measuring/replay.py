@@ -70,8 +70,7 @@ def examine_runs(
             runs = runs or [beginning_of(sessions, at)]
             replays = [_replay(sessions, engine, run, at.condition) for run in runs]
             shown = [one.evidence for one in replays]
-            if any(one.tail < LEVEL for one in shown):
-                shown = explained_by_memory(replays, sessions, engine, at, method.order, settled)
+            shown = [explained_by_memory(one, engine, method.order, settled) for one in replays]
             exact, is_single = replace(at, gives_way=bool(settled)), engine.single_precision
             own = own_places(sessions, exact, runs[0], replays[0], is_single=is_single)
     except (EngineError, IntegrationError) as error:
@@ -114,8 +113,8 @@ def _replay(sessions: Sessions, engine: Engine, run: MadeRun, condition: float) 
         is_chance = spread > growth * float(noise[k].max())
         spread = min(LARGEST, spread / turns[k]) if is_chance else 0.0
         evidence = replace(evidence, since=since, spread=spread)
-    longest, worst_off = int(intervals.steps.max()), float(sizes[squares.argmax()])
-    return Replay(worst_off, growth, longest, evidence, intervals.edges, midst, intervals.times)
+    of_worst = apart(ends.rows(worst), intervals.ends.rows(worst), reach)
+    return Replay(intervals, evidence, worst, of_worst, midst)
 
 
 def _noise(

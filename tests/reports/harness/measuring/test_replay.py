@@ -200,19 +200,35 @@ def test_a_torque_that_oscillates_with_time_is_no_memory(size: float) -> None:
     assert replayed(Oscillates, size, "Euler").is_wrong
 
 
-@pytest.mark.parametrize(("size", "is_wrong"), [(1e-8, False), (1e-7, True)])
-def test_of_long_steps_alone_no_more_is_explained_than_a_solver_leaves(
-    size: float, is_wrong: bool
-) -> None:
-    class BeginsWithTheStepBefore(planted.Remembers):
+def test_a_memory_of_long_steps_alone_vanishes_and_is_told() -> None:
+    class RemembersLongSteps(planted.Remembers):
         def after_step(self):
             if self.timestep > 1e-3:
                 super().after_step()
 
-    study = studied(BeginsWithTheStepBefore, size, "RK4", TOP, stock_timestep=0.0035)
+    study = studied(RemembersLongSteps, 1e-4, "RK4", TOP, stock_timestep=0.0035)
     finest, stock = study.replays
-    assert (finest.tail, finest.is_wrong) == (1.0, False)
-    assert (stock.order, stock.is_wrong) == (0 if is_wrong else 4, is_wrong)
+    assert (finest.off, finest.is_wrong) == (pytest.approx(0, abs=1e-12), False)
+    assert (stock.order > 0, stock.is_wrong) == (True, False)
+    assert f"to {stock.off:.1e} a radian, which vanishes" in judge(study.records).reason
+
+
+@pytest.mark.parametrize(("size", "is_wrong"), [(1e-11, False), (1e-8, True)])
+def test_no_more_than_a_solver_leaves_is_explained_by_its_size_alone(
+    size: float, is_wrong: bool
+) -> None:
+    """It begins with the step before, and ends somewhere within its tolerance."""
+
+    class EndsSomewhere(planted.Remembers):
+        def after_step(self):
+            if self.timestep > 1e-3 and self.last is not None:
+                where = np.sin(1e14 * (self.omega - self.last) / self.rate)
+                self.omega[:] += self.size * self.rate * where
+            self.last = self.omega.copy()
+
+    study = studied(EndsSomewhere, size, "RK4", TOP, stock_timestep=0.0035)
+    assert study.replays[-1].off > 1e-12
+    assert study.replays[-1].is_wrong == is_wrong
 
 
 @pytest.mark.parametrize("method", ["Euler", "RK4"])
