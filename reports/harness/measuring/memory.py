@@ -54,10 +54,10 @@ def explained_by_memory(
         left = off - _largest(lost)
     if not left <= UNEXPLAINED * off:
         return shown
-    order, tail = (declared, 1.0) if settled else _vanishing(replay, engine)
+    order, tail = (declared, 1.0) if settled else _vanishing(replay, engine, declared)
     if tail < LEVEL:
         return shown
-    return replace(shown, tail=tail, order=order or declared, declared=declared)
+    return replace(shown, tail=tail, order=order, declared=declared)
 
 
 def _largest(off: FloatArray) -> float:
@@ -77,8 +77,11 @@ def _earlier(replay: Replay, steps: int) -> tuple[NDArray[np.int64], State]:
     return taken[edges] - taken[samples], states_of(run.motion).rows(samples)
 
 
-def _vanishing(replay: Replay, engine: Engine) -> tuple[int, float]:
-    """The order at which a memory vanishes, 0 where none is seen, and the tail of its gains."""
+def _vanishing(replay: Replay, engine: Engine, declared: int) -> tuple[int, float]:
+    """The order at which a memory of few steps vanishes, and the tail of its gains.
+
+    The tail is 0 where there is none. Of the longest timesteps alone there is no order.
+    """
     starts, sessions = replay.intervals.starts.rows(replay.worst), replay.intervals.sessions
     timesteps = np.array([replay.evidence.timestep / 2.0**j for j in range(HALVINGS)])
     before = np.full(len(replay.worst), REMEMBERED)
@@ -88,11 +91,13 @@ def _vanishing(replay: Replay, engine: Engine) -> tuple[int, float]:
     gains, table = lost / timesteps[:, None, None, None], np.empty(lost.shape[:2])
     table[:] = noise / timesteps[:, None]
     series = [fitted(timesteps, gains[:, :, q], table, LEVEL) for q in range(lost.shape[2])]
-    # Of the longest timesteps alone there is no order.
-    seen = np.abs(lost[PREDICTED_FROM:]).max(axis=(0, 1, 3)) > SEEN * noise
-    orders = [one.order for one, is_seen in zip(series, seen, strict=True) if is_seen]
+    seen = np.abs(lost).max(axis=(1, 3)) > SEEN * noise
+    if not seen.any():
+        return 0, 0.0
+    of_order = seen[PREDICTED_FROM:].any(axis=0)
+    orders = [one.order for one, is_seen in zip(series, of_order, strict=True) if is_seen]
     tail = min(1.0, *(len(series) * one.tail for one in series))
-    return min(orders, default=0), tail
+    return min(orders, default=declared), tail
 
 
 def _lost(
