@@ -50,18 +50,14 @@ def table(rows: Sequence[GradientRow]) -> Iterator[str]:
     """A line for each derivative of a method, over all scenes."""
     for key in dict.fromkeys((row.engine, row.method, row.derivative) for row in rows):
         alike = [row for row in rows if (row.engine, row.method, row.derivative) == key]
-        right = [row for row in alike if row.judged.verdict == "converges"]
+        right = [row.judged for row in alike if row.judged.verdict == "converges"]
         others = {
-            f"{row.judged.verdict}: {row.judged.reason}"
-            for row in alike
-            if row.judged.verdict != "converges"
+            f"{row.judged.verdict}: {row.judged.reason}" for row in alike if row.judged.reason
         }
-        orders = sorted({row.judged.order for row in right})
-        own = max(
-            (row.judged.off_own for row in right if row.judged.off_own is not None), default=None
-        )
-        costs = [row.cost for row in right if row.cost is not None]
-        errors = sorted(row.window[-1].error for row in right if row.window)
+        orders = sorted({one.order for one in right})
+        own = max((one.off_own for one in right if one.off_own is not None), default=None)
+        costs = [row.cost for row in alike if row.cost is not None]
+        errors = sorted(row.window[-1].error for row in alike if row.window)
         yield (
             "| "
             + " | ".join(
