@@ -3,12 +3,13 @@
 What it does to a top by default, and how each effect was measured: docs/measured/engines-more.md.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from functools import partial
 from importlib import import_module
 from typing import final
 
 import numpy as np
-from spincheck.engine import Batch, Method, Scenario
+from spincheck.engine import Batch, Derivative, FloatArray, Method, Scenario, along
 
 from ...scene_record import WorldBody, scene_record
 from ...world_engine import WorldEngine
@@ -46,6 +47,17 @@ class BraxSession(WorldSession):
             "other bodies": system.num_links() != 1,
         }
         return frozenset(name for name, acts in named.items() if acts)
+
+    def derivatives(self) -> Mapping[str, Derivative]:
+        """JAX's of `generalized`, of one step or through many, in forward and reverse mode."""
+        if not self.world.is_generalized:
+            return {}
+        ways = {way: partial(self._derivative, way) for way in ("jacfwd", "jacrev")}
+        return {way: Derivative(compute, through=compute) for way, compute in ways.items()}
+
+    def _derivative(self, way: str, steps: int = 1) -> FloatArray:
+        found = import_module(f"{__package__}.jacobian").jacobian(self.world, way, steps)
+        return along(self.frame.body_from_axes.as_matrix(), found)
 
 
 def _method(name: str, summary: str, *, as_shipped: bool = False) -> Method:

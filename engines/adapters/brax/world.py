@@ -87,6 +87,11 @@ def turned_about(angle, axis):
     return matrix(q)
 
 
+def hinged(q):
+    """The rotation matrix of three hinges."""
+    return turned_about(q[0], 0) @ turned_about(q[1], 1) @ turned_about(q[2], 2)
+
+
 def hinge_axes(q):
     """The axes about which three hinges turn the body, world axes, in columns."""
     first = turned_about(q[0], 0)
@@ -170,8 +175,7 @@ class World:
             return np.concatenate([place.rot, turning.ang, place.pos, turning.vel])
         if self.is_free:
             return np.concatenate([q[3:], matrix(q[3:]) @ qd[3:], q[:3], qd[:3]])
-        first = turned_about(q[0], 0) @ turned_about(q[1], 1)
-        R, omega = first @ turned_about(q[2], 2), hinge_axes(q) @ qd
+        R, omega = hinged(q), hinge_axes(q) @ qd
         com = R @ -np.array(self.scene["arm"])
         return np.concatenate([quaternion(R), omega, com, np.cross(omega, com)])
 

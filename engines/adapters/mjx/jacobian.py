@@ -12,11 +12,11 @@ from .world import in_precision
 
 
 @cache
-def _compiled(trees: Any, way: str, steps: int) -> Any:
-    """Coordinates qpos and qvel after so many steps, and their Jacobian by those before."""
+def _compiled(trees: Any, way: str) -> Any:
+    """The Jacobian of qpos and qvel after so many steps by those before, and qpos and qvel."""
     model_tree, data_tree = trees
 
-    def stepped(x: Any, still: Any, moving: Any) -> Any:
+    def stepped(steps: Any, x: Any, still: Any, moving: Any) -> Any:
         model = jax.tree.unflatten(model_tree, still)
         data = jax.tree.unflatten(data_tree, moving)
         data = data.replace(qpos=x[: model.nq], qvel=x[model.nq :])
@@ -24,7 +24,9 @@ def _compiled(trees: Any, way: str, steps: int) -> Any:
         after = jnp.concatenate([data.qpos, data.qvel])
         return after, after
 
-    return jax.jit(getattr(jax, way)(stepped, has_aux=True))
+    made = getattr(jax, way)(stepped, argnums=1, has_aux=True)
+    # Backwards goes through loops alone whose length is known to the compiler.
+    return jax.jit(made, static_argnums=0 if way == "jacrev" else ())
 
 
 def jacobian(world: Any, way: str, steps: int) -> tuple[Any, Any]:
@@ -32,5 +34,5 @@ def jacobian(world: Any, way: str, steps: int) -> tuple[Any, Any]:
     in_precision(world.is_double)
     data = world.data()
     x = np.concatenate([data.qpos, data.qvel])
-    found, after = _compiled(world.trees, way, steps)(x, world.still, world.moving)
+    found, after = _compiled(world.trees, way)(steps, x, world.still, world.moving)
     return np.asarray(after, dtype=float), np.asarray(found, dtype=float)

@@ -44,7 +44,7 @@ UNSETTLED = (
     "a constraint gives way: by attitude and ω with the com where it is, as the engine "
     "differentiates, no motion is allowed; only differences of its runs are judged"
 )
-#: Steps that are timed, and derivatives.
+#: Steps that are timed, and how often, before a derivative each time.
 TIMED, TIMES = 200, 5
 #: Which of the halved timesteps a window is taken with: some 0.05 rad a step.
 FINE = 2
@@ -261,14 +261,17 @@ class _Study:
         return replace(row, window=along, useless_from=useless_from(along))
 
     def _cost(self, name: str, steps: int) -> float:
-        """CPU time of a derivative, in as many plain steps as it is of."""
+        """CPU time of a derivative, in as many plain steps as it is of: the median of ratios."""
+        ratios = []
         with self.sessions.at(self.at.states.rows(0), float(self.at.timesteps[-1])) as session:
             session.advance(TIMED)
-            a_step = session.timed(TIMED)[0] / TIMED
-            compute, began = _by(session, name, steps), time.process_time()
+            compute = _by(session, name, steps)
             for _ in range(TIMES):
+                a_step = session.timed(TIMED)[0] / TIMED
+                began = time.process_time()
                 compute()
-            return (time.process_time() - began) / TIMES / max(a_step, 1e-9) / steps
+                ratios.append((time.process_time() - began) / max(a_step, 1e-9))
+        return float(np.median(ratios)) / steps
 
 
 def _by(session: Session, name: str, steps: int) -> Callable[[], FloatArray]:

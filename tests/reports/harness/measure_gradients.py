@@ -1,10 +1,12 @@
-"""Derivatives of every engine that is installed, on ten scenes and three that are hard to steer.
+"""Derivatives of engines, on ten scenes and three that are hard to steer.
 
-Written to docs/how-to/gradients.md, between its marks, and drawn beside it. It needs matplotlib.
+Of methods that are named as ENGINE/METHOD, or of all methods of engines, or of all engines. Their
+lines of the tables in docs/how-to/gradients.md are written anew, others stay; the picture beside
+them is drawn with MuJoCo. It needs matplotlib.
 """
 
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from statistics import median
 
@@ -20,7 +22,7 @@ from spincheck.reports.harness.gradients.study import OURS, GradientRow, gradien
 STEERED = ("middle-axis-exactly", "asleep-at-the-threshold", "chaos-beyond-the-horizon")
 STEERED_BY = {"mujoco": ("Euler", "RK4"), "mjx": ("RK4",)}
 #: Engines with derivatives of their own, and one of those whose steps we difference.
-NAMES = ("mujoco", "mjx", "drake", "pin", "exudyn")
+NAMES = ("mujoco", "mjx", "brax", "newton", "drake", "pin", "exudyn")
 PAGE = Path(__file__).parents[3] / "docs/how-to/gradients.md"
 PICTURE = PAGE.parents[1] / "gallery/images/gradients.png"
 #: What is drawn: engine, method, derivative, on a scene, with timesteps, s.
@@ -32,33 +34,30 @@ DRAWN = (
 DRAWN_ON, TIMESTEPS = "fast-top", 2e-3 / 2.0 ** np.arange(6)
 
 
-def rows_of(executor: LocalWorkers, name: str, scenes: Sequence[str]) -> Iterator[GradientRow]:
-    """Of all clean methods of an engine that need no contact."""
+def rows_of(executor: LocalWorkers, named: str, scenes: Sequence[str]) -> Iterator[GradientRow]:
+    """Of one method, or of all clean ones of an engine that need no contact."""
+    name, _, wanted = named.partition("/")
     engine = engines()[name]
     for scene in map(library_scene, scenes):
         for method in engine.methods_for(scene):
-            if not method.as_shipped and "contact" not in method.name:
+            is_plain = not method.as_shipped and "contact" not in method.name
+            if method.name == wanted or (is_plain and not wanted):
                 print(name, scene.name, method.name, file=sys.stderr, flush=True)
                 yield from gradients_by(executor, scene, engine, method.name, None)
 
 
 def table(rows: Sequence[GradientRow]) -> Iterator[str]:
     """A line for each derivative of a method, over all scenes."""
-    yield (
-        "| engine | method | derivative | converges, of scenes | order | off its own step "
-        "| gradient's error | cost, steps | refused |"
-    )
-    yield "|---|---|---|---|---|---|---|---|---|"
     for key in dict.fromkeys((row.engine, row.method, row.derivative) for row in rows):
         alike = [row for row in rows if (row.engine, row.method, row.derivative) == key]
-        right = [row for row in alike if row.judged.verdict == "converges"]
-        refused = {row.judged.reason for row in alike if row.judged.verdict != "converges"}
-        orders = sorted({row.judged.order for row in right})
-        own = max(
-            (row.judged.off_own for row in right if row.judged.off_own is not None), default=None
-        )
-        costs = [row.cost for row in right if row.cost is not None]
-        errors = sorted(row.window[-1].error for row in right if row.window)
+        right = [row.judged for row in alike if row.judged.verdict == "converges"]
+        others = {
+            f"{row.judged.verdict}: {row.judged.reason}" for row in alike if row.judged.reason
+        }
+        orders = sorted({one.order for one in right})
+        own = max((one.off_own for one in right if one.off_own is not None), default=None)
+        costs = [row.cost for row in alike if row.cost is not None]
+        errors = sorted(row.window[-1].error for row in alike if row.window)
         yield (
             "| "
             + " | ".join(
@@ -69,7 +68,7 @@ def table(rows: Sequence[GradientRow]) -> Iterator[str]:
                     "–" if own is None else f"{own:.0e}",
                     f"{errors[0]:.0e} to {errors[-1]:.0e}" if errors else "–",
                     f"{median(costs):.0f}" if costs else "–",
-                    "; ".join(sorted(refused)) or "–",
+                    "; ".join(sorted(others)) or "–",
                 ]
             )
             + " |"
@@ -78,14 +77,12 @@ def table(rows: Sequence[GradientRow]) -> Iterator[str]:
 
 def steered(rows: Sequence[GradientRow]) -> Iterator[str]:
     """The gradient of each derivative as time goes on."""
-    yield "| scene | method, derivative | " + "time, s: error (conditioning) |"
-    yield "|---|---|---|"
     for row in rows:
         if row.window:
             along = ", ".join(
                 f"{one.t:.2g}: {one.error:.0e} ({one.conditioning:.0e})" for one in row.window[3::2]
             )
-            yield f"| {row.scene} | {row.engine} {row.method}, {row.derivative} | {along} |"
+            yield f"| {row.engine} | {row.method} | {row.derivative} | {row.scene} | {along} |"
 
 
 def picture() -> None:
@@ -110,26 +107,48 @@ def picture() -> None:
     figure.savefig(PICTURE, dpi=100)
 
 
-def main() -> None:
-    """Write the tables into the page."""
-    with LocalWorkers(1, time_limit=600.0) as executor:
-        found = [row for name in NAMES for row in rows_of(executor, name, SCENES)]
-        hard = [
-            row
-            for name, methods in STEERED_BY.items()
-            for scene in STEERED
-            for method in methods
-            for row in gradients_by(executor, library_scene(scene), engines()[name], method, None)
-            if row.window and (row.derivative != OURS or method == "RK4")
-        ]
-    picture()
+def renewed(table: str, lines: Sequence[str]) -> str:
+    """A table of the page with new lines instead of those of the same methods."""
+
+    def method(line: str) -> tuple[str, ...]:
+        return tuple(cell.strip() for cell in line.split("|")[1:3])
+
+    title, rule, *old = table.splitlines()
+    fresh = set(map(method, lines))
+    kept = [line for line in old if method(line) not in fresh]
+    ordered = sorted([*kept, *lines], key=lambda line: NAMES.index(method(line)[0]))
+    return "\n".join([title, rule, *ordered]) + "\n"
+
+
+def write(tables: Mapping[str, Sequence[str]]) -> None:
+    """Write lines into tables of the page."""
     text = PAGE.read_text(encoding="utf-8")
-    for name, lines in {"measured": table(found), "steered": steered(hard)}.items():
+    for name, lines in tables.items():
         begin, end = f"<!-- {name} -->\n", f"<!-- end of {name} -->"
         before, _, rest = text.partition(begin)
-        text = before + begin + "\n".join(lines) + "\n" + end + rest.partition(end)[2]
+        old, _, after = rest.partition(end)
+        text = before + begin + renewed(old, lines) + end + after
     PAGE.write_text(text, encoding="utf-8")
 
 
+def main(names: Sequence[str]) -> None:
+    """Measure one after the other."""
+    with LocalWorkers(1, time_limit=600.0) as executor:
+        for named in names:
+            found = list(rows_of(executor, named, SCENES))
+            name, _, wanted = named.partition("/")
+            hard = [
+                row
+                for scene in STEERED
+                for method in STEERED_BY.get(name, ())
+                if wanted in ("", method)
+                for row in rows_of(executor, f"{name}/{method}", [scene])
+                if row.window and (row.derivative != OURS or method == "RK4")
+            ]
+            write({"measured": list(table(found)), "steered": list(steered(hard))})
+    if "mujoco" in names:
+        picture()
+
+
 if __name__ == "__main__":
-    main()
+    main(sys.argv[1:] or NAMES)

@@ -5,7 +5,8 @@ steps, on ten scenes, free, heavy and on a table; a mistake that is planted in M
 its name on each of them that it changes anything on; a window's gradient is the exact one but for
 the error of the steps; what an engine refuses or runs out of is a row.
 Newton's tape: a solver that it goes through, one that it does not, and one that refuses it.
-Not verified: Brax. MJX's derivatives take long to compile: one method, on one of the scenes.
+Not verified: MJX's and Brax's derivatives, which take long to compile, but of one method on one of
+the scenes.
 """
 
 from collections.abc import Callable
@@ -218,7 +219,11 @@ def test_a_planted_fault_is_named(monkeypatch: pytest.MonkeyPatch, name: str) ->
 
 @each_case(
     ("engine", "scenes"),
-    [*((name, SCENES) for name in ("mujoco", "pin", "drake")), ("mjx", SCENES[3:4])],
+    [
+        *((name, SCENES) for name in ("mujoco", "pin", "drake")),
+        ("mjx", SCENES[3:4]),
+        ("brax", SCENES[:1]),
+    ],
 )
 def test_honest_derivatives_are_not_accused(engine: str, scenes: tuple[str, ...]) -> None:
     """But for what `OUT_OF_REACH` names: that is refused, with a reason."""
@@ -227,8 +232,8 @@ def test_honest_derivatives_are_not_accused(engine: str, scenes: tuple[str, ...]
     accused: dict[str, str] = {}
     for scene in map(library_scene, scenes):
         methods = engines()[engine].methods_for(scene)
-        # JAX compiles each of MJX's for a minute.
-        for method in methods[:1] if engine == "mjx" else methods:
+        # JAX compiles each for a minute.
+        for method in methods[:1] if engine in ("mjx", "brax") else methods:
             if method.as_shipped or method.name.startswith("contact"):
                 continue
             rows = gradients_of(scene, engines()[engine], method.name)

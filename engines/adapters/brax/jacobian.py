@@ -1,0 +1,66 @@
+"""The Jacobian of Brax's steps in joint coordinates, as `jax.jacfwd` and `jax.jacrev` give it."""
+
+import warnings
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from spincheck.engine import FloatArray, in_chart, numbers_by_chart
+
+from ...user_cache import user_cache
+from . import world as parts
+
+# It compiles for a minute.
+jax.config.update("jax_compilation_cache_dir", str(user_cache() / "jax"))
+#: Where a free joint has its quaternion in q, and ω in qd.
+QUATERNION, TURNING = slice(3, 7), slice(3, 6)
+
+
+def _stepped(steps: Any, x: Any, system: Any) -> Any:
+    """Coordinates q and qd after so many steps, twice."""
+    without_actuators = jnp.zeros(0, x.dtype)
+    begun = parts.generalized.init(system, x[: system.q_size()], x[system.q_size() :])
+    ended = jax.lax.fori_loop(
+        0, steps, lambda _, now: parts.generalized.step(system, now, without_actuators), begun
+    )
+    after = jnp.concatenate([ended.q, ended.qd])
+    return after, after
+
+
+#: By way, the Jacobian. Backwards goes through loops alone whose length is known to the compiler.
+_JACOBIANS = {
+    "jacfwd": jax.jit(jax.jacfwd(_stepped, argnums=1, has_aux=True)),
+    "jacrev": jax.jit(jax.jacrev(_stepped, argnums=1, has_aux=True), static_argnums=0),
+}
+
+
+def jacobian(world: Any, way: str, steps: int) -> FloatArray:
+    """That of a world's next steps, along the axes of its body, (6, 6)."""
+    x = np.concatenate([world.state.q, world.state.qd])
+    with warnings.catch_warnings(**parts.WARNINGS):
+        made = _JACOBIANS[way](steps, x, world.system)
+    by_before, after = (np.asarray(array, dtype=float) for array in made)
+    (q, qd), (q_after, qd_after) = (
+        np.split(one.astype(float), [world.system.q_size()]) for one in (x, after)
+    )
+    if not world.is_free:
+        before, end = _chart_by_hinges(q, qd), _chart_by_hinges(q_after, qd_after)
+        return np.asarray(end @ by_before @ np.linalg.inv(before))
+    kept = np.r_[QUATERNION, np.r_[TURNING] + len(q)]
+    numbers = by_before[np.ix_(kept, kept)] @ numbers_by_chart(q[QUATERNION])
+    return in_chart(q_after[QUATERNION], numbers)
+
+
+def _chart_by_hinges(q: Any, qd: Any) -> FloatArray:
+    """The derivative of a turn and ω, body axes, by angles of three hinges and their rates, (6, 6).
+
+    With the hinges' axes b_i in body axes, ω = Σ b_i q_i', and a turn of a later hinge j changes
+    b_i by b_i × b_j.
+    """
+    b = parts.hinged(q).T @ parts.hinge_axes(q)
+    by_angles = np.zeros((3, 3))
+    for j in range(3):
+        for i in range(j):
+            by_angles[:, j] += qd[i] * np.cross(b[:, i], b[:, j])
+    return np.block([[b, np.zeros((3, 3))], [by_angles, b]])
