@@ -67,7 +67,7 @@ class Look:
     @property
     def level(self) -> float:
         """The level of one quantity."""
-        return LEVEL / self.gains.shape[2]
+        return LEVEL / len(self.sizes)
 
     @property
     def tail(self) -> float:

@@ -150,7 +150,7 @@ def _roundings(equations: Equations, steps: Steps) -> FloatArray:
 def _kept(equations: Equations, states: State) -> FloatArray:
     """The most that terms of what a rotor's hinge keeps come to, kg m²/s, (n,)."""
     fastest = norms(states.omega_body) + np.abs(states.spins).max(axis=1)
-    return equations.largest_axial * fastest
+    return np.asarray(equations.largest_axial * fastest)
 
 
 def _largest_moment(equations: Equations) -> float:
