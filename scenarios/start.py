@@ -37,18 +37,20 @@ class StartTable(Table):
 
     @model_validator(mode="after")
     def _one_of_each(self) -> Self:
-        self._exactly_one("attitude", ("euler_zyz_deg", "quaternion_wxyz", "rotation_vector_deg"))
-        self._exactly_one("angular velocity", ("omega_body", "omega_world", "euler_zyz_rates"))
+        attitude = "euler_zyz_deg", "quaternion_wxyz", "rotation_vector_deg"
+        self._exactly_one("attitude", attitude, "quaternion_wxyz = [1.0, 0.0, 0.0, 0.0]")
+        rates = "omega_body", "omega_world", "euler_zyz_rates"
+        self._exactly_one("angular velocity", rates, "omega_body = [0.0, 0.0, 10.0]")
         if self.euler_zyz_rates is not None and self.euler_zyz_deg is None:
             raise ValueError("'euler_zyz_rates' needs the attitude as 'euler_zyz_deg'")
         if self.quaternion_wxyz is not None:
             check_unit(self.quaternion_wxyz)
         return self
 
-    def _exactly_one(self, what: str, keys: tuple[str, ...]) -> None:
+    def _exactly_one(self, what: str, keys: tuple[str, ...], example: str) -> None:
         stated_keys = [key for key in keys if getattr(self, key) is not None]
         if len(stated_keys) != 1:
-            got = names(stated_keys) if stated_keys else "none"
+            got = names(stated_keys) if stated_keys else f"none; an example: {example}"
             raise ValueError(f"{what} takes exactly one of {names(keys)}; got {got}")
 
 

@@ -1,11 +1,16 @@
 """Which engines, methods, timesteps and executor a command is to use, from what was typed."""
 
+import re
 import shlex
+import sys
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from pathlib import Path
+from pkgutil import resolve_name
 from tempfile import gettempdir
 
-from ...engines import Engine, add, engines, missing
+from ...engines import Engine, NameTaken, add, engines, missing
+from ...engines.interface import misfit
 from ...scenarios import Scenario, did_you_mean
 from ..harness.choice import Choice
 from ..harness.executors import Executor, LocalWorkers
@@ -46,6 +51,8 @@ def check_temporary_folder() -> None:
 
 #: Begins the name of an engine that is a command: docs/reference/engine-protocol.md.
 CHILD = "child:"
+#: A module and a name in it.
+_OBJECT = re.compile(r"[A-Za-z_][\w.]*:[A-Za-z_][\w.]*")
 #: Stands for every engine that is installed, optional ones too.
 ALL = "all"
 #: s; a system's clocks wait for no more than 2³¹ ms at once.
@@ -114,6 +121,8 @@ def _engines(
     """The engines of a name, in any case; several of 'all' and of a family."""
     if name.startswith(CHILD):
         return [_child(name.removeprefix(CHILD), time_limit)]
+    if _OBJECT.fullmatch(name):
+        return [_of_module(name)]
     if "@" in name and name not in engines():
         return [_at_version(name, python)]
     lower = name.lower()
@@ -131,7 +140,8 @@ def _engines(
             raise Complaint(f"engine '{name}' cannot be used: {absent.reason}", NOT_RUN)
     known = [*engines(), *sorted(families), ALL]
     raise Complaint(
-        f"'--engine' must be one of {', '.join(known)}, got '{name}'{did_you_mean(lower, known)}"
+        f"'--engine' must be one of {', '.join(known)}, or of your own MODULE:CLASS, got '{name}'"
+        f"{did_you_mean(lower, known)}"
     )
 
 
@@ -164,6 +174,32 @@ def _child(command: str, time_limit: float | None) -> Engine:
         engine = child_engine(words, min(time_limit or ANSWER_LIMIT, ANSWER_LIMIT))
         add(engine)
         return engine
+
+
+def _of_module(name: str) -> Engine:
+    """The engine of a module and a class or object in it; from now on in the list of engines.
+
+    The module may be in the current folder, where it hides no other.
+    """
+    if (here := str(Path.cwd())) not in sys.path:
+        sys.path.append(here)
+    before = f"'--engine' {name}: "
+    try:
+        found = resolve_name(name)
+        engine = found() if isinstance(found, type) else found
+    # An engine's package may raise anything when imported.
+    except (Exception, SystemExit) as error:
+        raise Complaint(f"{before}{type(error).__name__}: {error}") from None
+    if not isinstance(engine, Engine):
+        raise Complaint(
+            f"'--engine' {name} must be a subclass of spincheck.engine.Engine, or an object of "
+            f"one, got {found!r}"
+        )
+    if reason := misfit("interface", getattr(engine, "interface", None)):
+        raise Complaint(f"{before}{reason}")
+    with as_complaint(NameTaken, before=before):
+        add(engine)
+    return engine
 
 
 def words_of(command: str) -> list[str]:

@@ -1,7 +1,7 @@
 """What 'inspect' prints, as text and as JSON, and the files that it and 'import' write."""
 
 import textwrap
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -31,7 +31,7 @@ from ..users_models.inspection import (
     reader_engines,
 )
 from ..users_models.mend import Mended, Wishes, mended
-from ..users_models.scenes import link_scenes
+from ..users_models.scenes import LinkScene, link_scenes
 from .terminal import NOT_RUN, Complaint, as_complaint, say, table, terminal_width, written
 
 #: Lines of a list that are printed; '--json' has all.
@@ -105,8 +105,6 @@ def write_mended(
 ) -> tuple[Mended, Inspection]:
     """Write a model's file so that engines hold what it states, and inspect what was written."""
     one = mended(inspection, wishes)
-    if out.exists():
-        raise Complaint(f"{out}: it exists already; remove it, or give '--mend' another name")
     with written(out):
         write_new(out, one.data.decode(), replace=False)
     with as_complaint(ModelFileError):
@@ -243,7 +241,7 @@ def import_scenes(file: Path, out: Path, links: Sequence[str]) -> list[str]:
     if not any(scene.text for scene in wanted):
         why = f"'{links[0]}' is welded to another and has no inertia of its own" if links else ""
         if wanted:
-            why = f"'{wanted[0].link}' is left out: {wanted[0].left_out}"
+            why = "; ".join(_left_out(wanted))
         raise Complaint(f"{file}: no link makes a scene; {why}")
     paths = {out / f"{scene.name}.toml": scene for scene in wanted if scene.text}
     if there_already := [path for path in paths if path.exists()]:
@@ -258,9 +256,13 @@ def import_scenes(file: Path, out: Path, links: Sequence[str]) -> list[str]:
             write_new(path, scene.text, replace=False)
             with_others = f": {scene.link} with {listed(scene.welded)}, welded to it: one body"
             lines.append(f"{path}{with_others if scene.welded else ''}")
+    return [printable(line) for line in [*lines, *_left_out(wanted)]]
+
+
+def _left_out(scenes: Iterable[LinkScene]) -> list[str]:
+    """The links that make no scene, by the reason for it."""
     by_reason: dict[str, list[str]] = {}
-    for scene in wanted:
+    for scene in scenes:
         if scene.left_out:
             by_reason.setdefault(scene.left_out, []).append(scene.link)
-    lines += [f"left out: {', '.join(left)}: {reason}" for reason, left in by_reason.items()]
-    return [printable(line) for line in lines]
+    return [f"left out: {', '.join(links)}: {reason}" for reason, links in by_reason.items()]

@@ -66,6 +66,8 @@ def inspect(
         raise Complaint("'--mend' writes into the folder of FILE: meshes are named relative to it")
     if mend is not None and len(files) > 1:
         raise Complaint(f"'--mend' writes one file, got {len(files)}")
+    if mend is not None and mend.exists():
+        raise Complaint(f"{mend}: it exists already; remove it, or give '--mend' another name")
     model_files, unreadable = models(files, _packages(package_path or []))
     inspected = []
     for one in inspections(model_files, engine or []) if model_files else ():

@@ -47,7 +47,8 @@ Engines = Annotated[
         "--engine",
         metavar="ENGINE",
         help="Only this engine; may be repeated. 'all': every installed one, 'node': those under "
-        "node, 'mujoco@3.1.6': a version, 'child:COMMAND': one in another language. If left out, "
+        "node, 'mujoco@3.1.6': a version, 'MODULE:CLASS': one of your own, 'child:COMMAND': one in "
+        "another language. If left out, "
         "MuJoCo, PyBullet, and others that 'spincheck engines' does not list as optional.",
     ),
 ]

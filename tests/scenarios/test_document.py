@@ -114,7 +114,7 @@ REFUSED = {
     ),
     "no angular velocity": (
         (OMEGA, ""),
-        r"\[start\]: angular velocity takes exactly one .* got none",
+        r"\[start\]: angular velocity takes exactly one .* got none; an example: omega_body = \[",
     ),
     "rates without angles": (
         (f"{ATTITUDE}\n{OMEGA}", "rotation_vector_deg = [0, 0, 0]\neuler_zyz_rates = [1, 2, 3]"),

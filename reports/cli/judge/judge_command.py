@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 
 from ..options import AsJson, Scene
-from ..terminal import say, to_json
+from ..terminal import Complaint, say, to_json
 
 app = typer.Typer()
 
@@ -58,9 +58,12 @@ def judge(
     SI units or with the unit behind the name, as in 'wx [deg/s]'. Several files at halved timesteps
     are judged as the timesteps of one method.
     """
+    from ...harness.recorded.read import READERS
     from ..named_scenes import one_scene
     from .judging import judged_files, judgement_as_json, print_judgement, write_page
 
+    if Path(scenario).suffix in READERS:
+        raise Complaint(f"{scenario}: a recording; the scene comes first, then its recordings")
     options = (quaternion, omega, timestep or [], fail_above or [], noise or [], order)
     judgement = judged_files(one_scene(scenario), files, *options)
     if as_json:

@@ -1,20 +1,17 @@
 """The hooks of pytest of `spincheck.suite`, registered where an engine is named; what it tests."""
 
-import re
 import tomllib
 from abc import ABC, abstractmethod
 from collections.abc import Generator, Iterator
 from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
-from pkgutil import resolve_name
 from typing import Any, TypeGuard, final
 
 import pytest
 from spincheck.suite import SCENES, test_adapter, test_physics
 
-from ....engines import Engine, Method, NameTaken, add
-from ....engines.interface import misfit
+from ....engines import Engine, Method
 from ....scenarios import Scenario, did_you_mean, load
 from ...harness.executors import InProcess
 from ...harness.prepared import Prepared, prepare
@@ -32,8 +29,6 @@ from ..terminal import Complaint
 MOST_STEPS = 1 << 14
 #: Files at halved timesteps that a verdict takes.
 FEWEST_FILES = 3
-#: A module and a name in it; what else has a colon is a command.
-_OBJECT = re.compile(r"[A-Za-z_][\w.]*:[A-Za-z_][\w.]*")
 
 
 class Subject(ABC):
@@ -149,31 +144,11 @@ def subjects(names: list[str]) -> Iterator[Subject]:
 
 
 def _engines(name: str) -> tuple[Engine, ...]:
-    if not _OBJECT.fullmatch(name):
-        try:
-            return choose([name], [], []).engines
-        except Complaint as error:
-            words = str(error).replace("'--engine'", "'--spincheck-engine'")
-            raise pytest.UsageError(words) from None
     try:
-        found = resolve_name(name)
-        engine = found() if isinstance(found, type) else found
-    # An engine's package may raise anything when imported.
-    except (Exception, SystemExit) as error:
-        words = f"'--spincheck-engine' {name}: {type(error).__name__}: {error}"
+        return choose([name], [], []).engines
+    except Complaint as error:
+        words = str(error).replace("'--engine'", "'--spincheck-engine'")
         raise pytest.UsageError(words) from None
-    if not isinstance(engine, Engine):
-        raise pytest.UsageError(
-            f"'--spincheck-engine' {name} must be a subclass of spincheck.engine.Engine, or an "
-            f"object of one, got {found!r}"
-        )
-    if reason := misfit("interface", getattr(engine, "interface", None)):
-        raise pytest.UsageError(f"'--spincheck-engine' {name}: {reason}")
-    try:
-        add(engine)
-    except NameTaken as error:
-        raise pytest.UsageError(f"'--spincheck-engine' {name}: {error}") from None
-    return (engine,)
 
 
 TESTS = [name for name in [*vars(test_adapter), *vars(test_physics)] if name.startswith("test_")]

@@ -6,6 +6,7 @@ import numpy as np
 
 from ....scenarios import FloatArray, Scenario, Trajectory
 from ....scenarios.rotation import norms
+from .hinges import spins_beyond
 from .intervals import apart, states_of
 from .measured import Measured, estimated_noise, log_of, started_elsewhere
 from .mistakes import mistakes
@@ -68,10 +69,13 @@ def explained(
             physics = Physics(scenario, motion, exact, timestep, order, np.sqrt(2) * noise)
             return _of_measured(fit, physics)
     physics = Physics(scenario, motion, exact, timestep, order, floor)
-    is_beyond, verdict = physics.is_beyond, _verdict(physics)
+    of_spins = spins_beyond(scenario, motion, timestep, order, floor)
+    is_beyond = physics.is_beyond or bool(of_spins)
+    verdict = _verdict(physics, is_beyond)
     if in_recording:
         return Explanation(tuple(in_recording), verdict, is_beyond)
     words = [] if physics.made_by else physics.explained()
+    words += filter(None, [of_spins])
     if not words and recorded.has_omega:
         words = _elsewhere(exact, motion)
     return Explanation(tuple(words), verdict, is_beyond, physics.made_by)
@@ -108,7 +112,7 @@ def _floor(
     return floor
 
 
-def _verdict(physics: Physics) -> str:
+def _verdict(physics: Physics, is_beyond: bool) -> str:
     if physics.search is None:
         return "its samples are too few, or too far apart, to say what a method made of them"
     what = f"what a method of order {physics.order} makes of the exact motion"
@@ -117,4 +121,4 @@ def _verdict(physics: Physics) -> str:
         if physics.timestep
         else "at a timestep as long as the samples are apart, as none is stated"
     )
-    return f"{'beyond' if physics.is_beyond else 'within'} {what} {where}"
+    return f"{'beyond' if is_beyond else 'within'} {what} {where}"

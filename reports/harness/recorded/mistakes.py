@@ -57,11 +57,8 @@ def mistakes(scenario: Scenario, exact: Trajectory, reading: Reading) -> list[st
         return np.asarray(follow(equations, start, spans[None])[0])
 
     def error(reading: Reading) -> float:
-        """The largest error in attitude and ω; infinite if nothing can be compared."""
-        # A state before the start is none of the exact motion's.
-        reading = reading.rows(slice(int(np.searchsorted(reading.t, 0.0)), None))
-        is_far = len(reading.t) and (reading.t[-1] - exact.t[0]) * fastest > FURTHEST
-        if len(reading.t) < FEWEST_LEFT or is_far:
+        """The largest error in attitude and ω; infinite if the times are too far to follow."""
+        if (reading.t[-1] - exact.t[0]) * fastest > FURTHEST:
             return np.inf
         made, omega = exact_at(tuple(reading.t)), reading.omega_body
         omega = made[:, 4:] if omega is None else omega
@@ -82,8 +79,8 @@ def mistakes(scenario: Scenario, exact: Trajectory, reading: Reading) -> list[st
         readings = [
             ([*words, word], other)
             for words, one in readings
-            if len(one.t) >= FEWEST_LEFT
             for word, other in _undone(one, scenario)
+            if len(other.t) >= FEWEST_LEFT
         ]
         errors = [error(other) for _, other in readings]
         if min(errors) < least / EXPLAINS:

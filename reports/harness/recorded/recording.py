@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
 from math import pi
 from pathlib import Path
@@ -27,7 +28,8 @@ class Quantity:
     name : of its array in npz and JSON lines, with all its components
     columns : the names of its components in a table; of spins, of which there is one a rotor, none:
         they are `spin1`, `spin2`, …
-    written : as `spincheck export --truth` names it; components have the letters behind them
+    written : another name; of all but times the one of `spincheck export --truth`, where components
+        have the letters behind them
     units : the units it may be in, in SI first
     """
 
@@ -50,7 +52,7 @@ class Quantity:
 
 
 QUANTITIES = (
-    Quantity("t", ("t",), "t", TIMES),
+    Quantity("t", ("t",), "time", TIMES),
     Quantity("q", ("qw", "qx", "qy", "qz"), "quaternion_wxyz", {"": 1.0}),
     Quantity("omega", ("wx", "wy", "wz"), "omega_body", RATES),
     Quantity("com", ("x", "y", "z"), "com_world", LENGTHS),
@@ -58,6 +60,8 @@ QUANTITIES = (
     Quantity("spins", (), "rotors_spin", RATES),
 )
 REQUIRED = ("t", "q")
+#: Shown where columns are missing.
+HEADINGS = "t,qw,qx,qy,qz,wx,wy,wz"
 _NUMBERED = re.compile(r"(spin|rotors_spin_)(?P<number>[1-9][0-9]{0,3})")
 _HEAD = re.compile(r"^\s*(?P<name>[A-Za-z_0-9]+)\s*(?:[\[(]\s*(?P<unit>[^\])]*?)\s*[\])])?\s*$")
 
@@ -93,8 +97,10 @@ def columns_of(heads: Sequence[str]) -> list[Column | None]:
         wanted = len(quantity.columns) or max(found, default=-1) + 1
         if len(found) != wanted and (found or quantity.name in REQUIRED):
             what = "a column" if len(quantity.columns) == 1 else "columns"
+            got = "numbers" if all(map(_is_number, heads)) else ", ".join(heads) or "none"
             raise ColumnError(
-                f"{_names(quantity)} must be {what} of the file, got {', '.join(heads) or 'none'}"
+                f"{_names(quantity)} must be {what} of the file, got {got}; name them as in "
+                f"{HEADINGS}"
             )
     return columns
 
@@ -124,6 +130,13 @@ def _column(head: str) -> Column | None:
         if component is not None:
             return Column(quantity, component, factor_of(quantity, match["unit"]))
     return None
+
+
+def _is_number(head: str) -> bool:
+    with suppress(ValueError):
+        float(head)
+        return True
+    return False
 
 
 def _names(quantity: Quantity) -> str:

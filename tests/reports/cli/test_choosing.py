@@ -51,6 +51,36 @@ def test_a_family_is_asked_for_by_its_name(monkeypatch: pytest.MonkeyPatch) -> N
     assert "node is not installed" in str(refused("node"))
 
 
+OF_MY_OWN = """
+from spincheck.engines.adapters.mujoco import MuJoCo
+
+class Mine(MuJoCo):
+    name = "mine"
+
+not_one = 3
+"""
+
+
+def test_an_engine_of_ones_own_is_a_class_of_a_module_in_the_current_folder(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "module_of_mine.py").write_text(OF_MY_OWN, encoding="utf-8")
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(sys, "path", sys.path.copy())
+    try:
+        assert names("module_of_mine:Mine") == {"mine"}
+        for name, words in {
+            "module_of_mine:not_one": "must be a subclass of spincheck.engine.Engine",
+            "module_of_mine:Yours": "has no attribute 'Yours'",
+            "no_module_of_mine:Mine": "ModuleNotFoundError: No module named 'no_module_of_mine'",
+            "module_of_mine.py": "or of your own MODULE:CLASS, got 'module_of_mine.py'",
+        }.items():
+            assert words in str(refused(name))
+            assert refused(name).exit_code == BAD_INPUT
+    finally:
+        engines().pop("mine", None)
+
+
 MALFORMED = ("mujoco@", "mujoco@abc", "mujoco@1..2", f"mujoco@{'9' * 5000}", "sphere@1", "@1")
 
 

@@ -76,6 +76,13 @@ def test_one_link_can_be_asked_for(tmp_path):
     assert [line[-13:] for line in imported(tmp_path, links=("fore arm",))[1]] == ["fore-arm.toml"]
 
 
+NONE = robot(
+    link("base"),
+    link("bad", BAD),
+    link("hand"),
+    joint("base", "bad"),
+    joint("bad", "hand"),
+)
 WELDED = robot(link("arm", inertial()), link("bad", BAD), joint("arm", "bad", "fixed"))
 
 
@@ -83,7 +90,12 @@ WELDED = robot(link("arm", inertial()), link("bad", BAD), joint("arm", "bad", "f
     ("text", "links", "message"),
     [
         (ODD, ("none",), "there is no link 'none'"),
-        (ODD, ("bad",), "no link makes a scene; 'bad' is left out"),
+        (ODD, ("bad",), "no link makes a scene; left out: bad: "),
+        (
+            NONE,
+            (),
+            r"left out: base, hand: the file states no .*; left out: bad: .* no body",
+        ),
         (WELDED, (), r"0\.1 \+ 0\.3 < 0\.9: no body has it \(of bad, welded to"),
     ],
 )

@@ -235,6 +235,10 @@ def test_a_model_is_mended_beside_itself_and_inspected_again(tmp_path):
     assert (before["file"], mended["file"]) == (str(path), str(tmp_path / "again.urdf"))
     assert [one["names"] for one in mended["changes"]] == [["base"]]
     assert mended["left"][0]["text"].startswith("0.1 + 0.1 < 0.3: no body has it; '--nearest'")
+    # Before anything is inspected.
+    refused = inspect(path, "--mend", tmp_path / "again.urdf")
+    assert refused.stdout == ""
+    assert "again.urdf: it exists already; remove it, or" in str(refused.exception)
 
 
 def test_a_mended_model_that_engines_hold_ends_with_exit_code_0(tmp_path):

@@ -44,6 +44,12 @@ def test_frames_are_read_from_the_file_or_a_flag_and_a_mistake_is_named_and_fail
     assert (code, "Explained by: ω is in world axes (state 'omega = world')." in out) == (1, True)
 
 
+def test_a_recording_in_the_scenes_place_is_said_to_be_there(tmp_path):
+    code, _, err = ended("judge", "exact.csv", "scene.toml", cwd=tmp_path)
+    assert code == 2
+    assert "exact.csv: a recording; the scene comes first, then its recordings" in err
+
+
 @pytest.mark.parametrize(("bound", "code"), [("omega=1e-3", 0), ("attitude=1e-20deg", 1)])
 def test_bounds_fail_where_they_are_exceeded(recorded, bound, code):
     exit_code, out, _ = recorded("exact.csv", "--fail-above", bound)

@@ -6,8 +6,10 @@ import numpy as np
 import pytest
 from library_scenes import library_scene
 from spincheck.reference import solve
+from spincheck.reports.harness.recorded import mistakes
 from spincheck.reports.harness.recorded.judged import judged_motion
 from spincheck.reports.harness.recorded.recording import Recording, RecordingError
+from spincheck.scenarios import from_tables
 
 pytestmark = pytest.mark.slow
 
@@ -105,6 +107,57 @@ def test_two_samples_have_mistakes_too(left_out):
     arrays["q"] = arrays["q"] * CONJUGATE
     found = judged_motion(TOP, Recording(Path("motion.csv"), arrays))
     assert list(found.explained_by) == PLANTED["conjugate"][1]
+
+
+def sphere(tilt):
+    """About an axis that stays, started so far from upright, rad: ω is nearly alike in all axes."""
+    tables = {
+        "title": "Sphere",
+        "source": "made up",
+        "body": {"mass": 1.0, "inertia": np.eye(3).tolist()},
+        "start": {
+            "quaternion_wxyz": [np.cos(tilt / 2), np.sin(tilt / 2), 0.0, 0.0],
+            "omega_body": [0.0, 0.0, 2.0],
+        },
+        "window": {"duration": 1.0, "samples": 21},
+    }
+    return from_tables(tables, "sphere")
+
+
+def test_of_two_samples_none_is_dropped_to_make_a_mistake_fit():
+    """Of the last alone any ω would be as it should be: here it is the same at both."""
+    scene = sphere(0.0)
+    arrays = {name: rows[:2].copy() for name, rows in exact_at(scene).items()}
+    arrays["q"][0] = np.cos(0.05), np.sin(0.05), 0.0, 0.0
+    (words,) = judged(scene, arrays).explained_by
+    assert words.startswith("it started elsewhere")
+
+
+@pytest.mark.parametrize(("tilt", "words"), [(0.5e-9, []), (2e-9, [WORLD])])
+def test_an_error_below_a_billionth_needs_no_explanation(tilt, words):
+    scene = sphere(tilt)
+    arrays = exact_at(scene)
+    found = judged(scene, arrays | {"omega": arrays["omega_world"]}).explained_by
+    assert list(found) == words
+
+
+def test_no_motion_is_followed_for_hours_to_see_whether_its_times_are_minutes(monkeypatch):
+    followed = []
+
+    def follow(equations, states, spans):
+        followed.append(float(spans.sum()))
+        return mistakes_follow(equations, states, spans)
+
+    mistakes_follow = mistakes.follow
+    monkeypatch.setattr(mistakes, "follow", follow)
+    times = np.array([0.0, 5.0, 10.0, 15.0, 20.0])
+    motion = solve(TOP, times).trajectory
+    arrays = {"t": times, "q": motion.q_world_body_wxyz, "omega": -motion.omega_body}
+    assert judged(TOP, arrays).explained_by == ("ω has the opposite sign",)
+    fastest = np.linalg.norm(motion.omega_body, axis=1).max()
+    assert (
+        times[-1] * fastest < max(followed) * fastest < mistakes.FURTHEST < 60 * times[-1] * fastest
+    )
 
 
 def test_an_error_that_no_mistake_explains_has_none_and_times_far_off_are_of_another_unit():

@@ -29,6 +29,7 @@ def test_a_table_is_read_by_the_names_of_its_columns(tmp_path):
     assert recording.arrays["omega"].tolist() == [[0.5, 0, 2], [0.5, 0, 2]]
     assert recording.arrays["t"].tolist() == [0, 0.1]
     assert recording.ignored == ("load",)
+    assert read_recording(written(tmp_path, f"time [s]{GOOD[1:]}")).arrays["t"].tolist() == [0, 0.1]
     for delimiter in ";\t ":
         recording = read_recording(written(tmp_path, GOOD.replace(",", delimiter)))
         assert recording.arrays["q"].tolist() == [[1, 0, 0, 0]] * 2
@@ -89,6 +90,11 @@ def test_parquet_is_read(tmp_path):
 WRONG = {
     "empty": ("", "is empty"),
     "no time": ("qw,qx,qy,qz\n1,0,0,0\n", "'t' must be a column of the file, got qw, qx, qy, qz"),
+    "other names": (
+        "time,q0,q1,q2,q3\n0,1,0,0,0\n",
+        "got time, q0, q1, q2, q3; name them as in t,qw,qx,qy,qz,wx,wy,wz",
+    ),
+    "no headings": ("0,1,0,0,0\n1,1,0,0,0\n", "must be a column of the file, got numbers; name"),
     "part of omega": ("t,qw,qx,qy,qz,wx\n0,1,0,0,0,1\n", "'wx', 'wy', 'wz' must be columns"),
     "a column twice": ("t,t,qw,qx,qy,qz\n0,0,1,0,0,0\n", "'t' must be one column each"),
     "unknown unit": (GOOD.replace("wx", "wx [furlong]"), "must be one of rad/s, deg/s, rpm"),

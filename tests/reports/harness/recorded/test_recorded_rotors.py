@@ -21,11 +21,13 @@ RPM = np.pi / 30
 EPS = float(np.finfo(float).eps)
 
 
-def judged(factor: float = 1.0, spins: np.ndarray | None = None) -> JudgedMotion:
+def judged(
+    factor: float = 1.0, spins: np.ndarray | None = None, order: int = 1, **settings: str
+) -> JudgedMotion:
     omega = factor * MOTION.omega_body
     arrays = {"t": MOTION.t, "q": MOTION.q_world_body_wxyz, "omega": omega}
     arrays |= {} if spins is None else {"spins": spins}
-    return judged_motion(SCENE, Recording(Path("wheel.csv"), arrays))
+    return judged_motion(SCENE, Recording(Path("wheel.csv"), arrays, settings), order)
 
 
 def test_a_wrong_omega_is_seen_in_L_too_and_nothing_is_said_of_spins_that_are_not_there() -> None:
@@ -47,6 +49,22 @@ def test_spins_that_are_there_are_a_signal_and_what_rotors_keep_is_checked() -> 
     assert slowed.errors["spins"] == pytest.approx(1e-3, rel=0.1)
     assert slowed.drifts["rotors_momentum"] > 1e-4
     assert slowed.beyond({"spins": 1e-4})
+
+
+@pytest.mark.parametrize("is_told", [False, True])
+@pytest.mark.parametrize("order", [1, 2])
+def test_spins_are_judged_by_what_a_method_makes_of_them(order: int, is_told: bool) -> None:
+    """A step moves what is along an axis by a power of its angle, here of the wheel's."""
+    timestep = 1e-5
+    turns = timestep * MOTION.spins.max()
+    by_a_method = turns**order * np.linalg.norm(MOTION.omega_body, axis=1).max() / 2
+    rate = by_a_method * (10 if is_told else 1)
+    spins = MOTION.spins * (1 - rate * MOTION.t[:, None])
+    found = judged(spins=spins, order=order, timestep=repr(timestep))
+    assert found.is_beyond == found.is_another == is_told
+    assert found.verdict.startswith("beyond" if is_told else "within")
+    told = "the spin of rotor 1 changes at a rate of"
+    assert [words.startswith(told) for words in found.explained_by] == [True] * is_told
 
 
 OF_BODY = MOTION.omega_body @ SCENE.rotors.axes_body.T
@@ -115,4 +133,10 @@ def test_an_engines_spins_are_judged() -> None:
     given = arrays | {"spins": made.spins, "timestep": timestep, "order": 4}
     found = spincheck.judge("wheel-in-a-box", **given)
     assert 0 < found.errors["spins"] < 1e-6
+    assert not found.is_another
+
+
+def test_the_rounding_of_fast_spins_is_not_told() -> None:
+    rounded = MOTION.spins.astype(np.float32).astype(float)
+    found = judged(spins=rounded, order=4, timestep="1e-4", precision="single")
     assert not found.is_another

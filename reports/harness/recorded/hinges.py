@@ -1,0 +1,41 @@
+"""Whether the rotors of a recorded motion keep what their hinges let them keep."""
+
+import numpy as np
+from scipy.stats import norm
+
+from ....scenarios import FloatArray, Scenario, Trajectory
+from ....scenarios.rotation import norms
+from ..measuring.likelihood import LEVEL
+
+
+def spins_beyond(
+    scenario: Scenario, motion: Trajectory, timestep: float | None, order: int, noise: FloatArray
+) -> str:
+    """Say how fast spins change beyond what a method, or rounding, makes of them; often nothing.
+
+    A step of order p moves what is along an axis that turns by its share of the p-th power of the
+    angle of a step: of the rotor's, as engines may turn each by itself.
+
+    Parameters
+    ----------
+    timestep : s, that it was made with; None if that is unknown: then the samples' distance
+    order : of accuracy of the method that made it
+    noise : of attitude, rad, and ω, rad/s, (2,), which is taken to be relative to the largest rate
+    """
+    if not motion.spins.size:
+        return ""
+    omega_body, spins, spans = motion.omega_body, motion.spins, np.diff(motion.t)[:, None]
+    kept = scenario.kept(omega_body, spins)
+    gained = spins[1:] - scenario.spins(omega_body[1:], kept[:-1])
+    speed = float(norms(omega_body).max()) or 1.0
+    fastest = max(speed, float(np.abs(spins).max()))
+    turns = fastest * np.minimum(spans, timestep or np.inf)
+    of_method = np.minimum(1.0, turns) ** order * speed * spans * fastest / 2
+    scale = np.hypot(of_method, noise[1] * fastest / speed)
+    if np.abs(gained / scale).max() < norm.isf(LEVEL / gained.size / 2):
+        return ""
+    k, rotor = np.unravel_index(np.argmax(np.abs(gained / scale)), gained.shape)
+    return (
+        f"the spin of rotor {rotor + 1} changes at a rate of {gained[k, rotor] / spans[k, 0]:.3g} "
+        f"rad/s² at t = {motion.t[k + 1]:.4g} s beyond what its hinge makes it"
+    )
