@@ -9,10 +9,11 @@ import numpy as np
 from spincheck.engine import FloatArray, in_chart, numbers_by_chart
 
 from ...user_cache import user_cache
-from . import world as parts
+from . import world as untyped
 
+parts: Any = untyped
 # It compiles for a minute.
-jax.config.update("jax_compilation_cache_dir", str(user_cache() / "jax"))
+parts.jax.config.update("jax_compilation_cache_dir", str(user_cache() / "jax"))
 #: Where a free joint has its quaternion in q, and ω in qd.
 QUATERNION, TURNING = slice(3, 7), slice(3, 6)
 

@@ -72,7 +72,7 @@ def examine_runs(
             shown = [one.evidence for one in replays]
             shown = [explained_by_memory(one, engine, method.order, settled) for one in replays]
             exact, is_single = replace(at, gives_way=bool(settled)), engine.single_precision
-            own = own_places(sessions, exact, runs[0], replays[0], is_single=is_single)
+            own = own_places(scenario, exact, replays[0].passage, is_single=is_single)
     except (EngineError, IntegrationError) as error:
         return tuple(shown), None, "" if shown else str(error)
     own_steps = examine(engine, scenario, method_name, own) if own else None
@@ -83,7 +83,8 @@ def _replay(sessions: Sessions, engine: Engine, run: MadeRun, condition: float) 
     """Run all intervals of a run again, and hold what they do otherwise against its noise."""
     intervals = Intervals.of(sessions, run)
     states, reach = states_of(run.motion), Equations(sessions.scenario).reach
-    midst, ends = intervals.all_again()
+    passage = intervals.all_again()
+    ends = passage.ends
     off = np.nan_to_num(apart(ends, intervals.ends, reach), nan=np.inf)
     sizes = np.sqrt((off**2).sum(axis=(1, 2)))
     worst = np.argsort(sizes)[-CHANGED:]
@@ -114,7 +115,7 @@ def _replay(sessions: Sessions, engine: Engine, run: MadeRun, condition: float) 
         spread = min(LARGEST, spread / turns[k]) if is_chance else 0.0
         evidence = replace(evidence, since=since, spread=spread)
     of_worst = apart(ends.rows(worst), intervals.ends.rows(worst), reach)
-    return Replay(intervals, evidence, worst, of_worst, midst)
+    return Replay(intervals, evidence, worst, of_worst, passage)
 
 
 def _noise(
