@@ -84,7 +84,7 @@ class Intervals:
         return np.stack([first, self.steps[kept] - first], axis=1)
 
     def all_again(self) -> "Passage":
-        """The same of all, run in random order, and read after each step, or each few of many."""
+        """The same of all, run in random order, and read after each step, or some of many."""
         most, chance = int(self.steps.sum()), np.random.default_rng(len(self.steps))
         each, order = -(-most // READ), chance.permutation(len(self.steps))
         made = {k: self._recorded(k, each) for k in map(int, order)}
@@ -105,9 +105,8 @@ class Intervals:
     def _recorded(self, k: int, each: int) -> list[tuple[list[int], list[Any]]]:
         """The strides of both parts of an interval, and the snapshots after them."""
         start, parts = self.starts.rows(k), []
-        for count in map(int, self.parts_of([k])[0]):
-            rest = [count % each] if count % each else []
-            strides = [0, *[each] * (count // each), *rest]
+        for count in self.parts_of([k])[0].tolist():
+            strides = [0, *np.diff([*range(0, count, each), count]).tolist()]
             kept: list[Any] = []
             with self.sessions.at(start, self.run.rung.timestep) as session:
                 session.record(strides, kept.append)

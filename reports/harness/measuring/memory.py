@@ -43,7 +43,7 @@ def explained_by_memory(
     settled : steps in which a constraint settled before those that were examined
     """
     shown, intervals = replay.evidence, replay.intervals
-    if shown.tail >= LEVEL:
+    if shown.tail >= LEVEL or shown.spread:
         return shown
     before, starts = _earlier(replay, max(REMEMBERED, settled))
     parts = intervals.parts_of(replay.worst)
