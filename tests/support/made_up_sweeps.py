@@ -1,5 +1,7 @@
 """Maps and ensembles without a run: points whose errors and ends are known."""
 
+from dataclasses import replace
+
 from spincheck.engines import Method
 from spincheck.reports.results.records import Key, Row, variation
 from spincheck.reports.results.results import Results
@@ -123,3 +125,13 @@ def swept() -> Results:
     """Two maps of one scene, one of another, and an ensemble."""
     sweeps = [map_result(), map_result(), map_result(UPRIGHT, "upright"), ensemble_result()]
     return Results({"processor": "a fast one"}, {}, [], [], methods=METHODS, sweeps=sweeps)
+
+
+def at_stock() -> Results:
+    """The ensemble at stock timesteps, its Euler as shipped."""
+    stored = swept()
+    *_, ensemble = stored.sweeps
+    ensembles = [replace(ensemble, sweep=replace(ensemble.sweep, timestep=None))]
+    shipped = replace(stored.methods["mujoco", "Euler"], as_shipped=True)
+    methods = stored.methods | {("mujoco", "Euler"): shipped}
+    return replace(stored, sweeps=ensembles, methods=methods)
