@@ -6,9 +6,9 @@ from typing import Any
 
 from ....engines import Method
 from ....reference.kinds import KINDS, kind_of
+from ...results.ensemble_records import EnsembleResult
 from ...results.records import Pair, Row
 from ...results.results import Results
-from ...results.sweep_records import Ensemble, SweepResult
 from ..analysis.measures import ATTITUDE, QUANTILES, Members, members_of
 from ..analysis.trace_style import TraceStyle, trace_styles
 from ..analysis.wording import NOTHING, count, duration, readable
@@ -19,11 +19,7 @@ from ..tables import Cell, figure, scene_page, table
 
 def spread(results: Results) -> dict[str, Any] | None:
     """The distributions at stock timesteps, a kind of motion each; None without any ensemble."""
-    ensembles = [
-        one
-        for one in results.sweeps
-        if one.points and isinstance(one.sweep, Ensemble) and one.sweep.timestep is None
-    ]
+    ensembles = [one for one in results.ensembles if one.points and one.ensemble.timestep is None]
     declared = _declared([point for one in ensembles for point in one.points], results)
     styles = trace_styles(list(declared))
     kinds = []
@@ -53,7 +49,7 @@ def _declared(points: Sequence[Row], results: Results) -> dict[Pair, Method | No
 
 def _of_kind(
     kind: str,
-    ensembles: list[SweepResult],
+    ensembles: list[EnsembleResult],
     declared: dict[Pair, Method | None],
     styles: dict[Pair, TraceStyle],
 ) -> dict[str, Any] | None:

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
-import made_up_sweeps
+import made_up_ensembles
 import numpy as np
 import pytest
 import users_models
@@ -56,7 +56,7 @@ def folder(tmp_path_factory) -> Path:
     installed = [engine for name, engine in engines().items() if name in ("mujoco", "pybullet")]
     choice = Choice(tuple(installed), METHODS, max_steps=BUDGET)
     results = study(folder / "results.sqlite", [load(path) for path in find(SCENES)], choice)
-    render(replace(results, sweeps=made_up_sweeps.at_stock().sweeps), folder / "report")
+    render(replace(results, ensembles=made_up_ensembles.at_stock().ensembles), folder / "report")
     model = read_model(users_models.written(folder, MODEL))
     inspection = inspect_model(model, InProcess(), reader_engines())
     write_model_page(inspection, folder / "report", "robot")

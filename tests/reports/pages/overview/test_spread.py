@@ -9,28 +9,27 @@ import numpy as np
 import plotly.graph_objects as go
 import pytest
 from made_up import results
-from made_up_sweeps import (
+from made_up_ensembles import (
     METHODS,
     MISCHIEF,
     UPRIGHT,
     at_stock,
     ensemble_result,
     scene,
-    swept,
 )
 from page import unsound
 from planted import HeunSession, planted
 from plotted import coloured, values_of
 from spincheck.reports.harness.choice import Choice
-from spincheck.reports.harness.varied.sweep import plan_sweep
+from spincheck.reports.harness.varied.ensemble import plan_ensemble
 from spincheck.reports.pages.analysis.measures import A_TURN, ATTITUDE, TURNS, members_of
 from spincheck.reports.pages.analysis.wording import NOTHING, readable
 from spincheck.reports.pages.figures.figures import Titled
 from spincheck.reports.pages.overview.spread import spread
 from spincheck.reports.pages.render import render
+from spincheck.reports.results.ensemble_records import Ensemble
 from spincheck.reports.results.results import Results
 from spincheck.reports.results.store import open_store
-from spincheck.reports.results.sweep_records import Ensemble
 from spincheck.scenarios import FloatArray
 
 pytestmark = pytest.mark.slow
@@ -59,12 +58,12 @@ def test_a_file_of_ensembles_alone_shows_their_distributions_and_no_scene(tmp_pa
     assert unsound(tmp_path) == {}
 
 
-def test_a_sweep_keeps_what_adapters_declare(tmp_path: Path) -> None:
+def test_an_ensemble_keeps_what_adapters_declare(tmp_path: Path) -> None:
     """Or a report would know no order and no clamp, and draw no lines for them."""
     definition = Ensemble("disc", 1, seed=7, timestep=0.01)
     engine = planted(HeunSession)
     with open_store(tmp_path / "results.sqlite", create=True) as store:
-        plan_sweep(definition, scene(), Choice((engine,), timed=False), store)
+        plan_ensemble(definition, scene(), Choice((engine,), timed=False), store)
         declared = store.read().methods
     assert declared == {(engine.name, method.name): method for method in engine.methods}
 
@@ -102,15 +101,16 @@ def test_the_first_screen_has_the_default_and_the_best_of_each_engine() -> None:
     assert rows[2][-1] == "∞"
     errors, _ = curve_of(of_kind["figure"], "mujoco Euler")
     np.testing.assert_allclose(errors[5], median, rtol=1e-6)
-    assert spread(swept()) is None
+    fixed = replace(at_stock(), ensembles=[ensemble_result()])
+    assert spread(fixed) is None
 
 
 def test_ensembles_of_a_kind_are_one_distribution_without_doubled_members() -> None:
     """Ten members of one scene, twice in the file, and twenty of another."""
     stored = at_stock()
-    (disc,) = stored.sweeps
-    plate = replace(ensemble_result(20, "plate"), sweep=Ensemble("plate", 20, 7, None))
-    (of_kind,) = kinds_of(replace(stored, sweeps=[disc, disc, plate]))
+    (disc,) = stored.ensembles
+    plate = replace(ensemble_result(20, "plate"), ensemble=Ensemble("plate", 20, 7, None))
+    (of_kind,) = kinds_of(replace(stored, ensembles=[disc, disc, plate]))
     assert of_kind["members"] == "30"
     median = math.degrees(2 * 0.08)  # Of 0.01 to 0.10 and 0.01 to 0.20, the fifteenth.
     assert of_kind["table"].rows[0][1].text == readable(median)
@@ -118,8 +118,8 @@ def test_ensembles_of_a_kind_are_one_distribution_without_doubled_members() -> N
 
 def test_kinds_of_motion_have_a_distribution_each() -> None:
     stored = at_stock()
-    heavy = replace(stored.sweeps[0], scenario=scene(UPRIGHT, "upright"))
-    kinds = kinds_of(replace(stored, sweeps=[heavy, *stored.sweeps]))
+    heavy = replace(stored.ensembles[0], scenario=scene(UPRIGHT, "upright"))
+    kinds = kinds_of(replace(stored, ensembles=[heavy, *stored.ensembles]))
     assert [one["kind"] for one in kinds] == ["free symmetric", "heavy symmetric"]
 
 
@@ -144,8 +144,8 @@ def test_the_distribution_rises_at_every_error_and_ends_at_what_finished() -> No
 
 def test_ensembles_of_which_no_member_finished_have_no_distribution() -> None:
     stored, ended = at_stock(), {"outcome": "failed", "cause": "crash", "errors": None}
-    crashed = tuple(replace(point, **ended) for point in stored.sweeps[0].points)
-    assert spread(replace(stored, sweeps=[replace(stored.sweeps[0], points=crashed)])) is None
+    crashed = tuple(replace(point, **ended) for point in stored.ensembles[0].points)
+    assert spread(replace(stored, ensembles=[replace(stored.ensembles[0], points=crashed)])) is None
 
 
 def test_the_scene_is_linked_only_where_it_has_a_page() -> None:
