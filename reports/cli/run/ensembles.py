@@ -50,7 +50,7 @@ def print_ensemble(swept: EnsembleResult) -> None:
 
 
 def ensemble_as_json(swept: EnsembleResult) -> dict[str, Any]:
-    """What was definitions for, and its points, with the names that scripts rely on."""
+    """What was asked for, and its points, with the names that scripts rely on."""
     return asdict(swept.ensemble) | {"points": [row_record(point) for point in swept.points]}
 
 
