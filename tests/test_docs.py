@@ -16,10 +16,8 @@ from spincheck.engines import Cause
 from spincheck.reports.cli.app import app
 from spincheck.reports.harness.executors.local_workers import TIME_LIMIT
 from spincheck.reports.harness.stock import STEP_BUDGET
-from spincheck.reports.harness.varied.point import STEP_TURN
 from spincheck.reports.results.verdict_words import VerdictWord
 from spincheck.scenarios.scatter import SCATTER
-from spincheck.scenarios.vary import DEFAULT_COUNT
 from typer.main import get_group
 
 ROOT = Path(__file__).parents[1]
@@ -96,15 +94,13 @@ def test_every_verdict_is_explained_to_newcomers() -> None:
 @pytest.mark.parametrize(
     "words",
     [
-        f"({STEP_TURN:g} rad) in a step",
         f"more than {STEP_BUDGET:,} steps".replace(",", " "),
-        f"{DEFAULT_COUNT} values where no count is given",
         f"hang of more than {TIME_LIMIT:g} s",
         f"times exp({SCATTER:g} n)",
     ],
 )
-def test_numbers_of_sweeps_are_those_of_the_code(words):
-    assert words in " ".join(TEXTS["docs/how-to/sweeps.md"].split())
+def test_numbers_of_ensembles_are_those_of_the_code(words):
+    assert words in " ".join(TEXTS["docs/how-to/ensembles.md"].split())
 
 
 THRESHOLDS = TEXTS["docs/measured/thresholds.md"]

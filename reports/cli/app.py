@@ -33,7 +33,6 @@ from .options import (
     Seed,
     TimeLimit,
     Timesteps,
-    Vary,
     Worlds,
 )
 from .results.result_commands import app as result_commands
@@ -131,7 +130,6 @@ def run(
     ] = False,
     time_limit: TimeLimit = None,
     python: Python = "",
-    vary: Vary = None,
     ensemble: MemberCount = None,
     seed: Seed = None,
     worlds: Worlds = "",
@@ -148,8 +146,8 @@ def run(
 ) -> None:
     """Simulate scenes, compare with the exact motion, and store the results.
 
-    '--vary' and '--ensemble' run many varied scenes instead, each at one timestep. '--worlds'
-    compares worlds in batches with the same world alone instead, and stores nothing.
+    '--ensemble' runs many scattered scenes instead, each at one timestep. '--worlds' compares
+    worlds in batches with the same world alone instead, and stores nothing.
 
     Results that the file has already are not made again, unless the scene, the engine or spincheck
     has changed since, the run failed because of the machine, or '--again' is given.
@@ -158,22 +156,21 @@ def run(
     from .run.batches import batches, batches_as_json, named_worlds, print_batches
     from .run.batches import exit_code as exit_code_of_batches
     from .run.encodings import are_alike, encoding_lines, named_encodings
+    from .run.ensembles import choose_for_ensemble, exit_code_of, print_ensembles, run_ensembles
     from .run.short_summary import short_summary
     from .run.summary import results_as_json, verdict_lines
-    from .sweeps.sweep_running import choose_for_sweep, exit_code_of, print_sweeps, run_sweeps
 
     named = (engine or [], method or [], timestep or [])
-    is_sweep = bool(vary) or ensemble is not None
     if seed is not None and ensemble is None:
         raise Complaint("'--seed' is for an ensemble; '--ensemble' scatters a scene into one")
     if device and not worlds:
         raise Complaint("'--device' is for batches; '--worlds' steps a scene in some")
     of_ladders = {"--quick": quick, "--as": as_encoded, "--strict": strict}
-    is_not = "is for ladders; '--vary' and '--ensemble' have none"
+    is_not = "is for ladders; '--ensemble' has none"
     if worlds:
-        of_ladders |= {"--vary": vary, "--ensemble": ensemble, "--python": python}
+        of_ladders |= {"--ensemble": ensemble, "--python": python}
         is_not = "is not for '--worlds', which compares batches with worlds alone"
-    for option, is_given in of_ladders.items() if worlds or is_sweep else ():
+    for option, is_given in of_ladders.items() if worlds or ensemble else ():
         if is_given:
             raise Complaint(f"'{option}' {is_not}")
     if worlds:
@@ -183,10 +180,10 @@ def run(
         else:
             print_batches(rows)
         raise typer.Exit(exit_code_of_batches(rows))
-    if is_sweep:
-        choice = choose_for_sweep(*named, time_limit, again=again, python=python)
-        swept = run_sweeps(scenes or [], vary or [], ensemble, seed or 0, choice, jobs, out)
-        print_sweeps(swept, out, as_json)
+    if ensemble is not None:
+        choice = choose_for_ensemble(*named, time_limit, again=again, python=python)
+        swept = run_ensembles(scenes or [], ensemble, seed or 0, choice, jobs, out)
+        print_ensembles(swept, out, as_json)
         raise typer.Exit(exit_code_of(swept))
     results = running.run(
         scenes or [],

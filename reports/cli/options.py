@@ -81,15 +81,6 @@ TimeLimit = Annotated[
     float | None,
     typer.Option("--time-limit", metavar="S", help="CPU seconds that a run may take: 120."),
 ]
-Vary = Annotated[
-    list[str] | None,
-    typer.Option(
-        "--vary",
-        metavar="PATH=LO:HI[:COUNT][:log]",
-        help="Run at every value of this number of the scene file, such as start.omega_body[2], or "
-        "of timestep; to be repeated once, for a second number.",
-    ),
-]
 Out = Annotated[Path, typer.Option("--out", metavar="FILE", help="The result file; added to.")]
 From = Annotated[
     Path,

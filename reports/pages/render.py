@@ -33,7 +33,6 @@ from .scene import scene_tables
 from .scene.default_tables import default_tables, encoding_tables
 from .scene.motion_data import motion_data
 from .scene.scene_answer import gains_shown_at_first, scene_answer, shown_at_first
-from .sweeps.sweep_pages import sweep_pages, sweeps_table, write_sweeps
 from .tables import table
 from .templating import ReportFolder, templates, write_assets
 
@@ -64,7 +63,7 @@ SHOWN_TIMESTEP, SHOWN_INTEGRATOR = 0.002, "RK4"
 
 
 def render(results: Results, folder: Path) -> Path:
-    """Write index.html, report.md, assets/ and a page a scene, map, ensemble; returns index.html.
+    """Write index.html, report.md, assets/ and a page a scene; returns index.html.
 
     The same results give the same files, byte for byte; those of an earlier report go.
 
@@ -82,9 +81,6 @@ def render(results: Results, folder: Path) -> Path:
     left_out = left_out_section(results.costs)
     shared = {**_overview(gathered, results), "gathered": gathered, "left_out": left_out}
     shared["protocol"] = protocol
-    pages = sweep_pages(results)
-    shared["sweeps"] = {"pages": pages, "table": sweeps_table(pages)}
-    write_sweeps(environment, written, pages, results.scenes)
     shared["hard"] = _hard_cases(gathered, environment)
     packed = PageData()
     html = environment.get_template("index.html").render(root="", packed=packed, **shared)

@@ -12,11 +12,6 @@ def scene_page(name: str) -> str:
     return f"scenes/{quote(name)}.html"
 
 
-def sweep_page(kind: str, name: str) -> str:
-    """The page of a map or an ensemble, likewise."""
-    return f"{kind}s/{quote(name)}.html"
-
-
 def method_anchor(engine: str, method: str) -> str:
     """The anchor of a method's verdict on a scene's page."""
     return ":".join(("method", _plain(engine), _plain(method)))

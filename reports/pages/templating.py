@@ -39,7 +39,7 @@ LONGEST_LIST = 1 << 24
 #: What a report can have written: the files of its folders, named by scenes.
 _OWN = re.compile(
     r"index\.html|report\.md|assets/(?P<asset>[a-z]+\.(js|css)|files\.txt)"
-    r"|(scenes|maps|ensembles)/(?P<scene>[^/]+)\.(html|md|xml|urdf)"
+    r"|scenes/(?P<scene>[^/]+)\.(html|md|xml|urdf)"
 )
 
 

@@ -8,9 +8,9 @@ from ...reference import Solution
 from ...scenarios import Scenario
 from .cost_records import MethodCost
 from .default_records import DefaultEffects
+from .ensemble_records import EnsembleResult
 from .evidence import Evidence
 from .records import Pair, Row
-from .sweep_records import SweepResult
 from .verdicts import Verdict
 
 
@@ -29,7 +29,7 @@ class Results:
     Attributes
     ----------
     costs : of engines that are varied; those of engines as they are are in `rows`
-    varied : the runs in which something is varied, such as the points of sweeps
+    varied : the runs in which something is varied, such as the points of ensembles
     methods : what each engine's adapter declared of its methods, in the order it lists them
     stock_timesteps : s, of the engines that have one
     """
@@ -43,7 +43,7 @@ class Results:
     evidence: list[Evidence] = field(default_factory=list)
     methods: dict[Pair, Method] = field(default_factory=dict)
     stock_timesteps: dict[str, float] = field(default_factory=dict)
-    sweeps: list[SweepResult] = field(default_factory=list)
+    ensembles: list[EnsembleResult] = field(default_factory=list)
     varied: list[Row] = field(default_factory=list)
 
     @property
@@ -61,13 +61,13 @@ class Results:
         chosen: dict[str, Any] = {
             one.name: [record for record in records if record.key.scenario == scene]
             for one in fields(self)
-            if one.name != "sweeps" and isinstance(records := getattr(self, one.name), list)
+            if one.name != "ensembles" and isinstance(records := getattr(self, one.name), list)
         }
         return replace(
             self,
             **chosen,
             scenes={name: one for name, one in self.scenes.items() if name == scene},
-            sweeps=[one for one in self.sweeps if one.scenario.name == scene],
+            ensembles=[one for one in self.ensembles if one.scenario.name == scene],
         )
 
 

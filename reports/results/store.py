@@ -19,12 +19,12 @@ from ...scenarios import Scenario
 from . import tables
 from .database import Database, put
 from .default_records import default_effects
+from .ensemble_records import DefinedEnsemble, swept
 from .evidence import Evidence
 from .provenance_records import DeclaredEngine, EnvironmentEntry, Fingerprint
 from .records import UNSOLVED, Key, Record, Row, SolvedScene
 from .result_file import OpenFile, ResultFileError, opened
 from .results import Results, SceneResult
-from .sweep_records import DefinedSweep, swept
 from .tables import DIGEST, Table, as_result_file_error
 from .verdicts import Verdict
 
@@ -122,7 +122,7 @@ class Store:
         self.put(*map(DeclaredEngine.of, engines))
 
     def forget(self, keys: Iterable[Key]) -> None:
-        """Delete the results of some methods on their scenes; points of sweeps are kept."""
+        """Delete the results of some methods on their scenes; points of ensembles are kept."""
         with self._database.transaction() as connection:
             for key in keys:
                 for table in tables.OF_STUDIES:
@@ -236,17 +236,17 @@ class Store:
             varied=varied,
             defaults=default_effects(rows, varied),
             evidence=self.select(tables.EVIDENCE, order=_SORTED),
-            sweeps=as_result_file_error(swept)(self._sweeps(), varied),
+            ensembles=as_result_file_error(swept)(self._ensembles(), varied),
             methods={(e.name, method.name): method for e in engines for method in e.methods},
             stock_timesteps={e.name: e.stock_timestep for e in engines if e.stock_timestep},
         )
 
     def varied(self, scenario: str) -> list[Row]:
-        """The stored runs of a scene that is varied: two maps that share a place share them."""
+        """The stored runs of a scene in which something is varied."""
         return self.select(tables.ROWS, "scenario = ? AND variation != ''", (scenario,))
 
-    def _sweeps(self) -> list[DefinedSweep]:
-        return self.select(tables.SWEEPS, order="scenario, sweep")
+    def _ensembles(self) -> list[DefinedEnsemble]:
+        return self.select(tables.ENSEMBLES, order="scenario, ensemble")
 
     def _verdicts(self, timesteps: str) -> list[Verdict]:
         where, values = ("timesteps = ?", (timesteps,)) if timesteps != _LADDER else ("TRUE", ())

@@ -26,11 +26,11 @@ from ...scenarios import FloatArray, Trajectory, printable
 from ...scenarios.document import MAX_ROTORS, MAX_SAMPLES
 from .cost_records import MethodCost
 from .database import shown
+from .ensemble_records import DefinedEnsemble
 from .evidence import Evidence
 from .provenance_records import DeclaredEngine, EnvironmentEntry, Fingerprint
 from .records import MOTIONS, Key, Record, Row, SolvedScene
 from .result_file import ResultFileError
-from .sweep_records import DefinedSweep
 from .verdicts import Verdict
 
 #: Bytes of an array's header: magic, shape and type (numpy.lib.format).
@@ -101,14 +101,14 @@ T = TypeVar("T")
 R = TypeVar("R", bound=Record)
 P = ParamSpec("P")
 
-#: Characters; the two axes of a map have some 40 000.
+#: Characters of a record as JSON, a hundred times what evidence takes.
 LONGEST_JSON = 1 << 20
 #: Characters of a complaint about a record.
 SHOWN = 200
 #: The column of the digest of what a record rests on.
 DIGEST = "digest"
 #: Columns that are no text: a number, and lists as JSON.
-_NUMBER, _AS_JSON = "timestep", ("timesteps", "sweep")
+_NUMBER, _AS_JSON = "timestep", ("timesteps", "ensemble")
 _NAMES_OF_KEY = tuple(field.name for field in fields(Key))
 
 
@@ -257,8 +257,8 @@ OF_STUDIES = (
     VERDICTS,
     COSTS,
 )
-SWEEPS = Table("sweeps", DefinedSweep, ("scenario", "sweep"), ("motion",))
+ENSEMBLES = Table("ensembles", DefinedEnsemble, ("scenario", "ensemble"), ("motion",))
 TABLES: tuple[Table[Any], ...] = (
-    *(ENVIRONMENT, ENGINES, FINGERPRINTS, SCENES, SWEEPS),
+    *(ENVIRONMENT, ENGINES, FINGERPRINTS, SCENES, ENSEMBLES),
     *OF_STUDIES,
 )

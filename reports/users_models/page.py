@@ -1,18 +1,14 @@
 """The page of a user's model: how engines hold its links, the worst first, and remedies."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from pathlib import Path
-
-import numpy as np
 
 from ...engines import BodyReading
 from ...engines.users_models import principal_moments
 from ...scenarios import printable
 from ...scenarios.regular_files import file_name
-from ..pages.analysis.trace_style import TraceStyle, trace_styles
 from ..pages.tables import Cell, Table, figure, table
 from ..pages.templating import ReportFolder, templates, write_assets
-from .ellipsoid import Curve, Solid, time_curves, views
 from .findings import (
     LEGEND,
     WHAT_TO_DO,
@@ -23,15 +19,12 @@ from .findings import (
     weight_in_words,
     worst_links,
 )
-from .inspection import InspectedLink, Inspection, LinkReading, attitude_apart
+from .inspection import InspectedLink, Inspection, LinkReading
 
-#: Number of links with pictures; the table has all.
+#: Number of links that are described; the table has all.
 MOST_SHOWN = 12
-#: Times at which curves are computed, s.
-TIMES = np.linspace(0.0, 3.0, 61)
-#: Name and style of the file's own body.
-FILES_OWN, INK = "the file", TraceStyle("var(--ink)", "solid", "")
-Styles = dict[tuple[str, str], TraceStyle]
+#: Name of the file's own body.
+FILES_OWN = "the file"
 
 
 def write_model_page(inspection: Inspection, folder: Path, name: str) -> Path:
@@ -58,7 +51,6 @@ def page_names(paths: Sequence[Path]) -> list[str]:
 
 def _content(inspection: Inspection) -> dict[str, object]:
     model, worst = inspection.model, worst_links(inspection)
-    styles = trace_styles(inspection.columns)
     return {
         "file": printable(str(model.path)),
         "format": model.format.upper(),
@@ -69,7 +61,7 @@ def _content(inspection: Inspection) -> dict[str, object]:
         "weight": weight_in_words(inspection),
         "configurations": _configurations(inspection),
         "refusals": [(" ".join(who), reason) for who, reason in inspection.refusals.items()],
-        "cards": [_card(link, styles) for link in worst[:MOST_SHOWN]],
+        "cards": [_card(link) for link in worst[:MOST_SHOWN]],
         "left": len(worst) - len(worst[:MOST_SHOWN]),
         "sections": sections(inspection),
         "what_to_do": WHAT_TO_DO,
@@ -111,34 +103,15 @@ def _all_links(inspection: Inspection) -> Table:
     return table(("link", "kg", *map(" ".join, inspection.columns), "the file"), rows)
 
 
-def _card(link: InspectedLink, styles: Styles) -> dict[str, object]:
-    """One link: numbers, pictures, faults of the file, and the line that corrects it."""
-    otherwise = [
-        reading for reading in link.readings if reading.agrees is False and reading.body is not None
-    ]
-    solids = [Solid(FILES_OWN, INK, link.link.stated)] if link.link.stated is not None else []
-    solids += [Solid(one.who, styles[one.column], one.body) for one in otherwise if one.body]
-    curves = list(_curves(otherwise, styles))
+def _card(link: InspectedLink) -> dict[str, object]:
+    """One link: numbers, faults of the file, and the line that corrects it."""
     return {
         "name": printable(link.link.name),
         "where": printable(link.link.where),
         "problems": tuple(problem.text for problem in link.problems),
         "numbers": _numbers(link),
-        "views": views(solids) if any(solid.squares is not None for solid in solids) else [],
-        "solids": solids,
-        "curves": time_curves(TIMES, curves) if curves else None,
         "line": line_without_rotation(link),
     }
-
-
-def _curves(otherwise: Sequence[LinkReading], styles: Styles) -> Iterator[Curve]:
-    """Curves of the attitude difference over time, of the bodies that are possible."""
-    for one in otherwise:
-        if one.attitude_apart_deg is None or one.expected is None or one.body is None:
-            continue
-        apart = attitude_apart(one.expected.inertia_com, one.body.inertia_com, TIMES)
-        if apart is not None:
-            yield Curve(one.who, styles[one.column], np.degrees(apart))
 
 
 def _numbers(link: InspectedLink) -> Table:

@@ -14,10 +14,11 @@ import numpy as np
 import pytest
 import small_result_file
 from forging import FIELD, change, columns, forge, seal
+from made_up_ensembles import METHODS
 from spincheck.reports.cli.terminal import BAD_INPUT
+from spincheck.reports.results.ensemble_records import MAX_MEMBERS, EnsemblePoint
 from spincheck.reports.results.result_file import ResultFileError
 from spincheck.reports.results.store import open_store
-from spincheck.reports.results.sweep_records import MAX_MEMBERS, SweepPoint
 from spincheck.reports.results.tables import pack, unpack
 from spincheck.scenarios import SIGNAL, Trajectory
 from spincheck.scenarios.errors import is_control
@@ -107,9 +108,8 @@ def test_nothing_can_be_written_through_a_file_opened_to_be_read(path):
 
 
 @pytest.mark.parametrize("name", ["/tmp/evil", "../../evil", "a/b", "..", "-x", ""])
-def test_a_scene_in_what_a_sweep_asks_for_names_no_page(path, name):
-    for kind in ("axes", "members"):
-        with_asked(path, kind, scenario=name)
+def test_a_scene_in_what_an_ensemble_asks_for_names_no_page(path, name):
+    with_asked(path, scenario=name)
     assert command_line.spincheck("report", str(path), "--out", "pages").returncode == BAD_INPUT
     assert {entry.name for entry in path.parent.iterdir()} == {path.name}
 
@@ -238,43 +238,28 @@ def test_no_archive_unpacks_to_more_than_a_motion(blob):
         tracemalloc.stop()
 
 
-def with_asked(path, kind: str, **changed: object) -> None:
+def with_asked(path, **changed: object) -> None:
     with closing(sqlite3.connect(path)) as connection, connection:
-        query = f"SELECT sweep FROM sweeps WHERE sweep LIKE '%{kind}%'"
-        (definition,) = connection.execute(query).fetchone()
+        (definition,) = connection.execute("SELECT ensemble FROM ensembles").fetchone()
         text = json.dumps(json.loads(definition) | changed)
-        connection.execute("UPDATE sweeps SET sweep = ? WHERE sweep = ?", (text, definition))
+        connection.execute("UPDATE ensembles SET ensemble = ?", (text,))
     seal(path)
 
 
-def axis(values: list[float], path: str = "timestep", logarithmic: bool = False) -> dict:
-    return {"path": path, "values": values, "logarithmic": logarithmic}
-
-
-GOOD_AXIS = axis([1.0, 2.0], "start.omega_body[2]")
 ASKED = {
-    "more members than anyone waits for": ("members", {"members": 10**12}),
-    "no members": ("members", {"members": 0}),
-    "members that are no number": ("members", {"members": "10"}),
-    "a negative seed": ("members", {"seed": -1}),
-    "a seed of a thousand digits": ("members", {"seed": 10**1000}),
-    "a timestep of nothing": ("members", {"timestep": 0.0}),
-    "something else": ("members", {"evil": 1}),
-    "one axis": ("axes", {"axes": [GOOD_AXIS]}),
-    "the same axis twice": ("axes", {"axes": [GOOD_AXIS, GOOD_AXIS]}),
-    "an axis of nothing": ("axes", {"axes": [GOOD_AXIS, axis([])]}),
-    "a long axis": ("axes", {"axes": [GOOD_AXIS, axis([k / 8 for k in range(1, 2000)])]}),
-    "a decreasing axis": ("axes", {"axes": [GOOD_AXIS, axis([2e-3, 1e-3])]}),
-    "an infinite axis": ("axes", {"axes": [GOOD_AXIS, axis([1e-3, float("inf")])]}),
-    "negative timesteps": ("axes", {"axes": [GOOD_AXIS, axis([-1.0, 1e-3])]}),
-    "an axis of texts": ("axes", {"axes": [GOOD_AXIS, axis(["a", "b"])]}),
-    "a number that the scene has not": ("axes", {"axes": [GOOD_AXIS, axis([1.0, 2.0], "evil")]}),
+    "more members than anyone waits for": {"members": 10**12},
+    "no members": {"members": 0},
+    "members that are no number": {"members": "10"},
+    "a negative seed": {"seed": -1},
+    "a seed of a thousand digits": {"seed": 10**1000},
+    "a timestep of nothing": {"timestep": 0.0},
+    "something else": {"evil": 1},
 }
 
 
-@pytest.mark.parametrize(("kind", "changed"), ASKED.values(), ids=ASKED)
-def test_a_sweep_that_nobody_can_ask_for_is_one_message(path, kind, changed):
-    with_asked(path, kind, **changed)
+@pytest.mark.parametrize("changed", ASKED.values(), ids=ASKED)
+def test_an_ensemble_that_nobody_can_ask_for_is_one_message(path, changed):
+    with_asked(path, **changed)
     for command in ("rows", "report"):
         done = command_line.spincheck(command, str(path))
         assert (done.returncode, done.stdout) == (BAD_INPUT, "")
@@ -283,18 +268,18 @@ def test_a_sweep_that_nobody_can_ask_for_is_one_message(path, kind, changed):
 
 
 def test_reading_the_largest_ensemble_takes_as_long_as_what_there_is_of_it(path):
-    with_asked(path, "members", members=MAX_MEMBERS)
+    with_asked(path, members=MAX_MEMBERS)
     places = 0
-    varied = SweepPoint.varied.fget
+    varied = EnsemblePoint.varied.fget
 
-    def counted(place: SweepPoint) -> dict[str, float]:
+    def counted(place: EnsemblePoint) -> dict[str, float]:
         nonlocal places
         places += 1
         return varied(place)
 
-    with open_store(path) as store, patch.object(SweepPoint, "varied", property(counted)):
-        (ensemble,) = (one for one in store.read().sweeps if one.sweep.kind == "ensemble")
-    assert len(ensemble.points) == small_result_file.MEMBERS
+    with open_store(path) as store, patch.object(EnsemblePoint, "varied", property(counted)):
+        (ensemble,) = store.read().ensembles
+    assert len(ensemble.points) == small_result_file.MEMBERS * len(METHODS)
     assert places < 10 * len(columns(path))
 
 

@@ -17,8 +17,8 @@ from spincheck.scenarios import FloatArray, Scenario, Trajectory, loads
 from spincheck.scenarios.fastest_rate import fastest_rate
 from spincheck.scenarios.rotation import norms, rotation_vectors
 from spincheck.scenarios.scenario import with_tables
-from spincheck.scenarios.vary import varied
 from two_turns import two_turns
+from varied_scenes import varied
 
 pytestmark = pytest.mark.slow
 

@@ -27,8 +27,8 @@ from spincheck.reference.rotational_problem import rotational_problem
 from spincheck.scenarios import LIBRARY, Scenario, errors_between, load
 from spincheck.scenarios.effects.table import EFFECT, force
 from spincheck.scenarios.rotation import matrices
-from spincheck.scenarios.vary import varied
 from spincheck.suite.contract_scenes import SCENES as CONTRACT
+from varied_scenes import varied
 
 pytestmark = pytest.mark.slow
 

@@ -38,7 +38,7 @@ class FailingCalls(Executor):
 
 
 def of_engine(name: str, failure: CallFailed) -> Fault:
-    """The calls that an engine's methods take part in, of a sweep."""
+    """The calls that an engine's methods take part in, of an ensemble."""
 
     def fault(function: Callable[..., Any], args: tuple[Any, ...]) -> CallFailed | None:
         *_, pairs = args

@@ -5,13 +5,13 @@ from pathlib import Path
 from types import SimpleNamespace
 
 import made_up
-import made_up_sweeps
+import made_up_ensembles
 from spincheck.reports.results.cost_records import MethodCost, Ratio, StepCost
 from spincheck.reports.results.encoding_records import Beside
+from spincheck.reports.results.ensemble_records import DefinedEnsemble
 from spincheck.reports.results.provenance_records import Fingerprint
 from spincheck.reports.results.records import Key, variation
 from spincheck.reports.results.store import open_store
-from spincheck.reports.results.sweep_records import DefinedSweep, Ensemble, Map
 from spincheck.scenarios import Errors
 
 SCENE = "made-up-top"
@@ -60,16 +60,11 @@ def write(path: Path) -> Path:
         of_default = replace(rows[0], variation=variation({"defaults": ["damping"]}), motion=None)
         described = replace(of_default, variation=variation({"as": "welded"}), beside=BESIDE)
         store.put(of_default, described)
-        _put_sweeps(store)
+        _put_ensemble(store)
     return path
 
 
-def _put_sweeps(store) -> None:
-    base = made_up_sweeps.scene(name=SWEPT)
-    axes = made_up_sweeps.axes("start.omega_body[2]=1:2:2", "timestep=1e-3:1e-2:2")
-    for definition in (Map(SWEPT, axes, None), Ensemble(SWEPT, MEMBERS, 7, 0.01)):
-        store.put(DefinedSweep(SWEPT, definition, base.text))
-        for place in definition.points():
-            spin = dict(place.numbers).get("start.omega_body[2]", 0.0)
-            point = made_up_sweeps.point((spin, 0.0), ("mujoco", "RK4"), place.timestep, base)
-            store.put(replace(point, variation=variation(place.varied)))
+def _put_ensemble(store) -> None:
+    made_up = made_up_ensembles.ensemble_result(MEMBERS)
+    store.put(DefinedEnsemble(SWEPT, made_up.ensemble, made_up.scenario.text))
+    store.put(*made_up.points)

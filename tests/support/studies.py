@@ -1,4 +1,4 @@
-"""Studies and sweeps of a result file, in this process unless a test brings an executor."""
+"""Studies and ensembles of a result file, in this process unless a test brings an executor."""
 
 from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
@@ -9,11 +9,11 @@ from spincheck.reports.harness.convergence_study import ConvergenceStudy
 from spincheck.reports.harness.executors import Executor, InProcess
 from spincheck.reports.harness.plan import plan
 from spincheck.reports.harness.study import run_and_judge, run_study
-from spincheck.reports.harness.varied.sweep import plan_sweep, run_sweep
+from spincheck.reports.harness.varied.ensemble import plan_ensemble, run_ensemble
+from spincheck.reports.results.ensemble_records import Ensemble, points_of
 from spincheck.reports.results.records import Record, Row
 from spincheck.reports.results.results import Results
 from spincheck.reports.results.store import Store, open_store
-from spincheck.reports.results.sweep_records import Ensemble, Map, points_of
 from spincheck.reports.results.verdicts import Verdict
 from spincheck.scenarios import Scenario
 
@@ -44,17 +44,17 @@ def study(
         return store.read()
 
 
-def sweep(
+def run_members(
     path: Path,
-    definition: Map | Ensemble,
+    definition: Ensemble,
     scene: Scenario,
     choice: Choice,
     executor: Executor | None = None,
     progress: Progress = len,
 ) -> tuple[Row, ...]:
-    """Run what is missing of a sweep; returns its points."""
+    """Run what is missing of an ensemble; returns its points."""
     with open_store(path, create=True) as store, executor or InProcess() as calls:
-        run_sweep(plan_sweep(definition, scene, choice, store), scene, store, calls, progress)
+        run_ensemble(plan_ensemble(definition, scene, choice, store), scene, store, calls, progress)
         return points_of(definition, store.varied(scene.name))
 
 

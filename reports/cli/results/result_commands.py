@@ -66,7 +66,7 @@ def rows(
     as_csv: AsCsv = False,
     as_json: AsJson = False,
 ) -> None:
-    """Print every run of a result file, those of maps and ensembles too.
+    """Print every run of a result file, those of ensembles too.
 
     The table is cut to 80 columns; --csv and --json have every number in full.
     """

@@ -157,11 +157,11 @@ def read(path: Path, scene: str = "") -> Results:
                 f"{path}: it was being written when it was copied, and its log "
                 f"'{path.name}-wal' is not beside it: the last runs may be missing"
             )
-    if not (results.verdicts or results.sweeps):
+    if not (results.verdicts or results.ensembles):
         raise Complaint(f"{path}: holds no results; 'spincheck run' fills it")
     if not scene:
         return results
-    swept = (one.scenario.name for one in results.sweeps)
+    swept = (one.scenario.name for one in results.ensembles)
     names = {*results.scenes, *(row.key.scenario for row in results.rows), *swept}
     if scene not in names:
         raise Complaint(

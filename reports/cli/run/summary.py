@@ -160,7 +160,7 @@ def _survival_record(survival: Survival | None) -> dict[str, Any]:
 
 
 def run_records(results: Results) -> list[dict[str, Any]]:
-    """Return every run of a result file, those of sweeps too, as `row_record` does."""
+    """Return every run of a result file, those of ensembles too, as `row_record` does."""
     return [row_record(row) for row in results.every_row]
 
 

@@ -56,13 +56,9 @@ def new(name: Annotated[str, typer.Argument(metavar="NAME", help="The scene's na
     print(f"{path} is written. Edit it, then: spincheck run {path}")
 
 
-@app.command(epilog="Example: spincheck show fast-top --vary 'start.omega_body[2]=37.3' --toml")
+@app.command(epilog="Example: spincheck show fast-top --toml")
 def show(
     scenario: Scene,
-    vary: Annotated[
-        list[str] | None,
-        typer.Option("--vary", metavar="PATH=VALUE", help="With another number; may be repeated."),
-    ] = None,
     member: Annotated[
         int | None,
         typer.Option("--member", metavar="N", min=0, help="This member of an ensemble, from 0 on."),
@@ -72,12 +68,12 @@ def show(
     as_json: AsJson = False,
 ) -> None:
     """Show a scene as it was read, with defaults and units resolved."""
-    from ..sweeps.sweep_running import varied_scene
+    from ..run.ensembles import member_of
     from .scene import scene_as_json
 
     if toml and as_json:
         raise Complaint("takes '--toml' or '--json', not both")
-    scene = varied_scene(scenario, vary or [], member, seed)
+    scene = member_of(scenario, member, seed)
     described = scene_as_json(scene)
     if toml:
         print(scene.text, end="")

@@ -1,18 +1,15 @@
-"""Runs one point of a sweep: one scene and timestep, each method against the scene's own motion."""
+"""Runs one member of an ensemble: each method against the exact motion of the member's scene."""
 
 from collections.abc import Sequence
 from dataclasses import replace
-
-import numpy as np
 
 from ....engines import Cause, Engine, Outcome
 from ....reference import Solution, solve_cheaply
 from ....scenarios import Scenario, ScenarioError
 from ....scenarios.fastest_rate import fastest_rate
 from ....scenarios.scatter import member
-from ....scenarios.vary import varied
+from ...results.ensemble_records import EnsemblePoint
 from ...results.records import Key, Row, variation
-from ...results.sweep_records import SweepPoint
 from ..choice import EngineMethod
 from ..comparison import row_of
 from ..defects import with_defects
@@ -20,13 +17,10 @@ from ..executors import cause_of, is_environmental
 from ..ladder import Rung, single
 from ..stock import STEP_BUDGET, stock_rung, stock_timestep
 
-#: Angle turned in a step of a map without a timestep, rad, at the fastest rate at the start.
-STEP_TURN = 0.02
-
 Solved = dict[float, Solution] | str
 
 
-def run_point(base: Scenario, point: SweepPoint, pairs: Sequence[EngineMethod]) -> list[Row]:
+def run_point(base: Scenario, point: EnsemblePoint, pairs: Sequence[EngineMethod]) -> list[Row]:
     """One row for each method.
 
     Without methods the exact motion is found, and there are no rows.
@@ -53,7 +47,12 @@ def run_point(base: Scenario, point: SweepPoint, pairs: Sequence[EngineMethod]) 
 
 
 def not_run(
-    base: Scenario, point: SweepPoint, pair: EngineMethod, outcome: Outcome, cause: Cause, why: str
+    base: Scenario,
+    point: EnsemblePoint,
+    pair: EngineMethod,
+    outcome: Outcome,
+    cause: Cause,
+    why: str,
 ) -> Row:
     """The row of a method that was not run at a point, or whose call has failed."""
     engine, method = pair
@@ -62,7 +61,7 @@ def not_run(
     return Row(key, "", timestep, outcome, why, cause, variation=varied)
 
 
-def _timestep(base: Scenario, point: SweepPoint, engine: Engine) -> float:
+def _timestep(base: Scenario, point: EnsemblePoint, engine: Engine) -> float:
     """s, of a run that was not made; 0 where there is none."""
     if point.timestep is not None:
         return point.timestep
@@ -102,7 +101,7 @@ def _solved(scenario: Scenario, rungs: Sequence[Rung]) -> Solved:
 
 
 def _row(
-    scenario: Scenario, point: SweepPoint, pair: EngineMethod, rung: Rung, solved: Solved
+    scenario: Scenario, point: EnsemblePoint, pair: EngineMethod, rung: Rung, solved: Solved
 ) -> Row:
     if isinstance(solved, str):
         return not_run(scenario, point, pair, "failed", "unsolved", solved)
@@ -118,21 +117,19 @@ def _row(
     return replace(row, variation=variation(point.varied), motion=None, defects=None)
 
 
-def scene_at(point: SweepPoint, base: Scenario) -> Scenario:
+def scene_at(point: EnsemblePoint, base: Scenario) -> Scenario:
     """The scene at a point.
 
     Raises
     ------
     ScenarioError
-        If the numbers make no valid scene.
+        If the member is no valid scene.
     """
-    return member(base, *point.member) if point.member else varied(base, dict(point.numbers))
+    return member(base, point.seed, point.number)
 
 
-def rung_at(point: SweepPoint, scenario: Scenario, engine: Engine) -> Rung | str:
+def rung_at(point: EnsemblePoint, scenario: Scenario, engine: Engine) -> Rung | str:
     """Timestep and samples of a run of the scene at a point, or why the run is not made.
-
-    Of a member of an ensemble without a timestep it is the engine's stock timestep.
 
     Raises
     ------
@@ -142,9 +139,4 @@ def rung_at(point: SweepPoint, scenario: Scenario, engine: Engine) -> Rung | str
     if point.timestep is not None:
         return single(point.timestep, scenario.times)
     rate = fastest_rate(scenario, scenario.start.omega_body)
-    if point.member:
-        return stock_rung(scenario.times, stock_timestep(engine), rate)
-    intervals = scenario.window.samples - 1
-    interval = scenario.window.duration / intervals
-    per_interval = max(1, int(np.ceil(interval * rate / STEP_TURN)))
-    return Rung(interval / per_interval, np.arange(intervals + 1, dtype=np.int64) * per_interval)
+    return stock_rung(scenario.times, stock_timestep(engine), rate)

@@ -11,7 +11,7 @@ from ..analysis.measures import Measure, Members
 from ..analysis.trace_style import TraceStyle
 from .plot import Figure, Panel, Trace, drawing, line, method_style
 
-HEIGHT, LOW = 480, 250
+HEIGHT = 250
 #: Margins: a factor beside the outermost errors, and percent beside 0 and 100.
 BESIDE_ERRORS, PERCENT_MARGIN = 2.0, 3.0
 #: Largest error drawn, relative or in degrees; a blow-up that finished would compress the axis.
@@ -22,7 +22,6 @@ def distribution(
     members: Sequence[Members],
     trace_styles: Mapping[Pair, TraceStyle],
     measure: Measure,
-    height: int = HEIGHT,
 ) -> Figure:
     """Percentage of all members of which a measure is at most so much.
 
@@ -50,7 +49,7 @@ def distribution(
         x_range=x_range,
         y_range=(-PERCENT_MARGIN, 100 + PERCENT_MARGIN),
     )
-    return drawing(traces, [panel], height)
+    return drawing(traces, [panel], HEIGHT)
 
 
 def _steps(x: FloatArray, y: FloatArray, label: str, style: TraceStyle, said: str) -> Trace:

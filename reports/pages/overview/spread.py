@@ -6,32 +6,29 @@ from typing import Any
 
 from ....engines import Method
 from ....reference.kinds import KINDS, kind_of
+from ...results.ensemble_records import EnsembleResult
 from ...results.records import Pair, Row
 from ...results.results import Results
-from ...results.sweep_records import Ensemble, SweepResult
 from ..analysis.measures import ATTITUDE, QUANTILES, Members, members_of
 from ..analysis.trace_style import TraceStyle, trace_styles
 from ..analysis.wording import NOTHING, count, duration, readable
-from ..figures.distribution import LOW, distribution
+from ..figures.distribution import distribution
 from ..figures.figures import Titled
-from ..sweeps.sweep_pages import methods_of, numbered
-from ..tables import Cell, figure, sweep_page, table
+from ..tables import Cell, figure, scene_page, table
 
 
 def spread(results: Results) -> dict[str, Any] | None:
     """The distributions at stock timesteps, a kind of motion each; None without any ensemble."""
-    by_kind: dict[str, dict[str, SweepResult]] = {kind: {} for kind in KINDS}
-    for name, one in numbered(results):
-        if isinstance(one.sweep, Ensemble) and one.sweep.timestep is None:
-            by_kind[kind_of(one.scenario)][name] = one
-    every = [one for ensembles in by_kind.values() for one in ensembles.values()]
-    declared = {pair: known for one in every for pair, known in methods_of(one, results).items()}
+    ensembles = [one for one in results.ensembles if one.points and one.ensemble.timestep is None]
+    declared = _declared([point for one in ensembles for point in one.points], results)
     styles = trace_styles(list(declared))
-    kinds = [
-        drawn
-        for kind, ensembles in by_kind.items()
-        if ensembles and (drawn := _of_kind(kind, ensembles, declared, styles))
-    ]
+    kinds = []
+    for kind in KINDS:
+        of_kind = [one for one in ensembles if kind_of(one.scenario) == kind]
+        if of_kind and (drawn := _of_kind(kind, of_kind, declared, styles)):
+            pages = {one.scenario.name: scene_page(one.scenario.name) for one in of_kind}
+            drawn["scenes"] = [(n, p if n in results.scenes else "") for n, p in pages.items()]
+            kinds.append(drawn)
     if not kinds:
         return None
     return {
@@ -42,17 +39,23 @@ def spread(results: Results) -> dict[str, Any] | None:
     }
 
 
+def _declared(points: Sequence[Row], results: Results) -> dict[Pair, Method | None]:
+    """What adapters declared of the methods that were run: engines by name, methods as listed."""
+    listed = {pair: rank for rank, pair in enumerate(results.methods)}
+    pairs = {point.pair for point in points}
+    ordered = sorted(pairs, key=lambda p: (p[0], listed.get(p, len(listed)), p[1]))
+    return {pair: results.methods.get(pair) for pair in ordered}
+
+
 def _of_kind(
     kind: str,
-    ensembles: dict[str, SweepResult],
+    ensembles: list[EnsembleResult],
     declared: dict[Pair, Method | None],
     styles: dict[Pair, TraceStyle],
 ) -> dict[str, Any] | None:
-    """The members of a kind: each engine's default and best method, the scenes and their pages."""
+    """The members of a kind: each engine's default and best method; None if all are exact."""
     # Two ensembles of a scene may have members in common.
-    points = {
-        (p.key.scenario, p.variation, p.pair): p for one in ensembles.values() for p in one.points
-    }
+    points = {(p.key.scenario, p.variation, p.pair): p for one in ensembles for p in one.points}
     shown = _shown(list(points.values()), declared)
     if not any((one.errors(ATTITUDE) > 0).any() for one in shown):
         return None
@@ -60,10 +63,9 @@ def _of_kind(
     return {
         "kind": kind,
         "members": count(len(members)),
-        "scenes": [(e.scenario.name, sweep_page("ensemble", n)) for n, e in ensembles.items()],
         "table": table(("", *QUANTILES), [_row(one) for one in shown]),
         "styles": [styles[one.pair] for one in shown],
-        "figure": Titled(f"spread {kind}", "", "", [distribution(shown, styles, ATTITUDE, LOW)]),
+        "figure": Titled(f"spread {kind}", "", "", [distribution(shown, styles, ATTITUDE)]),
     }
 
 

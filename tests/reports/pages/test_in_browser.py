@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
-import made_up_sweeps
+import made_up_ensembles
 import numpy as np
 import pytest
 import users_models
@@ -51,12 +51,12 @@ LARGEST_REPORT = 25e6
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory) -> Path:
-    """A report of real runs, timed, of a scene of each kind and a hard one; with maps besides."""
+    """A report of real runs, timed, of a scene of each kind and a hard one; with an ensemble."""
     folder = tmp_path_factory.mktemp("browsed")
     installed = [engine for name, engine in engines().items() if name in ("mujoco", "pybullet")]
     choice = Choice(tuple(installed), METHODS, max_steps=BUDGET)
     results = study(folder / "results.sqlite", [load(path) for path in find(SCENES)], choice)
-    render(replace(results, sweeps=made_up_sweeps.swept().sweeps), folder / "report")
+    render(replace(results, ensembles=made_up_ensembles.at_stock().ensembles), folder / "report")
     model = read_model(users_models.written(folder, MODEL))
     inspection = inspect_model(model, InProcess(), reader_engines())
     write_model_page(inspection, folder / "report", "robot")

@@ -132,7 +132,7 @@ def test_what_is_forgotten_is_gone_and_nothing_else(path):
         assert (results.rows, results.verdicts, results.costs) == ([], [], [])
         assert store.timed() == set()
         assert results.scenes
-        assert results.sweeps[0].points
+        assert results.ensembles[0].points
 
 
 def test_a_record_is_of_the_size_that_it_may_have(path, monkeypatch):

@@ -44,7 +44,7 @@ def test_what_no_longer_counts_is_deleted_and_its_room_is_freed(path):
     with open_store(path) as store:
         after = store.read()
         assert after.rows == before.rows == []
-        assert len(after.sweeps[0].points) == len(before.sweeps[0].points) > 0
+        assert len(after.ensembles[0].points) == len(before.ensembles[0].points) > 0
     assert spincheck("rows", str(path), "--tidy").stderr == "0 records deleted, 0.0 MB freed\n"
 
 

@@ -1,4 +1,4 @@
-"""The commands of sweeps: what they print, what they refuse, and with which exit code."""
+"""The commands of ensembles: what they print, what they refuse, and with which exit code."""
 
 import json
 import os
@@ -11,21 +11,21 @@ from types import SimpleNamespace
 import pytest
 from command_line import spincheck
 from default_signals import WITH_DEFAULT_SIGNALS
-from made_up_sweeps import map_result
+from made_up_ensembles import ensemble_result
 from spincheck.engines import engines
 from spincheck.reports.cli import choosing
 from spincheck.reports.cli.app import app
-from spincheck.reports.cli.run.summary import run_lines
-from spincheck.reports.cli.sweeps import sweep_running
-from spincheck.reports.cli.sweeps.sweep_running import choose_for_sweep as choose
-from spincheck.reports.cli.sweeps.sweep_running import (
+from spincheck.reports.cli.run import ensembles
+from spincheck.reports.cli.run.ensembles import choose_for_ensemble as choose
+from spincheck.reports.cli.run.ensembles import (
     exit_code_of,
-    run_sweeps,
+    run_ensembles,
 )
+from spincheck.reports.cli.run.summary import run_lines
 from spincheck.reports.cli.terminal import AGREES, BAD_INPUT, DISAGREES, NOT_RUN, Complaint
 from spincheck.reports.harness.executors import InProcess
+from spincheck.reports.results.ensemble_records import Ensemble
 from spincheck.reports.results.store import open_store
-from spincheck.reports.results.sweep_records import Ensemble
 from spincheck.scenarios import loads
 from typer.testing import CliRunner
 
@@ -34,9 +34,6 @@ pytestmark = pytest.mark.slow
 COMMAND = Path(sys.executable).with_name("spincheck")
 SCENE = "fast-top"
 ONE_METHOD = ("--engine", "mujoco", "--method", "RK4")
-SPIN = "start.omega_body[2]=10:40:2:log"
-STEPS = "timestep=1e-3:1e-2:2:log"
-MAP = ("run", SCENE, "--vary", SPIN, "--vary", STEPS)
 ENSEMBLE = ("run", SCENE, "--ensemble")
 
 
@@ -47,46 +44,52 @@ def in_process(monkeypatch):
 
 
 @pytest.fixture(scope="module")
-def mapped(tmp_path_factory):
-    """A result file, and what the command printed that made a map in it."""
-    path = tmp_path_factory.mktemp("mapped") / "results.sqlite"
-    done = spincheck(*MAP, *ONE_METHOD, "--out", path, "--json")
+def scattered(tmp_path_factory):
+    """A result file, and what the command printed that made an ensemble in it."""
+    path = tmp_path_factory.mktemp("scattered") / "results.sqlite"
+    done = spincheck(*ENSEMBLE, 3, "--seed", 7, *ONE_METHOD, "--out", path, "--json")
     assert done.returncode == AGREES, done.stderr
     return path, done
 
 
-def test_a_map_prints_its_axes_and_a_point_for_each_pair(mapped):
-    printed = json.loads(mapped[1].stdout)
-    assert [axis["path"] for axis in printed["axes"]] == ["start.omega_body[2]", "timestep"]
-    assert len(printed["points"]) == 4
+def test_an_ensemble_prints_its_members(scattered):
+    path, done = scattered
+    printed = json.loads(done.stdout)
+    assert [p["variation"] for p in printed["points"]] == [
+        {"member": k, "seed": 7} for k in range(3)
+    ]
     first = printed["points"][0]
-    assert first["variation"] == {"start.omega_body[2]": 10.0, "timestep": 1e-3}
     assert (first["engine"], first["method"], first["outcome"]) == ("mujoco", "RK4", "ok")
     assert 0 < first["omega_error"] < 1
+    with open_store(path) as store:
+        (ensemble,) = store.read().ensembles
+    assert ensemble.ensemble == Ensemble(SCENE, 3, 7, None)
 
 
-def test_asked_again_it_answers_from_the_file_in_words_with_the_worst_point_and_as_csv(mapped):
-    path, before = mapped
-    again = spincheck(*MAP, *ONE_METHOD, "--out", path, "--json")
+def test_asked_again_it_answers_from_the_file_in_words_with_the_worst_member_and_as_csv(scattered):
+    path, before = scattered
+    asked = (*ENSEMBLE, 3, "--seed", 7, *ONE_METHOD, "--out", path)
+    again = spincheck(*asked, "--json")
     assert again.stdout == before.stdout
-    assert again.stderr == f"{path}: 4 of 4 points are stored already\n"
-    done = spincheck(*MAP, *ONE_METHOD, "--out", path)
-    assert "fast-top: 4 points, start.omega_body[2] 10 to 40, timestep 0.001 to 0.01" in done.stdout
+    assert again.stderr == f"{path}: 3 of 3 points are stored already\n"
+    points = json.loads(before.stdout)["points"]
+    done = spincheck(*asked)
+    assert "fast-top: 3 members of seed 7" in done.stdout
     (line,) = (line for line in done.stdout.splitlines() if "mujoco RK4" in line)
-    assert "timestep 0.01" in line
+    worst = max(points, key=lambda point: point["attitude_error"])
+    assert f"member {worst['variation']['member']}" in line
     first, *others = spincheck("rows", path, "--csv").stdout.splitlines()
     assert first.startswith("scenario,engine,method,engine_version,timestep,outcome,")
-    assert ",variation.start.omega_body[2],variation.timestep," in first
+    assert ",variation.member,variation.seed" in first
     assert all(line.startswith("fast-top,mujoco,RK4,") for line in others)
-    assert len(others) == 4
-    listed = json.loads(spincheck("rows", path, "--json").stdout)
-    assert listed == json.loads(before.stdout)["points"]
+    assert len(others) == 3
+    assert json.loads(spincheck("rows", path, "--json").stdout) == points
 
 
 @pytest.mark.usefixtures("in_process")
 def test_methods_made_for_other_scenes_are_not_run(path):
     """As in a study: `contact` is for bodies on a table, `mujoco-file` for users' files."""
-    (swept,) = run_sweeps([SCENE], [], 1, 0, choose(["mujoco"], [], [0.5]), 1, path)
+    (swept,) = run_ensembles([SCENE], 1, 0, choose(["mujoco"], [], [0.5]), 1, path)
     methods = {one.name for one in engines()["mujoco"].methods_for(swept.scenario)}
     with open_store(path) as store:
         assert {point.pair[1] for point in store.varied(SCENE)} == methods
@@ -94,43 +97,28 @@ def test_methods_made_for_other_scenes_are_not_run(path):
 
 
 def test_points_are_printed_below_their_method_which_is_named_once():
-    swept = map_result()
+    swept = ensemble_result()
     methods = {point.pair for point in swept.points}
     assert len(methods) > 1
     points = sorted(swept.points, key=lambda point: point.pair)
     assert len([*run_lines(points)]) == 2 * len(methods) + len(points)
 
 
-def test_an_ensemble_prints_its_members(path):
-    done = spincheck(*ENSEMBLE, 3, "--seed", 7, *ONE_METHOD, "--out", path, "--json")
-    printed = json.loads(done.stdout)
-    assert [p["variation"] for p in printed["points"]] == [
-        {"member": k, "seed": 7} for k in range(3)
-    ]
-    with open_store(path) as store:
-        (ensemble,) = store.read().sweeps
-    assert ensemble.sweep == Ensemble(SCENE, 3, 7, None)
-
-
 def test_without_a_number_an_ensemble_has_two_hundred_members(monkeypatch):
     calls = []
     monkeypatch.setattr(
-        sweep_running, "run_sweeps", lambda scenes, _, members, *__: calls.append((scenes, members))
+        ensembles, "run_ensembles", lambda scenes, members, *_: calls.append((scenes, members))
     )
-    monkeypatch.setattr(sweep_running, "print_sweeps", lambda *_: None)
-    monkeypatch.setattr(sweep_running, "exit_code_of", lambda _: AGREES)
+    monkeypatch.setattr(ensembles, "print_ensembles", lambda *_: None)
+    monkeypatch.setattr(ensembles, "exit_code_of", lambda _: AGREES)
     for arguments in ([SCENE, "--ensemble"], ["--ensemble", SCENE], ["--ensemble", "3", SCENE]):
         assert run("run", *arguments)[0] == AGREES
     assert calls == [([SCENE], 200), ([SCENE], 200), ([SCENE], 3)]
 
 
-def test_members_and_points_of_a_map_are_printed_as_scenario_files():
+def test_a_member_is_printed_as_a_scenario_file():
     member = loads(spincheck("show", SCENE, "--toml", "--seed", 7, "--member", 2).stdout, "member")
     assert member.title.endswith("with member 2 of seed 7")
-    changes = ("--vary", "start.omega_body[2]=10", "--vary", "body.mass=2.5")
-    done = spincheck("show", SCENE, "--toml", *changes)
-    scene = loads(done.stdout, "there")
-    assert (float(scene.start.omega_body[2]), scene.body.mass) == (10.0, 2.5)
 
 
 def run(*arguments: object) -> tuple[int, str]:
@@ -144,24 +132,14 @@ def run(*arguments: object) -> tuple[int, str]:
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (["run", SCENE, "--vary", SPIN], "must name two different numbers, got start.omega_body"),
-        (["run", SCENE, "--vary", SPIN, "--vary", SPIN], "must name two different numbers"),
-        (["run", SCENE, "--vary", "a=1:2", "--vary", SPIN], "'--vary' a: no number of fast-top"),
-        (["run", SCENE, "--vary", "body.mass=2:1", "--vary", SPIN], "LO must be less than HI"),
-        (["run", SCENE, "--vary", "body.mass", "--vary", SPIN], "'--vary' must be 'PATH=LO:HI"),
-        ([*MAP, "--timestep", "0.01"], "'--timestep' cannot be both given and varied"),
-        (
-            ["run", SCENE, "--vary", SPIN, "--vary", "body.mass=1:2", "--timestep", "60"],
-            "'--timestep' must be shorter than the window of fast-top",
-        ),
-        (["run", "no-such-scene", "--vary", SPIN, "--vary", STEPS], "no-such-scene"),
-        ([*MAP, "--engine", "none"], "'--engine' must be one of"),
-        (["run", "--ensemble", "3"], "'--vary' and '--ensemble' take scenes to vary, got none"),
+        ([*ENSEMBLE, "3", "--timestep", "60"], "must be shorter than the window of fast-top"),
+        (["run", "no-such-scene", "--ensemble", "3"], "no-such-scene"),
+        ([*ENSEMBLE, "3", "--engine", "none"], "'--engine' must be one of"),
+        (["run", "--ensemble", "3"], "'--ensemble' takes scenes to scatter, got none"),
         ([*ENSEMBLE, "3", "--quick"], "'--quick' is for ladders"),
-        ([*MAP, "--ensemble", "3"], "takes '--vary' or '--ensemble', not both"),
         (
             [*ENSEMBLE, "3", "--timestep", "0.1", "--timestep", "0.2"],
-            "'--timestep' may be given once here, got 2",
+            "'--timestep' may be given once with '--ensemble', got 2",
         ),
         ([*ENSEMBLE, "0"], "'--ensemble'"),
         (["run", SCENE, "--seed", "0"], "'--seed' is for an ensemble"),
@@ -171,17 +149,6 @@ def run(*arguments: object) -> tuple[int, str]:
         (["show", SCENE, "--member", "-1"], "'--member'"),
         (["show", SCENE, "--seed", "7"], "'--seed' is for a member of an ensemble"),
         (["show", SCENE, "--toml", "--json"], "takes '--toml' or '--json', not both"),
-        (
-            ["show", SCENE, "--vary", "body.mass"],
-            "takes PATH=VALUE, VALUE a number, got 'body.mass'",
-        ),
-        (
-            ["show", SCENE, "--vary", "body.mass=1", "--vary", "body.mass=2"],
-            "takes each number once, got body.mass=1",
-        ),
-        (["show", SCENE, "--vary", "body.mas=1"], "did you mean 'body.mass'?"),
-        (["show", SCENE, "--vary", "body.mass=-1"], "body"),
-        (["show", SCENE, "--vary", "timestep=1"], "the timestep is no number of the scene"),
     ],
     ids=lambda value: "" if isinstance(value, str) else " ".join(value[:1] + value[2:]),
 )
@@ -224,15 +191,15 @@ def test_ctrl_c_ends_it_with_130_and_the_same_command_goes_on(path):
     ],
     ids=["none failed", "one failed", "all failed"],
 )
-def test_a_sweep_fails_only_by_runs_that_failed(outcomes, code):
+def test_an_ensemble_fails_only_by_runs_that_failed(outcomes, code):
     points = [SimpleNamespace(outcome=outcome) for outcome in outcomes]
     assert exit_code_of([SimpleNamespace(points=points)]) == code
 
 
 @pytest.mark.usefixtures("in_process")
-def test_of_several_engines_in_a_file_those_asked_for_are_reported(mapped):
+def test_of_several_methods_in_a_file_those_asked_for_are_reported(scattered):
     choice = choose(["mujoco"], ["Euler"], [])
-    (swept,) = run_sweeps([SCENE], [SPIN, STEPS], None, 0, choice, 1, mapped[0])
+    (swept,) = run_ensembles([SCENE], 3, 7, choice, 1, scattered[0])
     assert {point.key.method for point in swept.points} == {"Euler"}
 
 
@@ -240,7 +207,7 @@ def test_of_several_engines_in_a_file_those_asked_for_are_reported(mapped):
 def test_a_member_runs_as_in_its_ensemble(path, tmp_path):
     """What the command prints is the very scene whose point is in the file."""
     choice = choose(["mujoco"], ["RK4"], [])
-    (ensemble,) = run_sweeps([SCENE], [], 2, 7, choice, 1, path)
+    (ensemble,) = run_ensembles([SCENE], 2, 7, choice, 1, path)
     point, alone = ensemble.points[1], tmp_path / "alone.toml"
     alone.write_text(spincheck("show", SCENE, "--toml", "--seed", 7, "--member", 1).stdout)
     options = ("--timestep", repr(point.timestep), "--out", tmp_path / "alone.sqlite", "--json")

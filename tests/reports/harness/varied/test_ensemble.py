@@ -1,4 +1,4 @@
-"""Sweeps: every point is run once, whatever engines do, and stored points are not run again."""
+"""Ensembles: every member is run once, whatever engines do, and stored points are not run again."""
 
 import sqlite3
 from contextlib import closing, suppress
@@ -18,49 +18,45 @@ from spincheck.reports.harness.choice import Choice
 from spincheck.reports.harness.executors import CallFailed, Executor
 from spincheck.reports.harness.stock import COMMON_TIMESTEP
 from spincheck.reports.harness.varied import point as at_point
-from spincheck.reports.harness.varied.point import STEP_TURN, rung_at
-from spincheck.reports.harness.varied.sweep import plan_sweep
+from spincheck.reports.harness.varied.ensemble import plan_ensemble
 from spincheck.reports.results import fingerprints as fingerprints
+from spincheck.reports.results.ensemble_records import (
+    MAX_MEMBERS,
+    Ensemble,
+    EnsemblePoint,
+)
 from spincheck.reports.results.records import Row
 from spincheck.reports.results.store import open_store
-from spincheck.reports.results.sweep_records import (
-    MAX_MEMBERS,
-    Axis,
-    Ensemble,
-    Map,
-    SweepPoint,
-)
-from spincheck.scenarios import loads
-from spincheck.scenarios.vary import varied
+from spincheck.scenarios import Scenario, ScenarioError, loads
+from spincheck.scenarios.scatter import member
 from studies import numbers_of
-from studies import sweep as sweep_of
+from studies import run_members as run_members_of
 
 pytestmark = pytest.mark.slow
 
 SCENE = loads(BOX, "box")
-SPIN = Axis("start.omega_body[1]", (0.5, 2.0), logarithmic=True)
-STEPS = Axis("timestep", (0.01, 0.02, 0.04), logarithmic=True)
-MAP = Map("box", (SPIN, STEPS), None)
-#: Two places of it, for engines that take their processes with them.
-PART = replace(MAP, axes=(replace(SPIN, values=(2.0,)), replace(STEPS, values=(0.02, 0.04))))
+TIMESTEPS = (0.01, 0.02, 0.04)
+AT = Ensemble("box", 6, seed=5, timestep=0.02)
+#: Two members of it, for engines that take their processes with them.
+PART = replace(AT, members=2)
 ENSEMBLE = Ensemble("box", 3, seed=5, timestep=None)
 FAULTLESS = Choice((planted(HeunSession),), timed=False)
 CRASHING = Choice((planted(HeunSession), planted(SegfaultSession)), timed=False)
 
 
-def sweep(
+def run_members(
     path: Path,
-    definition=MAP,
+    definition=AT,
     choice: Choice = FAULTLESS,
     scene=SCENE,
     executor: Executor | None = None,
 ) -> tuple[Row, ...]:
-    return sweep_of(path, definition, scene, choice, executor)
+    return run_members_of(path, definition, scene, choice, executor)
 
 
-def at(point: Row) -> tuple[float, ...]:
-    """What is varied, which the axes here have in the order of their names, or the member."""
-    return tuple(value for name, value in point.varied.items() if name != "seed")
+def at(point: Row) -> int:
+    """The member's number."""
+    return int(point.varied["member"])
 
 
 def crashing(failure: CallFailed) -> Executor:
@@ -68,16 +64,16 @@ def crashing(failure: CallFailed) -> Executor:
     return FailingCalls(of_engine("Segfault", failure))
 
 
-def points_missing(path: Path, definition=MAP, choice: Choice = FAULTLESS, scene=SCENE) -> int:
+def points_missing(path: Path, definition=AT, choice: Choice = FAULTLESS, scene=SCENE) -> int:
     with open_store(path, create=True) as store:
-        return plan_sweep(definition, scene, choice, store).missing
+        return plan_ensemble(definition, scene, choice, store).missing
 
 
 @pytest.fixture(scope="module")
 def finished(tmp_path_factory):
-    """A file with the map, and its points."""
+    """A file with an ensemble, and its points."""
     path = tmp_path_factory.mktemp("finished") / "results.sqlite"
-    return path, sweep(path)
+    return path, run_members(path)
 
 
 @pytest.fixture
@@ -86,31 +82,25 @@ def swept(path, finished):
     return Path(copyfile(finished[0], path))
 
 
-def test_there_is_a_run_for_every_pair_of_values_in_the_order_of_the_axes(finished):
-    _, points = finished
-    assert [at(point) for point in points] == [(a, b) for a in SPIN.values for b in STEPS.values]
-    assert [point.timestep for point in points] == [at(point)[1] for point in points]
-
-
-def test_the_method_is_of_second_order_down_each_column(finished):
-    """Errors of Heun's method, each against its own exact motion; twice the step, four."""
-    _, points = finished
-    for spin in SPIN.values:
-        errors = [p.errors.omega for p in points if at(p)[0] == spin]
-        slopes = np.diff(np.log2(errors))
-        assert np.abs(slopes - 2).max() < 0.25
-    # With the exact motion of the other column they would be as large as what is varied.
-    assert max(point.errors.omega for point in points) < 1e-3
+def test_the_method_is_of_second_order_on_every_member(path):
+    """Errors of Heun's method, each against its member's own exact motion; twice the step, four."""
+    runs = [run_members(path, replace(PART, timestep=timestep)) for timestep in TIMESTEPS]
+    for of_member in zip(*runs, strict=True):
+        assert [point.timestep for point in of_member] == [*TIMESTEPS]
+        errors = [point.errors.omega for point in of_member]
+        assert np.abs(np.diff(np.log2(errors)) - 2).max() < 0.25
+        # With the exact motion of another member they would be as large as what is scattered.
+        assert max(errors) < 1e-3
 
 
 def test_what_is_read_back_is_what_was_put(finished, path):
     for file, definition, points in (
-        (finished[0], MAP, finished[1]),
-        (path, ENSEMBLE, sweep(path, ENSEMBLE)),
+        (finished[0], AT, finished[1]),
+        (path, ENSEMBLE, run_members(path, ENSEMBLE)),
     ):
         with open_store(file) as store:
-            (stored,) = store.read().sweeps
-        assert stored.sweep == definition
+            (stored,) = store.read().ensembles
+        assert stored.ensemble == definition
         assert numbers_of(stored.points) == numbers_of(points)
         assert stored.scenario.text == SCENE.text
 
@@ -118,16 +108,12 @@ def test_what_is_read_back_is_what_was_put(finished, path):
 def test_nothing_that_is_there_is_run_again_unless_that_is_asked_for(swept):
     assert points_missing(swept) == 0
     assert points_missing(swept, choice=replace(FAULTLESS, again=True)) == 6
-    # With its axes swapped a map shares all points, and a finer one those that both have.
-    assert points_missing(swept, replace(MAP, axes=(STEPS, SPIN))) == 0
-    finer = replace(MAP, axes=(SPIN, replace(STEPS, values=(0.005, *STEPS.values))))
-    assert points_missing(swept, finer) == len(SPIN.values)
 
 
 def engines_left(path: Path, choice: Choice) -> list[list[str]]:
-    """Of each place of the map that is not complete."""
+    """Of each member that is not complete."""
     with open_store(path, create=True) as store:
-        left = plan_sweep(MAP, SCENE, choice, store).left()
+        left = plan_ensemble(AT, SCENE, choice, store).left()
         return [[engine.name for engine, _ in one.to_run] for one in left]
 
 
@@ -137,17 +123,17 @@ def test_another_engine_leaves_what_is_there_and_what_rests_on_something_else_is
     both = Choice((*FAULTLESS.engines, planted(RaisingSession)))
     assert engines_left(swept, both) == [["Raising"]] * 6
     another = loads(BOX.replace("2.5]", "2.6]"), "box")
-    assert points_missing(swept, scene=another) == len(SPIN.values) * len(STEPS.values)
+    assert points_missing(swept, scene=another) == AT.members
     monkeypatch.setattr(fingerprints, "program", lambda kind: f"another {kind}")
-    assert points_missing(swept) == len(SPIN.values) * len(STEPS.values)
+    assert points_missing(swept) == AT.members
 
 
 class Stop(Exception):
-    """Raised in the midst of a sweep."""
+    """Raised in the midst of an ensemble."""
 
 
 def stop_after(path: Path, points: int) -> None:
-    """Carry out a part of the map, then stop like a program that is told to."""
+    """Run a part of the ensemble, then stop like a program that is told to."""
     stored: list[str] = []
 
     def progress(line: str) -> None:
@@ -156,54 +142,54 @@ def stop_after(path: Path, points: int) -> None:
             raise Stop
 
     with suppress(Stop):
-        sweep_of(path, MAP, SCENE, FAULTLESS, progress=progress)
+        run_members_of(path, AT, SCENE, FAULTLESS, progress=progress)
 
 
 def test_stopped_at_any_point_it_goes_on_and_ends_the_same(path, finished):
     for points in (1, 3):
         stop_after(path, points)
     assert points_missing(path) == 2
-    assert numbers_of(sweep(path)) == numbers_of(finished[1])
+    assert numbers_of(run_members(path)) == numbers_of(finished[1])
 
 
 def test_nothing_is_stored_twice(swept):
     with closing(sqlite3.connect(swept)) as connection:
         connection.execute("DELETE FROM rows WHERE rowid % 2")
         connection.commit()
-    sweep(swept)
+    run_members(swept)
     with closing(sqlite3.connect(swept)) as connection:
         (count,) = connection.execute("SELECT count(*) FROM rows").fetchone()
-    assert count == len(SPIN.values) * len(STEPS.values)
+    assert count == AT.members
 
 
 @pytest.mark.parametrize("cause", ["crash", "time-out", "killed", "bug"])
 def test_a_method_that_is_lost_costs_its_own_point_and_says_why(path, finished, cause):
-    points = sweep(path, MAP, CRASHING, executor=crashing(CallFailed("so it went", cause)))
+    points = run_members(path, AT, CRASHING, executor=crashing(CallFailed("so it went", cause)))
     crashed = [p for p in points if p.key.engine == "Segfault"]
     assert {(p.outcome, p.cause, p.reason) for p in crashed} == {("failed", cause, "so it went")}
-    assert [(at(p), p.timestep) for p in crashed] == [(at(p), at(p)[1]) for p in finished[1]]
+    assert [(at(p), p.timestep) for p in crashed] == [(at(p), 0.02) for p in finished[1]]
     of_heun = [p for p in points if p.key.engine == "Heun"]
     assert numbers_of(of_heun) == numbers_of(finished[1])
 
 
 def test_points_that_somebody_killed_or_the_machine_refused_are_tried_again(path):
-    sweep(path, MAP, CRASHING, executor=crashing(CallFailed(KILLED, "killed")))
+    run_members(path, AT, CRASHING, executor=crashing(CallFailed(KILLED, "killed")))
     assert engines_left(path, CRASHING) == [["Segfault"]] * 6
     refused = CallFailed("no worker process could be started", "environment")
-    sweep(path, ENSEMBLE, executor=FailingCalls(lambda *_: refused))
+    run_members(path, ENSEMBLE, executor=FailingCalls(lambda *_: refused))
     assert points_missing(path, ENSEMBLE) == ENSEMBLE.members
 
 
 def test_the_largest_ensemble_is_planned_member_by_member(path, monkeypatch):
     identities = []
-    identity = SweepPoint.varied.fget
+    identity = EnsemblePoint.varied.fget
     monkeypatch.setattr(
-        SweepPoint, "varied", property(lambda point: identities.append(point) or identity(point))
+        EnsemblePoint, "varied", property(lambda point: identities.append(point) or identity(point))
     )
     with open_store(path, create=True) as store:
-        plan = plan_sweep(replace(ENSEMBLE, members=MAX_MEMBERS), SCENE, FAULTLESS, store)
+        plan = plan_ensemble(replace(ENSEMBLE, members=MAX_MEMBERS), SCENE, FAULTLESS, store)
     assert plan.missing == MAX_MEMBERS
-    assert next(plan.left()).point.member == (ENSEMBLE.seed, 0)
+    assert next(plan.left()).point == EnsemblePoint(ENSEMBLE.seed, 0)
     assert len(identities) == 1
 
 
@@ -216,38 +202,41 @@ CRASHED = CallFailed("it crashed", "crash")
     [(STOPPED, None, 0), (STOPPED, 120.0, 0), (STOPPED, 500.0, 6), (CRASHED, 500.0, 0)],
 )
 def test_one_that_was_stopped_is_tried_again_with_more_time(path, failure, time_limit, again):
-    sweep(path, MAP, CRASHING, executor=crashing(failure))
+    run_members(path, AT, CRASHING, executor=crashing(failure))
     assert points_missing(path, choice=replace(CRASHING, time_limit=time_limit)) == again
 
 
 def test_points_of_a_place_are_made_by_one_call_and_what_diverges_says_when_and_why(path):
     executor = FailingCalls()
     both = Choice((planted(RaisingSession), planted(NotANumberSession)), timed=False)
-    points = sweep(path, choice=both, executor=executor)
-    assert executor.calls == len(SPIN.values) * len(STEPS.values)
+    points = run_members(path, choice=both, executor=executor)
+    assert executor.calls == AT.members
     diverged = [p for p in points if p.key.engine == "NotANumber"]
     assert {(p.outcome, p.cause) for p in diverged} == {("diverged", "not-finite")}
     assert all(0.5 < p.stopped_at <= 1.0 for p in diverged)
 
 
-def test_a_place_that_has_no_scene_says_so_and_is_not_tried_again(path):
-    moment = Axis("body.inertia[2]", (2.5, 9.0), logarithmic=False)
+def test_a_member_that_is_no_scene_says_so_and_is_not_tried_again(path, monkeypatch):
+    def second_is_none(base: Scenario, seed: int, number: int) -> Scenario:
+        if number == 1:
+            raise ScenarioError("box.toml:5: [body] inertia: one may not exceed the others")
+        return member(base, seed, number)
+
+    monkeypatch.setattr(at_point, "member", second_is_none)
     two = Choice((planted(HeunSession), planted(NotANumberSession)), timed=False)
-    definition = Map("box", (moment, STEPS), None)
-    points = sweep(path, definition, two)
-    without = [p for p in points if (p.outcome, p.cause) == ("unsupported", "scene")]
-    assert [at(p) for p in without] == [(9.0, step) for step in STEPS.values for _ in two.engines]
-    assert "may exceed the sum of the other two" in without[0].reason
-    assert len(points) == len(STEPS.values) * 4
-    assert points_missing(path, definition, two) == 0
+    without = [p for p in run_members(path, ENSEMBLE, two) if at(p) == 1]
+    assert [(p.outcome, p.cause) for p in without] == [("unsupported", "scene")] * 2
+    assert without[0].reason == "[body] inertia: one may not exceed the others"
+    assert points_missing(path, ENSEMBLE, two) == 0
 
 
-def test_timesteps_beyond_the_budget_or_the_window_are_no_places_to_run_and_say_so(path):
-    steps = Axis("timestep", (1e-9, 0.02, 3.0), logarithmic=False)
-    short, run, long = sweep(path, replace(MAP, axes=(SPIN, steps)))[:3]
+def test_timesteps_beyond_the_budget_or_the_window_are_not_run_and_say_so(path):
+    short, long = (
+        run_members(path, replace(PART, timestep=timestep))[0] for timestep in (1e-9, 3.0)
+    )
     assert (short.outcome, short.cause, short.timestep) == ("unsupported", "timestep", 1e-9)
     assert short.reason.endswith(f"a point may take {at_point.STEP_BUDGET}")
-    assert (run.outcome, long.outcome) == ("ok", "unsupported")
+    assert long.outcome == "unsupported"
     assert "must be shorter than the window" in long.reason
 
 
@@ -259,29 +248,15 @@ def test_a_scene_that_cannot_be_solved_is_reported_of_every_method(path, monkeyp
 
     monkeypatch.setattr(at_point, "solve_cheaply", unsolvable)
     pairs = [(planted(HeunSession), METHOD), (planted(RaisingSession), METHOD)]
-    points = at_point.run_point(SCENE, next(MAP.points()), pairs)
+    points = at_point.run_point(SCENE, next(AT.points()), pairs)
     assert [(p.outcome, p.cause) for p in points] == [("failed", "unsolved")] * 2
     assert "no series converges" in points[0].reason
 
 
 def test_a_reference_that_takes_its_process_with_it_is_not_blamed_on_a_method(path):
-    points = sweep(path, PART, CRASHING, executor=FailingCalls(lambda *_: CRASHED))
+    points = run_members(path, PART, CRASHING, executor=FailingCalls(lambda *_: CRASHED))
     assert [(p.outcome, p.cause) for p in points] == [("failed", "killed")] * 4
     assert points[0].reason == "the exact motion could not be found: it crashed"
-
-
-def test_a_map_without_timesteps_is_run_at_a_fixed_turn_a_step(path):
-    """In whole steps from sample to sample, as few as may be; of a body at rest one."""
-    masses = Axis("body.mass", (1.0, 2.0), logarithmic=False)
-    duration, intervals = SCENE.window.duration, SCENE.window.samples - 1
-    for point in sweep(path, replace(MAP, axes=(SPIN, masses))):
-        speed = np.linalg.norm(varied(SCENE, point.varied).start.omega_body)
-        assert speed * point.timestep <= STEP_TURN < speed * duration / (point.steps - intervals)
-        assert point.steps * point.timestep == pytest.approx(duration)
-    at_rest = loads(BOX.replace("[1.0, 2.0, 0.5]", "[0.0, 0.0, 0.0]"), "box")
-    rung = rung_at(SweepPoint(), at_rest, FAULTLESS.engines[0])
-    assert rung.times == pytest.approx(SCENE.times)
-    assert rung.steps == intervals
 
 
 def with_stock_timestep(name: str, timestep: float | None) -> Engine:
@@ -293,11 +268,11 @@ def with_stock_timestep(name: str, timestep: float | None) -> Engine:
 def test_members_are_those_of_the_seed_and_run_at_each_engines_stock_timestep(path):
     """One engine has a stock timestep of its own, of the other all engines' is taken."""
     own, common = with_stock_timestep("own", 0.004), with_stock_timestep("common", None)
-    points = sweep(path, ENSEMBLE, Choice((own, common), timed=False))
-    assert [at(p) for p in points] == [(k,) for k in (0.0, 1.0, 2.0) for _ in (own, common)]
+    points = run_members(path, ENSEMBLE, Choice((own, common), timed=False))
+    assert [at(p) for p in points] == [k for k in (0, 1, 2) for _ in (own, common)]
     timesteps = {"own": 0.004, "common": COMMON_TIMESTEP}
     assert {(p.key.engine, p.timestep) for p in points} == {*timesteps.items()}
-    errors = {p.key.engine: p.errors.omega for p in points if at(p) == (0.0,)}
+    errors = {p.key.engine: p.errors.omega for p in points if at(p) == 0}
     # Of second order, each beside the exact motion at its own samples.
     ratio = (0.004 / COMMON_TIMESTEP) ** 2
     assert errors["own"] / errors["common"] == pytest.approx(ratio, rel=0.2)
@@ -305,17 +280,17 @@ def test_members_are_those_of_the_seed_and_run_at_each_engines_stock_timestep(pa
 
 def test_a_member_that_a_stock_timestep_does_not_resolve_is_not_run(path):
     coarse = Choice((with_stock_timestep("coarse", 10.0),), timed=False)
-    points = sweep(path, ENSEMBLE, coarse)
+    points = run_members(path, ENSEMBLE, coarse)
     assert {(p.outcome, p.cause) for p in points} == {("unsupported", "timestep")}
     assert all("° a step" in p.reason or "too few" in p.reason for p in points)
 
 
 def test_a_larger_ensemble_begins_with_the_same_members_and_others_share_none(path):
-    first = sweep(path, ENSEMBLE)
+    first = run_members(path, ENSEMBLE)
     assert points_missing(path, replace(ENSEMBLE, seed=6)) == 3
     at_a_timestep = replace(ENSEMBLE, timestep=0.02)
     assert points_missing(path, at_a_timestep) == 3
-    assert {p.timestep for p in sweep(path, at_a_timestep)} == {0.02}
+    assert {p.timestep for p in run_members(path, at_a_timestep)} == {0.02}
     larger = replace(ENSEMBLE, members=5)
     assert points_missing(path, larger) == 2
-    assert numbers_of(sweep(path, larger)[: len(first)]) == numbers_of(first)
+    assert numbers_of(run_members(path, larger)[: len(first)]) == numbers_of(first)

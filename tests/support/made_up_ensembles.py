@@ -1,11 +1,12 @@
-"""Maps and ensembles without a run: points whose errors and ends are known."""
+"""An ensemble without a run: points whose errors and ends are known."""
+
+from dataclasses import replace
 
 from spincheck.engines import Method
+from spincheck.reports.results.ensemble_records import Ensemble, EnsembleResult
 from spincheck.reports.results.records import Key, Row, variation
 from spincheck.reports.results.results import Results
-from spincheck.reports.results.sweep_records import Ensemble, Map, SweepResult
 from spincheck.scenarios import EFFECTS, Errors, Scenario, loads
-from spincheck.scenarios.vary import Axis, parse_axis
 
 MISCHIEF = "<script>alert('x')</script>"
 ALL = frozenset(EFFECTS)
@@ -49,9 +50,6 @@ omega_body = [0.1, 0.0, 2.0]
 duration = 10.0
 samples = 11
 """
-SPIN, STEP = "start.omega_body[2]=1:100:9:log", "timestep=1e-3:1:7:log"
-#: ω error of a run that finishes: its timestep to this power.
-ORDERS = {"Euler": 1, "RK4": 4, "multibody": 1}
 #: Of the reference, in ω; the finest runs of RK4 are better.
 UNCERTAINTY = 1e-11
 #: Of every motion.
@@ -62,40 +60,7 @@ def scene(text: str = DISC, name: str = "disc") -> Scenario:
     return loads(text, name)
 
 
-def axes(*texts: str) -> tuple[Axis, Axis]:
-    first, second = map(parse_axis, texts or (SPIN, STEP))
-    return first, second
-
-
-def point(at: tuple[float, float], pair: tuple[str, str], timestep: float, base: Scenario) -> Row:
-    """Diverges where Euler turns by more than 1, fails beyond 10; PyBullet clamps beyond π/4."""
-    key = Key(base.name, *pair)
-    varied = {"variation": variation({"start.omega_body[2]": at[0], "timestep": at[1]})}
-    turn = at[0] * timestep
-    if pair == ("pybullet", "multibody") and turn > METHODS[pair].max_rotation_per_step:
-        return Row(key, "", timestep, "unsupported", f"too far {MISCHIEF}", "clamp", **varied)
-    if pair[1] == "Euler" and turn > 1:
-        cause = "not-finite" if turn < 10 else "energy"
-        return Row(key, "", timestep, "diverged", f"blew up {MISCHIEF}", cause, 0.25, **varied)
-    error = timestep ** ORDERS[pair[1]]
-    errors = Errors(*(k * error for k in range(1, 7)))
-    steps = round(base.window.duration / timestep)
-    kept = {"errors": errors, "reference_uncertainty": UNCERTAINTY, "steps": steps} | varied
-    return Row(key, "", timestep, "ok", turns=TURNS, **kept)
-
-
-def map_result(text: str = DISC, name: str = "disc") -> SweepResult:
-    base, varied = scene(text, name), axes()
-    points = tuple(
-        point((first, second), pair, second, base)
-        for first in varied[0].values
-        for second in varied[1].values
-        for pair in METHODS
-    )
-    return SweepResult(Map(name, varied, None), base, points)
-
-
-def ensemble_result(members: int = 10, name: str = "disc") -> SweepResult:
+def ensemble_result(members: int = 10, name: str = "disc") -> EnsembleResult:
     """Member k is off by k + 1 hundredths with Euler, RK4 by a millionth of that.
 
     Of PyBullet every second member diverges, the later the earlier.
@@ -116,10 +81,14 @@ def ensemble_result(members: int = 10, name: str = "disc") -> SweepResult:
             within = TURNS / (k + 1) if pair == ("mujoco", "Euler") else None
             kept |= {"turns": TURNS, "turns_within_1deg": within, "attitude_a_turn": error / TURNS}
             points.append(Row(key, "", 0.01, "ok", **kept, **varied))
-    return SweepResult(Ensemble(name, members, 7, 0.01), base, tuple(points))
+    return EnsembleResult(Ensemble(name, members, 7, 0.01), base, tuple(points))
 
 
-def swept() -> Results:
-    """Two maps of one scene, one of another, and an ensemble."""
-    sweeps = [map_result(), map_result(), map_result(UPRIGHT, "upright"), ensemble_result()]
-    return Results({"processor": "a fast one"}, {}, [], [], methods=METHODS, sweeps=sweeps)
+def at_stock() -> Results:
+    """The ensemble at stock timesteps, its Euler as shipped."""
+    ensemble = ensemble_result()
+    ensembles = [replace(ensemble, ensemble=replace(ensemble.ensemble, timestep=None))]
+    shipped = replace(METHODS["mujoco", "Euler"], as_shipped=True)
+    methods = METHODS | {("mujoco", "Euler"): shipped}
+    environment = {"processor": "a fast one"}
+    return Results(environment, {}, [], [], methods=methods, ensembles=ensembles)

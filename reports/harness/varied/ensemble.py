@@ -1,4 +1,4 @@
-"""Runs what is missing of a sweep, point by point, on an executor.
+"""Runs what is missing of an ensemble, member by member, on an executor.
 
 One call runs all methods at a point, so that its scene is solved once. If that call fails, the
 scene is solved alone, to find out whether the reference or an engine failed, and then each method
@@ -11,11 +11,11 @@ from dataclasses import dataclass
 from functools import partial
 
 from ....scenarios import Scenario
+from ...results.ensemble_records import DefinedEnsemble, Ensemble, EnsemblePoint
 from ...results.environment import environment
 from ...results.fingerprints import fingerprints
 from ...results.records import Pair, Row, variation
 from ...results.store import Store
-from ...results.sweep_records import DefinedSweep, Ensemble, Map, SweepPoint
 from ..choice import Choice, EngineMethod
 from ..executors import CallFailed, Executor, cause_of_unsolved, may_succeed_if_repeated
 from ..executors.compiling import compile_side_by_side
@@ -28,13 +28,13 @@ Progress = Callable[[str], None]
 class PointLeft:
     """A point, and the methods whose results are missing there."""
 
-    point: SweepPoint
+    point: EnsemblePoint
     to_run: Sequence[EngineMethod]
 
 
 @dataclass(frozen=True, eq=False)
-class SweepPlan:
-    """What a sweep still has to do.
+class EnsemblePlan:
+    """What an ensemble still has to do.
 
     Attributes
     ----------
@@ -43,7 +43,7 @@ class SweepPlan:
     total, complete : number of points asked for, and of complete ones
     """
 
-    sweep: Map | Ensemble
+    ensemble: Ensemble
     pairs: Sequence[EngineMethod]
     stored: Mapping[str, Collection[Pair]]
     total: int
@@ -55,29 +55,29 @@ class SweepPlan:
         return self.total - self.complete
 
     def left(self) -> Iterator[PointLeft]:
-        """The incomplete points, one by one: a sweep may have more than fit into memory."""
-        for point in self.sweep.points():
+        """The incomplete points, one by one: an ensemble may have more than fit into memory."""
+        for point in self.ensemble.points():
             there = self.stored.get(variation(point.varied), ())
             if to_run := _to_run(self.pairs, there):
                 yield PointLeft(point, to_run)
 
 
-def plan_sweep(sweep: Map | Ensemble, base: Scenario, choice: Choice, store: Store) -> SweepPlan:
+def plan_ensemble(ensemble: Ensemble, base: Scenario, choice: Choice, store: Store) -> EnsemblePlan:
     """Store the definition, and determine what is missing."""
     store.rest_on(tuple(fingerprints(base, choice.engines)))
     store.put_environment(environment(choice.engines))
     store.put_methods(choice.engines)
-    store.put(DefinedSweep(base.name, sweep, base.text))
+    store.put(DefinedEnsemble(base.name, ensemble, base.text))
     pairs = list(choice.methods_on(base).values())
     stored: dict[str, set[Pair]] = {}
     for row in [] if choice.again else store.varied(base.name):
         if not may_succeed_if_repeated(row.cause, row.reason, choice.time_limit):
             stored.setdefault(row.variation, set()).add(row.pair)
     complete = sum(
-        not _to_run(pairs, there) and sweep.point(json.loads(varied)) is not None
+        not _to_run(pairs, there) and ensemble.point(json.loads(varied)) is not None
         for varied, there in stored.items()
     )
-    return SweepPlan(sweep, pairs, stored, len(sweep), complete)
+    return EnsemblePlan(ensemble, pairs, stored, len(ensemble), complete)
 
 
 def _to_run(pairs: Sequence[EngineMethod], there: Collection[Pair]) -> list[EngineMethod]:
@@ -85,8 +85,8 @@ def _to_run(pairs: Sequence[EngineMethod], there: Collection[Pair]) -> list[Engi
     return [pair for pair in pairs if (pair[0].name, pair[1].name) not in there]
 
 
-def run_sweep(
-    plan: SweepPlan, base: Scenario, store: Store, executor: Executor, progress: Progress
+def run_ensemble(
+    plan: EnsemblePlan, base: Scenario, store: Store, executor: Executor, progress: Progress
 ) -> None:
     """Run the missing points, and store the results of each as soon as it is run."""
     if plan.missing:
@@ -96,7 +96,7 @@ def run_sweep(
         progress(str(point))
 
 
-def study_point(left: PointLeft, base: Scenario, store: Store, executor: Executor) -> SweepPoint:
+def study_point(left: PointLeft, base: Scenario, store: Store, executor: Executor) -> EnsemblePoint:
     """One point, from the exact motion to the stored results of all its methods."""
     store.put(*_rows(left, base, executor))
     return left.point

@@ -1,1 +1,0 @@
-"""Commands that run maps and ensembles."""

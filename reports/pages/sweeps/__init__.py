@@ -1,1 +1,0 @@
-"""The pages of maps and ensembles, with their templates."""

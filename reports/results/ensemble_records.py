@@ -1,0 +1,141 @@
+"""What an ensemble is: a scene whose start and body are scattered at random."""
+
+import math
+from collections import defaultdict
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from typing import Annotated, Any
+
+from pydantic import Field
+
+from ...scenarios import Scenario, loads
+from .records import Record, Row, SceneName
+
+#: A month on one core.
+MAX_MEMBERS = 1_000_000
+#: As many bits as numpy asks of a seed (`numpy.random.SeedSequence`).
+MAX_SEED = (1 << 128) - 1
+
+
+@dataclass(frozen=True)
+class EnsemblePoint:
+    """One member of an ensemble, and the timestep of its runs.
+
+    Attributes
+    ----------
+    seed, number : of the member
+    timestep : s; None for each engine's stock timestep
+    """
+
+    seed: int
+    number: int
+    timestep: float | None = None
+
+    @property
+    def varied(self) -> dict[str, float]:
+        """What identifies the point, whichever ensemble it belongs to."""
+        parts: dict[str, float] = {"seed": self.seed, "member": self.number}
+        return parts if self.timestep is None else {**parts, "timestep": self.timestep}
+
+    def __str__(self) -> str:
+        """The point in words."""
+        at = "" if self.timestep is None else f", timestep {self.timestep:.6g}"
+        return f"member {self.number}{at}"
+
+
+_Timestep = Annotated[float, Field(gt=0, lt=math.inf)]
+
+
+@dataclass(frozen=True)
+class Ensemble:
+    """Scattered starts and bodies; a member does not depend on how many there are.
+
+    Attributes
+    ----------
+    scenario : the scene's name
+    timestep : s, of every run; None for each engine's stock timestep
+    """
+
+    scenario: SceneName
+    members: Annotated[int, Field(gt=0, le=MAX_MEMBERS)]
+    seed: Annotated[int, Field(ge=0, le=MAX_SEED)]
+    timestep: _Timestep | None
+
+    def __len__(self) -> int:
+        """How many members there are."""
+        return self.members
+
+    def points(self) -> Iterator[EnsemblePoint]:
+        """All members."""
+        return map(self._member, range(self.members))
+
+    def point(self, parts: Mapping[str, Any]) -> EnsemblePoint | None:
+        """The point that has an identity, parsed; None if there is none."""
+        number = parts.get("member")
+        if type(number) is not int or not 0 <= number < self.members:
+            return None
+        point = self._member(number)
+        return point if point.varied == parts else None
+
+    def __str__(self) -> str:
+        """Its size and its seed, in words."""
+        return f"{self.members} members of seed {self.seed}"
+
+    def _member(self, number: int) -> EnsemblePoint:
+        return EnsemblePoint(self.seed, number, self.timestep)
+
+
+@dataclass(frozen=True)
+class DefinedEnsemble(Record):
+    """An ensemble that was asked for, and the file of the scene that is scattered."""
+
+    scenario: SceneName
+    ensemble: Ensemble
+    toml: str
+
+    def varied(self) -> Scenario:
+        """The scene that is scattered.
+
+        Raises
+        ------
+        ValueError
+            If it is none.
+        """
+        if self.ensemble.scenario != self.scenario:
+            raise ValueError(f"an ensemble of '{self.ensemble.scenario}' under '{self.scenario}'")
+        return loads(self.toml, self.scenario)
+
+
+@dataclass(frozen=True, eq=False)
+class EnsembleResult:
+    """An ensemble with the scene that is varied, and its stored points, member by member."""
+
+    ensemble: Ensemble
+    scenario: Scenario
+    points: tuple[Row, ...]
+
+
+def swept(stored: Iterable[DefinedEnsemble], points: Iterable[Row]) -> list[EnsembleResult]:
+    """The ensembles with their points.
+
+    Raises
+    ------
+    ValueError
+        If a definition is none.
+    """
+    of_scene: dict[str, list[Row]] = defaultdict(list)
+    for row in points:
+        of_scene[row.key.scenario].append(row)
+    return [
+        EnsembleResult(one.ensemble, one.varied(), points_of(one.ensemble, of_scene[one.scenario]))
+        for one in stored
+    ]
+
+
+def points_of(ensemble: Ensemble, stored: Iterable[Row]) -> tuple[Row, ...]:
+    """The points of an ensemble among those of its scene, member by member.
+
+    It loops over the stored points, not over all members: few may have been run.
+    """
+    found = [row for row in stored if ensemble.point(row.varied) is not None]
+    return tuple(sorted(found, key=lambda row: (row.varied["member"], row.pair)))
