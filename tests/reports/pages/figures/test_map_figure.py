@@ -4,6 +4,7 @@ import json
 import math
 from dataclasses import replace
 from html import escape
+from types import SimpleNamespace
 
 import numpy as np
 import plotly.graph_objects as go
@@ -14,8 +15,9 @@ from plotted import coloured, values_of
 from spincheck.reference.stability_bounds import RK4_LIMIT
 from spincheck.reports.pages.analysis.map_grid import Grid, axis_title, places, with_unit
 from spincheck.reports.pages.analysis.measures import COLOURS, HORIZON, SIGNS, is_coloured, marks
+from spincheck.reports.pages.figures import map_axes
 from spincheck.reports.pages.figures import map_figure as map_figure_module
-from spincheck.reports.pages.figures.map_bounds import bounds_of
+from spincheck.reports.pages.figures.map_bounds import bounds_of, clamp
 from spincheck.reports.pages.figures.map_figure import drawn_bounds, legend_of_bounds, map_figure
 from spincheck.reports.pages.figures.plot import Figure
 from spincheck.reports.results.sweep_records import SweepResult
@@ -179,9 +181,15 @@ def test_a_run_that_the_reference_does_not_follow_to_the_end_is_signed() -> None
     cut = tuple(replace(p, steps=p.steps // 2) for p in whole.points)
     shortened = replace(whole, points=cut)
     assert all(grid(shortened).is_cut(point) == is_coloured(point) for point in cut)
-    label = escape(HORIZON.label)
+    label, traces = escape(HORIZON.label), map_figure(grid(shortened))["data"]
     assert label not in [t.get("name") for t in map_figure(grid(whole))["data"]]
-    assert label in [t.get("name") for t in map_figure(grid(shortened))["data"]]
+    assert label in [t.get("name") for t in traces]
+    signed = [
+        t for t in traces if t.get("marker", {}).get("symbol") == HORIZON.symbol and "text" in t
+    ]
+    # The colour stays visible around them.
+    assert {t["marker"]["size"] for t in signed} == {map_figure_module.SMALLEST_SIGN}
+    assert sum(len(t["text"]) for t in signed) == sum(map(is_coloured, cut))
 
 
 def test_a_place_without_a_scene_is_signed_in_every_panel() -> None:
@@ -198,6 +206,56 @@ def test_a_place_without_a_scene_is_signed_in_every_panel() -> None:
     # Without lines there, as it has no timestep; a map that is not complete is drawn too.
     go.Figure(coloured(map_figure(drawn)))
     go.Figure(coloured(map_figure(grid(replace(whole, points=whole.points[:5])))))
+
+
+def with_errors_of(omega: float) -> Figure:
+    whole = map_result()
+    points = (
+        replace(p, errors=replace(p.errors, omega=omega)) if p.errors else p for p in whole.points
+    )
+    return map_figure(grid(replace(whole, points=tuple(points))))
+
+
+@pytest.mark.parametrize(("omega", "cmin", "least_ticks"), [(2.0, -1, 2), (1e-300, -11, 6)])
+def test_the_colour_scale_has_a_width_and_few_ticks(omega, cmin, least_ticks) -> None:
+    """However large the errors are; those below the uncertainty count as that."""
+    axis = with_errors_of(omega)["layout"]["coloraxis"]
+    assert (axis["cmin"], axis["cmax"]) == (cmin, 0)
+    assert axis["colorbar"]["ticktext"][0] == "≥ 1"
+    assert len(axis["colorbar"]["tickvals"]) == least_ticks
+
+
+def test_an_error_that_is_infinite_has_no_colour() -> None:
+    assert np.isnan(heatmap(with_errors_of(math.inf), 2)).all()
+
+
+def test_lines_are_found_between_uneven_nodes_and_not_where_they_are_undefined() -> None:
+    x, y = np.array([0.0, 7.0]), np.array([0.0, 1.0, 3.0])
+    values = np.array([[-2.0, -1.0], [-1.0, math.nan], [1.0, 1.0]])
+    assert map_figure_module._crossings(x, y, values).tolist() == [[0.0, 2.0]]
+
+
+def test_runge_kutta_s_limit_is_of_swings_too_and_only_fractions_of_pi_are_called_so() -> None:
+    (limit,) = (bound for bound in bounds_of(METHODS[RK4]) if bound.label == "2√2")
+    swings = SimpleNamespace(gyration=0.0, swinging=4.0)
+    assert limit.value(swings, RK4_LIMIT / 4) == pytest.approx(0.0, abs=SINGLE)
+    assert [clamp(most).label for most in (math.pi / 4, 1.0)] == ["π/4", "1 rad"]
+
+
+def test_cells_are_around_values_and_fit_into_panels() -> None:
+    assert map_axes.edges(parse_axis("body.mass=1:3:3")).tolist() == [0.5, 1.5, 2.5, 3.5]
+    assert map_axes.cell_side((100, 2), 1) == map_axes.PANEL_HEIGHT / 100
+    assert map_axes.cell_side((2, 100), 4) < map_axes.PANEL_HEIGHT / 2
+    legends = [map_axes.panels(grid(), n)["margin"]["b"] for n in (4, 5)]
+    assert np.diff(legends) == map_axes.LEGEND_LINE
+
+
+@pytest.mark.parametrize(
+    ("axis", "ticks"), [("0.01:1", ["0.01", "0.1", "1"]), ("0.1:1", ["0.1", "0.2", "0.5", "1"])]
+)
+def test_ticks_are_decades_or_more_where_these_are_few(axis: str, ticks: list[str]) -> None:
+    shared = map_axes.shared(parse_axis(f"body.mass={axis}:5:log"), outer=True)
+    assert shared["ticktext"] == ticks
 
 
 def test_linear_axes_are_drawn_in_their_own_units() -> None:
