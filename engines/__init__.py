@@ -1,5 +1,6 @@
 """Physics engines behind one interface."""
 
+from .batch import Batch
 from .checks.read_back import BodyReading, EngineError, State, UnsupportedError
 from .discovery import NameTaken, add, engines, missing
 from .engine import Engine

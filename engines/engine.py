@@ -124,6 +124,18 @@ class Engine(Adapted, ABC):
         """
         raise NotImplementedError(f"{self.name} steps one world at a time.")
 
+    def use_device(self, name: str) -> None:
+        """Step what is opened in this process from now on by a device, such as cuda:0.
+
+        Since version 2 of the interface.
+
+        Raises
+        ------
+        UnsupportedError
+            If the engine leaves no choice, or there is no such device.
+        """
+        raise UnsupportedError(f"{self.name} leaves no choice of a device, '{name}' or another")
+
     def open_with(
         self,
         scenario: Scenario,

@@ -3,6 +3,10 @@
 import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
+from importlib import import_module
+from typing import Any
+
+from spincheck.engine import UnsupportedError
 
 from .native_output import native_output
 from .user_cache import user_cache
@@ -17,3 +21,26 @@ def kernels_kept() -> Iterator[None]:
 
         warp.config.kernel_cache_dir = str(user_cache() / "warp")
         yield
+
+
+def use_warp_device(world: str, name: str) -> None:
+    """Have a stand-alone module, which steps on the CPU unless told, step on a device of Warp's.
+
+    Raises
+    ------
+    UnsupportedError
+        If there is none of that name.
+    """
+    with kernels_kept():
+        warp: Any = import_module(world).wp
+        if not warp.is_device_available(name):
+            there = ", ".join(one.alias for one in warp.get_devices())
+            raise UnsupportedError(f"there is no device '{name}' here; Warp has {there}")
+        warp.set_device(name)
+
+
+def warp_device() -> str:
+    """What Warp steps on, as a batch names it."""
+    warp: Any = import_module("warp")
+    device = warp.get_device()
+    return "CPU" if device.is_cpu else f"{device.name} ({device.alias})"

@@ -110,8 +110,8 @@ class WorldSession(Session):
 class WorldBatch(Batch):
     """Worlds that a stand-alone module steps: with `advance(steps)` and `motions(places)`."""
 
-    def __init__(self, worlds: Any) -> None:
-        self._worlds = worlds
+    def __init__(self, worlds: Any, device: str = Batch.device) -> None:
+        self._worlds, self.device = worlds, device
 
     def advance(self, steps: int) -> None:
         """As the worlds do."""

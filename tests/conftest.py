@@ -1,31 +1,26 @@
-"""Fixtures of more than one folder, and what is skipped where PyBullet is not installed."""
+"""Fixtures of more than one folder, and what is skipped without PyBullet, or on Windows."""
 
-import re
 from collections.abc import Iterator
-from importlib.util import find_spec
 from pathlib import Path
 
 import pytest
-
-HAS_PYBULLET = find_spec("pybullet") is not None
-NO_PYBULLET = "the package 'pybullet' is not installed"
+from importable_files import HAS_PYBULLET, NO_PYBULLET, why_skipped
 
 
-class WithoutPyBullet(pytest.Module):
-    """A test file that imports PyBullet, which is not there."""
+class Skipped(pytest.Module):
+    """A test file that cannot be imported here."""
 
     def collect(self) -> Iterator[pytest.Item]:
-        pytest.skip(NO_PYBULLET, allow_module_level=True)
+        pytest.skip(why_skipped(self.path), allow_module_level=True)
 
 
 def pytest_pycollect_makemodule(
     module_path: Path, parent: pytest.Collector
 ) -> pytest.Module | None:
-    """Skip files that import PyBullet where it is not installed."""
-    text = module_path.read_text(encoding="utf-8")
-    if HAS_PYBULLET or not re.search(r"^(import|from) .*pybullet", text, re.MULTILINE):
+    """Skip files that cannot be imported here."""
+    if not why_skipped(module_path):
         return None
-    module: pytest.Module = WithoutPyBullet.from_parent(parent, path=module_path)
+    module: pytest.Module = Skipped.from_parent(parent, path=module_path)
     return module
 
 

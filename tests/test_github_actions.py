@@ -14,7 +14,9 @@ from spincheck.scenarios import load
 from spincheck.suite import SCENES
 from stepped import METHODS, Stepped, SteppedEngine
 
-HOW_TO = Path(__file__).parents[1] / "docs/how-to"
+ROOT = Path(__file__).parents[1]
+HOW_TO = ROOT / "docs/how-to"
+QUICK = ROOT / ".github/workflows/quick.yml"
 WORKFLOW, JUDGING = HOW_TO / "github-actions.yml", HOW_TO / "github-actions-judge.yml"
 
 
@@ -26,12 +28,23 @@ def calls(workflow: Path) -> list[str]:
 CALLS, (JUDGE,) = calls(WORKFLOW), [call for call in calls(JUDGING) if "judge" in call]
 
 
-@pytest.mark.parametrize("call", [*CALLS, JUDGE])
+@pytest.mark.parametrize("call", [*CALLS, JUDGE, *calls(QUICK)])
 def test_a_call_is_of_a_command_with_its_options(call: str) -> None:
     name, *words = shlex.split(call.partition(">")[0])[1:]
     commands = vars(typer.main.get_command(app))["commands"]
     options = {option for parameter in commands[name].params for option in parameter.opts}
     assert {word for word in words if word.startswith("--")} <= options
+
+
+def test_the_quick_tests_are_those_of_make_and_nox_on_the_same_pythons() -> None:
+    quick, nox, make = (
+        path.read_text(encoding="utf-8") for path in (QUICK, ROOT / "noxfile.py", ROOT / "Makefile")
+    )
+    (made,) = re.findall(r"pytest (-n auto --dist loadfile -m 'not processes[^']*') tests", make)
+    (run,) = re.findall(r"pytest (.*) tests", quick)
+    assert shlex.split(run) == shlex.split(made)
+    pythons = (re.findall(r'"(3\.\d+)"', text) for text in (quick, nox))
+    assert next(pythons) == next(pythons)
 
 
 def test_it_runs_compares_and_makes_a_report() -> None:

@@ -8,6 +8,7 @@ import threading
 from pathlib import Path
 from types import SimpleNamespace
 
+import importable_files
 import pytest
 from spincheck.engines.child.process import ChildProcess, ProtocolError
 from spincheck.engines.versions.folders import VersionError, install_for
@@ -51,6 +52,17 @@ def test_a_result_file_is_locked_by_its_own_module(
     ):
         pass
     assert locked == [(2, 1)]
+
+
+def test_test_files_that_cannot_be_imported_there_are_skipped(tmp_path: Path) -> None:
+    file = tmp_path / "test_it.py"
+    for text, why in {
+        "import resource\n": importable_files.NO_POSIX,
+        "PIPE = (os.mkfifo, '')\n": importable_files.NO_POSIX,
+        "import resources\n": "",
+    }.items():
+        file.write_text(text, encoding="utf-8")
+        assert importable_files.why_skipped(file) == why
 
 
 def test_memory_is_not_bounded() -> None:

@@ -20,6 +20,7 @@ from .options import (
     Again,
     AsEncoded,
     AsJson,
+    Device,
     Engines,
     From,
     Jobs,
@@ -132,6 +133,7 @@ def run(
     ensemble: MemberCount = None,
     seed: Seed = None,
     worlds: Worlds = "",
+    device: Device = "",
     strict: Annotated[
         bool,
         typer.Option("--strict", help=f"Exit with 1 also if a verdict is {UNPROVEN}."),
@@ -161,6 +163,8 @@ def run(
     named = (engine or [], method or [], timestep or [])
     if seed is not None and ensemble is None:
         raise Complaint("'--seed' is for an ensemble; '--ensemble' scatters a scene into one")
+    if device and not worlds:
+        raise Complaint("'--device' is for batches; '--worlds' steps a scene in some")
     of_ladders = {"--quick": quick, "--as": as_encoded, "--strict": strict}
     is_not = "is for ladders; '--ensemble' has none"
     if worlds:
@@ -170,7 +174,7 @@ def run(
         if is_given:
             raise Complaint(f"'{option}' {is_not}")
     if worlds:
-        rows = batches(scenes or [], *named, named_worlds(worlds), time_limit)
+        rows = batches(scenes or [], *named, named_worlds(worlds), device, time_limit)
         if as_json:
             print(to_json(batches_as_json(rows)))
         else:

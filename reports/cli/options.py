@@ -116,6 +116,12 @@ Seed = Annotated[
 Again = Annotated[
     bool, typer.Option("--again", help="Run what the result file holds already, too.")
 ]
+Device = Annotated[
+    str,
+    typer.Option(
+        "--device", metavar="NAME", help="Step the batches of '--worlds' there, such as cuda:0."
+    ),
+]
 Worlds = Annotated[
     str,
     typer.Option(

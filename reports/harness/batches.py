@@ -16,6 +16,7 @@ from mpmath import mpf
 from scipy.spatial.transform import Rotation
 
 from ...engines import (
+    Batch,
     Engine,
     EngineError,
     Method,
@@ -61,6 +62,7 @@ class BatchRow:
 
     Attributes
     ----------
+    device : what steps them; what was asked for if nothing was stepped
     steps : that are compared
     until : s, what these are
     alone, place, neighbours : the largest difference from the world alone, between places, and
@@ -77,7 +79,7 @@ class BatchRow:
     method: str
     timestep: float
     worlds: int
-    device: str = ""
+    device: str = Batch.device
     steps: int = 0
     until: float = 0.0
     alone: Apart | None = None
@@ -101,17 +103,33 @@ def batch_by(executor: Executor, scenario: Scenario, engine: Engine, row: BatchR
 
 
 def batch_of(scenario: Scenario, engine: Engine, row: BatchRow) -> BatchRow:
-    """Compare and time a batch; `row` has its scene, engine, method, timestep and size."""
+    """Compare and time a batch; `row` has its scene, engine, method, timestep, size and device."""
     method = engine.method(row.method)
     if reason := engine.unsupported(scenario, method):
         return replace(row, outcome="unsupported", reason=reason)
     try:
+        if row.device != Batch.device:
+            engine.use_device(row.device)
         with engine.open(scenario, method, row.timestep) as session:
             return _Study(scenario, engine, method, row, session).row()
     except UnsupportedError as error:
         return replace(row, outcome="unsupported", reason=str(error))
     except EngineError as error:
         return replace(row, outcome="failed", reason=str(error))
+
+
+def device_by(executor: Executor, engine: Engine, name: str) -> str:
+    """Why an engine cannot step on a device, tried in another process; empty if it can."""
+    answer = executor.call_at(engine.site, _refused, engine, name)
+    return answer.value.reason if isinstance(answer.value, CallFailed) else answer.value
+
+
+def _refused(engine: Engine, name: str) -> str:
+    try:
+        engine.use_device(name)
+    except UnsupportedError as error:
+        return str(error)
+    return ""
 
 
 def neighbours_of(scenario: Scenario) -> dict[str, Scenario]:

@@ -188,8 +188,7 @@ class Evidence(Record):
     Attributes
     ----------
     steps : from exact states; None where the method cannot be opened at them
-    own_steps : from states of its own runs, in intervals that gain the most; None where none gains
-        more than steps from exact states do
+    own_steps : from states of its own runs; None where none were taken
     replays : of its runs
     refusal : why the runs could not be replayed, in the engine's words; else empty
     """

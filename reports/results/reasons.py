@@ -166,8 +166,8 @@ def _replay(replay: ReplayEvidence) -> str:
     at = f"at a timestep of {replay.timestep:.3g} s"
     if replay.spread:
         return (
-            f"the engine is not deterministic: two runs of one interval {at} differ by "
-            f"{replay.spread:.2g} a radian of turn"
+            "the engine is not deterministic, or depends on how many steps are asked for at once: "
+            f"two runs of one interval {at} differ by {replay.spread:.2g} a radian of turn"
         )
     if replay.order:
         return (

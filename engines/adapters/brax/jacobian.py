@@ -1,6 +1,7 @@
 """The Jacobian of Brax's steps in joint coordinates, as `jax.jacfwd` and `jax.jacrev` give it."""
 
 import warnings
+from importlib import import_module
 from typing import Any
 
 import jax
@@ -9,10 +10,10 @@ import numpy as np
 from spincheck.engine import FloatArray, in_chart, numbers_by_chart
 
 from ...user_cache import user_cache
-from . import world as parts
 
+parts: Any = import_module(f"{__package__}.world")
 # It compiles for a minute.
-jax.config.update("jax_compilation_cache_dir", str(user_cache() / "jax"))
+parts.jax.config.update("jax_compilation_cache_dir", str(user_cache() / "jax"))
 #: Where a free joint has its quaternion in q, and ω in qd.
 QUATERNION, TURNING = slice(3, 7), slice(3, 6)
 

@@ -11,7 +11,7 @@ import mujoco
 from spincheck.engine import COMMON_EFFECTS, Batch, Engine, Method, Scenario, Session
 
 from ...models.mjcf import mjcf
-from ...warp_kernels import kernels_kept
+from ...warp_kernels import kernels_kept, use_warp_device, warp_device
 from ...world_session import WorldBatch
 from ..mujoco.engine import setup
 from ..mujoco.port import PortSession, left_in, port_script, starts
@@ -57,9 +57,13 @@ class MuJoCoWarp(Engine):
         world = self._world([scenario], method, timestep)
         return PortSession(scenario, world.model, world, ALWAYS_ON)
 
+    def use_device(self, name: str) -> None:
+        """One of Warp's."""
+        use_warp_device(f"{__package__}.world", name)
+
     def open_batch(self, scenarios: Sequence[Scenario], method: Method, timestep: float) -> Batch:
         """Likewise of each different scene, once."""
-        return WorldBatch(self._world(scenarios, method, timestep))
+        return WorldBatch(self._world(scenarios, method, timestep), warp_device())
 
     def _world(self, scenarios: Sequence[Scenario], method: Method, timestep: float) -> Any:
         different = list(dict.fromkeys(scenarios))

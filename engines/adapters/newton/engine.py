@@ -24,7 +24,7 @@ from spincheck.engine import (
 
 from ...scene_record import HeldRotor, WorldBody, scene_record
 from ...version_numbers import numbers_of
-from ...warp_kernels import kernels_kept
+from ...warp_kernels import kernels_kept, use_warp_device, warp_device
 from ...world_engine import WorldEngine
 from ...world_parts import matrix, push
 from ...world_session import WorldBatch, WorldSession
@@ -216,10 +216,14 @@ class Newton(WorldEngine):
         with kernels_kept():
             return super().open(scenario, method, timestep)
 
+    def use_device(self, name: str) -> None:
+        """One of Warp's."""
+        use_warp_device(f"{__package__}.world", name)
+
     def open_batch(self, scenarios: Sequence[Scenario], method: Method, timestep: float) -> Batch:
         """A world of one model for each scene."""
         records = {scenario: scene_record(scenario) for scenario in dict.fromkeys(scenarios)}
         first, *others = (records[scenario] for scenario in scenarios)
         with kernels_kept():
             module = import_module(f"{__package__}.world")
-            return WorldBatch(module.World(first, method.name, timestep, others))
+            return WorldBatch(module.World(first, method.name, timestep, others), warp_device())

@@ -6,8 +6,8 @@ from dataclasses import asdict
 from itertools import groupby
 from typing import Any
 
-from ....engines import Engine, engines
-from ...harness.batches import Apart, BatchRow, batch_by
+from ....engines import Batch, Engine, engines
+from ...harness.batches import Apart, BatchRow, batch_by, device_by
 from ...harness.stock import stock_timestep
 from ...pages.analysis.wording import duration
 from ..choosing import check_timesteps, choose, executor_for
@@ -38,6 +38,7 @@ def batches(
     methods: Sequence[str],
     timesteps: Sequence[float],
     worlds: Sequence[int],
+    device: str,
     time_limit: float | None,
 ) -> list[BatchRow]:
     """A row for each scene, method and number of worlds; as shipped only if it is named."""
@@ -50,6 +51,9 @@ def batches(
     check_timesteps(scenarios, chosen)
     rows: list[BatchRow] = []
     with executor_for(1, chosen) as executor:
+        for engine in chosen.engines if device else ():
+            if reason := device_by(executor, engine, device):
+                raise Complaint(f"'--device': {reason}")
         for scenario in scenarios:
             for engine, method in chosen.methods_on(scenario).values():
                 if method.as_shipped and not methods:
@@ -58,7 +62,7 @@ def batches(
                     for count in worlds:
                         named = scenario.name, engine.name, method.name
                         say(f"{scenario.name}  {engine.name} {method.name}, {_worlds(count)}")
-                        begun = BatchRow(*named, timestep, count)
+                        begun = BatchRow(*named, timestep, count, device or Batch.device)
                         rows.append(batch_by(executor, scenario, engine, begun))
     return rows
 

@@ -25,12 +25,10 @@ def with_all_left_in(
     """Return the methods that are timed with all that they leave out of a scene left in.
 
     Of the methods of an engine that leave out the same these are the first, and one of the highest
-    order, which reports recommend. Other readers of an engine's models are not timed again.
+    order, which reports recommend.
     """
     alike: dict[tuple[str, tuple[str, ...]], list[EngineMethod]] = {}
     for engine, method in pairs:
-        if method.reader or engine.unsupported(scenario, method):
-            continue
         if names := engine.left_out(scenario, method):
             alike.setdefault((engine.name, names), []).append((engine, method))
     chosen = {

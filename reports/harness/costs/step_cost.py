@@ -28,8 +28,6 @@ RESOLUTIONS = 100
 SHARE_OF_CALL = 0.02
 #: Timed stretches of a method; the minimum is reported, their spread is the noise.
 REPEATS = 9
-#: Stretches are planned longer by this factor, so as not to fall just short of the minimum.
-AIMED_BEYOND = 1.1
 #: Significant binary digits of a stretch's number of steps: engines that take a power of two of
 #: steps a call need at most that many calls.
 DIGITS_OF_STEPS = 3
@@ -177,7 +175,7 @@ class _Timed:
         self.steps = 2 * WARM_UP
         while (seconds := self._seconds(self.steps)) < (least := self._least(short, seconds)):
             # A stretch too short for the clock says only that it must be much longer.
-            longer = AIMED_BEYOND * least / max(seconds, least / RESOLUTIONS)
+            longer = least / max(seconds, least / RESOLUTIONS)
             self.steps = _in_few_calls(math.ceil(self.steps * longer))
 
     def _least(self, short: float, seconds: float) -> float:

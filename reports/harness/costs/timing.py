@@ -38,25 +38,21 @@ def _time_scene(
     scene: SceneLeft, choice: Choice, store: Store, executor: Executor
 ) -> Sequence[str]:
     scenario = scene.scenario
-    chosen = list(choice.methods_on(scenario).values())
-    whole = with_all_left_in(scenario, chosen)
-    apart = {
-        (engine.name, method.name): timed(
-            executor.call_at(engine.site, motions_apart, scenario, engine, method.name)
-        )
-        for engine, method in whole
-    }
     verdicts = {verdict.key: verdict for verdict in settled_verdicts(scenario, choice, store)}
     pairs = [
         pair
         for key, pair in choice.methods_on(scenario).items()
         if can_be_timed(scenario, pair, verdicts.get(key))
     ]
-    pairs += [(engine, method) for engine, method in whole if (engine.base, method) in pairs]
+    whole = with_all_left_in(scenario, pairs)
+    apart = [
+        timed(executor.call_at(engine.site, motions_apart, scenario, engine, method.name))
+        for engine, method in whole
+    ]
+    of_motions, pairs = [*([None] * len(pairs)), *apart], [*pairs, *whole]
     costs, complaints = measure(executor, scenario, pairs) if pairs else ([], [])
     made = []
-    for (engine, method), cost in zip(pairs, costs, strict=True):
-        found = apart.get((engine.name, method.name)) if engine.varied else None
+    for (engine, method), cost, found in zip(pairs, costs, of_motions, strict=True):
         until, difference = (None, None) if isinstance(found, CallFailed | None) else found
         key, varied = Key(scenario.name, engine.name, method.name), variation(engine.varied)
         made.append(MethodCost(key, processor(), cost, varied, difference, until))

@@ -30,7 +30,7 @@ from .jacobians import (
     units_of,
 )
 from .verdict import Judged, beside_own, judged, noise_of
-from .window import STEPS, Gradient, gradients_along, useless_from
+from .window import STEPS, Gradient, chained, cut_in_words, gradients_along, run_along, useless_from
 
 #: Exact states that steps are taken from.
 STATES = 4
@@ -233,42 +233,44 @@ class _Study:
         return jacobians, is_step
 
     def _jacobian(self, session: Session, name: str) -> FloatArray:
-        found = session.derivatives()[name].compute()
-        if len(found) == CHART:
-            return found
-        return stepped_by_rate(found, session.read_state().omega_body, self.window_timestep)
+        """That of the next step of a window, in units."""
+        found = np.asarray(session.derivatives()[name].compute(), dtype=float)
+        if len(found) != CHART:
+            omega_body = session.read_state().omega_body
+            found = stepped_by_rate(found, omega_body, self.window_timestep)
+        return self.units.of(found)
 
     def _with_window(self, row: GradientRow, name: str = "", is_taped: bool = False) -> GradientRow:
         """A row with gradients along a run, by a derivative or by differences of the whole run."""
-        scenario, sessions, h = self.sessions.scenario, self.sessions, row.timestep
-        one = row.judged
+        sessions, h, units, one = self.sessions, row.timestep, self.units, row.judged
+        counts = TAPED if is_taped else STEPS
+        of_step = partial(self._jacobian, name=name) if name else None
         try:
-            with sessions.open_at(scenario, h) as session:
-                taped: dict[int, FloatArray] = {}
+            with sessions.open_at(sessions.scenario, h) as session:
                 if is_taped:
-                    taped = {count: _by(session, name, count)() for count in TAPED}
+                    found = [units.of(_by(session, name, count)()) for count in counts]
                 elif not name:
-                    ours = own_jacobian(
-                        sessions, session.read_state(), h, self.units, STEPS.tolist()
-                    )
-                    taped = dict(zip(map(int, STEPS), ours, strict=True))
-                each = (lambda one: self._jacobian(one, name)) if name else None
-                along, cut = gradients_along(session, scenario, h, self.units, each, taped)
+                    start = session.read_state()
+                    found = [*units.of(own_jacobian(sessions, start, h, units, counts))]
+                states, each = run_along(session, counts, of_step)
+            if name and not is_taped:
+                multiplied = chained(each)
+                found = [multiplied[count] for count in counts]
+            for count, taped in zip(counts, found, strict=True) if is_taped else ():
+                if cut := cut_in_words(each[:count], taped, units.ulp):
+                    one = replace(one, reason=one.reason or cut, is_own=False)
+            along = gradients_along(sessions.scenario, h, units, counts, found, states)
         except EngineError as error:
             return replace(row, judged=replace(one, reason=one.reason or f"no window: {error}"))
-        if cut:
-            row = replace(row, judged=replace(one, reason=one.reason or cut, is_own=False))
-        return replace(row, window=along, useless_from=useless_from(along))
+        return replace(row, judged=one, window=along, useless_from=useless_from(along))
 
     def _cost(self, name: str, steps: int) -> float:
         """CPU time of a derivative, in as many plain steps as it is of: the median of ratios."""
-        ratios = []
         with self.sessions.at(self.at.states.rows(0), float(self.at.timesteps[-1])) as session:
             session.advance(TIMED)
-            compute = _by(session, name, steps)
+            compute, ratios = _by(session, name, steps), []
             for _ in range(TIMES):
-                a_step = session.timed(TIMED)[0] / TIMED
-                began = time.process_time()
+                a_step, began = session.timed(TIMED)[0] / TIMED, time.process_time()
                 compute()
                 ratios.append((time.process_time() - began) / max(a_step, 1e-9))
         return float(np.median(ratios)) / steps

@@ -5,11 +5,10 @@ radian away from, and the kinetic energy of rotation. Both are differentiated by
 the start, in units: docs/how-to/gradients.md.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from ....engines import EngineError, Session, State
@@ -22,7 +21,7 @@ from .jacobians import CHART, Units
 from .verdict import SURE
 
 #: Steps after which gradients are compared.
-STEPS = 2 ** np.arange(10)
+STEPS = tuple(2**k for k in range(10))
 #: From the exact attitude to the target, rad, body axes.
 TO_TARGET = np.ones(3) / np.sqrt(3.0)
 #: Beyond it squares leave the range of doubles.
@@ -51,73 +50,73 @@ class Gradient:
     conditioning: float
 
 
+def run_along(
+    session: Session, counts: Sequence[int], jacobian: Callable[[Session], FloatArray] | None
+) -> tuple[list[State], list[FloatArray]]:
+    """The states after so many steps of a run, and the Jacobians of all its single steps."""
+    states, each = [], []
+    for step in range(counts[-1]):
+        each += [jacobian(session)] if jacobian else []
+        session.advance(1)
+        if step + 1 in counts:
+            states.append(session.read_state())
+    return states, each
+
+
+def chained(each: Iterable[FloatArray]) -> list[FloatArray]:
+    """The Jacobians from the start through no step, the first, the first two, and so on."""
+    found: list[FloatArray] = [np.eye(CHART)]
+    with np.errstate(over="ignore", invalid="ignore"):
+        for one in each:
+            found.append(one @ found[-1])
+    return found
+
+
 def gradients_along(
-    session: Session,
     scenario: Scenario,
     timestep: float,
     units: Units,
-    jacobian: Callable[[Session], FloatArray] | None,
-    taped: Mapping[int, FloatArray],
-) -> tuple[tuple[Gradient, ...], str]:
-    """Those along a run from the start of a scene, and how a tape is cut, in words.
+    counts: Sequence[int],
+    jacobians: Sequence[FloatArray],
+    states: Sequence[State],
+) -> tuple[Gradient, ...]:
+    """Those by Jacobians, in units, and states after so many steps from the start of a scene.
 
     They go as far as the exact motion is known.
-
-    Parameters
-    ----------
-    jacobian : of the next step of a session, (6, 6)
-    taped : Jacobians of so many steps at once, (6, 6) each; if empty, the product of single steps
 
     Raises
     ------
     EngineError
-        If the run ends in numbers that are not finite, or the engine refuses a step.
+        If numbers are not finite.
     """
-    counts: NDArray[np.int_] = np.array(list(taped)) if taped else STEPS
-    (solution,) = solve_cheaply(scenario, [np.asarray(counts * timestep, dtype=float)])
+    (solution,) = solve_cheaply(scenario, [timestep * np.array(counts, dtype=float)])
     exact = solution.trajectory
-    truth = sensitivity(scenario, exact)
-    equations, found, cut = Equations(scenario), [], ""
-    each: list[FloatArray] = []
-    whole: FloatArray = np.eye(CHART)
-    taken = 0
-    for n, steps in enumerate(map(int, counts[: len(exact.t)])):
-        while taken < steps:
-            if jacobian is not None:
-                each.append(units.of(np.asarray(jacobian(session), dtype=float)))
-                with np.errstate(over="ignore", invalid="ignore"):
-                    whole = each[-1] @ whole
-            session.advance(1)
-            taken += 1
-        state = session.read_state()
-        if not (np.abs(whole).max() < HUGE and np.isfinite(state.omega_body).all()):
-            raise EngineError(f"the gradient overflows after {steps} steps", "not-finite")
-        by_start = taped.get(steps, whole * units.each[:, None] / units.each)
-        if each and taped and not cut:
-            cut = cut_in_words(np.array(each), units.of(by_start), units.ulp)
+    truth, equations = sensitivity(scenario, exact), Equations(scenario)
+    along = []
+    for n, (by_start, state) in enumerate(zip(jacobians[: len(exact.t)], states, strict=False)):
+        if not (np.abs(by_start).max() < HUGE and np.isfinite(state.omega_body).all()):
+            raise EngineError(f"the gradient overflows after {counts[n]} steps", "not-finite")
         there = State(exact.q_world_body_wxyz[n], exact.omega_body[n], *(np.zeros(3),) * 2)
         attitude = Rotation.from_quat(there.q_world_body_wxyz, scalar_first=True)
         target = (attitude * Rotation.from_rotvec(TO_TARGET)).as_quat(scalar_first=True)
-        phi = truth.state_transition[n, :, :CHART]
-        pairs: list[list[FloatArray]] = [
-            [units.each * (by_start.T @ slope) for slope in _slopes(equations, at, target)]
-            for by_start, at in [(by_start, state), (phi, there)]
-        ]
-        (turn, energy), (wanted_turn, wanted_energy) = pairs
-        cosine = turn @ wanted_turn / _norm(turn) / _norm(wanted_turn)
-        found.append(
+        phi = units.of(truth.state_transition[n, :, :CHART])
+        (turn, energy), (wanted_turn, wanted_energy) = (
+            [jacobian.T @ (units.each * slope) for slope in _slopes(equations, at, target)]
+            for jacobian, at in [(by_start, state), (phi, there)]
+        )
+        along.append(
             Gradient(
                 float(exact.t[n]),
                 _norm(turn - wanted_turn) / _norm(wanted_turn),
-                float(cosine),
+                float(turn @ wanted_turn / _norm(turn) / _norm(wanted_turn)),
                 _norm(energy - wanted_energy) / _norm(wanted_energy),
                 float(truth.conditioning[n]),
             )
         )
-    return tuple(found), cut
+    return tuple(along)
 
 
-def cut_in_words(each: FloatArray, taped: FloatArray, ulp: float) -> str:
+def cut_in_words(each: Sequence[FloatArray], taped: FloatArray, ulp: float) -> str:
     """What a Jacobian of N steps at once, in units, is instead of the product of theirs.
 
     Empty where it is that but for rounding, of each Jacobian and of the state that it is at, which
@@ -125,17 +124,15 @@ def cut_in_words(each: FloatArray, taped: FloatArray, ulp: float) -> str:
 
     Parameters
     ----------
-    each : of every step, in units, (N, 6, 6)
+    each : of every step, in units, (6, 6)
     """
     steps = len(each)
     if not np.isfinite(taped).all():
         return f"over {steps} steps it is not finite"
     if not taped.any():
         return f"over {steps} steps it is zero: the tape is detached"
-    first, last = [np.eye(CHART)], [np.eye(CHART)]
-    for k in range(steps):
-        first.append(each[k] @ first[-1])
-        last.append(last[-1] @ each[steps - 1 - k])
+    first = chained(each)
+    last = [one.T for one in chained(one.T for one in each[::-1])]
     before, after = (np.linalg.norm(made, axis=(1, 2)) for made in (first, last[::-1]))
     known_to = SURE * ULPS * ulp * float((after * before * (1 + before)).sum())
     for words, made in (("first", first), ("last", last)):

@@ -3,12 +3,12 @@
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ....engines import State
-from ....engines.checks.read_back import stacked
 from ....scenarios import FloatArray, Trajectory
 from ...results.evidence import ReplayEvidence
 from ..ladder import Rung
@@ -18,8 +18,9 @@ from .steps import Sessions
 
 #: Intervals of a run at most.
 INTERVALS = 64
-#: Steps of a run that is made to be replayed where there is none.
-BEGINNING = 4096
+#: Steps of a run that are each read when it is run again, and of one that is made for that where
+#: there is none.
+READ = 4096
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,11 +69,6 @@ class Intervals:
         """The states that the run ends them with, n of them."""
         return states_of(self.run.motion).rows(self.edges[1:])
 
-    @property
-    def times(self) -> FloatArray:
-        """When each is restarted, s, (n,)."""
-        return self.run.motion.t[self.edges[:-1]] + self.parts * self.run.rung.timestep
-
     def again(self, k: int, start: State) -> tuple[State, State]:
         """The states in the midst and at the end of an interval that is run from a start.
 
@@ -87,13 +83,54 @@ class Intervals:
         first = self.parts[kept]
         return np.stack([first, self.steps[kept] - first], axis=1)
 
-    def all_again(self) -> tuple[State, State]:
-        """The same of all, run in random order."""
-        chance = np.random.default_rng(len(self.steps))
-        order = map(int, chance.permutation(len(self.steps)))
-        made = {k: self.again(k, self.starts.rows(k)) for k in order}
-        midst, ends = zip(*(made[k] for k in sorted(made)), strict=True)
-        return stacked(midst), stacked(ends)
+    def all_again(self) -> "Passage":
+        """The same of all, run in random order, and read after each step, or some of many."""
+        most, chance = int(self.steps.sum()), np.random.default_rng(len(self.steps))
+        each, order = -(-most // READ), chance.permutation(len(self.steps))
+        made = {k: self._recorded(k, each) for k in map(int, order)}
+        parts = [part for k in sorted(made) for part in made[k]]
+        strides = np.concatenate([strides for strides, _ in parts])
+        states = self.sessions.first.states([one for _, kept in parts for one in kept])
+        last = np.cumsum([len(strides) for strides, _ in parts]) - 1
+        taken, timestep = np.cumsum(strides), self.run.rung.timestep
+        after = np.flatnonzero(strides)
+        return Passage(
+            states.rows(last[1::2]),
+            states.rows(after - 1),
+            states.rows(after),
+            (taken[after - 1] + self.run.rung.sample_steps[0]) * timestep,
+            strides[after] * timestep,
+        )
+
+    def _recorded(self, k: int, each: int) -> list[tuple[list[int], list[Any]]]:
+        """The strides of both parts of an interval, and the snapshots after them."""
+        start, parts = self.starts.rows(k), []
+        for count in self.parts_of([k])[0].tolist():
+            strides = [0, *np.diff([*range(0, count, each), count]).tolist()]
+            kept: list[Any] = []
+            with self.sessions.at(start, self.run.rung.timestep) as session:
+                session.record(strides, kept.append)
+                start = session.read_state()
+            parts.append((strides, kept))
+        return parts
+
+
+@dataclass(frozen=True, eq=False)
+class Passage:
+    """What n intervals go through that are run again, with N reads in order of time.
+
+    Attributes
+    ----------
+    ends : the states that they end with, n of them
+    before, after : the states before and after some steps, N of each
+    times, spans : when these steps begin, and how long they take, s, (N,)
+    """
+
+    ends: State
+    before: State
+    after: State
+    times: FloatArray
+    spans: FloatArray
 
 
 @dataclass(frozen=True, eq=False)
@@ -104,14 +141,14 @@ class Replay:
     ----------
     worst : the K intervals that differ the most
     off : what these do otherwise, as `apart` has it, (K, 5, 3)
-    states : one in the midst of each interval, n of them
+    passage : what all go through
     """
 
     intervals: Intervals
     evidence: ReplayEvidence
     worst: NDArray[np.intp]
     off: FloatArray
-    states: State
+    passage: Passage
 
 
 def restarted(
@@ -130,7 +167,7 @@ def restarted(
 
 def beginning_of(sessions: Sessions, at: Places) -> MadeRun:
     """The first steps of a motion of which no run was made, as it takes too many steps."""
-    timestep, strides = float(at.timesteps[FINER]), [0, *[BEGINNING // INTERVALS] * INTERVALS]
+    timestep, strides = float(at.timesteps[FINER]), [0, *[READ // INTERVALS] * INTERVALS]
     snapshots: list[object] = []
     with sessions.at(at.states.rows(0), timestep) as session:
         session.record(strides, snapshots.append)

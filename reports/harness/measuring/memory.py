@@ -31,11 +31,12 @@ def explained_by_memory(
     """What a replay shows, where a memory that vanishes with the timestep may explain it.
 
     The intervals in which the run differs the most are run again from its states some steps before
-    each: at once, and with the restarts of the replay. With the run's timestep that must change
-    what the run does otherwise; or as much, where that is no more than is left by an iterative
-    solver that begins with the step before. Over few steps, with shorter and shorter timesteps, it
-    is a gain like any other, which must vanish. Of a method whose steps are those of a settled
-    constraint, impulses of earlier steps are in what these gain, so that the first suffices.
+    each: at once, and with the restarts of the replay. With the run's timestep, these two must
+    differ as the run and its replay do; in size alone, where that is no more than is left by an
+    iterative solver that begins with the step before. Over few steps, with shorter and shorter
+    timesteps, their difference is a gain like any other, which must vanish. Of a method whose steps
+    are those of a settled constraint, impulses of earlier steps are in what these gain, so that the
+    first suffices.
 
     Parameters
     ----------
@@ -43,7 +44,7 @@ def explained_by_memory(
     settled : steps in which a constraint settled before those that were examined
     """
     shown, intervals = replay.evidence, replay.intervals
-    if shown.tail >= LEVEL:
+    if shown.tail >= LEVEL or shown.spread:
         return shown
     before, starts = _earlier(replay, max(REMEMBERED, settled))
     parts = intervals.parts_of(replay.worst)

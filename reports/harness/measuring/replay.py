@@ -72,7 +72,7 @@ def examine_runs(
             shown = [one.evidence for one in replays]
             shown = [explained_by_memory(one, engine, method.order, settled) for one in replays]
             exact, is_single = replace(at, gives_way=bool(settled)), engine.single_precision
-            own = own_places(sessions, exact, runs[0], replays[0], is_single=is_single)
+            own = own_places(scenario, exact, replays[0].passage, is_single=is_single)
     except (EngineError, IntegrationError) as error:
         return tuple(shown), None, "" if shown else str(error)
     own_steps = examine(engine, scenario, method_name, own) if own else None
@@ -83,13 +83,15 @@ def _replay(sessions: Sessions, engine: Engine, run: MadeRun, condition: float) 
     """Run all intervals of a run again, and hold what they do otherwise against its noise."""
     intervals = Intervals.of(sessions, run)
     states, reach = states_of(run.motion), Equations(sessions.scenario).reach
-    midst, ends = intervals.all_again()
+    passage = intervals.all_again()
+    ends = passage.ends
     off = np.nan_to_num(apart(ends, intervals.ends, reach), nan=np.inf)
     sizes = np.sqrt((off**2).sum(axis=(1, 2)))
     worst = np.argsort(sizes)[-CHANGED:]
-    k = int(worst[-1])
-    twice = stacked([intervals.again(k, intervals.starts.rows(k))[1]])
-    spread = float(np.nan_to_num(np.abs(apart(twice, ends.rows(worst[-1:]), reach)).max()))
+    # Once more, in long strides.
+    again = [intervals.again(int(k), intervals.starts.rows(int(k)))[1] for k in worst]
+    twice = np.nan_to_num(apart(stacked(again), ends.rows(worst), reach), nan=np.inf)
+    spread = np.sqrt((twice**2).sum(axis=(1, 2)))
     noise = _noise(sessions.scenario, engine, run, states, condition, intervals.steps)
     # So large a change is no noise of the engine, of which nothing may be excused by itself.
     change = float(np.sqrt(max(NOISE, engine.ulp)))
@@ -100,8 +102,12 @@ def _replay(sessions: Sessions, engine: Engine, run: MadeRun, condition: float) 
     # Where a change has grown to the motion's own size no more can be said of an interval.
     is_lost = (grown > LOST) & (spread <= LOST * change)
     growth = float(max(1.0, np.nan_to_num(np.minimum(grown, LOST) / change, nan=1.0).max()))
-    squares = ((off / (growth * noise)[:, :, None]) ** 2).sum(axis=(1, 2))
+    scale = growth * noise[:, :, None]
+    squares = ((off / scale) ** 2).sum(axis=(1, 2))
+    of_twice = ((twice / scale[worst]) ** 2).sum(axis=(1, 2))
+    squares[worst] = np.maximum(squares[worst], of_twice)
     squares[worst[is_lost]] = 0.0
+    sizes[worst] = np.maximum(sizes[worst], spread)
     tails = chdtrc(off[0].size, squares)
     times = run.motion.t[intervals.edges]
     turns = np.diff(times) * np.maximum(norms(intervals.starts.omega_body), 1 / times[-1])
@@ -110,11 +116,11 @@ def _replay(sessions: Sessions, engine: Engine, run: MadeRun, condition: float) 
     evidence = ReplayEvidence(run.rung.timestep, len(tails), tail, largest)
     if tail < LEVEL:
         since = float(times[int(np.argmax(tails * len(tails) < LEVEL))])
-        is_chance = spread > growth * float(noise[k].max())
-        spread = min(LARGEST, spread / turns[k]) if is_chance else 0.0
-        evidence = replace(evidence, since=since, spread=spread)
+        is_chance = spread > growth * noise[worst].max(axis=1)
+        differs = float((spread / turns[worst])[is_chance].max(initial=0.0))
+        evidence = replace(evidence, since=since, spread=min(LARGEST, differs))
     of_worst = apart(ends.rows(worst), intervals.ends.rows(worst), reach)
-    return Replay(intervals, evidence, worst, of_worst, midst)
+    return Replay(intervals, evidence, worst, of_worst, passage)
 
 
 def _noise(

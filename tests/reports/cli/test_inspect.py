@@ -272,7 +272,7 @@ def test_what_cannot_be_written_ends_with_exit_code_2(tmp_path, monkeypatch, arg
 def test_beside_a_file_that_nobody_can_read_others_are_inspected(tmp_path):
     path = written(tmp_path, arm())
     code, message, printed = complaint(tmp_path / "none.urdf", path, "--json")
-    unread = f"{tmp_path}/none.urdf: cannot be read: No such file or directory"
+    unread = f"{tmp_path / 'none.urdf'}: cannot be read: No such file or directory"
     assert (code, message) == (2, unread)
     assert [one["file"] for one in json.loads(printed)] == [str(path)]
 

@@ -2,7 +2,7 @@
 
 Verified: planted dependence on number, place and each kind of neighbour, with its size; that of the
 installed engines' batches each world holds its own body and start.
-Not verified: GPUs; times, but that they are there.
+Not verified: GPUs, of which a made-up engine stands for one; times, but that they are there.
 """
 
 from collections.abc import Callable, Sequence
@@ -13,7 +13,16 @@ import pytest
 from case_loops import each_case
 from kinds_of_engines import installed
 from quiet_session import QuietSession
-from spincheck.engine import Batch, BodyReading, Engine, FloatArray, Method, Scenario, State
+from spincheck.engine import (
+    Batch,
+    BodyReading,
+    Engine,
+    FloatArray,
+    Method,
+    Scenario,
+    State,
+    UnsupportedError,
+)
 from spincheck.reports.harness.batches import (
     NUMBER,
     PLACE,
@@ -96,8 +105,44 @@ class TurningEngine(Engine):
         return TurningBatch(rates, self.fault)
 
 
+class OnDevices(TurningEngine):
+    """Steps on what it is told to; its only other device is there."""
+
+    def use_device(self, name: str) -> None:
+        if name != "made-up:0":
+            raise UnsupportedError(f"there is no device '{name}'")
+        TurningBatch.device = f"a device ({name})"
+
+
 def is_another(rates: FloatArray) -> FloatArray:
     return (rates != RATE) & (rates != 0) & (np.abs(rates) < 1e9)
+
+
+@each_case(
+    ("engine", "asked", "outcome", "device"),
+    [
+        (TurningEngine(), "CPU", "ok", "CPU"),
+        (OnDevices(), "CPU", "ok", "CPU"),
+        (OnDevices(), "made-up:0", "ok", "a device (made-up:0)"),
+        (OnDevices(), "made-up:1", "unsupported", "made-up:1"),
+        (TurningEngine(), "made-up:0", "unsupported", "made-up:0"),
+    ],
+)
+def test_a_batch_is_stepped_where_asked_and_its_row_names_the_device(
+    monkeypatch: pytest.MonkeyPatch, engine: Engine, asked: str, outcome: str, device: str
+) -> None:
+    with monkeypatch.context() as patch:
+        patch.setattr(TurningBatch, "device", Batch.device)
+        row = batch_of(SCENE, engine, replace(ROW, device=asked))
+    assert (row.outcome, row.device) == (outcome, device)
+    assert bool(row.reason) == (outcome != "ok")
+    assert not row.reason or asked in row.reason
+
+
+@each_case("name", ["newton", "mujoco-warp"])
+def test_warp_says_which_devices_there_are(name: str) -> None:
+    with pytest.raises(UnsupportedError, match=r"no device 'cuda:99' here; Warp has cpu"):
+        installed(name).use_device("cuda:99")
 
 
 FAULTS: dict[str, Fault] = {

@@ -5,6 +5,7 @@ from dataclasses import replace
 import pytest
 from case_loops import each_case
 from command_line import ended
+from kinds_of_engines import installed
 from spincheck.engines import engines
 from spincheck.reports.cli.run.batches import exit_code, print_batches
 from spincheck.reports.cli.terminal import AGREES, BAD_INPUT, DISAGREES, NOT_RUN
@@ -24,12 +25,33 @@ UNABLE = replace(LOST, outcome="unsupported", reason="e m cannot simulate pivot"
         (["--worlds", "2"], "'--worlds' needs a scene"),
         (["fast-top", "--worlds", "0"], "'--worlds' must be numbers from 1"),
         (["fast-top", "--worlds", "2,x"], "got '2,x'"),
+        (["fast-top", "--device", "cuda:0"], "'--device' is for batches"),
         (["fast-top", "--worlds", "2", "--quick"], "'--quick' is not for '--worlds'"),
         (["fast-top", "--worlds", "2", "--ensemble", "3"], "'--ensemble' is not for '--worlds'"),
     ],
 )
 def test_bad_input_is_one_line_and_exit_code_2(arguments: list[str], message: str) -> None:
     code, out, err = ended("run", *arguments)
+    assert (code, out) == (BAD_INPUT, "")
+    assert message in err
+    assert len(err.splitlines()) == 1
+
+
+@each_case(
+    ("name", "message"),
+    [
+        ("newton", "'--device': there is no device 'cuda:99' here"),
+        ("mujoco-warp", "'--device': there is no device 'cuda:99' here"),
+        ("mjx", "'--device': mjx leaves no choice of a device"),
+        ("brax", "'--device': brax leaves no choice of a device"),
+    ],
+)
+def test_a_device_that_cannot_be_had_is_one_line_before_anything_runs(
+    name: str, message: str
+) -> None:
+    installed(name)
+    scene = ["fast-top", "--engine", name, "--worlds", "2", "--device", "cuda:99"]
+    code, out, err = ended("run", *scene)
     assert (code, out) == (BAD_INPUT, "")
     assert message in err
     assert len(err.splitlines()) == 1

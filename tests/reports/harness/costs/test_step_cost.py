@@ -1,6 +1,7 @@
 """The cost of a step is measured correctly, by clocks of any resolution, with others timed too."""
 
 import os
+from itertools import accumulate, cycle
 
 import numpy as np
 import pytest
@@ -49,6 +50,8 @@ def test_a_stretch_lasts_long_by_the_clock_however_coarse(clock: Clock, resoluti
     session = Clockwork(clock, steadily(TAKES))
     assert cost_of(session).seconds_per_step == pytest.approx(TAKES, rel=TICK)
     timed = [steps for _, what, steps in session.diary if what == "advance"][-cost.REPEATS :]
+    # By engines that take a power of two of steps a call, in few calls.
+    assert all(len(f"{steps:b}".rstrip("0")) <= cost.DIGITS_OF_STEPS for steps in timed)
     # The count was found by a stretch that the clock may have called a tick too long.
     assert min(timed) * TAKES >= (1 - TICK) * max(cost.RESOLUTIONS * resolution, cost.STRETCH)
 
@@ -72,6 +75,15 @@ def test_the_least_is_quoted_and_the_spread_beside_it_but_for_the_first_steps(cl
     measured = cost_of(Clockwork(clock, lambda steps, _: steps * TAKES * float(next(noise))))
     assert measured.seconds_per_step == pytest.approx(TAKES, rel=TICK)
     assert measured.seconds_spread == pytest.approx(0.5 * TAKES, rel=2 * TICK)
+    assert measured.wall_seconds_per_step == pytest.approx(TAKES, rel=TICK)
+
+
+def test_a_clock_that_is_looked_at_late_is_no_coarser(
+    clock: Clock, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    looks = accumulate(cycle([3.0, 0.0, 1.0, 2.0]))
+    monkeypatch.setattr(clock, "process_time", lambda: next(looks))
+    assert cost.resolution() == 1.0
 
 
 def test_the_wall_clocks_time_is_distinguished(clock: Clock) -> None:

@@ -11,6 +11,7 @@ the scenes.
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from pathlib import Path
 
 import mujoco
 import numpy as np
@@ -31,6 +32,7 @@ from spincheck.scenarios.rotation import matrix
 pytestmark = pytest.mark.slow
 
 MUJOCO = engines()["mujoco"]
+PAGE = Path(__file__).parents[4] / "docs/how-to/gradients.md"
 #: MuJoCo's own.
 HONEST = MuJoCoSession.derivatives
 #: What an engine or its adapter does not differentiate, by words of the reason.
@@ -170,11 +172,11 @@ FAULTS: dict[str, tuple[Callable[[Step], FloatArray], str, Callable[[Scenario], 
     "inverse": (lambda step: np.linalg.inv(step.jacobian), "inverse", always),
     "zero": (lambda step: 0 * step.jacobian, "it is zero", always),
     "identity": (lambda step: np.eye(6), "identity", always),
-    "nan": (lambda step: step.jacobian * np.nan, "not finite", always),
-    "raw numbers": (lambda step: np.eye(7), "four numbers", always),
+    "NaN": (lambda step: step.jacobian * np.nan, "not finite", always),
+    "seven numbers": (lambda step: np.eye(7), "four numbers", always),
     "half angles": (scaled(0.5, 2.0), "half of the angle, in its rows and columns", always),
-    "half rows": (scaled(0.5, 1.0), "half of the angle, in its rows", always),
-    "half columns": (scaled(1.0, 2.0), "half of the angle, in its columns", always),
+    "half angles in rows": (scaled(0.5, 1.0), "half of the angle, in its rows", always),
+    "half angles in columns": (scaled(1.0, 2.0), "half of the angle, in its columns", always),
     "detached quaternion": (scaled(1.0, 0.0), "attitude is detached: its columns", always),
     "detached attitude rows": (scaled(0.0, 1.0), "attitude is detached: its rows", always),
     "attitude in world axes": (in_world(True, False), "the attitude is in world axes", always),
@@ -183,7 +185,7 @@ FAULTS: dict[str, tuple[Callable[[Step], FloatArray], str, Callable[[Scenario], 
     "axes exchanged": (kept([1, 0, 2, 4, 3, 5]), "axes are exchanged", always),
     "ω first": (kept([3, 4, 5, 0, 1, 2]), "ω comes first", always),
     "gyroscopic torque": (gyroscopic, "gyroscopic torque is not", on_no_table),
-    "half of it": (half_gyroscopic, "the factor I ω", on_no_table),
+    "half of the gyroscopic torque": (half_gyroscopic, "the factor I ω", on_no_table),
     "gravity": (gravity, "gravity is not differentiated", on_a_pivot_with_weight),
     "axes that stay": (axes_that_stay, "lacks the turn", always),
     "ε forward": (differences(0.1, False), "ε of forward differences", on_a_pivot_with_weight),
@@ -215,6 +217,17 @@ def test_a_planted_fault_is_named(monkeypatch: pytest.MonkeyPatch, name: str) ->
         if words not in row.judged.reason:
             untold[scene.name] = f"{row.judged.verdict}: {row.judged.reason}"
     assert not untold
+
+
+def test_the_page_lists_what_is_planted_and_of_how_many_scenes() -> None:
+    page = PAGE.read_text(encoding="utf-8")
+    scenes = list(map(library_scene, SCENES))
+    lines = [
+        f"| {name} | {words} | {sum(map(applies, scenes))} |"
+        for name, (_, words, applies) in FAULTS.items()
+    ]
+    lines += [f"| a tape: {name} | {words} | 1 |" for name, (_, _, words) in TAPES.items() if words]
+    assert [line for line in lines if line not in page] == []
 
 
 @each_case(
@@ -331,8 +344,16 @@ TAPES: dict[str, tuple[Callable[[int], range], Callable[[int, FloatArray], Float
         "cut: it is of the last 32",
     ),
     "zero if long": (range, lambda n, J: J * (n < 9), "over 64 steps it is zero"),
-    "NaN if long": (range, lambda n, J: J * (1.0 if n < 9 else np.nan), "64 steps it is not fin"),
-    "another if long": (range, lambda n, J: J * (1.0 if n < 9 else 1.01), "64 steps it is not the"),
+    "NaN if long": (
+        range,
+        lambda n, J: J * (1.0 if n < 9 else np.nan),
+        "64 steps it is not finite",
+    ),
+    "another if long": (
+        range,
+        lambda n, J: J * (1.0 if n < 9 else 1.01),
+        "64 steps it is not the product",
+    ),
 }
 
 

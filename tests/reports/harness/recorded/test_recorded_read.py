@@ -128,7 +128,7 @@ def test_what_is_no_motion_is_refused_in_a_sentence(tmp_path, case):
     with pytest.raises(RecordingError) as refused:
         read_recording(written(tmp_path, text))
     assert words in str(refused.value)
-    assert str(refused.value).startswith(f"{tmp_path}/motion.csv: ")
+    assert str(refused.value).startswith(f"{tmp_path / 'motion.csv'}: ")
 
 
 @pytest.mark.parametrize(
