@@ -139,6 +139,11 @@ class Scenario:
         """The spins of parts at t = 0, relative to the body, rad/s, (parts,)."""
         return self.rotors.start_spins
 
+    @property
+    def largest_part(self) -> float:
+        """The largest moment of a part about its axis, kg m²; 0 without parts."""
+        return float(max(self.rotors.along, default=0.0))
+
     @cached_property
     def kept_sizes(self) -> tuple[FloatArray, float]:
         """Sizes of what parts keep, kg m²/s, (parts,), and of the energy of that, J."""

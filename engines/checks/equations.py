@@ -36,11 +36,6 @@ class Equations:
         return np.asarray(np.linalg.inv(self.inertia), dtype=float)
 
     @cached_property
-    def largest_axial(self) -> float:
-        """The largest moment of a rotor about its axis, kg m²; 0 without rotors."""
-        return float(max(self.scenario.rotors.along, default=0.0))
-
-    @cached_property
     def arm(self) -> float:
         """m, from the point that is held, or of a free body its origin, to the com."""
         return float(np.linalg.norm(self.scenario.constraint.lever))

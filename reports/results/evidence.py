@@ -18,10 +18,10 @@ LEVEL = 1e-9
 CONSISTENT = 1e-3
 #: And relative to the weakest effect of the scene: a missing one must be seen.
 SEEN = 0.1
-#: The quantities that a step gains, in order, the last of bodies with rotors alone; see
+#: The quantities that a step gains, in order, the last where parts turn in the body; see
 #: `measuring/steps.py`.
-Quantity = Literal["attitude", "angular momentum", "velocity", "place", "rotors"]
-QUANTITIES: tuple[Quantity, ...] = ("attitude", "angular momentum", "velocity", "place", "rotors")
+Quantity = Literal["attitude", "angular momentum", "velocity", "place", "parts"]
+QUANTITIES: tuple[Quantity, ...] = ("attitude", "angular momentum", "velocity", "place", "parts")
 #: A vector, SI.
 Vector = tuple[Signed, Signed, Signed]
 #: How gains depend on the timestep where they are not those of a method that converges.

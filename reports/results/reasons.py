@@ -20,7 +20,7 @@ RATES = {
     "angular momentum": "I dω/dt, N m in body axes,",
     "velocity": "the com's velocity or its rate, m/s or m/s² in world axes,",
     "place": "the com or its rate, m or m/s in world axes,",
-    "rotors": "the rotors' angular momentum about their axes",
+    "parts": "the angular momentum that turning parts keep",
 }
 #: Name and unit of what leaps, and how much of it an SI unit is.
 LEAPING = {
@@ -28,7 +28,7 @@ LEAPING = {
     "angular momentum": ("I ω", " N m s", 1.0),
     "velocity": ("the com's velocity", " m/s", 1.0),
     "place": ("com", " m", 1.0),
-    "rotors": (RATES["rotors"], " N m s", 1.0),
+    "parts": (RATES["parts"], " N m s", 1.0),
 }
 
 
@@ -149,9 +149,9 @@ def _when(fault: StepFault) -> str:
 
 def _gained(fault: StepFault) -> str:
     """What a quantity of a gain is, and what it should be."""
-    if fault.quantity == "rotors":
+    if fault.quantity == "parts":
         off = math.hypot(*fault.got)
-        return f"{RATES['rotors']} changes at a rate of {off:.{DIGITS}g} N m {_when(fault)}, not 0"
+        return f"{RATES['parts']} changes at a rate of {off:.{DIGITS}g} N m {_when(fault)}, not 0"
     size = max(map(abs, fault.wanted)) or 1.0
     part = max(abs(a - b) for a, b in zip(fault.got, fault.wanted, strict=True)) / size
     digits = DIGITS + max(0, math.ceil(-math.log10(min(part, 1.0) or 1.0)) - 1)

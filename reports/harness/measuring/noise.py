@@ -8,7 +8,7 @@
   Stability of Numerical Algorithms, §7.1).
 - Flight: `ULPS` ulp of m v², a torque, as engines may solve for rotation and flight together
   (measured in MuJoCo 4.0), with v that of the body's origin, which engines move.
-- Rotors: `ULPS` ulp of the forces that cancel between them, and of the torques that cancel about
+- Parts that turn: `ULPS` ulp of the forces that cancel between them, and of the torques that cancel about
   their axes (`Scenario.cancelling`); noise of I dω/dt turns them, too.
 - A turn that a solver leaves out in a step, as the adapter declares (`Engine.least_turn`).
 - A constraint's solver: measured, by settling further (`examine.py`), and `SOLVED`.
@@ -65,7 +65,7 @@ def noise_of(
     variance[..., 0] += (of_body * sizes[0] * np.minimum(1.0, spans * sizes[0] / 2)) ** 2
     if steps.before.spins.size:
         force, torque = scenario.cancelling(np.abs(steps.before.spins))
-        turned = equations.largest_axial * float(np.linalg.norm(equations.inverse, 2))
+        turned = equations.scenario.largest_part * float(np.linalg.norm(equations.inverse, 2))
         variance[..., 4] += variance[..., 1] * turned**2
         variance[..., 4] += (rounding * steps.by_timestep(torque).max(axis=1)) ** 2
         if scenario.constraint.is_free:
@@ -100,7 +100,7 @@ def term_sizes(equations: Equations, states: State) -> FloatArray:
     sizes = [speeds, torque, velocity, place]
     if states.spins.size:
         turned = float(np.linalg.norm(equations.inverse, 2)) * torque
-        sizes.append(_kept(equations, states) * speeds + equations.largest_axial * turned)
+        sizes.append(_kept(equations, states) * speeds + equations.scenario.largest_part * turned)
     return np.stack(sizes, axis=1)
 
 
@@ -148,9 +148,9 @@ def _roundings(equations: Equations, steps: Steps) -> FloatArray:
 
 
 def _kept(equations: Equations, states: State) -> FloatArray:
-    """The most that terms of what a rotor's hinge keeps come to, kg m²/s, (n,)."""
+    """The most that terms of what a part keeps come to, kg m²/s, (n,)."""
     fastest = norms(states.omega_body) + np.abs(states.spins).max(axis=1)
-    return np.asarray(equations.largest_axial * fastest)
+    return np.asarray(equations.scenario.largest_part * fastest)
 
 
 def _largest_moment(equations: Equations) -> float:

@@ -80,7 +80,7 @@ def _explained(
     look: Look, k: int, q: int, *, is_limit: bool
 ) -> tuple[FloatArray, tuple[Explanation, ...]]:
     """What state k should gain in a quantity, (3,), and the changes that explain all limits."""
-    if QUANTITIES[q] == "rotors":
+    if QUANTITIES[q] == "parts":
         return np.zeros(3), ()
     limits, errors = (
         np.stack([getattr(one, name) for one in look.series[:OF_THE_BODY]], axis=1)

@@ -140,8 +140,8 @@ def step_gains(equations: Equations, steps: Steps) -> FloatArray:
 
     The quantities are: of the attitude rad/s and of I ω N m, body axes; of a free body's velocity
     m/s² and place m/s, world axes; of a body on a pivot how far velocity (m/s) and com (m) are from
-    where ω and attitude put them; and of a body with rotors what their hinges keep, N m, of more
-    than three in three directions.
+    where ω and attitude put them; and of parts that turn in the body the momentum that they keep,
+    N m, of more than three in three directions.
     """
     spans, after, exact = steps.spans[:, None], steps.after, steps.exact
     attitude = rotation_vectors(exact.q_world_body_wxyz, after.q_world_body_wxyz) / spans
@@ -164,11 +164,11 @@ def _turning(state: State) -> tuple[FloatArray, FloatArray]:
     return state.omega_body, state.spins
 
 
-def _directions(rotors: int) -> FloatArray:
-    """Orthonormal directions that all rotors show in, (rotors, 3); of few, each in its own."""
-    if rotors <= 3:
-        return np.eye(rotors, 3)
-    return np.linalg.qr(np.random.default_rng(rotors).standard_normal((rotors, 3)))[0]
+def _directions(parts: int) -> FloatArray:
+    """Orthonormal directions that all parts show in, (parts, 3); of few, each in its own."""
+    if parts <= 3:
+        return np.eye(parts, 3)
+    return np.linalg.qr(np.random.default_rng(parts).standard_normal((parts, 3)))[0]
 
 
 def off_the_constraint(equations: Equations, states: State) -> tuple[FloatArray, FloatArray]:

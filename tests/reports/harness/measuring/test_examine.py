@@ -159,7 +159,7 @@ class SlowsRotors(FaultyMuJoCo):
 def test_rotors_that_slow_by_themselves_are_told(name: str, method: str, rate: float) -> None:
     """Also of four rotors, two of which turn the other way, so that their sum stays zero."""
     found = in_words(looked_at(SlowsRotors(rate), method, name))
-    told = "the rotors' angular momentum about their axes changes at a rate of"
+    told = "the angular momentum that turning parts keep changes at a rate of"
     assert found.startswith(told) if rate else not found
 
 
