@@ -8,8 +8,8 @@
   Stability of Numerical Algorithms, §7.1).
 - Flight: `ULPS` ulp of m v², a torque, as engines may solve for rotation and flight together
   (measured in MuJoCo 4.0), with v that of the body's origin, which engines move.
-- Parts that turn: `ULPS` ulp of the forces that cancel between them, and of the torques that cancel about
-  their axes (`Scenario.cancelling`); noise of I dω/dt turns them, too.
+- Parts that turn: `ULPS` ulp of the forces that cancel between them, and of the torques that cancel
+  about their axes (`Scenario.cancelling`); noise of I dω/dt turns them, too.
 - A turn that a solver leaves out in a step, as the adapter declares (`Engine.least_turn`).
 - A constraint's solver: measured, by settling further (`examine.py`), and `SOLVED`.
 - Noise of the engine that is no fault: measured, and `NOISE` a step at most (`examine.py`).
