@@ -90,7 +90,8 @@ def _replay(sessions: Sessions, engine: Engine, run: MadeRun, condition: float) 
     worst = np.argsort(sizes)[-CHANGED:]
     # Once more, in long strides.
     again = [intervals.again(int(k), intervals.starts.rows(int(k)))[1] for k in worst]
-    twice = np.nan_to_num(apart(stacked(again), ends.rows(worst), reach), nan=np.inf)
+    twice = apart(stacked(again), ends.rows(worst), reach, intervals.ends)
+    twice = np.nan_to_num(twice, nan=np.inf)
     spread = np.sqrt((twice**2).sum(axis=(1, 2)))
     noise = _noise(sessions.scenario, engine, run, states, condition, intervals.steps)
     # So large a change is no noise of the engine, of which nothing may be excused by itself.

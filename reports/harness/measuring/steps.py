@@ -183,7 +183,7 @@ def off_the_constraint(equations: Equations, states: State) -> tuple[FloatArray,
     )
 
 
-def apart(states: State, others: State, reach: float) -> FloatArray:
+def apart(states: State, others: State, reach: float, among: State | None = None) -> FloatArray:
     """How far states are from others, (n, 5, 3).
 
     The quantities are attitude, rad; ω, the com's velocity and the com, relative to their sizes;
@@ -192,10 +192,12 @@ def apart(states: State, others: State, reach: float) -> FloatArray:
     Parameters
     ----------
     reach : m, from the point that is held to the com, or the radius of gyration
+    among : states that they are relative to the largest sizes of; the others if None
     """
-    speed = float(norms(others.omega_body).max()) or 1.0
-    fast = float(norms(others.velocity_world).max()) + reach * speed
-    far = float(norms(others.com_world).max()) + reach
+    among = among or others
+    speed = float(norms(among.omega_body).max()) or 1.0
+    fast = float(norms(among.velocity_world).max()) + reach * speed
+    far = float(norms(among.com_world).max()) + reach
     off = (
         rotation_vectors(others.q_world_body_wxyz, states.q_world_body_wxyz),
         (states.omega_body - others.omega_body) / speed,
@@ -204,6 +206,6 @@ def apart(states: State, others: State, reach: float) -> FloatArray:
     )
     spins = np.zeros_like(states.omega_body)
     if states.spins.size:
-        fastest = speed + float(np.abs(others.spins).max())
+        fastest = speed + float(np.abs(among.spins).max())
         spins[:, 0] = norms(states.spins - others.spins) / fastest
     return np.stack([*off, spins], axis=1)
