@@ -69,14 +69,13 @@ class Intervals:
         """The states that the run ends them with, n of them."""
         return states_of(self.run.motion).rows(self.edges[1:])
 
-    def again(self, k: int, start: State) -> tuple[State, State]:
-        """The states in the midst and at the end of an interval that is run from a start.
+    def again(self, k: int, start: State) -> State:
+        """The state at the end of an interval that is run from a start.
 
         In its midst it is restarted, so that nothing hides in the rhythm of samples or strides.
         """
         (parts,) = self.parts_of([k])
-        midst, end = restarted(self.sessions, start, self.run.rung.timestep, parts)
-        return midst, end
+        return restarted(self.sessions, start, self.run.rung.timestep, parts)[-1]
 
     def parts_of(self, kept: Sequence[int] | NDArray[np.intp]) -> NDArray[np.int64]:
         """Steps of k intervals before and after they are restarted, (k, 2)."""
@@ -84,9 +83,9 @@ class Intervals:
         return np.stack([first, self.steps[kept] - first], axis=1)
 
     def all_again(self) -> "Passage":
-        """The same of all, run in random order, and read after each step, or some of many."""
-        most, chance = int(self.steps.sum()), np.random.default_rng(len(self.steps))
-        each, order = -(-most // READ), chance.permutation(len(self.steps))
+        """Run all from their own starts, in random order, and read after each step, or some."""
+        chance = np.random.default_rng(len(self.steps))
+        each, order = -(-int(self.steps.sum()) // READ), chance.permutation(len(self.steps))
         made = {k: self._recorded(k, each) for k in map(int, order)}
         parts = [part for k in sorted(made) for part in made[k]]
         strides = np.concatenate([strides for strides, _ in parts])

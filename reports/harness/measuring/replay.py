@@ -89,7 +89,7 @@ def _replay(sessions: Sessions, engine: Engine, run: MadeRun, condition: float) 
     sizes = np.sqrt((off**2).sum(axis=(1, 2)))
     worst = np.argsort(sizes)[-CHANGED:]
     # Once more, in long strides.
-    again = [intervals.again(int(k), intervals.starts.rows(int(k)))[1] for k in worst]
+    again = [intervals.again(int(k), intervals.starts.rows(int(k))) for k in worst]
     twice = apart(stacked(again), ends.rows(worst), reach, intervals.ends)
     twice = np.nan_to_num(twice, nan=np.inf)
     spread = np.sqrt((twice**2).sum(axis=(1, 2)))
@@ -98,7 +98,7 @@ def _replay(sessions: Sessions, engine: Engine, run: MadeRun, condition: float) 
     change = float(np.sqrt(max(NOISE, engine.ulp)))
     speed = change * float(norms(states.omega_body).max())
     starts = [_changed(intervals.starts.rows(int(k)), speed) for k in worst]
-    changed = stacked([intervals.again(int(k), at)[1] for k, at in zip(worst, starts, strict=True)])
+    changed = stacked([intervals.again(int(k), at) for k, at in zip(worst, starts, strict=True)])
     grown = np.abs(apart(changed, ends.rows(worst), reach)).max(axis=(1, 2))
     # Where a change has grown to the motion's own size no more can be said of an interval.
     is_lost = (grown > LOST) & (spread <= LOST * change)
@@ -109,14 +109,14 @@ def _replay(sessions: Sessions, engine: Engine, run: MadeRun, condition: float) 
     squares[worst] = np.maximum(squares[worst], of_twice)
     squares[worst[is_lost]] = 0.0
     sizes[worst] = np.maximum(sizes[worst], spread)
-    tails = chdtrc(off[0].size, squares)
+    tails = chdtrc(off[0].size, squares) * (len(off) + len(worst))
     times = run.motion.t[intervals.edges]
     turns = np.diff(times) * np.maximum(norms(intervals.starts.omega_body), 1 / times[-1])
-    tail = float(min(1.0, tails.min() * len(tails)))
+    tail = float(min(1.0, tails.min()))
     largest = min(LARGEST, float((sizes / turns)[squares.argmax()]))
     evidence = ReplayEvidence(run.rung.timestep, len(tails), tail, largest)
     if tail < LEVEL:
-        since = float(times[int(np.argmax(tails * len(tails) < LEVEL))])
+        since = float(times[int(np.argmax(tails < LEVEL))])
         is_chance = spread > growth * noise[worst].max(axis=1)
         differs = float((spread / turns[worst])[is_chance].max(initial=0.0))
         evidence = replace(evidence, since=since, spread=min(LARGEST, differs))
