@@ -14,7 +14,6 @@ from .batch import Batch
 from .checks.audit import audit
 from .checks.equations import NO_ARM, Equations
 from .checks.faults import Bounds, clamped_turn
-from .checks.precision import single_precision
 from .checks.read_back import (
     READ_BACK_SLACK,
     READ_BACK_SLACK_SINGLE,
@@ -255,11 +254,8 @@ class Engine(Adapted, ABC):
         ending = _samples(sampled, sample_steps, timestep) | {"active": audited.active}
         if audited.differs and is_strict:
             return ended("failed", audited.differs, "model", **ending)
-        bits = "" if self.single_precision else single_precision(sampled.states)
-        remarks = [*(one.remark for one in unlike), audited.differs, sampled.reason, bits]
+        remarks = [*(one.remark for one in unlike), audited.differs, sampled.reason]
         cause = sampled.cause or ("read-back" if unlike else "model" if audited.differs else "")
-        if bits and is_strict and not cause:
-            cause = "precision"
         return ended(sampled.outcome, "; ".join(filter(None, remarks)), cause, **ending)
 
 

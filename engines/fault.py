@@ -34,7 +34,6 @@ Cause = Literal[
     # Of runs that finished.
     "lost",
     "law",
-    "precision",
 ]
 
 #: Causes in the machine, not in the engine: the run may succeed if repeated.

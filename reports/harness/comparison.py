@@ -99,7 +99,7 @@ def compared(
 
 def _of_other_law(run: Run | CallFailed, steps: StepEvidence | None) -> Run | CallFailed:
     """The run, marked where single steps do not obey the scene's equations of motion."""
-    if isinstance(run, CallFailed) or run.cause == "precision" or not (steps and steps.fault):
+    if isinstance(run, CallFailed) or not (steps and steps.fault):
         return run
     reason = "; ".join(filter(None, (run.reason, fault_in_words(steps.fault))))
     return replace(run, cause=run.cause or "law", reason=reason)

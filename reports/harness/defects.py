@@ -111,8 +111,7 @@ def with_defects(row: Row, scenario: Scenario, exact: Trajectory, *, is_single: 
     found = defects(scenario, row.motion, exact)
     if found is None:
         return row
-    single = is_single or row.cause == "precision"
-    ulp = float(np.finfo(np.float32 if single else np.float64).eps)
+    ulp = float(np.finfo(np.float32 if is_single else np.float64).eps)
     by_signal = found.summary(row.steps, ulp)
     added = found.attitude_a_turn(row.motion, turns_made(exact).mean())
     return replace(row, defects=by_signal, attitude_a_turn=added)

@@ -226,4 +226,5 @@ KINDS = {
     "ω in the world": Kind("ω were read along the world's axes"),
     "ω turned twice": Kind("ω were turned from world to body axes once more than it needs"),
     "ω reversed": Kind("ω were read with the opposite sign"),
+    "24 bits": Kind("the state were held in 24 bits, as in single precision"),
 }

@@ -28,9 +28,6 @@ def judge(records: Records) -> Verdict:
     steps, own = (one and replace(one, curves=()) for one in (evidence.steps, evidence.own_steps))
     verdict = Verdict(evidence.key, word, quoted, steps, own, evidence.replays, records.unmet)
     verdict = replace(verdict, as_shipped=records.as_shipped)
-    if records.last and records.last.cause == "precision":
-        # Its rounding is what single steps show.
-        verdict = replace(verdict, steps=None, own_steps=None, replays=())
     return compared_with_expected_failures(records.known, verdict)
 
 
@@ -45,7 +42,7 @@ def _judged(records: Records) -> tuple[VerdictWord, str]:
     # Of an engine as shipped: how its model differs from the scene.
     quoted = last.reason if last and last.cause != "law" else ""
     faults = (one.fault for one in (evidence.steps, evidence.own_steps) if one)
-    if any(faults) or (last and last.cause == "precision"):
+    if any(faults):
         return "disagrees", quoted
     if evidence.steps and evidence.steps.is_of_low_order:
         return "disagrees", quoted

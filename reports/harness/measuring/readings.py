@@ -23,6 +23,8 @@ def misreading(read: State, exact: State, reach: float) -> tuple[Explanation, ..
     read, exact : states after a step, and what they should be
     reach : m, as of `apart`
     """
+    if _is_in_24_bits(read) and not _is_in_24_bits(exact):
+        return (Explanation("24 bits", ()),)
     off = _off(read, exact, reach)
     for kind, mistaken in MISTAKES.items():
         if _off(read, mistaken(exact), reach) < EXPLAINS * off:
@@ -42,6 +44,14 @@ def _with_q(state: State, q_wxyz: FloatArray) -> State:
 def _with_omega(state: State, as_read: Callable[[FloatArray, FloatArray], FloatArray]) -> State:
     omega = as_read(matrices(state.q_world_body_wxyz), state.omega_body)
     return replace(state, omega_body=omega)
+
+
+def _is_in_24_bits(state: State) -> bool:
+    """Whether all components of all attitudes, or of all ω, are numbers of single precision."""
+    return any(
+        np.array_equal(column, column.astype(np.float32))
+        for column in (state.q_world_body_wxyz, state.omega_body)
+    )
 
 
 #: How a state that is right would be read.

@@ -45,8 +45,8 @@ def fault_of(look: Look, at: Places) -> StepFault | None:
     wanted, changes = _explained(look, k, q, is_limit=kind == "limit")
     off = series.limit[k] if kind == "limit" else look.gains[j, k, q]
     if kind == "leap":
-        wanted = np.zeros(3)
-        off = off * look.steps.timesteps[j]
+        wanted, off = np.zeros(3), off * look.steps.timesteps[j]
+    if kind != "limit":
         shortest = slice(-look.gains.shape[1], None)
         ends = look.steps.after.rows(shortest), look.steps.exact.rows(shortest)
         changes = misreading(*ends, look.equations.reach)

@@ -30,8 +30,6 @@ METHODS = {"Euler": "first order", "RK4": "fourth order"}
 #: Sizes tried.
 SIZES = (1e-8, 1e-7, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2)
 MOST_STEPS = QUICK_STEPS
-#: How single precision is named.
-BITS = "the state is held in 24 bits"
 
 
 def name_of_fault(scenario: Scenario, prepared: Prepared, method: str, fault: PlantedFault) -> str:
@@ -44,8 +42,6 @@ def name_of_fault(scenario: Scenario, prepared: Prepared, method: str, fault: Pl
     _, is_explained, words = verdict.reason.partition("as if ")
     if is_explained:
         return words.split(":")[0]
-    if BITS in verdict.reason:
-        return BITS
     fault = next(
         (one.fault for one in (verdict.steps, verdict.own_steps) if one and one.fault), None
     )

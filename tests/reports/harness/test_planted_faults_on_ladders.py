@@ -2,11 +2,11 @@
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 from faulty_mujoco import FaultyMuJoCo, PlantedFault
 from library_scenes import library_scene
 from spincheck.engines import engines
-from spincheck.engines.checks.precision import EPS_SINGLE
 from spincheck.reports.harness.ladder import QUICK_STEPS
 from spincheck.reports.harness.prepared import prepare
 from spincheck.reports.harness.study import convergence_study_of
@@ -70,9 +70,9 @@ def test_what_the_first_steps_show_is_evidence_however_coarse_the_ladder():
 
 def test_an_undeclared_single_precision_is_named_as_nothing_else():
     """Its rounding is noise of the first steps, and no gravity, frames or clock of another kind."""
-    verdict = verdict_of("hammer", "Euler", PlantedFault("float32", EPS_SINGLE))
+    verdict = verdict_of("hammer", "Euler", PlantedFault("float32", float(np.finfo("f4").eps)))
     assert verdict.verdict == "disagrees"
-    assert verdict.reason.startswith("the state is held in 24 bits")
+    assert verdict.reason.startswith("behaves as if the state were held in 24 bits")
     assert "at the start" not in verdict.reason
 
 
