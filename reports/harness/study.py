@@ -81,9 +81,12 @@ def study_method(
         if not may_succeed_if_repeated(row.cause, row.reason, choice.time_limit)
     }
     # What has been run is judged again by the numbers that are stored of it.
-    study = begin(store.evidence(key))
+    before = store.evidence(key)
+    study = begin(before)
     if not is_run(study, stored):
         study = begin(None)
+        # What steps from exact states show does not depend on the ladder.
+        study.steps = before.steps if before else None
         for row in run_rungs(study, executor, stored):
             store.put(row)
         _take_defaults_away(study, executor, store)
@@ -211,7 +214,7 @@ def simulate(engine: Engine, scenario: Scenario, method: str, rung: Rung) -> Run
 def _examine(study: ConvergenceStudy, executor: Executor) -> None:
     """Examine the method from exact states of the motion, in a worker."""
     at, site = study.places, study.engine.site
-    if at is not None and study.before is None:
+    if at is not None and study.steps is None:
         arguments = (study.engine, study.scenario, study.method.name, at)
         found = executor.call_at(site, examine, *arguments).value
         if isinstance(found, CallFailed):

@@ -1,12 +1,14 @@
 """A changed threshold or sentence judges stored ladders again, with no run."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 from box import BOX
 from planted import HeunSession, RaisingSession, planted
 from spincheck.engines import Engine, Method, Session
+from spincheck.reports.harness import study
 from spincheck.reports.harness.choice import Choice
 from spincheck.reports.harness.judging import ladder_end
 from spincheck.reports.results import fingerprints
@@ -85,3 +87,13 @@ def test_a_ladder_that_a_changed_threshold_makes_longer_is_run(path, monkeypatch
     assert len(longer.rows) > len(short.rows)
     assert opened
     assert longer.verdicts == study_of(path.with_name("fresh.sqlite"), scenes, choice).verdicts
+
+
+def test_a_longer_ladder_takes_no_steps_from_exact_states_again(path, monkeypatch):
+    choice, scenes = replace(LADDER, max_steps=1 << 12), [loads(BOX, "box")]
+    fresh = study_of(path.with_name("fresh.sqlite"), scenes, choice)
+    short = study_of(path, scenes, LADDER)
+    monkeypatch.setattr(study, "examine", None)
+    longer = study_of(path, scenes, choice)
+    assert len(longer.rows) > len(short.rows)
+    assert longer.verdicts == fresh.verdicts
