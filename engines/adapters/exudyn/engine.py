@@ -224,9 +224,11 @@ class Exudyn(WorldEngine):
         _method("RK33", 3, "Runge-Kutta of third order"),
         _method("RK44", 4, "Runge-Kutta of fourth order"),
         _method("RK67", 6, "Runge-Kutta of sixth order, seven stages"),
+        # Of second order but with rotors: its first accelerations leave out how their joints turn,
+        # so that a step from a state has errors of first order, which alternate in a run.
         _method(
             "TrapezoidalIndex2",
-            2,
+            1,
             "implicit trapezoidal rule, constraints in velocities",
             IMPLICIT_EFFECTS,
         ),

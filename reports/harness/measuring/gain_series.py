@@ -15,7 +15,7 @@ over, with a prior that is estimated from all states (Kiefer & Wolfowitz, Ann. M
 887).
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise
@@ -101,6 +101,7 @@ def fitted(
     level: float,
     *,
     turns: FloatArray | None = None,
+    seen: Sequence[NDArray[np.intp]] = (),
     may_split: bool = True,
     is_pooled: bool = True,
 ) -> GainSeries:
@@ -119,6 +120,7 @@ def fitted(
     noise : its standard deviation in each component, (J, K)
     level : tails below it, together, are a fault
     turns : by how much each step turns the body, or its rank, (J, K); None where it is not known
+    seen : changes of the same steps that other quantities show, (K,) each; they are tried first
     may_split : whether two series are tried
     is_pooled : whether the limits of states are independent, and are judged together, too
     """
@@ -130,7 +132,7 @@ def fitted(
     alone, total = _off_alone(measured)
     if may_split and len(timesteps) > LEAST:
         splits = _likeliest(lambda order: _Splits.of(measured, order))
-        for changes in splits.changes[splits.totals > total + np.log(level)]:
+        for changes in (*seen, *splits.changes[splits.totals > total + np.log(level)]):
             two = _two_series(one, splits, changes)
             if two.tail >= level:
                 return two

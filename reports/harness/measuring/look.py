@@ -37,18 +37,20 @@ class Look:
     @cached_property
     def series(self) -> tuple[GainSeries, ...]:
         """The series of each quantity."""
-        return tuple(
-            fitted(
+        found: list[GainSeries] = []
+        for q in range(self.gains.shape[2]):
+            series = fitted(
                 self.steps.timesteps,
                 self.gains[:, :, q],
                 self.noise[:, :, q],
                 self.level,
                 turns=self.turns,
+                seen=[one.changes for one in found if one.changes.any()],
                 may_split=self.may_split,
                 is_pooled=self.is_pooled,
             )
-            for q in range(self.gains.shape[2])
-        )
+            found.append(series)
+        return tuple(found)
 
     @property
     def turns(self) -> FloatArray:

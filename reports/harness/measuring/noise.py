@@ -139,7 +139,11 @@ def _roundings(equations: Equations, steps: Steps) -> FloatArray:
     speeds = np.maximum(norms(states.omega_body), norms(steps.after.omega_body))
     fast = norms(states.velocity_world) + equations.reach * speeds
     far = norms(states.com_world) + equations.reach
-    sizes = [1 / spans, _largest_moment(equations) * speeds / spans, fast, far]
+    momentum = _largest_moment(equations) * speeds
+    if states.spins.size:
+        # Bodies with velocities of their own exchange what a part keeps.
+        momentum = momentum + _kept(equations, states)
+    sizes = [1 / spans, momentum / spans, fast, far]
     if not equations.scenario.constraint.is_pivot:
         sizes[2:] = fast / spans, far / spans
     if states.spins.size:

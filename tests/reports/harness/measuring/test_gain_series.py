@@ -245,6 +245,23 @@ def test_steps_that_are_computed_otherwise_below_some_timestep_must_vanish_too(
         assert found.changes.any() == (not constant)
 
 
+@pytest.mark.parametrize("constant", [0.0, 1e-5])
+def test_a_change_that_another_quantity_shows_need_not_show_in_this_one(constant: float) -> None:
+    """So little of it that many states show none: what is left must vanish all the same."""
+    first, few, alone = 6, slice(3), []
+    for one in sample(1)[:FAULTY]:
+        h, gains = one.timesteps, one.gains.copy()
+        little = 40 * one.noise[first, 0] * (h[first:] / h[first]) ** 2
+        gains[first:, few] += little[:, None, None] * ASKEW
+        sizes = constant * (np.arange(DOUBLE) >= first)
+        changed = Drawn(h, gains, one.noise).with_fault(sizes)
+        alone.append(is_accused(changed.fitted()))
+        seen = [np.full(STATES, first)]
+        found = fitted(h, changed.gains, changed.noise, LEVEL, seen=seen)
+        assert is_accused(found) == bool(constant)
+    assert any(alone), "no need of what another quantity shows"
+
+
 def test_fewer_timesteps_than_a_change_needs_are_one_series() -> None:
     one = sample(1)[0].with_fault(1.0)
     few = Drawn(one.timesteps[:LEAST], one.gains[:LEAST], one.noise[:LEAST])
