@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ....engines import State
+from ....engines.checks.read_back import stacked
 from ....scenarios import FloatArray, Trajectory
 from ...results.evidence import ReplayEvidence
 from ..ladder import Rung
@@ -69,13 +70,15 @@ class Intervals:
         """The states that the run ends them with, n of them."""
         return states_of(self.run.motion).rows(self.edges[1:])
 
-    def again(self, k: int, start: State) -> State:
-        """The state at the end of an interval that is run from a start.
+    def some_again(self, kept: NDArray[np.intp], starts: State) -> State:
+        """The states at the ends of K intervals that are run from K starts.
 
-        In its midst it is restarted, so that nothing hides in the rhythm of samples or strides.
+        Each is restarted in its midst, so that nothing hides in the rhythm of samples or strides.
         """
-        (parts,) = self.parts_of([k])
-        return restarted(self.sessions, start, self.run.rung.timestep, parts)[-1]
+        timestep, ends = self.run.rung.timestep, []
+        for k, parts in enumerate(self.parts_of(kept)):
+            ends.append(restarted(self.sessions, starts.rows(k), timestep, parts)[-1])
+        return stacked(ends)
 
     def parts_of(self, kept: Sequence[int] | NDArray[np.intp]) -> NDArray[np.int64]:
         """Steps of k intervals before and after they are restarted, (k, 2)."""

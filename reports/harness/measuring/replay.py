@@ -17,7 +17,6 @@ from scipy.special import chdtrc
 
 from ....engines import Engine, EngineError, Session, State
 from ....engines.checks.equations import Equations
-from ....engines.checks.read_back import stacked
 from ....reference import IntegrationError
 from ....scenarios import FloatArray, Scenario
 from ....scenarios.rotation import norms
@@ -33,6 +32,8 @@ from .steps import Sessions, apart, sessions_of
 
 #: Intervals that are run from changed states too, to see what rounding grows to.
 CHANGED = 5
+#: Quantities of `apart`.
+QUANTITIES = 5
 #: rad, or relative: changes that have grown to this are as large as the motion.
 LOST = 0.1
 
@@ -84,44 +85,68 @@ def _replay(sessions: Sessions, engine: Engine, run: MadeRun, condition: float) 
     intervals = Intervals.of(sessions, run)
     states, reach = states_of(run.motion), Equations(sessions.scenario).reach
     passage = intervals.all_again()
-    ends = passage.ends
-    off = np.nan_to_num(apart(ends, intervals.ends, reach), nan=np.inf)
-    sizes = np.sqrt((off**2).sum(axis=(1, 2)))
+    off = _off(passage.ends, intervals.ends, reach)
+    sizes = _sizes(off)
     worst = np.argsort(sizes)[-CHANGED:]
+    starts, ends = intervals.starts.rows(worst), passage.ends.rows(worst)
     # Once more, in long strides.
-    again = [intervals.again(int(k), intervals.starts.rows(int(k))) for k in worst]
-    twice = apart(stacked(again), ends.rows(worst), reach, intervals.ends)
-    twice = np.nan_to_num(twice, nan=np.inf)
-    spread = np.sqrt((twice**2).sum(axis=(1, 2)))
-    noise = _noise(sessions.scenario, engine, run, states, condition, intervals.steps)
+    twice = _off(intervals.some_again(worst, starts), ends, reach, intervals.ends)
+    spread = _sizes(twice)
     # So large a change is no noise of the engine, of which nothing may be excused by itself.
     change = float(np.sqrt(max(NOISE, engine.ulp)))
-    speed = change * float(norms(states.omega_body).max())
-    starts = [_changed(intervals.starts.rows(int(k)), speed) for k in worst]
-    changed = stacked([intervals.again(int(k), at) for k, at in zip(worst, starts, strict=True)])
-    grown = np.abs(apart(changed, ends.rows(worst), reach)).max(axis=(1, 2))
+    changed = _changed(starts, change * float(norms(states.omega_body).max()))
+    grown = np.abs(apart(intervals.some_again(worst, changed), ends, reach)).max(axis=(1, 2))
     # Where a change has grown to the motion's own size no more can be said of an interval.
     is_lost = (grown > LOST) & (spread <= LOST * change)
     growth = float(max(1.0, np.nan_to_num(np.minimum(grown, LOST) / change, nan=1.0).max()))
-    scale = growth * noise[:, :, None]
-    squares = ((off / scale) ** 2).sum(axis=(1, 2))
-    of_twice = ((twice / scale[worst]) ** 2).sum(axis=(1, 2))
-    squares[worst] = np.maximum(squares[worst], of_twice)
+    noise = growth * _noise(sessions.scenario, engine, run, states, condition, intervals.steps)
+    squares = _sizes(off / noise[..., None]) ** 2
+    squares[worst] = np.maximum(squares[worst], _sizes(twice / noise[worst][..., None]) ** 2)
     squares[worst[is_lost]] = 0.0
     sizes[worst] = np.maximum(sizes[worst], spread)
-    tails = chdtrc(off[0].size, squares) * (len(off) + len(worst))
+    is_chance = spread > noise[worst].max(axis=1)
+    evidence = _evidence(intervals, squares, sizes, worst, np.where(is_chance, spread, 0.0))
+    of_worst = apart(ends, intervals.ends.rows(worst), reach)
+    return Replay(intervals, evidence, worst, of_worst, passage)
+
+
+def _evidence(
+    intervals: Intervals,
+    squares: FloatArray,
+    sizes: FloatArray,
+    worst: NDArray[np.intp],
+    spread: FloatArray,
+) -> ReplayEvidence:
+    """What n intervals show that differ by so much.
+
+    Parameters
+    ----------
+    squares : the sum of squares of what each does otherwise, in units of its noise, (n,)
+    sizes : how large that is, (n,)
+    worst : the K intervals that were run twice
+    spread : by how much two runs of these differ beyond noise, (K,)
+    """
+    run = intervals.run
     times = run.motion.t[intervals.edges]
     turns = np.diff(times) * np.maximum(norms(intervals.starts.omega_body), 1 / times[-1])
+    tails = chdtrc(QUANTITIES * 3, squares) * (len(squares) + len(worst))
     tail = float(min(1.0, tails.min()))
     largest = min(LARGEST, float((sizes / turns)[squares.argmax()]))
     evidence = ReplayEvidence(run.rung.timestep, len(tails), tail, largest)
-    if tail < LEVEL:
-        since = float(times[int(np.argmax(tails < LEVEL))])
-        is_chance = spread > growth * noise[worst].max(axis=1)
-        differs = float((spread / turns[worst])[is_chance].max(initial=0.0))
-        evidence = replace(evidence, since=since, spread=min(LARGEST, differs))
-    of_worst = apart(ends.rows(worst), intervals.ends.rows(worst), reach)
-    return Replay(intervals, evidence, worst, of_worst, passage)
+    if tail >= LEVEL:
+        return evidence
+    since, differs = float(times[int(np.argmax(tails < LEVEL))]), (spread / turns[worst]).max()
+    return replace(evidence, since=since, spread=min(LARGEST, float(differs)))
+
+
+def _off(states: State, others: State, reach: float, among: State | None = None) -> FloatArray:
+    """As `apart`; infinite where numbers are not finite."""
+    return np.nan_to_num(apart(states, others, reach, among), nan=np.inf)
+
+
+def _sizes(off: FloatArray) -> FloatArray:
+    """The root of the sum of squares of each of n differences, (n,)."""
+    return np.asarray(np.sqrt((off**2).sum(axis=(1, 2))))
 
 
 def _noise(
@@ -140,7 +165,7 @@ def _noise(
     # In double precision a body may be composed anew where it is restarted.
     composed = 0.0 if engine.single_precision else rounding_of_body(condition)
     walk = max(NOISE, ULPS * engine.ulp, composed) * np.sqrt(steps)
-    noise = np.repeat(walk[:, None], 5, axis=1)
+    noise = np.repeat(walk[:, None], QUANTITIES, axis=1)
     if scenario.constraint.is_pivot:
         return noise
     speed = float(norms(states.omega_body).max())
@@ -156,8 +181,8 @@ def _noise(
     return noise
 
 
-def _changed(state: State, speed: float) -> State:
-    """A state whose ω is changed by so much, rad/s, in a direction of its own."""
+def _changed(states: State, speed: float) -> State:
+    """States whose ω is changed by so much, rad/s, all in one direction."""
     direction = np.random.default_rng(CHANGED).standard_normal(3)
     change = speed / np.linalg.norm(direction) * direction
-    return replace(state, omega_body=state.omega_body + change)
+    return replace(states, omega_body=states.omega_body + change)
