@@ -27,7 +27,7 @@ class Equations:
 
     @cached_property
     def inertia(self) -> FloatArray:
-        """As `Scenario.inertia`."""
+        """Tensor of inertia by which ω' is multiplied, as `Scenario.inertia`, kg m², (3, 3)."""
         return self.scenario.inertia
 
     @cached_property
@@ -37,12 +37,12 @@ class Equations:
 
     @cached_property
     def arm(self) -> float:
-        """m, from the point that is held, or of a free body its origin, to the com."""
+        """Distance of the com from the point that is held, or from a free body's origin, m."""
         return float(np.linalg.norm(self.scenario.constraint.lever))
 
     @cached_property
     def reach(self) -> float:
-        """m, scale of the com's position: its arm, or the radius of gyration if it has none."""
+        """Scale of the com's position, m: its arm, or the radius of gyration if it has none."""
         body = self.scenario.body
         gyration = float(np.sqrt(body.principal_moments[-1] / body.mass))
         return self.arm if self.arm > NO_ARM * gyration else gyration

@@ -93,11 +93,11 @@ class State:
 
     @property
     def columns(self) -> list[FloatArray]:
-        """Its arrays, one for each quantity."""
+        """The arrays of the state, one for each quantity."""
         return list(vars(self).values())
 
     def rows(self, kept: int | slice | NDArray[np.bool_] | NDArray[np.intp]) -> "State":
-        """One of n states by its index, or several by a slice, a mask or indices, (n,)."""
+        """One of n states by its index, or several by a slice, a mask (n,) or indices."""
         return State(
             self.q_world_body_wxyz[kept],
             self.omega_body[kept],
@@ -108,7 +108,7 @@ class State:
 
 
 def stacked(states: Sequence[State]) -> State:
-    """One state after the other, or several states after others, as rows."""
+    """States as the rows of one state, in the order given."""
     return State(*map(np.vstack, zip(*(state.columns for state in states), strict=True)))
 
 
@@ -188,7 +188,7 @@ def _misread(wanted_q: FloatArray, got_q: FloatArray, slack: float) -> str:
 
 
 def _turned(scenario: Scenario, got: FloatArray, slack: float) -> str:
-    """The words that ω was given in the other axes; empty if it was not."""
+    """The words that ω is right in other axes than it was asked for; empty if it is not."""
     R_world_body, omega_body = matrix(scenario.start.q_world_body_wxyz), scenario.start.omega_body
     for turned in (R_world_body @ omega_body, omega_body @ R_world_body):
         if np.abs(got - turned).max() <= slack:

@@ -10,7 +10,10 @@ HIGH_ORDER = 4
 
 
 def is_down(records: Records) -> bool:
-    """Whether no finer rung is needed, or can succeed; there must be a row."""
+    """Whether the ladder ends here: no finer rung is needed, or none can succeed.
+
+    There must be a row.
+    """
     last, count = records.rows[-1], len(records.rows)
     if records.is_hopeless(last) or _diverges_at_any_timestep(records):
         return True

@@ -32,7 +32,7 @@ def judge(records: Records) -> Verdict:
 
 
 def _judged(records: Records) -> tuple[VerdictWord, str]:
-    """The word, and what a run or the engine says of it."""
+    """The verdict's word, and the words of a run or the engine that it quotes."""
     last, evidence = records.last, records.evidence
     if last is None and records.lacking:
         return "unsupported", records.lacking

@@ -56,11 +56,11 @@ class Hypothesis(NamedTuple):
     braking: float = 0.0
 
     def of(self, **numbers: Any) -> "Hypothesis":
-        """The same with other numbers of its equations."""
+        """A hypothesis in which some numbers of the equations are replaced by these."""
         return self._replace(equations=self.equations._replace(**numbers))
 
     def of_tensor(self, inertia: FloatArray) -> "Hypothesis":
-        """The same of a body with another tensor, kg m², (3, 3)."""
+        """A hypothesis in which the body has another tensor of inertia, kg m², (3, 3)."""
         return self._replace(equations=self.equations.with_inertia(inertia))
 
 
@@ -87,12 +87,12 @@ class Change:
     shown: Callable[[FloatArray], Sequence[float] | FloatArray] = np.asarray
 
     def explanation(self, numbers: FloatArray) -> Explanation:
-        """The change with these numbers."""
+        """The change with fitted numbers, as it is stored and put in words."""
         return Explanation(self.kind, tuple(map(float, self.shown(numbers))))
 
 
 def changes(scenario: Scenario) -> Iterator[Change]:
-    """Every change of what is computed, those that say more before those that say less."""
+    """Every change of what is computed; the more specific ones come first."""
     base = as_it_is(scenario)
     yield from _of_kinematics()
     yield from _of_gyroscopic_torque(scenario, base.equations)
@@ -103,7 +103,7 @@ def changes(scenario: Scenario) -> Iterator[Change]:
 
 
 def _set(kind: str, shown: Sequence[float] = (), **numbers: Any) -> Change:
-    """A change of numbers of the equations to given ones."""
+    """A change that sets numbers of the equations to given values, with nothing to fit."""
     return Change(kind, lambda h, _: h.of(**numbers), np.empty(0), lambda _: shown)
 
 
@@ -137,7 +137,7 @@ def _factor(kind: str, *wholes: float, sign: float = 1.0, **terms: FloatArray) -
 
 
 def _body(tensor: FloatArray) -> dict[str, Any]:
-    """The numbers of equations that are a body's with this tensor."""
+    """The tensors in the equations of motion of a body with this tensor of inertia."""
     return {"inertia": tensor, "inverse": np.linalg.inv(tensor), "gyroscopic": tensor}
 
 
@@ -238,7 +238,7 @@ def _slowed(h: Hypothesis, c: float, a: float = 0.0, b: float = 0.0) -> Hypothes
 
 
 def resistance(scenario: Scenario, e: OtherEquations) -> Iterator[Change]:
-    """A torque against ω, or more of it."""
+    """A torque that opposes ω, beside the scene's own drag; one number is fitted."""
     size = _size(e) * _fastest(scenario, e)
     yield _fitted("resistance", np.zeros(1), size, lambda h, n: _slowed(h, n[0]))
 
@@ -256,7 +256,7 @@ def com(scenario: Scenario, e: OtherEquations) -> Iterator[Change]:
 
 
 def _of_fitted_tensors(scenario: Scenario, e: OtherEquations) -> Iterator[Change]:
-    """The tensor by its numbers: those that the motion shows, of a free body up to a factor."""
+    """Changes that fit the tensor of inertia; of a free body it is known up to a factor."""
     moments, axes = np.linalg.eigh(e.inertia)
     size, how = _size(e), "" if is_scaled(e) else UP_TO_A_FACTOR
     if is_scaled(e):
@@ -274,7 +274,7 @@ def _of_fitted_tensors(scenario: Scenario, e: OtherEquations) -> Iterator[Change
 
 
 def tensor(e: OtherEquations) -> Change:
-    """The whole tensor; where the motion does not show its scale, of the scene's trace."""
+    """Fits the whole tensor; where the motion does not show its scale, with the scene's trace."""
     if not is_scaled(e):
         return _with_trace(f"tensor{UP_TO_A_FACTOR}", e.inertia, Hypothesis.of_tensor)
     entries = tensor_entries(e.inertia)
@@ -284,7 +284,7 @@ def tensor(e: OtherEquations) -> Change:
 def _with_trace(
     kind: str, usual: FloatArray, apply: Callable[[Hypothesis, FloatArray], Hypothesis]
 ) -> Change:
-    """A change of a tensor that keeps its trace, by five numbers: all entries but the first."""
+    """Fits a tensor by five of its entries; the first follows from the trace, which is kept."""
     entries = tensor_entries(usual)
 
     def changed(n: FloatArray) -> FloatArray:
@@ -307,5 +307,5 @@ def _size(e: OtherEquations) -> float:
 
 
 def _fastest(scenario: Scenario, e: OtherEquations) -> float:
-    """A rate at which the state changes, rad/s."""
+    """The rate at which the scene's state changes, or |ω| at its start, rad/s."""
     return e.rate or float(np.linalg.norm(scenario.start.omega_body)) or 1.0

@@ -74,9 +74,9 @@ def examine(
 
 
 def physics_in_words(engine: Engine, scenario: Scenario, method: Method) -> str:
-    """How single steps break a scene's equations of motion, in words; empty if they do not.
+    """How single steps violate a scene's equations of motion, in words; empty if they do not.
 
-    Empty of an engine as shipped, too, which need not obey them.
+    It is empty, too, for an engine as shipped, which need not obey these equations.
     """
     if method.as_shipped:
         return ""
@@ -88,7 +88,7 @@ def physics_in_words(engine: Engine, scenario: Scenario, method: Method) -> str:
 def examined(
     open_at: Open, engine: Engine, scenario: Scenario, at: Places, method: Method
 ) -> StepEvidence:
-    """What single steps of sessions that are opened so show.
+    """What single steps show of a method whose sessions are opened by a function.
 
     Raises
     ------
@@ -114,7 +114,7 @@ class _Examination:
 
     @property
     def look(self) -> Look:
-        """The look that decides."""
+        """The steps and series by which the method is judged: taken anew until they suffice."""
         is_single = self.engine.single_precision
         look = self._taken(0, REPEATS[0] if is_single else 1)
         settle = 0
@@ -158,10 +158,10 @@ class _Examination:
         return replace(look, noise=noise, is_pooled=False)
 
     def _taken_again(self) -> Look:
-        """Steps with shorter timesteps besides, and from states that differ by some ulp.
+        """Steps with shorter timesteps too, taken twice: again from states changed by 64 ulp.
 
-        What that changes is noise of the engine, of which so much is no fault. A method that
-        computes short steps otherwise needs some of these to show it.
+        What that change makes of a gain is noise of the engine, and up to `NOISE` a step no fault.
+        The shorter steps show whether a method computes short steps otherwise.
         """
         finer = self.at.timesteps[-1] / 2.0 ** np.arange(1, FINER + 1)
         timesteps = self._timesteps(np.concatenate([self.at.timesteps, finer]))
@@ -187,7 +187,11 @@ class _Examination:
         return Look(equations, steps, gains, noise, settle, may_split, self.at.are_apart)
 
     def _timesteps(self, halved: FloatArray) -> FloatArray:
-        """Those halved, one between two of them, and the engine's stock ones in between, s."""
+        """The timesteps of steps, s, long to short.
+
+        They are the halved ones, one between two of these, and the engine's stock timesteps where
+        they lie among them.
+        """
         if self.engine.single_precision:
             halved = halved[:HALVINGS_SINGLE]
         between = float(halved[3]) / 2**0.5
@@ -196,10 +200,10 @@ class _Examination:
 
 
 def gives_way(equations: Equations, engine: Engine, steps: Steps) -> bool:
-    """Whether a constraint holds the body: com or velocity are off it by what timesteps make them.
+    """Whether a constraint gives way: how far com or velocity are off it depends on the timestep.
 
-    A body that is another keeps by how much it is off, and so does a reading. After a short step
-    the com is off by rounding alone, and the velocity by what an impulse left.
+    Where the engine holds another body, or misreads it, they are off by as much at any timestep.
+    After a short step the com is off by rounding alone, and the velocity by what an impulse left.
     """
     velocity, place = (
         steps.by_timestep(norms(off)) for off in off_the_constraint(equations, steps.after)
@@ -214,7 +218,10 @@ def gives_way(equations: Equations, engine: Engine, steps: Steps) -> bool:
 
 
 def _is_plain(look: Look) -> bool:
-    """Whether a limit makes most of what the shortest steps gain, and is no noise."""
+    """Whether most of what the shortest steps gain is a limit that is well above noise.
+
+    No other steps are needed then.
+    """
     noise = noise_of_steps(look.equations, look.steps)[-1]
     for q, series in enumerate(look.series):
         sizes, left = norms(series.limit), norms(look.gains[-1, :, q] - series.limit)
@@ -224,7 +231,7 @@ def _is_plain(look: Look) -> bool:
 
 
 def _misread(sessions: Sessions, engine: Engine, at: Places) -> StepFault | None:
-    """The state that reads back otherwise than it was set; None if none does."""
+    """The fault that a state reads back otherwise than it was set; None if none does."""
     starts = []
     for k in range(len(at.times)):
         with sessions.at(at.states.rows(k), float(at.timesteps[0])) as one:
@@ -245,7 +252,7 @@ def _misread(sessions: Sessions, engine: Engine, at: Places) -> StepFault | None
 
 
 def evidence_of(look: Look, at: Places, order: int) -> StepEvidence:
-    """What a look shows, as it is stored; `order` is the one that is declared."""
+    """What steps and their series show, as it is stored; `order` is the declared one."""
     known_to, of_an_effect = look.known_to
     return StepEvidence(
         len(at.times),

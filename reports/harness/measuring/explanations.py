@@ -43,13 +43,13 @@ class Gains(Data):
     noise: FloatArray
 
     def off(self, hypothesis: Hypothesis, samples: int | None = None) -> FloatArray:
-        """As of `Data`, (K, 4, 3)."""
+        """What a hypothesis leaves of the gains, in units of `scale`, (K, 4, 3)."""
         off = (self.excess - self.made(hypothesis) + self.exact) / self.scale[..., None]
         return np.asarray(off[:samples])
 
     @cached_property
     def scale(self) -> FloatArray:
-        """What noise, and what rounding leaves of an excess, may come to, (K, 4)."""
+        """What noise and rounding may make of an excess, (K, 4)."""
         largest = np.linalg.norm(self.excess, axis=2).max(axis=0)
         return np.asarray(np.maximum(self.noise + ROUNDED * largest, NO_SIZE))
 
@@ -93,7 +93,7 @@ class Gains(Data):
 
 
 def gains_of(equations: Equations, states: State, excess: FloatArray, noise: FloatArray) -> Gains:
-    """Return limits of what states gain; arguments are as of `Gains`."""
+    """The limits of what states gain, to be explained; arguments as the attributes of `Gains`."""
     return Gains(as_it_is(equations.scenario), equations, states, excess, noise)
 
 
@@ -105,7 +105,7 @@ def explanations(gains: Gains) -> tuple[Explanation, ...]:
 
 
 def _readings() -> Iterator[Change]:
-    """Steps that take another time, and states that are read multiplied by a factor."""
+    """Changes in which a step takes another time, or ω or velocity is read times a factor."""
     one, unit = np.ones(1), np.eye(3)
     yield Change("step", lambda h, n: h._replace(step=1 + n[0]), one)
     yield Change("omega", lambda h, n: h._replace(read=(1 + n[0]) * unit), one)
@@ -113,7 +113,7 @@ def _readings() -> Iterator[Change]:
 
 
 def _braking() -> Iterator[Change]:
-    """The com's velocity that is slowed, alone or as ω is."""
+    """Changes in which the com's velocity decays, alone or at the same rate as ω."""
     one, slowed = np.ones(1), np.array([0.0, 1.0, 0.0])
     yield Change("braking", lambda h, n: h._replace(braking=n[0]), one)
     yield Change(

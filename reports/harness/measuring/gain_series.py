@@ -89,7 +89,7 @@ class GainSeries:
 
     @property
     def tests(self) -> int:
-        """How many tails there are that could have been small."""
+        """How many tails are tested, by which the smallest is multiplied (Bonferroni)."""
         J, K = self.tails.shape
         return int((J - PREDICTED_FROM + 1) * K)
 
@@ -148,7 +148,7 @@ def fitted(
 
 
 def _prior(evidence: FloatArray) -> FloatArray:
-    """The distribution over the grid that the states show, (A,)."""
+    """The prior over the grid of radii and amplitudes, estimated from all states, (A,)."""
     count = len(evidence)
     prior = np.full(count, 1 / count)
     for _ in range(ESTIMATIONS):
@@ -173,7 +173,7 @@ class _Fit:
 
     @staticmethod
     def of(measured: Measured, order: int, *, constant: bool = False) -> "_Fit":
-        """Fit a series with a constant or without."""
+        """Fit a series of one order, with a constant added or without."""
         regression = Regression.of(measured, order)
         evidence = regression.evidence_with_constant if constant else regression.evidence
         prior = _prior(evidence)
@@ -212,7 +212,7 @@ def _likeliest(fit: Callable[[int], T]) -> T:
 
 
 def _one_series(fit: _Fit) -> GainSeries:
-    """What one series leaves."""
+    """Tails, limits and predictions where all timesteps follow one series."""
     limit, known_to, limit_tails = fit.limit
     tails, predicted, error = fit.innovations
     units = fit.regression.measured.units
@@ -230,7 +230,7 @@ def _one_series(fit: _Fit) -> GainSeries:
 
 
 def _two_series(one: GainSeries, splits: "_Splits", changes: NDArray[np.intp]) -> GainSeries:
-    """What is left where steps shorter than one timestep or one turn are computed otherwise.
+    """Tails and limits where shorter steps, or smaller turns, follow a series of their own.
 
     Parameters
     ----------
@@ -295,7 +295,7 @@ class _Splits:
 
     @staticmethod
     def of(measured: Measured, order: int) -> "_Splits":
-        """All changes, by one order."""
+        """The fits of all changes that are tried, with series of one order."""
         count = len(measured.x)
         edges = [(0, count), *((0, change, count) for change in range(1, count))]
         parts = [

@@ -49,7 +49,7 @@ class Intervals:
 
     @staticmethod
     def of(sessions: Sessions, run: MadeRun) -> "Intervals":
-        """All of a run, in irregular lengths."""
+        """The intervals of a whole run, of irregular lengths."""
         edges = _edges(len(run.motion.t), sessions.first.can_restart)
         steps = np.diff(run.rung.sample_steps[edges])
         chance = np.random.default_rng(len(edges))
@@ -119,7 +119,7 @@ class Intervals:
 
 @dataclass(frozen=True, eq=False)
 class Passage:
-    """What n intervals go through that are run again, with N reads in order of time.
+    """The states that n intervals pass when they are run again, N of them in order of time.
 
     Attributes
     ----------
@@ -137,7 +137,7 @@ class Passage:
 
 @dataclass(frozen=True, eq=False)
 class Replay:
-    """What n intervals do otherwise than a run.
+    """How n intervals that were run again differ from the run.
 
     Attributes
     ----------
@@ -156,7 +156,7 @@ class Replay:
 def restarted(
     sessions: Sessions, state: State, timestep: float, counts: Iterable[int]
 ) -> list[State]:
-    """The states after each of some counts of steps, with a restart before each."""
+    """The states after each of several stretches of steps; the session is restarted before each."""
     states = []
     for count in map(int, counts):
         with sessions.at(state, timestep) as session:
@@ -168,7 +168,7 @@ def restarted(
 
 
 def beginning_of(sessions: Sessions, at: Places) -> MadeRun:
-    """The first steps of a motion of which no run was made, as it takes too many steps."""
+    """A run of the first steps alone, where a run of the whole window would take too many."""
     timestep, strides = float(at.timesteps[FINER]), [0, *[READ // INTERVALS] * INTERVALS]
     snapshots: list[object] = []
     with sessions.at(at.states.rows(0), timestep) as session:

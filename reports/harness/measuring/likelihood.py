@@ -42,7 +42,7 @@ PROMISING, PAIRS = 0.5, 3
 
 @dataclass(frozen=True, eq=False)
 class Data(ABC):
-    """What is to be explained.
+    """Data that a change of the equations, or of how states are read, is to explain.
 
     Attributes
     ----------
@@ -81,7 +81,7 @@ class Data(ABC):
 
 @dataclass(frozen=True, eq=False)
 class Fit:
-    """Changes at once, with the numbers that explain data best.
+    """Changes made together, with the numbers for them that explain data best.
 
     Attributes
     ----------
@@ -114,17 +114,17 @@ class Fit:
         return bool(np.linalg.eigvalsh(self.hypothesis.equations.inertia)[0] > 0)
 
     def rows(self, change: Change) -> slice:
-        """Which of the numbers are those of a change."""
+        """Where the numbers of one change are among those of all."""
         at = sum(len(one.sizes) for one in self.changes[: self.changes.index(change)])
         return slice(at, at + len(change.sizes))
 
     def numbers_of(self, change: Change) -> FloatArray:
-        """Its numbers; zeros where it is not among the changes."""
+        """The fitted numbers of one change; zeros where it is not among the changes."""
         is_made = change in self.changes
         return self.numbers[self.rows(change)] if is_made else np.zeros(len(change.sizes))
 
     def explanation(self, change: Change) -> Explanation:
-        """A change with its numbers."""
+        """One change with its fitted numbers, as it is stored."""
         return change.explanation(self.numbers_of(change))
 
 
@@ -154,7 +154,7 @@ class Trial:
         return self.data.left(self.hypothesis(x), samples)
 
     def _improbable(self, x: FloatArray, samples: int | None) -> FloatArray:
-        """The same, and below it how far the numbers are from what is known beforehand."""
+        """What is left, (m,), then how far the numbers are from what is known beforehand, (p,)."""
         return np.concatenate([self.left(x, samples), self.data.unlikely(self.hypothesis(x))])
 
     @cached_property
@@ -164,13 +164,13 @@ class Trial:
 
     @cached_property
     def slopes(self) -> FloatArray:
-        """What small numbers change in it, (m, k)."""
+        """The derivative of what is left by each number, at zero, (m, k)."""
         steps = SMALL * np.eye(len(self.sizes))
         columns = [(self.left(step) - self.at_none) / SMALL for step in steps]
         return np.reshape(columns, (len(columns), len(self.at_none))).T
 
     def fit(self, before: Fit | None = None) -> Fit:
-        """The numbers that leave least.
+        """Fit the numbers by least squares.
 
         Parameters
         ----------
@@ -218,17 +218,17 @@ class Search:
 
     @property
     def is_called_for(self) -> bool:
-        """Whether what they leave is more than noise and a method's error."""
+        """Whether the scene's own equations leave more than noise and a method's error."""
         rest = self.unchanged.rest
         return self.data.falls(rest, 0 * rest) > self._by_chance(1)
 
     @cached_property
     def trials(self) -> list[Trial]:
-        """Each change alone."""
+        """Each change by itself, its numbers to be fitted."""
         return [Trial(self.data, (change,)) for change in self.changes]
 
     def one_or_two(self) -> Fit | None:
-        """The change, or the two at once, that leave little; None if none do, or need to."""
+        """The change, or pair of changes, that explains the data; None if none does, or need be."""
         if not self.is_called_for:
             return None
         enough = PROMISING**2 * self.unchanged.left

@@ -68,7 +68,7 @@ class Look:
 
     @property
     def level(self) -> float:
-        """The level of one quantity."""
+        """The level that one quantity's tail is held to."""
         return LEVEL / len(self.sizes)
 
     @property
@@ -83,9 +83,9 @@ class Look:
 
     @property
     def known_to(self) -> tuple[float, float]:
-        """How well the limit is known to be zero: the larger of its standard error and size.
+        """How well the limit is known to be zero: the larger of its size and standard error.
 
-        The first is relative to the largest terms, the second to the weakest effect.
+        Relative to the largest terms, and relative to the weakest effect.
         """
         sizes = (np.maximum(one.known_to, norms(one.limit)) for one in self.series)
         errors = np.array([size.max() for size in sizes])

@@ -66,7 +66,7 @@ def _largest(off: FloatArray) -> float:
 
 
 def _earlier(replay: Replay, steps: int) -> tuple[NDArray[np.int64], State]:
-    """The last samples that are so many steps before the worst intervals, or the first one.
+    """The run's states at its last samples at least so many steps before the worst intervals.
 
     Returns
     -------
@@ -108,7 +108,7 @@ def _lost(
     before: NDArray[np.int64],
     parts: NDArray[np.int64],
 ) -> FloatArray:
-    """What restarts change of steps from K states, as `apart` has it, (K, 5, 3).
+    """By how much restarts change where steps from K states end, as `apart` has it, (K, 5, 3).
 
     Parameters
     ----------

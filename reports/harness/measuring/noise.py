@@ -38,14 +38,19 @@ NO_SIZE = 1e-150
 
 
 def rounding_of_body(condition: float, ulp: float = float(np.finfo(float).eps)) -> float:
-    """What rounding of its moments changes of a body's angular acceleration, relative."""
+    """The relative change of a body's angular acceleration by rounding of its moments."""
     return ULPS * ulp * condition
 
 
 def noise_of(
     equations: Equations, steps: Steps, engine: Engine, condition: float, *, settled: bool
 ) -> FloatArray:
-    """The standard deviation of the mean gain of the repeats, of derived sources, (J, K, Q)."""
+    """The noise of gains by the derived sources: the standard deviation of the repeats' mean.
+
+    Returns
+    -------
+    In the units of the gains, (J, K, Q).
+    """
     scenario, rounding = equations.scenario, ULPS * engine.ulp
     spans, sizes = steps.timesteps[:, None], largest_terms(equations, steps)
     of_body = rounding * condition
@@ -76,7 +81,7 @@ def noise_of(
 
 
 def noise_of_steps(equations: Equations, steps: Steps) -> FloatArray:
-    """What noise of `NOISE` of the fastest state makes of a gain in a step, (J, 1, Q)."""
+    """The noise of gains if each step changes the fastest state by `NOISE`, (J, 1, Q)."""
     read = steps.by_timestep(_roundings(equations, steps)).max(axis=(1, 2))
     return np.asarray(NOISE * read[:, None])
 
@@ -121,7 +126,7 @@ def weakest_effects(equations: Equations, steps: Steps) -> FloatArray:
 
 
 def _torques(equations: Equations, states: State) -> FloatArray:
-    """Sizes of the torques of what always pushes, of what ω adds, and of weight, N m, (n, 3)."""
+    """Sizes of the constant torques, of those that depend on ω, and of weight's, N m, (n, 3)."""
     scenario = equations.scenario
     still, pushed = (
         push(scenario.pushed, np.eye(3), omega)
@@ -134,7 +139,7 @@ def _torques(equations: Equations, states: State) -> FloatArray:
 
 
 def _roundings(equations: Equations, steps: Steps) -> FloatArray:
-    """The change of a gain by a change of one, relative, of the states that are read, (n, Q)."""
+    """The derivative of gains by relative changes of the states that are read, (n, Q)."""
     states, spans = steps.before, steps.spans
     speeds = np.maximum(norms(states.omega_body), norms(steps.after.omega_body))
     fast = norms(states.velocity_world) + equations.reach * speeds
@@ -152,7 +157,7 @@ def _roundings(equations: Equations, steps: Steps) -> FloatArray:
 
 
 def _kept(equations: Equations, states: State) -> FloatArray:
-    """The most that terms of what a part keeps come to, kg m²/s, (n,)."""
+    """The largest size of the angular momentum that a part keeps, kg m²/s, (n,)."""
     fastest = norms(states.omega_body) + np.abs(states.spins).max(axis=1)
     return np.asarray(equations.scenario.largest_part * fastest)
 

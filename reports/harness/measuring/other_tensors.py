@@ -18,7 +18,7 @@ Tensor = tuple[str, Sequence[float], FloatArray]
 
 
 def other_tensors(scenario: Scenario) -> Iterator[Tensor]:
-    """Every tensor that is not the scene's, of several alike the first."""
+    """Every tensor that a usual mistake makes of the scene's; of equal ones the first."""
     inertia, of_com = np.array(scenario.inertia), np.array(scenario.body.inertia_com)
     seen = [inertia]
     for kind, numbers, wrong in _of_mistakes(scenario, of_com):
@@ -31,7 +31,7 @@ def other_tensors(scenario: Scenario) -> Iterator[Tensor]:
 
 
 def _of_mistakes(scenario: Scenario, of_com: FloatArray) -> Iterator[Tensor]:
-    """Tensors about the com, of which some are the same."""
+    """Tensors about the com by kind of mistake; several may be equal."""
     about = scenario.about == "pivot"
     moved = np.array(scenario.body.inertia_origin) - of_com
     moments, axes = np.linalg.eigh(of_com)

@@ -29,7 +29,7 @@ ABRUPT = 5
 def own_places(
     scenario: Scenario, at: Places, passage: Passage, *, is_single: bool
 ) -> Places | None:
-    """States of a run; None where nothing can hold the body in any.
+    """States of a run to take steps from; None where what holds the body can hold it in none.
 
     Parameters
     ----------
@@ -52,7 +52,7 @@ def own_places(
 
 
 def _abrupt(scenario: Scenario, passage: Passage, most: int) -> NDArray[np.intp]:
-    """Where the gain of a quantity differs the most from those around, for each quantity."""
+    """Indices of the steps in which a quantity's gain differs most from its neighbours' mean."""
     turn = fastest_rate(scenario, passage.before.omega_body) * float(passage.times[-1])
     if turn > FARTHEST_TURN or len(passage.times) < 3:
         return np.zeros(0, dtype=np.intp)

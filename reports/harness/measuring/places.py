@@ -46,18 +46,21 @@ class Places:
     gives_way: bool = False
 
     def changed(self, scenario: Scenario, size: float, repeats: int = 1) -> State:
-        """All states so many times over, each number changed at random by about `size` of it."""
+        """All states, repeated, with each number changed at random by about `size` of it."""
         chance = np.random.default_rng(repeats)
         copies = [_changed(scenario, self.states, size, chance) for _ in range(repeats)]
         return stacked(copies)
 
     def thinned(self, most: int) -> "Places":
-        """The places with so many of the states at most, spread over all of them."""
+        """These places with at most so many of the states, evenly chosen."""
         kept = np.unique(np.linspace(0, len(self.times) - 1, most).astype(int))
         return replace(self, states=self.states.rows(kept), times=self.times[kept])
 
     def milder(self) -> "Places":
-        """Shorter timesteps, from states of the motion alone, for a method that refuses these."""
+        """Places with shorter timesteps and only the motion's own states.
+
+        For a method that refuses some of these states or timesteps.
+        """
         along = ~np.isnan(self.times)
         timesteps = self.timesteps / 2.0**FINER
         states, of_motion = self.states.rows(along), self.times[along]
@@ -106,7 +109,7 @@ def _chosen(scenario: Scenario, motion: Trajectory) -> NDArray[np.intp]:
 
 
 def _askew(scenario: Scenario, along: Trajectory, omega_body: FloatArray) -> State:
-    """The first state, with another ω."""
+    """The first state of a motion with another ω, and the velocity that goes with it."""
     q, com_world = along.q_world_body_wxyz[0], along.com_world[0]
     constraint = scenario.constraint
     swing_world = matrix(q) @ cross(omega_body, constraint.lever)
@@ -135,7 +138,7 @@ def _changed(scenario: Scenario, states: State, size: float, chance: np.random.G
 
 
 def _by(vectors: FloatArray, share: FloatArray) -> FloatArray:
-    """Rows, changed by so much relative to their norms."""
+    """Vectors (n, 3), each changed by its norm times `share`, (3,)."""
     return np.asarray(vectors + norms(vectors)[:, None] * share)
 
 
@@ -152,7 +155,7 @@ def _of_flight(scenario: Scenario) -> float:
 
 
 def _of_parts(scenario: Scenario, motion: Trajectory) -> float:
-    """Torques that cancel in coordinates which turn with parts, over the gyroscopic one."""
+    """The ratio of torques that cancel in coordinates turning with parts to the gyroscopic one."""
     _, torque = scenario.cancelling(motion.spins)
     L_world, speed = angular_momentum_world(scenario, motion), norms(motion.omega_body).max()
     gyroscopic = float(norms(L_world).max() * speed)

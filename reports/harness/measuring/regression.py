@@ -53,7 +53,10 @@ class Measured:
     def of(
         timesteps: FloatArray, gains: FloatArray, noise: FloatArray, turns: FloatArray | None
     ) -> "Measured":
-        """Scale gains by each state's noise; how it depends on timesteps is as in the noisiest."""
+        """Scale the gains of each state by its noise.
+
+        How noise depends on the timestep is taken from the state in which it is largest.
+        """
         units = np.median(noise / np.median(noise, axis=1, keepdims=True), axis=0)
         scaled, alike = gains / units[:, None], (noise / units).max(axis=1)
         least, largest = 0.1 * alike.min(), 1e3 * (np.abs(scaled).max() + alike.max())
@@ -93,7 +96,7 @@ class Measured:
 
 @dataclass(frozen=True, eq=False)
 class Regression:
-    """What J gains of K states say by one order, and by each of A pairs of the grid.
+    """The regression of J gains of K states, for one order and each of A pairs of the grid.
 
     A pair is a radius and an amplitude, amplitudes running fastest.
 
@@ -111,7 +114,10 @@ class Regression:
 
     @staticmethod
     def of(measured: Measured, order: int) -> "Regression":
-        """The regression of all gains; beyond the radius one may be as large as the largest is."""
+        """The regression of all gains by one order.
+
+        A gain beyond the radius of convergence may be as large as the largest of all.
+        """
         x, radii = measured.x, _inverse_radii(measured)
         scaled = radii[:, None] * x
         powers = scaled[:, :, None] ** np.arange(TERMS) * (x**order)[:, None]

@@ -117,7 +117,7 @@ def _evidence(
     worst: NDArray[np.intp],
     spread: FloatArray,
 ) -> ReplayEvidence:
-    """What n intervals show that differ by so much.
+    """The evidence of n intervals whose differences from the run are given.
 
     Parameters
     ----------
@@ -140,7 +140,7 @@ def _evidence(
 
 
 def _off(states: State, others: State, reach: float, among: State | None = None) -> FloatArray:
-    """As `apart`; infinite where numbers are not finite."""
+    """How far states are from others, as `apart`, but infinite where numbers are not finite."""
     return np.nan_to_num(apart(states, others, reach, among), nan=np.inf)
 
 

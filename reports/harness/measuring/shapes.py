@@ -26,7 +26,10 @@ SURE = 8.0
 
 
 def _worst(look: Look) -> tuple[int, int]:
-    """The quantity and the state that are the least likely; what leaps, of those alike."""
+    """The indices of the quantity and the state with the smallest tail.
+
+    Of several as small, one whose error does not depend on the timestep comes first.
+    """
     tails = [one.tail for one in look.series]
     alike = [q for q, tail in enumerate(tails) if tail == min(tails)]
     pairs = [(q, int(look.series[q].least_tails.argmin())) for q in alike]
@@ -34,7 +37,7 @@ def _worst(look: Look) -> tuple[int, int]:
 
 
 def fault_of(look: Look, at: Places) -> StepFault | None:
-    """How the gains are not those of a method that converges; None if they are."""
+    """The fault that gains show; None if they are those of a method that converges."""
     if look.tail >= LEVEL:
         return None
     q, k = _worst(look)

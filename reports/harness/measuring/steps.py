@@ -37,7 +37,7 @@ class Sessions:
 
     @contextmanager
     def at(self, state: State, timestep: float) -> Iterator[Session]:
-        """A session at a state, with a timestep, s."""
+        """A session that is set to a state, with a timestep, s."""
         if self.first.can_restart:
             self.first.restart(state, timestep)
             yield self.first
@@ -74,7 +74,7 @@ class Steps:
     repeats: int = 1
 
     def by_timestep(self, rows: FloatArray) -> FloatArray:
-        """One value a row, of any shape (J R K, …), as (J, R, K, …)."""
+        """Values of all rows, (J R K, …), by timestep, repeat and state, (J, R, K, …)."""
         return rows.reshape(len(self.timesteps), self.repeats, -1, *rows.shape[1:])
 
 
@@ -111,7 +111,12 @@ def steps_from(
 
 
 def flowed(scenario: Scenario, states: State, spans: FloatArray) -> State:
-    """The exact states a time after each of n states, s, (n,)."""
+    """The exact states that n states move to in given times.
+
+    Parameters
+    ----------
+    spans : s, (n,)
+    """
     lengths = norms(states.q_world_body_wxyz)[:, None]
     q = states.q_world_body_wxyz / lengths
     start = Trajectory(np.arange(float(len(spans))), q, *states.columns[1:])
@@ -165,7 +170,10 @@ def _turning(state: State) -> tuple[FloatArray, FloatArray]:
 
 
 def _directions(parts: int) -> FloatArray:
-    """Orthonormal directions that all parts show in, (parts, 3); of few, each in its own."""
+    """Orthonormal directions, (parts, 3), in which the momenta of all parts are seen.
+
+    Up to three parts have a direction each.
+    """
     if parts <= 3:
         return np.eye(parts, 3)
     return np.linalg.qr(np.random.default_rng(parts).standard_normal((parts, 3)))[0]
