@@ -6,9 +6,10 @@ import numpy as np
 
 from ....scenarios import FloatArray, Scenario, Trajectory
 from ....scenarios.rotation import norms
+from .alternation import alternation
 from .hinges import spins_beyond
 from .intervals import apart, states_of
-from .measured import Measured, estimated_noise, log_of, started_elsewhere
+from .measured import Measured, log_of, started_elsewhere
 from .mistakes import mistakes
 from .motion import Reading, RecordedMotion
 from .other_physics import Physics, rounding
@@ -58,10 +59,11 @@ def explained(
     stated = [float(settings.get(name, 0.0)) for name in NOISE]
     noise = np.maximum(stated, floor) if any(stated) else None
     in_recording = mistakes(scenario, exact, reading)
+    alternates = alternation(scenario, motion, floor)
     if not in_recording:
         is_stated = noise is not None
-        if noise is None:
-            noise = estimated_noise(scenario, motion, floor, recorded.has_omega)
+        if noise is None and alternates and alternates.is_noise[: 1 + recorded.has_omega].all():
+            noise = np.maximum(alternates.noise, floor)
         if noise is not None:
             has = {"is_stated": is_stated, "has_omega": recorded.has_omega}
             fit = Measured(scenario, log_of(scenario, motion, exact, noise, **has))
@@ -75,6 +77,8 @@ def explained(
     if in_recording:
         return Explanation(tuple(in_recording), verdict, is_beyond)
     words = [] if physics.made_by else physics.explained()
+    if alternates and recorded.has_omega and physics.is_beyond:
+        words = [*filter(None, [alternates.of_omega])] or words
     words += filter(None, [of_spins])
     if not words and recorded.has_omega:
         words = _elsewhere(exact, motion)

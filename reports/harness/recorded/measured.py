@@ -18,7 +18,6 @@ from ....scenarios.rotation import norms
 from ..measuring.changes import Change, Hypothesis, as_it_is, com, is_scaled, resistance, tensor
 from ..measuring.likelihood import LEVEL, Data, Fit, Search, Trial
 from .intervals import apart, states_of
-from .mistakes import FITS
 
 #: rad that the body turns in the samples that are fitted first, and how many these are at least;
 #: then twice as many, until it is all.
@@ -29,16 +28,9 @@ MOST = 4
 #: the root mean square difference of two bodies of one trace whose second moments share it at
 #: random (uniform on the simplex) about axes at random, √(2 · 3/8 / 5).
 SPREAD = 0.387
-#: Third and fourth differences of noise have a variance of so many times its own: Σ (m over k)².
-OF_DIFFERENCES = {3: 20.0, 4: 70.0}
-#: The latter's size over that of the former, √3.5 of noise alone; of what is smooth it is less than
-#: the angle between two samples, which must be less than this.
-ALTERNATES, NEAR = 1.4, 0.7
 #: Neighbouring fourth differences share noise: their mean square is known as well as that of so
 #: many times fewer independent numbers, Σ (8 over 4+k)² / (8 over 4)².
 SHARED = 2.63
-#: Noise that is not that of printed numbers is larger by this factor.
-PRINTED = 50.0
 
 START = Change("start", lambda h, n: h._replace(start=h.start + n), np.ones(6))
 #: Mistakes of a gyroscope.
@@ -321,34 +313,3 @@ def _plus_minus(numbers: FloatArray, errors: FloatArray) -> str:
     """Numbers with their standard errors."""
     each = [f"{n:.5g} ± {e:.2g}" for n, e in zip(numbers, errors, strict=True)]
     return each[0] if len(each) == 1 else f"[{', '.join(each)}]"
-
-
-def estimated_noise(
-    scenario: Scenario, motion: Trajectory, floor: FloatArray, has_omega: bool
-) -> FloatArray | None:
-    """The noise of attitude, rad, and ω, rad/s, (2,); None where there is none to be seen.
-
-    What samples gain beyond the exact flow from the sample before is smooth along a motion that was
-    computed, whatever is wrong with it, and alternates along one that was measured.
-
-    Parameters
-    ----------
-    floor : noise of the printed numbers, likewise
-    """
-    near = norms(motion.omega_body).max() * np.median(np.diff(motion.t)) < NEAR
-    if len(motion.t) < FEWEST or not near:
-        return None
-    states, equations = states_of(motion), as_it_is(scenario).equations
-    made = follow(equations, states[:-1], np.diff(motion.t)[:, None])[:, 0]
-    gained = apart(made, states[1:])
-    # A difference already, of the noise of two samples.
-    third, fourth = (
-        np.sqrt([np.mean(part**2) for part in np.split(np.diff(gained, m - 1, axis=0), 2, axis=1)])
-        for m in OF_DIFFERENCES
-    )
-    noise = fourth / np.sqrt(OF_DIFFERENCES[4])
-    # Less is left by an integrator's interpolation.
-    least = np.maximum(PRINTED * floor, FITS * np.array([1.0, norms(motion.omega_body).max()]))
-    is_noise = (fourth > ALTERNATES * third) & (noise > least)
-    seen = is_noise.all() if has_omega else is_noise[0]
-    return np.maximum(noise, floor) if seen else None

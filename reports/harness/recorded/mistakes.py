@@ -19,12 +19,15 @@ from .motion import OmegaFrame, QuaternionOrder, Reading
 
 #: rad that the exact motion turns in the beginning that is compared, and samples of it at least.
 BEGINNING, FEWEST = 3.0, 3
-#: Samples that must be left of what is read otherwise: steps are told from two.
-FEWEST_LEFT = 2
+#: Samples that must be left of what is read otherwise: steps are told from two. One at most is left
+#: out: an ω that is half a sample older and half a sample newer is smoothed, and no mistake.
+FEWEST_LEFT, LEFT_OUT = 2, 1
 #: rad that the body turns at most, as the times are read: more is no beginning.
 FURTHEST = 3e3
 #: A mistake explains the motion if undoing it makes the errors smaller by this factor.
 EXPLAINS = 10.0
+#: rad, and of ω relative, that may be left at most: ω taken as zero is off by one.
+MOST_LEFT = 0.5
 #: Errors below this, relative or in rad, need no explanation.
 FITS = 1e-9
 #: Mistakes that are looked for in one file at the same time.
@@ -80,10 +83,10 @@ def mistakes(scenario: Scenario, exact: Trajectory, reading: Reading) -> list[st
             ([*words, word], other)
             for words, one in readings
             for word, other in _undone(one, scenario)
-            if len(other.t) >= FEWEST_LEFT
+            if len(other.t) >= max(FEWEST_LEFT, len(reading.t) - LEFT_OUT)
         ]
         errors = [error(other) for _, other in readings]
-        if min(errors) < least / EXPLAINS:
+        if min(errors) < min(least / EXPLAINS, MOST_LEFT):
             best, least = readings[int(np.argmin(errors))][0], min(errors)
     return best
 
@@ -91,8 +94,7 @@ def mistakes(scenario: Scenario, exact: Trajectory, reading: Reading) -> list[st
 def _beginning(exact: Trajectory) -> int:
     """How many samples are compared."""
     turned = np.cumsum(norms(exact.omega_body)[1:] * np.diff(exact.t))
-    # Each ω that goes with another attitude takes a sample away.
-    return max(FEWEST + MOST, int(np.searchsorted(turned, BEGINNING)) + 1)
+    return max(FEWEST + LEFT_OUT, int(np.searchsorted(turned, BEGINNING)) + 1)
 
 
 def _undone(reading: Reading, scenario: Scenario) -> Iterator[tuple[str, Reading]]:

@@ -233,6 +233,19 @@ def test_noise_is_estimated_to_its_standard_error() -> None:
     assert found.log.noise == pytest.approx(NOISE, rel=5 / np.sqrt(2 * 3 * 1201))
 
 
+@pytest.mark.parametrize("noise", [0.0, 1e-6])
+def test_an_omega_that_alternates_is_no_noise(noise: float) -> None:
+    """As of a trapezoidal rule that begins with accelerations of zero; it turns with the body."""
+    arrays, size = measured(BODY, noise, noise), 0.01
+    axis = Rotation.from_quat(arrays["q"], scalar_first=True).apply([0, 0, 1], inverse=True)
+    arrays["omega"] += size * axis * (-1.0) ** np.arange(len(axis))[:, None]
+    found = judged(BODY.scenario, arrays, timestep=1e-4)
+    assert found.is_beyond
+    assert found.measured is None
+    (words,) = found.explained_by
+    assert words.startswith(f"ω alternates from one sample to the next, by ± {size:.2g} rad/s")
+
+
 def test_noise_that_is_stated_too_small_is_told() -> None:
     arrays = measured(LOG, *NOISE)
     found = judged(LOG.scenario, arrays, noise_attitude=NOISE[0] / 2, noise_omega=NOISE[1])
