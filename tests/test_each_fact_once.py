@@ -37,7 +37,6 @@ REASONS = {
     "reports/results/reasons.py": "the sentences of three words",
     "reports/pages/overview/protocol.md": "the rule by which a method disagrees, in words",
     "reports/pages/templates/style.css": "outcomes of runs, in the colours of verdicts",
-    "reports/users_models/page.py": "colours of cells that are no verdicts",
 }
 
 

@@ -230,21 +230,17 @@ class ChildProcess:
         where = f" (answers go to the descriptor in {ANSWERS})" if is_answer else ""
         return f"{last_line(printed)}{where}"
 
-    def end(self) -> bool:
-        """Close its input, and kill what does not end; returns whether it ended by itself."""
+    def end(self) -> None:
+        """Close its input, and kill what does not end."""
         if self._streams.get_map() is None:
-            return True
+            return
         self._streams.close()
         self._calls.close()
-        try:
+        with suppress(subprocess.TimeoutExpired):
             self._process.wait(END_LIMIT if self.usable else 0)
-            return True
-        except subprocess.TimeoutExpired:
-            return False
-        finally:
-            kill(self._process)
-            self._output.close()
-            os.close(self._answers)
+        kill(self._process)
+        self._output.close()
+        os.close(self._answers)
 
 
 _idle: dict[tuple[str, ...], list[ChildProcess]] = {}

@@ -1,7 +1,7 @@
 """Users' models, URDF and MJCF: what a file states of its links, and what engines hold of them."""
 
 from .compare import AGREES, BodyDifference, cause, difference, unstated_body
-from .edit import elements_of, inertial_line, set_attributes, write_inertia
+from .edit import elements_of, set_attributes, write_inertia
 from .file_engine import Advice, Configuration, FileEngine, ModelReader, model_readers
 from .file_problems import FileProblem, problems, shapes_box
 from .mjcf import unnamed

@@ -19,7 +19,7 @@ GROUPS = {
     "Look at results": ["rows"],
     "Scenes": ["list", "show", "new", "check", "reference", "export"],
     "Robot models": ["inspect", "import"],
-    "Engines": ["engines", "gradients", "conform"],
+    "Engines": ["engines", "gradients"],
 }
 _OTHERS = "Others"
 

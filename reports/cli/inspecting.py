@@ -62,16 +62,6 @@ def inspections(models: Sequence[ModelFile], engines: Sequence[str]) -> Iterator
                 yield inspect_model(model, worker, readers)
 
 
-def write_pages(inspected: Sequence[Inspection], out: Path) -> Iterator[Path]:
-    """Write a page for each model."""
-    from ..users_models.page import page_names, write_model_page
-
-    names = page_names([one.model.path for one in inspected])
-    with written(out):
-        for one, name in zip(inspected, names, strict=True):
-            yield write_model_page(one, out, name)
-
-
 def print_inspection(inspection: Inspection) -> None:
     """Print the table, the differences (worst first), faults of the file, and remedies."""
     model = inspection.model

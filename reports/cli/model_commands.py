@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 
 from .options import AsJson, Engines
-from .terminal import AGREES, DISAGREES, Complaint, say, to_json
+from .terminal import AGREES, DISAGREES, Complaint, to_json
 
 app = typer.Typer()
 
@@ -23,10 +23,6 @@ def inspect(
     files: Annotated[list[Path], typer.Argument(metavar="FILE", help="URDF or MJCF.")],
     engine: Engines = None,
     package_path: Packages = None,
-    out: Annotated[
-        Path | None,
-        typer.Option(metavar="DIR", help="The folder to write a page of each file into."),
-    ] = None,
     mend: Annotated[
         Path | None,
         typer.Option(
@@ -57,7 +53,6 @@ def inspect(
         print_mended,
         record,
         write_mended,
-        write_pages,
     )
 
     if (nearest or made_up or compose) and mend is None:
@@ -81,9 +76,6 @@ def inspect(
         inspected.append(after)
         if not as_json:
             print_mended(mended, *inspected)
-    if out is not None:
-        for page in write_pages(inspected, out):
-            say(str(page))
     if as_json and inspected:
         records = [record(one) for one in inspected]
         if mended is not None:

@@ -95,12 +95,8 @@ class ReportFolder:
 
 
 _HERE = Path(str(files(__package__)))
-#: A folder a page, and `templates` for what pages share; no two templates have one name. That of
-#: users' models is beside what it shows.
-FOLDERS = [
-    *sorted(path for path in _HERE.iterdir() if path.is_dir()),
-    _HERE.parent / "users_models",
-]
+#: A folder a page, and `templates` for what pages share; no two templates have one name.
+FOLDERS = sorted(path for path in _HERE.iterdir() if path.is_dir())
 
 
 @cache

@@ -6,7 +6,6 @@ from dataclasses import dataclass, replace
 from ...engines.users_models import (
     Advice,
     Configuration,
-    inertial_line,
     model_readers,
     principal_moments,
 )
@@ -22,8 +21,6 @@ LEGEND = (
     "how far the attitude is off after tumbling for 1 s. fused: part of the body, or of the world, "
     "that it is fixed to."
 )
-#: The heading of what mends them.
-WHAT_TO_DO = "What to do"
 #: What mends a difference in any engine, by its word.
 IN_ANY_ENGINE = {
     "nothing stated": Advice(
@@ -96,7 +93,7 @@ def sections(inspection: Inspection) -> list[tuple[str, list[Finding]]]:
         "Impossible in the file": problems_of(inspection, impossible=True),
         "Doubtful in the file": problems_of(inspection, impossible=False),
         "Welded together, each one body and one scene of 'import'": composed_bodies(inspection),
-        WHAT_TO_DO: remedies(inspection),
+        "What to do": remedies(inspection),
         "Besides": [Finding((), (), note) for note in inspection.model.notes],
     }
     return [(heading, found) for heading, found in by_heading.items() if found]
@@ -131,16 +128,6 @@ def badness(reading: LinkReading) -> tuple[float, float]:
     apart = reading.attitude_apart_deg
     worst = reading.difference.worst if reading.difference is not None else 0.0
     return (max(apart.values()) if apart else 0.0, worst)
-
-
-def worst_links(inspection: Inspection) -> list[InspectedLink]:
-    """Links with a stated body and something wrong, the largest attitude error first."""
-    wrong = [
-        link
-        for link in inspection.links
-        if link.link.stated is not None and (not link.is_well or link.problems)
-    ]
-    return sorted(wrong, key=lambda link: max(map(badness, link.readings)), reverse=True)
 
 
 def problems_of(inspection: Inspection, *, impossible: bool) -> list[Finding]:
@@ -238,12 +225,6 @@ def _of_differences(inspection: Inspection) -> Iterator[Finding]:
             newer = ", or use a newer version" if "@" in engine and advice[0].is_mended else ""
             text = "; ".join(one.text for one in advice) + newer
             yield Finding((f"{engine} {configuration}",), tuple(names), text, advice[0].line)
-
-
-def line_without_rotation(link: InspectedLink) -> str:
-    """The link's `<inertial>` without a rotation, if an engine loses the rotation; else empty."""
-    lost = any(reading.kind == "rotation lost" for reading in link.readings)
-    return inertial_line(link.link.stated) if lost and link.link.stated is not None else ""
 
 
 def cell_text(reading: LinkReading) -> str:

@@ -16,7 +16,7 @@ from case_loops import each_case
 from mutated_scenes import LEAST, written
 from spincheck.reports.cli.app import app
 from spincheck.reports.cli.grouped import option
-from spincheck.reports.cli.terminal import BAD_INPUT, NOT_RUN, Complaint
+from spincheck.reports.cli.terminal import BAD_INPUT, Complaint
 from spincheck.scenarios import SIGNALS
 from typer.models import OptionInfo
 from typer.testing import CliRunner
@@ -149,8 +149,7 @@ def test_an_argument_that_names_nothing_is_reported(command, value):
     if command == "new" and value == "nowhere.toml":
         pytest.skip("it is the file that is to be made")
     code, message = refusal_of([command, *[value] * max(len(needed(command)), 1)])
-    # An engine that cannot be started is no wrong flag.
-    assert code == (NOT_RUN if command == "conform" else BAD_INPUT), message
+    assert code == BAD_INPUT, message
     assert "\x1b" not in message
 
 

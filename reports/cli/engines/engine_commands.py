@@ -1,19 +1,14 @@
-"""Commands about engines: a list, a protocol check, one run to paste into an issue."""
+"""Commands about engines: a list, their derivatives, one run to paste into an issue."""
 
-import shlex
 import textwrap
 from collections.abc import Iterator
-from dataclasses import asdict
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from ..options import AsJson, Engines, Methods, Scene, TimeLimit, Timestep
 from ..terminal import (
-    AGREES,
-    DISAGREES,
-    NOT_RUN,
     Complaint,
     as_complaint,
     say,
@@ -29,8 +24,6 @@ app = typer.Typer()
 
 #: Columns of a line, and of a method's name in it.
 WIDTH, NAMES = 80, 26
-#: s that an answer of a child may take by default.
-ANSWER_LIMIT = 10.0
 
 
 @app.command("engines", epilog="Example: spincheck engines --installed")
@@ -143,58 +136,6 @@ def gradients(
     raise typer.Exit(exit_code(rows))
 
 
-@app.command(epilog="Example: spincheck conform -- node my-engine.mjs")
-def conform(
-    command: Annotated[
-        list[str], typer.Argument(metavar="-- COMMAND", help="What starts the engine.")
-    ],
-    limit: Annotated[
-        float, typer.Option(min=0.1, max=1e6, metavar="S", help="Seconds that an answer may take.")
-    ] = ANSWER_LIMIT,
-    as_json: AsJson = False,
-) -> None:
-    """Check that an engine in another language keeps the protocol of child processes.
-
-    The first steps of every method are compared with the equations of motion, too. Exits with 1 if
-    anything is wrong, with 3 if it cannot be started.
-    """
-    from ....engines import EngineError
-    from ....engines.child.conformance import conformance
-    from ...harness.measuring.examine import physics_in_words
-
-    if len(command) == 1 and command[0].startswith("child:"):
-        # As '--engine' has it.
-        command = shlex.split(command[0].removeprefix("child:"))
-    checks = []
-    with as_complaint(EngineError, exit_code=NOT_RUN):
-        for check in conformance(command, _scenes(), limit, physics_in_words):
-            checks.append(check)
-            if not as_json:
-                verdict = "FAILS" if check.problem else "WRONG" if check.physics else "ok"
-                words = check.problem or check.physics or check.remark
-                print(f"{verdict:5}  {check.what}{f': {words}' if words else ''}", flush=True)
-    problems = sum(bool(check.problem) for check in checks)
-    wrong = sum(bool(check.physics) for check in checks)
-    if as_json:
-        document = {"conforms": not problems, "physics": not wrong}
-        print(to_json(document | {"checks": [asdict(check) for check in checks]}))
-    else:
-        say(_conclusion(problems, wrong, len(checks)))
-        if not problems:
-            say(
-                f"Next: spincheck run fast-top tennis-racket --engine 'child:{shlex.join(command)}'"
-            )
-    raise typer.Exit(DISAGREES if problems or wrong else AGREES)
-
-
-def _conclusion(problems: int, wrong: int, checks: int) -> str:
-    if problems:
-        return f"{problems} of {checks} checks fail."
-    if wrong:
-        return f"It keeps the protocol; in {wrong} of {checks} checks its physics is wrong."
-    return "It keeps the protocol, and its first steps follow the equations of motion."
-
-
 @app.command(
     epilog="Example: spincheck reproduce fast-top --engine mujoco --method Euler --timestep 2e-3"
 )
@@ -229,17 +170,6 @@ def reproduce(
     with written(file):
         write_new(file, text)
     print(file)
-
-
-def _scenes() -> list[Any]:
-    """One plain scene of the library for each set of effects that occurs in it."""
-    from ..named_scenes import scenes_to_run
-
-    first: dict[frozenset[str], Any] = {}
-    for scenario in scenes_to_run([]):
-        if not scenario.hard:
-            first.setdefault(scenario.called_for, scenario)
-    return list(first.values())
 
 
 def list_installed(remove: list[str], as_json: bool) -> None:

@@ -11,6 +11,7 @@ from spincheck.reports.cli.terminal import Complaint
 from spincheck.reports.harness.executors import CallFailed, InProcess, LocalWorkers
 from spincheck.reports.harness.executors.executor import Answer
 from spincheck.reports.users_models import inspection as harness
+from spincheck.scenarios.errors import is_control
 from typer.testing import CliRunner
 from users_models import arm, arm_with_a_tool, body, diagonal, written
 
@@ -111,6 +112,14 @@ def test_what_differs_is_reported_in_words_with_what_to_do(tmp_path):
         "stated": 2.0,
         "added": {"pybullet default": 1.0, "pybullet inertia-from-file": 1.0},
     }
+
+
+def test_nothing_in_a_file_commands_a_terminal(tmp_path):
+    """What XML lets a name hold: a C1 control, and what turns text about."""
+    text = arm().replace("arm", "a\x9b31m\u202eb")
+    printed = inspect(written(tmp_path, text)).stdout
+    assert "a\\x9b31m\\u202eb" in printed
+    assert not [c for c in printed if is_control(c) and c not in "\n\t"]
 
 
 def test_an_impossible_tensor_is_reported_of_file_and_engines(tmp_path):

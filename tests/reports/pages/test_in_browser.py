@@ -8,15 +8,10 @@ from pathlib import Path
 import made_up_ensembles
 import numpy as np
 import pytest
-import users_models
 from spincheck.engines import engines
-from spincheck.engines.users_models import read_model
 from spincheck.reports.harness.choice import Choice
-from spincheck.reports.harness.executors import InProcess
 from spincheck.reports.pages.render import render
 from spincheck.reports.pages.scene.motion_data import EXACT_STEP
-from spincheck.reports.users_models.inspection import inspect_model, reader_engines
-from spincheck.reports.users_models.page import write_model_page
 from spincheck.scenarios import find, load
 from studies import study
 
@@ -34,10 +29,6 @@ pytestmark = [
 
 SCENES = ("wheel-in-a-box", "fast-top", "hammer", "reaction-wheel")
 METHODS = ("default", "RK4", "multibody")
-#: An arm whose tensor PyBullet makes up from a box; with a long name that would run if it could.
-MODEL = users_models.arm(
-    inside='<collision><geometry><box size="0.4 0.2 0.1"/></geometry></collision>'
-).replace("arm", "arm_" * 30 + "&lt;img src=x onerror=console.error(1)&gt;")
 #: Steps: short ladders, whose pages are made of the same parts.
 BUDGET = 1 << 11
 DESK, PHONE = {"width": 1280, "height": 900}, {"width": 400, "height": 800}
@@ -57,9 +48,6 @@ def folder(tmp_path_factory) -> Path:
     choice = Choice(tuple(installed), METHODS, max_steps=BUDGET)
     results = study(folder / "results.sqlite", [load(path) for path in find(SCENES)], choice)
     render(replace(results, ensembles=made_up_ensembles.at_stock().ensembles), folder / "report")
-    model = read_model(users_models.written(folder, MODEL))
-    inspection = inspect_model(model, InProcess(), reader_engines())
-    write_model_page(inspection, folder / "report", "robot")
     return folder / "report"
 
 

@@ -5,9 +5,10 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from spincheck.engines.users_models import Advice, read_model
+from spincheck.engines.users_models.edit import inertial_line
 from spincheck.reports.harness.executors import InProcess
 from spincheck.reports.users_models import findings
-from spincheck.reports.users_models.findings import inertial_line, remedies
+from spincheck.reports.users_models.findings import remedies
 from spincheck.reports.users_models.inspection import Inspection, inspect_model, reader_engines
 from users_models import TENSOR, arm, arm_with_a_tool, diagonal, inertial, link, written
 

@@ -1,5 +1,6 @@
 """The suite as its adopters run it: on engines, programs and recordings, with known failures."""
 
+import shutil
 import sys
 from pathlib import Path
 from pkgutil import resolve_name
@@ -135,6 +136,18 @@ def test_a_program_is_tested_as_any_engine(suite) -> None:
     command = f"child:{sys.executable} -S {child} "
     result = suite(*named(command), "-k", "test_attitude_follows_omega")
     assert result.ret == 0
+    # It turns every body like a sphere.
+    result = suite(*named(command), "-k", "equations_of_motion", of=ADAPTER)
+    result.assert_outcomes(failed=1, deselected=9)
+    result.stdout.fnmatch_lines(["*on 'free': *gyroscopic torque*"])
+
+
+@pytest.mark.processes
+@pytest.mark.skipif(shutil.which("node") is None, reason="node is not installed")
+def test_an_engine_of_fifty_lines_in_another_language_keeps_the_contract(suite) -> None:
+    toy = Path(spincheck.engines.__path__[0]).parent / "tests/engines/interface_1/toy.mjs"
+    assert len(toy.read_text(encoding="utf-8").splitlines()) <= 55
+    suite(*named(f"child:node {toy}"), of=ADAPTER).assert_outcomes(passed=10)
 
 
 def test_recordings_are_judged_and_what_is_missing_is_skipped(suite, tmp_path: Path) -> None:
