@@ -14,7 +14,7 @@ from ...results.evidence import LEVEL, QUANTITIES, GainCurve, StepEvidence, Step
 from ...results.reasons import fault_in_words
 from ..stock import stock_timesteps
 from .look import Look
-from .noise import SOLVED, ULPS, noise_of, noise_of_steps, rounding_of_body
+from .noise import SIGMAS, SOLVED, ULPS, noise_of, noise_of_steps, rounding_of_body
 from .places import FINER, Places, places
 from .readings import misreading
 from .shapes import SURE, fault_of
@@ -43,8 +43,6 @@ HALVINGS_SINGLE = 7
 #: rad, and relative to the spin, by which the repeats of a state differ: of a step's change of
 #: state they alter many ulps in single precision, and little of the step's error.
 NUDGE = 2.0**-7
-#: Standard deviations of noise that are assumed where a difference of two steps shows one.
-MEASURED = 3.0
 #: Relative change of a state that draws an engine's noise anew: 64 ulp.
 REDRAWN = 2.0**-46
 
@@ -152,7 +150,7 @@ class _Examination:
         further = self._look(self._steps(settle + FURTHER, repeats, timesteps), settle)
         left = np.sqrt(((further.gains - look.gains) ** 2).mean(axis=(1, 3)))
         around = np.pad(left, ((1, 1), (0, 0)), mode="edge")
-        seen = MEASURED * np.maximum(np.maximum(around[:-2], around[1:-1]), around[2:])
+        seen = SIGMAS * np.maximum(np.maximum(around[:-2], around[1:-1]), around[2:])
         noise = np.sqrt(look.noise**2 + seen[:, None] ** 2 + (SOLVED * look.sizes) ** 2)
         # What a solver leaves of one state it leaves of others alike.
         return replace(look, noise=noise, is_pooled=False)

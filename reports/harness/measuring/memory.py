@@ -12,15 +12,13 @@ from ....scenarios import FloatArray
 from ...results.evidence import LEVEL, ReplayEvidence
 from .gain_series import fitted
 from .intervals import Replay, restarted
-from .noise import NOISE, SOLVED, ULPS
+from .noise import NOISE, SIGMAS, SOLVED, ULPS
 from .places import HALVINGS, states_of
 from .regression import PREDICTED_FROM
 from .steps import Sessions, apart
 
 #: Steps that a method may remember.
 REMEMBERED = 8
-#: Standard deviations of noise beyond which a memory is seen.
-SEEN = 3.0
 #: A memory of so few steps explains a difference if it leaves no more than this part of it.
 UNEXPLAINED = 0.5
 
@@ -92,7 +90,7 @@ def _vanishing(replay: Replay, engine: Engine, declared: int) -> tuple[int, floa
     gains, table = lost / timesteps[:, None, None, None], np.empty(lost.shape[:2])
     table[:] = noise / timesteps[:, None]
     series = [fitted(timesteps, gains[:, :, q], table, LEVEL) for q in range(lost.shape[2])]
-    seen = np.abs(lost).max(axis=(1, 3)) > SEEN * noise
+    seen = np.abs(lost).max(axis=(1, 3)) > SIGMAS * noise
     if not seen.any():
         return 0, 0.0
     of_order = seen[PREDICTED_FROM:].any(axis=0)

@@ -33,6 +33,8 @@ NOISE = 1e-12
 SOLVED = 1e-9
 #: Fraction of the largest terms below which an effect is as good as absent.
 NEGLIGIBLE = 2e-6
+#: Standard deviations of noise beyond which a difference is seen.
+SIGMAS = 3.0
 #: Smallest size that is divided by; its inverse can be squared.
 NO_SIZE = 1e-150
 

@@ -2,8 +2,8 @@
 
 Some are taken at random, and those in which what a step gains beyond the exact flow differs the
 most from the steps before and after. So what acts in few states, or only on the motion that a
-method makes itself, is met as well. Few short timesteps tell whether a step gains what does not
-vanish.
+method makes itself, is met as well. The shortest timesteps, as few as tell a limit, show whether a
+step gains what does not vanish.
 """
 
 from dataclasses import replace
@@ -18,10 +18,9 @@ from ..defects import FARTHEST_TURN
 from .examine import OPENED
 from .intervals import INTERVALS, Passage
 from .places import Places
+from .regression import LEAST
 from .steps import Steps, flowed, step_gains
 
-#: Timesteps of these steps: the shortest of those from exact states.
-TIMESTEPS = 4
 #: States in which each quantity's gain changes the most.
 ABRUPT = 5
 
@@ -48,7 +47,7 @@ def own_places(
         return None
     states, times = passage.before.rows(kept), passage.times[kept]
     places = replace(at, states=states, times=times, are_apart=False)
-    return places if is_few else replace(places, timesteps=at.timesteps[-TIMESTEPS:])
+    return places if is_few else replace(places, timesteps=at.timesteps[-LEAST:])
 
 
 def _abrupt(scenario: Scenario, passage: Passage, most: int) -> NDArray[np.intp]:

@@ -19,8 +19,6 @@ from .places import Places
 from .readings import misreading
 from .regression import LEAST
 
-#: So many of the shortest steps have to show that an error does not depend on their length.
-LEAPS = 4
 #: Standard errors of a limit within which an explanation must come.
 SURE = 8.0
 
@@ -65,7 +63,7 @@ def _shape(look: Look, q: int, k: int) -> tuple[FaultKind, int]:
     series, timesteps = look.series[q], look.steps.timesteps
     gains, noise, count = look.gains[:, :, q], look.noise[:, :, q], len(timesteps)
     bad = np.flatnonzero(series.tails[:, k] * series.tests < look.level)
-    leaps = norms(gains[-LEAPS:, k]) * timesteps[-LEAPS:]
+    leaps = norms(gains[-LEAST:, k]) * timesteps[-LEAST:]
     if len(bad) and np.ptp(leaps) < leaps.min() / 2:
         return "leap", count - 1
     if series.alone is not None:
