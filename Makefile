@@ -17,7 +17,7 @@ SPREAD := football-spiral book-middle-axis fast-top lopsided-body motor-driven-t
 	--method default --method RK4 --method multibody
 
 .PHONY: docs results report engines engines-2026 test quick pythons bench kills survey thresholds random suite power
-.PHONY: encodings known-issues lines recorded-motions
+.PHONY: known-issues lines recorded-motions
 .PHONY: lint types contract check schema format-page engine-verdicts clean
 
 # The page is there to look at after the free and the heavy tops, on short ladders and without the
@@ -89,11 +89,6 @@ random: $(READY)
 suite: $(READY)
 	$(BIN)/pytest --pyargs spincheck.suite --spincheck-engine all \
 		--spincheck-xfails tests/reports/interface/suite/known_failures.toml
-
-# Random bodies described in every way in real engines: false alarms of encodings, counted and printed.
-COUNT ?= 1000
-encodings: $(READY)
-	PYTHONPATH=tests/support $(BIN)/python tests/reports/harness/measure_encodings.py $(COUNT) $(FROM)
 
 # What became of public issues on the rotation of single bodies, in the engines at hand; docs/measured/known-issues.md.
 known-issues: $(READY)

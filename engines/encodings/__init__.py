@@ -2,4 +2,4 @@
 
 from .changed_scene import SceneChange
 from .encoded_engine import SAME_BODY, EncodedEngine
-from .table import ENCODINGS, KEPT, Encoding
+from .table import ENCODINGS, Encoding

@@ -1,4 +1,4 @@
-"""The same motion seen from other axes, another origin, in other units, from a moving frame."""
+"""The same motion seen from other axes, another origin, and in other units."""
 
 from dataclasses import dataclass, replace
 
@@ -30,7 +30,6 @@ from ..method import COMMON_EFFECTS
 #: What the mirror leaves and reverses: of vectors, of axial ones, of quaternions.
 _POLAR, _AXIAL = np.array([-1.0, 1.0, 1.0]), np.array([1.0, -1.0, -1.0])
 _MIRRORED_Q = np.array([1.0, 1.0, -1.0, -1.0])
-_X = np.array([1.0, 0.0, 0.0])
 
 #: Effects of a scene that a change of its body keeps, of one on a table, and of one in free fall.
 OF_BODIES = COMMON_EFFECTS | {"rotors"}
@@ -47,8 +46,6 @@ class SceneChange:
     q_body_new : takes components along the new body axes to those along the old ones
     shift : of the body's origin, m, along the old body axes
     length, mass, time : how many new units one old unit is
-    boost : velocity of the old world in the new one, m/s; along x
-    place : where the old world's origin is in the new one, m; along x
     is_mirrored : whether x is reversed, of world and body
     """
 
@@ -57,14 +54,7 @@ class SceneChange:
     length: float = 1.0
     mass: float = 1.0
     time: float = 1.0
-    boost: float = 0.0
-    place: float = 0.0
     is_mirrored: bool = False
-
-    @property
-    def needs_free(self) -> bool:
-        """Whether it is one of free bodies only: a pivot stays at the body's origin, and still."""
-        return bool(any(self.shift) or self.boost or self.place)
 
     def scene(self, scenario: Scenario) -> Scenario:
         """The changed scene; its numbers are exact, as those of the scene are."""
@@ -118,8 +108,8 @@ class SceneChange:
         return Start(
             self._attitude(product(start.q_exact, self.q_body_new)),
             omega,
-            self._place_of(start.position_world[None], np.zeros(1))[0],
-            self._velocity_of(start.velocity_world[None])[0],
+            start.position_world * self._sign * self.length,
+            start.velocity_world * self._sign * self.length / self.time,
         )
 
     def _effects(self, effects: Effects) -> Effects:
@@ -145,31 +135,21 @@ class SceneChange:
             )
         return Effects.model_validate(tables)
 
-    def state_back(self, states: State, times_new: FloatArray) -> State:
-        """States of the changed scene, n rows, as those of the scene.
-
-        Parameters
-        ----------
-        times_new : in the new unit of time, (n,)
-        """
+    def state_back(self, states: State) -> State:
+        """States of the changed scene, n rows, as those of the scene."""
         back = times(np.array([float(c) for c in conjugate(self.q_body_new)]))
         R_body_new = self._R_body_new
         omega_new, q_new = states.omega_body, states.q_world_body_wxyz
         if self.is_mirrored:
             omega_new, q_new = omega_new * _AXIAL, q_new * _MIRRORED_Q
         sign = self._sign
-        unmoved = np.outer(self.place + self.boost * times_new, _X)
         return State(
             q_new @ back,
             omega_new @ R_body_new.T * self.time,
-            (states.com_world - unmoved) * sign / self.length,
-            (states.velocity_world - self.boost * _X) * sign * self.time / self.length,
+            states.com_world * sign / self.length,
+            states.velocity_world * sign * self.time / self.length,
             states.spins * self.time,
         )
-
-    def motion(self, states: State, times_old: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Place and velocity of the com in the changed scene, of n states of the scene, (n, 3)."""
-        return self._place_of(states.com_world, times_old), self._velocity_of(states.velocity_world)
 
     def body_back(self, body: BodyReading) -> BodyReading:
         """A body of the changed scene as one of the scene."""
@@ -188,13 +168,6 @@ class SceneChange:
     @property
     def _sign(self) -> FloatArray:
         return _POLAR if self.is_mirrored else np.ones(3)
-
-    def _place_of(self, com_world: FloatArray, times_old: FloatArray) -> FloatArray:
-        moved = np.outer(self.place + self.boost * times_old * self.time, _X)
-        return com_world * self._sign * self.length + moved
-
-    def _velocity_of(self, velocity_world: FloatArray) -> FloatArray:
-        return velocity_world * self._sign * self.length / self.time + self.boost * _X
 
     def _polar(self, vector: tuple[mpf, ...]) -> Vector:
         x, y, z = vector

@@ -1,11 +1,14 @@
 """An engine that is given scenes in another encoding, and whose motions are turned back."""
 
+import inspect
 from collections.abc import Callable, Sequence
+from dataclasses import replace
+from pathlib import Path
 from typing import Any, final
 
 import numpy as np
 
-from ...scenarios import FloatArray, Scenario
+from ...scenarios import Scenario
 from ..checks.read_back import BodyReading, Difference, State, body_pairs
 from ..engine import Engine
 from ..fault import Fault
@@ -23,16 +26,20 @@ SAME_BODY = 64
 
 @final
 class EncodedEngine(Engine):
-    """An engine on scenes in one encoding, run, sampled and checked as the engine itself.
+    """An engine that is given every scene in one encoding, and is judged as any other.
 
-    A body that it holds otherwise than the scene's does not fail a run: it is a finding.
+    Its name is such as "mujoco as welded". Methods as shipped are not among its own.
     """
 
     def __init__(self, base: Engine, encoding: str) -> None:
-        self.name, self.base, self._encoding = base.name, base, encoding
-        self.varied = {"as": encoding}
-        self.methods = base.methods
-        self.single_precision = base.single_precision
+        self.name, self.base, self._encoding = f"{base.name} as {encoding}", base, encoding
+        self.methods = tuple(
+            replace(method, reader=True, setup="")
+            for method in base.methods
+            if not method.as_shipped
+        )
+        self.single_precision, self.least_turn = base.single_precision, base.least_turn
+        self.stock_timestep = base.stock_timestep
 
     @property
     def encoding(self) -> Encoding:
@@ -49,6 +56,20 @@ class EncodedEngine(Engine):
         """The engine's own version."""
         return self.base.version
 
+    @property
+    def sources(self) -> tuple[Path, ...]:
+        """The files of its adapter, besides those that the adapter names."""
+        folder = Path(inspect.getfile(type(self.base))).parent
+        return (*sorted(folder.glob("*.py")), *self.base.sources)
+
+    def applies_to(self, scenario: Scenario) -> bool:
+        """Whether the engine can be given the scene in this encoding."""
+        return self.base.applies_to(scenario) and not self.why_not(scenario)
+
+    def why_not(self, scenario: Scenario) -> str:
+        """Why it does not apply to a scene; empty if it does."""
+        return self.encoding.why_not(self.base, scenario)
+
     def open(self, scenario: Scenario, method: Method, timestep: float) -> Session:
         """The changed scene in the engine, with its body described as the encoding has it."""
         change, description = self.encoding.change(scenario), self.encoding.description
@@ -57,7 +78,7 @@ class EncodedEngine(Engine):
             session = self.base.open(changed, method, timestep)
         else:
             session = self.base.open_with(changed, method, timestep, description=description)
-        return EncodedSession(session, scenario, change, timestep)
+        return EncodedSession(session, scenario, change)
 
     def differences(
         self,
@@ -72,35 +93,21 @@ class EncodedEngine(Engine):
         # About a point that far away the tensor is larger, and its rounding.
         far = float(shift @ shift + own.com @ own.com)
         moment = float(own.principal_moments[-1]) + own.mass * far
-        # PyBullet's places of links in maximal coordinates are from the world's origin.
-        reach = np.sqrt(moment / own.mass) + abs(change.place) / change.length
-        sizes = {"mass": own.mass, "com": reach}
+        sizes = {"mass": own.mass, "com": float(np.sqrt(moment / own.mass))}
         return [
-            _Off(what, wanted, got, largest / size)
+            Difference(what, wanted, got, largest / size)
             for what, got, wanted in body_pairs(scenario, body)
             for size in [sizes.get(what, moment)]
             if not (largest := float(np.abs(got - wanted).max())) <= SAME_BODY * self.ulp * size
         ]
 
 
-class _Off(Difference):
-    """A number of the body that an engine holds otherwise, of whatever size."""
-
-    @property
-    def remark(self) -> str:
-        """How far it is off."""
-        return f"'{self.what}' is off by {self.relative:.1e}"
-
-
 @final
 class EncodedSession(Session):
     """A session of the changed scene, read in the axes and units of the scene."""
 
-    def __init__(
-        self, session: Session, scenario: Scenario, change: SceneChange, timestep: float
-    ) -> None:
+    def __init__(self, session: Session, scenario: Scenario, change: SceneChange) -> None:
         self._session, self._scenario, self._change = session, scenario, change
-        self._timestep, self._steps = timestep, 0
 
     def read_body(self) -> BodyReading:
         """The body that the engine holds, as one of the scene."""
@@ -113,38 +120,26 @@ class EncodedSession(Session):
     def advance(self, steps: int) -> None:
         """Take whole steps."""
         self._session.advance(steps)
-        self._steps += steps
 
     def record(self, strides: Sequence[int], keep: Callable[[Any], object]) -> None:
-        """As the engine's own; each snapshot with the number of steps before it."""
-        counts = iter(self._steps + np.cumsum(strides))
+        """As the engine's own."""
+        self._session.record(strides, keep)
 
-        def kept(snapshot: Any) -> None:
-            self._steps = int(next(counts))
-            keep((self._steps, snapshot))
+    def snapshot(self) -> Any:
+        """The engine's own snapshot."""
+        return self._session.snapshot()
 
-        self._session.record(strides, kept)
-
-    def snapshot(self) -> tuple[int, Any]:
-        """Steps so far, and the engine's own snapshot."""
-        return self._steps, self._session.snapshot()
-
-    def states(self, snapshots: Sequence[tuple[int, Any]]) -> State:
+    def states(self, snapshots: Sequence[Any]) -> State:
         """The states of n snapshots."""
-        states = self._session.states([own for _, own in snapshots])
-        return self._change.state_back(states, self._times(snapshots))
-
-    def _times(self, snapshots: Sequence[tuple[int, Any]]) -> FloatArray:
-        return np.array([steps for steps, _ in snapshots]) * self._timestep
+        return self._change.state_back(self._session.states(snapshots))
 
     def first_fault(
         self,
-        snapshots: Sequence[tuple[int, Any]],
+        snapshots: Sequence[Any],
         states: State,  # noqa: ARG002
     ) -> Fault | None:
         """As the engine's own."""
-        own = [snapshot for _, snapshot in snapshots]
-        return self._session.first_fault(own, self._session.states(own))
+        return self._session.first_fault(snapshots, self._session.states(snapshots))
 
     def check(self) -> None:
         """As the engine's own."""

@@ -6,7 +6,7 @@ from functools import lru_cache
 
 from mpmath import mpf
 
-from ...scenarios import EFFECTS, Scenario
+from ...scenarios import Scenario
 from ...scenarios.exact import normalised
 from ...scenarios.principal import from_matrix, principal_axes
 from ..engine import Engine
@@ -85,11 +85,6 @@ ENCODINGS: dict[str, Encoding] = {
     one.name: one
     for one in (
         Encoding(
-            "plain",
-            "as every scene is given: one body, its tensor along principal axes",
-            effects=frozenset(EFFECTS),
-        ),
-        Encoding(
             "turned",
             "body frame turned by 74°, about none of its axes",
             lambda _: SceneChange(q_body_new=TURN),
@@ -151,15 +146,6 @@ ENCODINGS: dict[str, Encoding] = {
             effects=ON_A_TABLE,
         ),
         Encoding("ms", "in milliseconds", lambda _: SceneChange(time=1e3), effects=ON_A_TABLE),
-        Encoding(
-            "boosted",
-            "seen from a frame that moves at 1 km/s",
-            lambda _: SceneChange(boost=1e3),
-            needs_free=True,
-        ),
-        Encoding(
-            "far", "100 km from the origin", lambda _: SceneChange(place=1e5), needs_free=True
-        ),
         Encoding(
             "compensated",
             "gravity, and its compensation",

@@ -39,7 +39,6 @@ from .results.result_commands import app as result_commands
 from .scenes.scene_commands import app as scene_commands
 from .stopping import Stopped, open_closed_streams, raise_when_stopped, say_last_words
 from .terminal import (
-    DISAGREES,
     Complaint,
     escape_what_turns_text,
     refusal,
@@ -155,7 +154,7 @@ def run(
     from .run import running
     from .run.batches import batches, batches_as_json, named_worlds, print_batches
     from .run.batches import exit_code as exit_code_of_batches
-    from .run.encodings import are_alike, encoding_lines, named_encodings
+    from .run.encodings import named_encodings
     from .run.ensembles import choose_for_ensemble, exit_code_of, print_ensembles, run_ensembles
     from .run.short_summary import short_summary
     from .run.summary import results_as_json, verdict_lines
@@ -200,18 +199,14 @@ def run(
         print(to_json(results_as_json(results)))
     else:
         every = verdict_lines(results.verdicts) if verbose else ()
-        described = encoding_lines(results.encodings) if as_encoded else ()
-        for line in (*every, *short_summary(results, timestep or []), *described):
+        for line in (*every, *short_summary(results, timestep or [])):
             print(line)
         say(f"Results are in {out}; 'spincheck report {out}' makes pages of them.")
         if unproven := running.unproven_in_words(results):
             say(unproven)
     running.say_where_motions_end(results)
     running.tell_untrue(results)
-    code = running.exit_code(results, strict=strict)
-    if as_encoded and not are_alike(results.encodings):
-        code = code or DISAGREES
-    raise typer.Exit(code)
+    raise typer.Exit(running.exit_code(results, strict=strict))
 
 
 @app.command(epilog="Example: spincheck report spincheck.sqlite --out pages")

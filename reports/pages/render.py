@@ -30,7 +30,7 @@ from .overview.heat_map import FIRST_SIGNAL, heat_map, stock_table
 from .overview.spread import spread
 from .page_data import PageData
 from .scene import scene_tables
-from .scene.default_tables import default_tables, encoding_tables
+from .scene.default_tables import default_tables
 from .scene.motion_data import motion_data
 from .scene.scene_answer import gains_shown_at_first, scene_answer, shown_at_first
 from .tables import table
@@ -172,7 +172,6 @@ def _scene(scene: SceneRuns) -> dict[str, Any]:
             "published": scene_tables.published_table(scene.solved.scenario),
             "models": _models(scene.solved.scenario),
             "defaults": default_tables(scene),
-            "encodings": encoding_tables(scene),
         }
     return content
 

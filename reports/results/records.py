@@ -24,7 +24,6 @@ from ...scenarios import (
     loads,
     printable,
 )
-from .encoding_records import Beside
 
 #: Names of an engine and of one of its methods.
 Pair = tuple[str, str]
@@ -215,7 +214,6 @@ class Row(Record):
         defects while it moves; None if it never does
     acts : of a run with one default or none, whether its steps, however short, are not those of
         the equations of motion; None if unknown
-    beside : of a run with another description of the body, how it is beside the scene's own
     """
 
     key: MethodKey
@@ -242,7 +240,6 @@ class Row(Record):
     turns_within_1deg: Size | None = None
     attitude_a_turn: Size | None = None
     acts: bool | None = None
-    beside: Beside | None = None
     variation: Variation = ""
 
     def __post_init__(self) -> None:
@@ -253,11 +250,6 @@ class Row(Record):
     def varied(self) -> dict[str, Any]:
         """What is varied, by name: paths of the scene's file, or seed and member."""
         return varied_in(self.variation)
-
-    @property
-    def encoding(self) -> str:
-        """The name of the body's description; empty if it is the scene's own."""
-        return str(self.varied.get("as", ""))
 
     @property
     def pair(self) -> Pair:

@@ -28,7 +28,7 @@ from .only_writer import check_journals, has_log, log_of, only_writer
 
 #: "spin" in ASCII: distinguishes a result file from other SQLite databases.
 APPLICATION_ID = 0x7370696E
-FORMAT = 18
+FORMAT = 19
 #: Bytes of a record, at most; the motion of the longest window, 10⁶ samples, has 112 MB.
 LARGEST_RECORD = 1 << 28
 

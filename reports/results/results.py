@@ -47,11 +47,6 @@ class Results:
     varied: list[Row] = field(default_factory=list)
 
     @property
-    def encodings(self) -> list[Row]:
-        """The runs with other descriptions of a body, beside those with the scene's own."""
-        return [row for row in self.varied if row.beside]
-
-    @property
     def every_row(self) -> list[Row]:
         """The runs in which nothing is varied, then all others, by method and what is varied."""
         return [*self.rows, *sorted(self.varied, key=_place)]

@@ -7,12 +7,10 @@ from types import SimpleNamespace
 import made_up
 import made_up_ensembles
 from spincheck.reports.results.cost_records import MethodCost, Ratio, StepCost
-from spincheck.reports.results.encoding_records import Beside
 from spincheck.reports.results.ensemble_records import DefinedEnsemble
 from spincheck.reports.results.provenance_records import Fingerprint
 from spincheck.reports.results.records import Key, variation
 from spincheck.reports.results.store import open_store
-from spincheck.scenarios import Errors
 
 SCENE = "made-up-top"
 #: Samples of every motion.
@@ -27,7 +25,6 @@ WHOLE = MethodCost(
     difference=0.0,
     compared_until=1.0,
 )
-BESIDE = Beside("differs", "by a degree", Errors(0.0, 0.0, 0.0, 0.0, 0.0, 0.0))
 MEMBERS = 2
 #: With a fault, so that there is something in each field.
 EVIDENCE = made_up.evidence(KEY, made_up.METHODS[2])
@@ -58,8 +55,7 @@ def write(path: Path) -> Path:
         store.put(WHOLE, MethodCost(KEY, "a processor", StepCost(1e-6, 1e-7, 1e-6)))
         store.put(EVIDENCE)
         of_default = replace(rows[0], variation=variation({"defaults": ["damping"]}), motion=None)
-        described = replace(of_default, variation=variation({"as": "welded"}), beside=BESIDE)
-        store.put(of_default, described)
+        store.put(of_default)
         _put_ensemble(store)
     return path
 

@@ -1,29 +1,29 @@
 """What the command `compare` does: what changed from one result to another."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
-from ...pages.analysis.changes import COST_FACTOR, ERROR_FACTOR, Change, Direction, changes
+from ...pages.analysis.changes import COST_FACTOR, ERROR_FACTOR, Change, changes
 from ...pages.analysis.wording import plural
-from ...results.encoding_records import WRONG
 from ...results.results import Results
 from ..run import running
 from ..terminal import AGREES, DISAGREES, Complaint, table
 
 
 def compare(old: str, new: str, stored: Path) -> list[Change]:
-    """Return what changed from one result file, or one version of an engine, to another.
+    """Return what changed from one result file, or one engine, to another.
 
     Parameters
     ----------
     old, new : two result files, or two engines of `stored`, of which one is a version, such as
-        mujoco@3.3.0
+        mujoco@3.3.0, or in another encoding, such as "mujoco as welded"
     """
-    if "@" in old + new and not (Path(old).exists() and Path(new).exists()):
+    names_engines = any(mark in old + new for mark in ("@", " as "))
+    if names_engines and not (Path(old).exists() and Path(new).exists()):
         return changes_between_versions(running.read(stored), old, new)
-    return _all_changes(running.read(Path(old)), running.read(Path(new)))
+    return changes(running.read(Path(old)), running.read(Path(new)))
 
 
 def changes_between_versions(results: Results, older: str, newer: str) -> list[Change]:
@@ -31,47 +31,21 @@ def changes_between_versions(results: Results, older: str, newer: str) -> list[C
     for name in (older, newer):
         if not any(verdict.key.engine == name for verdict in results.verdicts):
             raise Complaint(
-                f"{name}: no result of it is in the file; 'spincheck run SCENE --engine {name}' "
-                "makes them"
+                f"{name}: no result of it is in the file; 'spincheck run SCENE --engine …' makes "
+                "them"
             )
     name = f"{older} → {newer.partition('@')[2] or newer}"
-    return _all_changes(_alone(results, older, name), _alone(results, newer, name))
-
-
-def _all_changes(old: Results, new: Results) -> list[Change]:
-    return [*changes(old, new), *_described_otherwise(old, new)]
-
-
-def _described_otherwise(old: Results, new: Results) -> Iterator[Change]:
-    """Yield a change for each encoding of a body that is answered otherwise."""
-    before, now = (
-        {
-            (row.key, row.encoding, row.timestep): row.beside.word
-            for row in results.encodings
-            if row.beside
-        }
-        for results in (old, new)
-    )
-    for place, word in before.items():
-        key, encoding, timestep = place
-        if (other := now.get(place, word)) != word:
-            worse = (other in WRONG) - (word in WRONG)
-            direction: Direction = "worse" if worse > 0 else "better" if worse else "other"
-            name = f"as {encoding}"
-            where = vars(key) | {"timestep": timestep}
-            yield Change("outcome", name, word, other, direction, worse > 0, **where)
+    return changes(_alone(results, older, name), _alone(results, newer, name))
 
 
 def _alone(results: Results, engine: str, name: str) -> Results:
     """The results of one engine, under a name that is shared with what they are compared with."""
     rows = [row for row in results.rows if row.key.engine == engine]
     verdicts = [verdict for verdict in results.verdicts if verdict.key.engine == engine]
-    varied = [row for row in results.varied if row.key.engine == engine]
     return replace(
         results,
         rows=[replace(row, key=replace(row.key, engine=name)) for row in rows],
         verdicts=[replace(one, key=replace(one.key, engine=name)) for one in verdicts],
-        varied=[replace(row, key=replace(row.key, engine=name)) for row in varied],
     )
 
 

@@ -10,7 +10,6 @@ from ...harness.ladder import QUICK_STEPS
 from ...harness.plan import Plan, plan
 from ...harness.scene_checks.published import published_that_do_not_hold
 from ...harness.study import run_study
-from ...harness.varied.encodings import run_encodings
 from ...pages.analysis.wording import plural
 from ...results.records import UNSOLVED, Key, Row
 from ...results.result_file import ResultFileError
@@ -34,6 +33,7 @@ from ..terminal import (
     progress,
     say,
 )
+from .encodings import encoded
 
 
 def announcement(left: Plan) -> str:
@@ -81,6 +81,8 @@ def run(
         time_limit=time_limit,
     )
     check_all_apply(choice, scenarios)
+    others = encoded(choice.engines, encodings, scenarios)
+    choice = replace(choice, engines=(*choice.engines, *others))
     choice = replace(choice, hard_in_passing=not scenes, again=again)
     if quick:
         choice = replace(choice, max_steps=QUICK_STEPS, timed=False)
@@ -102,9 +104,7 @@ def run(
             progress(left.total) as advance,
         ):
             run_study(left, choice, store, executor, advance)
-            described = run_encodings(scenarios, choice, encodings, store, executor)
-        found = replace(store.read(choice.timesteps), varied=described)
-        return _asked_for(found, scenarios, choice)
+        return _asked_for(store.read(choice.timesteps), scenarios, choice)
 
 
 def gone_on_with(out: Path) -> str:

@@ -123,7 +123,6 @@ def results_as_json(results: Results) -> dict[str, Any]:
     return {
         "rows": [row_record(row) for row in results.rows],
         "verdicts": verdict_records(results),
-        "encodings": [row_record(row) for row in results.encodings],
     }
 
 

@@ -94,14 +94,12 @@ class SceneRuns:
     ----------
     solved : the scene and its exact motion; None if it could not be solved
     defaults : of engines as shipped, what each default does to the motion, where that was measured
-    encodings : runs of the body in other descriptions
     """
 
     name: str
     solved: SceneResult | None
     methods: tuple[MethodRuns, ...]
     defaults: tuple[DefaultEffects, ...] = ()
-    encodings: tuple[Row, ...] = ()
 
     @property
     def title(self) -> str:
@@ -266,7 +264,6 @@ def report_data(results: Results) -> ReportData:
                 if key in tried or key in verdicts
             ),
             tuple(one for one in results.defaults if one.key.scenario == name),
-            tuple(one for one in results.encodings if one.key.scenario == name),
         )
         for name in names
     )

@@ -1,59 +1,12 @@
-"""Tables, on a scene's page, of each default's effect, and of the body described otherwise."""
+"""Tables, on a scene's page, of each default's effect."""
 
 import math
 
 from ....scenarios import Errors
 from ...results.default_records import DefaultEffects
-from ...results.encoding_records import PHRASES, Beside, encoding_sentence
-from ...results.records import Row
 from ..analysis.report_data import SceneRuns
 from ..analysis.wording import NOTHING, duration, limited_errors
 from ..tables import Captioned, Cell, Table, figure, table
-
-
-def encoding_tables(scene: SceneRuns) -> list[Captioned]:
-    """One table for each engine and timestep that encodings were run with."""
-    by_engine: dict[tuple[str, float], list[tuple[Row, Beside]]] = {}
-    for row in scene.encodings:
-        if row.beside:
-            of_engine = by_engine.setdefault((row.key.engine, row.timestep), [])
-            of_engine.append((row, row.beside))
-    return [
-        Captioned(f"{engine}, at {duration(timestep)}", _compared(made), _encodings(made))
-        for (engine, timestep), made in by_engine.items()
-    ]
-
-
-def _compared(made: list[tuple[Row, Beside]]) -> str:
-    words = [one.word for _, one in made if one.word != "left out"]
-    return f"{words.count('same')} of {len(words)} runs are the same to round-off."
-
-
-def _encodings(made: list[tuple[Row, Beside]]) -> Table:
-    rows = [
-        [
-            Cell(row.encoding, "name"),
-            Cell(row.key.method),
-            *_apart(one.apart),
-            *_apart(row.errors),
-            Cell(encoding_sentence(one)),
-        ]
-        for row, one in made
-        if one.word in PHRASES
-    ]
-    headings = [
-        f"{signal} {which}"
-        for which in ("from the scene's own description", "from the exact motion")
-        for signal in ("ω, relative,", "attitude, °,")
-    ]
-    return table(("described as", "method", *headings, "what it does"), rows)
-
-
-def _apart(errors: Errors | None) -> list[Cell]:
-    if errors is None:
-        return [figure(NOTHING), figure(NOTHING)]
-    return [figure(f"{errors.omega:.1e}"), figure(f"{math.degrees(errors.attitude):.2g}")]
-
 
 #: A default has an effect if the error of ω exceeds this many times that without, and this size.
 NOTICED, NEGLIGIBLE = 1.5, 1e-6

@@ -65,14 +65,11 @@ def _of_runs(record: dict) -> Iterator[str]:
     versions = {row["engine"]: row["engine_version"] for row in record["rows"]}
 
     def who(one: dict) -> str:
-        name = one["engine"].partition("@")[0]
-        return f"{name} {versions.get(one['engine'], '')} {one['method']}"
+        engine, _, encoding = one["engine"].partition(" as ")
+        version = versions.get(one["engine"], "")
+        described = f", {encoding}" if encoding else ""
+        return f"{engine.partition('@')[0]} {version} {one['method']}{described}"
 
-    if record["encodings"]:
-        for row in record["encodings"]:
-            if row["beside"]["word"] != "left out":
-                yield f"{who(row)}, {row['variation']['as']}: {row['beside']['word']}"
-        return
     for verdict in record["verdicts"]:
         if verdict["verdict"] != "unsupported":
             yield f"{who(verdict)}: {verdict['verdict']}"

@@ -1,35 +1,47 @@
-"""What 'run --as' prints: what is wrong first, with the largest numbers and what to do."""
+"""`run --as`: an engine that is given the body in another description is judged as one of its own."""
 
-from spincheck.reports.cli.run.encodings import encoding_lines
-from spincheck.reports.results.encoding_records import Beside, EncodingWord
-from spincheck.reports.results.records import Key, Row, variation
-from spincheck.scenarios import SIGNALS, Errors
+import json
+from pathlib import Path
 
-
-def apart(size: float) -> Errors:
-    return Errors(*[size] * len(SIGNALS))
-
-
-def run(method: str, encoding: str, word: EncodingWord, size: float) -> Row:
-    beside = Beside(word, f"off by {size:g}", apart(size))
-    key, varied = Key("top", "mujoco", method), variation({"as": encoding})
-    return Row(key, "4", 2e-3, "ok", beside=beside, variation=varied)
+import pytest
+from spincheck.engines import engines
+from spincheck.engines.encodings import ENCODINGS
+from spincheck.reports.cli.app import app
+from spincheck.reports.cli.run.encodings import encoded, encoding_rows, named_encodings
+from spincheck.reports.cli.terminal import Complaint
+from spincheck.scenarios import find, load
+from typer.testing import CliRunner
 
 
-def test_the_method_that_is_furthest_off_gives_the_numbers_and_is_named() -> None:
-    sizes = {"Euler": 0.1, "RK4": 0.3}
-    made = [run(method, "split", "differs", size) for method, size in sizes.items()]
-    *_, line = encoding_lines(made)
-    wanted = "  mujoco Euler, RK4, split: another motion at any timestep: off by 0.3; most with RK4"
-    assert line == wanted
+@pytest.mark.processes
+def test_it_stands_beside_the_engine_as_it_is_and_is_not_recommended(tmp_path: Path) -> None:
+    out = str(tmp_path / "as.sqlite")
+    run = ["run", "tennis-racket", "--quick", "--as", "turned", "--engine", "mujoco"]
+    run += ["--method", "RK4", "--jobs", "1", "--out", out]
+    done = CliRunner().invoke(app, [*run, "--json"])
+    assert done.exit_code == 0, done.output
+    record = json.loads(done.stdout)
+    judged = {verdict["engine"]: verdict["verdict"] for verdict in record["verdicts"]}
+    assert judged == {"mujoco": "converges", "mujoco as turned": "converges"}
+    # Nothing is run again.
+    again = CliRunner().invoke(app, run)
+    assert "2 of 2 verdicts are stored already" in again.stderr
+    assert "Best for tennis-racket: mujoco RK4 at" in again.stdout
+    compared = CliRunner().invoke(app, ["compare", "mujoco", "mujoco as turned", "--from", out])
+    assert (compared.exit_code, compared.stdout) == (0, "nothing changed\n")
+    nowhere = CliRunner().invoke(app, ["compare", "mujoco", "mujoco as welded", "--from", out])
+    assert "mujoco as welded: no result of it is in the file" in str(nowhere.exception)
 
 
-def test_what_is_wrong_comes_before_what_is_coarser_and_says_what_to_do() -> None:
-    coarser, wrong = run("RK4", "offset", "coarser", 0.5), run("RK4", "split", "other body", 0.1)
-    heading, advice, *lines = encoding_lines([coarser, wrong])
-    assert heading.endswith("0 of 2 runs are the same to round-off, 1 wrong")
-    remedy = "Describe the body as the scene does, or take a method that is not wrong below."
-    assert advice == f"  {remedy}"
-    assert [line.split(",")[1].split(":")[0].strip() for line in lines] == ["split", "offset"]
-    # Where nothing is wrong, there is nothing to do.
-    assert len(list(encoding_lines([coarser]))) == 2
+def test_what_an_encoding_does_not_apply_to_is_left_out_with_the_reason(capsys) -> None:
+    scenes = [load(path) for path in find(["fast-top"])]
+    made = encoded([engines()["mujoco"]], named_encodings("Turned, offset,turned"), scenes)
+    assert [engine.name for engine in made] == ["mujoco as turned"]
+    assert capsys.readouterr().err == "Left out: mujoco as offset: it is of free bodies.\n"
+
+
+def test_a_name_that_is_none_is_refused_and_all_are_explained() -> None:
+    with pytest.raises(Complaint, match="got 'weldet'; did you mean 'welded'"):
+        named_encodings("weldet")
+    assert named_encodings("all") == tuple(ENCODINGS) == tuple(n["name"] for n in encoding_rows())
+    assert named_encodings("") == ()
