@@ -75,7 +75,7 @@ class Engine(Adapted, ABC):
 
     @property
     def is_optional(self) -> bool:
-        """Whether it runs only if it is named, wherever it is installed."""
+        """Whether the engine runs only if it is named, though it is installed."""
         return bool(self.package or self.family)
 
     @property
@@ -145,7 +145,7 @@ class Engine(Adapted, ABC):
         defaults: Collection[str] | None = None,
         description: Description = PLAIN,
     ) -> Session:
-        """As `open`, but otherwise in one of these.
+        """Open a scene as `open` does, with one thing changed.
 
         Parameters
         ----------
@@ -165,7 +165,7 @@ class Engine(Adapted, ABC):
         return ""
 
     def left_out(self, scenario: Scenario, method: Method) -> tuple[str, ...]:  # noqa: ARG002
-        """What `open` leaves out that costs time and changes no motion, by the engine's names."""
+        """Names of the engine's features that `open` switches off as they change no motion."""
         return ()
 
     def defaults(self, scenario: Scenario, method: Method) -> tuple[str, ...]:  # noqa: ARG002

@@ -46,7 +46,7 @@ class Method:
 
     @property
     def is_recommendable(self) -> bool:
-        """Whether it may be recommended to users: it simulates the scene as no other does."""
+        """Whether the method may be recommended to users."""
         return not (self.as_shipped or self.reader)
 
 

@@ -55,7 +55,7 @@ class OtherEquations(NamedTuple):
     rate: float
 
     def with_inertia(self, inertia: FloatArray) -> "OtherEquations":
-        """The same of a body with another tensor, kg m², (3, 3); nan where it has no inverse."""
+        """These equations for another tensor of inertia, kg m², (3, 3); nan if it is singular."""
         return self._replace(inertia=inertia, inverse=inverse(inertia), gyroscopic=inertia.copy())
 
 

@@ -142,7 +142,7 @@ def _part(together: Solution, times: FloatArray) -> Solution:
 
 
 def solve_ode(scenario: Scenario, times: FloatArray) -> Trajectory:
-    """The same motion by the ODE integrator, whichever class the scene is of."""
+    """The motion by the ODE integrator, also where the scene has a closed form."""
     problem = rotational_problem(scenario)
     return motion(scenario, problem, times, integrate(problem, times))
 

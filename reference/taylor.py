@@ -172,7 +172,7 @@ def _march(problem: Problem, times: FloatArray, orders: Orders, states: Tables) 
 
 
 def terms_of(problem: Problem, effects: Iterable[str] | None = None) -> Terms:
-    """Return which terms a motion calls for: those of the effects that turn it, or of others."""
+    """Return which terms of the equations of motion are nonzero."""
     forms = {TERMS[name].form for name in (turning(problem) if effects is None else effects)}
     vectors = "lever" in forms, "world" in forms, "plane" in forms
     return Terms(world_vectors=vectors, linear="linear" in forms, momentum="momentum" in forms)

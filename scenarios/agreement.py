@@ -49,7 +49,7 @@ class ErrorNorm:
 
     @cached_property
     def signals(self) -> tuple[Signal, ...]:
-        """Those that the scene has."""
+        """The signals that the scene has."""
         return signals_of(self.scenario)
 
     @cached_property

@@ -48,7 +48,7 @@ class Rotor:
 
     @cached_property
     def body(self) -> Body:
-        """It by itself, in the body's axes and from its origin."""
+        """The rotor as a body by itself, along the axes of the carrier and from its origin."""
         return Body(self.mass, self.position, self.inertia)
 
     @property

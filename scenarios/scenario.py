@@ -102,7 +102,7 @@ class Scenario:
 
     @cached_property
     def acting(self) -> tuple[Effect, ...]:
-        """The same, in the order of `EFFECTS`."""
+        """The effects that the scene calls for, in the order of `EFFECTS`."""
         return tuple(one for one in EFFECTS.values() if one.is_called_for(self.document))
 
     @cached_property
@@ -131,7 +131,7 @@ class Scenario:
 
     @cached_property
     def kept_at_start(self) -> FloatArray:
-        """The same at t = 0, (parts,)."""
+        """What each part keeps at t = 0, kg m²/s, (parts,)."""
         return self.kept(self.start.omega_body, self.start_spins)
 
     @property
@@ -187,7 +187,7 @@ class Scenario:
 
     @cached_property
     def inertia(self) -> FloatArray:
-        """The same as doubles, (3, 3)."""
+        """The tensor `inertia_exact` in double precision, kg m², (3, 3)."""
         return read_only(self.inertia_exact)
 
     @cached_property

@@ -123,7 +123,7 @@ class ChildProcess:
 
     @property
     def usable(self) -> bool:
-        """Whether it may be called again."""
+        """Whether the child may be called again."""
         return self._broken is None
 
     def ask(self, expected: type[A], do: str, /, **arguments: Any) -> A:
@@ -191,7 +191,7 @@ class ChildProcess:
         return True
 
     def is_running(self) -> bool:
-        """Whether it has not ended: an idle child may be killed from outside."""
+        """Whether the child has not ended; an idle one may be killed from outside."""
         return self._process.poll() is None
 
     def _take(self, descriptor: int, do: str) -> None:

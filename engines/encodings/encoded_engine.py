@@ -43,12 +43,12 @@ class EncodedEngine(Engine):
 
     @property
     def encoding(self) -> Encoding:
-        """That of the name it was given: tables of functions are not sent to workers."""
+        """The encoding by its name, which alone is sent to workers: functions cannot be pickled."""
         return ENCODINGS[self._encoding]
 
     @property
     def site(self) -> str:
-        """As of the engine."""
+        """The folder that holds the modules of the engine that is wrapped."""
         return self.base.site
 
     @property

@@ -85,7 +85,7 @@ def angle_between_axes(one: FloatArray, other: FloatArray) -> float:
 
 
 def _equal_pairs(moments: FloatArray) -> set[int]:
-    """Which of the pairs (0, 1) and (1, 2) of ascending moments are alike."""
+    """The pairs of ascending moments, of (0, 1) and (1, 2), that are equal but for rounding."""
     gaps = np.diff(moments)
     return {k for k in (0, 1) if gaps[k] <= AGREES * np.abs(moments).max()}
 

@@ -42,7 +42,7 @@ class Stated(BodyReading):
 
     @property
     def is_physical(self) -> bool:
-        """Whether it has a mass and a tensor at all."""
+        """Whether the file states a mass and a tensor for the link."""
         return self.mass > 0 and bool(self.inertia_com.any())
 
 

@@ -180,7 +180,7 @@ def read_xml(path: Path) -> tuple[bytes, Element, list[str]]:
 
 
 def parse_xml(data: bytes, file: str) -> tuple[Element, list[str]]:
-    """The same of the bytes of a file."""
+    """Parse the bytes of an XML file: its root element, and remarks on what is unusual."""
     if b"\0" in data:
         raise ModelFileError(f"{file}: must be a text in UTF-8, no engine reads UTF-16 or zeros")
     notes: list[str] = []

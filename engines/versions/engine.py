@@ -38,7 +38,7 @@ class VersionedEngine(Engine):
 
     @property
     def version(self) -> str:
-        """As it was asked for."""
+        """The version that was asked for, such as "3.1.6"."""
         return self._version
 
     @property

@@ -106,7 +106,7 @@ def install_for(
     surplus: Sequence[str] = (),
     say: Say = len,
 ) -> Path:
-    """The same for another Python: a virtual environment of it.
+    """Install packages for another Python, in a virtual environment of that Python.
 
     Parameters
     ----------

@@ -137,7 +137,7 @@ def _least_width(text: str) -> int:
 
 
 def _is_number(word: str) -> bool:
-    """Whether it is one or begins with one: names have their digits further back."""
+    """Whether a word is a number or begins with one; names have digits further back."""
     return word.lstrip("+-±≤≥<>~([").replace(".", "", 1)[:1].isdigit()
 
 

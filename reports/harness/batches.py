@@ -95,7 +95,7 @@ class BatchRow:
 
 
 def batch_by(executor: Executor, scenario: Scenario, engine: Engine, row: BatchRow) -> BatchRow:
-    """As `batch_of`, in another process: a crash, or running out of time, is a row."""
+    """Run a batch in another process, so that a crash or a time-out is a row with its reason."""
     answer = executor.call_at(engine.site, batch_of, scenario, engine, row)
     if isinstance(answer.value, CallFailed):
         return replace(row, outcome="failed", reason=answer.value.reason)

@@ -207,7 +207,7 @@ def convergence_study_of(
 
 
 def simulate(engine: Engine, scenario: Scenario, method: str, rung: Rung) -> Run:
-    """One run, in a worker."""
+    """Simulate one run with an engine; called in a worker."""
     return engine.run(scenario, engine.method(method), rung.timestep, rung.sample_steps)
 
 

@@ -46,7 +46,7 @@ class Made:
     noise_omega: float | None = None
 
     def settings(self) -> dict[str, str]:
-        """As a file states them.
+        """The settings of a recording, by the names that a file has for them.
 
         Raises
         ------

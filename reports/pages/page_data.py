@@ -80,7 +80,7 @@ class PageData:
         return self.add({"headings": table.headings, "rows": rows})
 
     def encoded(self) -> str:
-        """All of it as JSON, a NUL and bytes of arrays: deflated (zlib, RFC 1950), in base64."""
+        """The data as JSON, a NUL and the bytes of arrays: deflated (zlib, RFC 1950), in base64."""
         arrays = bytearray()
 
         def placed(array: Differences) -> dict[str, Any]:

@@ -26,7 +26,7 @@ def vector(numbers: Sequence[float]) -> str:
 
 
 def _factor(numbers: Sequence[float]) -> str:
-    """One and a change, with as many digits as show it."""
+    """The factor 1 + n, with as many digits as show by how much it differs from one."""
     (change,) = numbers
     return f"{1 + change:.{7 if abs(change) > VISIBLE else 11}g}"
 

@@ -108,7 +108,7 @@ class OfMethod:
 
     @property
     def label(self) -> str:
-        """The same as users type it."""
+        """The key in words, as users type it."""
         return f"{self.engine} {self.method}"
 
 

@@ -88,7 +88,7 @@ class LinkReading:
 
     @property
     def who(self) -> str:
-        """The same as text."""
+        """Engine and configuration as text."""
         return " ".join(self.column)
 
 

@@ -56,7 +56,7 @@ class Scene(Protocol):
 
     @property
     def kept_at_start(self) -> FloatArray:
-        """The same at t = 0, (parts,)."""
+        """What each part keeps at t = 0, kg m²/s, (parts,)."""
 
     def kept_body(self, kept: FloatArray) -> FloatArray:
         """The sum of what parts keep, body axes, (n, 3)."""

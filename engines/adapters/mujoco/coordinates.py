@@ -53,12 +53,15 @@ class Coordinates:
 
     @property
     def restarts_to_the_last_bit(self) -> bool:
-        """Unless MuJoCo moves another point of the body than its com."""
+        """Whether a restart reproduces a run to the last bit.
+
+        It does where MuJoCo moves the com, and not another point of the body.
+        """
         return bool(self._on_pivot or not self._arm_body.any())
 
     @property
     def turning(self) -> NDArray[np.intp]:
-        """Which velocities are ω in body axes, (3,).
+        """The indices of the joint velocities that are ω in body axes, (3,).
 
         Raises
         ------

@@ -178,7 +178,7 @@ class MuJoCo(Engine):
         return script(_text(scenario, timestep, way), off, way.tied, moving)
 
     def left_out(self, scenario: Scenario, method: Method) -> tuple[str, ...]:
-        """The passes that are switched off, and the clock."""
+        """The passes of MuJoCo that are switched off, and its timers."""
         if method.as_shipped:
             return ()
         way = WAYS[method.name]

@@ -58,7 +58,10 @@ class PortSession(Session):
 
     @property
     def restarts_to_the_last_bit(self) -> bool:
-        """Unless it moves another point of the body than its com."""
+        """Whether a restart reproduces a run to the last bit.
+
+        It does where MuJoCo moves the com, and not another point of the body.
+        """
         return self._coordinates.restarts_to_the_last_bit
 
     def restart(self, state: State, timestep: float | None = None) -> None:

@@ -87,7 +87,10 @@ class MuJoCoSession(Session):
 
     @property
     def restarts_to_the_last_bit(self) -> bool:
-        """Unless MuJoCo moves another point of the body than its com."""
+        """Whether a restart reproduces a run to the last bit.
+
+        It does where MuJoCo moves the com, and not another point of the body.
+        """
         return self._coordinates.restarts_to_the_last_bit
 
     def set_timestep(self, timestep: float) -> None:
@@ -104,7 +107,7 @@ class MuJoCoSession(Session):
         self._warnings.clear()
 
     def advance(self, steps: int) -> None:
-        """One native loop."""
+        """Take steps in one native loop."""
         with self._stepping():
             # Passing the number by keyword would cost a fifth of a step.
             mujoco.mj_step(self.model, self.data, steps)
@@ -180,7 +183,7 @@ class MuJoCoSession(Session):
         return names_acting | {clock.CLOCK} if clock.is_hung() else names_acting
 
     def derivatives(self) -> Mapping[str, Derivative]:
-        """Those that `mjd_transitionFD` finds by finite differences of `mj_step`."""
+        """The derivatives that `mjd_transitionFD` finds by finite differences of `mj_step`."""
         return {
             f"mjd_transitionFD, {way}": Derivative(partial(self._transition, centred), EPSILON)
             for way, centred in {"forward": False, "centred": True}.items()

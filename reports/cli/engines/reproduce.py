@@ -181,13 +181,13 @@ def reproduction(scenario: Scenario, engine: Engine, method: Method, timestep: f
 
 
 def _without_script(scenario: Scenario, engine: Engine) -> str:
-    """That an engine has none, and which have."""
+    """The message that an engine has no script, with the names of those that have."""
     able = [one.name for one in engines().values() if _writes(one, scenario)]
     return f"'--engine' must be one of {', '.join(able)}, which write scripts, got '{engine.name}'"
 
 
 def _writes(engine: Engine, scenario: Scenario) -> bool:
-    """Whether it has scripts, if not of this scene."""
+    """Whether the engine writes scripts at all, though none of this scene."""
     try:
         return bool(engine.script(scenario, engine.methods[0], 1.0))
     except EngineError:

@@ -233,7 +233,7 @@ def _too_long(best: Candidate, duration: float) -> str:
 
 
 def _run_again(scenario: Scenario, key: Key, timestep: float, out: Path) -> Row:
-    """One run at exactly that timestep."""
+    """Run the method once, at exactly the timestep that is recommended."""
     say(f"Checking {key.label} at {timestep!r} s.")
     choice = Choice((engines()[key.engine],), (key.method,), (timestep,))
     with open_store(out, create=True) as store:

@@ -185,11 +185,11 @@ class _Timed:
         return max(STRETCH, RESOLUTIONS * resolution(), a_call / SHARE_OF_CALL)
 
     def time(self) -> None:
-        """One stretch."""
+        """Time one stretch of steps."""
         self.stretches.append(self._stretch(self.steps))
 
     def check(self) -> None:
-        """Whether it was steps that were timed, to the end; a clamped step costs the same."""
+        """Check that all steps were taken; a step with a clamped velocity costs the same."""
         try:
             self.session.check()
         except EngineError as error:

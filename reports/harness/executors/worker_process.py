@@ -100,7 +100,7 @@ class WorkerProcess:
         send(_raw(self._process.stdin), call)
 
     def wait(self, limit: float) -> Overdue | None:
-        """As `wait_for_answer`."""
+        """Wait for the worker's answer, as `wait_for_answer` does."""
         return wait_for_answer(self._has_answered, self._of_system, limit)
 
     def _has_answered(self, seconds: float) -> bool:

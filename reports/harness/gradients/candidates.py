@@ -183,7 +183,7 @@ class _Rates:
         return self._whole(self._derivative(name) - self.exact)
 
     def without_turn(self, first: int) -> FloatArray:
-        """The same without a part of δθ' = δω − ω × δθ."""
+        """The Jacobian without one of the terms of δθ' = δω − ω × δθ."""
         kept = stepped_by_rate(np.zeros((3, CHART)), self.state.omega_body, 1.0) - np.eye(CHART)
         lacking = np.zeros((CHART, CHART))
         lacking[:, first : first + 3] = -kept[:, first : first + 3]

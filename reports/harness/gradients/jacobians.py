@@ -43,7 +43,7 @@ class Units:
 
     @property
     def change(self) -> float:
-        """The one of differences of fourth order: rounding and what they omit are alike."""
+        """The step of fourth-order differences at which rounding and truncation are equal."""
         return float(self.ulp**0.2)
 
     def of(self, jacobians: FloatArray) -> FloatArray:
@@ -57,7 +57,7 @@ def units_of(engine: Engine, rate: float) -> Units:
 
 
 def exact_jacobians(scenario: Scenario, states: State, timesteps: FloatArray) -> FloatArray:
-    """Those of the exact motion from K states over J timesteps, (J, K, 6, 6)."""
+    """Jacobians of the exact motion from K states over J timesteps, (J, K, 6, 6)."""
     ascending = np.sort(timesteps)
     found = []
     for k in range(len(states.omega_body)):
@@ -75,7 +75,7 @@ def own_jacobian(
     counts: Sequence[int],
     share: float = 1.0,
 ) -> FloatArray:
-    """Those of an engine's own steps from a state, by central differences, (n, 6, 6).
+    """Jacobians of an engine's own steps from a state, by central differences, (n, 6, 6).
 
     Parameters
     ----------
@@ -147,7 +147,7 @@ class Own:
 def own_jacobians(
     sessions: Sessions, states: State, timesteps: FloatArray, units: Units, steps: int
 ) -> Own:
-    """Those of so many steps from K states with J timesteps, with two sizes of the change."""
+    """Jacobians of an engine's own steps from K states, by differences of two step sizes."""
     found, finer = (
         np.array(
             [
@@ -166,7 +166,7 @@ def own_jacobians(
 def settled_jacobians(
     sessions: Sessions, states: State, timesteps: FloatArray, units: Units, settling: Sequence[int]
 ) -> tuple[Own, FloatArray]:
-    """Those of a step that a constraint has settled before, and the exact ones, (J, K, 6, 6).
+    """Jacobians of a step after a constraint has settled, and the exact ones, (J, K, 6, 6).
 
     A run begins where the exact motion was so many steps before. Its states are changed there, as
     the constraint allows, so that what the step makes of a change is what it and all steps before

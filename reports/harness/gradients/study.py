@@ -80,7 +80,7 @@ class GradientRow:
 def gradients_by(
     executor: Executor, scenario: Scenario, engine: Engine, method: str, timestep: float | None
 ) -> list[GradientRow]:
-    """As `gradients_of`, in another process: a crash, or running out of time, is a row."""
+    """Judge gradients in another process: a crash or a time-out is a row with its reason."""
     began = time.perf_counter()
     answer = executor.call_at(engine.site, gradients_of, scenario, engine, method, timestep)
     if isinstance(answer.value, CallFailed):
@@ -143,7 +143,7 @@ class _Study:
     timestep: float | None
 
     def rows(self) -> list[GradientRow]:
-        """One of each derivative that the engine gives, and that by differences of its steps."""
+        """A row for each derivative that the engine gives, and one by differences of its steps."""
         began, offered = time.perf_counter(), self.sessions.first.derivatives()
         steps = steps_from(self.sessions, self.at.states, self.at.timesteps)
         if gives_way(Equations(self.sessions.scenario), self.engine, steps):
@@ -233,7 +233,7 @@ class _Study:
         return jacobians, is_step
 
     def _jacobian(self, session: Session, name: str) -> FloatArray:
-        """That of the next step of a window, in units."""
+        """The Jacobian of the next step of a window, in units of the state, (6, 6)."""
         found = np.asarray(session.derivatives()[name].compute(), dtype=float)
         if len(found) != CHART:
             omega_body = session.read_state().omega_body

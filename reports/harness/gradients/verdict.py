@@ -93,7 +93,7 @@ def judged(exact: Exact, found: FloatArray, noise: FloatArray) -> Judged:
 
 
 def beside_own(one: Judged, exact: Exact, found: FloatArray, own: Own, noise: FloatArray) -> Judged:
-    """The same with how far Jacobians are from those of the engine's own steps."""
+    """The verdict with how far Jacobians are from those of the engine's own steps."""
     units = exact.units
     wanted = units.of(own.jacobians)
     apart = units.of(found) - wanted

@@ -51,12 +51,12 @@ class Alternation:
 
     @property
     def is_noise(self) -> NDArray[np.bool_]:
-        """Whether it is, of attitude and ω, (2,)."""
+        """Whether the alternation of attitude, and that of ω, is noise, (2,)."""
         return self._alternates(self.every, 1) & self._alternates(self.every_second, 2)
 
     @property
     def of_omega(self) -> str:
-        """That ω alternates without noise; empty if it does not."""
+        """The message that ω alternates by more than noise; empty if it does not."""
         if not self._alternates(self.every, 1)[1] or self.is_noise[1]:
             return ""
         size = np.sqrt(3) * self.every[1, 1] / ALTERNATING

@@ -80,7 +80,7 @@ class JudgedMotion:
 
     @property
     def is_another(self) -> bool:
-        """Whether it is another motion than the exact one."""
+        """Whether the recorded motion is another than the exact one."""
         return self.is_beyond or bool(self.explained_by)
 
     def as_record(self) -> dict[str, Any]:

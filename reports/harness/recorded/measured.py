@@ -122,7 +122,7 @@ class Log(Data):
         return float(3 * len(self.t) * np.sum(np.log(ratios)))
 
     def with_noise_of(self, fit: Fit) -> "Log":
-        """The same with the noise that a fit leaves."""
+        """These data with noise of the size that a fit leaves."""
         squares = self.squares(fit.rest)
         # Half of the numbers are taken by each.
         share = 3 * len(self.t) - len(fit.numbers) / len(squares)

@@ -134,7 +134,7 @@ class Physics:
 
 
 def _where(data: Intervals) -> list[str]:
-    """Whether it is kinematics alone, or dynamics, where no change explains the motion."""
+    """The words that kinematics, or dynamics, is wrong where no change explains the motion."""
     off = data.apart(data.base.equations)
     turned, omega = (np.sqrt(np.mean(part**2, axis=1)) for part in np.split(off, 2, axis=1))
     left = np.mean((off / data.scale) ** 2, axis=0)

@@ -173,7 +173,7 @@ class Recording:
 
     @property
     def is_single(self) -> bool:
-        """Whether it was computed in single precision: says so, or its attitudes have 24 bits."""
+        """Whether it was computed in single precision, as it states or as its attitudes show."""
         q = self.arrays["q"]
         has_24_bits = np.array_equal(q, q.astype(np.float32)) and not np.array_equal(q, np.rint(q))
         return self.settings.get("precision", "single" if has_24_bits else "double") == "single"

@@ -208,7 +208,7 @@ def _errors_of_uniform_rotation(solved: SceneResult) -> Errors:
 
 
 def _rank(one: BestChoice) -> tuple[bool, float, float]:
-    """Those within the bounds first, by cost and the longest timestep; the others by error."""
+    """The key to sort candidates by: those within the bounds by cost, then the others by error."""
     assert one.row.errors is not None, "only a run with errors is chosen"
     if one.within:
         return False, one.cost or 0.0, -one.row.timestep

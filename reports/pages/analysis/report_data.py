@@ -220,7 +220,7 @@ class ReportData:
 
     @property
     def verdicts(self) -> list[Verdict]:
-        """All of them, scene by scene."""
+        """The verdicts on all scenes, scene by scene."""
         return [runs.verdict for scene in self.scenes for runs in scene.methods if runs.verdict]
 
     @cached_property

@@ -149,7 +149,7 @@ def _largest_since(values: FloatArray, kept: NDArray[np.intp]) -> FloatArray:
 
 
 def _samples_for(scene: SceneRuns, most: int, a_turn: int) -> int:
-    """As many as the turns in the window take."""
+    """The number of samples that show every turn in the window."""
     return int(min(most, max(LEAST_SAMPLES, math.ceil(a_turn * scene.turns))))
 
 
@@ -172,7 +172,7 @@ def _states(
 
 
 def _continuous(q: FloatArray) -> FloatArray:
-    """The same rotations without jumps of sign."""
+    """Quaternions of the same rotations, with signs chosen so that components do not jump."""
     flips = np.cumsum(np.einsum("ij,ij->i", q[1:], q[:-1]) < 0)
     return np.asarray(q * np.where(np.append(0, flips) % 2, -1.0, 1.0)[:, None])
 

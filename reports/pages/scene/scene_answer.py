@@ -64,7 +64,7 @@ def scene_answer(scene: SceneRuns) -> dict[str, Any] | None:
 
 
 def _is_of_files(scene: SceneRuns) -> bool:
-    """Whether its runs are motions read from files, which no advice on engines is about."""
+    """Whether the scene's runs are motions read from files, which need no advice on engines."""
     return {runs.engine for runs in scene.methods} == {RecordedEngine.name}
 
 
