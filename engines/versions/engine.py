@@ -48,7 +48,7 @@ class VersionedEngine(Engine):
 
     @property
     def sources(self) -> tuple[Path, ...]:
-        """As of the adapter."""
+        """The source files of the adapter."""
         file = Path(inspect.getfile(type(engines()[self._base])))
         return tuple(sorted(file.parent.glob("*.py")))
 

@@ -184,7 +184,7 @@ def _unrolled_figure(exact: FloatArray, R_upright_world: FloatArray) -> Figure:
 
 
 def _first_turn(azimuth: FloatArray) -> Range:
-    """The indices of the samples of the first turn about the vertical, or of all samples."""
+    """The range of azimuths that is drawn: all of them, or one turn from the start."""
     if np.ptp(azimuth) <= ONE_TURN:
         return padded(azimuth)
     onwards = np.sign(azimuth[-1] - azimuth[0]) or 1.0
