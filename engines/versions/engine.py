@@ -19,7 +19,7 @@ PACKAGES = tuple(f"spincheck.{part}" for part in ("engines", "reference", "repor
 
 
 #: Methods that use none of the package, answered in any process.
-WITHOUT_PACKAGE = frozenset({"applies_to", "at_version", "defaults", "script"})
+WITHOUT_PACKAGE = frozenset({"applies_to", "at_version", "defaults", "left_out", "script"})
 
 
 @final

@@ -144,6 +144,13 @@ def test_whatever_an_engine_has_is_its_adapters() -> None:
     assert {"run", "method", "unsupported"} <= final
 
 
+def test_what_it_leaves_out_is_answered_where_another_version_is() -> None:
+    """Before its steps are timed."""
+    engine = VersionedEngine("mujoco", "3.1.6", MuJoCo.methods, Path("nowhere"))
+    for method in MuJoCo.methods:
+        assert engine.left_out(SCENES["free"], method) == MuJoCo().left_out(SCENES["free"], method)
+
+
 @pytest.mark.needs_pybullet
 def test_its_defaults_are_its_adapters() -> None:
     newest, scene = engines()["pybullet"], SCENES["pivot"]
