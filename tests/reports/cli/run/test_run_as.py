@@ -1,4 +1,4 @@
-"""`run --as`: an engine that is given a body in another description is judged as one of its own."""
+"""`run --as`: an engine given the body in another description is judged as one of its own."""
 
 import json
 from pathlib import Path
