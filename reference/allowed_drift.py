@@ -1,8 +1,8 @@
-"""How far a motion may drift from its conservation laws, if its states are as uncertain as stated.
+"""How far a motion may drift from its conservation laws, given the uncertainty of its states.
 
 A law's quantity Q is a function of ω, attitude, and position and velocity of the centre of mass.
-To first order its error is the sum of what each of their components changes in it. Twice that is
-the drift, for Q(t) and Q(0) both err.
+To first order the error of Q is the sum of the changes that the error of each state component
+makes in it. The allowed drift is twice that sum, because Q(t) and Q(0) both err.
 """
 
 import numpy as np
@@ -14,12 +14,15 @@ from .state_rounding import MAGNIFIED, moved_states
 EPS = float(np.finfo(float).eps)
 #: Ulp, of position and velocity as computed from the state: a rotation, a product and a sum.
 PLACED = 4
-#: Ulp, of a drift as computed: sums of three products.
+#: Ulp, of a drift as computed: it is made of sums of three products.
 SUMMED = 8
 
 
 def allowed_drifts(scenario: Scenario, motion: Trajectory, uncertainty: Errors) -> dict[str, float]:
-    """Bound of the drift from each law of the scene, relative to the law's scale, by its name."""
+    """Return the largest drift from each law that the uncertainty of the states explains.
+
+    Drifts are relative to the law's scale; the keys are the names of the laws.
+    """
     moved = list(moved_states(scenario, motion, uncertainty, PLACED))
     allowed = {}
     for invariant in invariants(scenario):
@@ -32,5 +35,5 @@ def allowed_drifts(scenario: Scenario, motion: Trajectory, uncertainty: Errors) 
 
 
 def _largest(changes: FloatArray) -> float:
-    """The largest of numbers (n,), or of the lengths of vectors (n, 3)."""
+    """The largest absolute value of numbers (n,), or the largest length of vectors (n, 3)."""
     return float(np.linalg.norm(changes.reshape(len(changes), -1), axis=1).max())

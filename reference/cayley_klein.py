@@ -17,7 +17,7 @@ from ..scenarios.exact import Quaternion, Vector, dot
 
 
 class CayleyKlein(NamedTuple):
-    """The parameters of an attitude."""
+    """The Cayley–Klein parameters A and B of an attitude."""
 
     A: mpc
     B: mpc
@@ -28,13 +28,13 @@ class CayleyKlein(NamedTuple):
         return (self.A.real, -self.B.imag, self.B.real, self.A.imag)
 
     def rates(self, omega: Vector) -> tuple[mpc, mpc]:
-        """A' and B' at an angular velocity along the axes of the attitude."""
+        """A' and B', 1/s, at an angular velocity in rad/s along the axes of the attitude."""
         W, spin = transverse(omega), mpc(0, omega[2])
         return (spin * self.A - W * self.B) / 2, (mp.conj(W) * self.A - spin * self.B) / 2
 
 
 def of_quaternion(q: Quaternion) -> CayleyKlein:
-    """The parameters of q, w x y z."""
+    """The Cayley–Klein parameters of a unit quaternion q, w x y z."""
     return CayleyKlein(mpc(q[0], q[3]), mpc(q[2], -q[1]))
 
 
@@ -44,9 +44,10 @@ def transverse(omega: Vector) -> mpc:
 
 
 def with_L_upright(L: Vector) -> CayleyKlein:
-    """The attitude of real A in which L, given along the body's axes with L3 >= 0, points along z.
+    """The attitude with real A that turns L, given along the body's axes with L3 >= 0, to z.
 
-    Its first rows, A B* = (−L1 + iL2)/2|L| and |A|² = (1 + L3/|L|)/2, without a difference.
+    A B* = (−L1 + iL2)/2|L| and |A|² = (1 + L3/|L|)/2, neither of which is a difference that
+    cancels.
     """
     length = mp.sqrt(dot(L, L))
     A = mp.sqrt((1 + L[2] / length) / 2)
@@ -54,6 +55,6 @@ def with_L_upright(L: Vector) -> CayleyKlein:
 
 
 def along(triad: tuple[Vector, Vector, Vector], vector: Vector) -> Vector:
-    """Components along three unit vectors."""
+    """Components of a vector along three unit vectors."""
     x, y, z = (dot(axis, vector) for axis in triad)
     return (x, y, z)

@@ -1,6 +1,6 @@
 """Compiles all kernels and keeps their machine code, so that solving a scene only loads it.
 
-What compiles them in processes side by side: `reports/harness/executors/compiling.py`.
+`reports/harness/executors/compiling.py` compiles them in processes side by side.
 """
 
 from collections.abc import Iterator
@@ -15,9 +15,9 @@ from .kernel import FOLDER
 from .other_equations import equations_of
 from .solve import ExactMotion, solve_ode
 
-#: Says in the folder of the machine code that nothing is missing there.
+#: Name of the empty file that says that the folder of machine code is complete.
 COMPLETE = "complete"
-#: A free body and a heavy top, solved in closed form and, for a comparison, as an ODE.
+#: A free body and a heavy top; each is solved in closed form and, for comparison, as an ODE.
 _SCENES = {
     "free": "\n[effects]\n",
     "heavy": "\n[effects.gravity]\nacceleration = [0.0, 0.0, -9.81]\n[effects.pivot]\n",
@@ -45,13 +45,13 @@ def is_compiled() -> bool:
 
 
 def compile_march() -> None:
-    """Compile the integrator of the ODE, in half the time that all take."""
+    """Compile the integrator of the ODE: about half of the time that compiling everything takes."""
     for scenario in _scenes():
         solve_ode(scenario, scenario.times)
 
 
 def compile_flow() -> None:
-    """Compile the closed forms, the flow, and other equations' motions, in the other half."""
+    """Compile the closed forms, the flow and the integrators of other equations: the rest."""
     for scenario in _scenes():
         exact = ExactMotion(scenario).outline(scenario.times)
         flow(scenario, exact, np.zeros(len(exact.t)))
@@ -62,7 +62,7 @@ def compile_flow() -> None:
 
 
 def compile_kernels() -> None:
-    """Call every kernel once, as the solvers do; what is kept is loaded."""
+    """Call every kernel once, as the solvers do, which compiles it or loads what is kept."""
     compile_march()
     compile_flow()
     if FOLDER is not None:

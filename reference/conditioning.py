@@ -1,14 +1,14 @@
-"""What one ulp in the start and the body does to a motion.
+"""How much a motion changes when its start and its body change by one ulp.
 
-Changed are, in extended precision, ω and attitude at t = 0, the principal moments, the lever's
-length, and what parts keep: every number by as much, relative to the largest of its kind. Equal
-moments stay equal and the lever keeps its direction: rounding in a run, step by step, changes no
-body's symmetry.
+The numbers that are changed, in extended precision, are ω and attitude at t = 0, the principal
+moments, the length of the lever, and the angular momenta that the body's parts keep. Each is
+changed by the same amount relative to the largest number of its kind. Equal moments stay equal and
+the lever keeps its direction, because rounding during a run does not change a body's symmetry.
 
-To first order the change of the motion is J x, x being the dozen nudges. It is measured for four x
-of signs only; the root mean square of |J x| over random signs is the Frobenius norm of J
-(M. F. Hutchinson, Commun. Stat. Simul. Comput. 19 (1990) 433), which bounds |J x| for every x of
-length one.
+To first order the change of the motion is J x, where x holds the dozen or so changes ("nudges").
+It is measured for four vectors x of random signs only: the root mean square of |J x| over random
+signs is the Frobenius norm of J (M. F. Hutchinson, Commun. Stat. Simul. Comput. 19 (1990) 433),
+which bounds |J x| for every x of length one.
 """
 
 from collections.abc import Callable
@@ -23,13 +23,14 @@ from .problem import Problem
 from .symmetry import gravity_torque_scale, norm
 
 EPS = float(np.finfo(float).eps)
-#: Relative nudges. The first is large against rounding; where the motion grows it out of the
-#: linear range, the next is what the result is about: an ulp.
+#: Relative sizes of the nudges, tried in turn. The first is large against rounding; the second is
+#: an ulp, for motions that grow so much that the first leaves the linear range.
 NUDGES = (2.0**-30, EPS)
-#: A motion moved by more than this, relative or in rad, has left the linear range.
+#: A motion that changes by more than this, relative or in rad, has left the linear range.
 LINEAR = 2.0**-10
 
-#: Signs of a number in the four nudges. Numbers of a kind have orthogonal ones: none cancel.
+#: Signs of each number in the four nudges. Numbers of one kind have orthogonal signs, so that none
+#: cancel.
 _A, _B, _C, _D = (1, 1, 1, 1), (1, -1, 1, -1), (1, 1, -1, -1), (1, -1, -1, 1)
 SIGNS_OF_OMEGA, SIGNS_OF_TURN = (_B, _C, _D), (_A, _B, _C)
 SIGNS_OF_MOMENTS, SIGNS_OF_LEVER = (_D, _A, _B), (_C, _D, _A)
@@ -42,7 +43,8 @@ Solved = Callable[[Problem], Trajectory]
 def nudged(problem: Problem, k: int, size: mpf) -> Problem:
     """The problem with all numbers changed by `size`, relative, with the k-th choice of signs.
 
-    ω is changed relative to its size or, if larger, the rate of the body's swing, √(m g l / I).
+    ω is changed relative to its own size or, if that is larger, to the rate of the body's swing,
+    √(m g l / I).
     """
     with mp.workdps(DIGITS):
         by_moment = {
@@ -58,7 +60,7 @@ def nudged(problem: Problem, k: int, size: mpf) -> Problem:
         )
         turn = normalised((mpf(1), *(size / 2 * signs[k] for signs in SIGNS_OF_TURN)))
         return replace(
-            # A neighbour may come off its table a little earlier.
+            # A changed body may leave its table a little earlier than the original.
             problem.lengthened(1 + size * SIGNS_OF_LEVER[0][k]),
             moments=(first, second, third),
             omega_axes=(w1, w2, w3),
@@ -77,13 +79,13 @@ def conditioning(
     solved: Solved,
     nudge: Nudge = nudged,
 ) -> Errors:
-    """Change of a motion by one ulp, at least one ulp itself.
+    """Return how much a motion changes by one ulp in its start and body, at least one ulp.
 
     Parameters
     ----------
     exact_motion : the motion of `problem`
-    solved : what finds that of a neighbour, at the same times
-    nudge : the problem with its numbers changed by a relative size, with the k-th choice of signs
+    solved : returns the motion of a changed problem, at the same times
+    nudge : returns a problem with its numbers changed by a relative size, with the k-th signs
     """
     responses = [_response(scenario, problem, exact_motion, solved, nudge, k) for k in range(COUNT)]
     sizes = {
@@ -101,7 +103,7 @@ def _response(
     nudge: Nudge,
     k: int,
 ) -> Errors:
-    """Change of the motion by one ulp of the k-th nudge."""
+    """Return the change of the motion by one ulp, extrapolated from the k-th nudge."""
     for size in NUDGES:
         apart = errors_between(scenario, solved(nudge(problem, k, mpf(size))), exact_motion)
         if max(apart.omega, apart.attitude) <= LINEAR:

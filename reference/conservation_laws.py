@@ -21,16 +21,16 @@ from .symmetry import (
     up_world,
 )
 
-#: The normal of a table.
+#: Direction of the normal of a table, in world axes.
 UP_WORLD = np.array([0.0, 0.0, 1.0])
 
 
 @dataclass(frozen=True, eq=False)
 class InvariantScales:
-    """A scenario and its rotational problem, and the sizes its changes are measured against.
+    """The sizes, of one scenario, that changes of its conserved quantities are relative to.
 
-    None of the sizes is zero for a scene that moves in that way: what gravity can add to a body
-    that starts at rest is counted in.
+    None of the sizes is zero for a scene that moves in that way: each includes what gravity can add
+    to a body that starts at rest.
     """
 
     scenario: Scenario
@@ -38,18 +38,18 @@ class InvariantScales:
 
     @cached_property
     def pull(self) -> float:
-        """M g l, N m; 0 of a free body."""
+        """M g l, the largest torque of gravity, N m; 0 of a free body."""
         return float(gravity_torque_scale(self.problem))
 
     @cached_property
     def rate(self) -> float:
-        """rad/s: |ω| at t = 0 plus 2√(M g l/I), what a fall from the top gives a pendulum."""
+        """|ω| at t = 0 plus 2√(M g l/I), which a pendulum gains by falling from the top, rad/s."""
         fall = 2 * np.sqrt(self.pull / float(min(self.problem.moments)))
         return float(norm(self.problem.omega_axes)) + float(fall)
 
     @cached_property
     def angular_momentum(self) -> float:
-        """kg m²/s: |L| at t = 0, plus 2√(M g l I) for a fall, plus the impulse of a torque."""
+        """|L| at t = 0, plus 2√(M g l I) for a fall, plus a torque's impulse, kg m²/s."""
         fall = 2 * np.sqrt(self.pull * float(max(self.problem.moments)))
         torque = float(norm(self.problem.torque_world) + norm(self.problem.torque_axes))
         impulse = torque * self.duration
@@ -57,7 +57,7 @@ class InvariantScales:
 
     @cached_property
     def energy(self) -> float:
-        """J: kinetic at t = 0 plus what gravity can add to it within the window."""
+        """Energy, J: kinetic energy at t = 0 plus what gravity can add to it within the window."""
         numbers = zip(self.problem.moments, self.problem.omega_axes, strict=True)
         turning = float(sum(moment * w * w for moment, w in numbers)) / 2
         turning += self.scenario.kept_sizes[1]
@@ -70,33 +70,33 @@ class InvariantScales:
 
     @cached_property
     def speed(self) -> float:
-        """m/s: the body's, if that energy were all in its flight."""
+        """Speed of the centre of mass, m/s, if all of `energy` were in its translation."""
         return float(np.sqrt(2 * self.energy / self.scenario.body.mass))
 
     @cached_property
     def radius(self) -> float:
-        """m: the radius of gyration √(tr I/2m), about the fixed point."""
+        """Radius of gyration about the fixed point, √(tr I/2m), m."""
         trace = float(sum(self.problem.moments))
         return float(np.sqrt(trace / (2 * self.scenario.body.mass)))
 
     @cached_property
     def duration(self) -> float:
-        """The window's length, s."""
+        """Length of the window, s."""
         return self.scenario.window.duration
 
     @cached_property
     def up_world(self) -> FloatArray:
-        """Off the table, else against gravity, which must not be zero: a unit vector, (3,)."""
+        """Unit vector (3,): the table's normal, or else −g/|g|, for which g must not be zero."""
         return UP_WORLD if self.problem.slides else up_world(self.problem)
 
     @property
     def is_flying(self) -> FloatArray:
-        """1 along axes of the world along which nothing holds the body, else 0, (3,)."""
+        """For each world axis, 1 if the centre of mass moves freely along it, else 0, (3,)."""
         return 1.0 - np.array(self.scenario.constraint.is_held)
 
     @cached_property
     def axis_body(self) -> FloatArray:
-        """The unit vector of a symmetric top's axis, body axes, (3,)."""
+        """Unit vector of a symmetric top's axis, body axes, (3,)."""
         axis = symmetry_axis(self.problem)
         assert axis is not None, "a symmetric top has an axis"
         return np.array(to_body(self.problem, axis), dtype=float)
@@ -110,10 +110,10 @@ class Law:
     ----------
     name : how results refer to it
     formula, unit : what it is
-    holds : whether a scene conserves it
+    holds : whether a scene conserves the quantity
     values : the quantity along a trajectory, (n,) or (n, 3)
-    scale : what its changes are relative to, in its unit
-    title : of its value among the facts of a scene, empty if it is none of them
+    scale : the size that its changes are relative to, in its unit
+    title : of its value among the facts of a scene; empty if it is not shown there
     """
 
     name: str
@@ -182,18 +182,21 @@ def _held_point(scene: InvariantScales, motion: Trajectory) -> FloatArray:
 
 
 def _is_left(law: str) -> Callable[[InvariantScales], bool]:
-    """The rule that every effect that turns the body leaves a law: one that is new breaks all."""
+    """Return the rule that every effect that turns the body conserves the law.
+
+    An effect conserves the laws that its `keeps` names: an effect that names none breaks them all.
+    """
     return lambda scene: all(law in TERMS[name].keeps for name in turning(scene.problem))
 
 
 def _is_heavy(scene: InvariantScales) -> bool:
-    """Something pulls at a lever along the vertical, and nothing turns the body about that."""
+    """Whether an effect pulls at a lever along the vertical and none turns the body about it."""
     pulls = any(TERMS[name].pulls for name in turning(scene.problem))
     return pulls and _is_left("L_vertical")(scene)
 
 
 def _is_symmetric(scene: InvariantScales) -> bool:
-    """A symmetric body with its com on the axis, about which it is turned steadily at most."""
+    """Whether body and lever are symmetric about one axis and L along it is conserved."""
     return _is_left("L_axial")(scene) and symmetry_axis(scene.problem) is not None
 
 
@@ -202,7 +205,7 @@ def _is_thrown(scene: InvariantScales) -> bool:
 
 
 def _of_held_point(effect: Effect) -> Law:
-    """The law of the point that a constraint holds, which has its name."""
+    """The law that the point that a constraint holds keeps its place; it has the effect's name."""
     return Law(
         name=effect.name,
         formula=effect.place_formula,

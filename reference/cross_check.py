@@ -1,4 +1,4 @@
-"""The motion by a second implementation, independent of the first.
+"""Integrates a motion by a second implementation, independent of the reference.
 
 Euler's equations with the full tensor in body axes, in double precision, by DOP853 (Hairer,
 Nørsett & Wanner, Solving Ordinary Differential Equations I, §II.10): no principal axes, no
@@ -19,15 +19,15 @@ from ..scenarios.fastest_rate import decay_rate, fastest_rate
 EPS = float(np.finfo(float).eps)
 #: The tightest relative tolerance that scipy accepts without a warning, rounded up.
 RELATIVE_TOLERANCE = 1e-13
-#: rad a step, at most.
+#: Longest step, in rad that the body turns.
 TURN = 0.2
-#: How far it is followed, in radians turned or swung and in times of a decay: seconds of its time.
+#: How far a motion is integrated, in rad turned or swung and in decay times: some seconds of work.
 REACH = 1e3
 
 
 @dataclass(frozen=True, eq=False)
 class CrossCheck:
-    """A motion, the steps it took, and the relative error that each of them commits."""
+    """A motion, the steps that its integration took, and the relative error of each step."""
 
     trajectory: Trajectory
     steps: int
@@ -35,14 +35,14 @@ class CrossCheck:
 
 
 def times_within_reach(scenario: Scenario, exact: Trajectory) -> FloatArray:
-    """The sample times up to which it follows in good time, and the last time to which it does."""
+    """The sample times that the integrator reaches in good time, and the last such time."""
     rate = fastest_rate(scenario, exact.omega_body)
     end = REACH / rate if rate else np.inf
     return exact.t if exact.t[-1] <= end else np.append(exact.t[exact.t < end], end)
 
 
 def cross_check(scenario: Scenario, times: FloatArray) -> CrossCheck:
-    """Integrate a scene in body axes.
+    """Return the motion of a scene, integrated in body axes.
 
     Parameters
     ----------
@@ -75,16 +75,17 @@ def cross_check(scenario: Scenario, times: FloatArray) -> CrossCheck:
     swing = np.cross(omega, constraint.lever)
     com = constraint.com_world(R_world_body.apply(np.array(constraint.lever)), com)
     velocity = constraint.velocity_world(R_world_body.apply(swing), velocity)
-    # Twelve evaluations a step, and one more that the next step begins with.
+    # DOP853 evaluates twelve times a step, and once more for the next step to begin with.
     steps = int(solution.nfev // 11)
     spins = scenario.spins(omega, scenario.kept_at_start)
     return CrossCheck(Trajectory(times, q, omega, com, velocity, spins), steps, tolerance)
 
 
 def _equations(scenario: Scenario) -> Callable[[float, FloatArray], list[float]]:
-    """dy/dt of y = (ω in body axes, q, r, v): Euler's equations and ½ q ω (Goldstein §5.5).
+    """Return the function dy/dt of (t, y), y = (ω in body axes, q, r, v), all in SI units.
 
-    In plain numbers: arrays of three take numpy twenty times as long.
+    These are Euler's equations and q' = ½ q ω (Goldstein §5.5). They are written in plain floats,
+    because numpy takes twenty times as long on arrays of three.
     """
     inverse = np.linalg.inv(scenario.inertia).tolist()
     differences = _differences(scenario).tolist()
@@ -135,35 +136,37 @@ def _product(M: list[list[float]], v: list[float]) -> list[float]:
 
 
 def _differences(scenario: Scenario) -> FloatArray:
-    """The tensor less one of its moments, kg m², (3, 3): ω × Iω needs no more, as ω × ω = 0.
+    """The inertia tensor less one of its moments times the unit matrix, kg m², (3, 3).
 
-    So that a rod's spin is not driven by what rounding leaves of its two large moments.
+    ω × Iω needs no more, as ω × ω = 0, and a rod's spin is then not driven by the rounding error
+    that is left when its two large moments are subtracted.
     """
     inertia = scenario.inertia
     return np.asarray(inertia - inertia[1, 1] * np.eye(3), dtype=float)
 
 
 def _tolerance(scenario: Scenario) -> float:
-    """Relative error to ask of a step: not below the rounding of ω' in a radian.
+    """Relative error to ask of a step: not below the rounding error of ω' over a radian.
 
-    Of a thin body in skew axes, I⁻¹ (ω × Iω) is a small difference of large numbers.
+    That rounding error is large for a thin body in skew axes, whose I⁻¹ (ω × Iω) is a small
+    difference of large numbers.
     """
     inverse, differences = np.abs(np.linalg.inv(scenario.inertia)), np.abs(_differences(scenario))
     return max(RELATIVE_TOLERANCE, EPS * float(np.linalg.norm(inverse @ differences, 2)))
 
 
 def _longest_step(scenario: Scenario) -> float:
-    """s, in which the fastest decay of the spin takes e from it, or the start turns by `TURN`.
+    """Longest step, s: the spin decays by a factor e at most, and the body turns by `TURN` at most.
 
-    Stability alone would let DOP853 step six times as far as the first, where it misjudges its
-    error; between the ends of longer steps than the second its dense output is of lower order.
+    DOP853 would be stable over six times the decay time, but misjudges its error there. Over a turn
+    larger than `TURN` its dense output is of lower order than the step.
     """
     decay, rate = decay_rate(scenario), fastest_rate(scenario, scenario.start.omega_body)
     return min(1 / decay if decay else np.inf, TURN / rate if rate else np.inf)
 
 
 def _sizes(scenario: Scenario) -> FloatArray:
-    """What an absolute error is small against, entry by entry of the state."""
+    """Size that a step's absolute error is to be small against, for each entry of the state, SI."""
     duration = scenario.window.duration
     pull = np.linalg.norm(scenario.gravity_world)
     speed = np.linalg.norm(scenario.start.omega_body) + 1 / duration

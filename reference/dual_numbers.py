@@ -34,7 +34,7 @@ class Dual(NamedTuple):
 
 
 def of_duals(in_double: Any) -> Callable[[Any], Any]:
-    """Let compiled code run the decorated function where the first argument is made of duals."""
+    """Decorate a function as the body of `in_double` for a first argument made of duals."""
 
     def decorate(in_duals: Any) -> Any:
         FOR_DUALS[in_double] = in_duals

@@ -1,8 +1,8 @@
 """What each effect adds to the equations of motion: its numbers, and its terms of ω'.
 
-Besides, what follows from these: which conservation laws it leaves, and facts of its own.
+Here also stand the conservation laws that each effect leaves valid, and its own derived facts.
 
-A term has one of the forms that `taylor_coefficients` knows the series of. A pivot has none: it
+A term has one of the forms that `taylor_coefficients` knows the series of. A pivot has no term: it
 is why the equations are about the body's origin.
 """
 
@@ -34,22 +34,22 @@ from .taylor_coefficients import (
     UP_WORLD,
 )
 
-#: A lever times a vector fixed in the world; a torque fixed in the world; one fixed in the body,
-#: which is a constant; one proportional to ω; a force that keeps a point on a plane; a momentum
-#: fixed in the body, times ω.
+#: In this order: a lever times a vector fixed in the world; a torque fixed in the world; a torque
+#: fixed in the body, which is a constant; a torque proportional to ω; a force that keeps a point on
+#: a plane; an angular momentum fixed in the body, times ω.
 Form = Literal["lever", "world", "constant", "linear", "plane", "momentum"]
 
 
-#: Changes of a problem, by its attributes, in extended precision.
+#: Changes of a problem's numbers, in extended precision, by the name of its attribute.
 Numbers = dict[str, Any]
-#: Those by parameters: by the components of a vector in a list, by a single number in none.
+#: Changes by a unit of each parameter, by its name: a list for a vector, else a single change.
 ByParameter = dict[str, list[Numbers] | Numbers]
 
 
 class BodyChange(NamedTuple):
-    """A change of `[body]`: of its mass, kg, and, in body axes, of Σ m r, kg m, and of its lever.
+    """A change of `[body]`: of its mass, kg, and, in body axes, of Σ m r, kg m, and the lever, m.
 
-    The lever, m, is the vector to the com from what holds the body.
+    The lever is the vector to the com from the point that is held, or from the body's origin.
     """
 
     mass: mpf
@@ -71,20 +71,21 @@ def _no_change(*_: object) -> Numbers:
 
 @dataclass(frozen=True, eq=False)
 class EffectTerms:
-    """The terms of one effect.
+    """The terms that one effect adds to the equations of motion.
 
     Attributes
     ----------
-    form : of its term
-    posed : its numbers as attributes of a `Problem`, given what takes body components to axes'
-    turns : whether it turns the body of a problem at all
+    form : form of its term
+    posed : returns its numbers by the `Problem` attribute that holds them, given the scene and the
+        quaternion from body axes to principal axes
+    turns : whether the effect turns the body of a problem at all
     constants : by row of the table of constants, for one axis i and the next two j and k
-    keeps : the conservation laws that hold still where it turns the body, by name
-    facts : derived numbers of a scene that it gives rise to
-    parameters : what one more of each of its own numbers changes of those that are posed; all
-        constants are linear in these
-    by_omega, by_body : the same of one more rad/s at the start along an axis of the body, and of
-        a change of the body
+    keeps : names of the conservation laws that hold although the effect turns the body
+    facts : derived numbers of a scene that the effect gives rise to
+    parameters : how the numbers in `posed` change by a unit of each parameter of the effect; all
+        constants are linear in these numbers
+    by_omega : how the numbers in `posed` change by a change of ω at the start, rad/s, body axes
+    by_body : how the numbers in `posed` change by a change of the body
     """
 
     form: Form
@@ -99,12 +100,12 @@ class EffectTerms:
 
     @property
     def pulls(self) -> bool:
-        """Whether it pulls at a lever along a direction that is fixed in the world."""
+        """Whether the effect pulls at a lever along a direction that is fixed in the world."""
         return self.form in ("lever", "plane")
 
 
 def _lever_body(scenario: Scenario) -> Vector:
-    """Mass times com, kg m, where gravity has a pivot to pull about."""
+    """Mass times com, kg m, body axes; zero unless the scene has both gravity and a pivot."""
     if not {"pivot", "gravity"} <= scenario.called_for:
         return ZERO
     x, y, z = scenario.body.com_exact
@@ -239,7 +240,7 @@ ROTORS = EffectTerms(
     by_omega=_kept_of_omega,
 )
 
-#: By the effect's name.
+#: The terms of each effect, by the effect's name.
 TERMS = {
     "gravity": GRAVITY,
     "table": TABLE,

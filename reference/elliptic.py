@@ -16,17 +16,17 @@ from typing import NamedTuple
 
 from mpmath import mp, mpc, mpf
 
-#: Harmonic k of a series is at most nome^(k²) times the first, and a nome at most e^(−π/2), that
-#: of the doubled lattice: what is left out is below e^(−π/2·12²) = 6e-99.
+#: Number of harmonics of a series. Harmonic k is at most nome^(k²) times the first, and a nome at
+#: most e^(−π/2), that of the doubled lattice: the terms left out are below e^(−π/2·12²) = 6e-99.
 TERMS = 12
 
-#: Harmonics a real series is made of; in a hyperbolic one, sine and cosine mean sinh and cosh.
+#: Kinds of harmonics of a real series; in a hyperbolic series, sine and cosine mean sinh and cosh.
 ODD_SINE, ODD_COSINE, EVEN_SINE, EVEN_COSINE = range(4)
 
 
 @dataclass(frozen=True)
 class Lattice:
-    """The periods that belong to a parameter, in the digits they are first asked for with.
+    """The periods that belong to a parameter m, in the working precision of their first use.
 
     Attributes
     ----------
@@ -84,14 +84,14 @@ class Harmonics(NamedTuple):
 class Theta:
     """A theta function of x − iη as a function of real x, up to a constant factor.
 
-    Of a hyperbolic one the factor exp(−(x − iη)²/…) of Jacobi's transformation is left out, too.
+    If it is hyperbolic, the factor exp(−(x − iη)²/…) of Jacobi's transformation is left out, too.
 
     Attributes
     ----------
-    real, imaginary : its parts
-    hyperbolic : whether harmonics are sinh and cosh
+    real, imaginary : series of its real and its imaginary part
+    hyperbolic : whether the harmonics are sinh and cosh
     stretch : its series are in stretch · x
-    eta : η
+    eta : η of the argument x − iη
     """
 
     real: Harmonics
@@ -115,7 +115,7 @@ def theta(n: int, lattice: Lattice, y: mpf = 0, doubled: bool = False) -> Theta:
 
     Parameters
     ----------
-    doubled : of the lattice with 2K' in place of K', whose nome is q² (hyperbolic: √q')
+    doubled : whether to use the lattice with 2K' in place of K', whose nome is q² (hyperbolic: √q')
     """
     nome, stretch = lattice.nome, mpf(1)
     if doubled and lattice.hyperbolic:
@@ -129,7 +129,7 @@ def theta(n: int, lattice: Lattice, y: mpf = 0, doubled: bool = False) -> Theta:
         nome ** (k * (k + 1)) if odd else (2 if k else 1) * nome ** (k * k) for k in range(TERMS)
     ]
     a = [(-1) ** k * s if alternating else s for k, s in enumerate(size)]
-    # f(j(x − iη)) by the addition theorem: harmonics of the other sort make the imaginary part.
+    # f(j(x − iη)) by the addition theorem: sines and cosines exchange in the imaginary part.
     even_part, odd_part = (mp.cos, mp.sin) if lattice.hyperbolic else (mp.cosh, mp.sinh)
     sign = -1 if sine or lattice.hyperbolic else 1
     real = tuple(c * even_part(j * eta) for c, j in zip(a, harmonic, strict=True))
@@ -182,11 +182,12 @@ def jacobi(lattice: Lattice) -> Jacobi:
 
 
 def scaled(harmonics: Harmonics, factor: mpf) -> Harmonics:
-    """A real series times a number."""
+    """A real series with all its coefficients multiplied by a number."""
     return Harmonics(harmonics.kind, tuple(factor * a for a in harmonics.coefficients))
 
 
-# Of θ1 to θ4 with nome q: whether harmonics are odd, their signs alternate, they are sines.
+# For θ1 to θ4 with nome q: whether the harmonics are odd, whether their signs alternate, whether
+# they are sines.
 _SERIES = {
     1: (True, True, True),
     2: (True, False, False),
@@ -198,12 +199,12 @@ _TRANSFORMED = {1: 1, 2: 4, 3: 3, 4: 2}
 
 
 def _quarter_period(complement: mpf) -> mpf:
-    """π/2 AGM(1, √(1 − m)) (DLMF 19.8.5)."""
+    """The quarter period K = π/2 AGM(1, √(1 − m)), from 1 − m (DLMF 19.8.5)."""
     return mp.pi / (2 * mp.agm(1, mp.sqrt(complement))) if complement else mp.inf
 
 
 def _sum(harmonics: Harmonics, x: mpf, hyperbolic: bool) -> tuple[mpf, mpf]:
-    """A real series and its derivative."""
+    """The value of a real series at x, and its derivative there."""
     sine: Callable[[mpf], mpf] = mp.sinh if hyperbolic else mp.sin
     cosine: Callable[[mpf], mpf] = mp.cosh if hyperbolic else mp.cos
     kind = harmonics.kind

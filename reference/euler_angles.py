@@ -70,5 +70,5 @@ def rates_from_omega_body(angles: FloatArray, omega_body: FloatArray) -> FloatAr
 
 
 def _folded(angle: FloatArray) -> FloatArray:
-    """The same direction within [−π, π]; an angle already there keeps every bit."""
+    """The angle, rad, plus or minus 2π if it lies outside [−π, π]; otherwise the same bits."""
     return angle - TURN * np.round(angle / TURN)

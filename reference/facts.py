@@ -1,6 +1,7 @@
 """Derived numbers of a scene that classify its motion.
 
-All are of the exact motion; those that change along it are of t = 0 and say so.
+All are numbers of the exact motion. A number that changes along the motion is that of t = 0, and
+its description says so.
 """
 
 import math
@@ -39,7 +40,7 @@ from .symmetry import (
 
 @lru_cache(maxsize=RECENT)
 def facts(scenario: Scenario) -> list[Fact]:
-    """Everything that applies to a scene, in the order to be read."""
+    """Return all derived numbers that apply to a scene, in the order in which they are shown."""
     problem = rotational_problem(scenario)
     start = _start(scenario, problem)
     scene_facts = list(_of_any_body(scenario, problem, start))

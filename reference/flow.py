@@ -19,27 +19,28 @@ from .taylor import IntegrationError, constants_of, inverses_to, terms_of
 from .taylor_coefficients import COLUMNS, MOMENTUM, OMEGA, STATE, Q, Terms, extend
 from .taylor_march import start_from_state, step_size
 
-#: A step ends where the series is e⁻³⁶ of the state, an ulp. To a given end the lowest of these
-#: orders N is taken that gets there: by e⁻³⁶ᐟᴺ of the radius of convergence.
+#: A step ends where the series is e⁻³⁶ of the state, an ulp. If the span ends earlier, the lowest
+#: of these orders N suffices whose series is e⁻³⁶ of the state there: e⁻³⁶ᐟᴺ of the radius of
+#: convergence.
 ORDERS = (8, 12, 18)
 DIGITS = 2.0 * ORDERS[-1]
-#: Most steps of one state, some 3 µs each.
+#: Largest number of steps of one state; a step takes some 3 µs.
 MAX_STEPS = 100_000
 
 
 def flow(scenario: Scenario, states: Trajectory, spans: FloatArray) -> Trajectory:
-    """Return where the exact motion takes states: each of them, a time after it.
+    """Return the states to which the exact motion takes given states, each after its own span.
 
-    Of a body with a pivot only attitude and angular velocity are taken, which determine the rest.
+    If the body has a pivot, only attitude and angular velocity are read: they determine the rest.
 
     Parameters
     ----------
-    states : n or more of them, at whatever times
-    spans : (n,) s; to earlier states where they are negative
+    states : n or more states, at any times
+    spans : (n,) s; a negative span leads to an earlier state
 
     Returns
     -------
-    n states, with the times of those they started from
+    n states, with the times of the states they started from
 
     Raises
     ------
@@ -66,7 +67,7 @@ def flow(scenario: Scenario, states: Trajectory, spans: FloatArray) -> Trajector
 
 @lru_cache(maxsize=RECENT)
 def _posed(scenario: Scenario) -> tuple[Problem, FloatArray, Terms]:
-    """Problem, constants and terms: in extended precision they take as long as many flows."""
+    """Problem, constants and terms, kept because computing them takes as long as many flows."""
     problem = rotational_problem(scenario)
     terms = terms_of(problem)
     return problem, constants_of(problem)[0], terms._replace(momentum=bool(problem.kept))
@@ -74,7 +75,7 @@ def _posed(scenario: Scenario) -> tuple[Problem, FloatArray, Terms]:
 
 @kernel
 def _advance(series: FloatArray, order: int, h: float) -> None:
-    """Move the state in order 0 on by a time h, by Horner's rule."""
+    """Replace order 0 of the series by its sum at a time h, by Horner's rule."""
     for i in range(STATE):
         total = 0.0
         for n in range(order, -1, -1):
@@ -94,9 +95,9 @@ def flow_each(
 ) -> int:
     """Move states (n, STATE) on, each by its own span, in a limited number of steps each.
 
-    Those of bodies with parts that turn have a momentum h each, (n, 3): a constant.
+    `momenta` holds for each state the constant angular momentum h of its parts, (n, 3).
 
-    Returns how many of them, from the first on, are done.
+    Returns how many states, counted from the first, are done.
     """
     series = np.empty((ORDERS[-1] + 1, COLUMNS))
     for k in range(spans.size):

@@ -1,7 +1,7 @@
-"""What integrators make of equations of motion that need not be a scene's.
+"""Integrates equations of motion that need not be a scene's, by integrators known to this module.
 
-Plain doubles. Where the equations are a scene's, `EXACT` leads where `flow` does, to some ulp
-(tests).
+All numbers are plain doubles. If the equations are a scene's, the integrator `EXACT` agrees with
+`flow` to some ulp (tests).
 """
 
 import math
@@ -14,7 +14,7 @@ from ..scenarios import FloatArray
 from .kernel import called, kernel
 from .other_equations import FIRST_ANGLES, KEPT_IN_WORLD, WORLD, OtherEquations
 
-#: rad of a step of `EXACT`, whose error is then an ulp.
+#: Largest turn in a step of `EXACT`, rad: its error is then an ulp.
 TURN = 0.2
 #: Columns of a stage: q', ω' and the angular velocity at which the attitude turns.
 STAGE = 10
@@ -23,17 +23,17 @@ STAGE = 10
 class Integrator(NamedTuple):
     """A one-step method for q and ω, rad/s, along body axes.
 
-    Whether a code normalises its quaternions makes no difference to the attitudes that they stand
-    for: q' is linear in q.
+    Whether a code normalises its quaternions makes no difference to the attitudes that they
+    represent: q' is linear in q.
 
     Attributes
     ----------
-    name : as it is called
-    a, b : Butcher's table, explicit, (stages, stages) and (stages,)
-    is_omega_first : whether the attitude follows the ω after the step
+    name : name of the integrator
+    a, b : explicit Butcher tableau, (stages, stages) and (stages,)
+    is_omega_first : whether the attitude is advanced with the ω of the end of the step
     is_exponential : whether the attitude is turned by the rotation vector of ω over the step,
         instead of q' being added
-    keeps_length : whether I ω is scaled to its length before the step
+    keeps_length : whether I ω is scaled to the length that it had before the step
     """
 
     name: str
@@ -67,17 +67,17 @@ def follow(
     integrator: Integrator = EXACT,
     timestep: float = 0.0,
 ) -> FloatArray:
-    """Return where states go: from each of them through L spans, one after the other.
+    """Return the states reached from each given state after each of L successive spans.
 
     Parameters
     ----------
     states : q, scalar first, body to world, and ω, rad/s, body axes, (S, 7)
     spans : s, (S, L)
-    timestep : s, of which a span is a multiple; 0 with `EXACT`, which chooses its own
+    timestep : s; each span is a multiple of it; 0 with `EXACT`, which chooses its own timestep
 
     Returns
     -------
-    (S, L, 7); nan from where numbers leave the range of doubles
+    (S, L, 7); nan from the first number on that leaves the range of doubles
     """
     ends = np.empty((*spans.shape, 7))
     _follow(equations, states, spans, *integrator[1:], timestep, ends)
@@ -85,12 +85,12 @@ def follow(
 
 
 def rates(equations: OtherEquations, states: FloatArray, kept: FloatArray) -> FloatArray:
-    """Return how fast states change.
+    """Return the rates of change of states.
 
     Parameters
     ----------
     states : q, scalar first, body to world, and ω, rad/s, body axes, (S, 7)
-    kept : the momentum of parts in each, in place of that of the equations, (S, 3)
+    kept : angular momentum of parts in each state, kg m²/s, in place of `equations.kept`, (S, 3)
 
     Returns
     -------
@@ -116,7 +116,7 @@ def _put(v: Vector, to: FloatArray, at: int) -> None:
 
 @kernel
 def _plus(u: Vector, v: Vector, factor: float) -> Vector:
-    """Return u + factor v."""
+    """Return u + factor · v."""
     return u[0] + factor * v[0], u[1] + factor * v[1], u[2] + factor * v[2]
 
 
@@ -151,7 +151,7 @@ def _to_body(R_world_body: FloatArray, v: Vector) -> Vector:
 
 @called
 def _matrix(q: FloatArray, R_world_body: FloatArray) -> None:
-    """Fill in the matrix of a quaternion of any length."""
+    """Fill in the rotation matrix of a quaternion of any length."""
     w, x, y, z = q[0], q[1], q[2], q[3]
     n = w * w + x * x + y * y + z * z
     s = 2.0 / n if n > 0.0 else 0.0
@@ -168,13 +168,13 @@ def _matrix(q: FloatArray, R_world_body: FloatArray) -> None:
 
 @called
 def _by_tensor(e: OtherEquations, M: FloatArray, R: FloatArray, v: Vector) -> Vector:
-    """A tensor times a vector along body axes, wherever the tensor keeps its axes."""
+    """Return a tensor times a vector along body axes, whichever axes the tensor is constant in."""
     return _to_body(R, _times(M, _times(R, v))) if e.in_world else _times(M, v)
 
 
 @called
 def _torque(e: OtherEquations, R: FloatArray, omega: Vector) -> Vector:
-    """I ω', N m, body axes."""
+    """Return I ω', N m, body axes."""
     kept = _vector(e.kept)
     turned = _plus(_by_tensor(e, e.gyroscopic, R, omega), kept, 1.0)
     torque = _plus(_vector(e.torque), _cross(omega, turned), -1.0)
@@ -197,7 +197,7 @@ def _torque(e: OtherEquations, R: FloatArray, omega: Vector) -> Vector:
 
 @called
 def _turning(e: OtherEquations, R: FloatArray, omega: Vector) -> Vector:
-    """The angular velocity, body axes, at which the attitude turns."""
+    """Return the angular velocity at which the attitude turns, body axes, rad/s."""
     omega = _times(e.turning, omega)
     if e.kinematics < WORLD:
         return omega
@@ -207,7 +207,7 @@ def _turning(e: OtherEquations, R: FloatArray, omega: Vector) -> Vector:
         return _times(R, omega)
     which = e.kinematics - FIRST_ANGLES
     i, j, k = which // 9, which // 3 % 3, which % 3
-    # Where an axis comes twice the components are the rates of the angles in order.
+    # If the first and third axis are the same, the components are the angles' rates in order.
     a, b, c = omega if i == k else (omega[i], omega[j], omega[k])
     # The node line, along the second axis where the first angle has turned it to.
     first, third = _vector(np.eye(3)[i]), _vector(np.eye(3)[k])
@@ -232,7 +232,7 @@ def _add_product(q: FloatArray, h: float, v: Vector, to: FloatArray) -> None:
 
 @called
 def _rates(e: OtherEquations, y: FloatArray, R: FloatArray, stage: FloatArray) -> None:
-    """Fill in a stage at the state y; R is room for a matrix."""
+    """Fill in the derivatives at the state y, a stage; R is workspace for a matrix."""
     _matrix(y, R)
     omega = _vector(y, 4)
     turning = _turning(e, R, omega)
@@ -251,7 +251,7 @@ def _rates(e: OtherEquations, y: FloatArray, R: FloatArray, stage: FloatArray) -
 def _fill_stages(
     e: OtherEquations, states: FloatArray, kept: FloatArray, stages: FloatArray
 ) -> None:
-    """Fill in the stages at states, with the momentum of parts in each."""
+    """Fill in the derivatives at all states, with the angular momentum of parts in each state."""
     R = np.empty((3, 3))
     for s in range(states.shape[0]):
         e.kept[:] = kept[s]
@@ -260,7 +260,7 @@ def _fill_stages(
 
 @called
 def _size(e: OtherEquations, R: FloatArray, y: FloatArray) -> float:
-    """The length of I ω, kg m²/s."""
+    """Return the length of I ω, kg m²/s."""
     L = _by_tensor(e, e.inertia, R, _vector(y, 4))
     return math.sqrt(_dot(L, L))
 
@@ -279,7 +279,7 @@ def _step(
     k: FloatArray,
     at: FloatArray,
 ) -> None:
-    """Take a step from the state y; R, k and at are room for a matrix, stages and a state."""
+    """Take a step from the state y; R, k and at are workspace for a matrix, stages and a state."""
     for n in range(b.size):
         for i in range(7):
             at[i] = y[i]
@@ -335,7 +335,7 @@ def _follow(
             else:
                 omega = _vector(y, 4)
                 turn = math.sqrt(_dot(omega, omega)) + e.rate
-                # What is no motion any more is not followed.
+                # A state that is no longer finite is not integrated further.
                 steps = 1 + int(min(turn * abs(span) / TURN, 1e5)) if turn < 1e300 else 1
             h = span / steps
             for _ in range(steps):

@@ -37,9 +37,9 @@ from .theta_quotients import (
     tables,
 )
 
-#: In so many digits, products of five doubles and their differences are exact.
+#: Digits in which products of five doubles and their differences are exact.
 EXACT_DIGITS = 3 * DIGITS
-SIGN_CHANGE = mpf(1) / 2  # of a turn, each half period
+SIGN_CHANGE = mpf(1) / 2  # the phase in turns by which theta changes in each half period
 
 
 @dataclass(frozen=True)
@@ -49,9 +49,9 @@ class JacobiMotion:
     Attributes
     ----------
     moments : I1, I2, I3, kg m²
-    amplitudes : s a1, a2, a3 of cn, sn and dn, rad/s
+    amplitudes : s a1, a2, a3 factors of cn, sn and dn, rad/s
     p : du/dt, rad/s
-    lattice : of parameter m
+    lattice : periods of the elliptic functions of parameter m
     sin_squared, cos_squared : sn² and cn² at t = 0
     rising : whether sn >= 0 at t = 0
     """
@@ -99,7 +99,7 @@ def free_asymmetric(problem: Problem) -> ClosedForm:
 
 
 def _triad(problem: Problem) -> tuple[tuple[Vector, Vector, Vector], mpf]:
-    """Unit vectors e1, e2, e3 along the principal axes, and |D| = |L² − 2 E I2|."""
+    """Return unit vectors e1, e2, e3 along the principal axes, and |D| = |L² − 2 E I2|."""
     moments, omega = problem.moments, problem.omega_axes
     low, middle, high = sorted(range(3), key=lambda k: moments[k])
     above = moments[high] * (moments[high] - moments[middle]) * omega[high] ** 2
@@ -117,7 +117,7 @@ def _directed(axis: int, forward: bool) -> Vector:
 
 
 def _jacobi_motion(moments: Vector, omega: Vector, D: mpf) -> JacobiMotion:
-    """The constants of ω(t); |L² − 2 E I_k| are sums of squares for k = 1, 3, without differences.
+    """Return the constants of ω(t), with |L² − 2 E I_k| for k = 1, 3 as sums of squares.
 
     Products of the amplitudes and moments as in Landau & Lifshitz §37, eq. 37.8–10.
     """
@@ -166,7 +166,7 @@ def _closed_form(
 def _attitude(
     body: JacobiMotion, clock: Clock, functions: Jacobi, start: CayleyKlein, omega: Vector
 ) -> tuple[Quotient, Quotient, mpf]:
-    """A and B, and the residual of both."""
+    """Return A and B as quotients, and the relative residual of both."""
 
     def at(x: mpf) -> tuple[CayleyKlein, tuple[mpc, mpc]]:
         """A and B where L points along z, up to their phases, and A' and B' with those phases."""
@@ -194,7 +194,7 @@ def _attitude(
 
 
 def _zeros(body: JacobiMotion) -> tuple[mpf, mpf]:
-    """Imaginary parts of u at which A and B vanish: L3 = −|L| and L3 = |L|.
+    """Return the imaginary parts of u at which A and B vanish, where L3 = −|L| and L3 = |L|.
 
     I3 a3 dn(iy) = |L| c dn(iy), c = I3 a3/|L|, and dn(iy|m) = dn/cn(y|m1) (DLMF 22.6.12) give
     tan² am y = (1 − c²)/m c² for B; A has its zero at 2K' less.
@@ -208,7 +208,7 @@ def _zeros(body: JacobiMotion) -> tuple[mpf, mpf]:
 
 
 def _angular_velocity(body: JacobiMotion, functions: Jacobi) -> tuple[Quotient, Quotient]:
-    """W = ω2 + iω1 and ω3."""
+    """Return W = ω2 + iω1 and ω3 as quotients."""
     a1, a2, a3 = body.amplitudes
     W = over_theta4(scaled(functions.sn, a2), scaled(functions.cn, a1), SIGN_CHANGE)
     return W, over_theta4(scaled(functions.dn, a3), NOTHING, mpf(0))

@@ -36,9 +36,10 @@ from .symmetry import (
     symmetry_axis,
 )
 
-#: Where two or three roots of the nutation cubic meet, a root has half or a third of the digits.
+#: Digits in which roots are computed: where two or three roots of the nutation cubic meet, a
+#: root has only half or a third of the digits.
 ROOT_DIGITS = 3 * DIGITS
-#: Tops whose elliptic integrals are kept: every run of a scene is read beside the same.
+#: Number of tops whose elliptic integrals are kept, because every run of a scene asks for them.
 RECENT_TOPS = 8
 
 
@@ -48,11 +49,11 @@ class HeavySymmetricTop:
 
     Attributes
     ----------
-    I1, I3 : moments about the pivot, on a table about the com, across the axis and about it, kg m²
+    I1, I3 : moments across the axis and about it, kg m²: about the pivot, on a table about the com
     kappa : M g l, N m, positive
     p_alpha, p_gamma : angular momentum along the vertical and along the axis, kg m²/s
     energy : kinetic plus κ cos β, J
-    cos_beta : of the axis's angle from the upward vertical
+    cos_beta : cosine of the axis's angle from the upward vertical
     heave : m l²/I1 on a table, 0 on a pivot
     """
 
@@ -67,16 +68,16 @@ class HeavySymmetricTop:
 
     @cached_property
     def E_prime(self) -> mpf:
-        """E − p_γ²/2 I3, J: what is left for nutation, precession and height."""
+        """E − p_γ²/2 I3, J: the energy of nutation, precession and height."""
         with mp.workdps(ROOT_DIGITS):
             return self.energy - self.p_gamma**2 / (2 * self.I3)
 
     @cached_property
     def roots(self) -> Vector:
-        """u1 ≤ u2 ≤ 1 ≤ u3, the zeros of u̇² as a cubic in u = cos β.
+        """The zeros u1 ≤ u2 ≤ 1 ≤ u3 of u̇² as a cubic in u = cos β.
 
-        Told from the pole nearer to the top, as in `nutation`: roots that agree there are told
-        apart however close they are.
+        They are computed as distances from the pole nearer to the top's axis, as in `nutation`, so
+        that roots close to this pole stay distinct however close they are to each other.
         """
         with mp.workdps(ROOT_DIGITS):
             pole = 1 if self.cos_beta >= 0 else -1
@@ -94,12 +95,12 @@ class HeavySymmetricTop:
 
     @property
     def reaches_the_vertical(self) -> bool:
-        """Whether β comes to 0 or π, where precession and spin are not separate angles."""
+        """Whether β reaches 0 or π, where precession and spin are not separate angles."""
         return bool(self.roots[0] == -1 or self.roots[1] == 1)
 
 
 def heavy_symmetric_top(problem: Problem) -> HeavySymmetricTop | None:
-    """The top of a problem at t = 0, on a pivot or a level table; None of any other.
+    """Return the top of a problem at t = 0, on a pivot or a level table; None if it is no such top.
 
     Other effects are not looked at: with them the "constants" hold at t = 0 only.
     """
@@ -126,10 +127,10 @@ def heavy_symmetric_top(problem: Problem) -> HeavySymmetricTop | None:
 
 
 def effective_potential(top: HeavySymmetricTop, beta: FloatArray) -> FloatArray:
-    """V_eff, J, at angles β in rad, in [0, π].
+    """Return V_eff, J, at angles β in rad, in [0, π].
 
     (p_α − p_γ cos β)/sin β is summed as ½ (p_α − p_γ) cot β/2 + ½ (p_α + p_γ) tan β/2: neither term
-    cancels, and the pole of a term whose momentum is zero is absent. Elsewhere V_eff is infinite
+    cancels, and a term whose momentum is zero has no pole. Elsewhere V_eff is infinite
     at the pole.
     """
     beta = np.asarray(beta, dtype=float)
@@ -148,7 +149,7 @@ def effective_potential(top: HeavySymmetricTop, beta: FloatArray) -> FloatArray:
 def nutation_bounds(top: HeavySymmetricTop) -> tuple[float, float]:
     """Smallest and largest β, rad, that the top's E', p_α and p_γ allow.
 
-    For a top that sleeps unstably the larger is where the smallest push would take it.
+    If the top sleeps unstably, the larger β is the one that the smallest push would lead to.
     """
     with mp.workdps(ROOT_DIGITS):
         u1, u2, _ = top.roots
@@ -234,7 +235,7 @@ def small_nutation_frequency(top: HeavySymmetricTop) -> float:
     """Angular frequency of small oscillations of cos β about the bottom of V_eff, rad/s.
 
     ω² = V_eff''/I1 = (p_γ² − 4 κ I1 cos β)/I1² + Ω² sin²β with the Ω of steady precession there,
-    where V_eff' = 0 has simplified V_eff'' (Goldstein §5.7 for V_eff); on a table that over
+    where V_eff' = 0 has simplified V_eff'' (Goldstein §5.7 for V_eff); on a table, divided by
     1 + ε sin²β.
     """
     with mp.workdps(ROOT_DIGITS):
@@ -247,7 +248,7 @@ def small_nutation_frequency(top: HeavySymmetricTop) -> float:
 
 
 def _over_a_nutation(top: HeavySymmetricTop, rate: Callable[[mpf], mpf]) -> mpf:
-    """∫ of a rate, a function of u, over the time of a nutation of a top on a table.
+    """∫ rate(u) dt over one period of the nutation of a top on a table.
 
     With u = u1 + (u2 − u1) sin²φ the integrand is smooth, dt = √(2 I1/κ) √((1 + ε (1 − u²))/(u3 −
     u)) dφ, and a nutation is φ from 0 to π.
@@ -280,7 +281,7 @@ def _bottom(top: HeavySymmetricTop) -> mpf:
 
 
 def _at_most_one(u: mpf) -> mpf:
-    """A root that rounding has put past a pole, or a hair short of it, belongs on the pole."""
+    """Return a root u, moved to the pole ±1 if rounding has put it beyond or just short of it."""
     if equal(abs(u), mpf(1)) or abs(u) > 1:
         return mp.sign(u)
     return u

@@ -29,7 +29,7 @@ from .symmetry import (
     up_world,
 )
 
-#: I1 / I3 of the two cases.
+#: I1 / I3 of Kovalevskaya's and of Goryachev and Chaplygin's case.
 KOVALEVSKAYA_RATIO = 2
 GORYACHEV_CHAPLYGIN_RATIO = 4
 
@@ -37,12 +37,12 @@ Frame = tuple[Vector, Vector, Vector]
 
 
 def kovalevskaya_frame(problem: Problem) -> Frame | None:
-    """e1, e2, e3 in principal components; None for any other top."""
+    """Return e1, e2, e3 in principal components; None if the top is not Kovalevskaya's."""
     return _equatorial_frame(problem, KOVALEVSKAYA_RATIO)
 
 
 def goryachev_chaplygin_frame(problem: Problem) -> Frame | None:
-    """e1, e2, e3 in principal components; None for any other top, or with L·ĝ ≠ 0 at t = 0."""
+    """Return e1, e2, e3 in principal components; None for any other top, or if L·ĝ ≠ 0 at t = 0."""
     frame = _equatorial_frame(problem, GORYACHEV_CHAPLYGIN_RATIO)
     if frame is None:
         return None
@@ -69,13 +69,13 @@ def goryachev_chaplygin(problem: Problem, frame: Frame, motion: Trajectory) -> F
 
 
 def pull_over_third_moment(problem: Problem, frame: Frame) -> float:
-    """c/I3, s⁻²."""
+    """c/I3 = M g l/I3, s⁻²."""
     with mp.workdps(DIGITS):
         return float(gravity_torque_scale(problem) / moment_about(problem, frame[2]))
 
 
 def _along(problem: Problem, frame: Frame, motion: Trajectory) -> tuple[FloatArray, FloatArray]:
-    """ω in rad/s and the upward vertical, both along e1, e2, e3, (n, 3)."""
+    """ω, rad/s, and the upward vertical, both along e1, e2, e3, (n, 3) each."""
     frame_body = np.array([to_body(problem, axis) for axis in frame], dtype=float)
     up_body = motion.R_world_body.inv().apply(up_world(problem))
     return motion.omega_body @ frame_body.T, up_body @ frame_body.T

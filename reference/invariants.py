@@ -1,8 +1,8 @@
 """What a scene's exact motion conserves, and how far a run drifts from it.
 
-A quantity is computed from a trajectory by the same code whoever made it. Drifts are relative to
-a scale that the scene alone sets, so that they compare across runs, and a run that blows up
-cannot hide behind its own size.
+A quantity is computed by the same code from every trajectory, the reference's or an engine's.
+Drifts are relative to a scale that the scene alone sets, so that they compare across runs, and a
+run that blows up cannot hide behind its own size.
 """
 
 from dataclasses import dataclass
@@ -17,7 +17,7 @@ from .rotational_problem import rotational_problem
 
 @dataclass(frozen=True, eq=False)
 class Invariant:
-    """A law that holds for one scene."""
+    """A conservation law that holds for one scene."""
 
     law: Law
     scene: InvariantScales
@@ -32,9 +32,9 @@ class Invariant:
         return self.law.values(self.scene, motion)
 
     def drift_series(self, motion: Trajectory) -> FloatArray:
-        """|Q(t) − Q(0)| over the law's scale, (n,); over a scale of zero, 0 or inf.
+        """|Q(t) − Q(0)| over the law's scale, (n,); if the scale is zero, 0 or inf.
 
-        Of what has blown up, terms and squares may be too large for a double: it is inf there.
+        It is inf, too, where a run has blown up so far that a term or square exceeds the doubles.
         """
         with np.errstate(over="ignore", invalid="ignore"):
             values = self.values(motion).reshape(len(motion.t), -1)
@@ -50,11 +50,11 @@ class Invariant:
 
 @lru_cache(maxsize=1)
 def invariants(scenario: Scenario) -> tuple[Invariant, ...]:
-    """What the exact motion of a scene conserves."""
+    """Return the conservation laws of a scene's exact motion."""
     scene = InvariantScales(scenario, rotational_problem(scenario))
     return tuple(Invariant(law, scene) for law in LAWS if law.holds(scene))
 
 
 def drifts(scenario: Scenario, motion: Trajectory) -> dict[str, float]:
-    """How far a motion drifts from each law of its scene, relative, by the law's name."""
+    """Return the largest relative drift of a motion from each law of its scene, by law."""
     return {invariant.name: invariant.drift(motion) for invariant in invariants(scenario)}

@@ -24,12 +24,13 @@ T = TypeVar("T")
 config: Any = numba.config
 
 _PACKAGE = Path(__file__).parent
-# Every file of kernels imports this module or double-doubles, and so contains one of these.
+# A digest of the files that import one of these covers all kernels: every file of kernels imports
+# this module or double-doubles.
 _MARKS = (b"from .kernel", b"from .doubledouble")
 
 
 def digest_of_kernels(package: Path) -> str:
-    """Return a digest of the sources in a folder that may hold kernels."""
+    """Return a digest of all sources in a folder that may hold kernels."""
     digest = sha256()
     for path in sorted(package.glob("*.py")):
         source = path.read_bytes()
@@ -39,7 +40,7 @@ def digest_of_kernels(package: Path) -> str:
 
 
 def _folder() -> Path | None:
-    """Return the first place that this user alone can write to, beside the sources or at home."""
+    """Return the first folder that only this user can write to, beside the sources or at home."""
     places = [Path(config.CACHE_DIR or _PACKAGE / "__pycache__")]
     # Not every user has a home.
     with suppress(RuntimeError):
@@ -60,10 +61,10 @@ FOLDER = _folder()
 
 
 def kernel(function: Callable[P, T], *, is_inlined: bool = True) -> Callable[P, T]:
-    """Compile at the first call, and inline into every compiled caller.
+    """Return a function that numba compiles at its first call, and inlines into compiled callers.
 
-    What is passed is tables and pairs, many words each, to a few operations: not to inline costs
-    a quarter of the time. Never ``fastmath``, which would cancel the error terms of pairs.
+    Kernels pass tables and pairs, many words each, to short operations: without inlining a
+    quarter more time goes by. Never ``fastmath``, which would cancel the error terms of pairs.
     """
     if FOLDER is None:
         uncached: Callable[P, T] = njit(forceinline=is_inlined)(function)
@@ -79,12 +80,13 @@ def kernel(function: Callable[P, T], *, is_inlined: bool = True) -> Callable[P, 
     return kept
 
 
-#: The same for what is long, and called in many places: inlined it would take long to compile.
+#: As `kernel`, for a function that is long and called in many places: inlined, it would take long
+#: to compile.
 called = partial(kernel, is_inlined=False)
 
 
 def _survive_the_disk(cache: Any) -> None:
-    """Have a full disk, or machine code that was cut, cost a compilation and nothing else."""
+    """Make numba compile again where a full disk or a truncated file would raise an error."""
     load, save = cache.load_overload, cache.save_overload
 
     def load_overload(signature: Any, context: Any) -> Any:

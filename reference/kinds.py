@@ -5,7 +5,7 @@ from .effect_terms import is_free, is_undriven
 from .rotational_problem import rotational_problem
 from .symmetry import equal, symmetry_axis
 
-#: In the order in which they are shown.
+#: The kinds, in the order in which they are shown.
 KINDS = (
     "free symmetric",
     "free asymmetric",
@@ -16,7 +16,7 @@ KINDS = (
 
 
 def kind_of(scenario: Scenario) -> str:
-    """One of `KINDS`: no torque, or gravity's alone, turns a body that is free, or heavy."""
+    """Return the kind: free if no torque turns the body, heavy if gravity alone does."""
     problem = rotational_problem(scenario)
     if not is_undriven(problem):
         return "with other effects"

@@ -34,7 +34,8 @@ from .symmetry import (
 )
 from .theta_quotients import Clock, ClosedForm, Frames, InitialValue, fitted, tables, turning
 
-#: Where two or three roots of the nutation cubic meet, a root has half or a third of the digits.
+#: Digits in which roots are computed: where two or three roots of the nutation cubic meet, a
+#: root has only half or a third of the digits.
 ROOT_DIGITS = 3 * DIGITS
 
 LogRate = Callable[[mpf], mpc]
@@ -77,7 +78,7 @@ def _frames(problem: Problem, triad: tuple[Vector, Vector, Vector]) -> Frames:
 
 
 def _upright(up: Vector) -> Quaternion:
-    """A rotation that takes a unit vector to z: exact, and no turn at all, if it is there."""
+    """Return the quaternion that takes the unit vector `up` to z, exactly 1 if it is z already."""
     x, y, z = up
     if z < 0:
         return product(_upright((x, -y, -z)), (mpf(0), mpf(1), mpf(0), mpf(0)))
@@ -86,7 +87,7 @@ def _upright(up: Vector) -> Quaternion:
 
 
 def _attitude(problem: Problem, frames: Frames) -> CayleyKlein:
-    """The turn from the top's frame to the upright one, of unit norm to the caller's precision."""
+    """Return the attitude of the top's frame in the upright frame, of unit norm as computed."""
     q = product(product(conjugate(frames.q_left), problem.q_world_axes), conjugate(frames.q_right))
     length = mp.sqrt(mp.fsum(c * c for c in q))
     w, x, y, z = (c / length for c in q)
@@ -94,7 +95,7 @@ def _attitude(problem: Problem, frames: Frames) -> CayleyKlein:
 
 
 def _rests_at_a_pole(start: CayleyKlein, omega: Vector, rate: mpf) -> bool:
-    """Whether the axis stands or hangs upright and stays: sleeping, or at rest."""
+    """Whether the axis points along the vertical and stays there: the top sleeps or is at rest."""
     near = min(abs(start.A), abs(start.B))
     return equal(near, 0, 1) and equal(abs(transverse(omega)), 0, rate + abs(omega[2]))
 
@@ -102,7 +103,7 @@ def _rests_at_a_pole(start: CayleyKlein, omega: Vector, rate: mpf) -> bool:
 def _steady(
     frames: Frames, start: CayleyKlein, omega: Vector, constants_of_motion: Constants
 ) -> ClosedForm:
-    """Steady precession: the phases of A and B turn at constant rates, and |A|, |B| stay."""
+    """Return steady precession: A and B have constant sizes and phases of constant rates."""
     delta, spin = constants_of_motion.delta, omega[2] - constants_of_motion.d
     above, below = (2 - delta, delta) if constants_of_motion.pole > 0 else (delta, 2 - delta)
     rates = (
@@ -144,7 +145,7 @@ def _swinging(
 def _starts(
     start: CayleyKlein, omega: Vector, constants_of_motion: Constants
 ) -> tuple[InitialValue, InitialValue, InitialValue]:
-    """A, B and W at t = 0; W' = i (ω3 − d) W + b A B* is Euler's equation."""
+    """Return A, B and W at t = 0 and their derivatives; W' = i (ω3 − d) W + b A B* (Euler)."""
     W = transverse(omega)
     W_rate = mpc(
         0, omega[2] - constants_of_motion.d
@@ -154,7 +155,7 @@ def _starts(
 
 
 def _numerators(constants_of_motion: Constants, swing: Nutation) -> tuple[Theta, Theta, Theta]:
-    """θ1 or θ2 with the imaginary part of u at which A, B and W vanish.
+    """Return the numerators of A, B and W: θ1 or θ2, shifted by Im u at their zero.
 
     u = −1 at u = iy with sc²(y|m1) = (1 + u1)/(u2 − u1); u = 1 and u = U at K + iy with
     nd²(y|m1) = (1 − u1)/(u2 − u1), (U − u1)/(u2 − u1). An amplitude's sine and cosine follow.
@@ -175,24 +176,24 @@ def _numerators(constants_of_motion: Constants, swing: Nutation) -> tuple[Theta,
 
 
 def _zero_beyond(to_u2: mpf, to_u3: mpf, swing: Nutation) -> mpf:
-    """y of the height between u2 and u3 that is so far from them."""
+    """Return y of the height u between u2 and u3 that has the distances u − u2 and u3 − u."""
     whole = (to_u2 + swing.u21) * swing.u32
     return first_kind(to_u2 * swing.u31 / whole, to_u3 * swing.u21 / whole, swing.lattice.m)
 
 
 def _sign(value: mpf) -> int:
-    """The sign of a number; of zero, where both signs are right, 1."""
+    """Return the sign of a number, 1 or −1; for zero, where either would be right, 1."""
     return -1 if value < 0 else 1
 
 
 def _log_rates(
     omega: Vector, constants_of_motion: Constants, swing: Nutation
 ) -> tuple[LogRate, LogRate, LogRate]:
-    """A'/A, B'/B and W'/W as functions of x, from u, u̇ and the constants of motion."""
+    """Return A'/A, B'/B and W'/W, 1/s, as functions of x, from u, u̇ and the constants."""
     functions, spin = jacobi(swing.lattice), omega[2] - constants_of_motion.d
 
     def height(x: mpf) -> tuple[mpf, mpf, mpf]:
-        """sn², cn² and u̇."""
+        """sn², cn² and u̇ at x."""
         sn, cn, dn = functions(x)
         return sn**2, cn**2, 2 * swing.p * swing.u21 * sn * cn * dn
 

@@ -1,4 +1,4 @@
-"""From a rotation about the principal axes to the motion of a body, and back."""
+"""Converts between rotations along a body's principal axes and the motion of the body."""
 
 from typing import NamedTuple
 
@@ -12,12 +12,12 @@ from .problem import Problem
 
 
 class Flight(NamedTuple):
-    """How long each sample of a free body flew, and from which state of its centre of mass.
+    """How long a free body had been flying at each sample, and the state its flight started from.
 
     Attributes
     ----------
-    seconds : (n,)
-    com_world, velocity_world : (3,) or (n, 3), m, m/s
+    seconds : duration of the flight, s, (n,)
+    com_world, velocity_world : centre of mass and its velocity at the start, m, m/s, (3,) or (n, 3)
     """
 
     seconds: FloatArray
@@ -52,16 +52,16 @@ def assembled(
     flight: Flight,
     kept: FloatArray,
 ) -> Trajectory:
-    """Assemble a trajectory whose samples need not have flown from one start.
+    """Assemble a trajectory whose samples may belong to flights from different starts.
 
     Parameters
     ----------
-    times, states : as of `motion`
-    kept : angular momentum that parts keep, kg m²/s, (parts,) or (n, parts)
+    times, states : as for `motion`
+    kept : constant angular momentum of each part about its axis, kg m²/s, (parts,) or (n, parts)
     """
     q_world_axes, omega_axes = states
     q_axes_body = np.array(problem.q_axes_body, dtype=float)
-    if q_axes_body[0] == 1:  # body axes are principal: nothing to round
+    if q_axes_body[0] == 1:  # body axes are principal: no rotation, no rounding
         q_world_body, omega_body = q_world_axes, omega_axes
     else:
         q_world_body = q_world_axes @ times_quaternion(q_axes_body)
@@ -86,7 +86,11 @@ def along_axes(problem: Problem, motion: Trajectory) -> tuple[FloatArray, FloatA
 def _placed(
     scenario: Scenario, q_world_body: FloatArray, omega_body: FloatArray, flight: Flight
 ) -> tuple[FloatArray, FloatArray]:
-    """Position (n, 3) m and velocity (n, 3) m/s of the centre of mass: on a parabola, or held."""
+    """Return position, m, and velocity, m/s, of the centre of mass, (n, 3) each.
+
+    Along axes of the world along which the body is held they follow from its attitude and ω; along
+    the other axes the body is in free flight.
+    """
     g, t = scenario.gravity_world, flight.seconds[:, None]
     fallen = flight.com_world + flight.velocity_world * t + 0.5 * g * t**2
     falling, constraint = flight.velocity_world + g * t, scenario.constraint

@@ -33,7 +33,7 @@ class Constants(NamedTuple):
     e : c − σ d, 1/s: zero for a top that can reach the pole
     delta : δ
     W_squared : |W|², s⁻²
-    rising : whether u̇ >= 0
+    rising : whether u̇ >= 0 at t = 0
     """
 
     pole: int
@@ -56,12 +56,12 @@ class Constants(NamedTuple):
         return self.e - (1 - self.pole) * self.d
 
     def c_minus_d_times(self, below: mpf, above: mpf) -> mpf:
-        """c − d u, 1/s, from 1 − u and 1 + u."""
+        """c − d u, 1/s, from `below` = 1 − u and `above` = 1 + u."""
         return self.e + self.pole * self.d * (below if self.pole > 0 else above)
 
 
 def constants(start: CayleyKlein, omega: Vector, b: mpf, d: mpf) -> Constants:
-    """The constants from a start, measured from the nearer pole or the one it can just reach."""
+    """Return a start's constants, from the nearer pole or from the upper if just in reach."""
     upper = _constants_from(1, start, omega, b, d)
     if upper.delta <= 1 or (upper.excess == 0 and upper.e == 0):
         return upper
@@ -69,7 +69,7 @@ def constants(start: CayleyKlein, omega: Vector, b: mpf, d: mpf) -> Constants:
 
 
 def _constants_from(pole: int, start: CayleyKlein, omega: Vector, b: mpf, d: mpf) -> Constants:
-    """The constants, differences of what agrees to working precision being zero.
+    """Return the constants; a difference of numbers that agree to working precision is set to zero.
 
     With γ the upward vertical along the top's axes, −γ1 + iγ2 = 2 A B*.
     """
@@ -91,15 +91,15 @@ def _constants_from(pole: int, start: CayleyKlein, omega: Vector, b: mpf, d: mpf
 
 
 class Nutation(NamedTuple):
-    """The swing between u1 and u2.
+    """The swing of a top's axis between u1 and u2.
 
     Attributes
     ----------
     below, above : 1 − u and 1 + u at u1, u2, u3
     u21, u31, u32 : u2 − u1, u3 − u1, u3 − u2
     U2 : U − u2
-    p : 1/s
-    lattice : of parameter m
+    p : rate of the argument p t + u0, 1/s
+    lattice : periods of the elliptic functions of parameter m
     sin_squared, cos_squared : sn² and cn² at t = 0
     """
 
@@ -116,7 +116,7 @@ class Nutation(NamedTuple):
 
 
 def nutation(start: Constants) -> Nutation | None:
-    """The swing from a start that is not at rest at a pole; None if u stays where it is."""
+    """Return the swing that follows a start, or None if u stays where it is."""
     pole, delta = start.pole, start.delta
     d1, d2, d3 = turning_points(pole, start.b, start.d, start.excess, start.e)
     if equal(d1, d2):
@@ -140,10 +140,10 @@ def nutation(start: Constants) -> Nutation | None:
 
 
 def turning_points(pole: int, b: mpf, d: mpf, excess: mpf, e: mpf) -> Vector:
-    """δ of u1, u2 and u3, measured from a pole; the arguments are those of `Constants`.
+    """Return δ of u1, u2 and u3, measured from a pole; the arguments are those of `Constants`.
 
-    The zeros of (excess + sδ) δ(2 − δ) − (e + gδ)², s = σb, g = σd: the cubic in u = σ(1 − δ).
-    The largest by Viète's cosines (DLMF 1.11.iii; all are real); its division leaves a
+    They are the zeros of (excess + sδ) δ(2 − δ) − (e + gδ)², s = σb, g = σd, with u = σ(1 − δ).
+    The largest comes from Viète's cosines (DLMF 1.11.iii; all are real); dividing by it leaves a
     quadratic, whose roots may be many orders smaller and still come out to relative accuracy.
     """
     s, g = pole * b, pole * d
@@ -160,7 +160,7 @@ def turning_points(pole: int, b: mpf, d: mpf, excess: mpf, e: mpf) -> Vector:
 
 
 def _by_cosines(a2: mpf, a1: mpf, a0: mpf) -> list[mpf]:
-    """Roots of x³ + a2 x² + a1 x + a0, all real."""
+    """Return the three roots of x³ + a2 x² + a1 x + a0, all of which are real."""
     spread = max(a2 * a2 - 3 * a1, mpf(0)) / 9
     if spread == 0:
         return [-a2 / 3] * 3
@@ -170,7 +170,7 @@ def _by_cosines(a2: mpf, a1: mpf, a0: mpf) -> list[mpf]:
 
 
 def _within_bounds(deltas: list[mpf], pole: int) -> Vector:
-    """The roots, u1, u2 <= 1 <= u3, where rounding has put one past a pole."""
+    """Return the roots with those moved to u1, u2 <= 1 <= u3 that rounding has put past a pole."""
     d1, d2, d3 = deltas
     if pole > 0:
         return min(d1, mpf(2)), max(d2, mpf(0)), min(d3, mpf(0))

@@ -1,8 +1,7 @@
-"""Equations of motion that need not be a scene's.
+"""Equations of motion that need not be a scene's: candidates for what an engine computed.
 
-What a motion is compared with, to find what was computed instead of the exact one: a tensor that is
-another one, a gyroscopic torque ω × Gω with another tensor G than in I ω', an attitude that follows
-ω otherwise.
+They differ from a scene's in another inertia tensor, in a gyroscopic torque ω × Gω whose tensor G
+is not the one in I ω', or in the relation between ω and the attitude.
 """
 
 from typing import NamedTuple
@@ -11,11 +10,12 @@ import numpy as np
 
 from ..scenarios import FloatArray, Scenario
 
-#: How q' is a product of q and ω: as it is due; with ω, along body axes, on the side of world axes;
-#: or with ω, along world axes, in which its components are kept, on the side of body axes.
+#: How q' follows from q and ω: as it should; with ω along body axes multiplied from the side of
+#: world axes; or with ω along world axes, in which its components are kept, from the side of body
+#: axes.
 BODY, WORLD, KEPT_IN_WORLD = 0, 1, 2
-#: A kinematic number above is a convention of Euler angles, `FIRST_ANGLES` + 9 i + 3 j + k for
-#: R = R_i(a) R_j(b) R_k(c), whose rates ω is taken for.
+#: A kinematic number from here on is a convention of Euler angles, `FIRST_ANGLES` + 9 i + 3 j + k
+#: for R = R_i(a) R_j(b) R_k(c), whose rates ω is taken for.
 FIRST_ANGLES = 3
 
 
@@ -23,19 +23,19 @@ class OtherEquations(NamedTuple):
     """Numbers of equations of motion, SI; `torque` is in body axes unless its name says otherwise.
 
     I ω' = τ − ω × (G ω + h) and q' = ½ q (A ω), τ = l × Rᵀg + torque + Rᵀ torque_world
-    − (c + (a + b ‖ω‖) I) ω − (a + b ‖ω‖) h, and what a table answers.
+    − (c + (a + b ‖ω‖) I) ω − (a + b ‖ω‖) h, plus the torque of a table's normal force.
 
     Attributes
     ----------
     inertia, inverse, gyroscopic, turning : I, its inverse, G, A, (3, 3)
     kept : h, the momentum of parts, (3,)
-    gravity_world, pull : g, and l, mass times the lever from a pivot, zero without one, (3,)
+    gravity_world, pull : g; and l, mass times the lever from a pivot, zero without a pivot; (3,)
     torque, torque_world : (3,)
     slowing : c, a, b
     lever, mobility : from a table to the com, m, and 1/mass, which is 0 without a table
     in_world : whether I and G are along world axes
-    kinematics : `BODY`, `WORLD`, `KEPT_IN_WORLD`, or of Euler angles
-    rate : rad/s besides ‖ω‖, at which the state may change
+    kinematics : `BODY`, `WORLD`, `KEPT_IN_WORLD`, or the number of a convention of Euler angles
+    rate : fastest rate, besides ‖ω‖, at which the state may change, rad/s
     """
 
     inertia: FloatArray
@@ -55,12 +55,12 @@ class OtherEquations(NamedTuple):
     rate: float
 
     def with_inertia(self, inertia: FloatArray) -> "OtherEquations":
-        """These equations for another tensor of inertia, kg m², (3, 3); nan if it is singular."""
+        """Return the equations with another tensor I, kg m², (3, 3); nan if it has no inverse."""
         return self._replace(inertia=inertia, inverse=inverse(inertia), gyroscopic=inertia.copy())
 
 
 def inverse(matrix: FloatArray) -> FloatArray:
-    """The inverse of a matrix (3, 3); nan where it has none."""
+    """Return the inverse of a matrix, (3, 3); nan if it has none."""
     try:
         return np.asarray(np.linalg.inv(matrix), dtype=float)
     except np.linalg.LinAlgError:
@@ -68,7 +68,7 @@ def inverse(matrix: FloatArray) -> FloatArray:
 
 
 def equations_of(scenario: Scenario) -> OtherEquations:
-    """Return the equations of a scene."""
+    """Return the equations of motion of a scene."""
     constraint, pushed = scenario.constraint, scenario.pushed
     inertia = np.array(scenario.inertia)
     is_on_table = scenario.answer is not None

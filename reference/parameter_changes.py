@@ -1,7 +1,7 @@
-"""What a unit change of a start or a parameter changes in the equations of motion.
+"""How the equations of motion change by a unit change of a start or a parameter.
 
-At moments that stay, every constant of the equations is linear in each such number. A change of
-mass, com or inertia is a change δI of the tensor besides.
+As long as the moments of inertia stay, every constant of the equations is linear in each such
+number. A change of mass, com or inertia also changes the tensor, by δI.
 """
 
 from collections.abc import Callable, Iterable
@@ -17,14 +17,14 @@ from ..scenarios.principal import IDENTITY
 from .effect_terms import TERMS, BodyChange, EffectTerms, Numbers
 from .problem import Problem
 
-#: Of mpf.
+#: An array whose entries are mpf numbers.
 Array = Any
 #: The entries of an inertia tensor, in the order in which they are listed everywhere.
 ENTRIES = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
 
 
 def exact(values: Any) -> Array:
-    """Numbers as an array of mpf, of the same shape."""
+    """Return numbers as an array of mpf numbers of the same shape."""
     return np.vectorize(mpf, otypes=[object])(np.array(values, dtype=object))
 
 
@@ -33,14 +33,14 @@ _UNITS, _NONE = exact(IDENTITY), exact(ZERO)
 
 @dataclass(frozen=True, eq=False)
 class Change:
-    """A unit change of one number, in extended precision.
+    """How a problem changes by a unit change of one number, in extended precision.
 
     Attributes
     ----------
-    turn_axes, omega_axes : of the start, rad and rad/s, along the principal axes
-    inertia_axes : δI about the fixed point, kg m², along them
-    constants : of what the constants are linear in, by attribute of a `Problem`
-    lever_body : of the vector from what holds the body to the com, m, body axes
+    turn_axes, omega_axes : change of the start's attitude, rad, and ω, rad/s, along principal axes
+    inertia_axes : δI about the fixed point, kg m², along principal axes
+    constants : change of the numbers that the constants are linear in, by attribute of a `Problem`
+    lever_body : change of the vector from the point that is held to the com, m, body axes
     """
 
     turn_axes: Array = field(default_factory=_NONE.copy)
@@ -51,11 +51,11 @@ class Change:
 
 
 def changes(scenario: Scenario, problem: Problem) -> dict[str, list[Change] | Change]:
-    """The changes by attitude and ω at the start, and by all parameters that a scene has, by name.
+    """Return the changes by each number of the start and each parameter of a scene, by name.
 
-    Those by the components of a vector are a list, that by a single number is none.
-    Mass, com and inertia are those of `[body]`, without parts that turn in it; the inertia, that
-    about its com.
+    The value of a vector is a list with a change for each component, that of a scalar a single
+    change. Mass, com and inertia are those of `[body]`, without the parts that turn in it, and the
+    inertia is that about its com.
     """
     q, acting = problem.q_axes_body, [TERMS[name] for name in TERMS if name in scenario.called_for]
     with mp.workdps(DIGITS):
@@ -85,7 +85,7 @@ def changes(scenario: Scenario, problem: Problem) -> dict[str, list[Change] | Ch
 
 
 def changed_problem(problem: Problem, change: Change) -> Problem:
-    """The problem with the change of what its constants are linear in."""
+    """Return the problem with the change of the numbers that its constants are linear in."""
     with mp.workdps(DIGITS):
         numbers = {
             name: np.array(getattr(problem, name)) + np.array(by)
@@ -97,13 +97,17 @@ def changed_problem(problem: Problem, change: Change) -> Problem:
 def _of_body(
     scenario: Scenario, q: Quaternion, acting: list[EffectTerms]
 ) -> Callable[[Array, mpf, Array], Change]:
-    """What makes a change of the inertia about the com, kg m², the mass, kg, and the com, m."""
+    """Return a function from changes of inertia about the com, mass and com to a `Change`.
+
+    They are in kg m², kg and m, body axes.
+    """
     own, whole = scenario.carrier, scenario.body
     mass, com, whole_com = own.mass_exact, exact(own.com_exact), exact(whole.com_exact)
     arm = com if scenario.constraint.is_pivot else com - whole_com
 
     def change(inertia: Array, heavier: mpf, moved: Array) -> Change:
-        # δ of m (r·r 1 − r rᵀ); about a com that moves itself its motion adds nothing.
+        # The change of m (r·r 1 − r rᵀ). A tensor about a com that itself moves does not change to
+        # first order.
         square = 2 * (arm @ moved) * _UNITS - np.outer(arm, moved) - np.outer(moved, arm)
         point = (arm @ arm) * _UNITS - np.outer(arm, arm)
         tensor = inertia + heavier * point + mass * square
@@ -123,5 +127,5 @@ def _joined(each: Iterable[Numbers]) -> Numbers:
 
 
 def _entry(i: int, j: int) -> Array:
-    """A unit of an entry of a symmetric tensor."""
+    """The symmetric tensor (3, 3) whose entries ij and ji are 1 and whose others are 0."""
     return exact([[{row, column} == {i, j} for column in range(3)] for row in range(3)])

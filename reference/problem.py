@@ -1,4 +1,4 @@
-"""The initial value problem every solver is given: principal axes, extended precision."""
+"""The initial value problem that every solver is given: principal axes, extended precision."""
 
 from dataclasses import dataclass, replace
 
@@ -28,10 +28,10 @@ class Problem:
     drag : coefficient c of the torque −c ω, N m s
     tip_axes : of the sphere that slides on a table, its centre from the centre of mass, m; zero
         without a table
-    tip_radius : of that sphere, m
+    tip_radius : radius of that sphere, m
     ends_at_lift_off : whether the motion ends where the table would have to pull
-    mass : kg
-    q_axes_body : takes body components to components along the principal axes
+    mass : mass of the body, kg
+    q_axes_body : quaternion that takes body components to components along the principal axes
     kept, kept_axes : of each part that turns, the angular momentum that it keeps, kg m²/s, and the
         unit axis that it keeps it about, along the principal axes
     """
@@ -59,7 +59,7 @@ class Problem:
 
     @property
     def held_lever(self) -> Vector:
-        """Mass times the com from the pivot, or from the tip on a table, kg m; zero if free."""
+        """Mass times the vector to the com from pivot or tip, kg m; 0 without either."""
         if not self.slides:
             return self.lever_axes
         with mp.workdps(DIGITS):
@@ -68,11 +68,11 @@ class Problem:
 
     @property
     def heaving(self) -> mpf:
-        """m l², kg m², l from the tip to a com that heaves as the body leans; else 0."""
+        """m l², kg m², l from the tip to the com, on a table, where the com heaves; else 0."""
         return mp.sqrt(dot(self.tip_axes, self.tip_axes)) ** 2 * self.mass
 
     def lengthened(self, factor: mpf) -> "Problem":
-        """The problem with its levers so many times as long, followed as if a table pulled."""
+        """Return the problem with levers `factor` times as long and a table that also pulls."""
         levers = {
             name: tuple(factor * component for component in getattr(self, name))
             for name in ("lever_axes", "tip_axes")
@@ -81,7 +81,7 @@ class Problem:
 
     @property
     def kept_momentum(self) -> Vector:
-        """Σ kept · axis, kg m²/s: what is added to I ω."""
+        """Σ kept · axis, kg m²/s: the angular momentum of the parts, which L has besides I ω."""
         with mp.workdps(DIGITS):
             total = ZERO
             for kept, (u, v, w) in zip(self.kept, self.kept_axes, strict=True):

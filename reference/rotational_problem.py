@@ -12,7 +12,7 @@ from .problem import Problem
 
 
 def rotational_problem(scenario: Scenario) -> Problem:
-    """The rotational problem of a scene: about its pivot, or else its centre of mass.
+    """Return the rotational problem of a scene about its pivot, or else its centre of mass.
 
     Nothing is rounded: every double of the file is taken exactly.
 

@@ -1,6 +1,6 @@
 """The exact derivatives of an exact motion by its start and by the parameters of its scene.
 
-Derivation, conventions and what was measured: docs/explanation/sensitivities.md.
+The derivation, the conventions and measured errors are in docs/explanation/sensitivities.md.
 """
 
 from collections.abc import Mapping
@@ -37,19 +37,21 @@ from .taylor import (
 from .taylor_coefficients import OMEGA, STATE, Q
 from .taylor_march import DONE, PAUSED, Tables
 
-#: Steps of some 15 µs, in each of up to thirty directions and two series.
+#: Most steps of a march. A step takes some 15 µs, and is taken in up to thirty directions by two
+#: series.
 MAX_STEPS = 100_000
 STEPS_AT_ONCE = 2_000
-#: An uncertainty above this, relative, has the next dearer series asked.
+#: If the relative uncertainty is above this, the next, more expensive series is tried.
 GOOD = 1e-12
-#: Beside a saddle second derivatives are as large as the square of the first, and so is their part
-#: in errors.
+#: Orders of the series, from cheap to expensive. Beside a saddle second derivatives, and with them
+#: errors, are as large as the square of the first.
 SERIES = (CHECK_ORDERS, TRUTH_ORDERS, FINE_ORDERS, Orders(40, 24))
-#: Of the start and the constants, which all series share: rounded to double-double, relative.
+#: Relative rounding error of the start and the constants, which all series share: they are rounded
+#: to double-double.
 PAIR = EPS**2
-#: Columns of one kind and unit: of an array, each three.
+#: Number of rows or columns of an array that have one kind and unit.
 KIND = 3
-#: By name, derivatives of six numbers, (n, 6, k).
+#: Derivatives of six numbers, (n, 6, k), by name.
 Arrays = dict[str, FloatArray]
 
 
@@ -58,10 +60,11 @@ Arrays = dict[str, FloatArray]
 class Sensitivity:
     """Derivatives of a motion's state; arrays are read-only.
 
-    Rows: a turn of the attitude, δR = R [δθ]×, rad, then ω, rad/s, both in body axes. Columns are
-    what it is derived by. Whatever is not named stays as it is: ω at the start in body axes, the
-    inertia about the com where mass or com change. These are those of `[body]`, without parts that
-    turn in it.
+    The rows are a turn of the attitude, δR = R [δθ]×, rad, then ω, rad/s, both in body axes.
+    The columns are the numbers that the derivatives are with respect to. In each derivative all
+    other numbers stay constant: ω at the start in body axes, the
+    inertia about the com where mass or com change. The body's numbers are those of `[body]`,
+    without parts that turn in it.
 
     Attributes
     ----------
@@ -73,15 +76,15 @@ class Sensitivity:
           com, kg m², body axes, which stays symmetric
         - `moments` (n, 6, 3), by the principal moments about the com, kg m², whose axes stay
         - `mass` (n, 6), kg; `com` (n, 6, 3), from the body's origin, m, body axes
-        - of each effect its own, such as `gravity` (n, 6, 3), m/s², world axes; constant torques
+        - the parameters of effects: `gravity` (n, 6, 3), m/s², world axes; constant torques
           (n, 6, 3), N m, in the axes that they are constant in; coefficients (n, 6); the spins of
           parts at t = 0 (n, 6, parts), rad/s, zero of those that cannot turn
     translation : of a body without a pivot, arrays of the same names and columns whose rows are the
         com, m, and its velocity, m/s, world axes; `state_transition` (n, 6, 12) has columns for com
         and velocity at t = 0 besides, zero along axes along which the body is held
-    rate : rad/s, the fastest of the motion: what ω is measured in by the two below
-    conditioning : (n,), the largest singular value of the state transition: what a small change of
-        the start is at most multiplied by
+    rate : fastest rate of the motion, rad/s: the unit of ω in the two attributes below
+    conditioning : (n,), the largest singular value of the state transition: the largest factor by
+        which a small change of the start grows
     uncertainty : by array, a bound on its errors over its largest value, both over all samples
     """
 
@@ -102,7 +105,7 @@ class Sensitivity:
         return parameters[name]
 
 
-#: What a state transition is made of.
+#: Names of the arrays that a state transition consists of.
 OF_START = ("attitude", "omega", "com_start", "velocity_start")
 
 
@@ -158,7 +161,7 @@ def sensitivity(scenario: Scenario, motion: Trajectory) -> Sensitivity:
 def _turned(
     scenario: Scenario, problem: Problem, times: FloatArray, change: Change, orders: Orders
 ) -> FloatArray:
-    """The derivative of attitude and ω along a change, (n, 6), body axes."""
+    """Return the derivative of attitude, rad, and ω, rad/s, along a change, body axes, (n, 6)."""
     states, tangents = _marched(scenario, problem, times, change, orders)
     (w, x, y, z), (dw, dx, dy, dz) = states[:, Q : Q + 4].T, tangents[:, Q : Q + 4].T
     # The vector part of q̄ δq is δθ/2.
@@ -177,7 +180,7 @@ def _turned(
 def _marched(
     scenario: Scenario, problem: Problem, times: FloatArray, change: Change, orders: Orders
 ) -> tuple[FloatArray, FloatArray]:
-    """The states and their derivatives along a change, (n, STATE) each, principal axes."""
+    """Return states and their derivatives along a change, (n, STATE) each, principal axes."""
     with mp.workdps(DIGITS):
         turn = product(problem.q_world_axes, (mpf(0), *change.turn_axes))
         start = (*problem.omega_axes, *problem.q_world_axes)
@@ -189,7 +192,8 @@ def _marched(
     numbers = (
         Dual(constants_of(problem), derived_constants(problem, changed_problem(problem, change))),
         Dual(inverses, (np.zeros_like(inverses[0]), np.zeros_like(inverses[0]))),
-        # All that the scene has: a lever that is zero may have a derivative that is not.
+        # The effects of the scene, not only those that turn the body: a lever that is zero may have
+        # a derivative that is not.
         terms_of(problem, scenario.called_for & TERMS.keys()),
         tables(change.inertia_axes),
         orders.double_double,
@@ -216,7 +220,7 @@ def _marched(
 
 
 def _first_order(numbers: tuple[mpf, ...], orders: Orders) -> Tables:
-    """A series whose order 0 is given."""
+    """Return a table, as high and low parts, for a series whose order 0 is given."""
     series = np.zeros((2, orders.total + 1, WIDTH))
     series[:, :1, : len(numbers)] = tables([numbers])
     return series[0], series[1]
@@ -225,9 +229,11 @@ def _first_order(numbers: tuple[mpf, ...], orders: Orders) -> Tables:
 def _translated(
     scenario: Scenario, motion: Trajectory, by_name: dict[str, list[Change]], turned: Arrays
 ) -> Arrays:
-    """Derivatives of com and velocity along the world's axes, (n, 6, k), of a body without a pivot.
+    """Return derivatives of com and velocity, world axes, (n, 6, k), of a body without a pivot.
 
-    Along axes that are not held it flies; on a table its height is that of R lever.
+    Along axes of the world that are not held the body is in free flight; on a table its height is
+    that
+    of the rotated lever.
     """
     flying = ~np.array(scenario.constraint.is_held)
     t = motion.t[:, None, None]
@@ -248,7 +254,7 @@ def _translated(
 def _heaved(
     scenario: Scenario, motion: Trajectory, turned: FloatArray, levers: FloatArray
 ) -> FloatArray:
-    """Derivatives of ẑ·R lever and of its rate, ẑ·R (ω × lever), (n, 2, k)."""
+    """Return derivatives of ẑ·R lever and of its rate, ẑ·R (ω × lever), (n, 2, k)."""
     up_body, lever = motion.R_world_body.as_matrix()[:, 2], scenario.constraint.lever
     heaved = np.empty((len(motion.t), 2, len(levers)))
     for k, longer in enumerate(levers):
@@ -260,7 +266,7 @@ def _heaved(
 
 
 def _named(scenario: Scenario, derived: Arrays, single: set[str]) -> Arrays:
-    """The arrays as a `Sensitivity` has them: a transition by the whole start, also the moments."""
+    """Return the arrays by the names in `Sensitivity`, with `moments` added."""
     if not derived:
         return {}
     starts = [derived[name] for name in OF_START if name in derived]
@@ -275,7 +281,7 @@ def _named(scenario: Scenario, derived: Arrays, single: set[str]) -> Arrays:
 def _apart(
     coarser: tuple[Arrays, Arrays], finer: tuple[Arrays, Arrays], rate: float
 ) -> dict[str, float]:
-    """How far two series are apart, by array, relative to the largest; columns by kind."""
+    """Return how far apart two series are, for each array, relative to its largest derivative."""
     return {
         name: ROUNDING
         + max(
@@ -288,7 +294,7 @@ def _apart(
 
 
 def _relative(difference: FloatArray, values: FloatArray, rate: float) -> float:
-    """The larger, over kinds of columns, of largest differences over largest values."""
+    """Return the largest difference over the largest value, the worst over kinds of columns."""
     unit = np.repeat([1.0, rate], 3)[:, None]
     worst = 0.0
     for first in range(0, values[0, 0].size, KIND):
@@ -296,7 +302,8 @@ def _relative(difference: FloatArray, values: FloatArray, rate: float) -> float:
         for array in (difference, values):
             kind = array.reshape(len(array), 6, -1)[..., first : first + KIND] / unit
             largest = np.abs(kind).max()
-            # Scaled: the squares of derivatives by a grain's moments leave the range of doubles.
+            # Scaled first: the squares of derivatives by the moments of a grain leave the range of
+            # doubles.
             sizes.append(largest and largest * np.linalg.norm(kind / largest, axis=(1, 2)).max())
         worst = max(worst, sizes[0] / sizes[1] if sizes[1] else 0.0)
     return float(worst)

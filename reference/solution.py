@@ -14,12 +14,12 @@ class Solution:
     trajectory : the motion
     method : how it was solved, in words
     uncertainty : bound on its own errors, in the norms that runs are judged by
-    conditioning : what a relative change of one ulp in the start and the body does to the motion,
+    conditioning : change of the motion by a relative change of one ulp in the start and the body,
         to first order and in its worst direction. Symmetric bodies stay symmetric: rounding, step
         by step, changes states and not the body
     horizon : s, the time at which the uncertainty of a chaotic motion exceeds `MAX_UNCERTAINTY`,
         or at which a body leaves its table; the trajectory ends before it. None where neither does
-    lifts_off : whether it is the latter
+    lifts_off : whether the trajectory ends because the body leaves its table
     """
 
     trajectory: Trajectory
@@ -31,7 +31,7 @@ class Solution:
 
     @property
     def ending(self) -> str:
-        """Why it is known until its horizon only, in words; empty where it has none."""
+        """Why the motion is only known until its horizon, in words; empty if it has no horizon."""
         if self.horizon is None:
             return ""
         if self.lifts_off:
@@ -41,7 +41,7 @@ class Solution:
         )
 
     def ends_before(self, duration: float) -> str:
-        """The sentence on a window, s, that goes on after the motion; empty if it does not."""
+        """The sentence that a window of `duration` s outlasts the motion; empty if it does not."""
         if not self.lifts_off:
             return ""
         return (

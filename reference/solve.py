@@ -34,22 +34,23 @@ from .taylor import (
 )
 
 EPS = float(np.finfo(float).eps)
-#: Rounding of the states to double and of L and E computed from them, in ulp.
+#: Rounding, in ulp, of the states to double, and of L and E, which are computed from them.
 ROUNDING = 8 * EPS
-#: rad a radian turned: a closed form's phase is a rate in double-double, within EPS²/4, times t.
+#: rad of error for each radian turned: a closed form's phase is a rate in double-double, within
+#: EPS²/4, times t.
 PHASE_ROUNDING = EPS**2
-#: rad; how far along a closed form is compared with the ODE: a tenth of a second of its time.
+#: rad turned, up to which a closed form is compared with the ODE: a tenth of a second of computing.
 CHECKED_TURN = 5e3
-#: Samples at which it is compared, over all of that and over the beginning.
+#: Number of samples compared, over all of that span and again over its beginning.
 CHECKED_SAMPLES = 64
-#: Scenes whose problem and closed form are kept: a report asks for those of all, again and again.
+#: Number of scenes whose problem and closed form are kept, because reports ask for them repeatedly.
 SCENES = 256
-#: rad; in double-double even errors that grow by e a radian are small so far along.
+#: rad turned, up to which even errors that grow by a factor e a radian are small in double-double.
 SURE_TURN = 30.0
 
 
 def solve(scenario: Scenario, times: FloatArray) -> Solution:
-    """The exact motion of a scene.
+    """Return the exact motion of a scene.
 
     Parameters
     ----------
@@ -66,10 +67,11 @@ def solve(scenario: Scenario, times: FloatArray) -> Solution:
 
 
 def solve_cheaply(scenario: Scenario, rows: Sequence[FloatArray]) -> list[Solution]:
-    """The exact motion of one of many scenes; parameters and errors as of `solve_each`.
+    """Return the exact motion of one of many scenes; parameters and errors as in `solve_each`.
 
-    Conditioning may be NaN: no verdict is given on one of many. A closed form is only worked out
-    where the series does not reach the last time, as beside a saddle: finding one costs as much as
+    Conditioning may be NaN, because no verdict depends on one of many scenes. A closed form is only
+    used
+    where the series does not reach the last time, as beside a saddle: to find one costs as much as
     hundreds of radians of the series.
     """
     times = np.unique(np.concatenate([_increasing(row) for row in rows]))
@@ -81,21 +83,21 @@ def solve_cheaply(scenario: Scenario, rows: Sequence[FloatArray]) -> list[Soluti
 
 @final
 class ExactMotion:
-    """The exact motion of one scene: what does not depend on the times is worked out once."""
+    """The exact motion of one scene at any times; what does not depend on them is computed once."""
 
     def __init__(self, scenario: Scenario) -> None:
         self._scenario = scenario
         self._problem, self._closed = _posed(scenario)
 
     def solve(self, times: FloatArray) -> Solution:
-        """The motion and its uncertainty; parameters and errors as of the function `solve`."""
+        """Return the motion and its uncertainty; parameters and errors as in `solve`."""
         times = _increasing(times)
         if self._closed is not None:
             return _solve_closed(self._scenario, self._problem, self._closed, times)
         return _solve_ode(self._scenario, self._problem, times)
 
     def solve_each(self, rows: Sequence[FloatArray]) -> list[Solution]:
-        """The motion at several rows of times, each from 0 on, solved at all of them together.
+        """Return the motion at several rows of times, each from 0 on, solved for all together.
 
         Uncertainty and conditioning are those of all times, so they are upper bounds for a row.
         """
@@ -103,7 +105,7 @@ class ExactMotion:
         return [_part(together, times) for times in rows]
 
     def outline(self, times: FloatArray) -> Trajectory:
-        """The motion as `solve` finds it, up to its horizon, without its uncertainty."""
+        """Return the motion as `solve` finds it, up to its horizon, without its uncertainty."""
         times = _increasing(times)
         if self._closed is not None:
             return motion(self._scenario, self._problem, times, self._closed.states(times))
@@ -112,7 +114,7 @@ class ExactMotion:
 
 @lru_cache(maxsize=SCENES)
 def _posed(scenario: Scenario) -> tuple[Problem, ClosedForm | None]:
-    """Problem and closed form, found in extended precision."""
+    """Return problem and closed form of a scene, found in extended precision."""
     problem = rotational_problem(scenario)
     return problem, closed_form(problem)
 
@@ -125,7 +127,7 @@ def _increasing(times: FloatArray) -> FloatArray:
 
 
 def _part(together: Solution, times: FloatArray) -> Solution:
-    """A solution at some of its times, up to its horizon."""
+    """Return the part of a solution at some of its times, up to its horizon."""
     count = (
         len(times) if together.horizon is None else int(np.searchsorted(times, together.horizon))
     )
@@ -142,7 +144,7 @@ def _part(together: Solution, times: FloatArray) -> Solution:
 
 
 def solve_ode(scenario: Scenario, times: FloatArray) -> Trajectory:
-    """The motion by the ODE integrator, also where the scene has a closed form."""
+    """Return the motion by the ODE integrator, even if the scene has a closed form."""
     problem = rotational_problem(scenario)
     return motion(scenario, problem, times, integrate(problem, times))
 
@@ -167,10 +169,11 @@ def _solve_closed(
 
 
 def _apart_from_ode(scenario: Scenario, problem: Problem, by_form: Trajectory) -> Errors:
-    """How far a closed form is from the ODE, as far as the ODE is known.
+    """Return how far a closed form is from the ODE's solution, as far as the latter is accurate.
 
-    Beside a saddle it is the ODE that errs: its rounding grows, and that of the closed form does
-    not. Where they differ the dearest series is asked, up to where the next one leaves it.
+    Beside a saddle it is the ODE's solution that errs: its rounding error grows, and that of the
+    closed form does not. Where they differ, the most expensive series is used instead, up to the
+    sample where the next cheaper one departs from it.
     """
 
     def by_ode(orders: Orders) -> Trajectory:
@@ -188,7 +191,7 @@ def _apart_from_ode(scenario: Scenario, problem: Problem, by_form: Trajectory) -
 def _count_of_agreeing_samples(
     scenario: Scenario, trajectory: Trajectory, coarser: Trajectory
 ) -> int:
-    """Samples up to which a coarser series finds the same motion."""
+    """Return the number of samples up to which a coarser series finds the same motion."""
     series = error_series(scenario, trajectory, coarser)
     beyond = np.flatnonzero(np.maximum(series["omega"], series["attitude"]) > MAX_UNCERTAINTY)
     return int(beyond[0]) if len(beyond) else len(trajectory.t)
@@ -197,7 +200,10 @@ def _count_of_agreeing_samples(
 def _conditioning_of_closed(
     scenario: Scenario, problem: Problem, trajectory: Trajectory, within_reach: Trajectory
 ) -> Errors:
-    """Within reach of the ODE by it, at many times and cheaply; beyond, by the form."""
+    """Return the conditioning: by the ODE within its reach, by the closed form beyond.
+
+    The ODE is cheap at many times, but does not get further in good time.
+    """
 
     def by_ode(neighbour: Problem) -> Trajectory:
         times = within_reach.t
@@ -230,9 +236,9 @@ def _solve_ode(scenario: Scenario, problem: Problem, times: FloatArray) -> Solut
 
 
 def _by_series(scenario: Scenario, problem: Problem, times: FloatArray) -> Solution:
-    """The solution without its conditioning, which takes twice as long: it is NaN.
+    """Return the solution by the ODE, with NaN as conditioning, which would take twice as long.
 
-    Nor does its uncertainty know of rounding where terms cancel, as `rounding_of` does.
+    Its uncertainty leaves out what `rounding_of` measures: rounding where terms cancel.
     """
     known = _integrated_to_horizon(scenario, problem, times)
     apart = errors_between(scenario, known.trajectory, known.coarser)
@@ -247,7 +253,7 @@ def _by_series(scenario: Scenario, problem: Problem, times: FloatArray) -> Solut
 
 
 class _Known(NamedTuple):
-    """A motion by two series, as far as they agree; horizon and lift-off as of a `Solution`."""
+    """A motion by two series as far as they agree; horizon and lift-off as in a `Solution`."""
 
     trajectory: Trajectory
     coarser: Trajectory
@@ -256,7 +262,7 @@ class _Known(NamedTuple):
 
 
 def _integrated_to_horizon(scenario: Scenario, problem: Problem, times: FloatArray) -> _Known:
-    """The motion up to where it is chaotic, or leaves its table."""
+    """Return the motion up to where it becomes chaotic or leaves its table."""
 
     def integrated(orders: Orders) -> Trajectory:
         return motion(scenario, problem, times, integrate(problem, times, orders))
@@ -272,7 +278,7 @@ def _integrated_to_horizon(scenario: Scenario, problem: Problem, times: FloatArr
             return known
         return known._replace(horizon=lift_off.time, lifts_off=True)
     n = _count_of_agreeing_samples(scenario, trajectory, coarser)
-    if n < len(times):  # chaos: where the usual series ends, the dearest goes on
+    if n < len(times):  # chaos: from where the usual series ends, the most expensive one goes on
         coarser, trajectory = trajectory, integrated(FINE_ORDERS)
         n = _count_of_agreeing_samples(scenario, trajectory, coarser)
     if n == 0:
@@ -284,9 +290,11 @@ def _integrated_to_horizon(scenario: Scenario, problem: Problem, times: FloatArr
 
 
 def _checked_times(times: FloatArray, rate: float) -> FloatArray:
-    """Spread over the span that the ODE reaches in good time, and over the turns it surely knows.
+    """Return the times, s, at which a closed form is compared with the ODE.
 
-    Whichever samples are asked for: a wrong form is wrong at these as well.
+    They are spread over the span that the ODE reaches in good time, and again over the turns in
+    which it is surely accurate. They do not depend on the samples asked for: a wrong form is wrong
+    at these times as well.
     """
     end = min(CHECKED_TURN / rate, times[-1]) if rate else times[-1]
     sure = min(SURE_TURN / rate, end) if rate else end

@@ -1,4 +1,4 @@
-"""The free top: stability of its three axes, cones of a symmetric body, tumbling of any other.
+"""The free top: stability of its axes, cones of a symmetric body, tumbling of an asymmetric one.
 
 Moments are principal and about the fixed point, ω is along the same axes. Everything is evaluated
 in extended precision: near the separatrix L² − 2 E I2 is a small difference of large numbers.
@@ -80,5 +80,5 @@ def tumbling_period(moments: Vector, omega: Vector) -> float | None:
 
 
 def _excess(moments: Vector, omega: Vector, of: mpf) -> mpf:
-    """L² − 2 E I for the moment `of`, summed axis by axis: that axis drops out exactly."""
+    """L² − 2 E I for the moment I = `of`, summed by axes: the axis of I drops out exactly."""
     return mp.fsum(moment * (moment - of) * w**2 for moment, w in zip(moments, omega, strict=True))

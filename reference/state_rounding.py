@@ -1,4 +1,4 @@
-"""What rounding a motion's states to doubles makes of the signals that are computed from them."""
+"""How rounding a motion's states to doubles changes the signals that are computed from them."""
 
 from collections.abc import Iterator
 from dataclasses import replace
@@ -9,18 +9,18 @@ from scipy.spatial.transform import Rotation
 from ..scenarios import Errors, Scenario, Trajectory, errors_between, signals_of
 
 EPS = float(np.finfo(float).eps)
-#: The components are moved by as many times their error: far above rounding, and still small.
+#: Factor by which a component's error is magnified: far above rounding, and still small.
 MAGNIFIED = 2.0**20
-#: Ulp, of a component and of the products that it goes into.
+#: Error, in ulp, of a component together with the products that it enters.
 ROUNDED = 2
-#: Samples that are looked at.
+#: Number of samples at which the effect of rounding is computed.
 LOOKED_AT = 64
 
 
 def rounding_of(scenario: Scenario, motion: Trajectory) -> Errors:
-    """Errors by rounding: large where terms cancel, such as opposite angular momenta.
+    """Return the error of each signal by rounding: large where opposite angular momenta cancel.
 
-    Rounding has any sign: what it does in single components is added in squares.
+    Rounding errors of single components have random signs, so their effects add up in squares.
     """
     every = -(-len(motion.t) // LOOKED_AT)
     seen = motion.every(every)
@@ -37,12 +37,12 @@ def rounding_of(scenario: Scenario, motion: Trajectory) -> Errors:
 def moved_states(
     scenario: Scenario, motion: Trajectory, uncertainty: Errors, placed: float
 ) -> Iterator[Trajectory]:
-    """The motion with one component of its states off by `MAGNIFIED` times its error.
+    """Yield for each component of the states the motion with it off by `MAGNIFIED` times its error.
 
     Parameters
     ----------
-    uncertainty : of ω and attitude
-    placed : ulp, of place and velocity of the com, and of spins
+    uncertainty : errors of ω and attitude
+    placed : error of position and velocity of the com, and of spins, in ulp
     """
     speed = float(np.linalg.norm(motion.omega_body, axis=1).max())
     for axis in np.eye(3):
@@ -62,7 +62,7 @@ def moved_states(
 
 
 def _placed(scenario: Scenario, motion: Trajectory) -> Trajectory:
-    """The centre of mass where attitude and ω put it."""
+    """Return the motion with the centre of mass where its attitude and ω put it."""
     constraint = scenario.constraint
     swing_world = motion.to_world(np.cross(motion.omega_body, constraint.lever))
     return replace(

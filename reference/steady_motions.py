@@ -13,7 +13,7 @@ ZERO = mpc(0)
 
 
 def turns_rigidly(problem: Problem) -> bool:
-    """Whether ω, if nothing acts, stays where it is: along L (Landau & Lifshitz §36)."""
+    """Whether ω stays constant if no torque acts, because it is along L (Landau & Lifshitz §36)."""
     moments, omega = problem.moments, problem.omega_axes
     with mp.workdps(DIGITS):
         speed = norm(omega)
@@ -25,7 +25,7 @@ def turns_rigidly(problem: Problem) -> bool:
 
 
 def rigid_rotation(problem: Problem) -> ClosedForm:
-    """Rotation about a fixed axis at a constant rate, or rest: q(t) = q(0) exp(ω t/2)."""
+    """Return rotation about a fixed axis at a constant rate, or rest: q(t) = q(0) exp(ω t/2)."""
     omega = problem.omega_axes
     with mp.workdps(DIGITS):
         speed = norm(omega)
@@ -35,7 +35,7 @@ def rigid_rotation(problem: Problem) -> ClosedForm:
         frames = Frames(
             product(problem.q_world_axes, conjugate(q_frame_axes)), q_frame_axes, (e1, e2, omega)
         )
-        # ω is 1 along a third "unit" vector that is ω itself: so it is not rounded twice.
+        # The third "unit" vector is ω itself, and ω is 1 along it, so that ω is rounded only once.
         quotients = (turning(mpc(1), speed / 2), turning(ZERO), turning(ZERO), turning(mpc(1)))
         return ClosedForm("Rotation about a fixed axis", tables(None, quotients, frames), 0.0, None)
 
@@ -46,12 +46,12 @@ def regular_precession(
     omega: Vector,
     rates: tuple[mpf, mpf],
 ) -> ClosedForm:
-    """Steady precession and spin at a constant tilt, in the frames that `frames` leads to.
+    """Return steady precession and spin at a constant tilt, in the frames that `frames` leads to.
 
     Parameters
     ----------
     start, omega : attitude and angular velocity at t = 0
-    rates : rad/s, of the phases of A and B, (α' + γ')/2 and (α' − γ')/2; W, ∝ A B* by
+    rates : rates of the phases of A and B, rad/s, (α' + γ')/2 and (α' − γ')/2; W, ∝ A B* by
         A' = ½ (iω3 A − W B), turns at their difference γ'
     """
     of_A, of_B = rates

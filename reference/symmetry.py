@@ -1,4 +1,4 @@
-"""What kind of top a problem is: which axis it is symmetric about, and its moments about that."""
+"""Which axis a problem is symmetric about, and its moments about and across that axis."""
 
 from collections.abc import Sequence
 

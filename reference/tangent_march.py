@@ -50,11 +50,11 @@ from .taylor_numbers import (
     zero,
 )
 
-#: Columns of δI ω in the series of the motion, and of that in all.
+#: First column of δI ω in the series of the motion, and number of columns of that series in all.
 MOVED, WIDTH = COLUMNS, COLUMNS + 3
-#: Row of n in the table whose other rows are 1/n and 1/(2n).
+#: Row that holds n, in the table whose other rows are 1/n and 1/(2n).
 COUNT = 2
-#: The first of so many parts of the orders are the lower terms of a derivative.
+#: The first 1/`LOWER` of the orders count as the lower terms of a derivative.
 LOWER = 4
 
 
@@ -72,7 +72,7 @@ def _move(series: Dual, tensor: Table, n: int) -> None:
 def _add_inertia(
     series: Dual, constants: Dual, inverses: Dual, terms: Terms, tensor: Table, n: int
 ) -> None:
-    """Add to order n of ω' what δI does; ω' of the motion itself is known by then."""
+    """Add the contribution of δI to order n of δω', after order n of ω' itself is computed."""
     _move(series, tensor, n + 1)
     turned = cross_omega(series.value, MOVED, n)
     for i in range(3):
@@ -104,8 +104,8 @@ def _extend_with_inertia(
 def _tangent_step(tangent: FloatArray, order: int) -> float:
     """Return the step for which the derivative's series ends at e⁻²ᴺ of its lower terms.
 
-    A derivative may begin with zeros, and that of a body at rest need not be at rest, so that each
-    of the lower terms may be the one that the last are small beside.
+    The last terms must be small against the largest of the lower terms, not against the first: a
+    derivative may begin with zeros, and the derivative of a body at rest need not be at rest.
     """
     radius = np.inf
     for first, last in ((OMEGA, OMEGA + 3), (Q, Q + 4)):
@@ -139,7 +139,7 @@ def march_with_tangent(
 ) -> tuple[int, int]:
     """Fill states and their derivatives, (n, STATE) each, from sample `first` on.
 
-    As `taylor_march.march`, but that a lift-off is not looked for, and what is written is rounded.
+    As `taylor_march.march`, except that lift-off is not detected and states are written as doubles.
     `tensor` is δI along the principal axes, (3, 3).
     """
     total = series.value[0].shape[0] - 1

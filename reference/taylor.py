@@ -1,6 +1,6 @@
 """Integrates the motion of a top to the last digits of a double, by mixed-precision Taylor series.
 
-What is integrated and how well: docs/explanation/ode.md.
+docs/explanation/ode.md describes the equations and the accuracy.
 """
 
 from collections.abc import Iterable
@@ -30,14 +30,16 @@ from .taylor_coefficients import (
 )
 from .taylor_march import LIFTED, PAUSED, STUCK, Tables, march
 
-#: A step takes 2 to 10 µs; more than this would take minutes, and a study does not wait for it.
+#: Most steps of an integration. A step takes 2 to 10 µs; more would take minutes, which no study
+#: waits for.
 MAX_STEPS = 20_000_000
-#: Where the steps so far are this much too short to get there, the rest is not waited for: only a
-#: motion that slows down so far could still finish.
+#: The integration is given up when it would take this many times `MAX_STEPS` at the size of the
+#: steps so far: only a motion that slows down that much could still finish.
 HOPELESS = 2
-#: Steps between looks at the keyboard: compiled code cannot be interrupted.
+#: Steps between checks for Ctrl-C: compiled code cannot be interrupted.
 STEPS_AT_ONCE = 100_000
-# Room for (I₂ − I₃)/I₁ of doubles that differ in the last bit and by any scale met in practice.
+# Bits that hold (I₂ − I₃)/I₁ even for doubles that differ in the last bit only, at any scale met in
+# practice.
 _CONSTANT_BITS = 400
 
 
@@ -62,14 +64,14 @@ class LiftOffError(IntegrationError):
 
 
 class Orders(NamedTuple):
-    """Orders of the Taylor series in all, and how many of them in double-double."""
+    """Number of orders of the Taylor series, and how many of them are in double-double."""
 
     total: int
     double_double: int
 
 
-#: The solution, and what it is compared with: the cheaper series bounds its error from above,
-#: the dearer one measures it.
+#: The orders of the solution, and those of two series it is compared with: the cheaper series
+#: bounds its error from above, the more expensive one measures it.
 TRUTH_ORDERS = Orders(28, 10)
 CHECK_ORDERS = Orders(22, 6)
 FINE_ORDERS = Orders(34, 18)
@@ -77,7 +79,7 @@ FINE_ORDERS = Orders(34, 18)
 
 @dataclass(frozen=True, eq=False)
 class DoubleDoubleStates:
-    """Attitude and angular velocity in double-double: a number is the sum of both parts.
+    """Attitude and angular velocity in double-double: a number is the sum of its high and low part.
 
     Attributes
     ----------
@@ -98,7 +100,7 @@ def integrate(
 
     Parameters
     ----------
-    times : (n,) s, not decreasing, from 0 on; the problem's state is that at 0
+    times : (n,) s, not decreasing, from 0 on; the problem's state is the one at t = 0
 
     Returns
     -------
@@ -107,11 +109,11 @@ def integrate(
     Raises
     ------
     ValueError
-        If the times are not as above.
+        If the times decrease or are negative.
     IntegrationError
         If numbers overflow or the motion takes more than `MAX_STEPS` steps.
     LiftOffError
-        If a body leaves its table by the last of them.
+        If a body leaves its table by the last of these times.
     """
     states = integrate_double_double(problem, times, orders)
     return states.q_world_axes, states.omega_axes
@@ -120,7 +122,7 @@ def integrate(
 def integrate_double_double(
     problem: Problem, times: FloatArray, orders: Orders = TRUTH_ORDERS
 ) -> DoubleDoubleStates:
-    """Return what `integrate` does, with the digits that it rounds away."""
+    """Return the motion at given times in double-double; parameters as in `integrate`."""
     times = np.ascontiguousarray(times, dtype=float)
     if not (np.isfinite(times).all() and (times >= 0).all() and (np.diff(times) >= 0).all()):
         raise ValueError("'times' must be finite, not negative and not decreasing.")
@@ -172,19 +174,27 @@ def _march(problem: Problem, times: FloatArray, orders: Orders, states: Tables) 
 
 
 def terms_of(problem: Problem, effects: Iterable[str] | None = None) -> Terms:
-    """Return which terms of the equations of motion are nonzero."""
+    """Return which terms of the equations are needed for some effects.
+
+    Parameters
+    ----------
+    effects : names of the effects; by default those that turn the body of the problem
+    """
     forms = {TERMS[name].form for name in (turning(problem) if effects is None else effects)}
     vectors = "lever" in forms, "world" in forms, "plane" in forms
     return Terms(world_vectors=vectors, linear="linear" in forms, momentum="momentum" in forms)
 
 
 def constants_of(problem: Problem) -> Tables:
-    """Return the table of constants that `taylor_coefficients` names, (hi, lo), once rounded."""
+    """Return the table of constants of `taylor_coefficients`, (hi, lo), rounded once."""
     return tables(_exact_constants(problem))
 
 
 def derived_constants(problem: Problem, changed: Problem) -> Tables:
-    """Return the derivatives of that table by numbers that it is linear in, each one more there."""
+    """Return the derivatives of the table of constants by numbers that it is linear in.
+
+    In `changed` each of these numbers is larger by its unit change.
+    """
     with workprec(_CONSTANT_BITS):
         return tables(_exact_constants(changed) - _exact_constants(problem))
 
@@ -203,7 +213,7 @@ def _exact_constants(problem: Problem) -> NDArray[np.object_]:
 
 @cache
 def inverses_to(order: int) -> Tables:
-    """Return 1/n in row 0 and 1/(2n) in row 1, (hi, lo), n = 0 left out."""
+    """Return the table, (hi, lo), of 1/n, row 0, and 1/(2n), row 1; column n = 0 is unused."""
     with workprec(_CONSTANT_BITS):
         return tables(
             [[mpf(0)] + [1 / mpf(factor * n) for n in range(1, order + 1)] for factor in (1, 2)]
@@ -211,6 +221,6 @@ def inverses_to(order: int) -> Tables:
 
 
 def tables(rows: Iterable[Iterable[mpf]]) -> Tables:
-    """Return a table of extended numbers as (hi, lo)."""
+    """Return a table of extended-precision numbers as double-doubles, (hi, lo)."""
     pairs = np.array([[split(x) for x in row] for row in rows])
     return np.ascontiguousarray(pairs[..., 0]), np.ascontiguousarray(pairs[..., 1])

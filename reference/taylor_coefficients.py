@@ -61,10 +61,11 @@ DOWN_AND_RADIUS = 11  # −g_z, m/s², the radius of the tip, m, and 1 if a lift
 MOMENTUM = 12  # h, kg m²/s
 ROWS = 13
 
-# The vectors constant in the world: where the constants hold them, where the series does.
+# The rows of the constants, and the columns of the series, that hold the vectors fixed in the
+# world.
 WORLD_CONSTANTS = (GRAVITY_WORLD, TORQUE_WORLD, UP_WORLD)
 WORLD_VECTORS = (GRAVITY, TORQUE, UP)
-#: Which of them is there on a table.
+#: Index, among these vectors, of the one that only a table has.
 ON_TABLE = 2
 
 # a × b has component i = a[NEXT[i]] b[AFTER[i]] − a[AFTER[i]] b[NEXT[i]].
@@ -73,10 +74,10 @@ AFTER = (2, 0, 1)
 
 
 class Terms(NamedTuple):
-    """Which terms the motion calls for; the others are not computed.
+    """Which terms a motion calls for; the others are not computed.
 
-    `world_vectors` tells of gravity, of a torque constant in the world, and of a table, in this
-    order; `linear` of a torque −c ω; `momentum` of h × ω.
+    `world_vectors` says whether there is gravity, a torque constant in the world, and a table, in
+    this order; `linear` whether there is a torque −c ω; `momentum` whether there is h × ω.
     """
 
     world_vectors: tuple[bool, bool, bool]
@@ -86,13 +87,13 @@ class Terms(NamedTuple):
 
 @kernel
 def _vector(series: Table, n: int, column: int) -> Vector:
-    """Order n of the three columns from one on."""
+    """Return order n of the vector in the three columns from `column` on."""
     return load(series, n, column), load(series, n, column + 1), load(series, n, column + 2)
 
 
 @kernel
 def _omega_products(series: Table, n: int) -> Vector:
-    """Order n of ω₂ω₃, ω₃ω₁, ω₁ω₂."""
+    """Return order n of ω₂ω₃, ω₃ω₁, ω₁ω₂."""
     a = b = c = zero(series)
     for k in range(n + 1):
         w1, w2, w3 = _vector(series, k, OMEGA)
@@ -105,7 +106,7 @@ def _omega_products(series: Table, n: int) -> Vector:
 
 @kernel
 def _q_times_omega(series: Table, n: int) -> tuple[Number, Number, Number, Number]:
-    """Order n of q ⊗ (0, ω)."""
+    """Return order n of q ⊗ (0, ω)."""
     r = a = b = c = zero(series)
     for k in range(n + 1):
         w1, w2, w3 = _vector(series, k, OMEGA)
@@ -121,7 +122,7 @@ def _q_times_omega(series: Table, n: int) -> tuple[Number, Number, Number, Numbe
 
 @kernel
 def cross_omega(series: Table, column: int, n: int) -> Vector:
-    """Order n of v × ω, v in the three columns from one on."""
+    """Return order n of v × ω, with v in the three columns from `column` on."""
     a = b = c = zero(series)
     for k in range(n + 1):
         w1, w2, w3 = _vector(series, k, OMEGA)
@@ -136,7 +137,7 @@ def cross_omega(series: Table, column: int, n: int) -> Vector:
 def _acceleration(
     series: Table, constants: Table, terms: Terms, n: int, i: int, product: Number
 ) -> Number:
-    """Order n of component i of ω', given that of the product of the other two."""
+    """Return order n of component i of ω', given that of the product of the others."""
     total = multiply(load(constants, EULER, i), product)
     if terms.world_vectors[0]:
         after, next_ = load(series, n, GRAVITY + AFTER[i]), load(series, n, GRAVITY + NEXT[i])
@@ -169,7 +170,7 @@ def _turn_world_vector(series: Table, inverses: Table, n: int, column: int) -> N
 
 @kernel
 def _dot(series: Table, n: int, left: int, right: int) -> Number:
-    """Order n of the scalar product of two vectors, each in three columns from one on."""
+    """Return order n of u · v, with u and v in the three columns from `left` and `right` on."""
     total = zero(series)
     for k in range(n + 1):
         u1, u2, u3 = _vector(series, k, left)
@@ -180,7 +181,7 @@ def _dot(series: Table, n: int, left: int, right: int) -> Number:
 
 @kernel
 def _press(series: Table, constants: Table, n: int) -> None:
-    """Write order n of f, the force of the table over the mass, and of all that it takes."""
+    """Write order n of f, the force of the table over the mass, and of all that f depends on."""
     rate = cross_omega(series, UP, n)
     for i in range(3):
         store(series, n, UP_RATE + i, rate[i])
@@ -208,7 +209,7 @@ def _press(series: Table, constants: Table, n: int) -> None:
 
 @kernel
 def _pressed_acceleration(series: Table, n: int, i: int) -> Number:
-    """Order n of component i of ω' on a table: u + f e."""
+    """Return order n of component i of ω' on a table, u + f e."""
     total = load(series, n, OTHER + i)
     for k in range(n + 1):
         gain = load(series, n - k, GAIN + i)
@@ -218,9 +219,9 @@ def _pressed_acceleration(series: Table, n: int, i: int) -> Number:
 
 @kernel
 def support(series: Table, constants: Table, inverses: Table, terms: Terms, n: int) -> None:
-    """Add to order n + 1 of ω what the force of a table does, given order n of ω' without it.
+    """Add to order n + 1 of ω the effect of a table's force, given order n of ω' without the force.
 
-    `extend` has the same lines: a call there costs a fifth of the time.
+    `extend` repeats these lines, because a call there costs a fifth of the time.
     """
     if terms.world_vectors[ON_TABLE]:
         _press(series, constants, n)
@@ -267,9 +268,10 @@ def _scaled_plus_cross(scale: Number, a: Vector, b: Vector) -> Vector:
 
 @kernel
 def see_world_vector(series: Table, constants: Table, row: int, column: int) -> None:
-    """Write order 0 of q̄ v q: a vector constant in the world, seen from the axes.
+    """Write order 0 of q̄ v q, a vector v constant in the world as seen from the principal axes.
 
-    With u = v q it is q₀ u⃗ + u⃗ × q⃗ + (v · q⃗) q⃗. Formulas that put 1 for the norm of q are shorter,
+    With u = v q it is q₀ u⃗ + u⃗ × q⃗ + (v · q⃗) q⃗. Formulas that put 1 for the norm of q are
+    shorter,
     but disagree with Γ' = Γ × ω where rounding has changed it; this one only scales Γ.
     """
     q0 = load(series, 0, Q)

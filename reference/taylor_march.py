@@ -1,7 +1,8 @@
-"""The march of a Taylor integrator: one polynomial a step, read at every sample inside it.
+"""The march of a Taylor integrator: one polynomial for each step, evaluated at every sample in it.
 
 Orders up to a bound, the state and the clock are double-doubles, the orders beyond are doubles.
-Step n of the series weighs e⁻²ⁿ of the state, so that its rounding error does, too.
+Term n of the series is at most e⁻²ⁿ of the state, and its rounding error is smaller in the same
+way.
 """
 
 import math
@@ -35,20 +36,20 @@ DONE, PAUSED, STUCK, LIFTED = 0, 1, 2, 3
 
 #: Step over radius of convergence that costs least (Jorba & Zou 2005, section 3.2).
 STEP = math.exp(-2.0)
-#: A coefficient smaller than this may have lost its digits to underflow: taken as this large.
+#: A coefficient smaller than this may have lost digits to underflow, and is replaced by it.
 SMALLEST = 1e-290
-#: rad/s; a spin decayed to this has stopped. Decay goes on until underflow spoils it.
+#: rad/s; a spin that has decayed below this is set to 0, before underflow spoils it.
 STOPPED = 1e-240
-#: Times in a step at which it is looked whether a body has left its table, and halvings of the
-#: interval in which it has. Over a step its series is all but a polynomial of low degree.
+#: Number of times in a step at which lift-off from the table is tested, and of halvings of the
+#: interval in which it is found. Over a step the series is close to a polynomial of low degree.
 LOOKS, HALVINGS = 32, 60
-#: A step below this share of the time is lost on a double-double clock.
+#: A step shorter than this fraction of the time makes no difference on a double-double clock.
 CLOCK_TICK = 2.0**-104
 
 
 @kernel
 def _size(coefficients: FloatArray, n: int, first: int, last: int) -> float:
-    """Return the 1-norm of columns first to last − 1: unlike a maximum, it shows a NaN."""
+    """Return the 1-norm of columns first to last − 1: unlike a maximum, it is NaN if any is."""
     total = 0.0
     for i in range(first, last):
         total += abs(coefficients[n, i])
@@ -57,7 +58,7 @@ def _size(coefficients: FloatArray, n: int, first: int, last: int) -> float:
 
 @kernel
 def step_size(coefficients: FloatArray, order: int) -> float:
-    """Return a step for which the series ends at e⁻²ᴺ of the state, from its last two orders.
+    """Return the step for which the last term is e⁻²ᴺ of the state, from the last two orders.
 
     As Jorba & Zou 2005, section 3, with q measured against 1 and ω against the larger of
     itself and its change in the step, so that a body may start from rest. Infinite for a body
@@ -106,7 +107,7 @@ def _stop_if_stopped(series: Table) -> None:
 
 @kernel
 def start_from_state(series: Table, constants: Table, terms: Terms) -> None:
-    """Make order 0 of the series whole: its state is given, the world's vectors follow."""
+    """Complete order 0 of the series, whose state is given, by the vectors fixed in the world."""
     if terms.linear:
         _stop_if_stopped(series)
     for v in range(len(WORLD_VECTORS)):
@@ -126,7 +127,7 @@ def _expand(
 
 @kernel
 def _rests(series: FloatArray, constants: FloatArray, total: int, t: float) -> bool:
-    """Whether the table pushes, and the com is above it, at a time t from the centre."""
+    """Whether, at a time t from the centre, the table pushes up and the com is above the tip."""
     force, along = 0.0, 0.0
     for n in range(total - 1, -1, -1):
         force = force * t + series[n, PRESSED]
@@ -139,7 +140,7 @@ def _rests(series: FloatArray, constants: FloatArray, total: int, t: float) -> b
 
 @kernel
 def _lifts_off(series: FloatArray, constants: FloatArray, total: int, h: float) -> float:
-    """Return when a body leaves its table in a step, from the centre; infinite if it does not."""
+    """Return the time from the centre at which a body leaves its table in a step, or inf."""
     before = 0.0
     for k in range(LOOKS + 1):
         after = h * k / LOOKS
@@ -171,7 +172,7 @@ def march(
     """Fill states (n, STATE) from sample `first` on, in a limited number of steps.
 
     Order 0 of `series` holds the state at the time on the clock, (hi, lo); both advance.
-    Returns how it ended and the first sample not yet filled.
+    Returns why it ended, one of the codes above, and the index of the first sample not yet filled.
     """
     total = series[0].shape[0] - 1
     state, low = np.empty(STATE), np.empty(STATE)

@@ -1,8 +1,8 @@
-"""What the recurrences of a Taylor series ask of a number, for doubles and for double-doubles.
+"""The operations on numbers in recurrences of a Taylor series, for doubles and double-doubles.
 
 A table of numbers is one array, or two: (high parts, low parts). Each function here has a body
 for doubles and another for pairs, and numba picks one by type when it compiles: a recurrence is
-written once and runs at full speed in either arithmetic. Duals of both kinds: `dual_numbers`.
+written once and runs at full speed in either arithmetic. `dual_numbers` adds bodies for duals.
 """
 
 from collections.abc import Callable
@@ -17,12 +17,15 @@ from .kernel import kernel
 Number = Any
 Table = Any
 
-#: The bodies for duals, by those for doubles.
+#: The bodies for duals, by the body for doubles.
 FOR_DUALS: dict[Callable[..., Any], Callable[..., Any]] = {}
 
 
 def for_pairs(in_double_double: Callable[..., Any]) -> Callable[[Any], Any]:
-    """Let compiled code run another function where the first argument is made of pairs."""
+    """Decorate the body for doubles, so that compiled code runs `in_double_double` on pairs.
+
+    The type of the first argument decides; for duals the body in `FOR_DUALS` is run.
+    """
 
     def decorate(in_double: Any) -> Any:
         def choose(first: types.Type, *_: types.Type) -> Callable[..., Any]:
@@ -57,7 +60,7 @@ def store(table: Table, row: int, column: int, x: Number) -> None:
 
 @for_pairs(lambda table: table[0])
 def high(table: Table) -> Table:
-    """Return the table of doubles that comes nearest."""
+    """Return the high parts of a table, the doubles nearest to its numbers."""
     return table
 
 
@@ -88,7 +91,7 @@ def _reciprocal(a: DoubleDouble) -> DoubleDouble:
 
 @for_pairs(lambda a: _reciprocal(a))
 def reciprocal(a: Number) -> Number:
-    """Return 1/a; a pair's by a step of Newton's method from the double."""
+    """Return 1/a; for a pair by a step of Newton's method from the double."""
     return 1.0 / a
 
 

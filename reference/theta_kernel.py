@@ -20,28 +20,29 @@ IntArray = NDArray[np.int64]
 BoolArray = NDArray[np.bool_]
 Quaternion = tuple[float, float, float, float]
 
-#: Beyond this argument a motion that ends on the separatrix's saddle is there: e^-300 = 5e-131.
+#: Beyond this argument a motion that ends at the separatrix's saddle has arrived: e^-300 = 5e-131.
 FAR = 300.0
 
-#: The quotients, and the row of the denominator θ4.
+#: Rows of the tables: the quotients, and the denominator θ4.
 A, B, W, OMEGA3, THETA4, ROWS = 0, 1, 2, 3, 4, 5
 
 
 class ThetaTables(NamedTuple):
-    """A motion as the kernel needs it; the formulas are in `theta_quotients`.
+    """The constants of a motion as the kernel needs them; `theta_quotients` has the formulas.
 
     Attributes
     ----------
     hyperbolic : whether harmonics are sinh and cosh
     endless : whether the motion never repeats: its argument is not reduced
-    clock : (3, 2) double-doubles: cells per second, cells at t = 0, argument per cell
+    clock : (3, 2) double-doubles: cells (periods of the argument) per second, cells at t = 0,
+        argument per cell
     kinds : (ROWS, 2) kind of harmonics of the real and the imaginary part
-    coefficients : (ROWS, 2, n) of the harmonics
+    coefficients : (ROWS, 2, n) coefficients of the harmonics
     halved : (ROWS,) whether the series is in x/2
-    power : (ROWS,) of √θ4 in the denominator
+    power : (ROWS,) power of √θ4 in the denominator
     phases : (ROWS, 3, 2) double-doubles: turns per second, at t = 0, per cell
-    left, right : (4,) quaternions that the one made from A and B is multiplied by
-    axes : (3, 3) from ω in the frame of A, B and W to ω along the principal axes
+    left, right : (4,) quaternions that the quaternion of A and B is multiplied by on each side
+    axes : (3, 3) matrix from ω in the frame of A, B and W to ω along the principal axes
     """
 
     hyperbolic: bool
@@ -59,7 +60,7 @@ class ThetaTables(NamedTuple):
 
 @kernel
 def _cell(t: float, clock: FloatArray, endless: bool) -> tuple[float, float, float]:
-    """Whole cells and the rest, a double-double in [-1/2, 1/2], of a time."""
+    """Return a time as whole cells and the rest, a double-double in [-1/2, 1/2] cells."""
     p, e = two_prod(t, clock[0, 0])
     s, f = two_sum(p, clock[1, 0])
     cell = 0.0 if endless else np.rint(s)
@@ -69,7 +70,7 @@ def _cell(t: float, clock: FloatArray, endless: bool) -> tuple[float, float, flo
 
 @kernel
 def _unit(t: float, cell: float, phase: FloatArray) -> tuple[float, float]:
-    """Cosine and sine of a phase: (t phase[0] + phase[1] + cell phase[2]) turns."""
+    """Return cosine and sine of a phase of (t phase[0] + phase[1] + cell phase[2]) turns."""
     p, e = two_prod(t, phase[0, 0])
     r, f = two_prod(cell, phase[2, 0])
     s, g = two_sum(p - np.rint(p), r - np.rint(r))
@@ -90,7 +91,10 @@ def _unit(t: float, cell: float, phase: FloatArray) -> tuple[float, float]:
 
 @kernel
 def _series(kind: int, a: FloatArray, s: float, c: float, s2: float, c2: float) -> float:
-    """Sum a series of harmonics by Clenshaw's recurrence (DLMF 3.11.ii), s2, c2 those of 2x."""
+    """Return the sum of a series of harmonics by Clenshaw's recurrence (DLMF 3.11.ii).
+
+    s, c and s2, c2 are the sine and cosine of x and of 2x.
+    """
     b0 = b1 = 0.0
     for k in range(a.size - 1, -1, -1):
         b0, b1 = a[k] + 2.0 * c2 * b0 - b1, b0
@@ -105,7 +109,7 @@ def _series(kind: int, a: FloatArray, s: float, c: float, s2: float, c2: float) 
 
 @kernel
 def _harmonics(x: float, hyperbolic: bool) -> tuple[float, float, float, float]:
-    """Sine and cosine of x and of 2x."""
+    """Return sine and cosine of x and of 2x, hyperbolic or circular."""
     if hyperbolic:
         s, c = math.sinh(x), math.cosh(x)
         return s, c, 2.0 * s * c, 1.0 + 2.0 * s * s
@@ -116,7 +120,7 @@ def _harmonics(x: float, hyperbolic: bool) -> tuple[float, float, float, float]:
 
 @kernel
 def _product(p: Quaternion, q: Quaternion) -> Quaternion:
-    """Hamilton's product."""
+    """Return Hamilton's product p q."""
     return (
         p[0] * q[0] - p[1] * q[1] - p[2] * q[2] - p[3] * q[3],
         p[0] * q[1] + p[1] * q[0] + p[2] * q[3] - p[3] * q[2],

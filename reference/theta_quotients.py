@@ -1,6 +1,7 @@
 """Motions whose Cayley–Klein parameters are quotients of theta functions.
 
-In a frame of the top's own and one of the world's, both chosen by each class of top, the attitude
+In a frame fixed in the top and one fixed in the world, which each class of top chooses, the
+attitude
 q = (Re A, −Im B, Re B, Im A) and the angular velocity W = ω2 + iω1, ω3 are::
 
     A, B, W = G e^{iΩt} θ(x − iη)/θ4(x)^(1 or 1/2)        x = x' t + x0
@@ -8,7 +9,7 @@ q = (Re A, −Im B, Re B, Im A) and the angular velocity W = ω2 + iω1, ω3 are
 (F. Klein & A. Sommerfeld, Über die Theorie des Kreisels, ch. VI; derivation:
 docs/explanation/closed-forms.md).
 Each class supplies θ, η, and the logarithmic derivative in time; the rate Ω and the factor G follow
-here in extended precision, and what is left to the kernel are sums of a few terms.
+here in extended precision, and only sums of a few terms remain for the kernel.
 """
 
 from collections.abc import Callable, Sequence
@@ -25,9 +26,10 @@ from .doubledouble import split
 from .elliptic import EVEN_COSINE, EVEN_SINE, Harmonics, Lattice, Theta, scaled, theta
 from .theta_kernel import ROWS, ThetaTables, evaluate
 
-#: Harmonic k is at most e^(−k² π/2) of the first (see `elliptic.TERMS`): left out is < 4e-34.
+#: Number of harmonics kept. Harmonic k is at most e^(−k² π/2) of the first (see `elliptic.TERMS`):
+#: the rest is < 4e-34.
 KERNEL_TERMS = 7
-#: Arguments inside half a cell, π/2 or more, at which Ω is found and checked.
+#: Arguments inside half a cell, which is π/2 or more, at which Ω is computed and checked.
 CHECKED = (mpf(1) / 2, mpf(1))
 
 
@@ -39,7 +41,7 @@ class ClosedForm:
     ----------
     label : how it was solved, in words
     tables : constants of the motion
-    residual : how far its constants are from solving the equations of motion, relative;
+    residual : relative error with which the constants solve the equations of motion;
         a rounding error of extended precision if the formulas are right
     period : of the angular velocity (a free body) or of the nutation (a heavy top), s; inf on a
         separatrix, None where neither varies
@@ -51,7 +53,7 @@ class ClosedForm:
     period: float | None
 
     def states(self, t: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Attitude and angular velocity.
+        """Return attitude and angular velocity at given times.
 
         Parameters
         ----------
@@ -69,7 +71,7 @@ class ClosedForm:
 
 @dataclass(frozen=True)
 class Clock:
-    """Where on its cycle a motion is: the argument x = rate · t + start of its theta functions.
+    """The argument x = rate · t + start of a motion's theta functions.
 
     Attributes
     ----------
@@ -83,12 +85,12 @@ class Clock:
 
     @cached_property
     def theta4(self) -> Theta:
-        """The denominator."""
+        """The theta function θ4, the denominator of the quotients."""
         return theta(4, self.lattice)
 
 
 class Quotient(NamedTuple):
-    """A complex function of time: numerator over √θ4^power, times a phase in turns."""
+    """A complex function of time: numerator over √θ4^power, times a phase factor."""
 
     real: Harmonics
     imaginary: Harmonics
@@ -100,7 +102,7 @@ class Quotient(NamedTuple):
 
 
 class InitialValue(NamedTuple):
-    """A function of time at t = 0, and its derivative, 1/s."""
+    """The value of a function of time at t = 0, and its derivative, 1/s."""
 
     value: mpc
     slope: mpc
@@ -125,24 +127,25 @@ ONE = Harmonics(EVEN_COSINE, (mpf(1),))
 
 
 def turning(value: mpc, rate: mpf = 0) -> Quotient:
-    """Value at t = 0 times e^{i rate t}, rate in rad/s."""
+    """Return the quotient whose value at t = 0 turns at a rate in rad/s: value · e^{i rate t}."""
     real = Harmonics(EVEN_COSINE, (abs(value),))
     turns = mp.arg(value) / (2 * mp.pi)
     return Quotient(real, NOTHING, False, 0, rate / (2 * mp.pi), turns, mpf(0))
 
 
 def over_theta4(real: Harmonics, imaginary: Harmonics, turns_per_cell: mpf) -> Quotient:
-    """A quotient without a phase of its own; half a turn a cell for what changes sign."""
+    """Return a quotient over θ4 that has no phase except half a turn a cell if it changes sign."""
     return Quotient(real, imaginary, False, 2, mpf(0), mpf(0), turns_per_cell)
 
 
 def fitted(
     clock: Clock, numerator: Theta, power: int, start: InitialValue, log_rate: Callable[[mpf], mpc]
 ) -> tuple[Quotient, mpf]:
-    """The quotient that solves f' = f · log_rate(x) from a given start.
+    """Return the quotient that solves f' = f · log_rate(x) from a given start.
 
-    Ω = log_rate − (ln θ/√θ4^power)' is the same at every x: it is found at one and checked at
-    another. G fits value and derivative at t = 0 by least squares, for one of the two may vanish.
+    Ω = log_rate − (ln θ/√θ4^power)' is the same at every x: it is computed at one x and
+    checked at another. G fits value and derivative at t = 0 by least squares, for one of the two
+    may vanish.
 
     Returns
     -------
@@ -161,7 +164,8 @@ def fitted(
     misfit = abs(factor * value - wanted[0]) + abs(factor * slope - wanted[1])
     residual = sum(abs(r - mpc(0, rate)) for r in rates) / max(abs(rate), clock.rate)
     residual += misfit / (abs(factor) * mp.sqrt(size))
-    # A cell on, θ has changed sign; a hyperbolic one, by its missing factor, its phase as well.
+    # After a cell θ has changed sign; if it is hyperbolic, the factor that it leaves out changes
+    # its phase as well.
     turns_per_cell = mpf(1) / 2 - (numerator.eta / mp.pi if numerator.hyperbolic else 0)
     quotient = Quotient(
         scaled(numerator.real, abs(factor)),
@@ -176,7 +180,13 @@ def fitted(
 
 
 def tables(clock: Clock | None, quotients: Sequence[Quotient], frames: Frames) -> ThetaTables:
-    """Round a motion's constants: quotients A, B, W and ω3, clock None where all are `turning`."""
+    """Return a motion's constants, rounded to doubles and double-doubles for the kernel.
+
+    Parameters
+    ----------
+    clock : None if all quotients are `turning`
+    quotients : A, B, W and ω3
+    """
     denominator = ONE if clock is None else clock.theta4.real
     rows = [*quotients, over_theta4(denominator, NOTHING, mpf(0))]
     coefficients = np.zeros((ROWS, 2, KERNEL_TERMS))
@@ -208,7 +218,7 @@ def _clock_constants(clock: Clock | None, endless: bool) -> FloatArray:
 
 
 def _without_phase(clock: Clock, numerator: Theta, power: int, x: mpf) -> tuple[mpc, mpc]:
-    """θ/√θ4^power at real x, and its derivative with respect to x."""
+    """Return θ/√θ4^power at real x, and its derivative with respect to x."""
     above, above_slope = numerator.value_and_slope(x)
     below, below_slope = (part.real for part in clock.theta4.value_and_slope(x))
     root = mp.sqrt(below) ** power
