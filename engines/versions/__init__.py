@@ -1,4 +1,4 @@
 """Other versions of the engines, each in a folder of its own."""
 
 from .engine import VersionedEngine, versioned
-from .folders import Installed, VersionError, install, installed, remove
+from .folders import VersionError, install

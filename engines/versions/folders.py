@@ -6,7 +6,6 @@ import subprocess
 import sys
 import tempfile
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 
 from ...scenarios import printable
@@ -43,35 +42,9 @@ class VersionError(Exception):
         self.is_usage = is_usage
 
 
-@dataclass(frozen=True)
-class Installed:
-    """A version that is there.
-
-    Attributes
-    ----------
-    name : engine@version
-    folder : where
-    megabytes : that it takes
-    """
-
-    name: str
-    folder: Path
-    megabytes: float
-
-
 def folder_of(name: str, python: str = _PYTHON) -> Path:
     """Where an engine@version is, or would be, for a Python of such wheels."""
     return _folders() / f"{name}-{python}"
-
-
-def installed() -> list[Installed]:
-    """All that are there, for every Python; of another than this one it is in the name."""
-    installations = []
-    for folder in sorted(_folders().glob("*@*-cp*")):
-        size = sum(file.stat().st_size for file in folder.rglob("*") if file.is_file())
-        name = folder.name.removesuffix(f"-{_PYTHON}")
-        installations.append(Installed(name, folder, size / 1e6))
-    return installations
 
 
 def install(
@@ -214,22 +187,6 @@ def _call(failing: str, command: Sequence[str]) -> str:
         last = (errors or done.stderr.splitlines() or ["it said nothing"])[-1]
         raise VersionError(f"{failing}: {last.removeprefix('ERROR: ')}")
     return done.stdout
-
-
-def remove(name: str) -> Path:
-    """Remove an engine@version.
-
-    Raises
-    ------
-    VersionError
-        If it is not there.
-    """
-    for one in installed():
-        if one.name == name:
-            shutil.rmtree(one.folder)
-            return one.folder
-    there = ", ".join(one.name for one in installed()) or "none"
-    raise VersionError(f"'{name}' is not installed; there: {there}")
 
 
 def _folders() -> Path:

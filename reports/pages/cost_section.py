@@ -1,34 +1,17 @@
-"""The report's sections on cost: of accuracy, on both kinds of page, and of what is left out."""
+"""The first page's sections on cost: of accuracy, and of what is left out."""
 
 from collections.abc import Sequence
 
 from ..results.cost_records import MethodCost
 from ..results.records import Key, Pair
-from .analysis.cost_to_reach import LEVELS, Reach, reach, tallies
-from .analysis.report_data import MethodRuns, ReportData, SceneRuns
+from .analysis.cost_to_reach import LEVELS, tallies
+from .analysis.report_data import ReportData
 from .analysis.wording import NOTHING, number, plural
-from .analysis.work_precision import curve_of, curves
+from .analysis.work_precision import curves
 from .tables import Cell, Table, figure, named, records, table
 
-#: Microseconds in a second.
-MICROSECONDS = 1e6
 #: The errors of the columns by their headings.
 TO_LEVEL = {f"to {number(level, 1).removeprefix('1×')}": level for level in LEVELS}
-#: Signs before a cost that is not interpolated between two runs.
-MARKS = {"measured": "", "at most": "≤ ", "extrapolated": "≈ "}
-
-
-def reach_table(scene: SceneRuns, signal: str) -> Table:
-    """Table of CPU seconds a simulated second that each method needs to stay within each error.
-
-    Second lines, shown in HTML only: the timestep, or the error that rounding may cause at it.
-    """
-    rows = []
-    for runs in scene.methods:
-        curve = curve_of(scene, runs, signal)
-        cells = {to: _reach_cell(reach(curve, level)) for to, level in TO_LEVEL.items()}
-        rows.append(named(runs.pair) | _step_costs(runs) | cells)
-    return records(rows)
 
 
 def median_table(gathered: ReportData) -> Table:
@@ -47,32 +30,6 @@ def median_table(gathered: ReportData) -> Table:
         named(pair) | {to: cell(pair, level) for to, level in TO_LEVEL.items()}
         for pair in gathered.pairs
     )
-
-
-def _reach_cell(reached: Reach) -> Cell:
-    floor = f"floor {number(reached.floor, 1)}" if reached.floor is not None else ""
-    if reached.cost is None:
-        return Cell(reached.word, "number none", floor)
-    kind = "number extrapolated" if reached.word == "extrapolated" else "number"
-    parts = [f"{number(reached.timestep)} s", floor]
-    text = f"{MARKS[reached.word]}{number(reached.cost)}"
-    return Cell(text, kind, "\n".join(part for part in parts if part))
-
-
-def _step_costs(runs: MethodRuns) -> dict[str, Cell]:
-    """Cells of the times a step: least CPU time, spread over the repeats, least wall time."""
-    timed = [row for row in runs.rows if row.seconds_per_step is not None]
-    cpu = wall = figure(NOTHING)
-    if timed:
-        row = timed[-1]
-        above = f"+ {_microseconds(row.seconds_spread)}" if row.seconds_spread is not None else ""
-        cpu = Cell(_microseconds(row.seconds_per_step), "number", above)
-        wall = figure(_microseconds(row.wall_seconds_per_step))
-    return {"CPU a step, µs": cpu, "wall a step, µs": wall}
-
-
-def _microseconds(seconds: float | None) -> str:
-    return number(None if seconds is None else MICROSECONDS * seconds)
 
 
 def left_out_section(costs: Sequence[MethodCost]) -> tuple[Table, str]:
@@ -102,14 +59,3 @@ def _whole_cell(cost: MethodCost) -> Cell:
 
 #: The error by which methods are compared over all scenes; every scene's page has all.
 COMPARED = "omega"
-#: Explanation of the costs in the tables.
-LEGEND = (
-    "CPU seconds of native stepping that one simulated second takes. No mark: interpolated "
-    "between two runs. ≤: the ladder's coarsest run is within it already. ≈: extrapolated below "
-    "the finest run by the order found, where rounding leaves room. A word: why it is out of reach."
-)
-
-
-def scene_costs(scene: SceneRuns) -> list[tuple[str, Table]]:
-    """A table for the errors of each signal, with its name."""
-    return [(str(signal), reach_table(scene, signal.name)) for signal in scene.signals]

@@ -21,7 +21,7 @@ from ..results import evidence
 from ..results.results import Results
 from .analysis import observed_order
 from .analysis.report_data import ReportData, SceneRuns, report_data
-from .cost_section import left_out_section, median_table, scene_costs
+from .cost_section import left_out_section, median_table
 from .figures.figures import figures
 from .markdown import as_markdown
 from .overview import overview
@@ -167,7 +167,6 @@ def _scene(scene: SceneRuns) -> dict[str, Any]:
             "effects": scene_tables.effects_table(scene.solved.scenario),
             "exact_motion": scene_tables.exact_motion_table(scene.solved),
             "facts": scene_tables.facts_table(scene.solved),
-            "costs": scene_costs(scene),
             "drifts": scene_tables.drifts_table(scene),
             "published": scene_tables.published_table(scene.solved.scenario),
             "models": _models(scene.solved.scenario),

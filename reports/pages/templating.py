@@ -15,7 +15,6 @@ from ...scenarios.regular_files import read_regular, write_new
 from ..results.database import shown
 from ..results.verdict_words import VERDICTS
 from .analysis.wording import count, number
-from .cost_section import LEGEND
 from .markdown import escaped
 from .tables import scene_page
 
@@ -110,7 +109,7 @@ def templates() -> Environment:
         lstrip_blocks=True,
         keep_trailing_newline=True,
     )
-    environment.globals |= {"cost_legend": LEGEND, "verdicts": VERDICTS, "signals": SIGNALS}
+    environment.globals |= {"verdicts": VERDICTS, "signals": SIGNALS}
     environment.filters |= {
         "markdown": lambda text: Markup(to_html(text)),
         "md": escaped,

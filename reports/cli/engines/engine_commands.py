@@ -10,8 +10,6 @@ import typer
 from ..options import AsJson, Engines, Methods, Scene, TimeLimit, Timestep
 from ..terminal import (
     Complaint,
-    as_complaint,
-    say,
     table,
     to_json,
     written,
@@ -26,18 +24,9 @@ app = typer.Typer()
 WIDTH, NAMES = 80, 26
 
 
-@app.command("engines", epilog="Example: spincheck engines --installed")
+@app.command("engines", epilog="Example: spincheck engines --encodings")
 def list_engines(
     as_json: AsJson = False,
-    installed: Annotated[
-        bool, typer.Option("--installed", help="List versions that were installed.")
-    ] = False,
-    remove: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--remove", metavar="ENGINE@VERSION", help="Remove this version; may be repeated."
-        ),
-    ] = None,
     encodings: Annotated[
         bool,
         typer.Option(
@@ -55,9 +44,6 @@ def list_engines(
     if encodings:
         described = encoding_rows()
         print(to_json(described)) if as_json else table(described)
-        return
-    if installed or remove:
-        list_installed(remove or [], as_json)
         return
     rows = [
         {
@@ -170,23 +156,3 @@ def reproduce(
     with written(file):
         write_new(file, text)
     print(file)
-
-
-def list_installed(remove: list[str], as_json: bool) -> None:
-    """Remove versions, then list those that are there."""
-    from ....engines.versions import VersionError, installed
-    from ....engines.versions import remove as remove_version
-
-    for name in remove:
-        with as_complaint(VersionError, before="'--remove': "):
-            say(f"Removed {remove_version(name)}")
-    rows = [
-        {"engine": one.name, "megabytes": round(one.megabytes), "folder": str(one.folder)}
-        for one in installed()
-    ]
-    if as_json:
-        print(to_json({"installed": rows}))
-    elif rows:
-        table(rows)
-    else:
-        say("No version is installed; 'spincheck run --engine mujoco@3.1.6' installs one.")

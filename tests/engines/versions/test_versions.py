@@ -66,12 +66,14 @@ def test_robots_that_come_along_are_not_kept(monkeypatch: pytest.MonkeyPatch) ->
     assert [folder.name for folder in site.iterdir()] == ["pybullet"]
 
 
-def test_without_a_network_one_message_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_without_a_network_one_message_says_so(
+    monkeypatch: pytest.MonkeyPatch, cache: Path
+) -> None:
     monkeypatch.setenv("PIP_NO_INDEX", "1")
     monkeypatch.setenv("PIP_CONFIG_FILE", "/dev/null")
     with pytest.raises(VersionError, match=r"mujoco@3\.1\.6 is not installed, and pip cannot"):
         versioned("mujoco@3.1.6")
-    assert folders.installed() == []
+    assert list(cache.glob("engines/*")) == []
 
 
 @pytest.mark.parametrize(
@@ -87,11 +89,11 @@ def test_without_a_network_one_message_says_so(monkeypatch: pytest.MonkeyPatch) 
     ],
 )
 def test_what_is_no_version_or_no_interpreter_is_reported(
-    name: str, python: str, words: str
+    name: str, python: str, words: str, cache: Path
 ) -> None:
     with pytest.raises(VersionError, match=words):
         versioned(name, python)
-    assert folders.installed() == []
+    assert list(cache.glob("engines/*")) == []
 
 
 def test_a_worker_of_a_virtual_environment_is_of_its_interpreter(cache: Path) -> None:
@@ -100,15 +102,6 @@ def test_a_worker_of_a_virtual_environment_is_of_its_interpreter(cache: Path) ->
     with LocalWorkers(1) as workers:
         prefix = workers.call_at(str(cache / "another"), pkgutil.resolve_name, "sys:prefix").value
     assert prefix == str(cache / "another")
-
-
-def test_versions_are_listed_and_removed_by_name() -> None:
-    folder = pretend("mujoco@3.1.6")
-    assert [one.name for one in folders.installed()] == ["mujoco@3.1.6"]
-    assert folders.remove("mujoco@3.1.6") == folder
-    assert folders.installed() == []
-    with pytest.raises(VersionError, match=r"not installed; there: none"):
-        folders.remove("mujoco@3.1.6")
 
 
 # What an engine is in another version

@@ -4,13 +4,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from made_up import SECONDS_PER_STEP, WALL_SECONDS_PER_STEP
 from markdown_text import markdown_tables
 from page import Page, read_page
 from plotted import values_of
 from spincheck.reports.pages.analysis.cost_to_reach import LEVELS
 from spincheck.reports.pages.analysis.report_data import SceneRuns
-from spincheck.reports.pages.analysis.wording import number
 from spincheck.reports.pages.analysis.work_precision import curves, front
 from spincheck.reports.pages.figures.ladder_figures import work_precision
 from spincheck.scenarios import EVERYWHERE, SIGNAL
@@ -36,24 +34,9 @@ def test_the_first_page_has_its_section_and_without_figures_no_plotly(first: Pag
     assert {Path(src).name for src in first.attribute("src")} == scripts
 
 
-def test_the_first_page_has_a_table_of_costs_and_a_scene_one_an_error(
-    first: Page, folder: Path
-) -> None:
+def test_the_first_page_has_a_table_of_costs(first: Page, folder: Path) -> None:
     for tables in (first.tables(), markdown_tables(folder / "report.md")):
         assert len(columns_of_levels(tables)) == 1
-    page = read_page(folder / "scenes" / f"{TOP}.html")
-    for tables in (page.tables(), markdown_tables(folder / "scenes" / f"{TOP}.md")):
-        assert len(columns_of_levels(tables)) == len(EVERYWHERE)
-
-
-def test_the_time_of_a_step_is_reported_in_cpu_time_and_on_the_wall(folder: Path) -> None:
-    page = read_page(folder / "scenes" / f"{TOP}.html")
-    expected = [number(1e6 * seconds) for seconds in (SECONDS_PER_STEP, WALL_SECONDS_PER_STEP)]
-    for tables in (page.tables(), markdown_tables(folder / "scenes" / f"{TOP}.md")):
-        headings, *rows = columns_of_levels(tables)[0]
-        assert [cell.strip() for cell in headings[2:4]] == ["CPU a step, µs", "wall a step, µs"]
-        (row,) = (row for row in rows if [cell.strip() for cell in row[:2]] == ["mujoco", "Euler"])
-        assert [cell.replace("(", "+").partition("+")[0].strip() for cell in row[2:4]] == expected
 
 
 @pytest.mark.parametrize(("part", "signal"), [*enumerate(EVERYWHERE)])

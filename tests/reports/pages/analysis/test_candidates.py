@@ -25,10 +25,10 @@ from made_up import METHODS, TIMESTEPS, results
 from spincheck.reports.cli.run.short_summary import short_summary
 from spincheck.reports.cli.run.summary import verdict_records
 from spincheck.reports.pages.analysis.best_choice import Candidate, as_cheap, candidates
-from spincheck.reports.pages.analysis.cost_to_reach import LEVELS
+from spincheck.reports.pages.analysis.cost_to_reach import LEVELS, reach
 from spincheck.reports.pages.analysis.report_data import SceneRuns
-from spincheck.reports.pages.analysis.wording import duration, number
-from spincheck.reports.pages.cost_section import MARKS, reach_table
+from spincheck.reports.pages.analysis.wording import duration
+from spincheck.reports.pages.analysis.work_precision import curve_of
 from spincheck.reports.results.records import Key, Row
 from spincheck.reports.results.results import SceneResult
 from spincheck.scenarios import Errors
@@ -144,18 +144,16 @@ def scaled(errors: Errors, factor: float) -> Errors:
     return Errors(*(factor * error for _, error in errors))
 
 
-def test_of_every_scene_of_the_library_the_recommendation_is_the_table() -> None:
-    """Which methods reach an error, by which timestep, at what cost, in the tables' own words."""
+def test_of_every_scene_of_the_library_a_bound_on_one_error_costs_what_it_costs_to_reach() -> None:
+    """Which methods reach an error, by which timestep, at what cost, in the same words."""
     reached = 0
     for scene in of_the_library():
-        cells = {(row[0].text, row[1].text): row[4:] for row in reach_table(scene, "omega").rows}
-        for k in range(0, len(LEVELS), 2):
-            for candidate in candidates(scene, {"omega": LEVELS[k]}):
-                cell = cells[candidate.key.engine, candidate.key.method][k]
-                if candidate.cost is None:
-                    assert cell.text == candidate.word
-                    continue
-                reached += 1
-                assert cell.text == f"{MARKS[candidate.word]}{number(candidate.cost)}"
-                assert cell.detail.startswith(f"{number(candidate.timestep)} s")
+        for level in LEVELS[::2]:
+            for candidate in candidates(scene, {"omega": level}):
+                curve = curve_of(scene, scene.by_pair[candidate.key.pair], "omega")
+                found = reach(curve, level)
+                assert (candidate.word, candidate.cost) == (found.word, found.cost)
+                if found.cost is not None:
+                    reached += 1
+                    assert candidate.timestep == found.timestep
     assert reached
