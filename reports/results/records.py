@@ -188,7 +188,7 @@ class Row(Record):
 
     Attributes
     ----------
-    variation : JSON of what is varied, such as the place in a map; empty where nothing is
+    variation : JSON of what is varied, such as the member of an ensemble; empty where nothing is
     reason : why, where the outcome is not ok; of an engine as shipped, what differs from the scene
     cause : the same in a word
     without_skill : whether a run that is ok is no better than no motion
