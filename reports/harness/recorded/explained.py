@@ -8,6 +8,7 @@ from ....scenarios import FloatArray, Scenario, Trajectory
 from ....scenarios.rotation import norms
 from .alternation import alternation
 from .hinges import spins_beyond
+from .interpolated import interpolated
 from .intervals import apart, states_of
 from .measured import Measured, log_of, started_elsewhere
 from .mistakes import mistakes
@@ -59,6 +60,8 @@ def explained(
     stated = [float(settings.get(name, 0.0)) for name in NOISE]
     noise = np.maximum(stated, floor) if any(stated) else None
     in_recording = mistakes(scenario, exact, reading)
+    if not in_recording and recorded.has_omega:
+        in_recording = interpolated(motion, floor[1])
     alternates = alternation(scenario, motion, floor)
     if not in_recording:
         is_stated = noise is not None

@@ -5,6 +5,7 @@ What is compared is the beginning, before errors of an integrator have grown.
 
 from collections.abc import Iterator
 from functools import cache
+from itertools import permutations, product
 from math import pi
 
 import numpy as np
@@ -12,7 +13,7 @@ import numpy as np
 from ....reference.following import follow
 from ....reference.other_equations import equations_of
 from ....scenarios import FloatArray, Scenario, Trajectory
-from ....scenarios.rotation import matrices, norms
+from ....scenarios.rotation import matrices, norms, rotation_vectors
 from ..measuring.changes import EULER_ANGLES
 from .intervals import apart, states_of
 from .motion import OmegaFrame, QuaternionOrder, Reading
@@ -27,11 +28,13 @@ FURTHEST = 3e3
 #: A mistake explains the motion if undoing it makes the errors smaller by this factor.
 EXPLAINS = 10.0
 #: rad, and of ω relative, that may be left at most: ω taken as zero is off by one.
-MOST_LEFT = 0.5
+MOST_LEFT = 0.2
 #: Errors below this, relative or in rad, need no explanation.
 FITS = 1e-9
 #: Mistakes that are looked for in one file at the same time.
 MOST = 2
+#: By how many times too long or too short times may be, and how nearly so many, relative.
+FACTORS, ALIKE = range(2, 21), 2e-2
 EPS = float(np.finfo(float).eps)
 CONJUGATE = np.array([1.0, -1.0, -1.0, -1.0])
 #: Units that times may be in by mistake, as a column's heading names them, and their seconds.
@@ -41,6 +44,14 @@ RATES = {
     "in degrees a second; wx [deg/s] says so": pi / 180,
     "in rad/s already, and was converted from deg/s": 180 / pi,
     "in turns a second": 2 * pi,
+}
+#: What makes left-handed axes of right-handed ones, those of the world and of the body.
+LEFT_HANDED = {
+    **{f"with {axis} reversed": np.diag(1.0 - 2.0 * np.eye(3)[k]) for k, axis in enumerate("xyz")},
+    **{
+        f"with {axes[0]} and {axes[1]} exchanged": np.eye(3)[order]
+        for axes, order in (("xy", [1, 0, 2]), ("yz", [0, 2, 1]), ("xz", [2, 1, 0]))
+    },
 }
 
 
@@ -60,14 +71,20 @@ def mistakes(scenario: Scenario, exact: Trajectory, reading: Reading) -> list[st
         return np.asarray(follow(equations, start, spans[None])[0])
 
     def error(reading: Reading) -> float:
-        """The largest error in attitude and ω; infinite if the times are too far to follow."""
+        """The largest error in attitude and ω; infinite if the times are too far to follow.
+
+        That in attitude is relative to how far the body turns, which is taken to be 1 rad at most:
+        by times that hardly pass it hardly turns, and so does what stands still.
+        """
         if (reading.t[-1] - exact.t[0]) * fastest > FURTHEST:
             return np.inf
         made, omega = exact_at(tuple(reading.t)), reading.omega_body
         omega = made[:, 4:] if omega is None else omega
         turned, faster = np.split(apart(made, np.hstack([reading.q, omega])), 2, axis=1)
         speed = norms(made[:, 4:]).max() or 1.0
-        off = [norms(turned).max(), norms(faster).max() / speed]
+        turns = float(norms(apart(np.repeat(made[:1], len(made), axis=0), made)[:, :3]).max())
+        turns = min(1.0, max(turns, EPS)) if fastest else 1.0
+        off = [norms(turned).max() / turns, norms(faster).max() / speed]
         if reading.spins is not None:
             spins = scenario.spins(made[:, 4:], scenario.kept_at_start)
             off.append(norms(reading.spins - spins).max() / max(speed, norms(spins).max()))
@@ -88,6 +105,13 @@ def mistakes(scenario: Scenario, exact: Trajectory, reading: Reading) -> list[st
         errors = [error(other) for _, other in readings]
         if min(errors) < min(least / EXPLAINS, MOST_LEFT):
             best, least = readings[int(np.argmin(errors))][0], min(errors)
+    if not best and least > FITS:
+        for words, other in _of_other_spans(reading):
+            omega = exact_at(tuple(other.t))[:, 4:]
+            # Where ω does not change it is as well that the attitude does not follow it.
+            changes = norms(omega - omega[0]).max() / (norms(omega).max() or 1.0)
+            if error(other) < min(least, changes, MOST_LEFT) / EXPLAINS:
+                best = [words]
     return best
 
 
@@ -121,10 +145,36 @@ def _undone(reading: Reading, scenario: Scenario) -> Iterator[tuple[str, Reading
         for sign, when in ((1, "after"), (-1, "before")):
             later = reading.t + sign * samples * step
             yield f"each state is that of {words} {when} its time", reading._replace(t=later)
+    for which, mirror in LEFT_HANDED.items():
+        # Axial vectors change their sign where axes do not turn.
+        q = np.hstack([reading.q[:, :1], -reading.q[:, 1:] @ mirror])
+        omega = None if reading.omega is None else -reading.omega @ mirror
+        yield f"its axes are left-handed, {which}", reading._replace(q=q, omega=omega)
     if reading.omega is not None:
         yield from _of_omega(reading, reading.omega)
     if reading.spins is not None:
         yield from _of_spins(reading, reading.spins, scenario)
+
+
+def _of_other_spans(reading: Reading) -> Iterator[tuple[str, Reading]]:
+    """Times that are a whole number of times too short, or too long, by how attitudes follow ω."""
+    if (omega := reading.omega_body) is None:
+        return
+    turned = norms(rotation_vectors(reading.q[:-1], reading.q[1:])).sum()
+    wanted = np.sum(norms(omega[1:] + omega[:-1]) / 2 * np.diff(reading.t))
+    ratio = float(turned / wanted) if wanted else 0.0
+    for factor in FACTORS:
+        if abs(ratio / factor - 1) < ALIKE:
+            yield (
+                f"the times are {factor} times too short, as where one state in {factor} is kept",
+                reading._replace(t=factor * reading.t),
+            )
+        if abs(ratio * factor - 1) < ALIKE:
+            yield (
+                f"the times are {factor} times too long, as of another timestep than that of the "
+                "steps",
+                reading._replace(t=reading.t / factor),
+            )
 
 
 def _of_spins(
@@ -148,6 +198,18 @@ def _of_omega(reading: Reading, omega: FloatArray) -> Iterator[tuple[str, Readin
     yield "ω has the opposite sign", reading._replace(omega=-omega)
     for words, factor in RATES.items():
         yield f"ω is {words}", reading._replace(omega=omega * factor)
+    for axes in permutations(range(3)):
+        for signs in product((1, -1), repeat=3):
+            # ω itself, and −ω, are no other components.
+            if abs(sum(signs)) < 3 or axes != (0, 1, 2):
+                columns = ", ".join(
+                    f"{'-' if sign < 0 else ''}w{'xyz'[axis]}"
+                    for sign, axis in zip(signs, axes, strict=True)
+                )
+                yield (
+                    f"ω is [{columns}] of its columns",
+                    reading._replace(omega=omega[:, axes] * signs),
+                )
     for axes in EULER_ANGLES:
         of_angles = "".join("xyz"[axis] for axis in axes)
         omega_world = _of_rates(matrices(reading.q), omega, axes)

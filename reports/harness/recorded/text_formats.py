@@ -163,7 +163,7 @@ def read_json_lines(path: Path) -> Recording:
     """
     settings: dict[str, str] = {}
     table: Table | None = None
-    names: list[str] = []
+    names: tuple[str, ...] = ()
     with path.open(encoding="utf-8-sig") as file:
         for number, line in _lines(file):
             record = _object(line, number)
@@ -171,14 +171,15 @@ def read_json_lines(path: Path) -> Recording:
                 for name, value in record.items():
                     settings |= setting(name, str(value), number)
                 continue
-            flat = dict(_flat(record, number))
+            flat = list(_flat(record, number))
+            keys = tuple(key for key, _ in flat)
             if table is None:
-                names = list(flat)
+                names = keys
                 table = Table(names)
-            if list(flat) != names:
+            if keys != names:
                 wanted = f"must have the keys of the first: {', '.join(names)}"
                 raise RecordingError(f"line {number} {wanted}")
-            table.add(list(flat.values()), f"line {number}")
+            table.add([value for _, value in flat], f"line {number}")
     if table is None:
         raise RecordingError('is empty; a line is {"t": 0.0, "q": [1, 0, 0, 0], …}')
     return Recording(path, table.arrays(), settings, table.ignored)

@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from library_scenes import library_scene
+from planted_motions import case, exactly, product, rates_of
 from spincheck.reference import solve
 from spincheck.reports.harness.recorded import mistakes
 from spincheck.reports.harness.recorded.judged import judged_motion
@@ -76,6 +77,25 @@ PLANTED = {
     ),
     "ms": (lambda a, later: {"t": 1e3 * a["t"]}, ["the times are in ms; t [ms] says so"]),
     "min": (lambda a, later: {"t": a["t"] / 60}, ["the times are in min; t [min] says so"]),
+    "columns in another order": (
+        lambda a, later: {"omega": a["omega"][:, [2, 0, 1]]},
+        ["ω is [wy, wz, wx] of its columns"],
+    ),
+    "a column with the other sign": (
+        lambda a, later: {"omega": a["omega"] * [1, 1, -1]},
+        ["ω is [wx, wy, -wz] of its columns"],
+    ),
+    "left-handed axes": (
+        lambda a, later: {"q": a["q"] * [1, -1, 1, -1], "omega": a["omega"] * [-1, 1, -1]},
+        ["its axes are left-handed, with y reversed"],
+    ),
+    "left-handed axes with y up": (
+        lambda a, later: {
+            "q": a["q"][:, [0, 1, 3, 2]] * [1, -1, -1, -1],
+            "omega": -a["omega"][:, [0, 2, 1]],
+        },
+        ["its axes are left-handed, with y and z exchanged"],
+    ),
     "two at once": (
         lambda a, later: {"q": rolled(a["q"]), "omega": a["omega_world"]},
         [XYZW, WORLD],
@@ -92,6 +112,52 @@ def test_a_planted_mistake_is_named_and_no_other(name, mistake):
     found = judged(scene, arrays | plant(arrays, lambda delay: exact_at(scene, delay)))
     assert list(found.explained_by) == words
     assert (found.exceeds_1deg_at is None) or words
+
+
+TUMBLING = [case(7), case(8, is_pivoted=True)]
+OF_TIMES = {
+    "one state in ten": (
+        lambda a: {name: a[name][::10] for name in ("q", "omega")} | {"t": a["t"][:21]},
+        ["the times are 10 times too short, as where one state in 10 is kept"],
+    ),
+    "half the timestep": (
+        lambda a: {"t": 2 * a["t"]},
+        ["the times are 2 times too long, as of another timestep than that of the steps"],
+    ),
+}
+
+
+@pytest.mark.parametrize("body", TUMBLING)
+@pytest.mark.parametrize("mistake", OF_TIMES)
+def test_times_of_other_steps_are_told(body, mistake):
+    plant, words = OF_TIMES[mistake]
+    arrays = exactly(body, rates_of(body))
+    assert list(judged(body.scenario, arrays | plant(arrays)).explained_by) == words
+
+
+@pytest.mark.parametrize("factor", [2.0, np.pi / 180])
+@pytest.mark.parametrize("body", TUMBLING)
+def test_an_attitude_that_does_not_follow_omega_has_no_other_times(body, factor):
+    """Of times so short that nothing moves, or of an ω that hardly changes, both might be said."""
+
+    def turning(q, omega):
+        return product(q, factor * np.array([0, *omega])) / 2
+
+    words = judged(body.scenario, exactly(body, rates_of(body, turning=turning))).explained_by
+    assert words[0].startswith("ω obeys Euler's equations, but the attitude does not follow ω: ")
+
+
+@pytest.mark.parametrize("how", ["held", "interpolated linearly"])
+@pytest.mark.parametrize("body", TUMBLING)
+def test_an_omega_that_is_new_at_one_sample_in_ten_is_told(body, how):
+    arrays = exactly(body, rates_of(body))
+    t, new = arrays["t"], arrays["t"][::10]
+    if how == "held":
+        omega = np.repeat(arrays["omega"][::10], 10, axis=0)[: len(t)]
+    else:
+        omega = np.transpose([np.interp(t, new, rates[::10]) for rates in arrays["omega"].T])
+    (words,) = judged(body.scenario, arrays | {"omega": omega}).explained_by
+    assert words == f"ω is {how}: it is new at one sample in 10 only; record those alone"
 
 
 def test_a_start_that_is_not_the_scenes_is_told_with_its_size():

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from spincheck.reports.harness.recorded.read import read_recording
 from spincheck.reports.harness.recorded.recording import Recording, RecordingError
-from spincheck.reports.harness.recorded.text_formats import MAX_SAMPLES
+from spincheck.reports.harness.recorded.text_formats import LONGEST_LINE, MAX_SAMPLES
 
 ROW = "0,1,0,0,0,0.5,0,2"
 GOOD = f"t,qw,qx,qy,qz,wx,wy,wz\n{ROW}\n0.1,1,0,0,0,0.5,0,2\n"
@@ -58,6 +58,47 @@ def test_lines_of_json_are_read_with_lists_or_single_numbers(tmp_path):
     recording = read_recording(written(tmp_path, text, "motion.jsonl"))
     assert recording.arrays["omega"].tolist() == [[1, 2, 3]] * 2
     assert recording.settings == {"omega": "world"}
+
+
+@pytest.mark.parametrize(
+    ("line", "words"),
+    [
+        ('{"t": true, "q": [1, 0, 0, 0]}', "line 2: 'True' must be a finite number"),
+        ("{}", "line 2 must have the keys of the first"),
+        ('{"t": 1, "quaternion": [1, 0, 0, 0]}', "line 2 must have the keys of the first"),
+        ('{"t": 1, "q": [1, 0, 0, 0], "qw": 1}', "line 2 must have the keys of the first"),
+        ('{"t": 1, "qw": 1, "qx": 0, "qy": 0, "z": 0}', "line 2 must have the keys of the first"),
+    ],
+)
+def test_a_line_of_json_that_is_not_like_the_first_is_refused(tmp_path, line, words):
+    path = written(tmp_path, f'{{"t": 0, "q": [1, 0, 0, 0]}}\n{line}\n', "motion.jsonl")
+    with pytest.raises(RecordingError, match=words):
+        read_recording(path)
+
+
+def test_quaternions_may_shrink_slowly(tmp_path):
+    lengths = 0.9 ** np.arange(5)
+    text = "t,qw,qx,qy,qz\n" + "".join(f"{k},{n!r},0,0,0\n" for k, n in enumerate(lengths.tolist()))
+    recording = read_recording(written(tmp_path, text))
+    assert f"by {np.log(0.9):.3g} /s, to a norm of 0.6561 at 4 s" in recording.drift_off_the_sphere
+
+
+def test_as_many_samples_as_a_motion_may_have_are_read(tmp_path, monkeypatch):
+    monkeypatch.setattr("spincheck.reports.harness.recorded.text_formats.MAX_SAMPLES", 2)
+    assert len(read_recording(written(tmp_path, GOOD)).arrays["t"]) == 2
+
+
+def test_a_text_in_an_archive_is_no_longer_than_a_line(tmp_path):
+    arrays = {"t": [0, 1], "q": [[1, 0, 0, 0]] * 2, "precision": "x" * (LONGEST_LINE + 1)}
+    np.savez(tmp_path / "motion.npz", **arrays)
+    with pytest.raises(RecordingError, match=r"'precision\.npy' must hold numbers, got <U"):
+        read_recording(tmp_path / "motion.npz")
+
+
+@pytest.mark.parametrize(("q", "resolution"), [(0.1235, 1e-3), (0.12, 0.1), (1 / 3, 1e-15)])
+def test_the_resolution_is_that_of_the_digits_that_are_printed(q, resolution):
+    recording = Recording(Path("m.csv"), {"q": np.array([[q, 0.0, 0.0, 0.0]])})
+    assert recording.resolution == pytest.approx(resolution)
 
 
 def test_arrays_are_read_from_npz(tmp_path):
@@ -115,6 +156,10 @@ WRONG = {
     "a first quaternion that has not drifted yet": (
         GOOD.replace("\n0,1,", "\n0,1.2,"),
         "that of sample 0 is 1.2 long and the one before 1",
+    ),
+    "a first quaternion of another norm": (
+        GOOD.replace("\n0,1,", "\n0,1.002,"),
+        "that of sample 0 is 1.002 long and the one before 1",
     ),
     "a wrong frame": ("# omega = local\n" + GOOD, "line 1: 'omega' must be body or world"),
     "a wrong timestep": ("# timestep = -1\n" + GOOD, "'timestep' must be a positive number"),
