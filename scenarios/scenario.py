@@ -159,7 +159,7 @@ class Scenario:
         return self.rotors.spins(omega_body, kept)
 
     def cancelling(self, spins: FloatArray, far: float = 0.0) -> tuple[FloatArray, FloatArray]:
-        """Return sizes of forces, N, and torques, N m, that cancel in axes turning with parts, (n,).
+        """Return sizes of force, N, and torque, N m, (n,), that cancel in axes turning with parts.
 
         Parameters
         ----------
