@@ -1,4 +1,4 @@
-"""Converts between bodies and states and MuJoCo's tables of bodies and coordinates qpos and qvel."""
+"""Converts between spincheck's bodies and states and MuJoCo's tables, qpos and qvel."""
 
 from dataclasses import replace
 from typing import Any

@@ -9,13 +9,13 @@ import pybullet as p
 
 #: PyBullet's index of a body's base; its links count from 0.
 BASE = -1
-#: Defaults of PyBullet that alter motions; the third is of bodies on a joint.
+#: Names of PyBullet's defaults that alter motions; the motor is only on a body on a joint.
 INERTIA, DAMPING = "inertia of the shape", "damping"
 JOINT_MOTOR, CLAMP = "joint motor", "velocity clamp"
 DEFAULTS = (INERTIA, DAMPING, JOINT_MOTOR, CLAMP)
-#: rad/s and m/s; N; N m: larger than any velocity, force or torque of a run.
+#: A velocity, rad/s and m/s, force, N, and torque, N m, larger than any in a run.
 UNREACHED = 1e100
-#: Of a contact.
+#: Parameters of a contact.
 FRICTIONLESS = dict.fromkeys(
     ("lateralFriction", "spinningFriction", "rollingFriction", "restitution"), 0
 )
@@ -25,10 +25,11 @@ MOST_STEPS_A_CALL = 2**14
 
 @cache
 def calls(steps, timestep):
-    """Steps a call that add up to `steps`: one call where PyBullet takes exactly that many.
+    """Return the numbers of steps of native calls that take `steps` steps together.
 
-    PyBullet gets k dt and k, divides the one by the other, and takes as many steps as fit. With k a
-    power of two that is exact; with another it may be a step less, or of another length.
+    One call is enough if PyBullet takes exactly that many: it receives k dt and k, divides the one
+    by the other, and takes as many steps as fit. If k is a power of two, that is exact; otherwise
+    it may take a step less, or steps of another length.
     """
     span = steps * timestep
     each = span / steps
