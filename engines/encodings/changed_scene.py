@@ -27,12 +27,13 @@ from ...scenarios.start import Start
 from ..checks.read_back import BodyReading, State
 from ..method import COMMON_EFFECTS
 
-#: What the mirror leaves and reverses: of vectors, of axial ones, of quaternions.
+#: Signs of the components under the mirror: of vectors, of axial vectors, of quaternions.
 _POLAR, _AXIAL = np.array([-1.0, 1.0, 1.0]), np.array([1.0, -1.0, -1.0])
 _MIRRORED_Q = np.array([1.0, 1.0, -1.0, -1.0])
 _X = np.array([1.0, 0.0, 0.0])
 
-#: Effects of a scene that a change of its body keeps, of one on a table, and of one in free fall.
+#: Effects that a scene may have for a change of its body, of a body on a table, of one in free
+#: fall.
 OF_BODIES = COMMON_EFFECTS | {"rotors"}
 ON_A_TABLE = OF_BODIES | {"table"}
 FREE_FALL = frozenset({"gravity", "rotors"})
@@ -40,7 +41,7 @@ FREE_FALL = frozenset({"gravity", "rotors"})
 
 @dataclass(frozen=True)
 class SceneChange:
-    """What a scene becomes, and how the motions of what it becomes are turned back.
+    """How a scene is changed, and how motions of the changed scene are converted back.
 
     Attributes
     ----------
@@ -63,11 +64,11 @@ class SceneChange:
 
     @property
     def needs_free(self) -> bool:
-        """Whether it is one of free bodies only: a pivot stays at the body's origin, and still."""
+        """Whether the change is for free bodies only: a pivot must stay at the body's origin."""
         return bool(any(self.shift) or self.boost or self.place)
 
     def scene(self, scenario: Scenario) -> Scenario:
-        """The changed scene; its numbers are exact, as those of the scene are."""
+        """Return the changed scene; its numbers are exact, as those of the scene are."""
         with mp.workdps(DIGITS):
             window = scenario.window.model_copy(
                 update={"duration": scenario.window.duration * self.time}
@@ -146,11 +147,11 @@ class SceneChange:
         return Effects.model_validate(tables)
 
     def state_back(self, states: State, times_new: FloatArray) -> State:
-        """States of the changed scene, n rows, as those of the scene.
+        """Return n states of the changed scene as states of the original scene.
 
         Parameters
         ----------
-        times_new : in the new unit of time, (n,)
+        times_new : times of the states in the new unit of time, (n,)
         """
         back = times(np.array([float(c) for c in conjugate(self.q_body_new)]))
         R_body_new = self._R_body_new
@@ -168,11 +169,11 @@ class SceneChange:
         )
 
     def motion(self, states: State, times_old: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Place and velocity of the com in the changed scene, of n states of the scene, (n, 3)."""
+        """Return position and velocity of the com in the changed scene, (n, 3), of n states."""
         return self._place_of(states.com_world, times_old), self._velocity_of(states.velocity_world)
 
     def body_back(self, body: BodyReading) -> BodyReading:
-        """A body of the changed scene as one of the scene."""
+        """Return a body of the changed scene in the axes and units of the original scene."""
         R = self._R_body_new
         sign = self._sign
         com, tensor = body.com * sign / self.length, body.inertia_com * np.outer(sign, sign)

@@ -1,4 +1,4 @@
-"""An engine that is given scenes in another encoding, and whose motions are turned back."""
+"""An engine that is given scenes in another encoding; its motions are converted back."""
 
 from collections.abc import Callable, Sequence
 from typing import Any, final
@@ -23,9 +23,10 @@ SAME_BODY = 64
 
 @final
 class EncodedEngine(Engine):
-    """An engine on scenes in one encoding, run, sampled and checked as the engine itself.
+    """An engine that opens scenes in one encoding, and otherwise behaves as the engine itself.
 
-    A body that it holds otherwise than the scene's does not fail a run: it is a finding.
+    A body that the engine holds differently from the scene's does not fail a run: the difference is
+    a finding.
     """
 
     def __init__(self, base: Engine, encoding: str) -> None:
@@ -36,12 +37,12 @@ class EncodedEngine(Engine):
 
     @property
     def encoding(self) -> Encoding:
-        """That of the name it was given: tables of functions are not sent to workers."""
+        """The encoding, found by name: an `Encoding` has functions, which workers are not sent."""
         return ENCODINGS[self._encoding]
 
     @property
     def site(self) -> str:
-        """As of the engine."""
+        """The engine's own `site`."""
         return self.base.site
 
     @property
@@ -50,7 +51,7 @@ class EncodedEngine(Engine):
         return self.base.version
 
     def open(self, scenario: Scenario, method: Method, timestep: float) -> Session:
-        """The changed scene in the engine, with its body described as the encoding has it."""
+        """Open the changed scene in the engine, with its body described as the encoding says."""
         change, description = self.encoding.change(scenario), self.encoding.description
         changed, timestep = self.encoding.scene(scenario), timestep * change.time
         if description == PLAIN:
@@ -66,13 +67,13 @@ class EncodedEngine(Engine):
         body: BodyReading,
         state: State,  # noqa: ARG002
     ) -> list[Difference]:
-        """The body's differences; of the start, the motion tells."""
+        """Return the differences of the body; a wrong start shows in the motion."""
         own, change = scenario.body, self.encoding.change(scenario)
         shift = np.array(change.shift, dtype=float)
-        # About a point that far away the tensor is larger, and its rounding.
+        # The tensor about a point far away is larger, and with it its rounding.
         far = float(shift @ shift + own.com @ own.com)
         moment = float(own.principal_moments[-1]) + own.mass * far
-        # PyBullet's places of links in maximal coordinates are from the world's origin.
+        # In maximal coordinates PyBullet's places of links are relative to the world's origin.
         reach = np.sqrt(moment / own.mass) + abs(change.place) / change.length
         sizes = {"mass": own.mass, "com": reach}
         return [
@@ -84,17 +85,17 @@ class EncodedEngine(Engine):
 
 
 class _Off(Difference):
-    """A number of the body that an engine holds otherwise, of whatever size."""
+    """A number of the body whose value in the engine differs from the scene's."""
 
     @property
     def remark(self) -> str:
-        """How far it is off."""
+        """The size of the difference, in words."""
         return f"'{self.what}' is off by {self.relative:.1e}"
 
 
 @final
 class EncodedSession(Session):
-    """A session of the changed scene, read in the axes and units of the scene."""
+    """A session of the changed scene, read in the axes and units of the original scene."""
 
     def __init__(
         self, session: Session, scenario: Scenario, change: SceneChange, timestep: float
@@ -103,7 +104,7 @@ class EncodedSession(Session):
         self._timestep, self._steps = timestep, 0
 
     def read_body(self) -> BodyReading:
-        """The body that the engine holds, as one of the scene."""
+        """Return the engine's body in the axes and units of the original scene."""
         return self._change.body_back(self._session.read_body())
 
     def read_state(self) -> State:
@@ -116,7 +117,7 @@ class EncodedSession(Session):
         self._steps += steps
 
     def record(self, strides: Sequence[int], keep: Callable[[Any], object]) -> None:
-        """As the engine's own; each snapshot with the number of steps before it."""
+        """Take steps and keep snapshots, each with the number of steps taken before it."""
         counts = iter(self._steps + np.cumsum(strides))
 
         def kept(snapshot: Any) -> None:
@@ -126,7 +127,7 @@ class EncodedSession(Session):
         self._session.record(strides, kept)
 
     def snapshot(self) -> tuple[int, Any]:
-        """Steps so far, and the engine's own snapshot."""
+        """Return the number of steps so far, and the engine's own snapshot."""
         return self._steps, self._session.snapshot()
 
     def states(self, snapshots: Sequence[tuple[int, Any]]) -> State:
@@ -142,16 +143,19 @@ class EncodedSession(Session):
         snapshots: Sequence[tuple[int, Any]],
         states: State,  # noqa: ARG002
     ) -> Fault | None:
-        """As the engine's own."""
+        """Return the first fault that the engine finds in its own snapshots."""
         own = [snapshot for _, snapshot in snapshots]
         return self._session.first_fault(own, self._session.states(own))
 
     def check(self) -> None:
-        """As the engine's own."""
+        """Raise `EngineError` if the engine reports trouble."""
         self._session.check()
 
     def active(self) -> frozenset[str]:
-        """What the scene calls for: what acts is audited where a scene is given as it is."""
+        """Return the effects that the scene calls for, unchecked.
+
+        They are audited in runs of the unchanged scene.
+        """
         return self._scenario.called_for
 
     def close(self) -> None:

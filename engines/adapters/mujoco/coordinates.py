@@ -55,7 +55,7 @@ class Coordinates:
 
     @property
     def restarts_to_the_last_bit(self) -> bool:
-        """Whether a restart rounds nothing: the point that the coordinates move is the com."""
+        """Whether a restart rounds nothing: on a pivot, or if the coordinates move the com."""
         return bool(self._on_pivot or not self._arm_body.any())
 
     @property

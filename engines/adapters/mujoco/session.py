@@ -87,7 +87,7 @@ class MuJoCoSession(Session):
 
     @property
     def restarts_to_the_last_bit(self) -> bool:
-        """Whether a restart rounds nothing: the point that the coordinates move is the com."""
+        """Whether a restart rounds nothing: on a pivot, or if the coordinates move the com."""
         return self._coordinates.restarts_to_the_last_bit
 
     def set_timestep(self, timestep: float) -> None:
