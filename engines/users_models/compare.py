@@ -1,4 +1,4 @@
-"""How far an engine's body is from the file's, and the size and cause of the difference in words."""
+"""How far an engine's body is from the file's; the difference's size and cause in words."""
 
 from dataclasses import dataclass
 
