@@ -11,7 +11,7 @@ class Batch(ABC):
 
     Attributes
     ----------
-    device : what steps them: the CPU, or the name of a GPU
+    device : the device that steps them: the CPU, or the name of a GPU
     """
 
     device: str = "CPU"
@@ -28,9 +28,9 @@ class Batch(ABC):
 
     @abstractmethod
     def snapshots(self, places: Sequence[int]) -> Sequence[Any]:
-        """The numbers that `Session.snapshot` is of one alone, of the worlds at these places.
+        """Return for each world at `places` what `Session.snapshot` returns for a single scene.
 
-        Never raises for a world that blew up.
+        It never raises for a world that blew up.
         """
 
     @abstractmethod

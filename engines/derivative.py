@@ -1,7 +1,7 @@
-"""Derivatives that engines give of their steps, in the coordinates of the exact ones.
+"""Derivatives of their steps that engines compute, in the coordinates of the reference's.
 
 Rows and columns are a turn of the attitude, δR = R [δθ]×, rad, then ω, rad/s, both in body axes:
-docs/explanation/sensitivities.md.
+docs/explanation/sensitivities.md calls these coordinates the chart.
 """
 
 from collections.abc import Callable
@@ -11,22 +11,21 @@ import numpy as np
 
 from ..scenarios import FloatArray
 
-#: Numbers of a quaternion, and of the chart of the attitude and ω.
+#: Number of components of a quaternion, and of the chart of attitude and ω.
 QUATERNION, CHART = 4, 6
 
 
 @dataclass(frozen=True)
 class Derivative:
-    """One of an engine's own derivatives at the state that a session is in.
+    """One of an engine's own derivatives, at the state that a session is in.
 
     Attributes
     ----------
-    compute : returns it, (6, 6) of the next step, or (3, 6) of dω/dt, and leaves the state as it
-        is; raises `EngineError` if the engine refuses
-    through : the same of so many steps at once, (6, 6), as by a tape; None where the engine's users
-        multiply those of single steps
-    epsilon : the change of a number that differences are taken with, rad and rad/s; 0 of an exact
-        derivative
+    compute : returns the derivative of the next step, (6, 6), or of dω/dt, (3, 6), and leaves the
+        state unchanged; raises `EngineError` if the engine refuses
+    through : returns the derivative of a number of steps at once, (6, 6), as a tape does; None if
+        users of the engine multiply the derivatives of single steps
+    epsilon : change of a number in finite differences, rad and rad/s; 0 if the derivative is exact
     """
 
     compute: Callable[[], FloatArray]
@@ -35,7 +34,7 @@ class Derivative:
 
 
 def numbers_by_chart(q_wxyz: FloatArray) -> FloatArray:
-    """The derivative of a quaternion w x y z and ω in body axes by the chart, (7, 6).
+    """Return the derivative of a quaternion, w x y z, and ω, body axes, by the chart, (7, 6).
 
     δq is q (0, δθ/2).
     """
@@ -46,7 +45,7 @@ def numbers_by_chart(q_wxyz: FloatArray) -> FloatArray:
 
 
 def in_chart(q_wxyz: FloatArray, numbers: FloatArray) -> FloatArray:
-    """Derivatives of those seven numbers, (7, n), as derivatives of the chart, (6, n).
+    """Return derivatives of a quaternion and ω, (7, n), as derivatives of the chart, (6, n).
 
     δθ is twice the vector part of q̄ δq. A change of the quaternion's norm is no change.
     """
@@ -55,12 +54,12 @@ def in_chart(q_wxyz: FloatArray, numbers: FloatArray) -> FloatArray:
 
 
 def along(R: FloatArray, derivative: FloatArray) -> FloatArray:
-    """A derivative along axes a, (3 n, 6), along axes b, with R taking components of a to b."""
+    """Return a derivative, (3 n, 6), turned from axes a to axes b, with R taking a to b."""
     rows, columns = (np.kron(np.eye(n // 3), R) for n in derivative.shape)
     return np.asarray(rows @ derivative @ columns.T)
 
 
 def _vectors_after(q_wxyz: FloatArray) -> FloatArray:
-    """The matrix M with q (0, v) = M v, (4, 3)."""
+    """Return the matrix M with q (0, v) = M v, (4, 3)."""
     w, x, y, z = q_wxyz
     return np.array([[-x, -y, -z], [w, -z, y], [z, w, -x], [-y, x, w]])

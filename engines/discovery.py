@@ -1,4 +1,4 @@
-"""Finds the engines: all of `adapters/`, and the entry points of other packages."""
+"""Finds the engines: all in `adapters/`, and those of other packages' entry points."""
 
 import importlib
 import pkgutil
@@ -15,17 +15,17 @@ from .interface import NEWEST, misfit
 from .missing import Missing
 
 ENTRY_POINTS = "spincheck.engines"
-#: The module that adapters import.
+#: Name of the module that adapters import.
 INTERFACE = "spincheck.engine"
 
 
 class NameTaken(ValueError):
-    """Two engines have one name."""
+    """Two engines have the same name."""
 
 
 @cache
 def engines() -> dict[str, Engine]:
-    """Every engine that can be used here, by name, sorted.
+    """Return every engine that can be used here, by name, sorted.
 
     Raises
     ------
@@ -36,7 +36,7 @@ def engines() -> dict[str, Engine]:
 
 
 def add(engine: Engine) -> None:
-    """Add an engine to the list, until this process ends; one of its class that is there goes.
+    """Add an engine until this process ends, in place of an engine of its class and name, if any.
 
     Raises
     ------
@@ -50,7 +50,7 @@ def add(engine: Engine) -> None:
 
 @cache
 def missing() -> tuple[Missing, ...]:
-    """The adapters that cannot be imported here, and why."""
+    """Return the adapters that cannot be imported here, and why."""
     return _discover()[1]
 
 
@@ -64,7 +64,7 @@ def _discover() -> tuple[dict[str, Engine], tuple[Missing, ...]]:
         try:
             module = importlib.import_module(name)
             there = [*_engines_in(module), *_discovered_by(module)]
-        # An engine's package may raise anything when imported; that costs this engine alone.
+        # An engine's package may raise anything when it is imported; other engines are still found.
         except (Exception, SystemExit) as error:
             absent.append(_missing(name.rpartition(".")[2], error))
             continue
@@ -88,13 +88,13 @@ def _missing(name: str, error: BaseException) -> Missing:
             return Missing(name, package, f"the package '{package}' is not installed")
     words = f"{type(error).__name__}: {' '.join(str(error).split())}"
     if isinstance(error, ImportError) and error.name == INTERFACE:
-        # Without the path at the end.
+        # The error's message without the path at its end.
         words = f"{str(error).partition(' (')[0]}: this spincheck has its version {NEWEST}"
     return Missing(name, "", f"importing it failed: {words}")
 
 
 def _engines_in(module: ModuleType) -> Iterator[Engine | Missing]:
-    """One instance of each engine class that the module, or a module of its package, defines."""
+    """Yield an instance of each engine class that a module, or a module of its package, defines."""
     for cls in vars(module).values():
         if (
             isinstance(cls, type)
@@ -118,6 +118,6 @@ def _not_installed(engine: Engine) -> Missing:
 
 
 def _discovered_by(module: ModuleType) -> Iterable[Engine | Missing]:
-    """Engines that a module finds by its function `discovered`."""
+    """Return the engines that a module finds by its own function `discovered`."""
     discovered: Callable[[], Iterable[Engine | Missing]] = vars(module).get("discovered", tuple)
     return discovered()

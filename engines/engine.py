@@ -41,19 +41,19 @@ class Engine(Adapted, ABC):
     interface : the version of `spincheck.engine` that its adapter is written for
     name : as users type it
     methods : what it can simulate with
-    single_precision : whether it holds its state in 24 bits
-    least_turn : rad, below which its solver leaves out how a constraint turns a body in a step
+    single_precision : whether it holds its state in floats of 24 bits
+    least_turn : rad a step below which its solver ignores that a constraint turns with the body
     stock_timestep : s, the default timestep; None where users have to set one
-    step_seconds, steps_in : not read any more; adapters may go on stating them
+    step_seconds, steps_in : no longer read; adapters may still state them
     package : of an optional engine, the package that it needs, imported when a scene is opened
-    extra : the extra of spincheck that installs that; the engine's name if empty
+    extra : the extra of spincheck that installs the package; the engine's name if empty
     family : a name for several optional engines, by which users may ask for all of them
-    of_file : whether it loads the link that a scene names out of the user's own model file
+    of_file : whether it loads a link, which the scene names, out of the user's own model file
     script_language : what `script` is written in
     has_batches : whether `open_batch` is implemented
-    describes : features of `Description` that `open_with` can write
-    varied : in which way it opens scenes otherwise than users' engine does, by name; empty for an
-        adapter
+    describes : the `Description.features` that `open_with` can write
+    varied : name of the way in which it opens scenes differently from the adapter's `open`; empty
+        for an adapter
     """
 
     interface: int
@@ -75,12 +75,12 @@ class Engine(Adapted, ABC):
 
     @property
     def is_optional(self) -> bool:
-        """Whether the engine runs only if it is named, though it is installed."""
+        """Whether the engine runs only if the user names it, even if it is installed."""
         return bool(self.package or self.family)
 
     @property
     def slack(self) -> float:
-        """Relative tolerance of body and start when they are read back."""
+        """Relative tolerance of body and start when they are read back from the engine."""
         return READ_BACK_SLACK_SINGLE if self.single_precision else READ_BACK_SLACK
 
     @property
@@ -100,11 +100,11 @@ class Engine(Adapted, ABC):
 
     @property
     def site(self) -> str:
-        """A folder from which its worker imports modules first; empty if none."""
+        """A folder from which its worker process imports modules first; empty if there is none."""
         return ""
 
     def at_version(self, version: str) -> Release | None:  # noqa: ARG002
-        """Another version of the engine; None if other versions are not supported."""
+        """Return another version of the engine; None if other versions are not supported."""
         return None
 
     @abstractmethod
@@ -117,21 +117,22 @@ class Engine(Adapted, ABC):
         method: Method,
         timestep: float,
     ) -> Batch:
-        """Open many worlds that are stepped together; scenes of one structure, one a world.
+        """Open many worlds that are stepped together, one for each of the scenes.
 
-        Since version 2 of the interface. They differ in numbers alone; most are the same scene.
+        Since version 2 of the interface. The scenes differ only in numbers; most are the same
+        scene.
         """
         raise NotImplementedError(f"{self.name} steps one world at a time.")
 
     def use_device(self, name: str) -> None:
-        """Step what is opened in this process from now on by a device, such as cuda:0.
+        """Step all that is opened in this process from now on by a device, such as cuda:0.
 
         Since version 2 of the interface.
 
         Raises
         ------
         UnsupportedError
-            If the engine leaves no choice, or there is no such device.
+            If the engine offers no choice, or there is no such device.
         """
         raise UnsupportedError(f"{self.name} leaves no choice of a device, '{name}' or another")
 
@@ -145,31 +146,32 @@ class Engine(Adapted, ABC):
         defaults: Collection[str] | None = None,
         description: Description = PLAIN,
     ) -> Session:
-        """Open a scene as `open` does, with one thing changed.
+        """Open a scene as `open` does, except for the one argument that is given.
 
         Parameters
         ----------
-        left_in : which of `left_out` are left in, to time what they cost
-        defaults : which of `defaults` alone act
-        description : of the body; see `describes`
+        left_in : names, among those of `left_out`, of what is left in, to measure its cost in time
+        defaults : names, among those of `defaults`, of the only defaults that act
+        description : how the body is described; see `describes`
         """
         raise NotImplementedError(f"{self.name} opens a scene in one way.")
 
     def script(self, scenario: Scenario, method: Method, timestep: float) -> str:  # noqa: ARG002
-        """Code that builds the scene with this engine's package alone; empty if there is none.
+        """Return code that builds and steps the scene with this engine's package alone, or "".
 
-        It may use `TIMESTEP`, of quaternions, w x y z, `product`, `conjugate` and `turned`, and in
-        Python `np`; it defines `step(count)`, and `state()`: attitude, w x y z, and ω in body axes.
-        `EXACT`, `LARGEST` and `main` are taken.
+        The code may use `TIMESTEP`, the functions `product`, `conjugate` and `turned` on
+        quaternions, w x y z, and in Python `np`. It defines `step(count)`, and `state()`, which
+        returns attitude, w x y z, and ω in body axes. It must not define `EXACT`, `LARGEST` and
+        `main`.
         """
         return ""
 
     def left_out(self, scenario: Scenario, method: Method) -> tuple[str, ...]:  # noqa: ARG002
-        """Names of the engine's features that `open` switches off as they change no motion."""
+        """Return the names of what `open` leaves out, as it costs time and changes no motion."""
         return ()
 
     def defaults(self, scenario: Scenario, method: Method) -> tuple[str, ...]:  # noqa: ARG002
-        """The defaults of a method as shipped that alter motions, by the engine's names."""
+        """Return the names of the defaults of a method as shipped that alter motions."""
         return ()
 
     def differences(
@@ -179,7 +181,7 @@ class Engine(Adapted, ABC):
         body: BodyReading,
         state: State,
     ) -> list[Difference]:
-        """Differences between a freshly loaded model and the scene."""
+        """Return the differences between a freshly loaded model, with its start, and the scene."""
         return differences(scenario, body, state, self.slack)
 
     def applies_to(self, scenario: Scenario) -> bool:  # noqa: ARG002
@@ -188,25 +190,25 @@ class Engine(Adapted, ABC):
 
     @final
     def method(self, name: str) -> Method:
-        """The method of that name.
+        """Return the method of a given name.
 
         Raises
         ------
         KeyError
-            If there is none.
+            If the engine has no such method.
         """
         return {method.name: method for method in self.methods}[name]
 
     @final
     def methods_for(self, scenario: Scenario) -> list[Method]:
-        """The methods that are made for a scene: it has the effects that they require."""
+        """Return the methods that are made for a scene, which has the effects they require."""
         if not self.applies_to(scenario):
             return []
         return [method for method in self.methods if method.requires <= scenario.called_for]
 
     @final
     def unsupported(self, scenario: Scenario, method: Method) -> str:
-        """Why this method cannot simulate the scene; empty if it can."""
+        """Return why a method cannot simulate the scene; empty if it can."""
         if beyond := sorted(scenario.called_for - method.effects):
             return f"{self.name} {method.name} cannot simulate {', '.join(beyond)}"
         if lacking := sorted(method.requires - scenario.called_for):
@@ -223,13 +225,13 @@ class Engine(Adapted, ABC):
         *,
         fails_if_unlike: bool = True,
     ) -> Run:
-        """Simulate, reading the state at the given step counts; time is k · dt, never a sum.
+        """Simulate a scene and return the states at given step counts; time is k · dt, never a sum.
 
         Parameters
         ----------
         sample_steps : (n,) increasing whole numbers of steps, the first of them 0
-        fails_if_unlike : whether another body, start or effects than the scene's fail the run, or
-            are a remark; of a method as shipped they always are a remark
+        fails_if_unlike : whether a difference of body, start or effects from the scene fails the
+            run rather than being a remark; for a method as shipped it is always a remark
         """
         is_strict = fails_if_unlike and not method.as_shipped
         ended = partial(Run, self.name, self.version, method.name, timestep)
@@ -260,13 +262,13 @@ class Engine(Adapted, ABC):
 
 
 def _arm(scenario: Scenario, body: BodyReading) -> FloatArray | None:
-    """The vector from the pivot to the com that is read, m, body axes; None without a pivot."""
+    """Return the vector from pivot to com as read back, m, body axes; None without pivot."""
     has_arm = float(np.linalg.norm(body.com)) > NO_ARM * Equations(scenario).reach
     return body.com if has_arm and scenario.constraint.is_pivot else None
 
 
 def clamped_start(scenario: Scenario, method: Method, timestep: float) -> str:
-    """The message if an engine clamps how far the body or its parts turn in the first step."""
+    """Return a message if the engine clamps the turn of body or parts in the first step."""
     speed = float(np.linalg.norm(scenario.start.omega_body))
     if method.clamps_parts:
         speed += float(np.abs(start_state(scenario).spins).max(initial=0.0))
@@ -274,7 +276,7 @@ def clamped_start(scenario: Scenario, method: Method, timestep: float) -> str:
 
 
 def _samples(sampled: Sampled, sample_steps: NDArray[np.int64], timestep: float) -> dict[str, Any]:
-    """The good samples as a trajectory, how many steps they took, and where they end."""
+    """Return the fields of a `Run`: trajectory of the good samples, steps, and where it stopped."""
     fields: dict[str, Any] = {}
     count = sampled.count
     if count:

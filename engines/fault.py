@@ -3,10 +3,10 @@
 from dataclasses import dataclass
 from typing import Literal
 
-#: What each cause means and how it is detected: docs/explanation/outcomes.md.
+#: The causes of failures; docs/explanation/outcomes.md says what each means and how it is detected.
 Cause = Literal[
     "",
-    # Of runs that diverged: the motion became wrong at some time.
+    # Causes of runs that diverged: the motion became wrong at some time.
     "not-finite",
     "not-unit",
     "reset",
@@ -14,7 +14,7 @@ Cause = Literal[
     "pivot",
     "energy",
     "warning",
-    # Of runs that failed: the result is no motion of the scene, at any timestep.
+    # Causes of runs that failed: the result is no motion of the scene, at any timestep.
     "read-back",
     "model",
     "clock",
@@ -26,19 +26,19 @@ Cause = Literal[
     "killed",
     "environment",
     "unsolved",
-    # Of runs that were not made ("clamp" too).
+    # Causes of runs that were not made ("clamp" above is one too).
     "effects",
     "body",
     "timestep",
     "scene",
-    # Of runs that finished.
+    # Causes noted in runs that finished.
     "lost",
     "law",
 ]
 
-#: Causes in the machine, not in the engine: the run may succeed if repeated.
+#: Causes in the machine, not in the engine: the run may succeed if it is repeated.
 ENVIRONMENTAL: frozenset[Cause] = frozenset({"killed", "environment"})
-#: Causes that no smaller timestep removes: such a run is `failed`, not `diverged`.
+#: Causes that no smaller timestep removes: a run with one of these is `failed`, not `diverged`.
 WRONG_AT_ANY_TIMESTEP: frozenset[Cause] = ENVIRONMENTAL | frozenset(
     {"clock", "crash", "time-out", "protocol"}
 )
@@ -46,12 +46,12 @@ WRONG_AT_ANY_TIMESTEP: frozenset[Cause] = ENVIRONMENTAL | frozenset(
 
 @dataclass(frozen=True)
 class Fault:
-    """The first bad state of several.
+    """The first bad state among several.
 
     Attributes
     ----------
-    index : which one
-    cause, reason : what is bad about it, in a word and in words
+    index : of the state
+    cause, reason : what is bad about the state, in a word and in a sentence
     """
 
     index: int

@@ -1,7 +1,8 @@
 """Kills process groups when the process that started them is gone, however it ended.
 
-A program of its own (`start_process`): each line of its standard input is the number of a group,
-with a minus once that has ended. The input ends when the process at its other end does.
+It is a program of its own, started by `start_process`. Each line of its standard input is the
+number of a process group, with a minus when that group has ended. The input ends when the process
+that writes it does.
 """
 
 import os

@@ -1,18 +1,19 @@
 """The version of the interface that adapters are written for: `spincheck.engine`.
 
-Rules of growth and deprecation: docs/project/releases.md.
+The rules of growth and deprecation are in docs/project/releases.md.
 """
 
 import warnings
 
-#: Raised by one when something is added; `OLDEST` when something that was deprecated is removed.
+#: The newest version, raised by one when something is added; and the oldest that can be used,
+#: raised when something deprecated is removed.
 NEWEST = 2
-#: An adapter that is written for this version or a later one, up to `NEWEST`, can be used.
+#: An adapter that is written for a version from `OLDEST` to `NEWEST` can be used.
 OLDEST = 1
 
 
 class Adapted:
-    """What adapters implement: a deprecated member that a subclass overrides is warned of.
+    """Base of what adapters implement: it warns if a subclass overrides a deprecated member.
 
     A member is deprecated by `typing_extensions.deprecated`, whose message names the replacement;
     whoever calls such a member is warned by the member itself.
@@ -32,7 +33,7 @@ def misfit(what: str, stated: object, oldest: int = OLDEST, newest: int = NEWEST
 
     Parameters
     ----------
-    what : the key by which it states the version
+    what : the key by which the engine states the version
     oldest, newest : versions that can be used
     """
     if type(stated) is int and oldest <= stated <= newest:

@@ -1,4 +1,4 @@
-"""Whether a process that died or does not answer failed by its own fault or by the machine's.
+"""Finds whether a process that died or does not answer failed by its own fault or the machine's.
 
 The limit is on CPU time, so that no engine fails because the machine is busy. Wall time detects a
 process that waits for ever; time in which this process itself was stopped (Ctrl-Z, a closed laptop)
@@ -22,14 +22,14 @@ _OWN_SIGNALS = frozenset(
     for name in ("SIGSEGV", "SIGABRT", "SIGFPE", "SIGILL", "SIGBUS", "SIGTRAP", "SIGSYS")
     if hasattr(signal, name)
 )
-#: Characters of what a process printed last that go into the reason of its death.
+#: Number of characters, of what a process printed last, that go into the reason of its death.
 LAST_LINE = 200
-#: Words for a process that was killed by another.
+#: The reason given when a process was killed by another one.
 KILLED = "was killed from outside"
-#: s between two readings of the CPU time of a call.
+#: Time between two readings of the CPU time of a call, s.
 POLL = 0.5
 #: A process hangs if it uses less CPU time than this fraction of the limit while the limit passes
-#: on the wall.
+#: in wall time.
 IDLE = 0.01
 #: Wall time that a call may take, in multiples of its limit, however busy the machine is.
 MOST_WALL = 20.0
@@ -88,7 +88,7 @@ def _idle(process: psutil.Process, limit: float, used: float) -> Overdue:
 
 
 def death(exit_code: int) -> tuple[str, Cause]:
-    """How a process ended before it answered, in words and as a cause.
+    """Return how a process ended before it answered, in words and as a cause.
 
     Parameters
     ----------
@@ -107,16 +107,16 @@ def death(exit_code: int) -> tuple[str, Cause]:
 
 
 def last_line(printed: str) -> str:
-    """The last line that a process printed, to be added to the reason of its death."""
+    """Return the last line that a process printed, to be added to the reason of its death."""
     lines = printed.strip().splitlines()
     if lines and lines[-1].startswith("Node.js v"):
-        # Which node prints after the error that ends it.
+        # The line that node prints after the error that ends it.
         lines = [line for line in lines if "Error" in line] or lines
     return f"; it last printed: {printable(lines[-1][-LAST_LINE:])}" if lines else ""
 
 
 def _cpu_seconds(process: psutil.Process) -> float:
-    """CPU time that a process has used so far, s, with its children; 0 once it is gone."""
+    """Return the CPU time used by a process and its children so far, s; 0 once it is gone."""
     try:
         return sum(sum(one.cpu_times()[:2]) for one in [process, *process.children()])
     except psutil.Error:

@@ -6,8 +6,8 @@ import numpy as np
 
 from ..scenarios import Distance
 
-#: What engines of jointed rigid bodies can simulate: not all that a scene can call for. A method
-#: that has a further effect names it besides.
+#: Effects that engines of jointed rigid bodies can simulate, which are not all that a scene can
+#: call for. A method that can simulate a further effect adds it.
 COMMON_EFFECTS = frozenset({"gravity", "pivot", "drag", "torque_body", "torque_world"})
 
 
@@ -19,17 +19,17 @@ class Method:
     ----------
     name : as users type it
     order : order of accuracy of ω in the timestep, as the adapter declares it
-    attitude_order : likewise of the attitude
+    attitude_order : order of accuracy of the attitude, likewise
     summary : one line for tables
     effects : names out of `scenarios.EFFECTS` that it can simulate
     requires : effects without which it makes no sense, such as a pivot for a pivot constraint
     max_rotation_per_step : rad; beyond it the engine silently clamps, so it is not run
-    clamps_parts : whether it clamps parts of the body too, as they turn relative to it
-    as_shipped : the engine with all its defaults: how it differs from the scene is reported as a
-        remark, and does not fail a run
+    clamps_parts : whether the engine also clamps how far parts of the body turn relative to it
+    as_shipped : whether the engine runs with all its defaults: a difference from the scene is then
+        a remark, and does not fail a run
     reader : whether it differs from a method of another engine only in how models are read
-    setup : what users of the engine write to have it, with `TIMESTEP` for the timestep in s; empty
-        if that is no matter of a few lines
+    setup : what users of the engine write to use the method, with `TIMESTEP` for the timestep in s;
+        empty if it takes more than a few lines
     """
 
     name: str
@@ -46,7 +46,7 @@ class Method:
 
     @property
     def is_recommendable(self) -> bool:
-        """Whether the method may be recommended to users."""
+        """Whether it may be recommended: it is neither as shipped nor just another reader."""
         return not (self.as_shipped or self.reader)
 
 
@@ -56,11 +56,11 @@ class Release:
 
     Attributes
     ----------
-    requirements : distributions, as pip takes them, with nothing that they depend on but what this
-        version needs otherwise than the newest does
+    requirements : distributions, as pip takes them, without their dependencies except those that
+        this version needs in other versions than the newest does
     methods : with their orders in that version
     installed_as : the engine whose installed versions it shares; its own name if empty
-    surplus : packages that come along and that no run imports: they are not kept
+    surplus : packages that pip installs with it and that no run imports, which are removed
     """
 
     requirements: tuple[str, ...]

@@ -9,10 +9,10 @@ class Missing:
 
     Attributes
     ----------
-    name : of the engine, or of its adapter where that cannot be imported
-    package : the distribution that is not installed; empty where importing failed otherwise
+    name : of the engine, or of its adapter if the adapter cannot be imported
+    package : the distribution that is not installed; empty if importing failed for another reason
     reason : one sentence, with how to get it
-    family : as of an engine
+    family : as in `Engine`
     """
 
     name: str

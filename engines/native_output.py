@@ -1,4 +1,4 @@
-"""Captures what native code prints, at the file descriptors: it bypasses `sys.stdout`."""
+"""Captures what native code prints, at the file descriptors, since it bypasses `sys.stdout`."""
 
 import ctypes
 import os
@@ -13,14 +13,14 @@ STDOUT, STDERR = 1, 2
 
 @dataclass
 class Printed:
-    """The text captured so far, of the two streams one after the other."""
+    """The text captured so far from standard output, followed by that from standard error."""
 
     text: str = ""
 
 
 @contextmanager
 def native_output() -> Iterator[Printed]:
-    """Capture what Python or C prints inside the block; afterwards it is in the result.
+    """Capture what Python or C prints inside the block; afterwards the yielded object has the text.
 
     Not thread-safe: the descriptors belong to the whole process.
     """

@@ -16,11 +16,11 @@ class Run:
     Attributes
     ----------
     outcome : ok, diverged, unsupported or failed
-    reason : of the outcome, in words; empty if ok, except for an engine as shipped: then how it
-        differs from the scene
+    reason : reason of the outcome, in words; empty if ok, except that for an engine as shipped it
+        says how the engine differs from the scene
     cause : the reason in a word
-    stopped_at : s, the time at which it diverged or failed, else None
-    trajectory : the samples up to there; None if there are none
+    stopped_at : the time at which the run diverged or failed, s; else None
+    trajectory : the samples up to that time; None if there are none
     steps : whole steps up to the last of these samples
     active : what the engine says acted on the body (names out of `scenarios.EFFECTS`, and anything
         else the adapter found switched on)

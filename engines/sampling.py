@@ -20,18 +20,19 @@ from .session import Session
 FIRST_BLOCK = 1 << 4
 BLOCK_STEPS = 1 << 14
 BLOCK = 1 << 11
-#: States of which there are none.
+#: A state of zero rows.
 NOTHING = State(np.empty((0, 4)), *(np.empty((0, 3)) for _ in range(3)))
 
 
 @dataclass(frozen=True, eq=False)
 class Sampled:
-    """The valid samples of a run, or states of a block of it, and how it ended.
+    """The valid samples of a run, or of a block of a run, and how it ended.
 
     Attributes
     ----------
-    states : one a row; no rows if the first was bad
-    reason, cause : why there are no more, in words and in a word; empty if the outcome is ok
+    states : one a row; no rows if the first sample was bad
+    reason, cause : why there are no more samples, in words and in a word; empty if the outcome is
+        ok
     """
 
     states: State
@@ -41,7 +42,7 @@ class Sampled:
 
     @property
     def count(self) -> int:
-        """Number of valid ones."""
+        """Number of valid samples."""
         return len(self.states.omega_body)
 
 
@@ -69,7 +70,7 @@ def sample(session: Session, sample_steps: NDArray[np.int64], bounds: Bounds) ->
 
 
 def _blocks(steps: NDArray[np.int64]) -> Iterator[tuple[int, int]]:
-    """The first sample of each block, and the first beyond it."""
+    """Yield the index of the first sample of each block, and of the first sample after it."""
     first = 0
     while first < len(steps):
         worth_a_look = int(np.searchsorted(steps, steps[first] + BLOCK_STEPS))
@@ -80,7 +81,7 @@ def _blocks(steps: NDArray[np.int64]) -> Iterator[tuple[int, int]]:
 
 
 def _read(session: Session, strides: Sequence[int]) -> tuple[list[Any], Sampled]:
-    """Snapshots of a block, fewer if the engine stopped; and how it ended."""
+    """Return the snapshots of a block, fewer if the engine stopped, and how the block ended."""
     snapshots: list[Any] = []
     try:
         session.record(strides, snapshots.append)
@@ -90,7 +91,7 @@ def _read(session: Session, strides: Sequence[int]) -> tuple[list[Any], Sampled]
             return snapshots, Sampled(NOTHING, "diverged", str(error), error.cause or blown_up)
         return snapshots, Sampled(NOTHING, "failed", str(error), error.cause or "refused")
     except (OSError, MemoryError):
-        # Possibly the machine's fault: decided by the caller.
+        # Possibly the machine is at fault, which the caller decides.
         raise
     except Exception as error:  # After a bug in an adapter the samples so far are kept.
         return snapshots, Sampled(NOTHING, "failed", f"{type(error).__name__}: {error}", "bug")
@@ -98,7 +99,7 @@ def _read(session: Session, strides: Sequence[int]) -> tuple[list[Any], Sampled]
 
 
 def _blown_up(session: Session) -> Cause:
-    """The cause if an engine stopped at an invalid state; empty if the state is valid."""
+    """Return the cause if an engine stopped at an invalid state; empty if the state is valid."""
     try:
         session.check()
         state = session.read_state()
@@ -110,7 +111,7 @@ def _blown_up(session: Session) -> Cause:
 def _checked(
     session: Session, snapshots: list[Any], states: State, end: Sampled, bounds: Bounds
 ) -> Sampled:
-    """A block's states up to the first that is bad."""
+    """Return a block's states up to the first bad one, and how the block ended."""
     block_faults = list(faults(states, bounds))
     if fault := session.first_fault(snapshots, states):
         block_faults.insert(0, fault)
@@ -118,7 +119,7 @@ def _checked(
         try:
             session.check()
         except EngineError as error:
-            # At a step of the block that is not known.
+            # The engine stopped at some step of the block; which one is not known.
             block_faults.insert(0, Fault(0, error.cause or "warning", str(error)))
     if not block_faults:
         return replace(end, states=states)

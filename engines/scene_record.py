@@ -1,6 +1,6 @@
-"""A scene as plain numbers, which engines in other languages and stand-alone modules are given.
+"""A scene as plain numbers, for engines in other languages and stand-alone modules.
 
-SI units, along the body's principal axes and from its centre of mass:
+Numbers are in SI units, along the body's principal axes and from its centre of mass:
 docs/reference/engine-protocol.md.
 """
 
@@ -15,7 +15,7 @@ from spincheck.engine import BodyReading, FloatArray, Rotor, Scenario, State, co
 from ..scenarios.rotation import cross, matrices, times, turned, turned_back
 from .models.principal_frame import principal_frame
 
-#: The keys of a record, and what they hold, as scripts say it.
+#: The keys of a record and what they hold, as scripts say it in a comment.
 ABOUT = {
     "mass": "kg",
     "moments": "kg m^2, principal: the axes here are principal ones, from the com",
@@ -37,9 +37,10 @@ ABOUT = {
 
 
 class HeldRotor(NamedTuple):
-    """A rotor as an engine holds it: m from the origin of the engine's body, kg m², its axes.
+    """A rotor as an engine holds it: mass, kg, place, m, tensor, kg m², and axis.
 
-    `axis` is (3,), of zeros where the hinge is locked.
+    The place is from the origin of the engine's body, along the body's axes. `axis` is a unit
+    vector, (3,), or zeros if the hinge is locked.
     """
 
     mass: float
@@ -49,10 +50,10 @@ class HeldRotor(NamedTuple):
 
 
 class WorldBody(NamedTuple):
-    """A body as an engine holds it; kg, kg m².
+    """A body as an engine holds it; kg, m, kg m².
 
-    `com` and `arm`, where it is held, None if it is free, are in m from the origin of the engine's
-    body, (3,); `inertia_com` is (3, 3).
+    `com`, and `arm`, the point where the body is held or None if it is free, are from the origin of
+    the engine's body, (3,); `inertia_com` is (3, 3).
     """
 
     mass: float
@@ -64,13 +65,13 @@ class WorldBody(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class RecordFrame:
-    """Takes motions and bodies from a scene's body axes to those of its record, and back.
+    """Converts motions and bodies between a scene's body axes and the axes of its record.
 
     Attributes
     ----------
     body_from_axes : takes components along the principal axes to body components
-    com_body, held_body, whole_body : of the body without rotors, of the point of it that is held,
-        and of it with its rotors, m, from the origin of the scene's body
+    com_body, held_body, whole_body : the com without rotors, the point that is held, and the com
+        with rotors, m, from the origin of the scene's body
     """
 
     body_from_axes: Rotation
@@ -80,7 +81,7 @@ class RecordFrame:
 
     @classmethod
     def of(cls, scenario: Scenario) -> "RecordFrame":
-        """The frame of a scene's record."""
+        """Return the frame of a scene's record."""
         axes = principal_frame(scenario.carrier).q_body_axes_wxyz
         whole = scenario.body.com
         point = whole - scenario.constraint.lever
@@ -88,11 +89,11 @@ class RecordFrame:
 
     @property
     def _lag_body(self) -> FloatArray:
-        """The com without rotors, from that with them, m, body axes, (3,)."""
+        """Vector to the com without rotors from the com with them, m, body axes, (3,)."""
         return self.com_body - self.whole_body
 
     def motion(self, state: State) -> dict[str, list[float]]:
-        """A state as a record has it: `q`, `omega`, `com`, `velocity`, of rotors also `spins`."""
+        """Return a state as in a record: `q`, `omega`, `com`, `velocity`, with rotors `spins`."""
         world_from_body = Rotation.from_quat(state.q_world_body_wxyz, scalar_first=True)
         com_world, velocity_world = state.com_world, state.velocity_world
         if self._lag_body.any():
@@ -108,7 +109,7 @@ class RecordFrame:
         return motion | ({"spins": _numbers(state.spins)} if state.spins.size else {})
 
     def states(self, rows: FloatArray) -> State:
-        """The states of n motions: rows of `q`, `omega`, `com`, `velocity` and `spins`."""
+        """Return the states of n motions: rows of `q`, `omega`, `com`, `velocity` and `spins`."""
         q_world_axes, omega_world, com_world, velocity_world, spins = np.split(
             rows, (4, 7, 10, 13), axis=1
         )
@@ -123,22 +124,23 @@ class RecordFrame:
         return State(q_world_body, omega_body, com_world, velocity_world, spins)
 
     def body(self, body: WorldBody) -> BodyReading:
-        """A body that an engine holds, in the scene's body axes and from its origin."""
+        """Return an engine's body in the scene's body axes and from the scene's origin."""
         reading = BodyReading(float(body.mass), np.array(body.com), np.array(body.inertia_com))
         if body.rotors:
             axial = [one.axis * (one.axis @ one.inertia_com @ one.axis) for one in body.rotors]
             parts = [BodyReading(one.mass, one.com, one.inertia_com) for one in body.rotors]
             reading = replace(composed([reading, *parts]), axial=np.array(axial))
         R_body_axes, arm = self.body_from_axes.as_matrix(), body.arm
-        # The origin is where the body is held; of a free one, where the scene has it.
+        # The arm is where the scene's body is held; a free body has the scene's origin.
         at = self.com_body if arm is None else self.held_body - R_body_axes @ np.array(arm)
         return reading.placed(at, R_body_axes)
 
 
 def scene_record(scenario: Scenario) -> dict[str, Any]:
-    """What `ABOUT` names, as numbers and lists of numbers; `arm` is None of a free body.
+    """Return a scene's record: the keys of `ABOUT` with numbers and lists of numbers.
 
-    With `slides` and `height` of a body on a table, with `rotors` and `spins` of one that has them.
+    `arm` is None if the body is free. `slides` and `height` are there if it is on a table, `rotors`
+    and `spins` if it has rotors.
     """
     body, frame, constraint = scenario.carrier, RecordFrame.of(scenario), scenario.constraint
     to_axes = frame.body_from_axes.inv()

@@ -17,7 +17,7 @@ class Session(Adapted, ABC):
 
     `read_state` and `check` are enough for most engines. If reading takes as long as stepping, an
     adapter can return raw readings (`snapshot`), convert many of them to states at once (`states`),
-    and have a `record` of its own.
+    and implement its own `record`.
 
     Raises
     ------
@@ -27,20 +27,20 @@ class Session(Adapted, ABC):
 
     @abstractmethod
     def read_body(self) -> BodyReading:
-        """Mass, com and tensor as the engine holds them."""
+        """Return mass, com and tensor of the body as the engine holds them."""
 
     @abstractmethod
     def read_state(self) -> State:
-        """The state after the last step; every quantity of it is current."""
+        """Return the state after the last step; every quantity in it must be up to date."""
 
     @abstractmethod
     def advance(self, steps: int) -> None:
         """Take `steps` whole steps, natively; do nothing else here, as this is what is timed."""
 
     def timed(self, steps: int) -> tuple[float, float]:
-        """Take whole steps; returns the CPU and wall time that they took, s.
+        """Take whole steps; return the CPU and wall time that they took, s.
 
-        An engine in another process measures the times there.
+        An engine in another process measures both times in that process.
         """
         wall, cpu = time.perf_counter(), time.process_time()
         self.advance(steps)
@@ -48,39 +48,40 @@ class Session(Adapted, ABC):
 
     @property
     def can_restart(self) -> bool:
-        """Whether `restart` is implemented; where not, a scene is opened anew from its start."""
+        """Whether `restart` is implemented; if not, a scene is opened anew at each start."""
         return False
 
     @property
     def restarts_to_the_last_bit(self) -> bool:
-        """Whether a restart equals opening there to the last bit, or else but for rounding.
+        """Whether a restart gives the same bits as opening the scene there.
 
-        Rounding differs where an engine's coordinates are not those of `State`.
+        Otherwise it differs by rounding, because the engine's coordinates are not those of `State`.
         """
         return True
 
     def restart(self, state: State, timestep: float | None = None) -> None:
-        """Set the body to a state as if the scene had been opened there, without loading again.
+        """Set the body to a state as if the scene had been opened there, without loading it again.
 
-        Nothing of earlier steps is left: clocks, warm starts, warnings. A body in reduced
+        Nothing of earlier steps may be left: clocks, warm starts, warnings. A body in reduced
         coordinates hangs by its pivot whatever `com_world` and `velocity_world` are.
 
         Parameters
         ----------
-        timestep : s, of the steps from now on; as before if None
+        timestep : of the steps from now on, s; unchanged if None
         """
         raise NotImplementedError(f"{type(self).__name__} cannot be restarted.")
 
     @abstractmethod
     def check(self) -> None:
-        """Raise `EngineError` if the engine warned, was reset, clamped, or its clock is wrong."""
+        """Raise `EngineError` if the engine warned, was reset or clamped, or its clock is wrong."""
 
     @abstractmethod
     def active(self) -> frozenset[str]:
-        """What acts on the body, read back from the engine after the run.
+        """Return what acts on the body, read back from the engine after the run.
 
-        Names out of `scenarios.EFFECTS`, and a description of anything else that is switched on. A
-        mechanism that implements an effect (a constraint as the pivot) counts as that effect.
+        These are names out of `scenarios.EFFECTS`, and descriptions of anything else that is
+        switched on. A mechanism that implements an effect (a constraint as the pivot) counts as
+        that effect.
         """
 
     @abstractmethod
@@ -88,7 +89,7 @@ class Session(Adapted, ABC):
         """Free the engine's memory."""
 
     def snapshot(self) -> Any:
-        """What is read at a sample, in the engine's own format.
+        """Return what is read at a sample, in the engine's own format.
 
         Raises `EngineError` for trouble that the engine has reported so far.
         """
@@ -96,11 +97,11 @@ class Session(Adapted, ABC):
         return self.read_state()
 
     def record(self, strides: Sequence[int], keep: Callable[[Any], object]) -> None:
-        """Repeatedly take some steps and keep a snapshot; a run consists of that.
+        """Take steps and keep a snapshot, repeatedly: this is the whole run.
 
         Parameters
         ----------
-        strides : steps before each snapshot, 0 or more
+        strides : number of steps before each snapshot, 0 or more
         keep : called with each snapshot
         """
         for steps in strides:
@@ -109,20 +110,20 @@ class Session(Adapted, ABC):
             keep(self.snapshot())
 
     def states(self, snapshots: Sequence[Any]) -> State:
-        """The states of n snapshots, one a row of each column."""
+        """Return the states of n snapshots as one state with n rows."""
         return stacked(snapshots)
 
     def first_fault(self, snapshots: Sequence[Any], states: State) -> Fault | None:  # noqa: ARG002
-        """The first snapshot with a fault; None if there is none.
+        """Return the first snapshot with a fault; None if there is none.
 
-        A fault is what `check` would have raised there and `snapshot` does not check.
+        A fault is what `check` would have raised at the snapshot and `snapshot` does not check.
         """
         return None
 
     def derivatives(self) -> Mapping[str, Derivative]:
-        """The engine's own derivatives by attitude and ω at the state now, by its names for them.
+        """Return the engine's own derivatives by attitude and ω at the present state, by name.
 
-        Since version 2 of the interface. Empty for an engine without any.
+        Since version 2 of the interface. Empty for an engine that computes none.
         """
         return {}
 

@@ -1,9 +1,9 @@
-"""Starts every process that spincheck starts, and sees to it that none is left behind.
+"""Starts every process that spincheck starts, and makes sure that none is left behind.
 
-Each is in a process group of its own. One small process a parent (`guard`) kills the groups if the
-parent is gone without having ended them, as after `kill -9`: an engine that is busy does not notice
-that nobody listens any more. A worker that starts an engine has a guard of its own, so that the
-engine goes with it.
+Each process is in a process group of its own. One small process for each parent, the `guard`, kills
+the groups if the parent is gone without having ended them, as after `kill -9`: a busy engine does
+not notice that its parent has died. A worker that starts an engine has a guard of its own, so that
+the engine ends with it.
 """
 
 import atexit
@@ -20,7 +20,7 @@ from . import guard
 
 #: Options of Python by which neither the current folder nor the environment adds modules.
 ISOLATED = "-I"
-#: s that a guard has to end.
+#: Time that a guard has to end, s.
 END_LIMIT = 1.0
 _GROUPED: dict[str, Any] = (
     {"creationflags": getattr(subprocess, "CREATE_NEW_PROCESS_GROUP", 0)}
@@ -49,7 +49,7 @@ def start(command: Sequence[str], **options: Any) -> "subprocess.Popen[Any]":
 
 
 def kill(process: "subprocess.Popen[Any]") -> int:
-    """Kill a process and what is left of its group; returns its exit code."""
+    """Kill a process and what is left of its group; return its exit code."""
     _kill_group(process.pid)
     code = process.wait()
     with suppress(OSError):
@@ -63,7 +63,7 @@ def _kill_group(group: int) -> None:
 
 
 def run(command: Sequence[str], limit: float, **options: Any) -> "subprocess.CompletedProcess[str]":
-    """Run a command to its end, with nothing to read; what it prints is in the result.
+    """Run a command to its end, without standard input; return what it printed.
 
     Raises
     ------
@@ -83,7 +83,7 @@ def run(command: Sequence[str], limit: float, **options: Any) -> "subprocess.Com
 
 
 class _Guard:
-    """The guard of this process, started with the first group."""
+    """The guard of this process, started with the first process group."""
 
     def __init__(self) -> None:
         self._groups: set[int] = set()
@@ -91,12 +91,12 @@ class _Guard:
         self._telling = threading.Lock()
 
     def begin(self) -> None:
-        """Start it, unless it runs: it is there before what it guards."""
+        """Start the guard, unless it runs already, before any process that it is to guard."""
         with self._telling:
             self._started()
 
     def tell(self, group: int) -> None:
-        """Have a group guarded from now on, or no longer if it is negative."""
+        """Tell the guard to guard a process group from now on, or no longer if negative."""
         with self._telling:
             self._groups = self._groups | {group} if group > 0 else self._groups - {-group}
             if not self._groups and self._process is None:
@@ -104,19 +104,20 @@ class _Guard:
             try:
                 self._write(self._started(), [group])
             except BrokenPipeError:
-                # It was killed itself.
+                # The guard itself was killed.
                 self.end()
                 self._write(self._started(), sorted(self._groups))
 
     def end(self) -> None:
-        """End it; it kills what is left."""
+        """End the guard; it kills the groups that are left."""
         if self._process is not None:
             assert self._process.stdin is not None, "it is a pipe"
             self._process.stdin.close()
             try:
                 self._process.wait(END_LIMIT)
             except subprocess.TimeoutExpired:
-                # The machine is busy and it has just been started, or somebody has stopped it.
+                # The machine is busy and the guard has just been started, or somebody has stopped
+                # it.
                 for group in self._groups:
                     _kill_group(group)
                 self._process.kill()

@@ -11,12 +11,12 @@ from .session import Session
 
 @final
 class VariedEngine(Engine):
-    """An engine that opens scenes by `open_with`; it steps and is run as the engine itself.
+    """An engine that opens scenes by another engine's `open_with`, and else behaves as that engine.
 
     Parameters
     ----------
-    base : the engine
-    way : the argument of `open_with`, and the names that it is given
+    base : the other engine
+    way : name of the argument of `open_with` that is given
     """
 
     def __init__(self, base: Engine, way: str, names: tuple[str, ...]) -> None:
@@ -33,15 +33,15 @@ class VariedEngine(Engine):
 
     @property
     def site(self) -> str:
-        """As of the engine."""
+        """The other engine's own `site`."""
         return self.base.site
 
     def open(self, scenario: Scenario, method: Method, timestep: float) -> Session:
-        """Open the scene in this way."""
+        """Open the scene by `open_with` with the argument `way`."""
         return self.base.open_with(scenario, method, timestep, **self._way)
 
     def differences(
         self, scenario: Scenario, method: str, body: BodyReading, state: State
     ) -> list[Difference]:
-        """As of the engine."""
+        """Return the differences that the other engine finds."""
         return self.base.differences(scenario, method, body, state)

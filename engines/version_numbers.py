@@ -1,9 +1,9 @@
-"""The numbers of a version, to compare it by."""
+"""The numbers of a version, by which versions are compared."""
 
 import re
 
 
 def numbers_of(version: str) -> tuple[int, ...]:
-    """The leading numbers of a version, to compare it by: (3, 1, 6) of ``3.1.6.post1``."""
+    """Return the leading numbers of a version, to compare it by: (3, 1, 6) of ``3.1.6.post1``."""
     leading = re.match(r"\d+(\.\d+)*", version)
     return tuple(int(part) for part in leading[0].split(".")) if leading else ()

@@ -1,4 +1,4 @@
-"""What engines on NVIDIA's Warp share: kernels in the user's cache, and silence."""
+"""What engines on NVIDIA's Warp share: kernels in the user's cache, and no printing."""
 
 import warnings
 from collections.abc import Iterator
@@ -24,12 +24,12 @@ def kernels_kept() -> Iterator[None]:
 
 
 def use_warp_device(world: str, name: str) -> None:
-    """Have a stand-alone module, which steps on the CPU unless told, step on a device of Warp's.
+    """Make a stand-alone module, which steps on the CPU by default, step on a device of Warp's.
 
     Raises
     ------
     UnsupportedError
-        If there is none of that name.
+        If Warp has no device of that name.
     """
     with kernels_kept():
         warp: Any = import_module(world).wp
@@ -40,7 +40,7 @@ def use_warp_device(world: str, name: str) -> None:
 
 
 def warp_device() -> str:
-    """What Warp steps on, as a batch names it."""
+    """Return the name of the device that Warp steps on, for a batch."""
     warp: Any = import_module("warp")
     device = warp.get_device()
     return "CPU" if device.is_cpu else f"{device.name} ({device.alias})"

@@ -1,4 +1,4 @@
-"""An engine whose worlds are a stand-alone module beside its adapter, `world.py`."""
+"""An engine whose worlds are in a stand-alone module beside its adapter, `world.py`."""
 
 import inspect
 from importlib.metadata import version
@@ -11,11 +11,13 @@ from .world_session import WorldSession, world_script
 
 
 class WorldEngine(Engine):
-    """Opens scenes in such worlds, and writes the module out; its distribution has its name.
+    """Opens scenes in worlds of that module, and returns the module as a script.
+
+    Its name is that of its distribution.
 
     Attributes
     ----------
-    session : reads a world
+    session : class of the session that reads a world
     """
 
     interface = 2
@@ -32,6 +34,6 @@ class WorldEngine(Engine):
         return self.session(f"{module}.world", scenario, method.name, timestep)
 
     def script(self, scenario: Scenario, method: Method, timestep: float) -> str:  # noqa: ARG002
-        """The world as Python."""
+        """Return the world as Python."""
         world = Path(inspect.getfile(type(self))).with_name("world.py")
         return world_script(world, scenario, method.name)

@@ -1,4 +1,7 @@
-"""What the stand-alone modules of adapters share, written out with them: numpy alone."""
+"""Functions that adapters' stand-alone modules share and that are written out with them.
+
+They need numpy alone.
+"""
 
 from typing import Any
 
@@ -7,18 +10,18 @@ import numpy as np
 from ..scenarios.effects.push import is_pushed as is_pushed
 from ..scenarios.effects.push import push as push
 
-#: Inertia of a drive that keeps a rotor's spin, in moments of the rotor: the spin changes by an ulp
-#: of what ω does.
+#: Inertia of the drive that keeps a rotor's spin, in moments of the rotor: the spin then changes by
+#: an ulp of the change of ω.
 DRIVE = 2.0**50
 
 
 def drive(rotor: Any) -> float:
-    """Inertia against a change of its spin, kg m²: of a driven one, all of it."""
+    """Return the inertia of a hinge's drive, kg m²: so large that the spin stays, else 0."""
     return DRIVE * float(rotor["inertia"][1]) if rotor["hinge"] == "driven" else 0.0
 
 
 def rotor_tensor(rotor: Any) -> Any:
-    """Inertia of a rotor about its com, kg m², (3, 3)."""
+    """Return the inertia of a rotor about its com, kg m², (3, 3)."""
     across, along = rotor["inertia"]
     axis = np.array(rotor["axis"])
     return across * np.eye(3) + (along - across) * np.outer(axis, axis)

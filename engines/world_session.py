@@ -16,17 +16,17 @@ from ..scenarios.effects.push import is_pushed, push
 from .scene_record import ABOUT, RecordFrame, WorldBody, scene_record
 from .world_parts import matrix
 
-#: The torques that a body at rest feels.
+#: Effects whose torques act on a body at rest.
 TORQUES = frozenset({"torque_body", "torque_world"})
-#: Relative rounding of a torque that was rotated twice.
+#: Relative rounding error of a torque that was rotated twice.
 SLACK = 16 * float(np.finfo(float).eps)
-#: The module that worlds share.
+#: Path of the module with the functions that worlds share.
 PARTS = Path(__file__).with_name("world_parts.py")
 _RELATIVE_IMPORT = re.compile(r"^from \.[\w.]* import .+\n", re.MULTILINE)
 
 
 class WorldSession(Session):
-    """One body in a world; adapters add how it is read.
+    """One body in a world; adapters add how the body is read.
 
     Parameters
     ----------
@@ -48,34 +48,37 @@ class WorldSession(Session):
 
     @property
     def can_restart(self) -> bool:
-        """Always."""
+        """True: a world can be set to any motion."""
         return True
 
     def restart(self, state: State, timestep: float | None = None) -> None:
-        """As in `Session`."""
+        """Set the body to a state; see `Session.restart`."""
         self.timestep = self.timestep if timestep is None else timestep
         self.world.restart(self.frame.motion(state), self.timestep)
 
     def damped_by(self, damping: Sequence[float]) -> dict[str, bool]:
-        """What the damping of a joint's velocities, rotations first, is, and whether it acts."""
+        """Return the name of what a joint's damping, rotations first, is, and whether it acts.
+
+        The name is "drag" if it is the scene's.
+        """
         wanted = [self.scene["drag"]] * 3 + [0.0] * (len(damping) - 3)
         name = "drag" if list(damping) == wanted else f"a joint damping of {damping} N m s"
         return {name: any(damping)}
 
     def gravity_by(self, vector: FloatArray) -> dict[str, bool]:
-        """What a world's gravity is, m/s², and whether it acts."""
+        """Return the name of what a world's gravity, m/s², is, and whether it acts."""
         right = np.array_equal(vector, self.scenario.gravity_world)
         return {"gravity" if right else f"a gravity of {vector.tolist()} m/s²": bool(vector.any())}
 
     def pushed_by(self, torque: FloatArray) -> dict[str, bool]:
-        """What a torque on the body at rest is, N m, world axes, and whether it acts."""
+        """Return what a torque on the body at rest, N m, world axes, is, and whether it acts."""
         wanted = push(self.scene, matrix(self.world.motion()[:4]), np.zeros(3))
         pushes = np.linalg.norm(torque - wanted) <= SLACK * np.linalg.norm(wanted)
         acting = dict.fromkeys(self.scenario.called_for & TORQUES, bool(torque.any()))
         return acting | {f"a torque of {torque.tolist()} N m": not bool(pushes)}
 
     def read_body(self) -> BodyReading:
-        """The body in the scene's axes."""
+        """Return the body in the scene's axes."""
         return self.frame.body(self.world_body())
 
     def read_state(self) -> State:
@@ -83,7 +86,7 @@ class WorldSession(Session):
         return self.states([self.snapshot()]).rows(0)
 
     def snapshot(self) -> Sequence[float]:
-        """The motion in the record's frames, of an engine without trouble."""
+        """Return the motion in the record's frames, if the engine reports no trouble."""
         self.check()
         motion: Sequence[float] = self.world.motion()
         if not np.isfinite(motion).all():
@@ -95,7 +98,7 @@ class WorldSession(Session):
         return self.frame.states(np.array(snapshots, dtype=float))
 
     def advance(self, steps: int) -> None:
-        """As the world does."""
+        """Take steps as the world does."""
         self.world.advance(steps)
 
     def check(self) -> None:
@@ -114,11 +117,11 @@ class WorldBatch(Batch):
         self._worlds, self.device = worlds, device
 
     def advance(self, steps: int) -> None:
-        """As the worlds do."""
+        """Take steps as the worlds do."""
         self._worlds.advance(steps)
 
     def snapshots(self, places: Sequence[int]) -> Sequence[Any]:
-        """Their motions."""
+        """Return the motions of the worlds at `places`."""
         motions: Sequence[Any] = self._worlds.motions(list(places))
         return motions
 
@@ -128,7 +131,7 @@ class WorldBatch(Batch):
 
 
 def world_script(path: Path, scenario: Scenario, method: str) -> str:
-    """A run as Python: the stand-alone module, the scene's record as data, and its steps."""
+    """Return a run as Python: the stand-alone module, the scene's record as data, and its steps."""
     record = scene_record(scenario)
     entries = "\n".join(f'    "{key}": {record[key]!r},  # {ABOUT[key]}' for key in record)
     pushing = "\n\n".join(inspect.getsource(function) for function in (is_pushed, push))
@@ -157,7 +160,7 @@ def state():
 
 
 def stand_alone(path: Path) -> str:
-    """A module's text without its docstring and what it imports from the folders around it."""
+    """Return a module's text without its docstring and its imports from the folders around it."""
     text = path.read_text(encoding="utf-8")
     docstring = ast.parse(text).body[0].end_lineno or 0
     return _RELATIVE_IMPORT.sub("", "\n".join(text.splitlines()[docstring:])).strip() + "\n"

@@ -1,4 +1,4 @@
-"""Distances between two motions in each signal, relative to a base of the exact one."""
+"""Distances between two motions in each signal, relative to the size of the exact motion."""
 
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
@@ -15,7 +15,7 @@ from .trajectory import Trajectory
 
 @dataclass(frozen=True, eq=False)
 class ErrorSeries:
-    """Distances from the exact motion sample by sample, (n, signals); by a signal's name, (n,)."""
+    """Distances of a motion from the exact one by sample, (n, signals), or (n,) by signal name."""
 
     signals: tuple[Signal, ...]
     distances: FloatArray
@@ -26,25 +26,28 @@ class ErrorSeries:
         return column
 
     def first_beyond(self, name: str, bound: float) -> int | None:
-        """The first sample at which a signal is further off than that; None if at none."""
+        """Return the first sample at which a signal is further off than `bound`, or None."""
         beyond = np.flatnonzero(~(self[name] <= bound))
         return int(beyond[0]) if len(beyond) else None
 
     def worst(self) -> Errors:
-        """The largest of each over the samples."""
+        """Return the largest error of each signal over all samples."""
         largest = map(float, self.distances.max(axis=0))
         return Errors(**{s.name: size for s, size in zip(self.signals, largest, strict=True)})
 
 
 @dataclass(frozen=True, eq=False)
 class ErrorNorm:
-    """The norm of errors against an exact motion: motions as tables of signals, their distances."""
+    """The norm of errors against one exact motion.
+
+    Motions are converted to tables of signals, and tables have distances from each other.
+    """
 
     scenario: Scenario
     exact: Trajectory
 
     def table(self, motion: Trajectory) -> FloatArray:
-        """All signals of a motion side by side, SI, (n, columns of all)."""
+        """Return all signals of a motion side by side, SI, (n, columns of all signals)."""
         return np.column_stack([self._values(signal, motion) for signal in self.signals])
 
     @cached_property
@@ -54,17 +57,18 @@ class ErrorNorm:
 
     @cached_property
     def true_table(self) -> FloatArray:
-        """The table of the exact motion."""
+        """The table of the exact motion, (n, columns of all signals)."""
         return self.table(self.exact)
 
     def distances(self, table: FloatArray, other: FloatArray) -> FloatArray:
-        """The distances of two motions of n samples, (n, signals); q and −q are one attitude.
+        """Return the distances of two motions, (n, signals); q and −q are the same attitude.
 
-        Over a base of zero they are 0 where equal and inf elsewhere.
+        If the base of a signal is zero, its distance is 0 where the two are equal and inf
+        elsewhere.
         """
         apart = table - other
         first = [columns.start for columns in self._columns]
-        # Of what has blown up the square may be too large for a double.
+        # After a blow-up the square may be too large for a double.
         with np.errstate(over="ignore"):
             distances: FloatArray = np.sqrt(np.add.reduceat(apart * apart, first, axis=1))
         for k, (signal, columns) in enumerate(zip(self.signals, self._columns, strict=True)):
@@ -83,11 +87,12 @@ class ErrorNorm:
     def extrapolated(
         self, coarse: FloatArray, fine: FloatArray, orders: FloatArray | list[int]
     ) -> FloatArray:
-        """Richardson's limit of dt and dt / 2 (Hairer, Nørsett & Wanner I, §II.4), a table.
+        """Return Richardson's extrapolation of two tables (Hairer, Nørsett & Wanner I, §II.4).
 
         Parameters
         ----------
-        orders : of accuracy, by signal, (signals,)
+        coarse, fine : tables at dt and at dt / 2
+        orders : order of accuracy of each signal, (signals,)
         """
         widths = [columns.stop - columns.start for columns in self._columns]
         weights = np.repeat(1 / (2.0 ** np.asarray(orders) - 1), widths)
@@ -98,7 +103,7 @@ class ErrorNorm:
         return limit
 
     def _values(self, signal: Signal, motion: Trajectory) -> FloatArray:
-        """A signal of a motion; quaternions of unit norm, with the sign of the exact ones."""
+        """Return a signal of a motion; quaternions have unit norm and the exact motion's sign."""
         values = signal.values(self.scenario, motion)
         if signal.kind != "quaternion":
             return values
@@ -108,12 +113,12 @@ class ErrorNorm:
 
     @cached_property
     def _bases(self) -> FloatArray:
-        """What distances are relative to, (signals,)."""
+        """The number that the distance in each signal is relative to, (signals,)."""
         return np.array([signal.base(self.scenario, self.exact) for signal in self.signals])
 
     @cached_property
     def _columns(self) -> list[slice]:
-        """The columns of each signal in a table of them all."""
+        """The columns that each signal has in a table of all signals."""
         columns, end = [], 0
         for signal in self.signals:
             values = signal.values(self.scenario, self.exact)
@@ -123,7 +128,7 @@ class ErrorNorm:
 
 
 def error_series(scenario: Scenario, motion: Trajectory, exact: Trajectory) -> ErrorSeries:
-    """Errors of `motion` at its own sample times, which must be those of `exact`.
+    """Return the errors of `motion` at its own sample times, which must be those of `exact`.
 
     Raises
     ------
@@ -137,13 +142,13 @@ def error_series(scenario: Scenario, motion: Trajectory, exact: Trajectory) -> E
 
 
 def errors_between(scenario: Scenario, motion: Trajectory, exact: Trajectory) -> Errors:
-    """The errors of `motion` against `exact`, the largest of each signal."""
+    """Return the errors of `motion` against `exact`: of each signal, the largest."""
     return error_series(scenario, motion, exact).worst()
 
 
 @lru_cache(maxsize=RECENT)
 def norm_of(scenario: Scenario, exact: Trajectory) -> ErrorNorm:
-    """The norm of errors against an exact motion; kept, for all its runs are compared by it."""
+    """Return the norm of errors against an exact motion; kept for all runs of the scene."""
     return ErrorNorm(scenario, exact)
 
 

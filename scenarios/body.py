@@ -10,13 +10,14 @@ from mpmath import mp, mpf
 from .exact import DIGITS, ZERO, Tensor, Vector, add, exact, steiner, vector
 from .float_array import FloatArray, read_only
 
-#: Decimals such as 0.1 + 0.2 ≥ 0.3 must pass the triangle inequality after rounding to double.
+#: Relative slack of the triangle inequality: decimals such as 0.1 + 0.2 ≥ 0.3 must pass it after
+#: rounding to double.
 TRIANGLE_SLACK = 4 * np.finfo(float).eps
 
 
 @dataclass(frozen=True, eq=False)
 class Body:
-    """A rigid body in its own frame, valid if it exists.
+    """A rigid body in its own frame; a `Body` that exists has valid numbers.
 
     Attributes
     ----------
@@ -42,7 +43,7 @@ class Body:
             raise ValueError(
                 f"principal moments about the com must be positive, got {_triple(moments)} kg m²"
             )
-        # Halves, so that the sum of two of the largest doubles does not overflow.
+        # Halved before adding, so that the sum of two of the largest doubles does not overflow.
         if moments[2] / 2 > (moments[0] / 2 + moments[1] / 2) * (1 + TRIANGLE_SLACK):
             raise ValueError(
                 "no principal moment about the com may exceed the sum of the other two, "

@@ -1,4 +1,4 @@
-"""Finds scenario files: by path, by folder, or by name in the library that comes along."""
+"""Finds scenario files: by path, by folder, or by name in the library that comes with spincheck."""
 
 import os
 from collections.abc import Iterable, Iterator
@@ -9,17 +9,17 @@ from pathlib import Path
 from .errors import ScenarioError, did_you_mean, printable
 from .load import is_scenario, is_scene_name
 
-#: Endings of models, which are given by mistake.
+#: File endings of models, which users give by mistake in place of a scene.
 MODELS = (".urdf", ".xml", ".mjcf", ".xacro")
 LIBRARY = Path(str(files(__package__))) / "library"
-#: Files and folders that are looked at below a folder: a whole disk holds more, and takes minutes.
+#: Most files and folders looked at below a folder: a whole disk holds more, and takes minutes.
 MOST_ENTRIES = 50_000
 
 
 def scenario_files(folder: Path) -> list[Path]:
-    """Every scenario below a folder, sorted by path; other TOML files are passed over.
+    """Return every scenario below a folder, sorted by path; other TOML files are passed over.
 
-    Links to folders are not followed, and hidden folders not entered.
+    Links to folders are not followed, and hidden folders are not entered.
 
     Raises
     ------
@@ -33,9 +33,9 @@ def scenario_files(folder: Path) -> list[Path]:
 
 
 def hiding_the_library(names: Iterable[str]) -> list[str]:
-    """A sentence for each file or folder of the current folder that `find` takes for a name.
+    """Return a sentence for each name that means a file in the current folder, not the library's.
 
-    Only for names that the library has, too.
+    Only names that the library has, too, are reported.
     """
     there = {path: name for name in names for path in _of_current_folder(name)}
     known = {one for path in _library() for one in (path.stem, path.parent.name)} if there else ()
@@ -48,9 +48,10 @@ def hiding_the_library(names: Iterable[str]) -> list[str]:
 
 
 def find(names: Iterable[str]) -> list[Path]:
-    """Scenario files for what a user named: files, folders, library scenes, library folders.
+    """Return the scenario files that a user named: files, folders, library scenes, library folders.
 
-    A file of the current folder may be named without its ending. With no names, the whole library.
+    A file of the current folder may be named without its ending. Without names, the whole library
+    is returned.
 
     Raises
     ------
@@ -102,7 +103,7 @@ def _find_one(name: str) -> list[Path]:
     try:
         if path.exists() and not path.is_dir():
             return [path]
-        # As pages and messages name a scene.
+        # Pages and messages name a scene in this way.
         if is_scene_name(name) and file.is_file():
             return [file]
     except OSError as error:  # such as a name that is too long

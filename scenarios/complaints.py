@@ -11,9 +11,9 @@ from .document import Document
 from .errors import Misfit, printable
 from .locate import Keys, line_of
 
-#: Complaints that are reported of one file, at most.
+#: Largest number of complaints reported about one file.
 MAX_COMPLAINTS = 20
-#: Characters of a key, a value or a parser's message that are shown.
+#: Largest number of characters shown of a key, a value or a parser's message.
 MAX_SHOWN = 100
 _PUBLISHED = ("omega_body", "omega_world", "com_world", "L_world")
 _UNION_ARMS = (
@@ -21,7 +21,8 @@ _UNION_ARMS = (
     ("inertia", "matrix"),
     *((name, arm) for name in _PUBLISHED for arm in ("all", "some")),
 )
-#: Where pydantic would speak of Python's types, by its name for the error.
+#: The rule in TOML's terms, by pydantic's name for the error, where pydantic's own message has
+#: Python's types.
 _IN_TOML = {
     "model_type": "must be a table",
     "tuple_type": "must be an array",
@@ -34,7 +35,7 @@ _IN_TOML = {
 
 
 def validation_message(details: list[ErrorDetails], text: str, where: str) -> str:
-    """The message: one line a key, however many of its entries are wrong."""
+    """Return the message: one line for each key, however many of its entries are wrong."""
     lines: dict[Keys, str] = {}
     for detail in details:
         keys = _keys(detail)
@@ -46,17 +47,17 @@ def validation_message(details: list[ErrorDetails], text: str, where: str) -> st
 
 
 def misfit(error: Misfit, text: str, where: str) -> str:
-    """A complaint about values that are right one by one."""
+    """Return the complaint about values that are each right but do not go together."""
     return at(where, line_of(text, error.keys), f"{_spell(error.keys)}{error}")
 
 
 def at(where: str, line: int | None, complaint: str) -> str:
-    """A complaint with its place before it."""
+    """Return a complaint with file and line before it."""
     return f"{where}:{line}: {complaint}" if line else f"{where}: {complaint}"
 
 
 def _keys(detail: ErrorDetails) -> Keys:
-    """Where in the file an error is."""
+    """Return the path of keys in the file to the place of an error."""
     keys = detail["loc"]
     # Names of union arms are pydantic's own, not the file's.
     loc = tuple(k for n, k in enumerate(keys) if n == 0 or (keys[n - 1], k) not in _UNION_ARMS)
@@ -65,7 +66,7 @@ def _keys(detail: ErrorDetails) -> Keys:
 
 
 def _without_entries(keys: Keys) -> Keys:
-    """The keys down to the last that is not an index into its value."""
+    """Return the keys without trailing indices into arrays: down to the key of the value."""
     least = 2 if keys[:1] and keys[0] in _TABLE_ARRAYS else 1
     while len(keys) > least and isinstance(keys[-1], int):
         keys = keys[:-1]
@@ -73,12 +74,12 @@ def _without_entries(keys: Keys) -> Keys:
 
 
 def _explain(detail: ErrorDetails, keys: Keys) -> str:
-    """The message of one pydantic error."""
+    """Return the message of one pydantic error."""
     return f"{_spell(keys)}{_rule(detail, keys)}"
 
 
 def _spell(keys: Keys) -> str:
-    """("body", "com", 1) as "[body] com[1]: "."""
+    """Return ("body", "com", 1) as "[body] com[1]: "."""
     if not keys:
         return ""
     tables = [key for key in keys if isinstance(key, str)]
@@ -126,7 +127,7 @@ def _unknown_key(key: str, known_keys: Iterable[str]) -> str:
 
 
 def _known_keys(table: Keys) -> list[str]:
-    """The keys the model at this place of the file knows."""
+    """Return the keys that the format has in a table of the file."""
     model: type[BaseModel] = Document
     for key in table:
         if isinstance(key, str):
@@ -135,7 +136,7 @@ def _known_keys(table: Keys) -> list[str]:
 
 
 def _models_in(annotation: Any) -> Iterator[type[BaseModel]]:
-    """The table models inside an annotation such as ``Table | None`` or ``tuple[Table, ...]``."""
+    """Yield the table models inside an annotation like ``Table | None``, ``tuple[Table, ...]``."""
     if isinstance(annotation, type) and issubclass(annotation, BaseModel):
         yield annotation
     for arm in get_args(annotation):

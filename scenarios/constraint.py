@@ -11,14 +11,15 @@ from .float_array import FloatArray, read_only
 
 @dataclass(frozen=True, eq=False)
 class Constraint:
-    """A point of the body that keeps its place, by a force that does no work.
+    """A point of the body that keeps its place, held by a force that does no work.
 
     Attributes
     ----------
-    is_held : along which of the world's axes; along none of them the body is free
-    lever_exact : from that point to the centre of mass, m, body axes; of a free body, from its
-        origin
-    place_exact : of the point, m, world axes; not looked at along the others
+    is_held : for each axis of the world, whether the point is held along it; a free body is held
+        along none
+    lever_exact : vector to the centre of mass from the point, or from the origin of a free body, m,
+        body axes
+    place_exact : place of the point, m, world axes; only the axes along which it is held count
     """
 
     is_held: tuple[bool, bool, bool]
@@ -32,31 +33,31 @@ class Constraint:
 
     @property
     def is_free(self) -> bool:
-        """Whether nothing is held."""
+        """Whether the body is free: no point of it is held along any axis."""
         return not any(self.is_held)
 
     @cached_property
     def lever(self) -> FloatArray:
-        """Vector from that point to the centre of mass, m, body axes, (3,)."""
+        """`lever_exact` as doubles, m, body axes, (3,)."""
         return read_only(self.lever_exact)
 
     def com_world(self, lever_world: FloatArray, flown_world: FloatArray) -> FloatArray:
-        """Where attitudes put the centre of mass, m, (n, 3) or (3,).
+        """Return the position of the centre of mass at given attitudes, m, (n, 3) or (3,).
 
         Parameters
         ----------
-        lever_world : m, the lever at these attitudes
-        flown_world : m, the place along axes that are not held
+        lever_world : the lever at these attitudes, m
+        flown_world : position of the centre of mass along axes that are not held, m
         """
         place_world = np.array(self.place_exact, dtype=float)
         return np.where(self.is_held, place_world + lever_world, flown_world)
 
     def velocity_world(self, swing_world: FloatArray, flown_world: FloatArray) -> FloatArray:
-        """The velocity of the centre of mass, m/s, (n, 3) or (3,).
+        """Return the velocity of the centre of mass, m/s, (n, 3) or (3,).
 
         Parameters
         ----------
-        swing_world : m/s, ω × lever
-        flown_world : m/s, the velocity along axes that are not held
+        swing_world : ω × lever, m/s
+        flown_world : velocity of the centre of mass along axes that are not held, m/s
         """
         return np.where(self.is_held, swing_world, flown_world)

@@ -101,14 +101,14 @@ class BodyTable(Table):
 
     @property
     def inertia_matrix(self) -> Matrix | None:
-        """The inertia as a full matrix, kg m²."""
+        """The inertia as a full matrix, kg m²; None if the table states none."""
         if self.inertia is None or isinstance(self.inertia[0], tuple):
             return self.inertia
         a, b, c = self.inertia
         return ((a, 0.0, 0.0), (0.0, b, 0.0), (0.0, 0.0, c))
 
     def body(self) -> Body:
-        """The rigid body this table describes; ValueError if no such body exists."""
+        """Return the rigid body that this table describes; ValueError if no such body exists."""
         return _body(self)
 
 
@@ -168,7 +168,7 @@ class Published(Table):
         return self
 
     def values(self) -> dict[str, Any]:
-        """The quantities given, by name; None for components that are not."""
+        """The stated quantities, by name; None for components that are not stated."""
         fields = self.model_dump(exclude={"t", "tolerance", "source"})
         return {
             name: tuple(value.values()) if isinstance(value, dict) else value
@@ -178,7 +178,7 @@ class Published(Table):
 
 
 def _with_bounds(model: type[T]) -> type[T]:
-    """The table with a key a signal: a bound on the error in it."""
+    """Return the table model with a key added for each signal: a bound on the error in it."""
     bounds: dict[str, Any] = {
         signal.name: (Positive | None, Field(None, description=f"bound on the error in {signal}"))
         for signal in SIGNALS
@@ -204,7 +204,7 @@ class Expect(Table):
         return self
 
     def bounds(self) -> dict[str, float]:
-        """The bounds given, by the signal whose error they bound."""
+        """The stated bounds on errors, by signal."""
         return {name: getattr(self, name) for name in SIGNAL if getattr(self, name) is not None}
 
 
@@ -274,7 +274,7 @@ class Document(Table):
 
 @lru_cache(maxsize=1)
 def _body(table: BodyTable) -> Body:
-    """The body of a table, which is checked by it and built from it right afterwards."""
+    """Return the body of a table, kept between the check of the table and its use."""
     if table.particles is not None:
         return body_of_particles(table.particles)
     mass, matrix = table.mass, table.inertia_matrix

@@ -1,4 +1,4 @@
-"""What is raised about a scenario file that cannot be used; how foreign text is quoted in it."""
+"""Errors about a scenario file that cannot be used, and how foreign text is quoted in messages."""
 
 import unicodedata
 from collections.abc import Iterable
@@ -14,7 +14,7 @@ class Misfit(ValueError):
 
     Attributes
     ----------
-    keys : lead from where this was found to the key that is to blame
+    keys : the path of keys from the place of this error to the value that is wrong
     """
 
     def __init__(self, message: str, *keys: int | str) -> None:
@@ -23,18 +23,18 @@ class Misfit(ValueError):
 
 
 def did_you_mean(name: str, names: Iterable[str]) -> str:
-    """The hint "; did you mean '…'?" with the nearest of `names`; empty if none is near."""
+    """Return the hint "; did you mean '…'?" with the nearest of `names`; empty if none is near."""
     near = get_close_matches(name, list(names), n=1)
     return f"; did you mean '{near[0]}'?" if near else ""
 
 
 def is_control(character: str) -> bool:
-    """Whether a character ends a line, commands the terminal, turns text about or is not seen."""
+    """Whether a character ends a line, controls the terminal, reverses text or is invisible."""
     return unicodedata.category(character) in ("Cc", "Cf", "Cs", "Zl", "Zp")
 
 
 def printable(text: str, limit: int | None = None) -> str:
-    """Text of foreign origin on one line: control characters as escapes, cut off at a limit."""
+    """Return foreign text on one line: control characters as escapes, cut off at a limit."""
     if limit is not None and len(text) > limit:
         text = f"{text[:limit]}…"
     if text.isprintable():

@@ -1,4 +1,4 @@
-"""How fast a motion is: the rate by which a timestep is small or large for it."""
+"""How fast a motion is: the rate against which a timestep is small or large."""
 
 import numpy as np
 
@@ -7,9 +7,9 @@ from .scenario import Scenario
 
 
 def fastest_rate(scenario: Scenario, omega_body: FloatArray) -> float:
-    """The fastest rate at which a scene's state can change, rad/s.
+    """Return the fastest rate at which a scene's state can change, rad/s.
 
-    The largest of |ω| and the rates of effects, such as that of a small swing under gravity.
+    It is the largest of |ω| and the rates of effects, such as that of a small swing under gravity.
     Euler's equations add none: where all moments obey the triangle inequality, |I₁ − I₂| ≤ I₃,
     their coefficients are at most |ω| (Landau & Lifshitz, Mechanics, §36).
 
@@ -22,5 +22,5 @@ def fastest_rate(scenario: Scenario, omega_body: FloatArray) -> float:
 
 
 def decay_rate(scenario: Scenario) -> float:
-    """The fastest rate at which a scene's effects slow the body, 1/s."""
+    """Return the fastest rate at which a scene's effects slow the body, 1/s."""
     return sum(effect.decay(scenario) for effect in scenario.acting)

@@ -1,4 +1,4 @@
-"""Arrays of doubles, and copies that frozen records keep."""
+"""The type of an array of doubles, and read-only copies for frozen records."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -7,7 +7,7 @@ FloatArray = NDArray[np.float64]
 
 
 def read_only(values: object) -> FloatArray:
-    """A copy of the numbers, marked read-only."""
+    """Return a copy of the numbers, marked read-only."""
     array = np.array(values, dtype=float)
     array.setflags(write=False)
     return array

@@ -19,8 +19,8 @@ from .effects import EFFECTS, Effects
 from .start import StartTable
 from .values import Table
 
-#: Every table of the file in the order it is written, with an example; together they are a scene,
-#: but for the table, which excludes the pivot.
+#: Every table of the file in the order in which it is written, with an example. Together they make
+#: a valid scene, except `[effects.table]`, which excludes the pivot.
 EXAMPLES: dict[str, tuple[type[Table], str]] = {
     "The top of the file": (
         Document,
@@ -104,7 +104,7 @@ is −m g·r_com.
 
 
 def format_page() -> str:
-    """The page, as Markdown."""
+    """Return the page as Markdown."""
     return "\n".join([_HEAD, *(line for title in EXAMPLES for line in _section(title))])
 
 
@@ -124,7 +124,7 @@ def _section(title: str) -> Iterator[str]:
 
 
 def _kind(field: FieldInfo) -> str:
-    """What a key takes, in words."""
+    """Return in words which values a key takes."""
     limits = [
         f" {sign} {limit}"
         for name, sign in (("gt", ">"), ("ge", "≥"), ("le", "≤"))

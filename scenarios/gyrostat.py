@@ -6,8 +6,8 @@ inertia of the whole (J. Wittenburg, Dynamics of Multibody Systems, 2nd ed., §4
 
     L = I ω + Σ C s u        T = ½ ω·I ω + Σ (C s u·ω + ½ C s²)
 
-A free hinge passes on no axial torque: C (u·ω + s) stays, and the rotor's axial moment is no part
-of what ω' is multiplied by. A driven one keeps s, a locked one has none.
+A free hinge transmits no axial torque: C (u·ω + s) stays constant, and the inertia that multiplies
+ω' leaves out the rotor's axial moment. A driven rotor keeps s constant, a locked one has s = 0.
 """
 
 from dataclasses import dataclass
@@ -22,7 +22,7 @@ from .body import Body
 from .exact import DIGITS, ZERO, Tensor, Vector, add, dot, steiner
 from .float_array import FloatArray, read_only
 
-#: Bodies with rotors that are kept as a whole.
+#: Number of bodies whose sum with their rotors is kept.
 KEPT = 64
 
 
@@ -32,10 +32,10 @@ class Rotor:
 
     Attributes
     ----------
-    axis : of unit length
+    axis : unit vector
     position : of its com, from the body's origin
-    across, along : moments about its com
-    spin : relative to the body, at t = 0
+    across, along : moments about its com, across and along the axis
+    spin : angular velocity relative to the body, at t = 0
     """
 
     axis: Vector
@@ -48,18 +48,18 @@ class Rotor:
 
     @cached_property
     def body(self) -> Body:
-        """The rotor as a body by itself, along the axes of the carrier and from its origin."""
+        """The rotor by itself, in the axes and from the origin of the body it is part of."""
         return Body(self.mass, self.position, self.inertia)
 
     @property
     def inertia(self) -> Tensor:
-        """About its com, kg m²: A 1 + (C − A) u uᵀ."""
+        """Inertia about the rotor's com, A 1 + (C − A) u uᵀ, kg m²."""
         zero, A = mpf(0), self.across
         isotropic = ((A, zero, zero), (zero, A, zero), (zero, zero, A))
         return add(isotropic, self.about_axis(self.along - self.across))
 
     def about_axis(self, moment: mpf) -> Tensor:
-        """A moment about its axis alone, kg m²."""
+        """Return the tensor of a moment about the rotor's axis alone, moment · u uᵀ, kg m²."""
         with mp.workdps(DIGITS):
             u, v, w = self.axis
             return (
@@ -71,7 +71,7 @@ class Rotor:
 
 @dataclass(frozen=True, eq=False)
 class Rotors:
-    """All rotors of a body."""
+    """All rotors of a body; any parts that turn in the body."""
 
     each: tuple[Rotor, ...]
 
@@ -80,55 +80,57 @@ class Rotors:
 
     @cached_property
     def along(self) -> FloatArray:
-        """Moments along the axes, kg m², (rotors,)."""
+        """Moments of the rotors along their axes, kg m², (rotors,)."""
         return read_only([rotor.along for rotor in self.each])
 
     @cached_property
     def axes_body(self) -> FloatArray:
-        """Their axes, (rotors, 3)."""
+        """Unit vectors of the rotors' axes, body axes, (rotors, 3)."""
         return read_only([rotor.axis for rotor in self.each]).reshape(-1, 3)
 
     @cached_property
     def is_free(self) -> FloatArray:
-        """1 where the hinge is free, else 0, (rotors,)."""
+        """For each rotor, 1 if its hinge is free, else 0, (rotors,)."""
         return read_only([float(rotor.hinge == "free") for rotor in self.each])
 
     @cached_property
     def is_turning(self) -> NDArray[np.bool_]:
-        """Whether the hinge is not locked, (rotors,)."""
+        """For each rotor, whether its hinge is not locked, (rotors,)."""
         return np.array([rotor.hinge != "locked" for rotor in self.each], dtype=bool)
 
     @cached_property
     def axial_body(self) -> FloatArray:
-        """What a spin is multiplied by in L, C u, kg m², (rotors, 3); zero where one is locked."""
+        """C u of each rotor, the factor of its spin in L, kg m², (rotors, 3); 0 if locked."""
         return read_only((self.along * self.is_turning)[:, None] * self.axes_body)
 
     @cached_property
     def start_spins(self) -> FloatArray:
-        """Spins at t = 0, relative to the body, rad/s, (rotors,)."""
+        """Spins of the rotors at t = 0, relative to the body, rad/s, (rotors,)."""
         return read_only([rotor.spin for rotor in self.each])
 
     def kept(self, omega_body: FloatArray, spins: FloatArray) -> FloatArray:
-        """What each hinge keeps, kg m²/s, (n, rotors): C (u·ω + s) if it is free, C s if not."""
+        """Return each hinge's constant, kg m²/s, (n, rotors): C (u·ω + s) if free, else C s."""
         turned = omega_body @ self.axes_body.T * self.is_free
         return np.asarray(self.along * (spins + turned))
 
     def spins(self, omega_body: FloatArray, kept: FloatArray) -> FloatArray:
-        """The spins of rotors that keep so much, rad/s, (n, rotors)."""
+        """Return the spins, rad/s, (n, rotors), of rotors whose constants are `kept`."""
         turned = omega_body @ self.axes_body.T * self.is_free
         return np.asarray(kept / self.along - turned)
 
     def kept_body(self, kept: FloatArray) -> FloatArray:
-        """The sum of what the hinges keep, kg m²/s, (n, 3): what is added to I ω in L."""
+        """Return the vector sum of the hinges' constants, kg m²/s, (n, 3), added to I ω in L."""
         return np.asarray(kept @ self.axes_body)
 
     def cancelling(
         self, spins: FloatArray, com_body: FloatArray, far: float = 0.0
     ) -> tuple[FloatArray, FloatArray]:
-        """Σ m r s², N, and Σ (C + m d r) s², N m, (n,), d from the com of all, r = d + far.
+        """Return Σ m r s², N, and Σ (C + m d r) s², N m, (n,), d the distance from the com.
 
-        Terms that coordinates which turn with a rotor have, and that cancel; places are rounded
-        relative to their distance from an origin, m, that is so far away.
+        These are sizes of terms that cancel in coordinates that turn with a rotor. Their rounding
+        is
+        relative to r = d + far, where `far` is the distance of the coordinates' origin from the
+        com, m.
         """
         masses = np.array([rotor.body.mass for rotor in self.each])
         places = np.array([rotor.body.com for rotor in self.each]).reshape(-1, 3)
@@ -137,36 +139,36 @@ class Rotors:
         return squares @ (masses * reach), squares @ (self.along + masses * apart * reach)
 
     def sizes(self, omega_body: FloatArray) -> tuple[FloatArray, float]:
-        """|C s| + C |u·ω| at the start, kg m²/s, (rotors,), and the energy that comes to, J.
+        """Return sizes of the rotors' angular momenta, kg m²/s, (rotors,), and of their energy, J.
 
-        None is zero where it can turn.
+        A size is |C s| + C |u·ω| at the start, which is not zero for a rotor that can turn.
         """
         turned = np.abs(self.axes_body @ omega_body)
         kept = np.asarray(self.along * (np.abs(self.start_spins) + turned))
         return kept, float(kept @ (kept / self.along)) / 2
 
     def momentum_body(self, spins: FloatArray) -> FloatArray:
-        """Σ C s u, kg m²/s, (n, 3): what they add to L."""
+        """Return Σ C s u, kg m²/s, (n, 3), which the rotors add to L."""
         return np.asarray(spins @ self.axial_body)
 
     def energy(self, omega_body: FloatArray, spins: FloatArray) -> FloatArray:
-        """Σ (C s u·ω + ½ C s²), J, (n,): what they add to T."""
+        """Return Σ (C s u·ω + ½ C s²), J, (n,), which the rotors add to T."""
         turned = omega_body @ self.axes_body.T
         return np.asarray((self.along * spins * (turned + spins / 2)).sum(axis=-1))
 
     def work(self, omega_body: FloatArray, spins: FloatArray) -> FloatArray:
-        """Σ C s u·ω of driven rotors, J, (n,): its change is the work of their drives."""
+        """Return Σ C s u·ω of driven rotors, J, (n,), whose change is the work of their drives."""
         turned = omega_body @ self.axes_body.T * (1 - self.is_free)
         return np.asarray((self.along * spins * turned).sum(axis=-1))
 
 
 def whole(body: Body, rotors: Rotors) -> Body:
-    """A body with its rotors as if their hinges were locked.
+    """Return a body with its rotors, as if their hinges were locked.
 
     Raises
     ------
     ValueError
-        If it is too large to be computed with.
+        If the body is too large to be computed with.
     """
     return _composed(body, rotors) if rotors else body
 
@@ -186,7 +188,7 @@ def _composed(body: Body, rotors: Rotors) -> Body:
 
 
 def without_free_axes(inertia: Tensor, rotors: Rotors) -> Tensor:
-    """Inertia less the axial moments of rotors that turn freely."""
+    """Return the inertia less the axial moments of rotors that turn freely, kg m²."""
     for rotor in rotors.each:
         if rotor.hinge == "free":
             inertia = add(inertia, rotor.about_axis(rotor.along), sign=-1)
@@ -194,7 +196,7 @@ def without_free_axes(inertia: Tensor, rotors: Rotors) -> Tensor:
 
 
 def kept_exact(rotor: Rotor, omega_body: Vector) -> mpf:
-    """As `Rotors.kept`, of one rotor at the start, in extended precision."""
+    """Return `Rotors.kept` of one rotor at the start, in extended precision, kg m²/s."""
     with mp.workdps(DIGITS):
         turned = dot(rotor.axis, omega_body) if rotor.hinge == "free" else mpf(0)
         return rotor.along * (rotor.spin + turned)

@@ -22,11 +22,12 @@ from .signals import SIGNAL
 from .write import to_toml
 
 MARKER = "spincheck"
-#: Bytes of a scene's name; a page's has an ending and perhaps a number more, and 255 at most.
+#: Largest length of a scene's name, bytes: a file named after it has an ending and perhaps a number
+#: more, and 255 bytes at most.
 LONGEST_NAME = 200
-#: An integer of more digits than Python converts.
+#: Matches an integer of more digits than Python converts.
 _MANY_DIGITS = re.compile(rf"[0-9_]{{{sys.get_int_max_str_digits()}}}")
-#: The line number in a message of the TOML parser.
+#: Matches the line number in a message of the TOML parser.
 _PARSER_LINE = re.compile(r"\(at line (\d+), column \d+\)$")
 
 
@@ -43,7 +44,7 @@ def load(path: str | Path) -> Scenario:
 
 
 def load_each(paths: Iterable[str | Path]) -> tuple[list[Scenario], list[str]]:
-    """The scenarios of those files that are right, and what is wrong with the others."""
+    """Return the scenarios of the files that are right, and what is wrong with the others."""
     scenarios, wrong = [], []
     for path in paths:
         try:
@@ -87,13 +88,13 @@ def from_tables(tables: Mapping[str, Any], name: str = "scene") -> Scenario:
     Raises
     ------
     ScenarioError
-        As `load`.
+        As for `load`.
     """
     return loads(to_toml({MARKER: 1, **_plain(tables)}), name)
 
 
 def _plain(value: Any) -> Any:
-    """Tables without NumPy's types."""
+    """Return a value without NumPy's types."""
     if isinstance(value, Mapping):
         return {str(key): _plain(entry) for key, entry in value.items()}
     if isinstance(value, list | tuple):
@@ -115,11 +116,11 @@ def _parsed(text: str, where: str) -> dict[str, Any]:
     except tomllib.TOMLDecodeError as error:
         message = printable(str(error), MAX_SHOWN)
         match = _PARSER_LINE.search(str(error))
-        # It names no line at the end of the text.
+        # An error at the end of the text names no line.
         last = int(match[1]) if match else len(text.splitlines())
         raise ScenarioError(at(where, last, f"not valid TOML: {message}")) from None
     except ValueError:
-        # Python's own limit on the digits of an integer.
+        # The parser hit Python's own limit on the digits of an integer.
         match = _MANY_DIGITS.search(text)
         line = text.count("\n", 0, match.start()) + 1 if match else None
         raise ScenarioError(at(where, line, "not valid TOML: an integer is too large")) from None
@@ -142,7 +143,7 @@ def _scenario(tables: dict[str, Any], name: str, text: str, path: Path | None) -
 
 
 def _check_origin(scenario: Scenario) -> None:
-    """Compare the file that `[body] model` names with the digest beside it.
+    """Check that the file that `[body] model` names has the digest that stands beside its name.
 
     A scene without a file of its own has no folder that the name could be relative to.
     """

@@ -3,7 +3,7 @@
 import re
 from functools import lru_cache
 
-#: Lead to a place in a file as they do in what the parser returns.
+#: A path of keys and indices to a place in a file, as in what the parser returns.
 Keys = tuple[int | str, ...]
 
 _HEADER = re.compile(r"^\s*(\[\[?)\s*([\w.\-\s]+?)\s*\]\]?")
@@ -25,9 +25,9 @@ def line_of(text: str, keys: Keys) -> int | None:
     return None
 
 
-@lru_cache(maxsize=1)  # every complaint about a file asks for them again
+@lru_cache(maxsize=1)  # every complaint about a file asks for its lines again
 def _key_lines(text: str) -> dict[Keys, int]:
-    """Where every table and key begins. Keys inside inline tables are not looked for."""
+    """Return the line of every table and key, except keys inside inline tables."""
     lines: dict[Keys, int] = {}
     table: Keys = ()
     seen: dict[str, int] = {}
@@ -52,7 +52,7 @@ def _table_path(brackets: str, name: str, seen: dict[str, int]) -> Keys:
 
 
 def _open_quote(line: str, quote: str | None) -> str | None:
-    """The multi-line string delimiter still open at the line's end, if any."""
+    """Return the multi-line string delimiter still open at the line's end, or None."""
     for mark in re.findall(r'"""|\'\'\'', line):
         if quote is None:
             quote = mark

@@ -1,4 +1,4 @@
-"""L and energy of a trajectory: one piece of code, for reference and engines alike."""
+"""L and energy of a trajectory, by one piece of code for reference and engines alike."""
 
 from collections.abc import Callable
 from functools import lru_cache
@@ -10,7 +10,7 @@ from .float_array import FloatArray
 from .rotation import cross
 from .trajectory import Trajectory
 
-#: Of so many motions L and energy are kept: errors, drifts and judgements all ask for them.
+#: Number of motions whose L and energy are kept: errors, drifts and judgements all ask for them.
 RECENT = 16
 
 
@@ -18,8 +18,8 @@ RECENT = 16
 def angular_momentum_world(scenario: Scene, motion: Trajectory) -> FloatArray:
     """L about the pivot, or the com where there is none, kg m²/s, (n, 3), read-only.
 
-    L = R I_com ω, with what parts add to I_com ω, and m r × v besides where there is a pivot
-    (Goldstein, Classical Mechanics, eq. 1.28: L of the centre of mass plus L about it).
+    L = R I_com ω, with the momentum of the parts added to I_com ω, plus m r × v where there is a
+    pivot (Goldstein, Classical Mechanics, eq. 1.28: L of the centre of mass plus L about it).
     """
     body = scenario.body
     rigid = motion.omega_body @ body.inertia_com
@@ -32,7 +32,7 @@ def angular_momentum_world(scenario: Scene, motion: Trajectory) -> FloatArray:
 
 
 def kinetic_energy(scenario: Scene, motion: Trajectory) -> FloatArray:
-    """T = ½ m v² + ½ ω·I_com ω, with what parts add, J, (n,) (Goldstein, eq. 1.31 and 5.16)."""
+    """T = ½ m v² + ½ ω·I_com ω plus energy of the parts, J, (n,) (Goldstein, eq. 1.31, 5.16)."""
     body = scenario.body
     omega = motion.omega_body
     rotation: FloatArray = np.einsum("ni,ij,nj->n", omega, body.inertia_com, omega)
@@ -42,7 +42,7 @@ def kinetic_energy(scenario: Scene, motion: Trajectory) -> FloatArray:
 
 
 def potential_energy(scenario: Scene, motion: Trajectory) -> FloatArray:
-    """V of all effects that have one, J, (n,)."""
+    """V, the sum of the potentials of all effects that have one, J, (n,)."""
     return _with_effects(scenario, motion, np.zeros(len(motion.t)), lambda effect: effect.potential)
 
 
@@ -65,7 +65,7 @@ def _with_effects(
     total: FloatArray,
     term_of: Callable[[Effect], Along | None],
 ) -> FloatArray:
-    # Of what has blown up, terms may be too large for a double.
+    # After a blow-up, terms may be too large for a double.
     with np.errstate(over="ignore", invalid="ignore"):
         for effect in scenario.acting:
             if (term := term_of(effect)) is not None:

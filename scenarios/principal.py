@@ -6,8 +6,8 @@ from mpmath import mp, mpf
 
 from .exact import DIGITS, Quaternion, Tensor, Vector, cross, dot
 
-#: Tensors are made of doubles in DIGITS digits: what agrees this far (relative) is equal, and two
-#: doubles that differ never agree so far.
+#: Relative tolerance of equal numbers. Tensors are made of doubles in DIGITS digits: numbers that
+#: agree this far are equal, and two doubles that differ never agree so far.
 EQUAL_TO_WORKING_PRECISION = mpf(10) ** (10 - DIGITS)
 
 #: Number of tensors whose axes are kept.
@@ -41,7 +41,7 @@ def principal_axes(tensor: Tensor) -> tuple[Vector, Tensor]:
 
 
 def _merged(low: mpf, middle: mpf, high: mpf) -> Vector:
-    """Ascending moments, made equal where only the rounding of the eigenvalues tells them apart."""
+    """Return ascending moments, made equal where they differ only by the eigenvalues' rounding."""
     if middle - low <= EQUAL_TO_WORKING_PRECISION * middle:
         middle = low
     if high - middle <= EQUAL_TO_WORKING_PRECISION * high:

@@ -1,4 +1,4 @@
-"""A scenario file as text: read from regular files alone, in one size, in one encoding."""
+"""Reads the text of a scenario file: only of a regular file, up to one size, in UTF-8."""
 
 import re
 from pathlib import Path
@@ -6,19 +6,20 @@ from pathlib import Path
 from .errors import ScenarioError, printable
 from .regular_files import read_regular
 
-#: No scenario is this long; a larger file is something else, given by mistake.
+#: Largest size of a file, bytes. No scenario is this long; a larger file is given by mistake.
 MAX_BYTES = 1 << 16
-#: Bytes, within which the first key stands, after comments at most.
+#: Number of bytes within which the first key stands, since only comments come before it.
 HEAD = 1 << 14
-#: A key such as a.b.c… of so many parts: the parser takes the square of their number in time.
+#: Largest number of parts of a key such as a.b.c…: the parser takes time by the square of their
+#: number.
 MAX_NESTING = 64
-#: One part of a key, and how many of them in a row are too many.
+#: Pattern of one part of a key, and of too many parts in a row.
 _PART = r"""(?:[\w-]++|"(?:[^"\\\n]|\\.)*+"|'[^'\n]*+')"""
 _TOO_DEEP = re.compile(rf"(?<![\w\\-])(?:{_PART}[ \t]*+\.[ \t]*+){{{MAX_NESTING}}}")
 
 
 def read_text(path: Path) -> str:
-    """The text of a file, without the mark that some editors begin it with.
+    """Return the text of a file without its byte-order mark.
 
     Raises
     ------
@@ -39,7 +40,7 @@ def read_text(path: Path) -> str:
 
 
 def first_key(path: Path) -> str:
-    """The first key of a TOML file, from its first lines alone; empty where there is none."""
+    """Return the first key of a TOML file, read from its first lines; empty if there is none."""
     try:
         head = read_regular(path, HEAD)
     except OSError:
@@ -52,5 +53,5 @@ def first_key(path: Path) -> str:
 
 
 def is_nested_too_deeply(text: str) -> bool:
-    """Whether a key has more parts than any scenario's, so that parsing would take long."""
+    """Whether a key has so many more parts than any scenario's that parsing would take long."""
     return _TOO_DEEP.search(text) is not None

@@ -1,7 +1,8 @@
 """Reads regular files and writes new ones: no pipe is waited for, no link is written through.
 
-All files that come from outside are read here, and all that users ask for are written here. Result
-files, which SQLite reads and writes, have checks of their own (`reports/results/result_file.py`).
+All files that come from outside are read here, and all files that users ask for are written here.
+Result files, which SQLite reads and writes, have checks of their own
+(`reports/results/result_file.py`).
 """
 
 import errno
@@ -12,16 +13,17 @@ from collections.abc import Collection, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
-#: Bytes of a user's model, URDF or MJCF; the largest of public packages have one million.
+#: Largest size of a user's model, URDF or MJCF, bytes; the largest of public packages have one
+#: million.
 LARGEST_MODEL = 1 << 25
-#: Characters of a name that is made of a text.
+#: Largest length of a file name that is made of a text, characters.
 LONGEST_NAME = 100
-#: Opening a pipe would wait for a writer; Windows has no such pipes.
+#: Flag with which opening a pipe does not wait for a writer; Windows has no such pipes.
 _AT_ONCE = getattr(os, "O_NONBLOCK", 0)
 
 
 def read_regular(path: Path, limit: int) -> bytes:
-    """The bytes of a file: at most one more than `limit`, which tells that it is larger.
+    """Return the bytes of a file, or if it is larger than `limit` its first `limit` + 1 bytes.
 
     Raises
     ------
@@ -31,24 +33,24 @@ def read_regular(path: Path, limit: int) -> bytes:
     try:
         with open(path, "rb", opener=_opened) as file:
             return file.read(limit + 1)
-    # A name with a NUL, or with characters that no file's name has.
+    # Raised for a name with a NUL, or with characters that no file's name can have.
     except ValueError as error:
         raise OSError(errno.EINVAL, str(error), str(path)) from None
 
 
 def is_own(folder: Path) -> bool:
-    """Whether nobody else may put code into a folder, or it is not there yet; root may anywhere."""
+    """Whether only this user or root can put code into a folder, or it does not exist yet."""
     try:
         found = folder.stat()
     except FileNotFoundError:
         return True
-    # Windows has neither.
+    # Windows has neither owners nor modes.
     owners = {0, getattr(os, "getuid", lambda: found.st_uid)()}
     return found.st_uid in owners and not (os.name == "posix" and found.st_mode & stat.S_IWOTH)
 
 
 def file_name(text: str, taken: Collection[str]) -> str:
-    """A text in characters that files' names may have, another one than those taken."""
+    """Return a text as a file name: characters that file names may have, and none of `taken`."""
     plain = "".join(c if c.isalnum() or c in "-_." else "-" for c in text)
     plain = plain.lstrip("-_.")[:LONGEST_NAME] or "unnamed"
     name, count, others = plain, 1, {other.lower() for other in taken}
@@ -63,12 +65,13 @@ def write_new(path: Path, text: str, *, replace: bool = True) -> None:
 
     Parameters
     ----------
-    replace : whether an earlier file of that name gives way
+    replace : whether an earlier file of that name is replaced
 
     Raises
     ------
     OSError
-        If it cannot be written; FileExistsError if there is one that may not be replaced.
+        If it cannot be written; FileExistsError if a file of that name exists and `replace` is
+        false.
     """
     if not replace and os.path.lexists(path):
         raise FileExistsError(errno.EEXIST, os.strerror(errno.EEXIST), str(path))
@@ -80,7 +83,7 @@ def write_new(path: Path, text: str, *, replace: bool = True) -> None:
 def replacing(path: Path) -> Iterator[Path]:
     """Yield an empty file beside `path`, which takes its place at the end of the block.
 
-    A reader finds the old file or the new one, whole. A link of that name is replaced.
+    A reader finds the old file or the new one, each whole. A link of that name is replaced.
 
     Raises
     ------
@@ -91,17 +94,18 @@ def replacing(path: Path) -> Iterator[Path]:
         _check(path.lstat().st_mode, path)
     new = path.with_name(f".spincheck-{secrets.token_hex(8)}{path.suffix}")
     try:
-        # With the user's usual rights, which those of `tempfile` are not.
+        # Give it the user's usual permissions, which files of `tempfile` do not have.
         os.close(os.open(new, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o666))
         yield new
         new.replace(path)
     except OSError as error:
         if error.errno is None or error.filename not in (None, str(new)):
             raise
-        # Nobody has asked for the other.
+        # The error of the attempt to write is reported, not one of cleaning up.
         raise OSError(error.errno, error.strerror, str(path)) from None
     finally:
-        # It is not there, unless something failed; on a read-only disk not even then.
+        # The temporary file is left over only if something failed, and then it may be impossible to
+        # remove.
         with suppress(OSError):
             new.unlink()
 

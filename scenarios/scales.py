@@ -1,7 +1,7 @@
-"""Whether a scene's numbers can be computed with: sizes that doubles hold, a span that ends.
+"""Checks that a scene can be computed with: sizes that doubles hold, a span that comes to an end.
 
-Physics has no largest spin; arithmetic has. A scene beyond it is refused as it is read, in one
-sentence, rather than found out about as an overflow in one engine and a hang in the next.
+Physics has no largest spin; arithmetic has. A scene beyond it is refused in one sentence when it is
+read, before it shows as an overflow in one engine and a hang in the next.
 """
 
 from collections.abc import Iterator
@@ -15,24 +15,26 @@ from .fastest_rate import decay_rate
 from .principal import principal_axes
 from .scenario import Scenario
 
-#: SI. The square of such a number is a double still; the moment of inertia of a hydrogen molecule
-#: is 1e-48 kg m², that of the Milky Way 1e82.
+#: Smallest and largest size of a quantity, SI. Its square is still a double; the moment of inertia
+#: of a hydrogen molecule is 1e-48 kg m², that of the Milky Way 1e82.
 SMALLEST, LARGEST = mpf("1e-150"), mpf("1e150")
-#: Quantities that are divided by, and so must not be below `SMALLEST`; others act as 0 there.
+#: Quantities that are divided by, and so must not be below `SMALLEST`; other quantities may be, and
+#: act as 0.
 NEVER_SMALL = ("the time", "the mass", "the least moment of inertia")
-#: Of the moments about the fixed point: a grain of 1e-8 m on a thread of 1 m. Conversions with
-#: `DIGITS` digits then leave each moment exact to far more than a double-double.
+#: Largest ratio of the moments about the fixed point: a grain of 1e-8 m on a thread of 1 m.
+#: Conversions with `DIGITS` digits then leave each moment exact to far more than a double-double.
 MAX_MOMENT_RATIO = mpf("1e16")
-#: Fastest rate × window. A closed form is exact far beyond; no engine or integrator gets there.
+#: Largest product of fastest rate and window. A closed form is exact far beyond; no engine or
+#: integrator gets there.
 MAX_SPAN = mpf("1e9")
 
 
 def check_scales(scenario: Scenario, until: float | None = None) -> None:
-    """See that a scene can be computed with.
+    """Check that a scene can be computed with.
 
     Parameters
     ----------
-    until : s, of the time to be looked at; the window's duration if left out
+    until : end of the time span that is checked, s; by default the window's duration
 
     Raises
     ------
@@ -60,7 +62,7 @@ def check_scales(scenario: Scenario, until: float | None = None) -> None:
 
 
 def _sizes(extent: Extent, where: tuple[str, ...]) -> Iterator[Size]:
-    """The quantities of a scene, and those that are computed from them."""
+    """Yield the quantities of a scene, and the quantities that are computed from them."""
     body, start = extent.scenario.body, extent.scenario.start
     least, _, greatest = extent.moments
     fastest = length(start.omega_body_exact)
@@ -79,7 +81,7 @@ def _sizes(extent: Extent, where: tuple[str, ...]) -> Iterator[Size]:
 
 
 def _rates(extent: Extent) -> Iterator[Rate]:
-    """The rates that limit an integrator's timestep, 1/s."""
+    """Yield the rates that limit an integrator's timestep, 1/s."""
     yield ("start",), "an angular velocity", length(extent.scenario.start.omega_body_exact)
     for effect in extent.scenario.acting:
         yield from effect.rates(extent)
@@ -88,7 +90,7 @@ def _rates(extent: Extent) -> Iterator[Rate]:
 def _moments(scenario: Scenario) -> tuple[mpf, mpf, mpf]:
     """Principal moments about the fixed point, ascending, kg m²."""
     least, middle, greatest = sorted(principal_axes(scenario.inertia_exact)[0])
-    # Lost to rounding, the least would not even be positive.
+    # If the least moment is lost to rounding, it may not even be positive.
     if greatest > MAX_MOMENT_RATIO * least:
         raise Misfit(
             f"the greatest moment about the {scenario.about}, {mp.nstr(greatest, 3)} kg m², is "

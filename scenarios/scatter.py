@@ -23,22 +23,23 @@ from .float_array import FloatArray
 from .scenario import Scenario
 from .vary import own_tables, rewritten
 
-#: rad, and relative: a tenth, so that a member is of its scene's kind and no two are alike.
+#: Size of the scatter, rad or relative: a tenth, so that a member resembles its scene and no two
+#: are alike.
 SCATTER = 0.1
-#: Standard normals that a member takes, drawn in one call.
+#: Number of standard normals that a member takes, drawn in one call.
 _NUMBERS = 13
-#: Effects by which some attitudes differ from others.
+#: Effects that distinguish a direction of the world, so that attitudes are not equivalent.
 _MAKE_A_DIRECTION_SPECIAL = {"gravity", "torque_world"}
 #: Second moments of mass that agree this far, relative to the largest, are equal.
 _EQUAL = 16 * np.finfo(float).eps
-#: Alternative keys of body, attitude and ω: removed, since a member states its own in one way.
+#: Alternative keys of body, attitude and ω: removed, since a member states each in one way.
 _BODY_KEYS = ("particles", "inertia_about")
 _ATTITUDES = ("euler_zyz_deg", "rotation_vector_deg")
 _OMEGAS = ("omega_world", "euler_zyz_rates")
 
 
 def member(scenario: Scenario, seed: int, number: int) -> Scenario:
-    """A member of the ensemble: the same for the same seed and number, however many there are.
+    """Return a member of the ensemble, which depends on seed and number, not on how many there are.
 
     Parameters
     ----------
@@ -73,11 +74,11 @@ def _attitude(scenario: Scenario, n: FloatArray) -> Rotation:
 def _inertia(body: Body, n: FloatArray) -> list[Any]:
     """Inertia about the com, kg m²: moments along the body axes, or a matrix as nested lists."""
     tensor = body.inertia_com
-    # ∫ r rᵀ dm, of which the inertia is the trace less itself.
+    # ∫ r rᵀ dm, of which the inertia is the trace times the unit matrix less itself.
     second = np.trace(tensor) / 2 * np.eye(3) - tensor
     diagonal = not np.any(tensor - np.diag(np.diag(tensor)))
     sizes, axes = (np.diag(second), np.eye(3)) if diagonal else np.linalg.eigh(second)
-    # Of a flat body one is zero, but for rounding.
+    # For a flat body one of them is zero up to rounding, which may be negative.
     sizes = np.maximum(sizes, 0.0) * [_factor(n[k]) for k in _alike(sizes)]
     if diagonal:
         x, y, z = sizes.tolist()
@@ -88,7 +89,7 @@ def _inertia(body: Body, n: FloatArray) -> list[Any]:
 
 
 def _alike(sizes: FloatArray) -> list[int]:
-    """The index of the first size that is equal to each."""
+    """Return for each size the index of the first size that is equal to it."""
     slack = _EQUAL * float(np.abs(sizes).max())
     return [int(np.flatnonzero(np.abs(sizes - size) <= slack)[0]) for size in sizes]
 

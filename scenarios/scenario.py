@@ -24,15 +24,15 @@ from .write import to_toml
 
 T = TypeVar("T", bound=EffectTable)
 
-#: Tables that hold of one very scene: not of one with another start or another number in it.
+#: Tables that hold for one particular scene, not for a scene with another start or another number.
 OF_THE_SCENE_ALONE = ("published", "expect", "known")
-#: Scenes that a process keeps of those it is sent: more than are run at a time.
+#: Number of scenes that a worker process keeps of those it is sent: more than are run at a time.
 KEPT = 64
 
 
 @dataclass(frozen=True, eq=False)
 class Scenario:
-    """One scene, valid if it exists.
+    """One scene; a `Scenario` that exists has valid values.
 
     Attributes
     ----------
@@ -40,7 +40,7 @@ class Scenario:
     path : the file it was read from, or None for one built in memory
     text : the file, as read or as it would be written
     document : its tables
-    carrier, rotors, start : what they describe: the body without its rotors, these, and their start
+    carrier, rotors, start : the body without its rotors, the rotors, and the state at t = 0
     """
 
     name: str
@@ -52,21 +52,22 @@ class Scenario:
     start: Start
 
     def __reduce__(self) -> tuple[object, ...]:
-        """Pickled as text and rebuilt: mpmath would round its numbers to double precision."""
+        """Pickle the scene as text: mpmath would round its numbers to double precision."""
         return _rebuilt, (self.text, self.name, self.path)
 
     @cached_property
     def digest(self) -> str:
-        """SHA-256, hexadecimal, of what the motion depends on: whether a run is of this scene."""
+        """SHA-256, hexadecimal, of all that the motion depends on: identifies runs of the scene."""
         return self._digest("body", "rotors", "start", "effects", "window")
 
     @cached_property
     def judged_digest(self) -> str:
-        """Likewise of what verdicts depend on: also expectations and expected failures."""
+        """SHA-256, hexadecimal, of all that verdicts depend on: also `expect` and `known`."""
         return self._digest("body", "rotors", "start", "effects", "window", "expect", "known")
 
     def _digest(self, *tables: str) -> str:
-        # Without what is not there: an effect that is new to the format leaves all other scenes be.
+        # Absent tables and keys are left out, so that a new effect in the format changes no other
+        # scene's digest.
         written = self.document.model_dump_json(include=set(tables), exclude_none=True)
         return hashlib.sha256(written.encode()).hexdigest()
 
@@ -102,17 +103,17 @@ class Scenario:
 
     @cached_property
     def acting(self) -> tuple[Effect, ...]:
-        """The effects that the scene calls for, in the order of `EFFECTS`."""
+        """The effects to simulate, in the order of `EFFECTS`."""
         return tuple(one for one in EFFECTS.values() if one.is_called_for(self.document))
 
     @cached_property
     def answer(self) -> Answer | None:
-        """What a constraint besides a pivot does about torques and accelerations; None without."""
+        """`Effect.answer` of the constraint that holds the body; None for a pivot or none."""
         return next((one.answer for one in self.acting if one.answer is not None), None)
 
     @cached_property
     def constraint(self) -> Constraint:
-        """What holds the body."""
+        """How the body is held."""
         return _constraint(self.document, self.body)
 
     @property
@@ -126,12 +127,12 @@ class Scenario:
         return "pivot" if self.constraint.is_pivot else "com"
 
     def kept(self, omega_body: FloatArray, spins: FloatArray) -> FloatArray:
-        """The angular momentum that each part keeps as it turns, kg m²/s, (n, parts)."""
+        """Return the constant angular momentum of each part about its axis, kg m²/s, (n, parts)."""
         return self.rotors.kept(omega_body, spins)
 
     @cached_property
     def kept_at_start(self) -> FloatArray:
-        """What each part keeps at t = 0, kg m²/s, (parts,)."""
+        """What `kept` returns for the state at t = 0, kg m²/s, (parts,)."""
         return self.kept(self.start.omega_body, self.start_spins)
 
     @property
@@ -146,48 +147,49 @@ class Scenario:
 
     @cached_property
     def kept_sizes(self) -> tuple[FloatArray, float]:
-        """Sizes of what parts keep, kg m²/s, (parts,), and of the energy of that, J."""
+        """Sizes of the parts' angular momenta, kg m²/s, (parts,), and of their energy, J."""
         return self.rotors.sizes(self.start.omega_body)
 
     def kept_body(self, kept: FloatArray) -> FloatArray:
-        """The sum of what parts keep, body axes, (n, 3)."""
+        """Return the vector sum of the parts' angular momenta, body axes, kg m²/s, (n, 3)."""
         return self.rotors.kept_body(kept)
 
     def spins(self, omega_body: FloatArray, kept: FloatArray) -> FloatArray:
-        """The spins of parts that keep so much, rad/s, (n, parts)."""
+        """Return the spins, rad/s, (n, parts), of parts whose angular momenta are `kept`."""
         return self.rotors.spins(omega_body, kept)
 
     def cancelling(self, spins: FloatArray, far: float = 0.0) -> tuple[FloatArray, FloatArray]:
-        """Force, N, and torque, N m, (n,), that cancel in coordinates which turn with parts.
+        """Return sizes of force, N, and torque, N m, (n,), that cancel in axes turning with parts.
 
         Parameters
         ----------
-        far : m, from the origin relative to which places are rounded
+        far : distance of the origin of the coordinates from the com, m, which places are rounded by
         """
         return self.rotors.cancelling(spins, self.body.com, far)
 
     @cached_property
     def body(self) -> Body:
-        """The body with its rotors as if they did not turn in it."""
+        """The body, with its rotors counted as fixed parts of it."""
         return whole(self.carrier, self.rotors)
 
     @cached_property
     def inertia_exact(self) -> exact.Tensor:
         """Inertia tensor about the pivot, or the com where there is none, kg m², body axes.
 
-        It is what ω' is multiplied by: without what rotors that turn freely have about their axles.
+        It is the tensor that multiplies ω': moments of freely turning rotors about their axes are
+        left out.
         """
         body = self.body
         tensor = body.inertia_origin_exact if self.about == "pivot" else body.inertia_com_exact
         return self.without_free_axes(tensor)
 
     def without_free_axes(self, inertia: exact.Tensor) -> exact.Tensor:
-        """A tensor less what rotors that turn freely have about their axles, kg m²."""
+        """Return a tensor less the axial moments of rotors that turn freely, kg m²."""
         return without_free_axes(inertia, self.rotors)
 
     @cached_property
     def inertia(self) -> FloatArray:
-        """The tensor `inertia_exact` in double precision, kg m², (3, 3)."""
+        """`inertia_exact` as doubles, kg m², body axes, (3, 3)."""
         return read_only(self.inertia_exact)
 
     @cached_property
@@ -198,7 +200,7 @@ class Scenario:
 
     @cached_property
     def pushed(self) -> dict[str, Any]:
-        """The numbers of torques that `push` takes, SI; zero of those that the scene has not."""
+        """The parameters that the function `push` reads, SI; zero for effects not called for."""
         return {
             one.name: one.pushed(one.table_in(self.document))
             for one in EFFECTS.values()
@@ -206,7 +208,7 @@ class Scenario:
         }
 
     def table_of(self, model: type[T]) -> T | None:
-        """The table of an effect, None where the scene has none."""
+        """Return the table of an effect; None if the scene has none."""
         return next((table for _, table in self.effects if isinstance(table, model)), None)
 
     @cached_property
@@ -217,21 +219,21 @@ class Scenario:
 
 @lru_cache(maxsize=KEPT)
 def _rebuilt(text: str, name: str, path: Path | None) -> Scenario:
-    """The scene of a valid text, the same object each time: a worker is sent it for every run."""
+    """Return the scene of a text, the same object each time a worker is sent the text."""
     return build(Document.model_validate(tomllib.loads(text)), name, text, path)
 
 
 def build(document: Document, name: str, text: str, path: Path | None = None) -> Scenario:
-    """Turn a validated document, whose text this is, into a scenario."""
+    """Return the scenario of a validated document, whose text is `text`."""
     carrier, rotors = document.body.body(), rotors_of(document.rotors)
     start = _start(document, carrier, rotors)
     return Scenario(name, path, text, document, carrier, rotors, start)
 
 
 def with_tables(scenario: Scenario, **tables: Table | tuple[Table, ...] | None) -> Scenario:
-    """The scene with other tables, such as `window`, under the same name; its text is rewritten.
+    """Return the scene with other tables, such as `window`, and its text rewritten.
 
-    Published values and expectations are left out: they hold of the scene as it was.
+    Published values and expectations are left out: they hold only for the unchanged scene.
     """
     alone: dict[str, object] = dict.fromkeys(OF_THE_SCENE_ALONE, ())
     document = scenario.document.model_copy(update=alone | tables)
@@ -255,15 +257,15 @@ def started_at(
     velocity_world: Sequence[float] | FloatArray,
     spins: Sequence[float] | FloatArray | None = None,
 ) -> Scenario:
-    """The scene with another state at its start, as `with_tables`.
+    """Return the scene with another state at its start, as `with_tables` does.
 
     Parameters
     ----------
     q_world_body_wxyz : attitude, takes body to world components, unit quaternion, (4,)
     omega_body : angular velocity, rad/s, body axes, (3,)
     com_world, velocity_world : of the centre of mass, m and m/s, (3,); along axes along which the
-        body is held they follow from the other two and are not looked at
-    spins : of the rotors, relative to the body, rad/s, (rotors,); as they are if None
+        body is held they follow from attitude and ω and are ignored
+    spins : of the rotors, relative to the body, rad/s, (rotors,); unchanged if None
 
     Raises
     ------
@@ -293,7 +295,7 @@ def _start(document: Document, carrier: Body, rotors: Rotors) -> Start:
 
 
 def _constraint(document: Document, body: Body) -> Constraint:
-    """What holds a body; of one that is free, nothing."""
+    """Return what holds a body; if it is free, a constraint that holds it along no axis."""
     called_for = (one for one in EFFECTS.values() if one.is_called_for(document))
     holding = [one.constraint(one.table_in(document), body) for one in called_for if one.constraint]
     return holding[0] if holding else Constraint((False, False, False), body.com_exact)

@@ -19,16 +19,16 @@ from .rotation import norms
 from .trajectory import Trajectory
 
 EPS = float(np.finfo(float).eps)
-#: A number that is not negative, and not NaN; checked where it is read from a file.
+#: A number that is neither negative nor NaN; checked where it is read from a file.
 Distance = Annotated[float, Field(ge=0)]
 
 
 @dataclass(frozen=True)
 class Errors:
-    """One number a signal: the largest distance over the samples of a motion, or a bound on it.
+    """One number for each signal: the largest distance over a motion's samples, or a bound on it.
 
     Iterates over pairs of name and number of the signals that the scene has, in the order of
-    `SIGNALS`; by name the others are NaN.
+    `SIGNALS`; the fields of other signals are NaN.
     """
 
     omega: Distance
@@ -54,18 +54,18 @@ class Signal:
     Attributes
     ----------
     name : how files, options and results refer to it
-    label, quantity : how tables and texts do
+    label, quantity : how tables, and how texts, refer to it
     formula : of the error
     unit : of the error; empty where it is relative
-    kind : which distance two values have: the norm of their difference, of a scalar its size, of
-        quaternions the angle of the turn from one to the other
-    values : along a motion, SI, (n, columns), of a scalar (n,)
+    kind : which distance two values have: for vectors and scalars the norm of their difference, for
+        quaternions the angle of the rotation from one to the other
+    values : values along a motion, SI, (n, columns), or (n,) for a scalar
     base : what distances are relative to, in the signal's unit
-    depends_on : of rotation, "omega" and "attitude": whose orders of accuracy bound its own
+    depends_on : those of "omega" and "attitude" whose orders of accuracy bound the signal's own
     exists : whether a scene has it
-    in_flight : what one ulp in each number of a free body's state changes it by, relative, if not
-        what it does to the rotation (the `Errors`); engines may integrate the flight for an origin
-        other than the com
+    in_flight : relative change of the signal by one ulp in each number of a free body's state, if
+        it is not the change of a rotation, which the `Errors` hold; engines may integrate the
+        flight for an origin other than the com
     """
 
     name: str
@@ -91,7 +91,7 @@ class Signal:
 
     @property
     def shown(self) -> float:
-        """What its errors are multiplied by where people read them: of angles, degrees a rad."""
+        """Factor of its errors where people read them: angles are shown in degrees."""
         return math.degrees(1.0) if self.unit == "rad" else 1.0
 
     @property
@@ -100,21 +100,21 @@ class Signal:
         return "°" if self.unit == "rad" else "relative"
 
     def words(self, error: float) -> str:
-        """An error where people read it: of angles, in degrees."""
+        """Return an error as people read it: an angle in degrees."""
         return f"{error * self.shown:.2g}°" if self.unit == "rad" else f"{error:.1e}"
 
     @property
     def error_title(self) -> str:
-        """A heading of its errors where people read them: `ω error, relative`."""
+        """The heading of its errors where people read them: `ω error, relative`."""
         return f"{self.label} error, {self.shown_unit}"
 
     def declared_order(self, order: int, attitude_order: int) -> int:
-        """The order of accuracy of a method that declares those of ω and of the attitude."""
+        """Return the signal's order of accuracy, given a method's orders in ω and attitude."""
         orders = {"omega": order, "attitude": attitude_order}
         return min(orders[name] for name in self.depends_on)
 
     def growth(self, scene: Scene, exact: Trajectory, conditioning: Errors) -> float:
-        """What one ulp in each number of a free body's state changes it by, relative."""
+        """Return the signal's relative change by one ulp in each number of a free body's state."""
         of_rotation = conditioning[self.name]
         return self.in_flight(scene, exact, conditioning) if self.in_flight else of_rotation
 
@@ -134,7 +134,7 @@ def _speed(scene: Scene, exact: Trajectory) -> float:
 
 
 def _moved(scene: Scene, exact: Trajectory, growth: Errors) -> tuple[float, float]:
-    """Change of a free body's place, m, and velocity, m/s, by one ulp in state and arm."""
+    """Return changes of a free body's place, m, and velocity, m/s, by one ulp in state and arm."""
     arm = float(np.linalg.norm(scene.body.com))
     fast, speed = _longest(exact.velocity_world), _longest(exact.omega_body)
     lengths = _longest(exact.com_world) + arm + fast * float(exact.t[-1])
@@ -259,7 +259,7 @@ def signals_of(scene: Scene) -> tuple[Signal, ...]:
 #: The signals by their names.
 SIGNAL = {signal.name: signal for signal in SIGNALS}
 assert tuple(SIGNAL) == tuple(field.name for field in fields(Errors)), "one field a signal"
-#: The names of those that every scene has.
+#: The names of the signals that every scene has.
 EVERYWHERE = tuple(field.name for field in fields(Errors) if field.default is MISSING)
 
 if TYPE_CHECKING:

@@ -1,4 +1,4 @@
-"""The state at t = 0: its table in the file, and what that describes."""
+"""The state at t = 0, and the format of its table in a scenario file."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -82,7 +82,7 @@ class Start:
 
 
 def start_of(table: StartTable, constraint: Constraint) -> Start:
-    """The state that a table describes, of a body that is so constrained."""
+    """Return the state that a table describes, of a body with a given constraint."""
     q = _attitude(table)
     omega_body = _omega_body(table, q)
     position, velocity = (read_only(v or exact.ZERO) for v in (table.position, table.velocity))

@@ -1,4 +1,4 @@
-"""A motion, sampled."""
+"""A motion, sampled at increasing times."""
 
 from dataclasses import dataclass, field, fields
 from functools import cached_property
@@ -41,7 +41,8 @@ class Trajectory:
     velocity_world: FloatArray
     spins: FloatArray = field(default_factory=lambda: np.empty(0))
 
-    #: Engines normalise to a few ulp at best, single-precision ones to 1e-7.
+    #: Tolerance of a quaternion's norm: engines normalise to a few ulp at best, single-precision
+    #: ones to 1e-7.
     UNIT_NORM_SLACK = 1e-6
 
     def __post_init__(self) -> None:
@@ -67,13 +68,13 @@ class Trajectory:
             raise ValueError("'q_world_body_wxyz' must have unit norm.")
 
     def __reduce__(self) -> tuple[type["Trajectory"], tuple[FloatArray, ...]]:
-        """Unpickled by construction: NumPy's own way gives arrays that can be written to."""
+        """Pickle by the constructor, as NumPy's own way would give writable arrays."""
         return Trajectory, tuple(getattr(self, one.name) for one in fields(self))
 
     @property
     def R_world_body(self) -> "Rotation":
         """Attitudes as rotations, n of them."""
-        # To import it takes as long as all of spincheck's own modules.
+        # Imported here, because scipy's import takes as long as all of spincheck's own modules.
         from scipy.spatial.transform import Rotation
 
         return Rotation.from_quat(self.q_world_body_wxyz, scalar_first=True)
@@ -85,22 +86,22 @@ class Trajectory:
 
     @cached_property
     def _world_from_body(self) -> FloatArray:
-        """As `R_world_body`, (n, 3, 3)."""
+        """The rotation matrices of the attitudes, body to world components, (n, 3, 3)."""
         q = self.q_world_body_wxyz
         return matrices(q / np.linalg.norm(q, axis=1, keepdims=True))
 
     def until(self, n: int) -> "Trajectory":
-        """The first n samples; itself where there are no more."""
+        """Return the first n samples, or the trajectory itself if it has no more."""
         if n >= len(self.t):
             return self
         return Trajectory(**{one.name: getattr(self, one.name)[:n] for one in fields(self)})
 
     def every(self, n: int) -> "Trajectory":
-        """The first sample, and each n-th after it."""
+        """Return the first sample and each n-th after it."""
         return Trajectory(**{one.name: getattr(self, one.name)[::n] for one in fields(self)})
 
     def at(self, samples: NDArray[np.intp]) -> "Trajectory":
-        """Some of the samples, by their indices, (k,), increasing."""
+        """Return the samples of given increasing indices, (k,)."""
         return Trajectory(**{f.name: getattr(self, f.name)[samples] for f in fields(self)})
 
 

@@ -1,4 +1,4 @@
-"""What tables of a scenario file and values in them may be: numbers, vectors, texts."""
+"""The types of tables in a scenario file and of their values: numbers, vectors, texts."""
 
 import math
 from collections.abc import Iterable
@@ -16,7 +16,7 @@ from pydantic import (
 
 from .errors import Misfit, is_control
 
-#: Slack of a typed quaternion's norm from 1: typed digits rarely give 1 exactly.
+#: Tolerance of a typed quaternion's norm: typed digits rarely give 1 exactly.
 QUATERNION_NORM_SLACK = 1e-3
 
 
@@ -41,7 +41,7 @@ def _prose(text: str) -> str:
 
 
 def _whole_number(value: Any) -> Any:
-    """Python takes true and 1.0 for 1; a format version is neither."""
+    """Return a whole number, and refuse true and 1.0, which Python takes for 1."""
     if type(value) is not int:
         raise ValueError(f"must be a whole number, got {value!r}")
     return value
@@ -64,20 +64,20 @@ Inertia = Annotated[
     Annotated[Vector, Tag("moments")] | Annotated[Matrix, Tag("matrix")],
     Discriminator(_inertia_form),
 ]
-#: What a terminal shows as it stands: no escape sequences, no second line.
+#: One line of text that a terminal shows as it stands: no escape sequences, no line break.
 Text = Annotated[str, Field(strict=True, min_length=1), AfterValidator(_line)]
 Digest = Annotated[str, Field(strict=True, pattern="^[0-9a-f]{64}$")]
-#: Of any number of lines.
+#: Text of any number of lines, without escape sequences.
 Prose = Annotated[str, Field(strict=True), AfterValidator(_prose)]
 
 
 def check_unit(q: Quaternion) -> None:
-    """See that a quaternion of a table is a rotation.
+    """Check that a quaternion of a table is a rotation.
 
     Raises
     ------
     Misfit
-        If it is not of norm 1, within what typed digits allow.
+        If its norm is not 1 within what typed digits allow.
     """
     norm = math.hypot(*q)
     if abs(norm - 1) > QUATERNION_NORM_SLACK:
@@ -85,5 +85,5 @@ def check_unit(q: Quaternion) -> None:
 
 
 def names(keys: Iterable[str]) -> str:
-    """Keys of a table, as complaints list them."""
+    """Return keys of a table as complaints list them."""
     return ", ".join(f"'{key}'" for key in sorted(keys))

@@ -1,6 +1,6 @@
-"""A scene made of another's file: other tables, without what holds of the first scene alone.
+"""Makes a scene from another one's file, with other tables.
 
-It goes through the same checks as a file.
+What only holds for the original scene is left out, and the same checks apply as to a file.
 """
 
 import tomllib
@@ -14,18 +14,21 @@ from .write import to_toml
 
 
 def own_tables(scenario: Scenario) -> dict[str, Any]:
-    """A scene file's tables, to be changed, without what holds of this very scene alone."""
+    """Return the tables of a scene's file without those that hold only for this very scene.
+
+    The caller may change them.
+    """
     tables = tomllib.loads(scenario.text)
     return {key: value for key, value in tables.items() if key not in OF_THE_SCENE_ALONE}
 
 
 def rewritten(scenario: Scenario, tables: Mapping[str, Any], changes: str) -> Scenario:
-    """A scene made of other tables, under the same name; its title says what is different.
+    """Return the scene of other tables under the same name; its title says what is different.
 
     Raises
     ------
     ScenarioError
-        If there is no such scene.
+        If the tables do not make a valid scene.
     """
     changed = deepcopy(dict(tables))
     if changes:

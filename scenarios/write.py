@@ -1,15 +1,15 @@
-"""Writes the tables of a scenario as TOML: the standard library reads that format only."""
+"""Writes the tables of a scenario as TOML, because the standard library only reads TOML."""
 
 import json
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-#: Of the control characters that TOML wants escaped, the one that JSON leaves as it is.
+#: The control character that TOML wants escaped and JSON leaves as it is.
 DELETE, ESCAPED_DELETE = "\x7f", "\\u007f"
 
 
 def to_toml(tables: Mapping[str, Any]) -> str:
-    """A file that reads back as the same tables, numbers to the last bit.
+    """Return a file's text that reads back as the same tables, numbers to the last bit.
 
     Parameters
     ----------
@@ -19,7 +19,7 @@ def to_toml(tables: Mapping[str, Any]) -> str:
 
 
 def _lines(table: Mapping[str, Any], name: str) -> Iterator[str]:
-    """Plain keys first: in TOML whatever follows a heading belongs to it."""
+    """Yield a table's lines, plain keys first: in TOML all that follows a heading belongs to it."""
     inner = {key: value for key, value in table.items() if _is_table(value)}
     for key, value in table.items():
         if key not in inner:
@@ -27,7 +27,7 @@ def _lines(table: Mapping[str, Any], name: str) -> Iterator[str]:
     for key, value in inner.items():
         path = f"{name}.{key}" if name else key
         for one in [value] if isinstance(value, Mapping) else value:
-            # A table whose own tables say it all needs no heading of its own.
+            # A table that contains only other tables needs no heading of its own.
             if not (one and all(_is_table(entry) for entry in one.values())):
                 yield f"\n[{path}]" if one is value else f"\n[[{path}]]"
             yield from _lines(one, path)

@@ -19,9 +19,10 @@ class ChildEngine(Engine):
     ----------
     command : the program and its arguments
     hello : its description of itself; each process of it must give the same
-    limit : s of wall time that an answer may take
+    limit : longest time that an answer may take, s
     sources : files that its results depend on; if None, the files named in the command
-    script : writes a run as JavaScript, of a scene and a method; if None, it has no scripts
+    script : returns a run of a scene with a method as JavaScript; if None, the engine has no
+        scripts
     """
 
     interface = 1
@@ -68,7 +69,7 @@ class ChildEngine(Engine):
             raise ProtocolError(f"{self.name}: {error}", error.cause) from None
 
     def script(self, scenario: Scenario, method: Method, timestep: float) -> str:  # noqa: ARG002
-        """The run as JavaScript; empty if it has no scripts."""
+        """Return the run as JavaScript; empty if the engine has no scripts."""
         return self._script(scenario, method) if self._script else ""
 
     def _check(self, child: ChildProcess) -> None:

@@ -1,4 +1,4 @@
-"""What a child may answer: sizes, types and ranges of docs/reference/engine-protocol.md."""
+"""The answers that a child may give: sizes, types and ranges (docs/reference/engine-protocol.md)."""
 
 import json
 import math
@@ -14,13 +14,13 @@ from ...scenarios.rotation import matrix
 from ...scenarios.scales import LARGEST
 from ..interface import misfit
 
-#: Characters of an answer that a complaint quotes.
+#: Number of characters of an answer that a complaint quotes.
 QUOTED = 80
-#: Largest number of methods of an engine, and of names it may list as active.
+#: Largest number of an engine's methods, and of names that it may list as active.
 MOST_NAMES = 32
 
 
-#: Versions of the protocol that a child may speak: as of the interface in Python.
+#: Versions of the protocol that a child may speak, as for the interface in Python.
 NEWEST = OLDEST = 1
 
 
@@ -53,7 +53,7 @@ Known = Number | None
 Vector = tuple[Number, Number, Number]
 Quaternion = tuple[Number, Number, Number, Number]
 Order = Annotated[int, Field(ge=1, le=12)]
-#: rad, the largest of turns that an engine may leave out.
+#: The largest `least_turn` that an engine may state, rad.
 MOST_LEAST_TURN = 1e-4
 #: Tolerance of a quaternion's norm, wide enough for single precision.
 UNIT_SLACK = 1e-3
@@ -129,7 +129,7 @@ class ChildRigid(ChildAnswer):
 
     @property
     def inertia_com(self) -> FloatArray:
-        """About the com, kg m², (3, 3)."""
+        """Inertia tensor about the com, kg m², (3, 3)."""
         axes = matrix(np.array(self.frame))
         return axes @ np.diag(self.moments) @ axes.T
 
@@ -222,7 +222,7 @@ def parse(line: bytes, number: int, expected: type[A]) -> A | Refusal:
     Raises
     ------
     Misanswer
-        If it is not what the protocol has there.
+        If it is not the answer that the protocol requires.
     """
     try:
         answer: Any = json.loads(line, parse_constant=_no_number)
@@ -232,7 +232,7 @@ def parse(line: bytes, number: int, expected: type[A]) -> A | Refusal:
     if not isinstance(answer, dict):
         raise Misanswer(f"is not a JSON object: {_quoted(line)}")
     its_id = answer.pop("id", None)
-    # True is 1 to Python.
+    # In Python True equals 1.
     if type(its_id) is not int or its_id != number:
         raise Misanswer(f"must have the call's 'id', {number}: {_quoted(line)}")
     kind: type[A] | type[Refusal] = Refusal if "error" in answer else expected

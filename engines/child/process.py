@@ -1,7 +1,7 @@
 """The child process: lines to its standard input, answers from a pipe of its own.
 
 Output that the engine prints does not interfere: standard output and error are read separately, and
-the end of it is quoted if the process dies.
+their end is quoted if the process dies.
 """
 
 import atexit
@@ -24,17 +24,17 @@ from ..lost_process import death, last_line, wait_for_answer
 from ..start_process import kill, start
 from .messages import ChildAnswer, Hello, Misanswer, Refusal, parse
 
-#: Names the descriptor that a child writes its answers to.
+#: Name of the environment variable with the descriptor that a child writes its answers to.
 ANSWERS = "SPINCHECK_ANSWERS"
-#: s of CPU time that an answer may take; a few thousand steps take a fraction of a second.
+#: CPU time that an answer may take, s; a few thousand steps take a fraction of a second.
 ANSWER_LIMIT = 60.0
-#: s that a child has to end after its standard input is closed.
+#: Time that a child has to end after its standard input is closed, s.
 END_LIMIT = 1.0
-#: Largest number of bytes of an answer; those of the protocol have a few thousand.
+#: Largest number of bytes of an answer; answers of the protocol have a few thousand.
 LONGEST_ANSWER = 1 << 20
-#: Bytes read at once, as many as a pipe holds (pipe(7), Linux).
+#: Number of bytes read at once, as many as a pipe holds (pipe(7), Linux).
 PIPE_SIZE = 1 << 16
-#: Bytes kept of what it printed, counted from the end.
+#: Number of bytes kept of the output that a child prints, counted from its end.
 KEPT_OUTPUT = 4096
 
 #: Errors of the system if a command does not exist or cannot be run.
@@ -63,7 +63,7 @@ class ChildProcess:
     Parameters
     ----------
     command : the program and its arguments
-    limit : s of CPU time that an answer may take
+    limit : CPU time that an answer may take, s
 
     Attributes
     ----------
@@ -150,7 +150,7 @@ class ChildProcess:
         call = json.dumps({"id": self._number, "do": do} | arguments, allow_nan=False)
         if self._received:
             raise ProtocolError(f"it sent a line unasked, before '{do}'", "protocol")
-        with suppress(BrokenPipeError):  # It has died; the message below says how.
+        with suppress(BrokenPipeError):  # the child has died; the message below says how
             self._calls.write(call.encode() + b"\n")
         line = self._line(do)
         try:
@@ -162,7 +162,7 @@ class ChildProcess:
         return answer
 
     def _line(self, do: str) -> bytes:
-        """The next line of the answers; output that the child prints is read too."""
+        """Return the next line of the answers; output that the child prints is read in between."""
         self._request = do
         if overdue := wait_for_answer(self._has_answered, self._of_system, self._limit):
             words = f"it did not answer '{do}' within {overdue.words}{self._last_printed()}"
@@ -182,7 +182,7 @@ class ChildProcess:
         while b"\n" not in self._received:
             left = until - time.monotonic()
             if left < 0:
-                # A process that it has started may hold its pipe open.
+                # A process that the child has started may hold its pipe open.
                 if self._process.poll() is not None and not self._streams.select(0):
                     raise self._ended(self._request)
                 return False
@@ -191,7 +191,7 @@ class ChildProcess:
         return True
 
     def is_running(self) -> bool:
-        """Whether the child has not ended; an idle one may be killed from outside."""
+        """Whether the child has not ended: an idle child may be killed from outside."""
         return self._process.poll() is None
 
     def _take(self, descriptor: int, do: str) -> None:
@@ -210,7 +210,7 @@ class ChildProcess:
             )
 
     def _ended(self, do: str) -> ProtocolError:
-        """The error that tells how the child ended, after it has closed its pipe."""
+        """Return the error that says how the child ended, after it has closed its pipe."""
         self._calls.close()
         try:
             code = self._process.wait(END_LIMIT)
@@ -223,15 +223,15 @@ class ChildProcess:
         return ProtocolError(f"it {how} instead of answering '{do}'{self._last_printed()}", cause)
 
     def _last_printed(self) -> str:
-        """The last line that it printed, to be appended to a message; empty if there is none."""
+        """Return the last line that the child printed, to be appended to a message, or ""."""
         printed = self._printed.decode(errors="replace").strip()
-        # An answer that went the wrong way.
+        # An answer that was printed instead of written to the answers' pipe.
         is_answer = printed.rpartition("\n")[2].startswith("{")
         where = f" (answers go to the descriptor in {ANSWERS})" if is_answer else ""
         return f"{last_line(printed)}{where}"
 
     def end(self) -> None:
-        """Close its input, and kill what does not end."""
+        """Close the child's input, and kill the child if it does not end."""
         if self._streams.get_map() is None:
             return
         self._streams.close()
@@ -247,7 +247,7 @@ _idle: dict[tuple[str, ...], list[ChildProcess]] = {}
 
 
 def taken(command: tuple[str, ...], limit: float) -> ChildProcess:
-    """An idle child that still runs, or a new one."""
+    """Return an idle child of this command that still runs, or else a new one."""
     idle = _idle.get(command, [])
     while idle:
         child = idle.pop()

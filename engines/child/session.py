@@ -11,9 +11,9 @@ from ..scene_record import HeldRotor, RecordFrame, WorldBody, scene_record
 from .messages import Active, Done, Opened, Seconds, StateRow, Stepped
 from .process import ChildProcess, given_back
 
-#: Largest number of steps a call, so that an answer comes within the time limit.
+#: Largest number of steps in a call, so that an answer comes within the time limit.
 MOST_STEPS_A_CALL = 1 << 12
-#: Relative amount by which a child's clock may run ahead of ours.
+#: Relative amount by which a child's clock may run faster than ours.
 CLOCK_SLACK = 0.01
 
 
@@ -26,7 +26,7 @@ class ChildSession(Session):
     Raises
     ------
     EngineError
-        From any method: with the child's message, or how it broke the protocol.
+        From any method: with the child's message, or with the rule of the protocol that it broke.
     """
 
     def __init__(
@@ -66,7 +66,7 @@ class ChildSession(Session):
         return self._child.hello is not None and self._child.hello.restart
 
     def restart(self, state: State, timestep: float | None = None) -> None:
-        """As in `Session`, by the child."""
+        """Set the child's body to a state; see `Session.restart`."""
         self._timestep = self._timestep if timestep is None else timestep
         motion, self._left = self._frame.motion(state), 0
         self._state = self._child.ask(StateRow, "restart", **motion, timestep=self._timestep)
@@ -76,7 +76,7 @@ class ChildSession(Session):
         self._left += steps
 
     def timed(self, steps: int) -> tuple[float, float]:
-        """CPU and wall time, s, as the child measures it around the steps only."""
+        """Return CPU and wall time, s, which the child measures around the steps only."""
         self.snapshot()
         begun = time.perf_counter()
         seconds = self._child.ask(Seconds, "time", steps=steps).seconds

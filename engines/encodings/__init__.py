@@ -1,4 +1,4 @@
-"""The same body and motion described otherwise: what engines must answer alike."""
+"""Encodings: other descriptions of the same body and motion; engines must answer them alike."""
 
 from .changed_scene import SceneChange
 from .encoded_engine import SAME_BODY, EncodedEngine

@@ -27,11 +27,12 @@ from ...scenarios.start import Start
 from ..checks.read_back import BodyReading, State
 from ..method import COMMON_EFFECTS
 
-#: What the mirror leaves and reverses: of vectors, of axial ones, of quaternions.
+#: Signs of the components under the mirror: of vectors, of axial vectors, of quaternions.
 _POLAR, _AXIAL = np.array([-1.0, 1.0, 1.0]), np.array([1.0, -1.0, -1.0])
 _MIRRORED_Q = np.array([1.0, 1.0, -1.0, -1.0])
 
-#: Effects of a scene that a change of its body keeps, of one on a table, and of one in free fall.
+#: Effects that a scene may have for a change of its body, of a body on a table, of one in free
+#: fall.
 OF_BODIES = COMMON_EFFECTS | {"rotors"}
 ON_A_TABLE = OF_BODIES | {"table"}
 FREE_FALL = frozenset({"gravity", "rotors"})
@@ -39,7 +40,7 @@ FREE_FALL = frozenset({"gravity", "rotors"})
 
 @dataclass(frozen=True)
 class SceneChange:
-    """What a scene becomes, and how the motions of what it becomes are turned back.
+    """How a scene is changed, and how motions of the changed scene are converted back.
 
     Attributes
     ----------
@@ -57,7 +58,7 @@ class SceneChange:
     is_mirrored: bool = False
 
     def scene(self, scenario: Scenario) -> Scenario:
-        """The changed scene; its numbers are exact, as those of the scene are."""
+        """Return the changed scene; its numbers are exact, as those of the scene are."""
         with mp.workdps(DIGITS):
             window = scenario.window.model_copy(
                 update={"duration": scenario.window.duration * self.time}
@@ -152,7 +153,7 @@ class SceneChange:
         )
 
     def body_back(self, body: BodyReading) -> BodyReading:
-        """A body of the changed scene as one of the scene."""
+        """Return a body of the changed scene in the axes and units of the original scene."""
         R = self._R_body_new
         sign = self._sign
         com, tensor = body.com * sign / self.length, body.inertia_com * np.outer(sign, sign)

@@ -1,4 +1,4 @@
-"""An engine that is given scenes in another encoding, and whose motions are turned back."""
+"""An engine that is given scenes in another encoding; its motions are converted back."""
 
 import inspect
 from collections.abc import Callable, Sequence
@@ -71,7 +71,7 @@ class EncodedEngine(Engine):
         return self.encoding.why_not(self.base, scenario)
 
     def open(self, scenario: Scenario, method: Method, timestep: float) -> Session:
-        """The changed scene in the engine, with its body described as the encoding has it."""
+        """Open the changed scene in the engine, with its body described as the encoding says."""
         change, description = self.encoding.change(scenario), self.encoding.description
         changed, timestep = self.encoding.scene(scenario), timestep * change.time
         if description == PLAIN:
@@ -87,10 +87,10 @@ class EncodedEngine(Engine):
         body: BodyReading,
         state: State,  # noqa: ARG002
     ) -> list[Difference]:
-        """The body's differences; of the start, the motion tells."""
+        """Return the differences of the body; a wrong start shows in the motion."""
         own, change = scenario.body, self.encoding.change(scenario)
         shift = np.array(change.shift, dtype=float)
-        # About a point that far away the tensor is larger, and its rounding.
+        # The tensor about a point far away is larger, and with it its rounding.
         far = float(shift @ shift + own.com @ own.com)
         moment = float(own.principal_moments[-1]) + own.mass * far
         sizes = {"mass": own.mass, "com": float(np.sqrt(moment / own.mass))}
@@ -104,13 +104,13 @@ class EncodedEngine(Engine):
 
 @final
 class EncodedSession(Session):
-    """A session of the changed scene, read in the axes and units of the scene."""
+    """A session of the changed scene, read in the axes and units of the original scene."""
 
     def __init__(self, session: Session, scenario: Scenario, change: SceneChange) -> None:
         self._session, self._scenario, self._change = session, scenario, change
 
     def read_body(self) -> BodyReading:
-        """The body that the engine holds, as one of the scene."""
+        """Return the engine's body in the axes and units of the original scene."""
         return self._change.body_back(self._session.read_body())
 
     def read_state(self) -> State:
@@ -142,11 +142,14 @@ class EncodedSession(Session):
         return self._session.first_fault(snapshots, self._session.states(snapshots))
 
     def check(self) -> None:
-        """As the engine's own."""
+        """Raise `EngineError` if the engine reports trouble."""
         self._session.check()
 
     def active(self) -> frozenset[str]:
-        """What the scene calls for: what acts is audited where a scene is given as it is."""
+        """Return the effects that the scene calls for, unchecked.
+
+        They are audited in runs of the unchanged scene.
+        """
         return self._scenario.called_for
 
     def close(self) -> None:

@@ -17,9 +17,9 @@ from .changed_scene import FREE_FALL, OF_BODIES, ON_A_TABLE, SceneChange
 
 #: Number of changed scenes kept: every method runs them, at several timesteps.
 KEPT = 64
-#: Body axes x, y, z become y, z, x.
+#: The quaternion by which body axes x, y, z become y, z, x.
 CYCLE = (mpf("0.5"), mpf("0.5"), mpf("0.5"), mpf("0.5"))
-#: By 161°, in which a tensor's products of inertia are large.
+#: The quaternion of a turn by 161°, after which a tensor's products of inertia are large.
 FAR_TURN = normalised((1, 3, 1, 5))
 
 
@@ -34,15 +34,15 @@ def _scene(change: Callable[[Scenario], SceneChange], scenario: Scenario) -> Sce
 
 @dataclass(frozen=True)
 class Encoding:
-    """One of them.
+    """An encoding: another description of a scene's body and motion that means the same.
 
     Attributes
     ----------
     name : as users type it
     summary : what it changes
-    change : what becomes of a scene
-    description : how the model then writes the body
-    effects : those of a scene that it keeps the meaning of
+    change : returns the change of a scene
+    description : how the model describes the changed body
+    effects : names of the effects that a scene may have
     """
 
     name: str
@@ -53,11 +53,11 @@ class Encoding:
     needs_free: bool = False
 
     def scene(self, scenario: Scenario) -> Scenario:
-        """The changed scene."""
+        """Return the changed scene."""
         return _scene(self.change, scenario)
 
     def why_not(self, engine: Engine, scenario: Scenario) -> str:
-        """Why an engine cannot be given a scene in this way; empty if it can."""
+        """Return why an engine cannot be given a scene in this encoding; empty if it can."""
         if beyond := sorted(self.description.features - engine.describes):
             return f"{engine.name}'s models have no words for it: {', '.join(beyond)}"
         if beyond := sorted(scenario.called_for - self.effects):
@@ -76,7 +76,7 @@ def _away(scenario: Scenario) -> SceneChange:
 
 
 def _principal(scenario: Scenario) -> SceneChange:
-    """A change to the com, along principal axes."""
+    """Return the change to body axes that are principal, with the origin at the com."""
     _, R_body_axes = principal_axes(scenario.body.inertia_com_exact)
     return SceneChange(q_body_new=from_matrix(R_body_axes), shift=scenario.body.com_exact)
 

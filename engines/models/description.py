@@ -1,4 +1,4 @@
-"""Other ways to write a scene's body into a model, which mean the same."""
+"""Other ways to write a scene's body into a model, all of which mean the same body."""
 
 from dataclasses import dataclass
 from typing import Literal
@@ -18,12 +18,12 @@ from ...scenarios.exact import (
 )
 from ...scenarios.principal import principal_axes
 
-#: A turn of a frame about none of its axes; of norm 1 to the last digit.
+#: A rotation of a frame about none of its axes; of norm 1 to the last digit.
 TURN: Quaternion = (mpf("0.8"), mpf("0.2"), mpf("0.4"), mpf("-0.4"))
-#: Where frames are put that are off the body's: in its largest radii of gyration, so that a body of
-#: 7 cm has them 0.39 m away.
+#: Place of frames that are off the body's frame, in the body's largest radius of gyration: a body
+#: of 7 cm has such frames 0.39 m away.
 AWAY = (mpf("4.2"), mpf("-2.8"), mpf("2.1"))
-#: m/s², of the gravity that is taken away again.
+#: Gravity, m/s², that acts in the model and is compensated by forces.
 COMPENSATED = (0.0, 0.0, -9.81)
 
 Parts = Literal["one", "welded", "nested", "halves", "thirds"]
@@ -32,18 +32,19 @@ Joint = Literal["own", "aligned", "slides and ball", "hinges"]
 
 @dataclass(frozen=True)
 class Description:
-    """How a body is written, where that is not the scene's own way.
+    """How a body is written into a model, where that differs from the scene's own way.
 
     Attributes
     ----------
-    parts : one body; an empty one with the whole welded to it; the same with an empty one between,
-        off and turned; or two or three that share the mass, the others welded to the first
+    parts : "one" body; "welded", an empty body with the whole welded to it; "nested", the same with
+        an empty body between them, shifted and turned; or "halves" and "thirds", two or three
+        bodies that share the mass, the others welded to the first
     full_tensor : whether the tensor is written whole, not along its principal axes
-    shape : whether the inertia is that of a box, not stated
-    joint : that the body moves by; `aligned` is a free joint along the inertial frame, which the
-        model has off the body's frame and turned
-    compensated : whether gravity acts, and is taken away again
-    urdf : whether the model is URDF, of an engine that has a language of its own
+    shape : whether the body is a box of the same inertia, which is not stated
+    joint : the joint that the body moves by; `aligned` is a free joint along the inertial frame,
+        which the model has shifted and turned against the body's frame
+    compensated : whether gravity acts although the scene has none, and is compensated
+    urdf : whether the model is URDF, for an engine that has another language of its own
     """
 
     parts: Parts = "one"
@@ -55,7 +56,7 @@ class Description:
 
     @property
     def features(self) -> frozenset[str]:
-        """What an engine's models must have words for."""
+        """The features, beyond those of `PLAIN`, that an engine's models must allow."""
         wanted = {
             "parts": self.parts != "one",
             "full tensor": self.full_tensor,
@@ -67,18 +68,18 @@ class Description:
         return frozenset(name for name, is_asked in wanted.items() if is_asked)
 
 
-#: As every scene is written.
+#: The description with which every scene is written by default.
 PLAIN = Description()
 
 
 @dataclass(frozen=True, eq=False)
 class Part:
-    """A body of a model, welded to another.
+    """A body of a model, welded to another body.
 
     Attributes
     ----------
-    onto : the part that it is welded to, by its index; None of the first
-    position, q : of its frame in that part's, m
+    onto : index of the part that it is welded to; None for the first part
+    position, q : of its frame in the frame of that part, m
     body : mass, com and tensor in its own frame; None if it is empty
     """
 
@@ -89,10 +90,10 @@ class Part:
 
 
 def parts_of(body: Body, parts: Parts) -> tuple[Part, ...]:
-    """The parts of a body; the frame of the first is the body's own.
+    """Return the parts of a body; the frame of the first is the body's own.
 
-    Masses that share it lie on the axis of the least moment, where the mass reaches furthest, so
-    that what is left of the tensor for each of them is one that a body can have.
+    Parts that share the mass lie on the axis of the least moment, where the mass reaches furthest,
+    so that what is left of the tensor for each of them is one that a body can have.
     """
     with mp.workdps(DIGITS):
         if parts == "one":
@@ -111,7 +112,7 @@ def parts_of(body: Body, parts: Parts) -> tuple[Part, ...]:
 
 
 def away_from(body: Body) -> Vector:
-    """A point far off the body's origin, m, body axes."""
+    """Return a point far off the body's origin, m, body axes."""
     with mp.workdps(DIGITS):
         reach = mp.sqrt(max(principal_axes(body.inertia_com_exact)[0]) / body.mass_exact)
         x, y, z = (part * reach for part in AWAY)
@@ -119,7 +120,7 @@ def away_from(body: Body) -> Vector:
 
 
 def _shared(body: Body, count: int) -> tuple[Part, ...]:
-    """As many parts of one mass: half of the spread along their axis is that of their places."""
+    """Return `count` parts of equal mass, apart by half of the mass's spread along its axis."""
     axis, spread = _longest(body)
     squares = sum((2 * k - count + 1) ** 2 for k in range(count))
     apart = mp.sqrt(spread / 2 * count / (body.mass_exact * squares))
@@ -132,7 +133,7 @@ def _shared(body: Body, count: int) -> tuple[Part, ...]:
         for i in range(3)
     ]
     first, second, third = ((row[0], row[1], row[2]) for row in rows)
-    # Symmetric to the last digit.
+    # Turned by no turn, which makes it symmetric to the last digit.
     left = turned_tensor((first, second, third), NO_TURN)
     parts = []
     for k in range(count):
@@ -148,7 +149,7 @@ def _shared(body: Body, count: int) -> tuple[Part, ...]:
 
 
 def _longest(body: Body) -> tuple[Vector, mpf]:
-    """The axis of the least moment, and Σ m x² along it, kg m²."""
+    """Return the axis of the least moment, and Σ m x² along it, kg m²."""
     moments, R_body_axes = principal_axes(body.inertia_com_exact)
     least = min(range(3), key=lambda k: moments[k])
     x, y, z = (row[least] for row in R_body_axes)

@@ -1,4 +1,4 @@
-"""Attitude and ω as the angles of three hinges, about z, then y, then x, and back."""
+"""Converts attitude and ω to angles and rates of three hinges, about z, y and x, and back."""
 
 from collections.abc import Sequence
 
@@ -7,15 +7,16 @@ from scipy.spatial.transform import Rotation
 
 from ...scenarios import FloatArray
 
-#: Numbers of a quaternion, and of the angles that stand for it.
+#: Number of components of a quaternion, and of the angles that replace it.
 QUATERNION, ANGLES = 4, 3
 
 
 def hinged(
     qpos: Sequence[float] | FloatArray, qvel: Sequence[float] | FloatArray
 ) -> tuple[FloatArray, FloatArray]:
-    """Coordinates that end with a quaternion w, x, y, z and ω in body axes, with angles instead.
+    """Return coordinates and velocities with angles and rates in place of a quaternion and ω.
 
+    The given coordinates end with a quaternion w, x, y, z and ω in body axes.
     R = Rz(a) Ry(b) Rx(c), so that ω = M (ȧ, ḃ, ċ) with M of the angles (Diebel 2006, §5.6.12).
     """
     place, q = np.split(np.asarray(qpos, dtype=float), [-QUATERNION])
@@ -26,7 +27,7 @@ def hinged(
 
 
 def unhinged(qpos: FloatArray, qvel: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """The reverse, of n rows each."""
+    """Return coordinates and velocities with quaternions and ω, given n rows of `hinged` ones."""
     angles = qpos[:, -ANGLES:]
     half = angles / 2
     (ca, cb, cc), (sa, sb, sc) = np.cos(half).T, np.sin(half).T
@@ -43,7 +44,7 @@ def unhinged(qpos: FloatArray, qvel: FloatArray) -> tuple[FloatArray, FloatArray
 
 
 def _omega_of_rates(angles: FloatArray) -> FloatArray:
-    """M, (n, 3, 3), of angles about z, y and x, (n, 3)."""
+    """Return the matrices M, (n, 3, 3), for angles about z, y and x, (n, 3)."""
     _, b, c = angles.T
     zero, one = np.zeros_like(b), np.ones_like(b)
     rows = [

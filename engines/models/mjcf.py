@@ -1,4 +1,4 @@
-"""A scene as MJCF, complete: loaded by any MuJoCo program, its keyframe 0 is the start.
+"""Writes a scene as a complete MJCF, which any MuJoCo program loads; its keyframe 0 is the start.
 
 The file holds the effects the scene calls for and nothing else. What MuJoCo would compute by
 default for contacts, constraints, sensors and the like is switched off.
@@ -66,14 +66,14 @@ def mjcf(
     left_in: Collection[str] = (),
     description: Description = PLAIN,
 ) -> str:
-    """The scene as an MJCF document.
+    """Return the scene as an MJCF document.
 
     Parameters
     ----------
     timestep : s
     integrator : as MuJoCo spells it; None for its default
-    left_in : passes that stay on, as by default, though the scene does not need them; names out of
-        `switched_off`
+    left_in : names, among those in `switched_off`, of passes that stay on as by default, although
+        the scene does not need them
     description : how the body is written
     """
     root = ET.Element("mujoco", model=scenario.name)
@@ -99,13 +99,13 @@ def mjcf(
 
 
 def switched_off(scenario: Scenario) -> tuple[str, ...]:
-    """MuJoCo's names of the passes that the scene does not need."""
+    """Return MuJoCo's names of the passes that the scene does not need."""
     effects = scenario.called_for
     joint_damping = "drag" in effects and not scenario.constraint.is_free
     needed = {
         "gravity": "gravity" in effects,
         "damper": joint_damping,
-        # Implicit joint damping is what MuJoCo's Euler does with a damper.
+        # With implicit joint damping MuJoCo's Euler simulates a damper.
         "eulerdamp": joint_damping,
         "actuation": any(True for _ in _actuators(scenario)),
     }
@@ -114,12 +114,12 @@ def switched_off(scenario: Scenario) -> tuple[str, ...]:
 
 @lru_cache(maxsize=RECENT)
 def start_coordinates(scenario: Scenario) -> tuple[list[float], list[float]]:
-    """qpos and qvel at t = 0.
+    """Return qpos and qvel at t = 0.
 
-    A ball joint's are the attitude (w, x, y, z) and ω in body axes; angles and spins of rotors that
-    turn come last. A free joint's begin with the
-    position and velocity of the body frame's origin, not of the com, in world axes
-    (MuJoCo documentation, "Floating objects"), and those of slides with the tip's.
+    A ball joint has the attitude (w, x, y, z) and ω in body axes; angles and spins of rotors that
+    turn come last. A free joint begins with the position and velocity of the body frame's origin,
+    not of the com, in world axes (MuJoCo documentation, "Floating objects"), slides begin with the
+    tip's.
     """
     start, constraint, rotors = scenario.start, scenario.constraint, scenario.rotors
     q, omega_body, lever = start.q_exact, start.omega_body_exact, constraint.lever_exact
@@ -164,7 +164,7 @@ def _add_body(world: ET.Element, scenario: Scenario, description: Description) -
 
 
 def armature(rotor: Rotor) -> float:
-    """Inertia against a change of the spin relative to the body, kg m²: of a drive, all of it."""
+    """Return the inertia of a hinge's drive, kg m²: so large that the spin stays, else 0."""
     return DRIVE * float(rotor.along) if rotor.hinge == "driven" else 0.0
 
 
@@ -172,7 +172,7 @@ def _add_inertia(element: ET.Element, body: Body, description: Description = PLA
     frame = principal_frame(body)
     pos, quat = decimals(body.com), decimals(frame.q_body_axes_wxyz)
     if description.joint == "aligned":
-        # Such a body's axes are the principal ones: MuJoCo moves its frame there.
+        # For such a body the body axes are the principal ones: MuJoCo moves its frame there.
         pos, quat = decimals(away_from(body)), decimals(TURN)
     if description.shape:
         sides = box_sides(body.mass, frame.moments)
@@ -193,10 +193,10 @@ def _add_inertia(element: ET.Element, body: Body, description: Description = PLA
 
 
 def _add_joints(element: ET.Element, scenario: Scenario, kind: Joint) -> None:
-    """A ball joint at the point that is held, on a slide along each axis that it may move along."""
+    """Add the joints: a ball joint at the held point, on slides along the axes not held."""
     constraint, point = scenario.constraint, scenario.body.com - scenario.constraint.lever
     if constraint.is_free and kind in ("own", "aligned"):
-        # Aligned with the inertial frame, qpos and qvel would be along other axes.
+        # A free joint aligned with the inertial frame would have qpos and qvel along other axes.
         align = "true" if kind == "aligned" else "false"
         ET.SubElement(element, "freejoint", name=JOINT, align=align)
         return
@@ -218,15 +218,16 @@ def _add_joints(element: ET.Element, scenario: Scenario, kind: Joint) -> None:
 
 
 def _actuators(scenario: Scenario) -> Iterator[ET.Element]:
-    """Torques that are no joint damping: constant ones, and the drag of a free body.
+    """Yield the torques other than joint damping: constant ones, and the drag of a free body.
 
-    A free joint's damping would slow its translation too, hence three servos, one a body axis.
+    A free joint's damping would slow its translation too, so drag is three servos, one for each
+    body axis.
     """
     effects = scenario.called_for
     if "torque_body" in effects:
         yield _actuator(scenario, "joint", scenario.pushed["torque_body"], constant=1.0)
     if "torque_world" in effects:
-        # The parent's axes, which are the world's.
+        # The actuator's axis is in the parent's axes, which are the world's.
         yield _actuator(scenario, "jointinparent", scenario.pushed["torque_world"], constant=1.0)
     if "drag" in effects and scenario.constraint.is_free:
         for axis in BODY_AXES:
@@ -240,8 +241,11 @@ def _actuator(
     constant: float = 0.0,
     per_velocity: float = 0.0,
 ) -> ET.Element:
-    """A torque (constant + per_velocity · ω·axis) along `axis`, independent of control signals."""
-    # A free joint's gear begins with a force.
+    """Return an actuator with the torque (constant + per_velocity · ω·axis) along `axis`.
+
+    It does not depend on control signals.
+    """
+    # The gear of a free joint begins with a force.
     is_free = scenario.constraint.is_free
     gear = f"{decimals(NO_FORCE)} {decimals(axis)}" if is_free else decimals(axis)
     return ET.Element(

@@ -1,4 +1,4 @@
-"""A scene's table as a contact in MJCF: a free body with a sphere, on a plane, without friction."""
+"""Writes a table as a contact in MJCF: a free body with a sphere, on a plane, without friction."""
 
 import xml.etree.ElementTree as ET
 from dataclasses import replace
@@ -10,24 +10,25 @@ from ...scenarios.scenario import with_tables
 from .mjcf import BODY
 from .text import decimals, xml_text
 
-#: A tip that is a point has a sphere of so many levers, and the plane is as much lower.
+#: Radius of the sphere that stands for a tip that is a point, in levers; the plane is lower by it.
 SHARE_OF_LEVER = 0.25
-#: Relative: by so much the plane is higher, so that rounding never leaves the start off it.
+#: Height by which the plane is raised, relative to the sphere's radius, so that rounding never
+#: leaves the start off it.
 TOUCHING = 1e-12
-#: Passes that a contact needs.
+#: MuJoCo's names of the passes that a contact needs.
 PASSES = frozenset({"constraint", "contact"})
-#: Of both shapes: a contact without friction has one direction.
+#: Attributes of both shapes: a contact without friction has one direction.
 FRICTIONLESS = {"condim": "1", "friction": "0 0 0"}
 
 
 def off_its_table(scenario: Scenario) -> Scenario:
-    """The scene as if its body were free, with the same start."""
+    """Return the scene without its table, as if the body were free, with the same start."""
     effects = scenario.effects.model_copy(update={"table": None})
     return replace(with_tables(scenario, effects=effects), start=scenario.start)
 
 
 def sphere_and_plane(scenario: Scenario) -> tuple[float, float]:
-    """The sphere's radius and the plane's height, m."""
+    """Return the sphere's radius and the plane's height, m."""
     table, lever = scenario.effects.table, float(np.linalg.norm(scenario.constraint.lever))
     assert table is not None
     radius = table.radius or SHARE_OF_LEVER * lever or 1.0
@@ -36,7 +37,7 @@ def sphere_and_plane(scenario: Scenario) -> tuple[float, float]:
 
 
 def with_contact(text: str, scenario: Scenario, solref: tuple[float, float] | None) -> str:
-    """The MJCF of a free body with the contact added.
+    """Return the MJCF of a free body with the contact added.
 
     Parameters
     ----------

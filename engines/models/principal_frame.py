@@ -13,14 +13,14 @@ from ...scenarios.principal import IDENTITY, principal_axes
 
 #: Number of bodies whose frame is kept: every run of a scene needs it.
 KEPT = 64
-#: Below this cosine of the pitch, roll and yaw turn about one axis and only their sum is defined.
-#: Half the working digits: entries of the rotation are accurate to all of them.
+#: If the cosine of the pitch is below this, roll and yaw turn about one axis and only their sum is
+#: defined. It has half the working digits: entries of the rotation are accurate to all of them.
 GIMBAL_LOCK = mpf(10) ** (-DIGITS // 2)
 
 
 @dataclass(frozen=True, eq=False)
 class PrincipalFrame:
-    """Principal moments about the centre of mass and the right-handed axes they belong to.
+    """Principal moments about the centre of mass, and the right-handed axes that they belong to.
 
     Attributes
     ----------
@@ -36,7 +36,7 @@ class PrincipalFrame:
 
 @lru_cache(maxsize=KEPT)
 def principal_frame(body: Body, thickness: float = 0.0) -> PrincipalFrame:
-    """The principal frame about the com, as engines' files want it.
+    """Return the principal frame about the com, as model files need it.
 
     Parameters
     ----------
@@ -55,7 +55,7 @@ def principal_frame(body: Body, thickness: float = 0.0) -> PrincipalFrame:
 
 
 def roll_pitch_yaw_of(q: Quaternion) -> FloatArray:
-    """A rotation as URDF writes it, rad, (3,)."""
+    """Return a rotation as URDF writes it, roll, pitch and yaw, rad, (3,)."""
     with mp.workdps(DIGITS):
         columns = [rotate(q, axis) for axis in IDENTITY]
         first, second, third = zip(*columns, strict=True)

@@ -5,10 +5,10 @@ from math import sqrt
 
 
 def box_sides(mass: float, moments: Iterable[float]) -> tuple[float, ...]:
-    """Sides, m, along principal axes of the uniform box of a mass, kg, with these moments, kg m².
+    """Return the sides, m, of the uniform box with a mass, kg, and principal moments, kg m².
 
-    From I₁ = m (b² + c²) / 12 and so on; the triangle inequality makes the squares positive. Of a
-    flat body one is zero.
+    They follow from I₁ = m (b² + c²) / 12 and so on; the triangle inequality makes the squares
+    positive. For a flat body one side is zero.
     """
     moments = list(moments)
     return tuple(sqrt(max(0.0, 6 * (sum(moments) - 2 * own) / mass)) for own in moments)

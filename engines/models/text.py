@@ -10,11 +10,11 @@ def decimals(values: Iterable[float]) -> str:
 
 
 def xml_text(root: ET.Element) -> str:
-    """An indented document."""
+    """Return an XML element as an indented document."""
     ET.indent(root)
     return ET.tostring(root, encoding="unicode") + "\n"
 
 
 def python_lines(text: str) -> str:
-    """A text as lines of Python's string literals, whatever characters it holds."""
+    """Return a text as lines of Python's string literals, whatever characters it holds."""
     return "\n".join(f"    {line!r}" for line in text.splitlines(keepends=True))

@@ -22,18 +22,18 @@ from .text import decimals, xml_text
 
 #: Name of the body's link; its frame is the scene's body frame.
 BODY_LINK = "top"
-#: The name that both readers take for the fixed world.
+#: The link name that both readers take for the fixed world.
 WORLD_LINK = "world"
 PIVOT_JOINT = "pivot"
-#: Without mass, and said to be so: readers take links that say nothing for 1 kg.
+#: Mass of a link without mass, which must be stated: readers take links that state none for 1 kg.
 WEIGHTLESS = "0"
-#: Of a slide, whose limits URDF demands: PyBullet has none where the lower one is the larger.
+#: Limits of a slide, which URDF demands: with the lower above the upper one PyBullet has none.
 UNLIMITED = {"lower": "1", "upper": "-1", "effort": "0", "velocity": "0"}
-#: Entries of a tensor.
+#: Names of the entries of a tensor.
 MOMENTS = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
-#: Number of documents kept: a scene's is the same at every timestep.
+#: Number of documents kept, because a scene's document is the same at every timestep.
 KEPT = 16
-#: m, and rad: where a joint is that is at its link's origin.
+#: Place, m, and rotation, rad, of a joint at the origin of its link.
 NOWHERE = (0.0, 0.0, 0.0)
 #: A ball joint has no axis, but readers warn if none is given.
 ANY_AXIS = (0.0, 0.0, 1.0)
@@ -48,13 +48,13 @@ def urdf(
     description: Description = PLAIN,
     is_loose: bool = False,
 ) -> str:
-    """The scene's body, and what holds it where it is held, as a URDF document.
+    """Return the scene's body, with the joints that hold it, as a URDF document.
 
     A pivoted body hangs by a ``spherical`` joint at its own origin on a fixed link at the world's
-    origin; on a table, by one at its tip on links without mass that slide. A link's frame is at its
-    joint, so a held body's is at that point. A free body is the only link. (PyBullet would turn a
-    ``floating`` joint into a fixed one; MuJoCo welds a single link to the world unless it is given
-    a free joint.)
+    origin; on a table it hangs by one at its tip on massless links that slide. A link's frame is at
+    its joint, so a held body's frame is at the held point. A free body is the only link. (PyBullet
+    would turn a ``floating`` joint into a fixed one; MuJoCo welds a single link to the world unless
+    it is given a free joint.)
 
     The tensor is written as principal moments in a turned inertial frame: PyBullet diagonalises
     a full tensor itself, and only to 1e-10.
@@ -65,7 +65,8 @@ def urdf(
     sphere : centre and radius of a collision sphere, m, body axes
     has_box : whether to add a collision box: the uniform box with the body's tensor
     description : how the body is written: its parts, and whether tensors are whole
-    is_loose : whether a held body is the only link, too: the adapter holds it otherwise
+    is_loose : whether even a held body is the only link, because the adapter holds it in another
+        way
     """
     robot = ET.Element("robot", name=scenario.name)
     is_held = not (scenario.constraint.is_free or is_loose)
@@ -94,7 +95,7 @@ def urdf(
 
 
 def _held_at(scenario: Scenario) -> Vector:
-    """The point of the body that is held, m, body axes."""
+    """Return the point of the body that is held, m, body axes."""
     return _from(scenario.constraint.lever_exact, scenario.body.com_exact)
 
 
@@ -105,7 +106,7 @@ def _from(origin: Vector, place: Iterable[mpf]) -> Vector:
 
 
 def _add_slides(robot: ET.Element, scenario: Scenario) -> str:
-    """The fixed world, and links without mass that slide on it; the name of the last."""
+    """Add the fixed world, and massless links that slide on it; return the last one's name."""
     ET.SubElement(robot, "link", name=WORLD_LINK)
     onto = WORLD_LINK
     for axis in np.flatnonzero(np.logical_not(scenario.constraint.is_held)):
@@ -127,7 +128,7 @@ def _add_rotor(
     thickness: float,
     has_box: bool,
 ) -> None:
-    """A link whose frame is at the rotor's centre of mass, and its hinge."""
+    """Add a link whose frame is at the rotor's centre of mass, and its hinge."""
     name, body = f"rotor{number}", replace(rotor.body, com_exact=ZERO)
     _add_link(robot, name, body, thickness)
     kind = "fixed" if rotor.hinge == "locked" else "continuous"
@@ -140,7 +141,7 @@ def _add_rotor(
 def _add_link(
     robot: ET.Element, name: str, body: Body | None, thickness: float, *, whole: bool = False
 ) -> None:
-    """A link; without an inertial if it has no body."""
+    """Add a link; it has no `inertial` if it has no body."""
     link = ET.SubElement(robot, "link", name=name)
     if body is None:
         return
@@ -158,7 +159,7 @@ def _add_link(
 
 
 def _add_box(robot: ET.Element, body: Body, thickness: float) -> None:
-    """The uniform box with a body's tensor, as the last link's collision shape."""
+    """Add to the last link a collision shape, the uniform box with a body's tensor."""
     frame = principal_frame(body, thickness)
     sides = box_sides(body.mass, frame.moments)
     _add_shape(robot, body.com, frame.rpy_body_axes, "box", size=sides)

@@ -1,4 +1,4 @@
-"""How an engine's body differs from the file's: how far, and in words its size and cause."""
+"""How far an engine's body is from the file's; the difference's size and cause in words."""
 
 from dataclasses import dataclass
 
@@ -10,10 +10,10 @@ from ..checks.read_back import BodyReading
 from .file_problems import FileProblem
 from .model_file import Stated, principal_moments
 
-#: Relative tolerance within which an engine holds the file's link. Some engines diagonalise tensors
+#: Relative tolerance within which an engine's body is the file's. Some engines diagonalise tensors
 #: with errors of 1e-12 to 1e-6: with a tolerance of 1e-12 a third of all links would be wrong.
 AGREES = 1e-5
-#: Half turns about each axis: principal axes have no sign.
+#: Half turns about each axis, since principal axes have no sign.
 _SIGNS = [np.diag(signs) for signs in ((1, 1, 1), (1, -1, -1), (-1, 1, -1), (-1, -1, 1))]
 #: Ratios this close to 1 are printed as a percentage.
 NEAR_ONE = 0.1
@@ -38,12 +38,12 @@ class BodyDifference:
 
     @property
     def worst(self) -> float:
-        """The largest of the three that are judged."""
+        """The largest of the differences that are judged: of mass, com and inertia."""
         return max(self.mass, self.com, self.inertia)
 
 
 def difference(stated: BodyReading, got: BodyReading) -> BodyDifference:
-    """The difference of the body that an engine holds from the one that a file states."""
+    """Return the difference between an engine's body and the one that a file states."""
     inertia = stated.inertia_com
     gyration = np.sqrt(abs(np.trace(inertia)) / (2 * abs(stated.mass))) if stated.mass else 0.0
     arm = max(float(gyration), float(np.linalg.norm(stated.com)))
@@ -64,9 +64,10 @@ def _relative(value: float, size: float) -> float:
 
 
 def angle_between_axes(one: FloatArray, other: FloatArray) -> float:
-    """The least rotation between the principal axes of two tensors, rad.
+    """Return the smallest rotation between the principal axes of two tensors, rad.
 
-    Axes go by the order of their moments, and turn freely where moments are alike.
+    Axes are paired by the order of their moments, and turn freely among those whose moments are
+    equal.
     """
     (moments, axes), (other_moments, other_axes) = np.linalg.eigh(one), np.linalg.eigh(other)
     free = _equal_pairs(moments) | _equal_pairs(other_moments)
@@ -85,13 +86,13 @@ def angle_between_axes(one: FloatArray, other: FloatArray) -> float:
 
 
 def _equal_pairs(moments: FloatArray) -> set[int]:
-    """The pairs of ascending moments, of (0, 1) and (1, 2), that are equal but for rounding."""
+    """Return which of the pairs (0, 1) and (1, 2) of ascending moments are equal."""
     gaps = np.diff(moments)
     return {k for k in (0, 1) if gaps[k] <= AGREES * np.abs(moments).max()}
 
 
 def unstated_body(body: BodyReading) -> str:
-    """The cause where an engine holds a body and the file has none."""
+    """Return the cause of a difference where an engine has a body and the file states none."""
     return (
         f"held as {body.mass:.3g} kg, {_moments(body.inertia_com)} kg m²: the file states nothing"
     )
@@ -104,11 +105,11 @@ def cause(
     problems: tuple[FileProblem, ...],
     made_up: str,
 ) -> tuple[str, str]:
-    """Why an engine's body is not the file's, in a word and in a sentence.
+    """Return why an engine's body is not the file's, in a word and in a sentence.
 
-    The word is "zero" of a tensor set to zero, "no tensor" where the file has a mass alone, "made
-    up", "rotation lost" of the inertial frame, "turned" axes, "products dropped" of inertia, or
-    "other".
+    The word is "zero" if the tensor was set to zero, "no tensor" if the file states only a mass,
+    "made up", "rotation lost" of the inertial frame, "turned" axes, "products dropped" of inertia,
+    or "other".
 
     Parameters
     ----------
@@ -155,7 +156,7 @@ def _of_tensor(
 
 
 def _why(problems: tuple[FileProblem, ...]) -> str:
-    """The first thing that no body has, its rule first: ": no body has it, 0.3 + 0.1 < 0.9"."""
+    """Return the first impossible number, its rule first: ": no body has it, 0.3 + 0.1 < 0.9"."""
     for problem in problems:
         if problem.impossible:
             text, colon, rule = problem.text.partition(": ")

@@ -1,4 +1,4 @@
-"""Edits of a model file: the inertia of its links is written, and every other byte stays."""
+"""Edits a model file: the inertia of its links is written, and every other byte stays as it is."""
 
 import re
 from collections.abc import Mapping
@@ -10,23 +10,23 @@ from .model_file import ModelFile, Span
 from .urdf import ZEROS, Edits
 from .xml_tree import Element, parse_xml, tag_end
 
-#: An attribute, with what stands before it; quoted values are taken whole.
+#: Pattern of an attribute with the blanks before it; quoted values are matched whole.
 _ATTRIBUTE = re.compile(rb"""\s+([^\s=/>]+)\s*=\s*("[^"]*"|'[^']*')""")
 
 
 def elements_of(model: ModelFile) -> dict[Span, Element]:
-    """The elements of the file itself, without those that it includes, by their spans."""
+    """Return the elements of the file itself, without those of included files, by their spans."""
     root, _ = parse_xml(model.data, str(model.path))
     return {element.span: element for element in root.walk()}
 
 
 def write_inertia(model: ModelFile, element: Element, body: BodyReading, remark: str = "") -> Edits:
-    """The edits that have a link state a body along its own axes.
+    """Return the edits that make a link state a body along its own axes.
 
     Parameters
     ----------
-    element : of the link
-    remark : written beside it as a comment, if it is not empty
+    element : the element of the link
+    remark : comment written beside it, if it is not empty
     """
     comment = f"<!-- {remark} -->".encode() if remark else b""
     inertial = element.only("inertial")
@@ -61,7 +61,7 @@ def _of_urdf(data: bytes, inertial: Element, body: BodyReading) -> Edits:
 
 
 def inertial_line(body: BodyReading, form: str = "urdf") -> str:
-    """The `<inertial>` of a body without a rotation, which every reader reads alike."""
+    """Return the `<inertial>` of a body without a rotation, which every reader reads alike."""
     if form == "mjcf":
         inside = " ".join(f'{key}="{value}"' for key, value in _of_mjcf(body).items())
         return f"<inertial {inside}/>"
@@ -74,14 +74,14 @@ def inertial_line(body: BodyReading, form: str = "urdf") -> str:
 
 
 def _of_mjcf(body: BodyReading) -> dict[str, str]:
-    """The attributes of an MJCF's `<inertial>`; MuJoCo takes no tensor of zeros as a full one."""
+    """Return the attributes of an MJCF's `<inertial>`; MuJoCo refuses a full tensor of zeros."""
     zero = {"diaginertia": "0 0 0"}
     tensor = {"fullinertia": decimals(_entries(body).values())} if body.inertia_com.any() else zero
     return {"pos": decimals(body.com), "mass": decimals([body.mass])} | tensor
 
 
 def _entries(body: BodyReading) -> dict[str, float]:
-    """The entries of a tensor by their axes, in MJCF's order."""
+    """Return the entries of a tensor by their axes, in MJCF's order."""
     tensor = body.inertia_com
     order = ("xx", "yy", "zz", "xy", "xz", "yz")
     return {axes: float(tensor["xyz".index(axes[0]), "xyz".index(axes[1])]) for axes in order}
@@ -90,7 +90,7 @@ def _entries(body: BodyReading) -> dict[str, float]:
 def set_attributes(
     data: bytes, element: Element, changes: Mapping[str, str | None]
 ) -> tuple[Span, bytes]:
-    """The edit that gives an element's attributes other values; None takes one away."""
+    """Return the edit that gives an element's attributes other values; None removes one."""
     start, end = element.span[0], tag_end(data, element.span[0])
     left = dict(changes)
 
@@ -109,7 +109,7 @@ def set_attributes(
 
 
 def _inside(data: bytes, element: Element, new: bytes) -> tuple[Span, bytes]:
-    """The edit that puts something first into an element."""
+    """Return the edit that inserts something as the first child of an element."""
     start, end = element.span[0], tag_end(data, element.span[0])
     tag = data[start:end]
     if tag.endswith(b"/>"):

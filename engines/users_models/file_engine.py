@@ -1,4 +1,4 @@
-"""How engines read users' files, and an engine that runs a link out of such a file."""
+"""How engines read users' files, and an engine that simulates a link out of such a file."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
@@ -21,14 +21,14 @@ OF_BODY = frozenset({"mass", "com", "inertia_com"})
 
 @dataclass(frozen=True)
 class Advice:
-    """What to do in an engine's own terms.
+    """What users can do about a difference, in an engine's own terms.
 
     Attributes
     ----------
-    line : of XML to put into the file; empty where the advice is something else
-    is_mended : whether a newer version needs it no longer
-    concerns : of a refused file, the links that it is about: those with an "impossible" tensor, or
-        "massless" ones, which move without mass or tensor
+    line : XML to put into the file; empty if the advice is something else
+    is_mended : whether a newer version of the engine no longer needs it
+    concerns : for a refused file, which links the advice is about: those with an "impossible"
+        tensor, or "massless" ones, which move without mass or tensor
     """
 
     text: str
@@ -39,14 +39,14 @@ class Advice:
 
 @dataclass(frozen=True)
 class Configuration:
-    """One way in which users have an engine read a file.
+    """One of the ways in which users let an engine read a file.
 
     Attributes
     ----------
     name : as users type and read it
     summary : what is set, in one line
     made_up : the source of tensors that are not taken from the file; else empty
-    advice : by the word of a difference: what mends it, besides what does in every engine
+    advice : by the word of a difference, what helps in this engine besides what helps in every one
     """
 
     name: str
@@ -60,7 +60,7 @@ class ModelReader(ABC):
 
     Attributes
     ----------
-    refusals : by words of the engine's reason for refusing a file: what makes it take the file
+    refusals : by words of the engine's reason for refusing a file, what makes it accept the file
     """
 
     name: ClassVar[str]
@@ -75,14 +75,14 @@ class ModelReader(ABC):
 
     @abstractmethod
     def read(self, model: ModelFile, configuration: str) -> dict[str, BodyReading]:
-        """The bodies that the engine has after it has read the file, by the links' names.
+        """Return the bodies that the engine has after it has read the file, by the links' names.
 
-        A link that was fused with another has no body and is left out.
+        A link that was fused with another has no body of its own and is left out.
 
         Raises
         ------
         EngineError
-            If it refuses the file.
+            If the engine refuses the file.
         """
 
 
@@ -103,7 +103,7 @@ class FileEngine(Engine):
 
     @property
     def version(self) -> str:
-        """The engine's own version, as its reader has it."""
+        """The engine's own version, as its reader reports it."""
         return self.reader.version
 
     def applies_to(self, scenario: Scenario) -> bool:
@@ -118,12 +118,13 @@ class FileEngine(Engine):
     def differences(
         self, scenario: Scenario, method: str, body: BodyReading, state: State
     ) -> list[Difference]:
-        """Differences from the scene; those of the body in the words of `inspect`."""
+        """Return the differences from the scene; those of the body in the words of `inspect`."""
         differing = super().differences(scenario, method, body, state)
         others = [one for one in differing if one.what not in OF_BODY]
         if len(others) == len(differing):
             return differing
-        # Compared with the scene's numbers; the file is needed for those without the rotation.
+        # The body is compared with the scene's numbers; the file is needed for the numbers without
+        # rotation.
         users, numbers = users_link(scenario), scenario.body
         unturned = users.stated.unturned
         stated = Stated(numbers.mass, numbers.com, numbers.inertia_com, unturned=unturned)
@@ -137,23 +138,23 @@ class FileEngine(Engine):
 
 @cache
 def model_readers() -> dict[str, ModelReader]:
-    """The readers of the engines that are installed, by name, sorted."""
+    """Return the readers of the engines that are installed, by name, sorted."""
     readers = [engine.reader for engine in engines().values() if isinstance(engine, FileEngine)]
     return {reader.name: reader for reader in readers}
 
 
 @dataclass(frozen=True, eq=False)
 class _OtherBody(Difference):
-    """Another body than the file states, and why."""
+    """A body that is not the one the file states, and the cause."""
 
     why: str
 
     @property
     def complaint(self) -> str:
-        """The message of a run that fails because of it."""
+        """The message of a run that fails because of this difference."""
         return f"holds another body than the file states: {self.why}"
 
     @property
     def remark(self) -> str:
-        """The message of a run that goes on in spite of it."""
+        """The message of a run that goes on in spite of this difference."""
         return self.complaint

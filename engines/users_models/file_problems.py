@@ -1,4 +1,4 @@
-"""Faults of a model file itself: tensors that no body can have, and placeholders."""
+"""Faults of a model file itself: tensors that no body can have, and doubtful numbers."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -8,34 +8,36 @@ import numpy as np
 from ...scenarios import FloatArray
 from .model_file import Link, Stated, principal_moments
 
-#: What no body can have; "placeholder", "radius of gyration" and "density" are doubtful.
+#: Kinds of problems that no body can have; "placeholder", "radius of gyration" and "density" are
+#: only doubtful.
 IMPOSSIBLE = frozenset(
     ("negative mass", "zero mass", "zero tensor", "not positive definite", "triangle inequality")
 )
-#: Relative rounding of the eigenvalues of a tensor, in ulp.
+#: Relative rounding error of the eigenvalues of a tensor, in ulp.
 ROUNDING = 16 * float(np.finfo(float).eps)
-#: A link's mass may lie outside the shapes that it is drawn with by so much of their size: shapes
-#: are drawn for looks and for speed, and a doubtful tensor is rarely off by less.
+#: Part of the shapes' size by which a link's mass may lie outside them: shapes are made for looks
+#: and for speed, and a doubtful tensor is rarely off by less.
 SHAPE_SLACK = 1.1
-#: kg/m³, of osmium, the densest element (CRC Handbook of Chemistry and Physics, 97th ed., §4).
+#: Density of osmium, the densest element, kg/m³ (CRC Handbook of Chemistry and Physics, 97th ed.,
+#: §4).
 DENSEST = 22590.0
 
 
 @dataclass(frozen=True, eq=False)
 class FileProblem:
-    """One thing that a file has wrong of a link; `text` says what, with its numbers."""
+    """One fault of a link in a file; `text` describes it, with the numbers."""
 
     kind: str
     text: str
 
     @property
     def impossible(self) -> bool:
-        """Whether no body can have it, as against a doubtful number."""
+        """Whether no body can have the number; otherwise it is doubtful."""
         return self.kind in IMPOSSIBLE
 
 
 def problems(link: Link) -> tuple[FileProblem, ...]:
-    """The faults of a link's inertial; without any, what is doubtful about it."""
+    """Return the faults of a link's inertial; if it has none, what is doubtful about it."""
     stated = link.stated
     if stated is None:
         return ()
@@ -66,12 +68,13 @@ def _of_tensor(stated: Stated) -> Iterator[tuple[str, str]]:
     elif large - small - middle > rounding:
         yield "triangle inequality", f"{_digits(small, middle, large)}: no body has it"
     elif small <= rounding:
-        # A rod: the largest two are equal, and nothing says how fast it turns about itself.
+        # A rod: its largest two moments are equal, and nothing says how fast it turns about its
+        # axis.
         yield "not positive definite", f"a principal moment is {small:.3g} kg m²"
 
 
 def _digits(small: float, middle: float, large: float) -> str:
-    """The text "a + b < c", with as many digits as show the inequality."""
+    """Return the text "a + b < c", with as many digits as show the inequality."""
     for digits in range(2, 18):
         a, b, c = (f"{moment:.{digits}g}" for moment in (small, middle, large))
         if float(a) + float(b) < float(c):
@@ -80,7 +83,7 @@ def _digits(small: float, middle: float, large: float) -> str:
 
 
 def _placeholder(stated: Stated) -> Iterator[tuple[str, str]]:
-    """A power of ten times the identity: a number that was put in to have one."""
+    """Yield a fault if the tensor is a power of ten times the identity: a placeholder."""
     moment = float(stated.unturned[0, 0])
     exponent = round(np.log10(moment)) if moment > 0 else 0
     if moment == float(f"1e{exponent}") and (stated.unturned == moment * np.eye(3)).all():
@@ -88,18 +91,18 @@ def _placeholder(stated: Stated) -> Iterator[tuple[str, str]]:
 
 
 def _beside_its_shapes(link: Link, stated: Stated) -> Iterator[tuple[str, str]]:
-    """What a mass within the link's shapes cannot have.
+    """Yield what a mass within the link's shapes cannot have.
 
-    A mass within a width w varies along it by no more than (w/2)² (T. Popoviciu 1935); along x
-    that is (Iyy + Izz − Ixx) / 2m. And it is no denser than any element, if it fills the box about
-    the shapes; of a flat shape, whose box has no volume, that is not known.
+    The variance of a mass within a width w is at most (w/2)² (T. Popoviciu 1935); along x it is
+    (Iyy + Izz − Ixx) / 2m. Nor is the mass denser than any element, if it fills the box about the
+    shapes; for a flat shape, whose box has no volume, the density is not known.
     """
     box = shapes_box(link)
     if box is None:
         return
     extent = box[1] - box[0]
     diagonal = np.diag(stated.inertia_com)
-    # Of next to no mass it is infinite.
+    # For next to no mass the radius of gyration is infinite.
     with np.errstate(over="ignore"):
         spread = np.sqrt((diagonal.sum() / 2 - diagonal) / stated.mass)
     most = SHAPE_SLACK * extent / 2
@@ -120,7 +123,7 @@ def _beside_its_shapes(link: Link, stated: Stated) -> Iterator[tuple[str, str]]:
 
 
 def shapes_box(link: Link) -> FloatArray | None:
-    """Lowest and highest corner of a link's shapes, m, (2, 3); None where one is not known."""
+    """Return the lowest and highest corner of a link's shapes, m, (2, 3); None if unknown."""
     boxes = [shape.box for shape in link.shapes]
     known = [box for box in boxes if box is not None]
     if not known or len(known) < len(boxes):

@@ -1,7 +1,7 @@
-"""What an MJCF file states: `body/inertial`, after includes, frames and replicates.
+"""Reads what an MJCF file states: `body/inertial`, after includes, frames and replicates.
 
-Read here and not by `mujoco.MjSpec`: MuJoCo's reading is what is checked, a file may crash it, and
-it keeps no places in the file.
+`mujoco.MjSpec` is not used for it, because MuJoCo's reading is what is checked, a file may crash
+it, and it keeps no places in the file.
 """
 
 from collections.abc import Callable
@@ -15,7 +15,7 @@ from .mjcf_files import CheckedFiles
 from .model_file import Link, Pose, Stated
 from .xml_tree import Element, shown
 
-#: More bodies than any robot has; `replicate` can ask for any number.
+#: Largest number of bodies, more than any robot has; `replicate` can ask for any number.
 MAX_BODIES = 10_000
 #: Elements that generate bodies.
 MAKERS = ("attach", "composite", "flexcomp", "flex")
@@ -23,12 +23,13 @@ ZEROS = (0.0, 0.0, 0.0)
 
 
 def read_mjcf(root: Element, files: CheckedFiles) -> tuple[tuple[Link, ...], tuple[str, ...]]:
-    """The bodies of a model, in the file's order, and what was not read of it.
+    """Return the bodies of a model, in the file's order, and what of the model was not read.
 
     Raises
     ------
     ModelFileError
-        If a number is not one, an include lies outside the folders, or there are too many bodies.
+        If a value is not a number, an include lies outside the folders, or there are too many
+        bodies.
     """
     files.check(root)
     reader = _Reader(root.file, _compiler(root))
@@ -64,7 +65,7 @@ def _compiler(root: Element) -> Compiler:
 
 @dataclass
 class _Reader:
-    """Walks a world's bodies; their nesting is bounded by that of the elements."""
+    """Walks the bodies of a world; they are nested no deeper than the file's elements may be."""
 
     file: str
     compiler: Compiler
@@ -73,12 +74,12 @@ class _Reader:
     notes: list[str] = field(default_factory=list)
 
     def read(self, element: Element, parent: str, frame: Pose) -> None:
-        """The bodies of an element.
+        """Read the bodies of an element.
 
         Parameters
         ----------
-        parent : name of the body that they hang on; empty for the world
-        frame : of the element in the parent's
+        parent : name of the body that they are attached to; empty for the world
+        frame : pose of the element's frame in the parent's
         """
         for child in element.children:
             if child.tag == "body":
@@ -140,7 +141,7 @@ def _has_shapes(element: Element) -> bool:
 
 
 def unnamed(number: int) -> str:
-    """What the n-th body without a name is called."""
+    """Return the name that the n-th body without a name is given."""
     return f"(body {number})"
 
 
@@ -161,7 +162,7 @@ def _pose(element: Element, compiler: Compiler) -> Pose:
 
 
 def _rotation(element: Element, compiler: Compiler) -> FloatArray:
-    """The rotation, given in one of MJCF's five ways (XML reference, *Frame orientations*)."""
+    """Return the rotation, given in one of five ways (XML reference, *Frame orientations*)."""
     ways = [key for key in WAYS if key in element.attributes]
     if len(ways) > 1:
         element.refuse(f"{element} gives its rotation twice: '{ways[0]}' and '{ways[1]}'")
@@ -184,7 +185,7 @@ def _by_axis_angle(values: FloatArray, compiler: Compiler) -> Rotation:
 
 
 def _by_euler(values: FloatArray, compiler: Compiler) -> Rotation:
-    """Small letters turn with the frame, capitals stay."""
+    """Return the rotation of three angles: axes in small letters turn with the frame."""
     total = Rotation.identity()
     for letter, angle in zip(compiler.eulerseq, values, strict=True):
         one = Rotation.from_euler(letter.lower(), angle, degrees=compiler.degrees)
@@ -200,14 +201,14 @@ def _by_xy(values: FloatArray, _: Compiler) -> Rotation:
 
 
 def _by_z(values: FloatArray, _: Compiler) -> Rotation:
-    """The least rotation that takes z there; about x where z is turned over."""
+    """Return the smallest rotation that takes z to a vector; about x if the vector is −z."""
     x, y, z = values / np.linalg.norm(values)
     sine = np.hypot(x, y)
     axis = np.array([-y / sine, x / sine, 0.0]) if sine else np.array([1.0, 0.0, 0.0])
     return Rotation.from_rotvec(axis * np.arctan2(sine, z))
 
 
-#: By attribute: how many numbers it has, and the rotation that they are.
+#: By attribute, how many numbers it has, and the function to the rotation that they mean.
 WAYS: dict[str, tuple[int, Callable[[FloatArray, Compiler], Rotation]]] = {
     "quat": (4, _by_quat),
     "axisangle": (4, _by_axis_angle),

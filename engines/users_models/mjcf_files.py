@@ -1,7 +1,7 @@
-"""What MuJoCo may read and make of an MJCF file: no file elsewhere, no more than it can.
+"""Limits what MuJoCo may read and make of an MJCF file: no files elsewhere, not too many elements.
 
-The tree that was checked is what MuJoCo is given, as text, with names of our own for the files that
-it may read: it opens none of the user's files itself.
+MuJoCo is given the checked tree as text, with new names for the files that it may read: it opens
+none of the user's files by the user's names.
 """
 
 from collections.abc import Iterable
@@ -10,39 +10,39 @@ from pathlib import Path, PurePath
 from .model_file import Folders
 from .xml_tree import MAX_DEPTH, MAX_ELEMENTS, Element, read_xml, shown
 
-#: Included files of a model, and attached models, at most.
+#: Largest number of a model's included files, and of attached models.
 MAX_INCLUDES, MAX_MODELS = 256, 64
-#: Elements whose files MuJoCo reads even with all shapes removed.
+#: Elements whose files MuJoCo reads even if all shapes are removed.
 READ = ("hfield", "flexcomp")
-#: Folders that the names of files start from.
+#: Attributes with folders that the names of files are relative to.
 PLACES = ("meshdir", "assetdir", "texturedir")
-#: Elements that counts may make together, and the elements that have counts: MuJoCo takes the
-#: square of their number in time.
+#: Largest number of elements that counts may make together, and the elements that have counts:
+#: MuJoCo takes time by the square of their number.
 MAX_MADE = 4096
 COUNTED = ("replicate", "composite", "flexcomp")
-#: Of a number in <size>: keyframes, user data.
+#: Largest number in <size>: of keyframes, user data.
 MAX_SIZE = 10_000
-#: What an element without a file of ours is told to read; there is none of that name.
+#: File name for an element whose file may not be read; no file has this name.
 NO_FILE = "none"
 
 
 class CheckedFiles:
-    """Puts included files in place and finds named ones, of a model and of those that it attaches.
+    """Inserts included files and finds named ones, of a model and of the models it attaches.
 
     Attributes
     ----------
-    files : by the names that the checked text has for them
+    files : paths of the files, by the names that the checked text has for them
     """
 
     def __init__(self, folders: Folders) -> None:
         self._folders = folders
-        # Of attached models, by their files: the name, and how many elements each makes; None
-        # while it is read.
+        # Attached models by their file: the new name, and how many elements each makes; None while
+        # the model is being read.
         self._models: dict[Path, tuple[str, int] | None] = {}
         self.files: dict[str, str | Path] = {}
 
     def check(self, root: Element) -> int:
-        """See that MuJoCo reads and makes no more than it may; returns how many elements it makes.
+        """Check that MuJoCo reads and makes no more than it may; return how many elements it makes.
 
         Raises
         ------
@@ -83,7 +83,7 @@ class CheckedFiles:
         return read_xml(path)[1].children
 
     def _found(self, element: Element, name: str, places: Iterable[str]) -> Path:
-        """The file that an element names, at the first of the places where it is."""
+        """Return the file that an element names, at the first of the places where it exists."""
         path = next(filter(None, map(self._folders.find, places)), None)
         if path is None:
             element.refuse(
@@ -93,7 +93,7 @@ class CheckedFiles:
         return path
 
     def _name_files(self, root: Element) -> dict[str, int]:
-        """Give files names of ours; the attached models' names, and what each makes."""
+        """Rename files that elements name; return how many elements each attached model makes."""
         folders = []
         for compiler in root.all("compiler"):
             folders += [compiler.attributes.pop(key, "") for key in PLACES]
@@ -137,7 +137,7 @@ class CheckedFiles:
 
 
 def _made(root: Element, attached: dict[str, int]) -> int:
-    """The elements that counts and attached models make: as many as MuJoCo makes in a second."""
+    """Return how many elements counts and attached models make; refuse more than `MAX_MADE`."""
     made = 0
     left = [(root, 1)]
     while left:
@@ -158,9 +158,9 @@ def _made(root: Element, attached: dict[str, int]) -> int:
 
 
 def _check_sizes(root: Element) -> None:
-    """See that no table is asked for that fills the memory."""
+    """Check that no table is requested that would fill the memory."""
     for size in root.all("size"):
         for key, text in size.attributes.items():
-            # The others are of motions, which are not computed here.
+            # The other sizes are of motions, which are not computed here.
             if key.startswith(("nkey", "nuser")) and size.numbers(key, 1)[0] > MAX_SIZE:
                 size.refuse(f"'{key}' of <size> must be at most {MAX_SIZE}, got {shown(text)}")

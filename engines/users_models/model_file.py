@@ -11,27 +11,27 @@ from ...scenarios import FloatArray
 from ..checks.read_back import BodyReading, composed
 
 Format = Literal["urdf", "mjcf"]
-#: Bytes of a file, from a model's first to that of an element and behind it.
+#: Span of an element in a file: indices of its first byte and of the byte after its last.
 Span = tuple[int, int]
-#: Name of a URDF link that engines take for the world itself: what is fixed to it is not its part.
+#: Name of a URDF link that engines take for the world: links fixed to it do not belong to it.
 WORLD = "world"
 
 
 @dataclass(frozen=True, eq=False)
 class Pose:
-    """The pose of a frame in another: `p = position + R @ p_inner`; m."""
+    """The pose of a frame in another one: `p = position + R @ p_inner`; m."""
 
     position: FloatArray = field(default_factory=lambda: np.zeros(3))
     R: FloatArray = field(default_factory=lambda: np.eye(3))
 
     def then(self, inner: "Pose") -> "Pose":
-        """The pose of a frame that is given in this one."""
+        """Return the pose, in the outer frame, of a frame whose pose in this one is `inner`."""
         return Pose(self.position + self.R @ inner.position, self.R @ inner.R)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Stated(BodyReading):
-    """What a file states of a link, in the link's frame; it need not be possible.
+    """What a file states about a link, in the link's frame; it need not be physically possible.
 
     Attributes
     ----------
@@ -42,7 +42,7 @@ class Stated(BodyReading):
 
     @property
     def is_physical(self) -> bool:
-        """Whether the file states a mass and a tensor for the link."""
+        """Whether a mass and a tensor are stated."""
         return self.mass > 0 and bool(self.inertia_com.any())
 
 
@@ -52,8 +52,8 @@ class Shape:
 
     Attributes
     ----------
-    box : lowest and highest corner, (2, 3); None of a mesh, and of a kind that is not known
-    span : of its element
+    box : lowest and highest corner, (2, 3); None for a mesh, and for an unknown kind of shape
+    span : span of its element
     mesh : the file it names, if it is a mesh
     collides : whether it is a collision shape
     """
@@ -72,13 +72,13 @@ class Link:
     ----------
     where : file and line
     stated : None if the file has no `inertial` for it
-    parent : the link that it hangs on; empty for a root
-    pose : of its frame in its parent's
+    parent : name of the link that it is attached to; empty for a root
+    pose : pose of its frame in its parent's
     moves : whether a joint lets it move against its parent
-    by_shapes : whether its inertia is that of its shapes, which is not computed here
-    shapes : that it is drawn and collides with
-    span, joint : of its element, and of the URDF joint that it hangs on; (0, 0) if in no file, or
-        in one that is included
+    by_shapes : whether its inertia is to be computed from its shapes, which is not done here
+    shapes : shapes that it is drawn with and collides with
+    span, joint : spans of its element and of the URDF joint that it is attached by; (0, 0) if it is
+        in no file, or in one that is included
     """
 
     name: str
@@ -94,27 +94,28 @@ class Link:
 
     @property
     def has_inertia(self) -> bool:
-        """Whether the file states a mass and a tensor at all."""
+        """Whether the file states a mass and a tensor for it."""
         return self.stated is not None and self.stated.is_physical
 
 
 @dataclass(frozen=True)
 class Folders:
-    """Where a model's files may be: its own folder, and those of packages.
+    """The folders in which a model's files may be: its own folder, and those of packages.
 
     Attributes
     ----------
-    own : of the file; absolute, as the others
-    packages : folders by the name that `package://` gives them
+    own : absolute path of the file's own folder
+    packages : absolute paths of packages, by the name that `package://` gives them
     """
 
     own: Path
     packages: tuple[tuple[str, Path], ...] = ()
 
     def find(self, name: str) -> Path | None:
-        """A file that a model names, if it is there and inside one of the folders.
+        """Return a file that a model names, if it exists inside one of the folders; else None.
 
-        The packages that the model itself lies in, as ROS lays them out and installs them, count.
+        The packages that contain the model itself, as ROS lays them out and installs them, count
+        too.
         """
         above = [
             folder
@@ -144,10 +145,10 @@ class ModelFile:
     ----------
     data : its bytes
     links : in the file's order
-    notes : what is odd about the file, and what of it was not read
-    checked : of an MJCF file, the text that engines may read: with the files that it includes
-    files : those that the text names, by the names that it has for them: the text of a model, or
-        where a mesh or a height field is
+    notes : sentences on what is odd about the file, and on what of it was not read
+    checked : for an MJCF file, the text that engines may read, with included files inserted
+    files : files that the checked text names, by the names that it has for them: the text of a
+        model, or the path of a mesh or a height field
     """
 
     path: Path
@@ -160,17 +161,17 @@ class ModelFile:
     files: Mapping[str, str | Path] = field(default_factory=dict)
 
     def link(self, name: str) -> Link:
-        """The link of that name; KeyError if there is none."""
+        """Return the link of a given name; KeyError if there is none."""
         return {link.name: link for link in self.links}[name]
 
 
 @dataclass(frozen=True, eq=False)
 class RigidBody:
-    """A link, and those welded to it: one body, in the frame of that link.
+    """A link and the links welded to it: one body, in the frame of the first link.
 
     Attributes
     ----------
-    parts : the link itself and what is welded to it, with their poses in its frame
+    parts : the link itself and the links welded to it, with their poses in its frame
     """
 
     parts: tuple[tuple[Link, Pose], ...]
@@ -187,20 +188,20 @@ class RigidBody:
 
     @property
     def unread(self) -> str:
-        """The parts whose inertia is that of their shapes, in words; empty if there are none."""
+        """The parts whose inertia is to be computed from their shapes, in words; empty if none."""
         names = [link.name for link, _ in self.parts if link.by_shapes]
         return f"the inertia of {', '.join(names)} is that of its shapes, not read" if names else ""
 
     @property
     def stated(self) -> Stated | None:
-        """Mass, com and tensor of the whole; None if the file states none of any part."""
+        """Mass, com and tensor of the whole; None if the file states none for any part."""
         stated = [(link.stated, pose) for link, pose in self.parts if link.stated is not None]
         if self.welded:
             return fused(stated)
         return stated[0][0] if stated else None
 
     def only(self, names: Collection[str]) -> "RigidBody":
-        """The body of its host, those links, and the links that lie between them and the host."""
+        """Return the body of its host, the named links, and the links between them and the host."""
         parents = {link.name: link.parent for link, _ in self.parts[1:]}
         wanted = {self.host.name}
         for name in names:
@@ -213,11 +214,12 @@ class RigidBody:
 def rigid_bodies(
     links: Sequence[Link], gone: Collection[str] | None = None
 ) -> tuple[RigidBody, ...]:
-    """The rigid bodies that a model's links make up, in the file's order.
+    """Return the rigid bodies that a model's links form, in the file's order.
 
     Parameters
     ----------
-    gone : links that are part of the one that they hang on; by default those that no joint moves
+    gone : names of links that are part of the link they are attached to; by default the links that
+        no joint moves
     """
     if gone is None:
         gone = {li.name for li in links if li.parent and not li.moves and li.parent != WORLD}
@@ -227,7 +229,7 @@ def rigid_bodies(
     bodies = []
     for host in (link for link in links if link.name not in gone):
         parts = [(host, Pose())]
-        for link, pose in parts:  # grows as it goes
+        for link, pose in parts:  # the list grows during the loop
             fixed = [child for child in children.get(link.name, []) if child.name in gone]
             parts += [(child, pose.then(child.pose)) for child in fixed]
         bodies.append(RigidBody(tuple(parts)))
@@ -235,9 +237,9 @@ def rigid_bodies(
 
 
 def fused(parts: Iterable[tuple[Stated, Pose]]) -> Stated:
-    """Rigidly joined parts as one body, in the frame that the poses are given in.
+    """Return rigidly joined parts as one body, in the frame that the poses are given in.
 
-    What has no mass is nothing.
+    Parts without mass are ignored.
     """
     placed = [(part, pose) for part, pose in parts if part.mass]
 
@@ -250,14 +252,14 @@ def fused(parts: Iterable[tuple[Stated, Pose]]) -> Stated:
         )
 
     body = whole(part.inertia_com for part, _ in placed)
-    # Turned tensors are symmetric but for rounding.
+    # Turned tensors are symmetric up to rounding.
     inertia = (body.inertia_com + body.inertia_com.T) / 2
     unturned = whole(part.unturned for part, _ in placed).inertia_com
     return Stated(float(body.mass), body.com, inertia, unturned=unturned)
 
 
 def principal_moments(inertia: FloatArray) -> FloatArray:
-    """Ascending, kg m², (3,)."""
+    """Return ascending principal moments, kg m², (3,)."""
     if not (inertia - np.diag(np.diag(inertia))).any():
         return np.sort(np.diag(inertia))
     return np.asarray(np.linalg.eigvalsh(inertia))

@@ -13,7 +13,7 @@ from .model_file import Folders, Link, ModelFile, Pose, RigidBody, Stated, rigid
 from .urdf import urdf_links
 from .xml_tree import Element, ModelFileError, read_xml, shown
 
-#: Number of files kept: all runs of a ladder need the same one.
+#: Number of files kept, because all runs of a ladder need the same one.
 KEPT = 16
 
 
@@ -36,7 +36,7 @@ def read_model(path: str | Path, packages: tuple[tuple[str, Path], ...] = ()) ->
     if root.tag == "robot":
         for element in root.walk():
             if element.tag == "include":
-                # MuJoCo follows them in a URDF too, wherever they point.
+                # MuJoCo follows includes in a URDF too, wherever they point.
                 element.refuse("<include> has no place in a URDF; expand the file first")
         links = urdf_links(root)
         notes += _scaled(root) + _missing_meshes(links, folders, path)
@@ -52,7 +52,7 @@ def read_model(path: str | Path, packages: tuple[tuple[str, Path], ...] = ()) ->
 
 
 def _scaled(robot: Element) -> list[str]:
-    """Links whose tensor Bullet multiplies, by an element of its own."""
+    """Return names of links whose tensor Bullet scales by an element of its own."""
     return [
         f"{scaling.where}: Bullet multiplies the tensor of {link} by this <inertia_scaling>; no "
         "other engine does"
@@ -80,7 +80,7 @@ class UsersLink:
 
     Attributes
     ----------
-    body : only those welded links that the scene names
+    body : the link with only those welded links that the scene names
     stated : mass, com and tensor of the whole
     """
 
@@ -90,14 +90,15 @@ class UsersLink:
 
 
 def users_link(scenario: Scenario) -> UsersLink:
-    """The link that a scene names.
+    """Return the link that a scene names.
 
     Raises
     ------
     UnsupportedError
-        If it names none, or the scene has no file, to which the model's path is relative.
+        If the scene names no link, or has no file that the model's path could be relative to.
     EngineError
-        If the file cannot be read, is not the one that the scene was made of, or has no such link.
+        If the file cannot be read, is not the file that the scene was made from, or has no such
+        link.
     """
     origin = scenario.document.body
     file, link, welded = origin.model, origin.link, origin.welded or ()
@@ -125,5 +126,5 @@ def users_link(scenario: Scenario) -> UsersLink:
 
 @lru_cache(maxsize=KEPT)
 def _read(path: Path, digest: str) -> ModelFile:  # noqa: ARG001
-    """The file; cached by its digest."""
+    """Return the file; it is kept by path and digest."""
     return read_model(path)

@@ -1,4 +1,4 @@
-"""URDF: what it states, `link/inertial` and the joints, and the text of it that engines read."""
+"""Reads a URDF's `link/inertial` and joints, and writes the text of a URDF that engines read."""
 
 import re
 from collections.abc import Callable, Iterable
@@ -14,17 +14,17 @@ from .xml_tree import MAX_DEPTH, Element, ModelFileError, read_bytes, shown
 
 ZEROS = (0.0, 0.0, 0.0)
 _TENSOR = (("ixx", "ixy", "ixz"), ("ixy", "iyy", "iyz"), ("ixz", "iyz", "izz"))
-#: The word for a joint that does not move; every other kind does.
+#: Type of a joint that does not move; every other type does.
 FIXED = "fixed"
 
 
 def urdf_links(robot: Element) -> tuple[Link, ...]:
-    """The links of a robot, in the file's order.
+    """Return the links of a robot, in the file's order.
 
     Raises
     ------
     ModelFileError
-        If a number is not one, or links and joints make no tree.
+        If a value is not a number, or links and joints form no tree.
     """
     elements: dict[str, Element] = {}
     for element in robot.all("link"):
@@ -42,7 +42,7 @@ def urdf_links(robot: Element) -> tuple[Link, ...]:
 
 
 def _joints(robot: Element, links: dict[str, Element]) -> dict[str, tuple[str, Element]]:
-    """The parent's name and the joint, by the child's name."""
+    """Return parent's name and joint of each link that has one, by the link's name."""
     joints: dict[str, tuple[str, Element]] = {}
     for joint in robot.all("joint"):
         ends = {}
@@ -114,7 +114,7 @@ def _stated(inertial: Element) -> Stated:
 
 
 def _pose(element: Element) -> Pose:
-    """The pose in the element's `origin`; R = Rz(yaw) Ry(pitch) Rx(roll)."""
+    """Return the pose in the element's `origin`; R = Rz(yaw) Ry(pitch) Rx(roll)."""
     origin = element.only("origin")
     if origin is None:
         return Pose()
@@ -131,14 +131,14 @@ def _shape(element: Element) -> Shape:
     box = None
     if half is not None:
         pose = _pose(element)
-        # Of a turned box, the box around it.
+        # For a turned box it is the box around it.
         reach = np.abs(pose.R) @ half
         box = np.array([pose.position - reach, pose.position + reach])
     return Shape(box, element.span, mesh, element.tag == "collision")
 
 
 def _half_extents(solid: Element) -> FloatArray | None:
-    """Half a box around a shape, along its own axes, m; None of a kind that is not known."""
+    """Return half the box around a shape, along its own axes, m; None for an unknown kind."""
     if solid.tag == "box":
         return np.array(solid.numbers("size", 3)) / 2
     if solid.tag == "sphere":
@@ -151,16 +151,16 @@ def _half_extents(solid: Element) -> FloatArray | None:
 
 
 _FILENAME = re.compile(rb"""\bfilename\s*=\s*(?:"[^"]*"|'[^']*')""")
-#: Bytes of a mesh; the largest of public packages have 40 million.
+#: Largest size of a mesh, bytes; the largest in public packages have 40 million.
 LARGEST_MESH = 1 << 28
-#: Replacements of spans of the file.
+#: Replacements for spans of the file.
 Edits = list[tuple[Span, bytes]]
 
 
 def with_meshes(
     model: ModelFile, usable: Callable[[Shape], bool]
 ) -> tuple[bytes, dict[str, bytes]]:
-    """The file with its meshes renamed, so that an engine finds only those.
+    """Return the file with its meshes renamed, so that an engine finds no other files.
 
     Parameters
     ----------
@@ -170,7 +170,7 @@ def with_meshes(
     -------
     data : the file without visual parts, and without collision shapes whose mesh is missing, lies
         outside the model's folders, or is not to be read
-    meshes : what the mesh files hold, by their new names
+    meshes : contents of the mesh files, by their new names
     """
     edits, meshes = _edits(model, model.links, usable)
     return edited(model.data, edits), meshes
@@ -179,7 +179,7 @@ def with_meshes(
 def body_alone(
     model: ModelFile, body: RigidBody, usable: Callable[[Shape], bool] | None = None
 ) -> tuple[bytes, dict[str, bytes]]:
-    """A URDF of one body, its links and the joints between them cut verbatim out of a model.
+    """Return a URDF of one body, its links and the joints between them cut verbatim out of a model.
 
     Parameters
     ----------
@@ -197,7 +197,7 @@ def body_alone(
 
 
 def edited(data: bytes, edits: Edits) -> bytes:
-    """Replace spans, which do not overlap."""
+    """Return the data with spans, which do not overlap, replaced."""
     parts, at = [], 0
     for (start, end), new in sorted(edits):
         parts += [data[at:start], new]
@@ -206,9 +206,10 @@ def edited(data: bytes, edits: Edits) -> bytes:
 
 
 def mesh_bytes(model: ModelFile, name: str) -> bytes | None:
-    """What a mesh that a model names holds, without the materials that an OBJ file asks for.
+    """Return the contents of a mesh that a model names, without references to an OBJ's materials.
 
-    PyBullet opens those, wherever they are. None if it is not inside the model's folders.
+    PyBullet would open the materials, wherever they are. None if the mesh is not inside the model's
+    folders.
 
     Raises
     ------

@@ -1,9 +1,9 @@
 """XML as a tree whose elements know their line and place in the file; DTDs are refused.
 
-expat itself, because its positions are needed for messages and for cutting a link out verbatim,
+It uses expat itself, because positions are needed for messages and for cutting a link out verbatim,
 which ElementTree and the parsers built on it or on lxml (yourdfpy, urdf_parser_py) do not keep.
-Numbers are read as every engine reads them alike: PyBullet reads `0,5` as 0, some take `1_0` for
-10, both engines load a mass of `nan`.
+Only numbers that every engine reads alike are accepted: PyBullet reads `0,5` as 0, some take `1_0`
+for 10, both engines load a mass of `nan`.
 """
 
 import math
@@ -18,28 +18,30 @@ from xml.sax.saxutils import quoteattr
 from ...scenarios import printable
 from ...scenarios.regular_files import LARGEST_MODEL, read_regular
 
-#: A decimal number. No hexadecimal, no `inf`, no `nan`, no digit grouping.
+#: Pattern of a decimal number: no hexadecimal, no `inf`, no `nan`, no digit grouping.
 _NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?", re.ASCII)
 
 
 class ModelFileError(ValueError):
-    """A model file cannot be read one way; the message names file, line, element and rule."""
+    """A model file has no single meaning; the message names file, line, element and rule."""
 
 
-#: Elements within elements; robots nest one body a joint.
+#: Largest depth of nested elements; robots nest one body for each joint.
 MAX_DEPTH = 256
-#: Elements of a file, and attributes of an element: a file of the largest size may have millions,
-#: each hundreds of times as large in memory, and an engine compares every two of the latter.
+#: Largest number of elements in a file, and of attributes of an element: a file of the largest size
+#: may have millions, each hundreds of times as large in memory, and an engine compares every two
+#: attributes.
 MAX_ELEMENTS, MAX_ATTRIBUTES = 1 << 18, 1 << 8
-#: Characters of a name, and of what a replicate puts between it and a number: all are shown.
+#: Largest length of a name, and of the separator that a replicate puts before a number: all are
+#: shown.
 MAX_NAME, NAMING = 1 << 10, ("name", "sep")
-#: Characters of a value that are shown.
+#: Number of characters of a value that are shown.
 MAX_SHOWN = 60
-#: An XML declaration, wherever it stands.
+#: Pattern of an XML declaration, wherever it stands.
 _DECLARATION = re.compile(rb"<\?xml\b[^>]*\?>")
-#: One tag; '>' may stand in quotes.
+#: Pattern of one tag; '>' may stand in quotes.
 _TAG = re.compile(rb"""<(?:[^<>"']++|"[^"]*"|'[^']*')*+>""")
-#: expat's complaints about a declaration: engines read over it, other tools refuse the file.
+#: expat's errors about a declaration: engines ignore these, other tools refuse the file.
 _OF_DECLARATIONS = frozenset(
     {
         expat.errors.XML_ERROR_MISPLACED_XML_PI,
@@ -51,7 +53,7 @@ _OF_DECLARATIONS = frozenset(
 
 @dataclass(eq=False)
 class Element:
-    """One element.
+    """An element of an XML file.
 
     Attributes
     ----------
@@ -72,16 +74,16 @@ class Element:
         return f"{self.file}:{self.line}"
 
     def all(self, tag: str) -> list["Element"]:
-        """The children of that tag."""
+        """Return the children with a given tag."""
         return [child for child in self.children if child.tag == tag]
 
     def only(self, tag: str) -> "Element | None":
-        """The child of that tag, None if there is none.
+        """Return the child with a given tag, None if there is none.
 
         Raises
         ------
         ModelFileError
-            If there are several: engines do not take the same one.
+            If there are several: engines do not choose the same one.
         """
         children = self.all(tag)
         if len(children) > 1:
@@ -89,7 +91,7 @@ class Element:
         return children[0] if children else None
 
     def walk(self) -> Iterator["Element"]:
-        """The element and all in it, as they are when it comes to them; nothing recurses."""
+        """Yield the element and its descendants, as they are when reached, without recursion."""
         left = [self]
         while left:
             element = left.pop()
@@ -103,17 +105,17 @@ class Element:
     def numbers(
         self, key: str, length: int | None = None, default: Sequence[float] | None = None
     ) -> tuple[float, ...]:
-        """The finite numbers of an attribute.
+        """Return the finite numbers of an attribute.
 
         Parameters
         ----------
-        length : how many there must be; any number if None
-        default : what is meant where the attribute is not there; None where it must be
+        length : how many numbers there must be; any if None
+        default : the numbers if the attribute is missing; None if it must not be
 
         Raises
         ------
         ModelFileError
-            If the attribute is not there, or is anything but so many decimal numbers.
+            If the attribute is missing without a default, or is not that many decimal numbers.
         """
         text = self.attributes.get(key)
         if text is None:
@@ -133,7 +135,7 @@ class Element:
         return tuple(map(float, parts))
 
     def text(self) -> str:
-        """The element as XML; elements keep their lines, so that messages of engines name them."""
+        """Return the element as XML; elements keep the lines that engines' messages name."""
         parts: list[str] = []
         line = 1
         left: list[Element | str] = [self]
@@ -163,12 +165,12 @@ def _why(part: str) -> str:
 
 
 def shown(value: str) -> str:
-    """A value of the file in a message."""
+    """Return a value of the file as messages show it."""
     return printable(repr(value), MAX_SHOWN)
 
 
 def read_xml(path: Path) -> tuple[bytes, Element, list[str]]:
-    """Read a file: its bytes, its outermost element, and what other tools refuse it for.
+    """Read a file; return its bytes, its outermost element, and why other tools refuse it.
 
     Raises
     ------
@@ -180,7 +182,7 @@ def read_xml(path: Path) -> tuple[bytes, Element, list[str]]:
 
 
 def parse_xml(data: bytes, file: str) -> tuple[Element, list[str]]:
-    """Parse the bytes of an XML file: its root element, and remarks on what is unusual."""
+    """Return the outermost element of a file's bytes, and why other tools refuse the file."""
     if b"\0" in data:
         raise ModelFileError(f"{file}: must be a text in UTF-8, no engine reads UTF-16 or zeros")
     notes: list[str] = []
@@ -201,7 +203,7 @@ def parse_xml(data: bytes, file: str) -> tuple[Element, list[str]]:
 
 
 def read_bytes(path: Path, limit: int = LARGEST_MODEL) -> bytes:
-    """The bytes of a model file, or of one of its meshes.
+    """Return the bytes of a model file, or of one of its meshes.
 
     Raises
     ------
@@ -224,20 +226,20 @@ def _not_xml(error: expat.ExpatError, file: str) -> ModelFileError:
 
 
 def tag_end(data: bytes, start: int) -> int:
-    """Where the tag that starts there ends."""
+    """Return the index after the tag that starts at `start`."""
     tag = _TAG.match(data, start)
     assert tag is not None, "expat has read a tag here"
     return tag.end()
 
 
 class _Builder:
-    """Builds the tree as expat goes; nothing recurses."""
+    """Builds the tree from expat's events, without recursion."""
 
     def __init__(self, file: str, data: bytes) -> None:
         self._file, self._data = file, data
         self._open = [Element("", {}, file, 0, (0, 0))]
         self._count = 0
-        # Declared encodings are not asked: engines read bytes, and names are UTF-8 or ASCII.
+        # A declared encoding is ignored: engines read bytes, and names are UTF-8 or ASCII.
         self._parser = expat.ParserCreate("UTF-8")
         self._parser.StartElementHandler = self._start
         self._parser.EndElementHandler = self._end
@@ -266,7 +268,7 @@ class _Builder:
     def _end(self, tag: str) -> None:  # noqa: ARG002
         element = self._open.pop()
         start, own_tag = element.span[0], tag_end(self._data, element.span[0])
-        # Of an element without an end tag expat reports the position behind it.
+        # For an element without an end tag expat reports the position behind it.
         closed = self._data[own_tag - 2 : own_tag] == b"/>"
         end = own_tag if closed else tag_end(self._data, self._parser.CurrentByteIndex)
         element.span = (start, end)
@@ -279,7 +281,7 @@ class _Builder:
 
 
 def _unbound_prefixes(root: Element) -> list[str]:
-    """One note a prefix that no `xmlns:` declares."""
+    """Return a note for each prefix that no `xmlns:` declares."""
     notes: dict[str, str] = {}
     left: list[tuple[Element, frozenset[str]]] = [(root, frozenset({"xml"}))]
     while left:

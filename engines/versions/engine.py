@@ -1,4 +1,4 @@
-"""An engine at another version; it runs in processes that import from its folder first."""
+"""An engine at another version, which runs in processes that import from its folder first."""
 
 import inspect
 from collections.abc import Callable
@@ -14,7 +14,7 @@ from ..method import Method
 from ..session import Session
 from .folders import Say, VersionError, check_version, install, install_for
 
-#: What a worker of another Python imports of spincheck.
+#: Packages that a worker of another Python imports of spincheck.
 PACKAGES = tuple(f"spincheck.{part}" for part in ("engines", "reference", "reports", "scenarios"))
 
 
@@ -43,7 +43,7 @@ class VersionedEngine(Engine):
 
     @property
     def site(self) -> str:
-        """The folder it is installed in."""
+        """The folder that the version is installed in."""
         return self._site
 
     @property
@@ -53,7 +53,7 @@ class VersionedEngine(Engine):
         return tuple(sorted(file.parent.glob("*.py")))
 
     def open(self, scenario: Scenario, method: Method, timestep: float) -> Session:
-        """As the adapter opens it."""
+        """Open a scene as the adapter does."""
         return self._adapter().open(scenario, method, timestep)
 
     def _adapter(self) -> Engine:
@@ -68,7 +68,7 @@ class VersionedEngine(Engine):
 
 
 def _forwarded(name: str) -> Callable[..., Any]:
-    """A method that calls the adapter's, of this version if it needs the package."""
+    """Return a method that calls the adapter's method, in this version if it needs the package."""
 
     def forward(self: VersionedEngine, *args: Any, **kwargs: Any) -> Any:
         adapter = engines()[self._base] if name in WITHOUT_PACKAGE else self._adapter()
@@ -78,7 +78,7 @@ def _forwarded(name: str) -> Callable[..., Any]:
 
 
 def _shared(name: str) -> property:
-    """A value that the adapter has in any version."""
+    """Return a property with a value that the adapter has in any version."""
     return property(lambda self: getattr(engines()[self._base], name))
 
 
@@ -89,12 +89,12 @@ for _name, _member in vars(Engine).items():
 
 
 def versioned(name: str, python: str = "", say: Say = len) -> VersionedEngine:
-    """An engine@version, installed if it is not there.
+    """Return an engine@version, which is installed if it is not yet.
 
     Parameters
     ----------
     python : the command of another interpreter that it is to run under
-    say : is given a sentence before anything is downloaded
+    say : called with a sentence before anything is downloaded
 
     Raises
     ------

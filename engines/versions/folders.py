@@ -12,29 +12,29 @@ from ...scenarios import printable
 from ..start_process import ISOLATED, run
 from ..user_cache import user_cache
 
-#: Wheels are of one minor version of Python.
+#: Tag of this Python, because wheels are for one minor version of Python.
 _PYTHON = f"cp{sys.version_info.major}{sys.version_info.minor}"
-#: Prints the same for another Python, run by that Python.
+#: Program that prints the tag of another Python, run by that Python.
 _TAG = "import sys; print(f'cp{sys.version_info.major}{sys.version_info.minor}')"
-#: What that may print.
+#: Pattern of the tags that it may print.
 _TAGGED = re.compile(r"cp3(1[1-9]|[2-9]\d)")
-#: What a version may look like (PEP 440, without epochs and local versions).
+#: Pattern of a version (PEP 440, without epochs and local versions).
 _VERSION = re.compile(r"\d+(\.\d+)*([a-z]+\d*)?(\.(post|dev)\d+)?")
-#: Characters of a version, at most.
+#: Largest length of a version, characters.
 LONGEST_VERSION = 40
-#: What a worker of another Python needs besides the engine.
+#: Packages that a worker of another Python needs besides the engine.
 RUNS_WITH = ("numpy", "scipy", "pydantic", "mpmath", "numba", "psutil")
-#: s that pip may take.
+#: Longest time that pip may take, s.
 _PATIENCE = 600
 Say = Callable[[str], object]
 
 
 class VersionError(Exception):
-    """A version that cannot be had, and why.
+    """A version that is not available, and why.
 
     Attributes
     ----------
-    is_usage : whether nothing could be had by what was typed
+    is_usage : whether the user's command itself cannot be right
     """
 
     def __init__(self, message: str, *, is_usage: bool = False) -> None:
@@ -43,24 +43,24 @@ class VersionError(Exception):
 
 
 def folder_of(name: str, python: str = _PYTHON) -> Path:
-    """Where an engine@version is, or would be, for a Python of such wheels."""
+    """Return the folder of an engine@version, installed or not, for a Python of such wheels."""
     return _folders() / f"{name}-{python}"
 
 
 def install(
     name: str, requirements: Sequence[str], surplus: Sequence[str] = (), say: Say = len
 ) -> Path:
-    """Install an engine@version with pip, unless it is there: then nothing is downloaded.
+    """Install an engine@version with pip, unless it is installed already; return its folder.
 
     Parameters
     ----------
-    surplus : packages of it that are not kept
-    say : is given a sentence before anything is downloaded
+    surplus : packages that are removed after installing
+    say : called with a sentence before anything is downloaded
 
     Raises
     ------
     VersionError
-        If pip cannot; with its last words.
+        If pip fails; with the last line that it printed.
     """
 
     def fill(target: Path) -> None:
@@ -84,12 +84,12 @@ def install_for(
     Parameters
     ----------
     python : the command of an interpreter
-    code : folders of packages that are to be found there as they are here
+    code : folders of packages that are to be importable there as they are here
 
     Raises
     ------
     VersionError
-        If there is no such Python, or pip cannot; with its last words.
+        If there is no such Python, or pip fails; with the last line that it printed.
     """
     if sys.platform == "win32":
         words = "'--python' needs an environment as Linux and macOS have it; run it in WSL"
@@ -108,7 +108,7 @@ def install_for(
     def fill(target: Path) -> None:
         _call(f"'{python}' makes no environment", [python, ISOLATED, "-m", "venv", str(target)])
         needed = [*RUNS_WITH, *requirements]
-        # Only what is not copied knows where it is.
+        # Only files that are not copied know where the original is.
         _call(_not_there(name, needed), [*_pip(str(interpreter_of(target))), *needed])
         packages = next(target.glob("lib/python3*/site-packages"))
         _drop(packages, surplus)
@@ -121,12 +121,12 @@ def install_for(
 
 
 def interpreter_of(site: Path) -> Path:
-    """The Python of a folder that is a virtual environment; there is none elsewhere."""
+    """Return the Python of a folder if that is a virtual environment."""
     return site / "bin" / "python"
 
 
 def check_version(version: str) -> None:
-    """See that a version looks like one.
+    """Check that a version has the form of one.
 
     Raises
     ------
@@ -151,19 +151,19 @@ def _drop(packages: Path, surplus: Sequence[str]) -> None:
 
 
 def _made(folder: Path, fill: Callable[[Path], None], say: Say) -> Path:
-    """A folder, filled unless it is there."""
+    """Return a folder, which is filled unless it exists."""
     if folder.is_dir():
         return folder
     say(f"Installing {folder.name}, once, into {folder.parent}")
     _folders().mkdir(parents=True, exist_ok=True)
-    # Beside it, and moved when complete: a folder that is there is whole.
+    # It is filled beside its place and moved when complete, so that a folder that exists is whole.
     with tempfile.TemporaryDirectory(dir=_folders(), prefix=".new-") as made:
         target = Path(made, "site")
         fill(target)
         try:
             target.replace(folder)
         except OSError:
-            # Another process installed it meanwhile.
+            # Another process installed the same version meanwhile.
             if not folder.is_dir():
                 raise
     return folder
@@ -174,7 +174,7 @@ def _not_there(name: str, wanted: Sequence[str]) -> str:
 
 
 def _call(failing: str, command: Sequence[str]) -> str:
-    """What a command prints; `failing` says what it means if it cannot."""
+    """Return what a command prints; `failing` says what it means if the command fails."""
     try:
         done = run(command, _PATIENCE)
     except subprocess.TimeoutExpired:

@@ -1,4 +1,4 @@
-"""The effects that a scene can call for, one module each."""
+"""The effects that a scene can call for, one module for each."""
 
 from pydantic import Field
 
@@ -28,12 +28,12 @@ __all__ = [
     "rotors_of",
 ]
 
-#: All of them by name, in the order in which they are listed everywhere.
+#: All effects by name, in the order in which they are listed everywhere.
 EFFECTS: dict[str, Effect] = {
     effect.name: effect
     for effect in (GRAVITY, PIVOT, TABLE, DRAG, TORQUE_BODY, TORQUE_WORLD, ROTORS)
 }
-#: Names of those that `push` includes.
+#: Names of the effects whose torques `push` includes.
 PUSHED = frozenset(name for name, effect in EFFECTS.items() if effect.pushed)
 
 

@@ -1,4 +1,4 @@
-"""What the rest of the program has to know of an effect, and an effect of its scene."""
+"""What the rest of the program needs to know of an effect, and what an effect sees of its scene."""
 
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
@@ -17,11 +17,11 @@ from ..values import Table
 
 T = TypeVar("T", bound="EffectTable")
 
-#: The group of scenes with a torque that a machine, or the air, exerts.
+#: Name of the group of scenes with a torque that a machine or the air exerts.
 DRIVEN = "Driven or damped"
-#: Where a quantity is written in a file, what it is, its size and its unit.
+#: Keys to where a quantity is written in a file, its name, its size and its unit.
 Size = tuple[tuple[str | int, ...], str, mpf, str]
-#: Where a rate is written, what it is, and 1/s.
+#: Keys to where a rate is written, its name, and its size, 1/s.
 Rate = tuple[tuple[str | int, ...], str, mpf]
 
 
@@ -37,11 +37,11 @@ class EffectTable(Table):
 
 
 class Scene(Protocol):
-    """What effects and signals see of a `Scenario`, which is made of their tables."""
+    """What effects and signals see of a `Scenario`, which is itself made of effects' tables."""
 
     @property
     def body(self) -> Body:
-        """The body, with its rotors as if they did not turn in it."""
+        """The body, with its rotors counted as fixed parts of it."""
 
     @property
     def start(self) -> Start:
@@ -52,48 +52,49 @@ class Scene(Protocol):
         """The parts of the body that turn in it."""
 
     def kept(self, omega_body: FloatArray, spins: FloatArray) -> FloatArray:
-        """The angular momentum that each part keeps as it turns, kg m²/s, (n, parts)."""
+        """Return the constant angular momentum of each part about its axis, kg m²/s, (n, parts)."""
 
     @property
     def kept_at_start(self) -> FloatArray:
-        """What each part keeps at t = 0, kg m²/s, (parts,)."""
+        """The angular momentum that `kept` returns, at t = 0, kg m²/s, (parts,)."""
 
     def kept_body(self, kept: FloatArray) -> FloatArray:
-        """The sum of what parts keep, body axes, (n, 3)."""
+        """Return the sum of the parts' angular momenta `kept`, kg m²/s, body axes, (n, 3)."""
 
     @property
     def constraint(self) -> Constraint:
-        """What holds the body."""
+        """How the body is held."""
 
     @property
     def inertia(self) -> FloatArray:
-        """About the pivot, or the com where there is none, kg m², (3, 3)."""
+        """Inertia tensor about the pivot, or the com if there is none, kg m², body axes, (3, 3)."""
 
     @property
     def gravity_world(self) -> FloatArray:
-        """Gravitational acceleration, m/s², (3,)."""
+        """Gravitational acceleration, m/s², world axes, (3,)."""
 
     @property
     def pushed(self) -> dict[str, Any]:
-        """The numbers that `push` takes."""
+        """The numbers that the function `push` reads, by name."""
 
     @property
     def acting(self) -> "tuple[Effect, ...]":
-        """The effects to simulate."""
+        """The effects to simulate, in the order of `EFFECTS`."""
 
     def table_of(self, model: type[T]) -> T | None:
-        """The table of an effect, None where the scene has none."""
+        """Return the table of an effect; None if the scene has none."""
 
     def __hash__(self) -> int: ...
 
 
-#: Something of a scene's body along a motion, SI, one row a sample.
+#: A quantity of a scene's body along a motion, SI, one row for each sample.
 Along = Callable[[Scene, Trajectory], FloatArray]
-#: A force, N, (n,), at rotation matrices (n, 3, 3), angular velocities, body axes, rad/s, (n, 3),
-#: and what parts keep then, kg m²/s, (n, 3).
+#: A force, N, (n,), as a function of rotation matrices (n, 3, 3), angular velocities, body axes,
+#: rad/s, (n, 3), and the sum of what parts keep, body axes, kg m²/s, (n, 3).
 Force = Callable[[Scene, FloatArray, FloatArray, FloatArray], FloatArray]
-#: Torque, N m, body axes, and acceleration of the com, m/s², world axes, with what a constraint
-#: does about them: given ẑ and ω in body axes, and both without it, (3,) each.
+#: Torque, N m, body axes, and acceleration of the com, m/s², world axes, including the force of a
+#: constraint; as a function of ẑ and ω in body axes, and of torque and acceleration without the
+#: constraint, (3,) each.
 Answer = Callable[
     [Scene, FloatArray, FloatArray, FloatArray, FloatArray], tuple[FloatArray, FloatArray]
 ]
@@ -101,13 +102,13 @@ Answer = Callable[
 
 @dataclass(frozen=True, eq=False)
 class Extent:
-    """A scene over a time, as checks of size and of rate see it: mpmath numbers, SI.
+    """A scene over a time span, as checks of size and of rate see it: mpmath numbers, SI.
 
     Attributes
     ----------
-    span : s
-    moments : principal, about the fixed point, ascending, kg m²
-    decay : 1/s, at which effects slow the body
+    span : length of the time span, s
+    moments : principal moments about the fixed point, ascending, kg m²
+    decay : rate at which effects slow the body, 1/s
     """
 
     scenario: Scene
@@ -117,18 +118,18 @@ class Extent:
 
     @cached_property
     def arm(self) -> mpf:
-        """m, from the body's origin to the com."""
+        """Distance of the com from the body's origin, m."""
         return length(self.scenario.body.com_exact)
 
     @cached_property
     def speed(self) -> mpf:
-        """m/s, the greatest of a free body's com."""
+        """Greatest speed that a free body's com can reach, m/s."""
         start, pull = self.scenario.start, length(self.scenario.gravity_world)
         return length(start.velocity_world) + pull * self.span
 
     @cached_property
     def distance(self) -> mpf:
-        """m, the greatest of the com from the world's origin."""
+        """Greatest distance that the com can have from the world's origin, m."""
         if self.scenario.constraint.is_pivot:
             return self.arm
         start, pull = self.scenario.start, length(self.scenario.gravity_world)
@@ -150,28 +151,35 @@ def _no_rate(scenario: Scene) -> float:  # noqa: ARG001
 
 @dataclass(frozen=True, eq=False)
 class Effect:
-    """An effect, by what differs from one to the next; scenes without it are not asked about it.
+    """An effect: all that distinguishes it from other effects.
+
+    A function of an effect is only called for scenes that have the effect.
 
     Attributes
     ----------
     name : as engines claim it and results show it
-    table, model : its table in `[effects]`, by name and format
+    table, model : name and format of its table in `[effects]`
     is_part : whether it adds parts to the body, in an array of tables beside `[effects]`
-    key : what that table must hold; empty if it need not hold anything
-    constraint : how its table holds the body, if it does: without it the scene would be another one
-    pushed : of a torque that `push` includes, its number in SI; of the table, None where it is not
-    check : raises `Misfit` for a scene whose start, with its table, it does not go with
+    key : the key that the table must hold for this effect; empty if it need not hold any
+    constraint : how the effect's table holds the body; None if it does not. Without a constraint
+        the
+        scene would be a different one
+    pushed : name and value, SI, of the torque parameter that `push` includes, from the table, or
+        from None if the scene has no such table; None if `push` does not include the effect
+    check : raises `Misfit` if the scene's start does not go with the table
     sizes, rates : its numbers that must be computable, each with where it is written
-    rate : 1/s, the fastest at which it changes a state; `rate_formula` is that in words
-    decay : 1/s, the fastest at which it slows the body
-    potential : energy, J, (n,); None if it has none
-    momentum_body, kinetic : of parts, what they add to L, kg m²/s, (n, 3), and to T, J, (n,)
-    work : of parts, J, (n,): its change is the work of their drives, which E gains; None without
-    wrong_momentum : of parts, the words for another angular momentum than theirs, by its factor
-    force : of a constraint that cannot pull, upward, N
-    answer : of such a constraint, what it does about a torque and an acceleration
-    place_formula : of a constraint, of the place that it keeps
-    group : of the scenes with it, where they are listed by effects; the last of a scene's counts
+    rate : the fastest rate at which it changes a state, 1/s; `rate_formula` is its formula in words
+    decay : the fastest rate at which it slows the body, 1/s
+    potential : potential energy, J, (n,); None if it has none
+    momentum_body, kinetic : what parts add to L, kg m²/s, (n, 3), and to T, J, (n,)
+    work : energy of parts, J, (n,), whose change is the work of their drives, which E gains; None
+        without drives
+    wrong_momentum : by factor, what a part is called whose angular momentum is that multiple of the
+        right one
+    force : upward force of a constraint that cannot pull, N
+    answer : torque and acceleration that include the force of such a constraint
+    place_formula : formula of the place that a constraint keeps
+    group : name of the scenes with it in lists by effect; the last effect of a scene decides
     """
 
     name: str
@@ -198,7 +206,7 @@ class Effect:
     group: str = ""
 
     def force_along(self, scenario: Scene, motion: Trajectory) -> FloatArray:
-        """The force along a motion, N, (n,), of a constraint that has one."""
+        """Return the force along a motion, N, (n,), of a constraint that has one."""
         assert self.force is not None
         kept_body = scenario.kept_body(scenario.kept(motion.omega_body, motion.spins))
         R_world_body = motion.R_world_body.as_matrix()
@@ -206,15 +214,15 @@ class Effect:
 
     @property
     def heading(self) -> str:
-        """What its table begins with in a scene."""
+        """The heading of its table in a scene file."""
         return f"[[{self.table}]]" if self.is_part else f"[effects.{self.table}]"
 
     def table_in(self, document: Any) -> Any:
-        """Its table, or of parts their tables, if a scene's document has one."""
+        """Return its table, or the tables of its parts, if a scene's document has any."""
         return getattr(document if self.is_part else document.effects, self.table, None)
 
     def is_called_for(self, document: Any) -> bool:
-        """Whether a scene's document calls for it."""
+        """Whether a scene's document calls for this effect."""
         table = self.table_in(document)
         if self.is_part:
             return bool(table)
@@ -222,5 +230,5 @@ class Effect:
 
 
 def length(vector: Iterable[Any]) -> mpf:
-    """Euclidean length, at the caller's precision."""
+    """Return the Euclidean length of a vector, at the caller's precision."""
     return mp.sqrt(mp.fsum(mpf(component) ** 2 for component in vector))

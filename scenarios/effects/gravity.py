@@ -23,19 +23,19 @@ class GravityTable(EffectTable):
 
 
 def potential(scenario: Scene, motion: Trajectory) -> FloatArray:
-    """V = −m g·r, J, zero at the world's origin, (n,)."""
+    """Return V = −m g·r, J, which is zero at the world's origin, (n,)."""
     return np.asarray(-scenario.body.mass * (motion.com_world @ scenario.gravity_world))
 
 
 def torque_body(scenario: Scene, R_world_body: FloatArray) -> FloatArray:
-    """r × m g about the pivot, N m, body axes, (3,); zeros without a pivot."""
+    """Return r × m g about the pivot, N m, body axes, (3,); zeros without a pivot."""
     if not scenario.constraint.is_pivot:
         return np.zeros(3)
     return cross(scenario.body.com, scenario.body.mass * (scenario.gravity_world @ R_world_body))
 
 
 def swing_rate(scenario: Scene) -> float:
-    """√(m g l / I) for the axis across the lever about which I is least, rad/s; 0 if free.
+    """Return √(m g l / I) for the axis across the lever about which I is least, rad/s; 0 if free.
 
     Gravity's torque is across the lever, so that the moment about the lever does not count: a
     needle hanging by its end swings slowly, however easily it spins.

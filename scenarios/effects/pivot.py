@@ -1,4 +1,4 @@
-"""A pivot: its force is whatever holds the body's origin; it does no work."""
+"""A pivot: a force of whatever size holds the body's origin, and does no work."""
 
 from ..constraint import Constraint
 from .effect import Effect, EffectTable

@@ -1,4 +1,4 @@
-"""The torques that whoever integrates a scene applies by hand; scripts have them as they stand."""
+"""The torques that whoever integrates a scene applies by hand; scripts contain this text as is."""
 
 from typing import Any
 
@@ -6,11 +6,12 @@ import numpy as np
 
 
 def push(scene: Any, R_world_body: Any, omega_world: Any) -> Any:
-    """Torque of all effects but gravity and constraints, N m, world axes, (3,).
+    """Return the torque of all effects but gravity and constraints, N m, world axes, (3,).
 
     Parameters
     ----------
-    scene : `drag`, N m s; `torque_body` and `torque_world`, N m: `Scenario.pushed`, or a record
+    scene : record with `drag`, N m s, `torque_body` and `torque_world`, N m, or the dictionary
+        `Scenario.pushed`
     R_world_body : takes components along the axes of `torque_body` to world components, (3, 3)
     omega_world : rad/s, (3,)
     """
@@ -19,5 +20,5 @@ def push(scene: Any, R_world_body: Any, omega_world: Any) -> Any:
 
 
 def is_pushed(scene: Any) -> bool:
-    """Whether `push` is not zero whatever the motion."""
+    """Whether `push` may be non-zero for some motion."""
     return bool(np.any([*scene["torque_body"], *scene["torque_world"], scene["drag"]]))

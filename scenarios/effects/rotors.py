@@ -14,7 +14,7 @@ from ..values import Number, Positive
 from ..values import Vector as Numbers
 from .effect import Effect, EffectTable, Extent, Rate, Scene, Size, length
 
-#: A moment along the axis may exceed twice that across it by rounding.
+#: Relative slack: the moment about the axis may exceed twice the moment across it by rounding.
 FLAT_SLACK = 4 * float(np.finfo(float).eps)
 
 
@@ -58,7 +58,7 @@ hinge = "free"                   # or "driven", or "locked"
         return self
 
     def rotor(self) -> Rotor:
-        """The rotor that it describes."""
+        """Return the rotor that the table describes."""
         with mp.workdps(DIGITS):
             size = length(self.axis)
             x, y, z = (mpf(component) / size for component in self.axis)
@@ -68,12 +68,12 @@ hinge = "free"                   # or "driven", or "locked"
 
 
 def rotors_of(tables: Iterable[RotorTable] | None) -> Rotors:
-    """The rotors of a document."""
+    """Return the rotors of a document."""
     return Rotors(tuple(table.rotor() for table in tables or ()))
 
 
 def gyroscopic_rate(scenario: Scene) -> float:
-    """‖h‖/I, h the sum of what the hinges keep: the rate at which h × ω turns ω, rad/s."""
+    """Return ‖h‖/I, the rate at which h × ω turns ω, rad/s, with h the sum of `kept`."""
     h = scenario.kept_body(scenario.kept_at_start)
     size = float(np.linalg.norm(h))
     if not size:

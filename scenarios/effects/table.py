@@ -1,8 +1,8 @@
 """A table: a smooth horizontal plane on which the body's tip slides without friction.
 
-The tip is a sphere about a point of the body, or that point. Its force N is vertical and passes
-through the sphere's centre, whatever the radius; it does no work. With b the torque of a unit of it
-about the centre of mass, along body axes, and T all other torque with −ω × Iω::
+The tip is a sphere about a point of the body, or the point itself. Its force N is vertical and
+passes through the sphere's centre, whatever the radius; it does no work. With b the torque about
+the centre of mass of a unit of N, along body axes, and T all other torque including −ω × Iω::
 
     I ω' = T + N b,   m z'' = N + m g_z,   z = height + radius + ẑ·lever
     N (1/m + b·I⁻¹b) = −g_z + ẑ·(ω × (ω × lever)) − b·I⁻¹T
@@ -30,10 +30,10 @@ from .pivot import EFFECT as PIVOT
 from .push import push
 
 WHERE = ("effects", "table")
-#: By how much a stated place or velocity may be off the table, in levers and levers times ω: it is
-#: typed in decimals, and the one on the table is used instead.
+#: How far a stated place or velocity may be off the table, in levers and in levers times ω: it is
+#: typed in decimals, and the exact value on the table is used instead.
 TYPED = 1e-6
-#: What a tip does that is too low or too high, or moves down or up.
+#: What a tip does that is too low or too high, and one that moves down or up.
 WAYS_OFF = ("pierces the table", "hangs above the table")
 WAYS_MOVED = ("drives the tip into the table", "lifts the tip off")
 
@@ -53,7 +53,7 @@ class TableTable(EffectTable):
 
 
 def constraint(table: TableTable, body: Body) -> Constraint:
-    """The tip's centre, held at its height."""
+    """Return the constraint that holds the tip's centre at its height above the table."""
     with mp.workdps(DIGITS):
         x, y, z = (com - mpf(tip) for com, tip in zip(body.com_exact, table.tip, strict=True))
         height = mpf(table.height) + mpf(table.radius)
@@ -61,7 +61,7 @@ def constraint(table: TableTable, body: Body) -> Constraint:
 
 
 def arm_body(scenario: Scene, up_body: FloatArray) -> FloatArray:
-    """b, the torque about the com of a unit of N, m, body axes, (n, 3) or (3,) as `up_body`."""
+    """Return b, the torque about the com of a unit of N, m, body axes, shaped like `up_body`."""
     return cross(up_body, scenario.constraint.lever)
 
 
@@ -72,13 +72,13 @@ def normal_force(
     torque_body: FloatArray,
     pull_world: FloatArray,
 ) -> FloatArray:
-    """N, in newtons, (n,) or a number; negative where the table would have to pull.
+    """Return N, newtons, (n,) or a number; negative where the table would have to pull.
 
     Parameters
     ----------
-    up_body, omega_body : ẑ of the world and ω, rad/s, body axes, (n, 3) or (3,)
-    torque_body : T, N m, body axes, likewise
-    pull_world : the acceleration of the com without the table, m/s², (3,)
+    up_body, omega_body : ẑ of the world, and ω, rad/s, body axes, (n, 3) or (3,)
+    torque_body : T, N m, body axes, (n, 3) or (3,)
+    pull_world : acceleration of the com without the table, m/s², (3,)
     """
     circling = cross(omega_body, cross(omega_body, scenario.constraint.lever))
     lift = (up_body * circling).sum(-1) - pull_world[2]
@@ -94,7 +94,10 @@ def answer(
     torque_body: FloatArray,
     pull_world: FloatArray,
 ) -> tuple[FloatArray, FloatArray]:
-    """Torque and acceleration with those by N; parameters as of `normal_force`, (3,)."""
+    """Return torque, N m, and acceleration, m/s², (3,), with those of N added.
+
+    The parameters are those of `normal_force`.
+    """
     force = normal_force(scenario, up_body, omega_body, torque_body, pull_world)
     pushed_up = np.array([0.0, 0.0, force / scenario.body.mass])
     return torque_body + force * arm_body(scenario, up_body), pull_world + pushed_up
@@ -103,12 +106,12 @@ def answer(
 def force(
     scenario: Scene, R_world_body: FloatArray, omega_body: FloatArray, kept_body: FloatArray
 ) -> FloatArray:
-    """N at states, in newtons, (n,) or a number.
+    """Return the force N of the table at given states, newtons, (n,) or a number.
 
     Parameters
     ----------
-    R_world_body, omega_body : (n, 3, 3) and (n, 3), or one of each, rad/s
-    kept_body : the angular momentum that parts keep, kg m²/s, (n, 3) or (3,)
+    R_world_body, omega_body : attitude and ω, rad/s, body axes, of n states or of one
+    kept_body : angular momentum of the parts, kg m²/s, body axes, (n, 3) or (3,)
     """
     omega_world = (R_world_body * omega_body[..., None, :]).sum(-1)
     pushed = push(scenario.pushed, R_world_body, omega_world)
@@ -119,12 +122,12 @@ def force(
 
 
 def check(scenario: Scene, stated: StartTable) -> None:
-    """See that a scene starts on its table and is pressed on it.
+    """Check that a scene starts on its table and is pressed onto it.
 
     Raises
     ------
     Misfit
-        If it is not.
+        If it does not.
     """
     if PIVOT in scenario.acting:
         raise Misfit("does not go with a pivot: both hold the body; remove one", *WHERE)

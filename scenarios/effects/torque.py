@@ -1,4 +1,4 @@
-"""Constant torques: in body axes, as of a thruster, and in world axes. Two effects of one table."""
+"""Constant torques in body axes, as of a thruster, and in world axes: two effects of one table."""
 
 from collections.abc import Iterator
 from typing import ClassVar, Self
@@ -36,7 +36,7 @@ def _sizes(extent: Extent) -> Iterator[Size]:
 
 
 def _rates(extent: Extent) -> Iterator[Rate]:
-    """The spin that it leads to: without end, or up to where what slows the body holds it."""
+    """Yield the spin that the torque leads to in the span, limited by what slows the body."""
     torque, least = _torque(extent), extent.moments[0]
     reached = torque * extent.span / least
     if extent.decay:
@@ -50,7 +50,7 @@ def _torque(extent: Extent) -> mpf:
 
 
 def _constant(axes: str) -> Effect:
-    """The effect of a torque that is constant in some axes."""
+    """Return the effect of a torque that is constant in the body axes or in the world axes."""
     return Effect(
         f"torque_{axes}",
         "torque",

@@ -15,14 +15,14 @@ from ...scene_record import WorldBody, scene_record
 from ...world_engine import WorldEngine
 from ...world_session import WorldBatch, WorldSession
 
-#: Its forces act on joints, of which a free body and a pivot have none that is the scene's torque.
+#: Its forces act on joints; a free body and a pivot have no joint that takes the scene's torques.
 EFFECTS = frozenset({"gravity", "pivot"})
 SLACK = 8 * float(np.finfo(np.float32).eps)
 
 
 @final
 class BraxSession(WorldSession):
-    """One body in a system of its own, its frame at the joint."""
+    """One body in a Brax system of its own, with its frame at the joint."""
 
     def world_body(self) -> WorldBody:
         """The body as the system holds it."""
@@ -49,7 +49,7 @@ class BraxSession(WorldSession):
         return frozenset(name for name, acts in named.items() if acts)
 
     def derivatives(self) -> Mapping[str, Derivative]:
-        """JAX's of `generalized`, of one step or through many, in forward and reverse mode."""
+        """Jacobians of `generalized` by JAX, of one or many steps, in forward and reverse mode."""
         if not self.world.is_generalized:
             return {}
         ways = {way: partial(self._derivative, way) for way in ("jacfwd", "jacrev")}
@@ -85,7 +85,7 @@ class Brax(WorldEngine):
     )
 
     def open_batch(self, scenarios: Sequence[Scenario], method: Method, timestep: float) -> Batch:
-        """A world of each different scene, and of all of them one a row."""
+        """Open a batch with a world for each row; each different scene is compiled once."""
         module = import_module(f"{__package__}.world")
         worlds = {
             scenario: module.World(scene_record(scenario), method.name, timestep)

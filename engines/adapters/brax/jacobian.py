@@ -12,14 +12,14 @@ from spincheck.engine import FloatArray, in_chart, numbers_by_chart
 from ...user_cache import user_cache
 
 parts: Any = import_module(f"{__package__}.world")
-# It compiles for a minute.
+# Imported when it is first asked for, because it compiles for a minute.
 parts.jax.config.update("jax_compilation_cache_dir", str(user_cache() / "jax"))
-#: Where a free joint has its quaternion in q, and ω in qd.
+#: Where the coordinates of a free joint have the quaternion in q, and ω in qd.
 QUATERNION, TURNING = slice(3, 7), slice(3, 6)
 
 
 def _stepped(steps: Any, x: Any, system: Any) -> Any:
-    """Coordinates q and qd after so many steps, twice."""
+    """Return coordinates q and qd after `steps` steps, twice: as value and as auxiliary output."""
     without_actuators = jnp.zeros(0, x.dtype)
     begun = parts.generalized.init(system, x[: system.q_size()], x[system.q_size() :])
     ended = jax.lax.fori_loop(
@@ -29,7 +29,7 @@ def _stepped(steps: Any, x: Any, system: Any) -> Any:
     return after, after
 
 
-#: By way, the Jacobian. Backwards goes through loops alone whose length is known to the compiler.
+#: The Jacobian by mode. Reverse mode only goes through loops whose length the compiler knows.
 _JACOBIANS = {
     "jacfwd": jax.jit(jax.jacfwd(_stepped, argnums=1, has_aux=True)),
     "jacrev": jax.jit(jax.jacrev(_stepped, argnums=1, has_aux=True), static_argnums=0),
@@ -37,7 +37,7 @@ _JACOBIANS = {
 
 
 def jacobian(world: Any, way: str, steps: int) -> FloatArray:
-    """That of a world's next steps, along the axes of its body, (6, 6)."""
+    """Return the Jacobian of a world's next steps, along the axes of its body, (6, 6)."""
     x = np.concatenate([world.state.q, world.state.qd])
     with warnings.catch_warnings(**parts.WARNINGS):
         made = _JACOBIANS[way](steps, x, world.system)
@@ -54,7 +54,7 @@ def jacobian(world: Any, way: str, steps: int) -> FloatArray:
 
 
 def _chart_by_hinges(q: Any, qd: Any) -> FloatArray:
-    """The derivative of a turn and ω, body axes, by angles of three hinges and their rates, (6, 6).
+    """Return the derivative of (δθ, ω), body axes, by three hinges' angles and rates, (6, 6).
 
     With the hinges' axes b_i in body axes, ω = Σ b_i q_i', and a turn of a later hinge j changes
     b_i by b_i × b_j.

@@ -9,7 +9,8 @@ import numpy as np
 
 from ...world_parts import matrix, quaternion
 
-#: It warns that it is not maintained, nor a package that it imports, and of what it has of MJX.
+#: Filters for warnings that Brax is not maintained, that a package it imports is not, and about its
+#: parts of MJX.
 WARNINGS = {"action": "ignore", "category": Warning}
 
 with warnings.catch_warnings(**WARNINGS):
@@ -21,9 +22,10 @@ with warnings.catch_warnings(**WARNINGS):
     from brax.spring import pipeline as spring
 
 jax.config.update("jax_platforms", "cpu")
-#: By name, what is set in a body's MJCF for it: Brax reads its options as MuJoCo's `custom`.
+#: Options by method, set in the body's MJCF: Brax reads its options as MuJoCo's `custom`.
 PIPELINES = {
-    # With iterations it inverts the mass matrix roughly, from the inverse of the step before.
+    # With iterations it would only approximate the inverse mass matrix, from that of the previous
+    # step.
     "generalized": (generalized, {"matrix_inv_iterations": 0}),
     "spring": (spring, {}),
     "positional": (positional, {}),
@@ -40,23 +42,24 @@ MJCF = """\
     </body>
   </worldbody>
 </mujoco>"""
-#: It has no ball joint: three hinges about the axes of the body, one after the other.
+#: Brax has no ball joint: three hinges about the axes of the body, one after the other, stand for
+#: it.
 HINGES = "".join(f'<joint axis="{axis}"/>' for axis in ("1 0 0", "0 1 0", "0 0 1"))
 
 
 def single(numbers):
-    """Numbers in single precision."""
+    """Return numbers in single precision."""
     with np.errstate(over="ignore"):
         return np.asarray(numbers, np.float32)
 
 
 def texts(numbers):
-    """Numbers as MJCF has them."""
+    """Return numbers as text in MJCF."""
     return " ".join(map(repr, map(float, numbers)))
 
 
 def mjcf(scene, options):
-    """A body on a free joint at its com, or on three hinges at its pivot, (text)."""
+    """Return the MJCF of a body on a free joint at its com, or on three hinges at its pivot."""
     is_free = scene["arm"] is None
     custom = "".join(f'<numeric name="{key}" data="{options[key]}"/>' for key in options)
     return MJCF.format(
@@ -70,7 +73,7 @@ def mjcf(scene, options):
 
 
 def angles(R):
-    """The angles of three hinges about x, y and z, rad, whose product is a rotation matrix."""
+    """Return the angles of three hinges about x, y and z, rad, that make up a rotation matrix."""
     return np.array(
         [
             np.arctan2(-R[1, 2], R[2, 2]),
@@ -81,19 +84,19 @@ def angles(R):
 
 
 def turned_about(angle, axis):
-    """The rotation matrix of one hinge."""
+    """Return the rotation matrix of one hinge."""
     q = np.zeros(4)
     q[0], q[1 + axis] = np.cos(angle / 2), np.sin(angle / 2)
     return matrix(q)
 
 
 def hinged(q):
-    """The rotation matrix of three hinges."""
+    """Return the rotation matrix of three hinges at angles q, rad."""
     return turned_about(q[0], 0) @ turned_about(q[1], 1) @ turned_about(q[2], 2)
 
 
 def hinge_axes(q):
-    """The axes about which three hinges turn the body, world axes, in columns."""
+    """Return the axes about which three hinges turn the body, world axes, in columns."""
     first = turned_about(q[0], 0)
     second = first @ turned_about(q[1], 1)
     return np.column_stack([np.eye(3)[0], first[:, 1], second[:, 2]])
@@ -101,16 +104,16 @@ def hinge_axes(q):
 
 @partial(jax.jit, static_argnums=0)
 def begun(pipeline, system, q, qd):
-    """The state with these coordinates."""
+    """Return the state with coordinates q and qd."""
     return pipeline.init(system, q, qd)
 
 
 @jax.jit
 def moved(system, state, place, turning):
-    """A state of bodies with another place and velocity of their coms.
+    """Return a state whose bodies have other positions and velocities of their coms.
 
-    By `init` the velocity of a body on several hinges is wrong: "fix qd->jd calculation for
-    stacked/offset joints" (brax/kinematics.py).
+    The function `init` gives a body on several hinges a wrong velocity: "fix qd->jd calculation
+    for stacked/offset joints" (brax/kinematics.py).
     """
     x, xd = com.to_world(system, place, turning)
     j, jd, a_p, a_c = kinematics.world_to_joint(system, x, xd)
@@ -120,7 +123,7 @@ def moved(system, state, place, turning):
 
 @partial(jax.jit, static_argnums=0)
 def stepped(pipeline, system, state, count):
-    """The state after some steps."""
+    """Return the state after `count` steps."""
     without_actuators = np.zeros(0, np.float32)
     return jax.lax.fori_loop(
         0, count, lambda _, now: pipeline.step(system, now, without_actuators), state
@@ -137,7 +140,7 @@ class World:
         model = mujoco.MjModel.from_xml_string(mjcf(scene, options))
         with warnings.catch_warnings(**WARNINGS):
             system = load_model(model)
-        # Without it, numbers are all that differs between systems: they are compiled once.
+        # Without the name, only numbers differ between systems, and JAX compiles them once.
         self.system = jax.tree.map(np.asarray, system.replace(mj_model=None))
         self.restart(scene, timestep)
 
@@ -148,7 +151,7 @@ class World:
         self.system = system.replace(opt=option)
         R, omega = matrix(motion["q"]), np.array(motion["omega"])
         if self.is_free:
-            # Its angular velocity is along the body's axes.
+            # The angular velocity of a free joint is along the body's axes.
             q = [*motion["com"], *motion["q"]]
             qd = [*motion["velocity"], *(R.T @ omega)]
         else:
@@ -166,7 +169,7 @@ class World:
         return self.motion_of(self.state)
 
     def motion_of(self, state):
-        """Those of a state of its system."""
+        """Return what `motion` does, of a given state of the system."""
         q, qd = np.asarray(state.q, float), np.asarray(state.qd, float)
         if not self.is_generalized:
             place, turning = jax.tree.map(
@@ -188,19 +191,19 @@ class World:
 
 @partial(jax.jit, static_argnums=0)
 def stepped_all(pipeline, systems, states, count):
-    """The states of all worlds after some steps."""
+    """Return the states of all worlds after `count` steps."""
     without_actuators = np.zeros(0, np.float32)
     step = jax.vmap(lambda system, now: pipeline.step(system, now, without_actuators))
     return jax.lax.fori_loop(0, count, lambda _, now: step(systems, now), states)
 
 
 def stacked(trees):
-    """Trees of arrays as one, a row each."""
+    """Return trees of arrays as one tree, with a row for each."""
     return jax.tree.map(lambda *leaves: np.stack(leaves), *trees)
 
 
 class Worlds:
-    """Worlds of systems that differ in numbers alone, stepped by `jax.vmap`."""
+    """Worlds whose systems differ only in numbers, stepped together by `jax.vmap`."""
 
     def __init__(self, worlds):
         self.worlds, self.pipeline = worlds, worlds[0].pipeline

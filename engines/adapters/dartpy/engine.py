@@ -15,9 +15,9 @@ from ...world_session import WorldSession
 
 #: A table is a planar slide under a ball joint, a rotor's hinge is a revolute joint.
 EFFECTS = COMMON_EFFECTS | {"rotors", "table"}
-#: Number of coordinates that turn the body; they come first in a joint.
+#: Number of a joint's coordinates that turn the body; they come first.
 TURNING = 3
-#: How users keep bodies from falling asleep.
+#: What users write to keep bodies from falling asleep.
 AWAKE = """\
 world.setTimeStep(TIMESTEP)
 options = world.getDeactivationOptions()
@@ -55,7 +55,7 @@ class DartSession(WorldSession):
         return frozenset(name for name, acts in named.items() if acts)
 
     def _joints(self) -> dict[str, bool]:
-        """What the joints are, under and beyond the body's."""
+        """Return what the joints are, under and beyond the body's, and whether each acts."""
         slide, rotors = self.world.slide, self.world.rotors
         count = self.world.skeleton.getNumBodyNodes()
         turns = self.world.joint.getType() == "BallJoint"
@@ -69,7 +69,7 @@ class DartSession(WorldSession):
         }
 
     def _wrong_hinges(self) -> Iterator[str]:
-        """Joints of rotors that are other than the scene's, in words."""
+        """Yield in words how joints of rotors differ from the scene's."""
         kinds = self.module.dart.dynamics.ActuatorType
         described = self.scene.get("rotors", ())
         rows = enumerate(zip(described, self.world.rotors, strict=True), start=1)
@@ -88,7 +88,7 @@ class DartSession(WorldSession):
 
 
 def _rotor(joint: Any, node: Any) -> HeldRotor:
-    """A body node beyond a joint, at the joint's angle 0."""
+    """Return the rotor that is a body node beyond a joint, at the joint's angle 0."""
     inertia, at = node.getInertia(), joint.getTransformFromParentBodyNode()
     R = np.array(at.rotation())
     com = np.array(at.translation()) + R @ inertia.getLocalCOM()
@@ -104,7 +104,7 @@ class Dart(WorldEngine):
     session = DartSession
     name = "dartpy"
     package = "dartpy"
-    # getTimeStep() of a new World.
+    # The timestep that getTimeStep() of a new World returns.
     stock_timestep = 1e-3
     methods = (
         Method(

@@ -5,12 +5,12 @@ import numpy as np
 
 from ...world_parts import is_pushed, matrix, rotation_vector, rotor_tensor
 
-#: What slides weigh, in bodies: DART takes none without mass.
+#: Mass of the links that slide, in masses of the body: DART takes no link without mass.
 LIGHT = 2.0**-80
 
 
 class World:
-    """One body, on a free joint at its com or on a ball joint where it is held, as on slides."""
+    """One body on a free joint at its com, or on a ball joint where it is held, which may slide."""
 
     def __init__(self, scene, method, timestep):
         self.scene, self.is_pushed = scene, is_pushed(scene)
@@ -34,7 +34,7 @@ class World:
         self.restart(scene, timestep)
 
     def slid(self, scene):
-        """What the body's joint is on, if it is on slides: a node of next to no mass."""
+        """Return the body node that the joint is on if the body slides: it has next to no mass."""
         if "slides" not in scene:
             return ()
         self.slide, node = self.skeleton.createTranslationalJoint2DAndBodyNodePair()
@@ -45,7 +45,7 @@ class World:
         return (node,)
 
     def add_rotor(self, rotor):
-        """Add a rotor at its place; returns its joint and its body node."""
+        """Add a rotor at its place; return its joint and its body node."""
         kind = "Weld" if rotor["hinge"] == "locked" else "Revolute"
         joint, node = getattr(self.skeleton, f"create{kind}JointAndBodyNodePair")(self.body)
         at = dart.math.Isometry3(np.eye(3), self.lever + rotor["place"])
@@ -55,12 +55,12 @@ class World:
         if kind == "Revolute":
             joint.setAxis(np.array(rotor["axis"]))
         if rotor["hinge"] == "driven":
-            # Its angular acceleration is what is commanded: none.
+            # A driven joint is commanded an angular acceleration, which is zero.
             joint.setActuatorType(dart.dynamics.ActuatorType.ACCELERATION)
         return joint, node
 
     def spins(self):
-        """Angular velocities of all rotors relative to the body, rad/s."""
+        """Return the angular velocities of all rotors relative to the body, rad/s."""
         return [joint.getVelocity(0) if joint.getNumDofs() else 0.0 for joint, _ in self.rotors]
 
     def restart(self, motion, timestep):
@@ -93,7 +93,7 @@ class World:
         return np.concatenate([attitude.quaternion().wxyz(), *motion])
 
     def push(self):
-        """Set the torques, which DART clears after each step."""
+        """Set the torques on the body, which DART clears after each step."""
         self.body.clearExternalForces()
         self.body.addExtTorque(np.array(self.scene["torque_body"]), True)
         self.body.addExtTorque(np.array(self.scene["torque_world"]), False)

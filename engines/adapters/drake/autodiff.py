@@ -1,4 +1,4 @@
-"""Derivatives by Drake's automatic differentiation, of a plant with `AutoDiffXd` for numbers."""
+"""Derivatives by Drake's automatic differentiation, of a plant whose numbers are `AutoDiffXd`."""
 
 from typing import Any
 
@@ -10,15 +10,15 @@ from ...world_parts import matrix
 
 
 def differentiated(world: Any, steps: int) -> tuple[FloatArray, FloatArray]:
-    """The attitude after some steps, w x y z, and derivatives by the chart at the state of a world.
+    """Return a world's attitude after some steps, w x y z, and derivatives by its present state.
 
-    They are those of this quaternion and of ω, (7, 6), or of dω/dt where the plant does not step
-    itself, (3, 6); all along the axes of the record.
+    The derivatives are of this attitude and ω, (7, 6), or if the plant does not step itself of
+    dω/dt, (3, 6), by a turn and ω, all along the axes of the scene's record.
 
     Raises
     ------
     UnsupportedError
-        If there are torques besides, which are given from outside.
+        If the scene has torques that are applied from outside the plant.
     RuntimeError
         If Drake cannot differentiate the plant.
     """
@@ -26,7 +26,7 @@ def differentiated(world: Any, steps: int) -> tuple[FloatArray, FloatArray]:
         raise UnsupportedError("the torques are its caller's, which AutoDiff does not see")
     motion = world.motion()
     q, omega_world = motion[:4], motion[4:7]
-    # Its stubs take arrays of no shape.
+    # Drake's type stubs accept only arrays without a shape.
     start: Any = np.concatenate([q, matrix(q).T @ omega_world])
     by_chart: Any = numbers_by_chart(q)
     numbers = drake.InitializeAutoDiff(start, gradient=by_chart).ravel()
@@ -43,13 +43,13 @@ def differentiated(world: Any, steps: int) -> tuple[FloatArray, FloatArray]:
         attitude = body.EvalPoseInWorld(after).rotation().ToQuaternion().wxyz()
         found = np.concatenate([attitude, found])
         return drake.ExtractValue(attitude.reshape(-1, 1)).ravel(), _gradient(found)
-    # d(R ω)/dt is R dω/dt.
+    # d(R ω)/dt is R dω/dt, as ω × ω is zero.
     rate = _turning(body.EvalSpatialAccelerationInWorld(context), body, context)
     return q, _gradient(rate)
 
 
 def _set(world: Any, plant: Any, context: Any, numbers: Any) -> Any:
-    """Set attitude and ω; returns the body."""
+    """Set attitude and ω in a context; return the body."""
     joint = plant.get_joint(world.joint.index())
     quaternion = drake.Quaternion_[drake.AutoDiffXd](wxyz=numbers[:4])
     R = drake.RotationMatrix_[drake.AutoDiffXd](quaternion)
@@ -64,7 +64,7 @@ def _set(world: Any, plant: Any, context: Any, numbers: Any) -> Any:
 
 
 def _turning(spatial: Any, body: Any, context: Any) -> Any:
-    """The part of a spatial vector that turns, along the body's axes."""
+    """Return the angular part of a spatial vector, along the body's axes."""
     R = body.EvalPoseInWorld(context).rotation().matrix()
     return R.T @ spatial.rotational()
 

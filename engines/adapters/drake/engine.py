@@ -56,7 +56,7 @@ class DrakeSession(WorldSession):
 
     @property
     def can_restart(self) -> bool:
-        """Not where the plant steps itself: its timestep is built in."""
+        """Whether the plant does not step itself, which would build the timestep into it."""
         return not self.world.is_discrete
 
     def world_body(self) -> WorldBody:
@@ -69,7 +69,7 @@ class DrakeSession(WorldSession):
         )
 
     def _mass_of(self, body: Any) -> tuple[float, FloatArray, FloatArray]:
-        """Mass, com and tensor about it of a body, in its own frame."""
+        """Return mass, com, and inertia tensor about the com of a body, in its own frame, SI."""
         spatial = body.CalcSpatialInertiaInBodyFrame(self.world.context)
         mass, com = spatial.get_mass(), np.array(spatial.get_com())
         about_origin = spatial.CalcRotationalInertia()
@@ -77,7 +77,7 @@ class DrakeSession(WorldSession):
         return mass, com, np.array(about_com)
 
     def _rotor(self, joint: Any) -> HeldRotor:
-        """The body beyond a joint, at the joint's angle 0."""
+        """Return the rotor that is the body beyond a joint, at the joint's angle 0."""
         mass, com, inertia_com = self._mass_of(joint.child_body())
         at = joint.frame_on_parent().GetFixedPoseInBodyFrame()
         R = at.rotation().matrix()
@@ -86,7 +86,7 @@ class DrakeSession(WorldSession):
         return HeldRotor(mass, at @ com, R @ inertia_com @ R.T, axis)
 
     def advance(self, steps: int) -> None:
-        """As the world does."""
+        """Take steps as the world does, with Drake's errors as `EngineError`."""
         try:
             self.world.advance(steps)
         except RuntimeError as error:
@@ -95,7 +95,7 @@ class DrakeSession(WorldSession):
             raise EngineError(f"Drake: {words}", "warning" if singular else "refused") from None
 
     def derivatives(self) -> Mapping[str, Derivative]:
-        """Those by `AutoDiffXd`: of the discrete update, or of dω/dt."""
+        """Derivatives by `AutoDiffXd`: of the discrete update, or of dω/dt."""
         if self.world.is_discrete:
             update = Derivative(self._derivative, through=self._derivative)
             return {"AutoDiff of the discrete update": update}
@@ -135,14 +135,14 @@ class DrakeSession(WorldSession):
             **dict.fromkeys(self._wrong_hinges(), True),
             **self.pushed_by(self._felt_torque()),
             "joints": plant.num_joints() != 1 + len(slides) + len(rotors),
-            # Gravity is one of them.
+            # Drake counts gravity as one of the plant's force elements.
             "force elements": plant.num_force_elements() > 1,
             "contact geometry": plant.geometry_source_is_registered(),
         }
         return frozenset(name for name, acts in named.items() if acts)
 
     def _wrong_hinges(self) -> Iterator[str]:
-        """Joints of rotors that are other than the scene's, in words."""
+        """Yield in words how joints of rotors differ from the scene's."""
         plant, context = self.world.plant, self.world.context
         drives = {
             int(actuator.joint().index()): actuator.calc_reflected_inertia(context)
@@ -173,9 +173,10 @@ class Drake(WorldEngine):
     session = DrakeSession
     name = "drake"
     package = "pydrake"
-    # MultibodyPlantConfig.time_step.
+    # The default of MultibodyPlantConfig.time_step.
     stock_timestep = 1e-3
-    # Orders: its documentation of the integrators; measured in docs/measured/engines-more.md.
+    # Orders as in Drake's documentation of the integrators; measured in
+    # docs/measured/engines-more.md.
     methods = (
         _method("runge_kutta5", 5, "Runge-Kutta of fifth order"),
         _method("runge_kutta3", 3, "Runge-Kutta of third order"),

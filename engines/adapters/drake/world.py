@@ -5,7 +5,7 @@ import pydrake.all as drake
 
 from ...world_parts import drive, matrix, push, rotor_tensor
 
-#: Methods in which the plant steps itself, without an integrator.
+#: Methods in which the plant steps itself, without an integrator: the values are Drake's names.
 DISCRETE = ("discrete", "default")
 
 
@@ -14,7 +14,7 @@ class Torque(drake.LeafSystem):
 
     def __init__(self, scene, body):
         super().__init__()
-        # Drag is a damping of the joint.
+        # Drag is a damping of the joint instead.
         self.scene, self.body = scene | {"drag": 0.0}, body
         poses = drake.Value[list[drake.RigidTransform]]()
         self.poses = self.DeclareAbstractInputPort("poses", poses)
@@ -22,7 +22,7 @@ class Torque(drake.LeafSystem):
         self.DeclareAbstractOutputPort("torque", kind, self.torque)
 
     def torque(self, context, output):
-        """The torque at the attitude now."""
+        """Set the output to the torque at the present attitude."""
         R = self.poses.Eval(context)[int(self.body.index())].rotation().matrix()
         force = drake.ExternallyAppliedSpatialForce()
         force.body_index = self.body.index()
@@ -67,7 +67,7 @@ class World:
         self.body = self.plant.AddRigidBody("top", inertia)
         self.slides = []
         world, frame = self.slid(scene), self.body.body_frame()
-        # Roll, pitch and yaw are those of the body's own axes.
+        # The joint's angles roll, pitch and yaw turn about the body's own axes.
         self.R_frame_own = np.eye(3) if self.is_free else matrix(scene["axes"]).T
         if self.is_free:
             joint = drake.QuaternionFloatingJoint("free", world, frame, scene["drag"])
@@ -81,7 +81,7 @@ class World:
         self.plant.Finalize()
 
     def slid(self, scene):
-        """The frame that the body's joint is on: of the world, or of slides without mass on it."""
+        """Return the frame that the body's joint is on: the world's or that of massless slides."""
         frame, height = self.plant.world_frame(), [0.0, 0.0, scene.get("height", 0.0)]
         if any(height):
             frame = self.offset("plane", frame, height)
@@ -95,7 +95,7 @@ class World:
         return frame
 
     def add_rotor(self, rotor, lever):
-        """Add a rotor at its place; returns its joint."""
+        """Add a rotor at its place; return its joint."""
         (xx, xy, xz), (_, yy, yz), (_, _, zz) = rotor_tensor(rotor)
         inertia = drake.SpatialInertia.MakeFromCentralInertia(
             rotor["mass"], np.zeros(3), drake.RotationalInertia(xx, yy, zz, xy, xz, yz)
@@ -113,7 +113,7 @@ class World:
         return joint
 
     def offset(self, name, frame, place):
-        """Add a frame at a place in another's."""
+        """Add a frame at a place in another frame."""
         at = drake.RigidTransform(np.array(place))
         return self.plant.AddFrame(drake.FixedOffsetFrame(name, frame, at))
 
@@ -145,7 +145,7 @@ class World:
         self.simulator.ResetStatistics()
 
     def slide_to(self, motion):
-        """Put the tip where it carries the com to its place and velocity."""
+        """Put the slides where the com has its place and velocity."""
         body, context = self.body, self.context
         arm = matrix(motion["q"]) @ body.CalcCenterOfMassInBodyFrame(context)
         place = motion["com"] - arm

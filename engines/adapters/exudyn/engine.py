@@ -26,14 +26,15 @@ from ...world_session import WorldSession
 
 #: Types of the objects that a scene needs besides joints of rotors.
 KINDS = frozenset({"RigidBody", "Ground", "ConnectorCoordinate", "ConnectorRigidBodySpringDamper"})
-#: Explicit solvers refuse joints between bodies; they take constrained coordinates alone.
+#: Integrators that refuse joints between bodies; they accept constrained coordinates only.
 IMPLICIT_EFFECTS = COMMON_EFFECTS | {"rotors", "table"}
-#: rad a step: an iteration leaves half the turn of the last error (0.36 at 0.73 rad, measured), so
-#: that the 100 that `world` allows leave 1e-13 of it.
+#: Most turn of a rotor in a step, rad. An iteration reduces the error by the factor of half the
+#: turn (0.36 at 0.73 rad, measured), so that the 100 iterations that `world` allows reduce it to
+#: 1e-13.
 MOST_TURN = 1.5
-#: Joints of rotors, by hinge.
+#: Types of the joints of rotors, by kind of hinge.
 HINGES = {"free": "JointRevoluteZ", "driven": "JointRevoluteZ", "locked": "JointGeneric"}
-#: Relative difference allowed of a step's length, as Exudyn sums up the time.
+#: Relative difference allowed of a step's length, because Exudyn adds up the time.
 CLOCK_SLACK = 1e-6
 
 
@@ -50,7 +51,7 @@ mbs.SolveDynamic(settings, solverType=exudyn.DynamicSolverType.{name})"""
 
 @final
 class ExudynSession(WorldSession):
-    """One body; with a pivot, its rotation about the pivot is stepped."""
+    """One body; if it has a pivot, its rotation about the pivot is what is stepped."""
 
     def world_body(self) -> WorldBody:
         """The body as the object holds it, from the node; its com is where gravity acts."""
@@ -63,14 +64,14 @@ class ExudynSession(WorldSession):
         return WorldBody(mass, com, inertia_com, arm, rotors)
 
     def _mass_of(self, body: int) -> tuple[float, FloatArray]:
-        """Mass of an object, and its tensor about its node in the record's axes, kg m², (3, 3)."""
+        """Return an object's mass, kg, and tensor about its node, record's axes, kg m², (3, 3)."""
         found, R_axes_node = self.world.system.GetObject(body), self.world.R_axes_node
         xx, yy, zz, yz, xz, xy = found["inertia"]
         of_node = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
         return float(found["mass"]), R_axes_node @ of_node @ R_axes_node.T
 
     def _rotor(self, rotor: Any) -> HeldRotor:
-        """That of a joint, its frames in the body and in the rotor one."""
+        """Return the rotor on a joint; the joint's frames in the body and in the rotor coincide."""
         system, R = self.world.system, self.world.R_axes_node
         joint = system.GetObject(rotor.joint)
         in_body, in_rotor = (
@@ -78,13 +79,14 @@ class ExudynSession(WorldSession):
         )
         place = in_body @ np.linalg.inv(in_rotor)
         mass, tensor = self._mass_of(rotor.body)
-        # Turned as the joint has it in the body, from the axes that both have at the start.
+        # At the start both have the same axes; the joint turns the rotor against the body by
+        # `place`.
         turn = R @ place[:3, :3] @ R.T
         turns = joint["objectType"] == HINGES["free"]
         axis = R @ in_body[:3, 2] if turns else np.zeros(3)
         return HeldRotor(mass, R @ place[:3, 3], turn @ tensor @ turn.T, axis)
 
-    #: Why the solver gave up; empty while it has not.
+    #: Why the solver gave up; empty as long as it has not.
     _trouble = ""
 
     def restart(self, state: State, timestep: float | None = None) -> None:
@@ -93,12 +95,12 @@ class ExudynSession(WorldSession):
         super().restart(state, timestep)
 
     def advance(self, steps: int) -> None:
-        """As the world does; checks that it took so many steps of the right length."""
+        """Take steps as the world does; check their number and length by Exudyn's clock."""
         try:
             self.world.advance(steps)
         except RuntimeError as error:
             self._trouble = str(error)
-        # It counts from 1.
+        # Exudyn counts its steps from 1.
         progress = self.world.solver.it
         taken, last = progress.currentStepIndex - 1, progress.currentStepSize
         if not self._trouble and (
@@ -106,7 +108,8 @@ class ExudynSession(WorldSession):
         ):
             words = f"Exudyn took {taken} steps, the last of {last!r} s"
             words = f"{words}, not {steps} of {self.timestep!r} s"
-            # As shipped it takes halves where the solver fails: not so at a shorter timestep.
+            # As shipped it halves a step that fails to converge, which it would not do at a shorter
+            # timestep.
             if not (self.world.as_shipped and taken > steps):
                 raise EngineError(words, "clock")
             self._trouble = words
@@ -144,7 +147,7 @@ class ExudynSession(WorldSession):
         return frozenset(acting | {f"an object of type {kind}" for kind in {*kinds} - KINDS})
 
     def _wrong_hinges(self, objects: Sequence[Any]) -> Iterator[str]:
-        """Joints and drives of rotors that are other than the scene's, in words."""
+        """Yield in words how joints and drives of rotors differ from the scene's."""
         described = zip(self.scene["rotors"], self.world.rotors, self.world.spins_set, strict=True)
         for number, (wanted, rotor, spin) in enumerate(described, start=1):
             joint, hinge = objects[int(rotor.joint)], wanted["hinge"]
@@ -159,7 +162,7 @@ class ExudynSession(WorldSession):
                     yield f"rotor {number} driven to another spin than {spin:g} rad/s"
 
     def _of_constraints(self, objects: Sequence[Any]) -> set[str]:
-        """Pivot or table, by the coordinates of the node that are constrained; others in words."""
+        """Return the effect, pivot or table, that the constrained coordinates are; else words."""
         constrained = []
         for found in objects:
             if found["objectType"] == "ConnectorCoordinate" and not found["velocityLevel"]:
@@ -184,7 +187,7 @@ class ExudynSession(WorldSession):
 
     def _of_damper(self, found: Any) -> str:
         damping = np.diag(found["damping"])
-        # Rotations come last.
+        # A node's rotational coordinates come last.
         (name,) = self.damped_by(np.roll(damping, 3).tolist())
         is_damper = np.array_equal(found["damping"], np.diag(damping))
         return name if is_damper and not np.any(found["stiffness"]) else "a spring or damper"
@@ -214,9 +217,9 @@ class Exudyn(WorldEngine):
     session = ExudynSession
     name = "exudyn"
     package = "exudyn"
-    # SimulationSettings: a hundred steps to an end time of 1 s.
+    # Default of SimulationSettings: a hundred steps to an end time of 1 s.
     stock_timestep = 0.01
-    # Orders: its manual, "Explicit solvers" and "Implicit solvers"; measured in
+    # Orders as in its manual, "Explicit solvers" and "Implicit solvers"; measured in
     # docs/measured/engines-more.md.
     methods = (
         _method("ExplicitEuler", 1, "explicit Euler, the attitude by the exponential map"),
@@ -224,8 +227,8 @@ class Exudyn(WorldEngine):
         _method("RK33", 3, "Runge-Kutta of third order"),
         _method("RK44", 4, "Runge-Kutta of fourth order"),
         _method("RK67", 6, "Runge-Kutta of sixth order, seven stages"),
-        # Of second order but with rotors: its first accelerations leave out how their joints turn,
-        # so that a step from a state has errors of first order, which alternate in a run.
+        # Of second order except with rotors: its first accelerations leave out how their joints
+        # turn, so that a step from a state has errors of first order, which alternate in a run.
         _method(
             "TrapezoidalIndex2",
             1,

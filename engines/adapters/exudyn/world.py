@@ -11,36 +11,37 @@ from ...world_parts import matrix, quaternion, rotation_vector, rotor_tensor
 
 items = exudyn.itemInterface
 AS_SHIPPED = "GeneralizedAlpha"
-#: Integrators that solve for accelerations at the end of a step.
+#: Integrators that solve for the accelerations at the end of a step.
 IMPLICIT = (AS_SHIPPED, "TrapezoidalIndex2")
-#: Tolerances, relative and in units of the residual; Exudyn's defaults are 1e-8 and 1e-10.
+#: Tolerances of Newton's iteration, relative and in units of the residual; Exudyn's defaults are
+#: 1e-8 and 1e-10.
 NEWTON_TOLERANCE = 1e-13
 OF_TRAPEZOIDAL_RULE = {
     # As Exudyn's own SolveDynamic sets them for this solver name.
     "generalizedAlpha.useIndex2Constraints": True,
     "generalizedAlpha.useNewmark": True,
-    # Solved to round-off, with a new Jacobian: so a step depends on the state alone.
+    # Solved to round-off with a new Jacobian each step, so that a step depends on the state alone.
     "newton.relativeTolerance": NEWTON_TOLERANCE,
     "newton.absoluteTolerance": NEWTON_TOLERANCE,
     "newton.useModifiedNewton": False,
-    # A rotor that turns by a radian a step takes more than the default, 25.
+    # A rotor that turns by a radian a step takes more iterations than the default of 25.
     "newton.maxIterations": 100,
 }
-#: Of a residual, which a body's torque in its own axes, ω x I ω, and a joint's force add up to; the
-#: solver gave up on a rotor at 600 rad/s on a table with 64.
+#: Rounding errors allowed in a residual, which adds up a body's torque in its own axes, ω x I ω,
+#: and a joint's force. With 64 the solver gave up on a rotor at 600 rad/s on a table.
 ROUNDING = 256 * float(np.finfo(float).eps)
-#: The body's axes in another order, and in a third.
+#: Rotations from the body's axes to the same axes in other orders.
 TURNED = [np.roll(np.eye(3), k, axis=0) for k in range(3)]
-#: Entries of a tensor, in the order in which objects take them.
+#: Entries of an inertia tensor, in the order in which objects take them.
 ENTRIES = ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))
 
-#: A rotor's node, object, joint and drive by their numbers, and its place from the com and axis,
-#: axes of the record; the drive is None of a hinge that is free or locked.
+#: Numbers of a rotor's node, object, joint and drive, and its place from the com and axis, axes of
+#: the record; the drive is None if the hinge is free or locked.
 Rotor = namedtuple("Rotor", "node body joint drive place axis")
 
 
 def settings(solver):
-    """How the solver steps; of a default step that fails, Exudyn takes halves."""
+    """Return settings of the solver; those as shipped let Exudyn halve steps that fail."""
     own = OF_TRAPEZOIDAL_RULE if solver == "TrapezoidalIndex2" else {}
     steady = {} if solver == AS_SHIPPED else {"adaptiveStep": False}
     simulation = exudyn.SimulationSettings()
@@ -54,7 +55,7 @@ def settings(solver):
 
 
 class World:
-    """One body on a Lie-group node, pivot and table constrained coordinates; rotors on joints.
+    """One body on a Lie-group node, held by constrained coordinates; its rotors are on joints.
 
     Explicit solvers eliminate constraints wrongly if the com is not at the node. So the node is at
     the pivot, the tensor is taken about the pivot, and gravity is a force on a marker at the com.
@@ -77,9 +78,11 @@ class World:
         """Build the system on a node whose axes suit an attitude, unless it is on such a node.
 
         Exudyn composes rotation vectors with an arc cosine, which loses half the digits of a small
-        one: from a start along the world's axes, rotations of less than 1.5e-8 rad a step were
-        lost. So the node's axes are the body's in the order that starts furthest from there. Its
-        errors with joints depend on them: so a restart is on the axes of a system built there.
+        vector: in a run that started along the world's axes, rotations of less than 1.5e-8 rad a
+        step
+        were lost. So the node's axes are the body's axes in the order that is furthest from the
+        world's at the start. Errors with joints depend on these axes, so that a restart must build
+        the system again on the axes that suit the new attitude.
         """
         starts = [np.trace(R_world_axes @ turned) for turned in TURNED]
         best = TURNED[int(np.argmin(np.abs(starts)))]
@@ -129,7 +132,7 @@ class World:
         self.rotors = [self.add_rotor(rotor, lever) for rotor in scene.get("rotors", [])]
 
     def add_body(self, part, tensor, com):
-        """Add a body and its weight; the numbers of its node, object and marker at its com."""
+        """Add a body and its weight; return the numbers of node, object and marker at its com."""
         system, mass = self.system, part["mass"]
         node = system.AddNode(items.NodeRigidBodyRotVecLG())
         entries = [tensor[at] for at in ENTRIES]
@@ -145,11 +148,11 @@ class World:
         return node, body, marker
 
     def add_rotor(self, rotor, lever):
-        """Add a rotor, its axes those of the body, on a hinge; a drive keeps its spin."""
+        """Add a rotor on a hinge, its axes those of the body; a driven one keeps its spin."""
         system, R = self.system, self.R_axes_node
         node, body, _ = self.add_body(rotor, R.T @ rotor_tensor(rotor) @ R, np.zeros(3))
         axis, place = np.array(rotor["axis"]), R.T @ (lever + rotor["place"])
-        # The joint's axes: it turns about z.
+        # The joint turns about the z axis of its frame.
         across = np.cross(axis, np.eye(3)[np.argmin(np.abs(axis))])
         across /= np.linalg.norm(across)
         frame = np.eye(4)
@@ -168,7 +171,7 @@ class World:
         return Rotor(node, body, joint, drive, np.array(rotor["place"]), axis)
 
     def drive(self, rotor, place, axis):
-        """Constrain the angular velocity of a rotor relative to the body; the object's number."""
+        """Constrain a rotor's angular velocity relative to the body; return the object's number."""
         system = self.system
         turn = items.MarkerBodiesRelativeRotationCoordinate(
             bodyNumbers=[self.body, rotor], localPosition0=[*place], axis0=[*axis]
@@ -179,12 +182,12 @@ class World:
         )
 
     def still(self):
-        """Add a marker of a coordinate that stays 0."""
+        """Return the number of a new marker of a coordinate that stays 0."""
         ground = self.system.AddNode(items.NodePointGround())
         return self.system.AddMarker(items.MarkerNodeCoordinate(nodeNumber=ground, coordinate=0))
 
     def hold(self):
-        """Constrain the node's position, or what of it does not slide."""
+        """Constrain the coordinates of the node's position except those that may slide."""
         still = self.still()
         for k in self.kept_axes:
             pinned = items.MarkerNodeCoordinate(nodeNumber=self.node, coordinate=k)
@@ -214,21 +217,23 @@ class World:
             if rotor.drive is not None:
                 self.system.SetObjectParameter(rotor.drive, "offset", spin)
         self.system.Assemble()
-        # The generalised-α solver begins with the accelerations that are there.
+        # The generalised-α solver begins with the accelerations that the system holds.
         accelerations = self.system.systemData.GetODE2Coordinates_tt()
         self.system.systemData.SetODE2Coordinates_tt(0 * accelerations)
         self.settings.timeIntegration.endTime = timestep
         if not self.as_shipped:
-            # What a small body's residual is made of is small, too.
+            # The terms of a small body's residual are small, too, and so must be the tolerance.
             least = NEWTON_TOLERANCE * min(1.0, self.terms(self.body, omega, np.zeros(3), omega))
             newton = self.settings.timeIntegration.newton
             newton.absoluteTolerance = least + ROUNDING * of_rotors
         self.solver.InitializeSolver(self.system, self.settings)
 
     def terms(self, body, turning, place, omega):
-        """Sizes of what a body at a place that turns with ω adds to the residual, N and N m.
+        """Return the size of the terms that a body adds to the residual, N and N m.
 
-        Its torque has terms in I ω² of its whole turning, which cancel about an axis.
+        The body is at a distance `place` from the node and `omega` is the node's angular velocity;
+        its
+        own is `turning`. Its torque has terms in I ω², which cancel for a turn about an axis.
         """
         found = self.system.GetObject(body)
         swing = np.linalg.norm(place) * (omega @ omega) + np.linalg.norm(self.gravity)
@@ -236,7 +241,7 @@ class World:
         return torque + found["mass"] * swing
 
     def start(self, node, R_world_node, omega, place, velocity):
-        """Set the start of a node; ω, place and velocity along world axes."""
+        """Set the start of a node; ω, position and velocity are along world axes."""
         start = {
             "referenceCoordinates": [*place, *rotation_vector(quaternion(R_world_node))],
             "initialVelocities": [*velocity, *(R_world_node.T @ omega)],
@@ -245,7 +250,7 @@ class World:
             self.system.SetNodeParameter(node, name, coordinates)
 
     def spins(self, omega, R_world_axes):
-        """Angular velocities of all rotors about their axes, relative to the body, rad/s."""
+        """Return the angular velocities of rotors about their axes, relative to the body, rad/s."""
         turning = exudyn.OutputVariableType.AngularVelocity
         each = ((rotor, self.system.GetNodeOutput(rotor.node, turning)) for rotor in self.rotors)
         return [(R_world_axes @ rotor.axis) @ (of_rotor - omega) for rotor, of_rotor in each]
@@ -268,9 +273,10 @@ class World:
         )
 
     def advance(self, steps):
-        """One native loop; Exudyn's clock starts at 0 in each call, and sums up the steps.
+        """Take steps in one native loop; Exudyn's clock starts at 0 in each call and adds up steps.
 
-        At another end, such as the product, a sliver of a step may be missing to it.
+        The end time is that sum, too: with steps · timestep, a fraction of a step might be left
+        over.
         """
         progress, end = self.solver.it, 0.0
         for _ in range(steps):

@@ -42,7 +42,7 @@ def _silent() -> Iterator[None]:
 
 @final
 class GenesisSession(WorldSession):
-    """One body in a scene of its own, its frame at the joint."""
+    """One body in a Genesis scene of its own, with its frame at the joint."""
 
     def world_body(self) -> WorldBody:
         """The body as the solver holds it."""
@@ -63,7 +63,7 @@ class GenesisSession(WorldSession):
         gravity = solver.get_gravity().numpy().astype(float).ravel()
         wanted = push({**self.scene, "drag": 0.0}, matrix(motion[:4]), motion[4:7])
         world.push()
-        # Genesis counts loads on a link negative.
+        # Genesis counts a load on a link as negative.
         torque = -solver.dyn_state.links.cfrc_applied_ang.to_numpy()[-1, 0].astype(float)
         solver.clear_external_force()
         damping = solver.get_dofs_damping().numpy().astype(float).ravel().tolist()
@@ -86,7 +86,7 @@ class GenesisSession(WorldSession):
         return frozenset(acting | stated if torque.any() else acting)
 
     def advance(self, steps: int) -> None:
-        """As the world does; Genesis raises where a state is no longer finite."""
+        """Take steps as the world does; Genesis raises when a state is no longer finite."""
         try:
             super().advance(steps)
         except self.module.gs.GenesisException as error:
@@ -105,7 +105,7 @@ def _method(name: str, summary: str, *, as_shipped: bool = False) -> Method:
 
 @final
 class Genesis(WorldEngine):
-    """A body on a free or ball joint, by each of its rigid solver's integrators."""
+    """A body on a free or ball joint, stepped by each integrator of its rigid solver."""
 
     session = GenesisSession
     name = "genesis"
@@ -126,12 +126,12 @@ class Genesis(WorldEngine):
         return version("genesis-world")
 
     def open(self, scenario: Scenario, method: Method, timestep: float) -> Session:
-        """Build the scene; kernels are compiled once, into the user's cache."""
+        """Build the scene; kernels are compiled once and kept in the user's cache."""
         with _silent():
             return super().open(scenario, method, timestep)
 
     def open_batch(self, scenarios: Sequence[Scenario], method: Method, timestep: float) -> Batch:
-        """A world of one Genesis scene for each scene."""
+        """Open a batch with one world of a Genesis scene for each of the scenes."""
         records = {scenario: scene_record(scenario) for scenario in dict.fromkeys(scenarios)}
         first, *others = (records[scenario] for scenario in scenarios)
         with _silent():

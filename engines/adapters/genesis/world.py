@@ -13,7 +13,7 @@ with warnings.catch_warnings(action="ignore"):
 
     gs.init(backend=gs.cpu, precision="32", logging_level="error")
 sys.excepthook = hook
-#: Passes that no scene needs, and the inertia that Genesis gives to hinges which have none.
+#: Options: no scene needs these passes, nor the inertia that Genesis gives to hinges without any.
 OFF = {"enable_collision": False, "enable_joint_limit": False, "disable_constraint": True}
 WITHOUT_ARMATURE = {"default_armature": None}
 MJCF = """\
@@ -28,17 +28,17 @@ MJCF = """\
 
 
 def texts(numbers):
-    """Numbers as MJCF has them."""
+    """Return numbers as text in MJCF."""
     return " ".join(map(repr, map(float, numbers)))
 
 
 def lever_of(scene):
-    """The vector from the joint to the com, m, (3,)."""
+    """Return the vector from the joint to the com, m, (3,)."""
     return -np.array(scene["arm"] or (0.0, 0.0, 0.0))
 
 
 def mjcf(scene):
-    """A body on a free joint at its com, or on a ball joint at its pivot, (text)."""
+    """Return the MJCF of a body on a free joint at its com, or on a ball joint at its pivot."""
     return MJCF.format(
         joint="freejoint" if scene["arm"] is None else 'joint type="ball"',
         com=texts(lever_of(scene)),
@@ -98,7 +98,7 @@ class World:
         self.solver.set_dofs_velocity(qd)
 
     def coordinates(self, motion):
-        """The joint's coordinates, and its velocities: ω is along the body's axes."""
+        """Return the joint's coordinates and velocities, where ω is along the body's axes."""
         place, velocity = (motion["com"], motion["velocity"]) if self.is_free else ((), ())
         omega = matrix(motion["q"]).T @ motion["omega"]
         return [*place, *motion["q"]], [*velocity, *omega]
@@ -117,7 +117,7 @@ class World:
         return [self.motion_of(self.scenes[k], q[k], qd[k]) for k in worlds]
 
     def motion_of(self, scene, q, qd):
-        """That of a joint's coordinates and velocities."""
+        """Return the motion, as `motion` gives it, of a joint's coordinates and velocities."""
         R = matrix(q[-4:])
         omega = R @ qd[-3:]
         if self.is_free:
@@ -126,7 +126,7 @@ class World:
         return np.concatenate([q, omega, com, np.cross(omega, com)])
 
     def push(self):
-        """Set the torques of one step."""
+        """Set the torques on the bodies for one step."""
         link = [self.solver.n_links - 1]
         for torque, is_local in (
             (self.scene["torque_body"], True),
@@ -145,5 +145,5 @@ class World:
             self.there.step(update_visualizer=False)
 
     def close(self):
-        """Free its memory."""
+        """Free the scene's memory."""
         self.there.destroy()

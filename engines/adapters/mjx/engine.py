@@ -14,7 +14,7 @@ from ..mujoco.session import check_not_too_small
 from .script import SPRINGS, script
 from .session import MJXSession, batch
 
-#: Torques along the world's axes come out wrong on a free body: docs/measured/engines-more.md.
+#: Torques along the world's axes act wrongly on a free body: docs/measured/engines-more.md.
 EFFECTS = (COMMON_EFFECTS - {"torque_world"}) | {"rotors", "table"}
 
 
@@ -25,7 +25,7 @@ def _method(name: str, order: int, summary: str) -> Method:
 CLEAN = (
     _method("Euler", 1, "semi-implicit Euler, joint damping implicit"),
     _method("implicitfast", 1, "implicit in velocity, without gyroscopic terms"),
-    # It averages the stages' rotations, as MuJoCo did before 4.0.
+    # Its RK4 averages the stages' rotations, as MuJoCo did before 4.0.
     _method("RK4", 2, "Runge-Kutta of fourth order, but for rotations"),
 )
 
@@ -51,7 +51,7 @@ class MJX(Engine):
         return MJXSession(scenario, text, timestep, is_double=not self.single_precision)
 
     def open_batch(self, scenarios: Sequence[Scenario], method: Method, timestep: float) -> Batch:
-        """Likewise, for `jax.vmap`."""
+        """Open a batch that `jax.vmap` steps; each different scene's MJCF is compiled once."""
         different = dict.fromkeys(scenarios)
         texts = {scenario: self._text(scenario, method) for scenario in different}
         return batch(scenarios, texts, timestep, is_double=not self.single_precision)
@@ -63,7 +63,7 @@ class MJX(Engine):
         return mjcf(scenario, self.stock_timestep, integrator, passes)
 
     def script(self, scenario: Scenario, method: Method, timestep: float) -> str:
-        """The MJCF, and the few calls that step it."""
+        """Return the MJCF, and the few calls that step it, as Python."""
         integrator = None if method.as_shipped else method.name
         return script(scenario, integrator, timestep, is_double=not self.single_precision)
 

@@ -13,7 +13,7 @@ from .world import in_precision
 
 @cache
 def _compiled(trees: Any, way: str) -> Any:
-    """The Jacobian of qpos and qvel after so many steps by those before, and qpos and qvel."""
+    """Return a compiled function that gives qpos and qvel after some steps and their Jacobian."""
     model_tree, data_tree = trees
 
     def stepped(steps: Any, x: Any, still: Any, moving: Any) -> Any:
@@ -25,12 +25,12 @@ def _compiled(trees: Any, way: str) -> Any:
         return after, after
 
     made = getattr(jax, way)(stepped, argnums=1, has_aux=True)
-    # Backwards goes through loops alone whose length is known to the compiler.
+    # Reverse mode only goes through loops whose length the compiler knows.
     return jax.jit(made, static_argnums=0 if way == "jacrev" else ())
 
 
 def jacobian(world: Any, way: str, steps: int) -> tuple[Any, Any]:
-    """Coordinates after the next steps of a world, (n,), and their Jacobian, (n, n)."""
+    """Return coordinates after the next steps of a world, (n,), and their Jacobian, (n, n)."""
     in_precision(world.is_double)
     data = world.data()
     x = np.concatenate([data.qpos, data.qvel])

@@ -7,7 +7,7 @@ from spincheck.engine import Scenario
 from ...models.mjcf import mjcf
 from ..mujoco.port import left_in, port_script
 
-#: MuJoCo's name of the pass of springs; without it, MJX leaves out dampers as well.
+#: MuJoCo's name of the pass for springs; if it is off, MJX leaves out dampers as well.
 SPRINGS = ("spring",)
 _MADE = """\
 in_precision({is_double})
@@ -15,7 +15,7 @@ world = World(*in_mjx(nameless(MJCF).compile()), TIMESTEP, qpos={{qpos}}, qvel={
 
 
 def script(scenario: Scenario, integrator: str | None, timestep: float, is_double: bool) -> str:
-    """The model of a method; as shipped where there is no integrator."""
+    """Return Python that builds and steps a scene's model; as shipped without integrator."""
     text = mjcf(scenario, timestep, integrator, left_in(scenario, integrator, SPRINGS))
     world = Path(__file__).with_name("world.py")
     return port_script(world, scenario, text, _MADE.format(is_double=is_double))

@@ -15,13 +15,13 @@ from ..mujoco.port import PortSession, starts
 from ..mujoco.session import compiled
 from .script import SPRINGS
 
-#: Models that are kept as MJX holds them, some 100 kB each.
+#: Number of models kept in MJX's form, some 100 kB each.
 MODELS = 64
 
 
 @final
 class MJXSession(PortSession):
-    """One body and its rotors; MJX's model and data as flat lists of JAX's arrays."""
+    """One body and its rotors; MJX's model and data are kept as flat lists of JAX's arrays."""
 
     def __init__(self, scenario: Scenario, text: str, timestep: float, is_double: bool) -> None:
         model, data = _in_mjx(text, is_double)
@@ -36,16 +36,16 @@ class MJXSession(PortSession):
                 keep(row)
 
     def derivatives(self) -> Mapping[str, Derivative]:
-        """JAX's, of one step or through many, in forward and reverse mode."""
+        """Jacobians by JAX, of one step or through many, in forward and reverse mode."""
         ways = {way: partial(self._derivative, way) for way in ("jacfwd", "jacrev")}
         return {way: Derivative(compute, through=compute) for way, compute in ways.items()}
 
     def _derivative(self, way: str, steps: int = 1) -> FloatArray:
-        """That of the quaternion and ω by themselves, in the chart."""
+        """Return the Jacobian of attitude and ω by a turn and ω, (6, 6)."""
         jacobians: Any = import_module(f"{__package__}.jacobian")
         before = self._world.data()
         after, jacobian = jacobians.jacobian(self._world, way, steps)
-        # The quaternion stands before any spins of rotors.
+        # In qpos the quaternion comes before the angles of rotors.
         turning = self._coordinates.turning
         kept = np.concatenate([np.arange(4) + turning[0], self._world.model.nq + turning])
         q, q_after = np.array(before.qpos, dtype=float)[kept[:4]], after[kept[:4]]
@@ -56,7 +56,7 @@ class MJXSession(PortSession):
 def batch(
     scenarios: Sequence[Scenario], texts: Mapping[Scenario, str], timestep: float, is_double: bool
 ) -> Batch:
-    """A world of each scene; `texts` are the MJCF of the different ones."""
+    """Open a batch with a world for each scene; `texts` holds the MJCF of each different scene."""
     models = [_in_mjx(text, is_double) for text in texts.values()]
     worlds = [list(texts).index(scenario) for scenario in scenarios]
     return WorldBatch(_module().Worlds(models, worlds, timestep, *starts(scenarios)))
@@ -64,7 +64,7 @@ def batch(
 
 @lru_cache(maxsize=MODELS)
 def _in_mjx(text: str, is_double: bool) -> tuple[Any, Any]:
-    """A model and data at rest; to hand a model to MJX takes a tenth of a second."""
+    """Return a model and data at rest, kept because MJX takes a tenth of a second for them."""
     module = _module()
     module.in_precision(is_double)
     made: tuple[Any, Any] = module.in_mjx(compiled(lambda: module.nameless(text).compile()))
@@ -73,7 +73,7 @@ def _in_mjx(text: str, is_double: bool) -> tuple[Any, Any]:
 
 @cache
 def _module() -> Any:
-    """The adapter's stand-alone module, with what JAX compiles kept in the user's cache."""
+    """Return the adapter's stand-alone module; what JAX compiles is kept in the user's cache."""
     module: Any = import_module(f"{__package__}.world")
     module.jax.config.update("jax_compilation_cache_dir", str(user_cache() / "jax"))
     return module

@@ -9,26 +9,26 @@ import jax.numpy as jnp
 import mujoco
 import numpy as np
 
-with redirect_stdout(StringIO()):  # It prints that Warp is not there.
+with redirect_stdout(StringIO()):  # MJX prints that Warp is not installed
     from mujoco import mjx
 
-#: Samples that one call takes: a call costs as much as a hundred steps.
+#: Number of samples of one call: a call costs as much as a hundred steps.
 SAMPLES_A_CALL = 256
-#: Fields that mark aligned bodies.
+#: Fields that mark bodies aligned with their inertial frame.
 MARKS = ("body_sameframe", "body_simple", "dof_simplenum")
 
 
 def in_precision(is_double):
-    """Have JAX compute on the CPU, in double precision or in single, its own."""
+    """Make JAX compute on the CPU, in double precision or in single, which is its default."""
     jax.config.update("jax_platforms", "cpu")
     if jax.config.jax_enable_x64 != is_double:
         jax.config.update("jax_enable_x64", is_double)
-        # Functions that were traced in the other precision do not fit MJX's any more.
+        # Functions that were traced in the other precision would be used again.
         jax.clear_caches()
 
 
 def nameless(text):
-    """The MJCF without what makes JAX compile anew though it alters no step: name and keyframe."""
+    """Return the MJCF without name and keyframe, which would make JAX compile anew."""
     spec = mujoco.MjSpec.from_string(text)
     spec.modelname = ""
     spec.delete(spec.keys[0])
@@ -36,11 +36,11 @@ def nameless(text):
 
 
 def in_mjx(compiled):
-    """A compiled model, and data at rest, as MJX has them, in numpy's arrays.
+    """Return a compiled model and data at rest as MJX has them, in numpy's arrays.
 
-    As numpy's: the compiled loop takes none of JAX's weak types, and MuJoCo's audit reads them. The
-    marks of aligned bodies, by which MuJoCo's C code saves itself work, are left out: MJX's steps
-    do not read them, but JAX would compile them anew for each.
+    The arrays are numpy's because the compiled loop takes none of JAX's weak types, and MuJoCo's
+    audit reads them. The marks of aligned bodies, by which MuJoCo's C code saves work, are left
+    out: MJX's steps do not read them, but JAX would compile again for each.
     """
     model = mjx.put_model(compiled)
     model = model.replace(**{name: np.zeros_like(getattr(model, name)) for name in MARKS})
@@ -48,13 +48,13 @@ def in_mjx(compiled):
 
 
 def kinds(arrays):
-    """Shape and type of each."""
+    """Return shape and type of each array."""
     return tuple((array.shape, str(array.dtype)) for array in arrays)
 
 
 @cache
 def loop(trees, still, moving):
-    """The compiled loop of steps: numbers are arguments; only the model's structure is compiled."""
+    """Return the compiled loop of steps for one structure of a model; all numbers are arguments."""
     model_tree, data_tree = trees
 
     def run(still, moving, strides, count):
@@ -81,12 +81,12 @@ def loop(trees, still, moving):
 
 
 def at_timestep(model, timestep):
-    """The model with another timestep, s."""
+    """Return the model with another timestep, s."""
     return model.tree_replace({"opt.timestep": np.asarray(timestep, model.opt.timestep.dtype)})
 
 
 class World:
-    """MJX's model and data as flat lists of JAX's arrays, from coordinates qpos and qvel on."""
+    """MJX's model and data as flat lists of JAX's arrays, starting at coordinates qpos and qvel."""
 
     def __init__(self, model, data, timestep, qpos, qvel):
         self.is_double = data.qpos.dtype == np.float64
@@ -105,13 +105,13 @@ class World:
         self.still = jax.tree.leaves(self.model)
 
     def restart(self, qpos, qvel):
-        """Set other coordinates, and leave nothing of earlier steps."""
+        """Set other coordinates, and remove every trace of earlier steps."""
         of_data = self.at_rest.qpos.dtype
         qpos, qvel = (np.asarray(numbers, dtype=of_data) for numbers in (qpos, qvel))
         self.moving = jax.tree.leaves(self.at_rest.replace(qpos=qpos, qvel=qvel))
 
     def run(self, strides):
-        """Take some steps before each sample; returns qpos and qvel of each, one a row."""
+        """Take some steps before each sample; return qpos and qvel at each sample, one a row."""
         padded = np.zeros(SAMPLES_A_CALL, dtype=np.int32)
         padded[: len(strides)] = strides
         in_precision(self.is_double)
@@ -124,20 +124,20 @@ class World:
         self.run([steps])
 
     def motions(self, places):
-        """qpos and qvel, in one row."""
+        """Return qpos and qvel in one row."""
         data = self.data()
         return np.concatenate([data.qpos, data.qvel])[None][places]
 
     def data(self):
-        """MJX's data now, in numpy's arrays."""
+        """Return MJX's data now, in numpy's arrays."""
         return jax.tree.unflatten(self.trees[1], [np.asarray(array) for array in self.moving])
 
 
 class Worlds:
-    """Worlds that one compiled loop steps by `jax.vmap`, from qpos and qvel on, one a row.
+    """Worlds that one compiled loop steps by `jax.vmap`, starting at qpos and qvel, one a row.
 
-    `models` are what `in_mjx` returns, and `worlds` says which of them each has: numbers in which
-    they differ are arrays over worlds.
+    `models` are what `in_mjx` returns, and `worlds` holds for each world the index of its model;
+    numbers in which the models differ are arrays over worlds.
     """
 
     def __init__(self, models, worlds, timestep, qpos, qvel):
@@ -173,7 +173,7 @@ class Worlds:
             return jax.lax.fori_loop(0, steps, lambda _, now: stepped(still, now), moving)
 
         self.loop = jax.jit(run)
-        self.advance(0)  # Compiles it.
+        self.advance(0)  # compiles the loop
 
     def advance(self, steps):
         """Take steps of every world."""
@@ -181,6 +181,6 @@ class Worlds:
         self.moving = jax.block_until_ready(self.loop(self.still, self.moving, np.int32(steps)))
 
     def motions(self, places):
-        """qpos and qvel of some worlds, one a row."""
+        """Return qpos and qvel of the worlds with indices `places`, one a row."""
         data = jax.tree.unflatten(self.data_tree, self.moving)
         return np.concatenate([data.qpos, data.qvel], axis=1)[places]

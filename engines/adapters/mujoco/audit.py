@@ -15,9 +15,10 @@ from ...models.mjcf import armature
 from ...models.mjcf_contact import PASSES, sphere_and_plane
 from .world import disabling, flags
 
-#: Parts of a model that no scene calls for; those with non-zero values are reported.
+#: Fields of a model that no scene calls for, with their names; those with non-zero values are
+#: reported.
 FOREIGN: dict[str, Callable[[Any], Any]] = {
-    # Bodies welded to the first are parts of it.
+    # Bodies welded to the first body are parts of it, and so are not a second body.
     "a second body": lambda m: m.body_weldid[2:] != m.body_weldid[1],
     "a second joint": lambda m: m.jnt_bodyid != 1,
     "equality constraints": lambda m: m.neq,
@@ -38,9 +39,10 @@ FOREIGN: dict[str, Callable[[Any], Any]] = {
     "air": lambda m: [m.opt.density, m.opt.viscosity],
 }
 
-#: Those that rotors on hinges are to MuJoCo.
+#: Names, among these, of what rotors on hinges are in a MuJoCo model.
 OF_ROTORS = {"a second body", "a second joint", "added rotor inertia"}
-#: Relative, of numbers that went through text, in double precision; in single, some roundings.
+#: Relative tolerance of numbers that went through text, in double precision; and in single
+#: precision the number of roundings allowed.
 HINGE_SLACK, ROUNDINGS = 1e-12, 4
 
 #: MuJoCo's flags in words; flags of later versions are reported by MuJoCo's own names.
@@ -65,14 +67,14 @@ FLAG_WORDS = {
     "fwdinv": "inverse dynamics check",
     "sleep": "sleeping",
 }
-#: Flags that choose how contacts are found; without effect once collision detection is off.
+#: Flags that choose how contacts are found; they have no effect when collision detection is off.
 CONTACT_CHOICES = frozenset({"filterparent", "nativeccd", "multiccd"})
 
 CALLBACKS = ("act_bias", "act_dyn", "act_gain", "contactfilter", "control", "passive", "sensor")
 
 
 def acting(model: Any, data: Any, scenario: Scenario) -> frozenset[str]:
-    """Names of the effects that act, and descriptions of anything else that is switched on.
+    """Return names of the effects that act, and descriptions of anything else that is switched on.
 
     An effect whose strength differs from the scene's is described too.
     """
@@ -100,7 +102,7 @@ def acting(model: Any, data: Any, scenario: Scenario) -> frozenset[str]:
 
 
 def _wrong_hinges(model: Any, rotors: Sequence[Rotor]) -> Iterator[str]:
-    """How the bodies after the first are other than rotors on their hinges, in words."""
+    """Yield in words how the bodies after the first differ from rotors on their hinges."""
     if model.nbody - 2 != len(rotors) or (model.body_parentid[2:] != 1).any():
         yield f"{model.nbody - 2} parts of the body, not {len(rotors)} rotors"
         return
@@ -125,7 +127,7 @@ def _wrong_hinges(model: Any, rotors: Sequence[Rotor]) -> Iterator[str]:
 
 
 def _has(model: Any, part: Callable[[Any], Any]) -> bool:
-    """Whether a model has such a part; False if this version of MuJoCo does not know it."""
+    """Whether `part` finds something in a model; False if this MuJoCo has no such field."""
     try:
         return bool(np.any(part(model)))
     except AttributeError:
@@ -133,7 +135,7 @@ def _has(model: Any, part: Callable[[Any], Any]) -> bool:
 
 
 def _wrong_strengths(strengths: dict[str, FloatArray], scenario: Scenario) -> Iterator[str]:
-    """The effects that act with another strength than the scene says, in words."""
+    """Yield in words the effects whose strength differs from the scene's."""
     wanted_of = {"gravity": scenario.gravity_world, **scenario.pushed}
     for name, strength in strengths.items():
         got = np.diag(strength) if strength.ndim > 1 else strength
@@ -144,10 +146,11 @@ def _wrong_strengths(strengths: dict[str, FloatArray], scenario: Scenario) -> It
 
 
 def read_strengths(model: Any) -> tuple[dict[str, FloatArray], list[str]]:
-    """How strong each effect is, (3,), with what is disabled counted as absent.
+    """Return the strength of each effect by name, and in words what else actuators do.
 
-    Of drag, the D of the torque −D ω in body axes, (3, 3). Returns besides what else actuators do,
-    in words.
+    A strength is a vector, (3,), except of drag the matrix D of the torque −D ω in body axes, (3,
+    3).
+    It is zero for an effect whose pass is switched off.
     """
     numbers = model.opt.gravity.dtype
     strengths: dict[str, FloatArray] = {
@@ -165,12 +168,12 @@ def _joint_damping(model: Any) -> FloatArray:
 
 
 def _own_joints(model: Any) -> int:
-    """How many joints are the body's own, and not of its rotors; they come first."""
+    """Return the number of joints of the body itself, which come before those of its rotors."""
     return int(np.count_nonzero(model.jnt_bodyid == 1))
 
 
 def _turning(model: Any) -> slice:
-    """The velocities that are the body's ω."""
+    """Return the indices of the velocities that are the body's ω."""
     last = _own_joints(model) - 1
     if last < 0:
         return slice(0, 3)
@@ -179,7 +182,10 @@ def _turning(model: Any) -> slice:
 
 
 def _joints(model: Any, scenario: Scenario) -> tuple[str, set[str]]:
-    """The effect that the joints are; in words, what they are if neither that nor free."""
+    """Return the effect that the body's joints implement, and in words what else they are or do.
+
+    The effect is "pivot", "table" or, if the body is free or held otherwise, empty.
+    """
     if model.njnt == 0:
         return "", {"a weld to the world"}
     if model.ngeom:
@@ -210,7 +216,7 @@ def _joints(model: Any, scenario: Scenario) -> tuple[str, set[str]]:
 
 
 def _same(got: FloatArray, wanted: FloatArray) -> bool:
-    """Whether these are the numbers, in the precision of what was read."""
+    """Whether numbers are equal, in the precision of the numbers that were read."""
     return np.array_equal(got, wanted.astype(got.dtype))
 
 
@@ -231,14 +237,14 @@ def _rests(model: Any, scenario: Scenario) -> bool:
 
 
 def _add_actuators(model: Any, strengths: dict[str, FloatArray]) -> list[str]:
-    """Add constant torques and servos to the strengths; returns others, in words."""
+    """Add constant torques and servos to the strengths; return other actuators in words."""
     other = []
     for i in range(model.nu):
         gear = model.actuator_gear[i]
         is_free = model.jnt_type[0] == mujoco.mjtJoint.mjJNT_FREE
         torque, force = (gear[3:], gear[:3]) if is_free else (gear[:3], gear[3:])
         constant, per_length, per_velocity = model.actuator_biasprm[i][:3]
-        # Both are constant torques; they differ in the axes that the gear is written in.
+        # Both effects are constant torques; they differ in the axes in which the gear is written.
         turned_by = {
             int(mujoco.mjtTrn.mjTRN_JOINT): strengths["torque_body"],
             int(mujoco.mjtTrn.mjTRN_JOINTINPARENT): strengths["torque_world"],
@@ -256,7 +262,7 @@ def _add_actuators(model: Any, strengths: dict[str, FloatArray]) -> list[str]:
 
 
 def _idle_passes(model: Any) -> frozenset[str]:
-    """The passes that are on though nothing in the scene needs them, in words."""
+    """Return in words the passes that are on although nothing in the scene needs them."""
     needed = {"gravity"} | CONTACT_CHOICES
     needed |= {"damper", "eulerdamp"} if _joint_damping(model).any() else set()
     needed |= {"actuation"} if model.nu else set()

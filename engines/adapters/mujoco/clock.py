@@ -12,7 +12,7 @@ import mujoco
 
 #: Names of the library in the package's folder: Linux, macOS, Windows.
 _LIBRARIES = ("libmujoco.so*", "libmujoco*.dylib", "mujoco.dll")
-#: The name of the clock among what is left out, and in the audit.
+#: The clock's name in the list of what is left out, and in the audit.
 CLOCK = "clock"
 
 
@@ -22,15 +22,15 @@ def _pointer() -> ctypes.c_void_p:
     return ctypes.c_void_p.in_dll(ctypes.CDLL(str(file)), "mjcb_time")
 
 
-# Older versions install it with the first of these only.
+# Older versions install the clock only when the first of these functions is called.
 mujoco.MjData(mujoco.MjModel.from_xml_string("<mujoco/>"))
 _hung = _pointer()
-#: The package's clock, as it was when this module was imported; None before 3.3.1.
+#: The package's clock as it was when this module was imported; None before 3.3.1.
 SHIPPED = _hung.value
 
 
 def hang(clock: int | None) -> None:
-    """Have the library read this clock from now on; None for no clock."""
+    """Make the library read this clock, a function pointer, from now on; None for no clock."""
     _hung.value = clock
 
 

@@ -1,4 +1,4 @@
-"""Bodies and motions as MuJoCo has them: its tables of bodies, and coordinates qpos and qvel."""
+"""Converts between spincheck's bodies and states and MuJoCo's tables, qpos and qvel."""
 
 from dataclasses import replace
 from typing import Any
@@ -12,14 +12,14 @@ from spincheck.engine import BodyReading, FloatArray, Scenario, State, Unsupport
 from ....scenarios.rotation import across, cross, matrices, matrix, turned
 from ...models.hinged import hinged, unhinged
 
-#: MuJoCo's number of the world, which every model begins with, and of the body itself.
+#: MuJoCo's index of the body; index 0 is the world, with which every model begins.
 WORLD, BODY = 0, 1
-#: How many numbers are ω; those before them move a point, at most three.
+#: Number of velocities that are ω; at most three velocities of a point come before them.
 TURNING = 3
 
 
 def one_body(model: Any, body: int) -> BodyReading:
-    """One body, its principal moments turned back into its axes."""
+    """Return one body of a model, its principal moments turned back into the body's axes."""
     R_body_axes = _rotation(model.body_iquat[body]).as_matrix()
     return BodyReading(
         mass=float(model.body_mass[body]),
@@ -33,9 +33,10 @@ def _rotation(q_wxyz: FloatArray) -> Rotation:
 
 
 class Coordinates:
-    """The body of a compiled model in the model's coordinates: free, or on a ball or three hinges.
+    """The body of a compiled model, converted between states and the model's coordinates.
 
-    The coordinates of what it may slide along come first, those of rotors that turn last.
+    The body is free, or on a ball joint or three hinges. Coordinates of slides come first, those of
+    rotors that turn last.
     """
 
     def __init__(self, model: Any, scenario: Scenario) -> None:
@@ -45,7 +46,8 @@ class Coordinates:
         last = model.body_jntadr[BODY] + model.body_jntnum[BODY] - 1
         self._on_hinges = model.jnt_type[last] == mujoco.mjtJoint.mjJNT_HINGE
         self._on_pivot = model.jnt_type[0] == mujoco.mjtJoint.mjJNT_BALL
-        # The com from the point that the coordinates move, m, body axes; and where that begins.
+        # Vector to the com from the point that the coordinates move, m, body axes; and that point's
+        # place when all coordinates are zero, m.
         self._arm_body, self._place_world = self.read_body().com, np.zeros(3)
         if model.jnt_type[last] != mujoco.mjtJoint.mjJNT_FREE:
             self._arm_body = self._arm_body - model.jnt_pos[last]
@@ -53,15 +55,12 @@ class Coordinates:
 
     @property
     def restarts_to_the_last_bit(self) -> bool:
-        """Whether a restart reproduces a run to the last bit.
-
-        It does where MuJoCo moves the com, and not another point of the body.
-        """
+        """Whether a restart rounds nothing: on a pivot, or if the coordinates move the com."""
         return bool(self._on_pivot or not self._arm_body.any())
 
     @property
     def turning(self) -> NDArray[np.intp]:
-        """The indices of the joint velocities that are ω in body axes, (3,).
+        """The indices of the velocities that are ω in body axes, (3,).
 
         Raises
         ------
@@ -73,7 +72,7 @@ class Coordinates:
         return np.arange(self._moving, self._moving + TURNING)
 
     def read_body(self) -> BodyReading:
-        """The body with those welded to it and its rotors, in its own axes."""
+        """Return the body with the bodies welded to it and its rotors, in its own axes."""
         model = self._model
         parts, poses = [one_body(model, BODY)], {BODY: (np.zeros(3), np.eye(3))}
         for body in range(BODY + 1, model.nbody):
@@ -81,7 +80,7 @@ class Coordinates:
             at, R = at + R @ model.body_pos[body], R @ _rotation(model.body_quat[body]).as_matrix()
             poses[body] = at, R
             parts.append(one_body(model, body).placed(at, R))
-        # Axis times moment about it, zero of a rotor that is welded.
+        # Axis times the moment about it; zero for a rotor that is welded.
         axial = np.zeros((len(self._is_turning), 3))
         for joint in range(model.body_jntnum[BODY], model.njnt):
             body = model.jnt_bodyid[joint]
@@ -91,10 +90,10 @@ class Coordinates:
         return replace(composed(parts) if len(parts) > 1 else parts[0], axial=axial)
 
     def states(self, qpos: FloatArray, qvel: FloatArray) -> State:
-        """The states of n coordinates, (n, nq), and velocities, (n, nv).
+        """Return the states of n rows of coordinates, (n, nq), and velocities, (n, nv).
 
-        The com is a point that the first coordinates move plus the compiled arm, its velocity that
-        of the point plus ω × arm; the origin on a ball joint alone stands still.
+        The com is the point that the first coordinates move plus the compiled arm, and its velocity
+        that of the point plus ω × arm; on a ball joint alone the point stands still.
         """
         if self._on_hinges:
             qpos, qvel = unhinged(qpos, qvel)
@@ -112,7 +111,7 @@ class Coordinates:
         return State(q_world_body_wxyz, omega_body, com_world, velocity_world, spins)
 
     def of(self, state: State) -> tuple[FloatArray, FloatArray]:
-        """Coordinates, (nq,), and velocities, (nv,), of a state, as `states` reads them."""
+        """Return a state's coordinates, (nq,), and velocities, (nv,): the inverse of `states`."""
         q_world_body_wxyz, omega_body = state.q_world_body_wxyz, state.omega_body
         spins, moving = state.spins[self._is_turning], self._moving
         R_world_body = matrix(q_world_body_wxyz)

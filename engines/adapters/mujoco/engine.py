@@ -27,16 +27,16 @@ from .session import MuJoCoSession, check_not_too_small, compiled
 from .urdf_reader import spec_of_urdf
 from .world import disable
 
-#: The version that introduced an integrator (changelog).
+#: The MuJoCo version that introduced an integrator, from the changelog.
 SINCE = {"discrete": "3.13.0"}
-#: Number of compiled models kept: a ladder uses each at every timestep.
+#: Number of compiled models kept: a ladder of timesteps uses the same model at each.
 KEPT = 16
-#: s, timestep of a compiled model before that of the run is set.
+#: Timestep of a compiled model, s, until that of the run is set.
 ANY_TIMESTEP = 1e-3
 
 
 def setup(integrator: str) -> str:
-    """An integrator in MJCF, and set on a model."""
+    """Return how users choose an integrator: in MJCF, and on a compiled model."""
     return f"""\
 <option integrator="{integrator}" timestep="TIMESTEP"/>
 
@@ -44,9 +44,9 @@ model.opt.integrator = mujoco.mjtIntegrator.mjINT_{integrator.upper()}
 model.opt.timestep = TIMESTEP"""
 
 
-#: Timesteps: the shortest time constant that MuJoCo takes a contact to be stable with.
+#: Shortest time constant of a contact that MuJoCo takes to be stable, in timesteps.
 STIFFEST = 2.0
-#: What alters the motion of a body on a contact: off, so that a step depends on the state alone.
+#: Passes that are switched off for a body on a contact, so that a step depends on the state alone.
 OF_CONTACTS = ("warmstart",)
 CONTACT_SETUP = """
 # of the plane and of the sphere at the tip, whenever the timestep is set:
@@ -59,10 +59,10 @@ class Way:
 
     Attributes
     ----------
-    order : of accuracy, in ω and attitude
+    order : order of accuracy, in ω and in attitude
     integrator : as MJCF names it; None for MuJoCo as shipped
     by_contact : whether a table is a contact; otherwise it is two slides under a ball joint
-    tied : timesteps that a contact's time constant is; 0 for MuJoCo's own
+    tied : time constant of a contact, in timesteps; 0 for MuJoCo's own
     """
 
     order: int
@@ -72,7 +72,7 @@ class Way:
     tied: float = 0.0
 
     def method(self, name: str) -> Method:
-        """The method, with what its joints and contacts can be of: a rotor's hinge is a hinge."""
+        """Return the method, with the effects that its joints and contacts can simulate."""
         of_contact = COMMON_EFFECTS | {"table"}
         return Method(
             name,
@@ -88,18 +88,18 @@ class Way:
         )
 
     def alone(self, scenario: Scenario) -> Scenario:
-        """The scene with what joints hold: a body on a contact is free."""
+        """Return the scene as the joints see it: a body that lies on a contact is free."""
         return off_its_table(scenario) if self.by_contact else scenario
 
     def switched_off(self, scenario: Scenario) -> tuple[str, ...]:
-        """The passes that the method does not need, by MuJoCo's names."""
+        """Return MuJoCo's names of the passes that the method does not need."""
         passes = switched_off(self.alone(scenario))
         return tuple(name for name in passes if not (self.by_contact and name in PASSES))
 
 
 CONTACT = "{}, the table as a contact as stiff as the timestep allows"
-# Orders: MuJoCo documentation, "Numerical integration" and changelog 4.0.0, item 5; measured in
-# docs/measured/engines-mujoco.md.
+# Orders as in MuJoCo's documentation, "Numerical integration", and changelog 4.0.0, item 5;
+# measured in docs/measured/engines-mujoco.md.
 WAYS = {
     "Euler": Way(1, "semi-implicit Euler, joint damping implicit", "Euler"),
     "implicitfast": Way(
@@ -128,7 +128,7 @@ class MuJoCo(Engine):
 
     interface = 2
     name = "mujoco"
-    # Documentation, XML reference, option/timestep.
+    # Default of the documentation, XML reference, option/timestep.
     stock_timestep = 0.002
     describes = frozenset({"parts", "full tensor", "shape", "joint", "compensated", "urdf"})
     methods = tuple(way.method(name) for name, way in WAYS.items())
@@ -152,7 +152,10 @@ class MuJoCo(Engine):
         defaults: Collection[str] | None = None,  # noqa: ARG002
         description: Description = PLAIN,
     ) -> MuJoCoSession:
-        """As `open`; flags are set after compiling, as older versions refuse some in MJCF."""
+        """Open a scene with passes left in or with another description; parameters as in `Engine`.
+
+        Flags are set after compiling, as older versions refuse some of them in MJCF.
+        """
         check_not_too_small(scenario)
         way = WAYS[method.name]
         if way.integrator is not None:
@@ -161,7 +164,7 @@ class MuJoCo(Engine):
         if method.as_shipped and description == PLAIN:
             left_in = (*switched_off(scenario), CLOCK)
         if description.compensated:
-            # Among the passive forces.
+            # Damping is one of the passive forces.
             left_in = ("gravity", "spring", "damper")
         model = copy(_model(scenario, way, description))
         disable(model, (name for name in off if name not in left_in))
@@ -171,14 +174,14 @@ class MuJoCo(Engine):
         return session
 
     def script(self, scenario: Scenario, method: Method, timestep: float) -> str:
-        """The MJCF, and the few calls that step it."""
+        """Return the MJCF, and the few calls that step it, as Python."""
         way = WAYS[method.name]
         off = () if method.as_shipped else way.switched_off(scenario)
         moving = 3 if way.by_contact else 3 - sum(scenario.constraint.is_held)
         return script(_text(scenario, timestep, way), off, way.tied, moving)
 
     def left_out(self, scenario: Scenario, method: Method) -> tuple[str, ...]:
-        """The passes of MuJoCo that are switched off, and its timers."""
+        """Return the names of the passes that a method switches off, and the clock's name."""
         if method.as_shipped:
             return ()
         way = WAYS[method.name]
@@ -187,12 +190,12 @@ class MuJoCo(Engine):
         return (*passes, *([CLOCK] if SHIPPED else ()))
 
     def at_version(self, version: str) -> Release:
-        """Another version; its differences are from MuJoCo's changelog."""
+        """Return another version, with its differences according to MuJoCo's changelog."""
         return release(version, self.methods)
 
 
 def release(version: str, methods: tuple[Method, ...]) -> Release:
-    """A version of MuJoCo: until 4.0.0, RK4 averaged the stages' rotations."""
+    """Return a version of MuJoCo; before 4.0.0, RK4 averaged the stages' rotations."""
     number = numbers_of(version)
     if number < (4,):
         methods = tuple(
@@ -205,19 +208,19 @@ def release(version: str, methods: tuple[Method, ...]) -> Release:
 
 @lru_cache(maxsize=KEPT)
 def _model(scenario: Scenario, way: Way, description: Description) -> Any:
-    """The compiled scene, with every pass on."""
+    """Return the compiled model of a scene, with every pass on."""
     if description.urdf:
         integrator = way.integrator or "Euler"
         return compiled(lambda: spec_of_urdf(scenario, integrator, description).compile())
     text = _text(scenario, ANY_TIMESTEP, way, description)
     if not hasattr(getattr(mujoco, "MjsJoint", None), "align"):
-        # Versions without the attribute behave as if it were set.
+        # Versions without this attribute behave as if it were set.
         text = text.replace(' align="false"', "")
     return compiled(lambda: mujoco.MjModel.from_xml_string(text))
 
 
 def _text(scenario: Scenario, timestep: float, way: Way, description: Description = PLAIN) -> str:
-    """The scene as MJCF, with every pass on."""
+    """Return the MJCF of a scene, with every pass on."""
     alone = way.alone(scenario)
     text = mjcf(alone, timestep, way.integrator, switched_off(alone), description)
     if not way.by_contact:
@@ -226,7 +229,7 @@ def _text(scenario: Scenario, timestep: float, way: Way, description: Descriptio
 
 
 def _check_has(integrator: str) -> None:
-    """Raise where this version of MuJoCo has no such integrator."""
+    """Raise `UnsupportedError` if this version of MuJoCo has no such integrator."""
     if f"mjINT_{integrator.upper()}" not in mujoco.mjtIntegrator.__members__:
         since = SINCE.get(integrator)
         newer = f"; {since} has" if since else ""

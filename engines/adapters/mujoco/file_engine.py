@@ -14,7 +14,7 @@ from .model_reader import MuJoCoModelReader, name_bodies, spec_of_mjcf
 from .session import MuJoCoSession, check_not_too_small, compiled
 from .world import disable
 
-#: Prefix that keeps the link's name from clashing with another.
+#: Prefix that keeps the link's name from clashing with another name in the model.
 PREFIX = "cut-"
 
 
@@ -25,7 +25,7 @@ class MuJoCoFile(FileEngine):
     name = "mujoco-file"
     reader = MuJoCoModelReader()
     stock_timestep = MuJoCo.stock_timestep
-    # Faults of the readers show with any integrator, best with the most accurate one.
+    # Faults of the readers show with any integrator, and best with the most accurate one.
     methods = (
         Method(
             "RK4",
@@ -48,27 +48,27 @@ class MuJoCoFile(FileEngine):
         return MuJoCoSession(scenario, model, *start_coordinates(scenario))
 
     def at_version(self, version: str) -> Release:
-        """Another version, as of the `mujoco` engine."""
+        """Return another version of the `mujoco` engine, with this engine's method."""
         return release(version, self.methods)
 
 
 @lru_cache(maxsize=KEPT)
 def _model(users: UsersLink) -> Any:
-    """The compiled link, as it was read."""
+    """Return the compiled model of a link; kept, because every run of a ladder needs it."""
     return compiled(lambda: (_of_urdf if users.model.format == "urdf" else _of_mjcf)(users))
 
 
 def _of_urdf(users: UsersLink) -> Any:
-    """The link's element verbatim without its shapes, which do not affect a stated inertia."""
+    """Return the model of the link's element, without shapes: its inertia is stated."""
     text, _ = body_alone(users.model, users.body)
     spec = mujoco.MjSpec.from_string(text.decode(errors="replace"))
-    # By default the reader fuses a single link with the world.
+    # By default the reader would fuse a single link with the world.
     spec.compiler.fusestatic = False
     return _freed(spec, spec.body(users.body.host.name))
 
 
 def _of_mjcf(users: UsersLink) -> Any:
-    """The body with its file's compiler settings and defaults, without children that move."""
+    """Return the body with its file's compiler settings and defaults, without moving children."""
     with spec_of_mjcf(users.model) as whole:
         name_bodies(whole)
         return _alone(whole, users)
@@ -76,7 +76,7 @@ def _of_mjcf(users: UsersLink) -> Any:
 
 def _alone(whole: Any, users: UsersLink) -> Any:
     spec = mujoco.MjSpec()
-    # Versions from 4.0.0 on warn where options differ; none of the file's is part of the body.
+    # Versions from 4.0.0 on warn if options differ; none of the file's options is part of the body.
     for name in (name for name in dir(spec.option) if not name.startswith("_")):
         setattr(whole.option, name, getattr(spec.option, name))
     body = spec.worldbody.add_frame().attach_body(whole.body(users.body.host.name), PREFIX, "")
@@ -94,9 +94,9 @@ def _alone(whole: Any, users: UsersLink) -> Any:
 
 
 def _freed(spec: Any, body: Any) -> Any:
-    """The compiled model, in which the body is free."""
+    """Return the compiled model in which the body has a free joint."""
     joint = body.add_freejoint()
     if hasattr(joint, "align"):
-        # Aligned with the inertial frame, qpos and qvel would be along other axes.
+        # A free joint aligned with the inertial frame would have qpos and qvel along other axes.
         joint.align = False
     return spec.compile()

@@ -22,7 +22,7 @@ from ...users_models import (
 )
 from .coordinates import WORLD, one_body
 
-#: Endings of meshes that MuJoCo reads.
+#: File endings of the meshes that MuJoCo reads.
 MESHES = frozenset((".obj", ".stl", ".msh"))
 IMPOSSIBLE = Advice("correct the tensors that no body has", concerns="impossible")
 FUSED = Advice(
@@ -34,9 +34,10 @@ FUSED = Advice(
 
 @final
 class MuJoCoModelReader(ModelReader):
-    """MuJoCo's compiler, as it is and with nothing fused.
+    """MuJoCo's compiler with its default settings, except that no bodies are fused.
 
-    Meshes are read only for links whose inertia comes from them; they do not affect a stated one.
+    Meshes are read only for links whose inertia comes from them; they do not affect a stated
+    inertia.
     """
 
     name = "mujoco"
@@ -63,9 +64,10 @@ class MuJoCoModelReader(ModelReader):
         return str(mujoco.mj_versionString())
 
     def read(self, model: ModelFile, configuration: str) -> dict[str, BodyReading]:
-        """Compile it."""
+        """Return the bodies of the compiled file, by name."""
         try:
-            # MuJoCo writes a log of its warnings into the current folder.
+            # In a folder of its own, because MuJoCo writes a log of its warnings into the current
+            # folder.
             with tempfile.TemporaryDirectory() as folder, chdir(folder):
                 compiled = _compiled(model, unfused=configuration == "unfused")
         except (ValueError, mujoco.FatalError) as error:
@@ -90,7 +92,10 @@ def _compiled(model: ModelFile, *, unfused: bool) -> Any:
 
 @contextmanager
 def _urdf(model: ModelFile) -> Iterator[Any]:
-    """The file with the meshes that it takes an inertia from, under names that lose no folder."""
+    """Yield the model of a URDF with only the meshes that an inertia comes from, renamed.
+
+    The new names have no folders, since MuJoCo drops folders from names.
+    """
     stateless = {s.span for link in model.links if link.stated is None for s in link.shapes}
 
     def usable(shape: Shape) -> bool:
@@ -102,9 +107,10 @@ def _urdf(model: ModelFile) -> Iterator[Any]:
 
 @contextmanager
 def spec_of_mjcf(model: ModelFile) -> Iterator[Any]:
-    """The file without visual parts, and without meshes that no inertia comes from.
+    """Yield the model of an MJCF file without visual parts and meshes that no inertia comes from.
 
-    It is read as it was checked, in a folder that has what it may read; compile it in the block.
+    It is read from the checked text, in a folder that holds all that it may read; compile it inside
+    the block.
     """
     with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder:
         for name, file in model.files.items():
@@ -133,18 +139,18 @@ def _strip_drawn(model: ModelFile, spec: Any) -> None:
 
 
 def _is_there(model: ModelFile, mesh: Any) -> bool:
-    """Whether a mesh has no file, or one inside the model's folders."""
+    """Whether a mesh names no file, or one inside the model's folders."""
     return mesh is not None and (not mesh.file or mesh.file in model.files)
 
 
 def name_bodies(spec: Any) -> None:
-    """Give names to bodies without one, by their order, as the file's reader does."""
+    """Name bodies that have no name by their order, as spincheck's own reader of the file does."""
     nameless = [body for body in spec.bodies if not body.name]
     for number, body in enumerate(nameless, 1):
         body.name = unnamed(number)
 
 
 def _strip(spec: Any) -> None:
-    """Remove shapes and joints: MuJoCo accepts a body without inertia if it cannot move."""
+    """Remove shapes and joints: MuJoCo accepts a body without inertia only if it cannot move."""
     for part in (*spec.geoms, *spec.equalities, *spec.joints):
         spec.delete(part)

@@ -1,4 +1,4 @@
-"""What ports of MuJoCo share: they take its compiled models, and its functions audit them."""
+"""What ports of MuJoCo share: they run its compiled models, and its functions audit them."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -39,10 +39,11 @@ class PortSession(Session):
 
     Parameters
     ----------
-    model : at rest, with MuJoCo's names for its fields
-    world : with `model` and `data()` as it holds them now, by MuJoCo's names, and `advance(steps)`,
-        `motions(places)`: qpos and qvel of worlds, `restart(qpos, qvel)`, `set_timestep(timestep)`
-    always_on : passes that cannot be switched off, by MuJoCo's names
+    model : MuJoCo's compiled model, at rest
+    world : holds `model` and `data()` as the port has them now, under MuJoCo's names, and has
+        `advance(steps)`, `motions(places)`, which returns qpos and qvel of worlds,
+        `restart(qpos, qvel)` and `set_timestep(timestep)`
+    always_on : passes that the port cannot switch off, by MuJoCo's names
     """
 
     def __init__(
@@ -53,50 +54,50 @@ class PortSession(Session):
 
     @property
     def can_restart(self) -> bool:
-        """Always."""
+        """True: a port's coordinates can be set at any time."""
         return True
 
     @property
     def restarts_to_the_last_bit(self) -> bool:
-        """Whether a restart reproduces a run to the last bit.
-
-        It does where MuJoCo moves the com, and not another point of the body.
-        """
+        """Whether a restart rounds nothing: on a pivot, or if the coordinates move the com."""
         return self._coordinates.restarts_to_the_last_bit
 
     def restart(self, state: State, timestep: float | None = None) -> None:
-        """The data of the start with the coordinates of the state; nothing is compiled again."""
+        """Set the coordinates of the state in the data of the start; nothing is compiled again."""
         if timestep is not None:
             self._world.set_timestep(timestep)
         self._world.restart(*self._coordinates.of(state))
 
     def read_body(self) -> BodyReading:
-        """The body in the port's model."""
+        """Return the body in the port's model."""
         return self._coordinates.read_body()
 
     def read_state(self) -> State:
-        """The state now."""
+        """Return the state now."""
         return self.states([self.snapshot()]).rows(0)
 
     def snapshot(self) -> FloatArray:
-        """Coordinates qpos and velocities qvel now."""
+        """Return coordinates qpos and velocities qvel now, in one row."""
         (numbers,) = self._world.motions([0])
         return np.asarray(numbers)
 
     def states(self, snapshots: Sequence[FloatArray]) -> State:
-        """The states, read from qpos and qvel alone."""
+        """Return the states of n snapshots, computed from qpos and qvel alone."""
         rows = np.array(snapshots, dtype=float)
         return self._coordinates.states(*np.split(rows, [self._world.model.nq], axis=1))
 
     def advance(self, steps: int) -> None:
-        """As the world does."""
+        """Take steps as the world does."""
         self._world.advance(steps)
 
     def check(self) -> None:
         """Nothing to do: no port warns or resets."""
 
     def active(self) -> frozenset[str]:
-        """What acts, from the port's model and data; its passes that are always on do nothing."""
+        """Return what acts by the port's model and data, without the passes that are always on.
+
+        Those passes do nothing in a scene that does not need them.
+        """
         names_acting = acting(self._world.model, self._world.data(), self._scenario)
         return names_acting - {FLAG_WORDS[name] for name in self._always_on}
 
@@ -108,22 +109,23 @@ class PortSession(Session):
 def left_in(
     scenario: Scenario, integrator: str | None, always_on: tuple[str, ...]
 ) -> tuple[str, ...]:
-    """The passes that stay on; all as shipped, where there is no integrator."""
+    """Return the passes that stay on without need: as shipped, without integrator, all."""
     return switched_off(scenario) if integrator is None else always_on
 
 
 def starts(scenarios: Sequence[Scenario]) -> tuple[FloatArray, FloatArray]:
-    """qpos and qvel of many worlds, one a row."""
+    """Return the starts of many worlds as qpos and as qvel, one a row."""
     at_start = {scenario: start_coordinates(scenario) for scenario in scenarios}
     qpos, qvel = zip(*(at_start[scenario] for scenario in scenarios), strict=True)
     return np.array(qpos), np.array(qvel)
 
 
 def port_script(world: Path, scenario: Scenario, text: str, made: str) -> str:
-    """A run as Python: the stand-alone module, the MJCF, and its steps.
+    """Return a run as Python: the stand-alone module, the MJCF, and its steps.
 
     Parameters
     ----------
+    world : path of the stand-alone module
     made : lines that make `world` from `MJCF`, at `TIMESTEP` and `{qpos}` and `{qvel}`
     """
     qpos, qvel = start_coordinates(scenario)

@@ -30,13 +30,13 @@ def state():
 
 
 def script(mjcf: str, passes: Sequence[str], tied: float, moving: int) -> str:
-    """A model and its steps.
+    """Return the Python that builds a model and steps it.
 
     Parameters
     ----------
-    passes : that are switched off
-    tied : timesteps that the time constant of contacts is
-    moving : coordinates that move a point of the body; its attitude comes after them
+    passes : MuJoCo's names of the passes that are switched off
+    tied : time constant of contacts, in timesteps
+    moving : number of coordinates that move a point of the body; its attitude comes after them
     """
     return _SCRIPT.format(
         world=stand_alone(Path(__file__).with_name("world.py")),

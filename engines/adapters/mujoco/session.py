@@ -25,17 +25,17 @@ from .audit import acting
 from .coordinates import Coordinates
 from .world import at_start, set_timestep
 
-#: What is read at a sample, as MuJoCo's flag: time, qpos and qvel.
+#: MuJoCo's flag for what is read at a sample: time, qpos and qvel.
 READ = int(
     mujoco.mjtState.mjSTATE_TIME | mujoco.mjtState.mjSTATE_QPOS | mujoco.mjtState.mjSTATE_QVEL
 )
-#: First words of the warning that a coordinate is not a number or beyond 1e10 (mjMAXVAL).
+#: First words of MuJoCo's warnings that a coordinate is not a number or beyond 1e10 (mjMAXVAL).
 BLOWN_UP = "Nan, Inf or huge value"
-#: The message if the system refuses memory.
+#: MuJoCo's message if the system refuses memory.
 NO_MEMORY = "Could not allocate memory"
-#: What finite differences change coordinates by, as MuJoCo's tutorials do.
+#: Change of a coordinate in finite differences, as in MuJoCo's tutorials.
 EPSILON = 1e-6
-#: A snapshot: these numbers and the steps taken, as the bytes of an array.
+#: A snapshot: time, qpos, qvel and the number of steps taken, as the bytes of an array.
 Snapshot = bytes
 
 
@@ -45,11 +45,11 @@ class MuJoCoSession(Session):
 
     Parameters
     ----------
-    scenario : what is simulated, for the audit alone
+    scenario : the scene that is simulated; only the audit reads it
     model : compiled, options and effects set
     qpos, qvel : the start, as `mjcf.start_coordinates` gives it
     has_clock : whether MuJoCo reads the clock that its Python package installs
-    tied : timesteps that the time constant of contacts is; 0 where it is the model's own
+    tied : time constant of contacts, in timesteps; 0 for that of the model
     """
 
     def __init__(
@@ -64,7 +64,7 @@ class MuJoCoSession(Session):
         self._scenario, self._tied = scenario, tied
         self.model = model
         self.data = at_start(model, qpos, qvel)
-        # Reused for each snapshot: fetching MuJoCo's own arrays would double the time.
+        # One array for all snapshots: fetching MuJoCo's own arrays would double the time.
         self._reading = np.empty(1 + mujoco.mj_stateSize(model, READ))
         self._read = self._reading[1:]
         self._coordinates = Coordinates(model, scenario)
@@ -82,23 +82,20 @@ class MuJoCoSession(Session):
 
     @property
     def can_restart(self) -> bool:
-        """Always."""
+        """True: `mj_resetData` clears everything."""
         return True
 
     @property
     def restarts_to_the_last_bit(self) -> bool:
-        """Whether a restart reproduces a run to the last bit.
-
-        It does where MuJoCo moves the com, and not another point of the body.
-        """
+        """Whether a restart rounds nothing: on a pivot, or if the coordinates move the com."""
         return self._coordinates.restarts_to_the_last_bit
 
     def set_timestep(self, timestep: float) -> None:
-        """Length of the steps from now on, s."""
+        """Set the length of the steps from now on, s."""
         set_timestep(self.model, timestep, self._tied)
 
     def restart(self, state: State, timestep: float | None = None) -> None:
-        """`mj_resetData`, and the coordinates of the state."""
+        """Reset the data by `mj_resetData`, and set the coordinates of the state."""
         if timestep is not None:
             self.set_timestep(timestep)
         mujoco.mj_resetData(self.model, self.data)
@@ -109,12 +106,12 @@ class MuJoCoSession(Session):
     def advance(self, steps: int) -> None:
         """Take steps in one native loop."""
         with self._stepping():
-            # Passing the number by keyword would cost a fifth of a step.
+            # The number is passed by position: by keyword it would cost a fifth of a step.
             mujoco.mj_step(self.model, self.data, steps)
         self._steps += steps
 
     def record(self, strides: Sequence[int], keep: Callable[[Snapshot], object]) -> None:
-        """As in `Session`; warnings are collected once for all samples, not for each."""
+        """Take steps and keep snapshots; warnings are collected once for all of them."""
         step, model, data = mujoco.mj_step, self.model, self.data
         with self._stepping():
             for steps in strides:
@@ -142,7 +139,7 @@ class MuJoCoSession(Session):
             raise EngineError(f"MuJoCo counted {counted} kinds of warning", "warning")
 
     def snapshot(self) -> Snapshot:
-        """The state as MuJoCo holds it; raises if MuJoCo has warned."""
+        """Return the state as MuJoCo holds it; raise if MuJoCo has warned."""
         if self._warnings:
             warned = f"MuJoCo warned: {self._warnings[0]}"
             fault = self.first_fault([self._bytes()], self.read_state())
@@ -152,7 +149,7 @@ class MuJoCoSession(Session):
         return self._bytes()
 
     def states(self, snapshots: Sequence[Snapshot]) -> State:
-        """The states, from qpos and qvel alone: derived data (xipos, cvel) is one step old."""
+        """Return states from qpos and qvel alone: derived data (xipos, cvel) is one step old."""
         _, qpos, qvel = np.split(_rows(snapshots), [2, 2 + self.model.nq], axis=1)
         return self._coordinates.states(qpos, qvel)
 
@@ -161,7 +158,7 @@ class MuJoCoSession(Session):
         snapshots: Sequence[Snapshot],
         states: State,  # noqa: ARG002
     ) -> Fault | None:
-        """The first snapshot whose clock is not at the steps taken."""
+        """Return the first snapshot whose clock does not match the steps taken."""
         timestep = self.model.opt.timestep
         steps, times = _rows(snapshots)[:, :2].T
         expected = steps * timestep
@@ -177,7 +174,7 @@ class MuJoCoSession(Session):
         return Fault(first, "clock", reason)
 
     def active(self) -> frozenset[str]:
-        """What acts, from the compiled model, the data and the process."""
+        """Return what acts, as in the compiled model, the data and the process."""
         clock.hang(self._clock)
         names_acting = acting(self.model, self.data, self._scenario)
         return names_acting | {clock.CLOCK} if clock.is_hung() else names_acting
@@ -190,7 +187,7 @@ class MuJoCoSession(Session):
         }
 
     def _transition(self, centred: bool) -> FloatArray:
-        """A of one step; MuJoCo's tangent of a quaternion is a turn in body axes."""
+        """Return the matrix A of a step; MuJoCo's tangent of a quaternion is a turn, body axes."""
         nv = self.model.nv
         A = np.zeros((2 * nv, 2 * nv))
         try:

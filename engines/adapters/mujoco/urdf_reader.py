@@ -9,13 +9,13 @@ from spincheck.engine import Description, Scenario, UnsupportedError
 from ...models.mjcf import START_KEY, armature, start_coordinates
 from ...models.urdf import BODY_LINK, urdf
 
-#: The reader diagonalises the three principal moments again, with errors of up to 12 ulp each, and
-#: then refuses every third flat body because it breaks the triangle inequality.
+#: Relative margin of the triangle inequality. The reader diagonalises the three principal moments
+#: again, with errors of up to 12 ulp each, and without a margin refuses every third flat body.
 READER_ROUNDOFF = 3 * 12 * float(np.finfo(float).eps)
 
 
 def spec_of_urdf(scenario: Scenario, integrator: str, description: Description) -> Any:
-    """The URDF as an editable model (MjSpec) with integrator, gravity, and the start as a key.
+    """Return the URDF as an editable model (MjSpec) with integrator, gravity, and a start key.
 
     Raises
     ------
@@ -27,7 +27,8 @@ def spec_of_urdf(scenario: Scenario, integrator: str, description: Description) 
         raise UnsupportedError(f"MuJoCo {version} cannot give a body of a URDF a joint", "effects")
     text = urdf(scenario, READER_ROUNDOFF, description=description)
     spec = mujoco.MjSpec.from_string(text)
-    # By default the reader fuses a single link with the world, and locked rotors with the body.
+    # By default the reader would fuse a single link with the world, and locked rotors with the
+    # body.
     spec.compiler.fusestatic = False
     if scenario.constraint.is_free:
         spec.body(BODY_LINK).add_freejoint(align=False)

@@ -1,4 +1,4 @@
-"""A MuJoCo model of one body, which needs `mujoco` alone: passes switched off, at its start."""
+"""A MuJoCo model of one body, at its start and with passes switched off; needs `mujoco` alone."""
 
 from functools import cache
 
@@ -20,28 +20,28 @@ def disable(model, passes):
 
 @cache
 def disabling():
-    """The bits that disable passes, by name."""
+    """Return the bits of MuJoCo's flags that disable passes, by name."""
     bits = flags(mujoco.mjtDisableBit, "mjDSBL_")
-    # One flag of both up to 3.3.0.
+    # Up to 3.3.0 one flag switches both passes.
     passive = bits.pop("passive", 0)
     return bits | ({"spring": passive, "damper": passive} if passive else {})
 
 
 def flags(enum, prefix):
-    """MuJoCo's flags by the names MJCF gives them."""
+    """Return MuJoCo's flags by the names that MJCF gives them."""
     members = enum.__members__.items()
     return {key.removeprefix(prefix).lower(): int(bit) for key, bit in members if prefix in key}
 
 
 def set_timestep(model, timestep, tied):
-    """Set the timestep, s, and to `tied` of them the time constant of contacts, unless it is 0."""
+    """Set the timestep, s, and the time constant of contacts to `tied` of them, unless 0."""
     model.opt.timestep = timestep
     if tied:
         model.geom_solref[:, 0] = tied * timestep
 
 
 def at_start(model, qpos, qvel):
-    """Data of the model at these coordinates and velocities."""
+    """Return data of the model at the given coordinates and velocities."""
     data = mujoco.MjData(model)
     data.qpos[:] = qpos
     data.qvel[:] = qvel

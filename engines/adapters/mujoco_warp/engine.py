@@ -17,7 +17,7 @@ from ..mujoco.engine import setup
 from ..mujoco.port import PortSession, left_in, port_script, starts
 from ..mujoco.session import check_not_too_small, compiled
 
-#: MuJoCo's flags that it refuses; it has no such passes.
+#: Flags of MuJoCo that MuJoCo Warp refuses, because it has no such passes.
 ALWAYS_ON = ("midphase", "autoreset")
 EFFECTS = COMMON_EFFECTS | {"rotors", "table"}
 _MADE = """\
@@ -31,7 +31,7 @@ def _method(name: str, order: int, summary: str) -> Method:
 
 @final
 class MuJoCoWarp(Engine):
-    """MuJoCo Warp in single precision, the only one that it has."""
+    """MuJoCo Warp in single precision, the only precision that it has."""
 
     interface = 2
     name = "mujoco-warp"
@@ -58,11 +58,11 @@ class MuJoCoWarp(Engine):
         return PortSession(scenario, world.model, world, ALWAYS_ON)
 
     def use_device(self, name: str) -> None:
-        """One of Warp's."""
+        """Step on one of Warp's devices from now on."""
         use_warp_device(f"{__package__}.world", name)
 
     def open_batch(self, scenarios: Sequence[Scenario], method: Method, timestep: float) -> Batch:
-        """Likewise of each different scene, once."""
+        """Open a batch; each different scene's MJCF is compiled once."""
         return WorldBatch(self._world(scenarios, method, timestep), warp_device())
 
     def _world(self, scenarios: Sequence[Scenario], method: Method, timestep: float) -> Any:

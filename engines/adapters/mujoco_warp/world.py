@@ -14,7 +14,7 @@ wp.set_device("cpu")
 class FirstWorld:
     """What MuJoCo Warp holds of its first world, by MuJoCo's names, in numpy's arrays.
 
-    What it has no field for is MuJoCo's.
+    A field that MuJoCo Warp does not have is read from MuJoCo's model.
     """
 
     def __init__(self, on_device, compiled):
@@ -32,10 +32,15 @@ class FirstWorld:
 
 
 def in_warp(compiled, worlds):
-    """MuJoCo Warp's model of many worlds, where `worlds` says which of the models each has.
+    """Return MuJoCo Warp's model of many worlds.
 
-    What may differ between worlds is an array over them where it does, as masses and inertias are;
-    the rest is the first model's.
+    Fields that may differ between worlds, such as masses and inertias, are arrays over worlds where
+    they differ; all others are the first model's.
+
+    Parameters
+    ----------
+    compiled : MuJoCo's models
+    worlds : for each world, the index of its model
     """
     first, *others = (mjw.put_model(one) for one in compiled)
     for field in fields(mjw.Model):
@@ -49,7 +54,7 @@ def in_warp(compiled, worlds):
 
 
 class World:
-    """Worlds from coordinates qpos and qvel on, one a row; `compiled` as of `in_warp`."""
+    """Worlds starting at coordinates qpos and qvel, one a row; `compiled` as in `in_warp`."""
 
     def __init__(self, compiled, worlds, timestep, qpos, qvel):
         self.on_device = in_warp(compiled, worlds)
@@ -57,7 +62,7 @@ class World:
         self.model = FirstWorld(self.on_device, compiled[0])
         self.at_rest = mujoco.MjData(compiled[0])
         self.set_timestep(timestep)
-        mjw.step(self.on_device, self.there)  # Loads what a recording may not load.
+        mjw.step(self.on_device, self.there)  # loads what a recording may not load
         with wp.ScopedCapture() as capture:
             mjw.step(self.on_device, self.there)
         self.graph = capture.graph
@@ -68,7 +73,7 @@ class World:
         self.on_device.opt.timestep.fill_(timestep)
 
     def restart(self, qpos, qvel):
-        """Set other coordinates, and leave nothing of earlier steps."""
+        """Set other coordinates, and remove every trace of earlier steps."""
         mjw.reset_data(self.on_device, self.there)
         with np.errstate(over="ignore"):
             self.there.qpos.assign(np.atleast_2d(qpos).astype(np.float32))
@@ -78,12 +83,12 @@ class World:
         """Take steps, by launches recorded once: a hundredth of the time of Python's calls."""
         for _ in range(steps):
             wp.capture_launch(self.graph)
-        wp.synchronize_device()  # A GPU takes them later.
+        wp.synchronize_device()  # waits for a GPU, which takes the steps later
 
     def motions(self, places):
-        """qpos and qvel of some worlds, one a row."""
+        """Return qpos and qvel of the worlds with indices `places`, one a row."""
         return np.concatenate([self.there.qpos.numpy(), self.there.qvel.numpy()], axis=1)[places]
 
     def data(self):
-        """The data now."""
+        """Return the data of the first world now."""
         return FirstWorld(self.there, self.at_rest)

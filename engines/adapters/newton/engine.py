@@ -29,14 +29,15 @@ from ...world_engine import WorldEngine
 from ...world_parts import matrix, push
 from ...world_session import WorldBatch, WorldSession
 
-#: A rotor is a link on a revolute or fixed joint; a driven one has an armature, which solvers in
-#: joint coordinates alone have.
+#: Effects that all solvers can simulate. A rotor is a link on a revolute or fixed joint; a driven
+#: rotor needs an armature, which only solvers in joint coordinates have.
 EFFECTS = COMMON_EFFECTS | {"rotors"}
-#: The MuJoCo and MuJoCo Warp that versions ask for, of their metadata; others get the newest's.
+#: The versions of MuJoCo and MuJoCo Warp that a version of Newton requires, from its metadata;
+#: later versions get those of the newest.
 MUJOCO: dict[tuple[int, ...], str] = {(1, 8): "3.17.0", (1, 7): "3.15.0"}
 #: Relative rounding of numbers in single precision.
 SLACK = 8 * float(np.finfo(np.float32).eps)
-#: What users write to have a solver.
+#: Lines that users write to make a solver.
 SETUP = """\
 solver = newton.solvers.Solver{}
 solver.step(state_in, state_out, control, contacts, TIMESTEP)"""
@@ -54,13 +55,13 @@ class NewtonSession(WorldSession):
         return WorldBody(*first, arm, [self._rotor(k, *one) for k, one in enumerate(rotors, 1)])
 
     def _bodies(self) -> list[tuple[float, FloatArray, FloatArray]]:
-        """Mass, com and tensor about it of each body, in its own axes."""
+        """Return mass, com and tensor about the com of each body, in its own axes."""
         model, solved = self.world.model, getattr(self.world.solver, "mjw_model", None)
         if solved is None:
             arrays = model.body_mass, model.body_com, model.body_inertia
             return list(zip(*(array.numpy().astype(float) for array in arrays), strict=True))
         names = ("body_mass", "body_ipos", "body_inertia", "body_iquat")
-        # Of the first world; its first body is the ground.
+        # The solver's arrays are read for the first world, whose first body is the ground.
         rows = zip(
             *(getattr(solved, name).numpy()[0][1:].astype(float) for name in names), strict=True
         )
@@ -81,7 +82,7 @@ class NewtonSession(WorldSession):
         return HeldRotor(mass, place, tensor, axis)
 
     def derivatives(self) -> Mapping[str, Derivative]:
-        """Those by Warp's tape of a solver's steps."""
+        """Derivatives by Warp's tape of a solver's steps."""
         return {"Warp's tape": Derivative(self._taped, through=self._taped)}
 
     def _taped(self, steps: int = 1) -> FloatArray:
@@ -98,7 +99,7 @@ class NewtonSession(WorldSession):
         return import_module(f"{__package__}.tape").Tape(self.world)
 
     def active(self) -> frozenset[str]:
-        """What acts, as reported by the model and the solver."""
+        """Return what acts, as reported by the model and the solver."""
         world, model, scenario = self.world, self.world.model, self.scenario
         motion, gravity = world.motion(), model.gravity.numpy()[0].astype(float)
         wanted = push(self.scene, matrix(motion[:4]), motion[4:7])
@@ -124,7 +125,7 @@ class NewtonSession(WorldSession):
         return frozenset(acting | stated_effects if torque.any() else acting)
 
     def _damping(self) -> float:
-        """1/s, of ω, by the solver."""
+        """Return the rate at which the solver damps ω, 1/s."""
         model: Any = self.world.model
         if not hasattr(model, "steel"):
             return float(getattr(self.world.solver, "angular_damping", 0.0))
@@ -132,7 +133,7 @@ class NewtonSession(WorldSession):
         return float(model.steel.rigid_body_angular_damping.numpy()[0] * is_free)
 
     def _wrong_hinges(self) -> Iterator[str]:
-        """Joints that are other than the scene's, in words."""
+        """Yield in words how joints differ from the scene's."""
         model = self.world.model
         armature, starts = model.joint_armature.numpy(), model.joint_qd_start.numpy()
         if armature[: starts[1]].any():
@@ -160,7 +161,7 @@ def _shipped(name: str, summary: str, effects: frozenset[str] = EFFECTS) -> Meth
 
 @final
 class Newton(WorldEngine):
-    """A body on a free or ball joint, by each of Newton's solvers of rigid bodies."""
+    """A body on a free or ball joint, stepped by each of Newton's solvers of rigid bodies."""
 
     session = NewtonSession
     name = "newton"
@@ -172,7 +173,8 @@ class Newton(WorldEngine):
         _mujoco("implicitfast", 1, "Euler, implicit in velocity"),
         _mujoco("euler", 1, "semi-implicit Euler"),
         _mujoco("discrete", 1, "discrete Euler"),
-        # It stores an `angular_damping` and uses it nowhere: as shipped it is the same.
+        # This solver stores an `angular_damping` and never uses it, so that as shipped it is the
+        # same.
         _clean(
             "featherstone", 1, "semi-implicit Euler in joint coordinates", "Featherstone(model)"
         ),
@@ -206,22 +208,22 @@ class Newton(WorldEngine):
     )
 
     def at_version(self, version: str) -> Release:
-        """Another version, or this one with the MuJoCo that it asks for."""
+        """Return another version, or this one, with the MuJoCo that it requires."""
         mujoco = MUJOCO.get(numbers_of(version)[:2], MUJOCO[1, 8])
         parts = f"newton=={version}", f"mujoco=={mujoco}", f"mujoco-warp=={mujoco}"
         return Release((*parts, "warp-lang>=1.17"), self.methods)
 
     def open(self, scenario: Scenario, method: Method, timestep: float) -> Session:
-        """Build the model and the solver; kernels are compiled once, into the user's cache."""
+        """Build the model and the solver; compiled kernels are kept in the user's cache."""
         with kernels_kept():
             return super().open(scenario, method, timestep)
 
     def use_device(self, name: str) -> None:
-        """One of Warp's."""
+        """Step on one of Warp's devices from now on."""
         use_warp_device(f"{__package__}.world", name)
 
     def open_batch(self, scenarios: Sequence[Scenario], method: Method, timestep: float) -> Batch:
-        """A world of one model for each scene."""
+        """Open a batch with one world of a model for each of the scenes."""
         records = {scenario: scene_record(scenario) for scenario in dict.fromkeys(scenarios)}
         first, *others = (records[scenario] for scenario in scenarios)
         with kernels_kept():

@@ -12,14 +12,15 @@ from spincheck.engine import FloatArray, in_chart, numbers_by_chart
 
 from ...world_parts import is_pushed, matrix
 
-#: It has no types.
+#: Imported as `Any`, because Warp has no types.
 TAPE: Any = wp.Tape
-#: Where a transform or a twist has attitude (w x y z of x y z w) and ω.
+#: Where a transform has the attitude, in the order w x y z although it is stored as x y z w, and
+#: where a twist has ω.
 QUATERNION, TURNING = (6, 3, 4, 5), (3, 4, 5)
 
 
 class Tape:
-    """A differentiable twin of a world of one scene."""
+    """A differentiable twin of a world with one scene."""
 
     def __init__(self, world: Any) -> None:
         builder = world.builder()
@@ -29,12 +30,12 @@ class Tape:
         self._solver = world.solver_class(self._model, **world.options)
 
     def jacobian(self, motion: Any, timestep: float, steps: int) -> FloatArray:
-        """That of so many steps from a motion, along the axes of the record, (6, 6).
+        """Return the Jacobian of `steps` steps from a motion, along the axes of the record, (6, 6).
 
         Raises
         ------
         NotImplementedError
-            If the solver takes no model that has gradients.
+            If the solver does not accept a model with gradients.
         """
         model = self._model
         start, *others = states = [model.state() for _ in range(steps + 1)]
@@ -51,7 +52,7 @@ class Tape:
         return self._in_chart(motion, states[-1], self._rows(tape, start, states[-1]))
 
     def _rows(self, tape: Any, start: Any, end: Any) -> FloatArray:
-        """Derivatives of attitude, w x y z, and ω by the same at the start, world axes, (7, 7)."""
+        """Return the Jacobian of attitude, w x y z, and ω by the start's, world axes, (7, 7)."""
         is_free = self._world.scene["arm"] is None
         of_q = np.array(QUATERNION) - (0 if is_free else 3)
         of_qd = np.array(TURNING) - (0 if is_free else 3)
@@ -67,7 +68,10 @@ class Tape:
         return np.array(rows, dtype=float)
 
     def _in_chart(self, motion: Any, end: Any, rows: FloatArray) -> FloatArray:
-        """Derivatives by world axes as those of the chart: ω_world is R ω, δR is R [δθ]×."""
+        """Return derivatives by a turn and ω in body axes, given derivatives in world axes.
+
+        ω_world is R ω, and δR is R [δθ]×.
+        """
         q, q_after = np.array(motion["q"]), end.body_q.numpy()[0, list(QUATERNION)].astype(float)
         R, R_after = matrix(q), matrix(q_after)
         before = numbers_by_chart(q)
@@ -79,5 +83,5 @@ class Tape:
 
 
 def _cross(v: FloatArray) -> FloatArray:
-    """M with M u = v × u."""
+    """Return the matrix M with M u = v × u, (3, 3)."""
     return np.asarray(np.cross(v, np.eye(3)).T)

@@ -8,7 +8,7 @@ from ...world_parts import drive, is_pushed, matrix, rotor_tensor
 
 wp.config.log_level = wp.LOG_ERROR
 wp.set_device("cpu")
-#: Solvers and their options, by method.
+#: The solver of each method, and its options.
 SOLVERS = {
     **{
         f"mujoco-{name}": ("MuJoCo", {"integrator": name, "disable_contacts": True})
@@ -34,7 +34,7 @@ def push_bodies(
     bodies: int,
     wrench: wp.array(dtype=wp.spatial_vector),
 ):
-    """Set the torque on the first of so many bodies of each world."""
+    """Set the torque on the first of `bodies` bodies of each world."""
     i = wp.tid() * bodies
     turned = wp.quat_rotate(wp.transform_get_rotation(pose[i]), torque_body)
     torque = turned + torque_world - drag * wp.spatial_bottom(twist[i])
@@ -42,13 +42,13 @@ def push_bodies(
 
 
 def transform(place, q_wxyz=(1.0, 0.0, 0.0, 0.0)):
-    """A place and a quaternion w x y z as Newton takes them."""
+    """Return a position and a quaternion w x y z as Newton's transform."""
     w, x, y, z = q_wxyz
     return wp.transform(wp.vec3(*place), wp.quat(x, y, z, w))
 
 
 def lever_of(scene):
-    """The vector from the joint to the com, m, (3,)."""
+    """Return the vector from the joint to the com, m, (3,)."""
     return -np.array(scene["arm"] or (0.0, 0.0, 0.0))
 
 
@@ -82,7 +82,7 @@ class World:
         self.restart(self.scenes, timestep)
 
     def builder(self):
-        """An empty model."""
+        """Return an empty model builder with the scene's gravity."""
         builder = newton.ModelBuilder(gravity=tuple(self.scene["gravity"]))
         if hasattr(self.solver_class, "register_custom_attributes"):
             self.solver_class.register_custom_attributes(builder)
@@ -103,7 +103,7 @@ class World:
         return builder.add_link(mass=mass, com=wp.vec3(*com), inertia=inertia, lock_inertia=True)
 
     def add_rotor(self, builder, body, lever, rotor):
-        """Add a rotor at its place; returns its joint."""
+        """Add a rotor at its place; return its joint."""
         child = self.add_body(builder, rotor["mass"], np.zeros(3), rotor_tensor(rotor))
         at = transform(lever + rotor["place"])
         if rotor["hinge"] == "locked":
@@ -114,11 +114,11 @@ class World:
         )
 
     def restart(self, motion, timestep):
-        """Set another motion, or one for each world, and timestep; leave nothing of earlier."""
+        """Set another motion, or one for each world, and timestep; forget earlier steps."""
         motions = motion if isinstance(motion, list) else [motion]
         self.start(motions)
         if timestep not in self.graphs:
-            self.step(timestep)  # Loads what a recording may not load.
+            self.step(timestep)  # loads what a recording may not load
             with wp.ScopedCapture() as capture:
                 self.step(timestep)
             self.graphs[timestep] = capture.graph
@@ -126,7 +126,7 @@ class World:
         self.graph = self.graphs[timestep]
 
     def start(self, motions):
-        """Set other motions."""
+        """Set another motion of each world."""
         pairs = [self.coordinates(*both) for both in zip(self.scenes, motions, strict=True)]
         with np.errstate(over="ignore"):
             q, qd = (np.concatenate(part).astype(np.float32) for part in zip(*pairs, strict=True))
@@ -137,7 +137,7 @@ class World:
             newton.eval_fk(self.model, state.joint_q, state.joint_qd, state)
 
     def coordinates(self, scene, motion):
-        """The joints' coordinates and velocities of one world."""
+        """Return the joints' coordinates and velocities in one world."""
         w, *xyz = motion["q"]
         spins = zip(scene.get("rotors", ()), motion.get("spins", ()), strict=True)
         spins = [spin for rotor, spin in spins if rotor["hinge"] != "locked"]
@@ -164,7 +164,7 @@ class World:
         return [self.motion(world) for world in worlds]
 
     def push(self, state):
-        """Set the torques on the bodies of a state, which a step does not change."""
+        """Set the torques on the bodies of a state; they stay constant during a step."""
         scene = self.scene
         numbers = wp.vec3(*scene["torque_body"]), wp.vec3(*scene["torque_world"])
         inputs = [state.body_q, state.body_qd, scene["drag"], *numbers, self.bodies, state.body_f]
@@ -181,4 +181,4 @@ class World:
         """Take steps, by launches recorded once: a hundredth of the time of Python's calls."""
         for _ in range(steps):
             wp.capture_launch(self.graph)
-        wp.synchronize_device()  # A GPU takes them later.
+        wp.synchronize_device()  # waits for a GPU, which takes the steps later

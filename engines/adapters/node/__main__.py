@@ -9,14 +9,15 @@ from ...child.process import end_idle
 from ...start_process import run
 from .discovered import HERE, discovered, modules_folder
 
-#: s that npm may take.
+#: Longest time that npm may take, s.
 PATIENCE = 3600.0
 
 
 def main() -> int:
     """Install what is missing; returns the exit code.
 
-    3 if npm is not installed; 1 if npm cannot install the packages, or an engine does not start.
+    It is 3 if npm is not installed; 1 if npm cannot install the packages, or an engine does not
+    start.
     """
     npm = shutil.which("npm")
     modules = modules_folder()

@@ -20,13 +20,13 @@ HERE = Path(__file__).parent
 #: The folder of modules that engines import.
 PARTS = tuple(sorted((HERE / "parts").glob("*.mjs")))
 LOCK = HERE / "package-lock.json"
-#: By which users ask for all of them.
+#: Name of the family, by which users ask for all of these engines.
 FAMILY = "node"
 HOW = "python -m spincheck.engines.adapters.node"
 
 
 def discovered() -> Iterator[Engine | Missing]:
-    """Every engine that has a file in this folder, or why it is missing."""
+    """Yield every engine that has a file in this folder, or the reason why it is missing."""
     files = sorted(HERE.glob("*.mjs"))
     if shutil.which("node") is None:
         yield from (Missing(f.stem, "node", "node is not installed", FAMILY) for f in files)
@@ -41,7 +41,7 @@ def discovered() -> Iterator[Engine | Missing]:
 
 
 def modules_folder() -> Path:
-    """Where npm puts the packages: a folder of its own for each state of the lock file."""
+    """Return the folder that npm puts the packages into: one for each state of the lock file."""
     digest = sha256(LOCK.read_bytes()).hexdigest()[:16]
     return user_cache() / "node" / digest / "node_modules"
 
@@ -68,7 +68,7 @@ def _child_engine(command: tuple[str, ...], hello: Hello, path: Path) -> ChildEn
 
 
 def _said_before(path: Path, modules: Path) -> Hello | None:
-    """The stored description of an engine from when it was first asked; None if its file is new."""
+    """Return an engine's description as kept when it was first asked; None if there is none."""
     try:
         return Hello.model_validate_json(read_regular(_memory(path, modules), LONGEST_ANSWER))
     except (OSError, ValueError):

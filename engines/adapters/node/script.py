@@ -1,7 +1,7 @@
 """A run of an engine under node as JavaScript that needs its npm package alone.
 
-It is the text of the engine's own file up to the end of its function `open`, after which comes what
-the protocol asks for, with the parts that it imports, and the scene as `open` is told it.
+It is the text of the engine's own file up to the end of its function `open`, without the protocol
+that follows, together with the modules that the file imports and the scene as `open` receives it.
 """
 
 import json
@@ -14,7 +14,7 @@ from ...scene_record import ABOUT, scene_record
 
 HERE = Path(__file__).parent
 _IMPORT = re.compile(r"^import \{ (.+) \} from '\./(parts/[\w-]+\.mjs)';\n", re.MULTILINE)
-#: The function that builds the scene, to its last line.
+#: Pattern of the function that builds the scene, up to its last line.
 _OPEN = re.compile(r"^function open\(.*?^\}\n", re.MULTILINE | re.DOTALL)
 _SCRIPT = """\
 // Run it with node in the folder in which `npm install {package}` was run, or give it the path of
@@ -40,7 +40,7 @@ function state() {{
 
 
 def script(path: Path, scenario: Scenario, method: Method) -> str:
-    """The run of a method of the engine whose file is `path`."""
+    """Return the run of a method of the engine whose file is `path`, as JavaScript."""
     text = path.read_text(encoding="utf-8")
     found = _OPEN.search(text)
     assert found is not None, f"{path.name} has no function 'open'"
@@ -65,7 +65,7 @@ def _part(path: Path) -> str:
 
 
 def _package(text: str) -> str:
-    """The npm package that an engine's file loads, at the version that spincheck runs."""
+    """Return the npm package that an engine's file loads, at the version that spincheck runs."""
     wanted = json.loads((HERE / "package.json").read_text(encoding="utf-8"))["dependencies"]
     (package,) = (f"{name}@{version}" for name, version in wanted.items() if f"'{name}/" in text)
     return package

@@ -39,7 +39,7 @@ class PinocchioSession(WorldSession):
         )
 
     def _rotor(self, joint: int) -> HeldRotor:
-        """That of a hinge, at its angle 0; one that is locked is part of the body."""
+        """Return the rotor on a hinge, at angle 0; a locked rotor is part of the body."""
         if not joint:
             return HeldRotor(0.0, np.zeros(3), np.zeros((3, 3)), np.zeros(3))
         model = self.world.model
@@ -49,11 +49,14 @@ class PinocchioSession(WorldSession):
         return HeldRotor(inertia.mass, com, R @ inertia.inertia @ R.T, R @ axis)
 
     def derivatives(self) -> Mapping[str, Derivative]:
-        """That of dω/dt by its articulated-body algorithm."""
+        """The derivative of dω/dt by its articulated-body algorithm."""
         return {"computeABADerivatives": Derivative(self._rate)}
 
     def _rate(self) -> FloatArray:
-        """∂ddq/∂q and ∂ddq/∂v; its tangent of a joint that turns is a turn in body axes."""
+        """Return the Jacobian of dω/dt by a turn and ω, from ∂ddq/∂q and ∂ddq/∂v, (3, 6).
+
+        Pinocchio's tangent of a joint that turns is a turn in body axes.
+        """
         world = self.world
         if world.is_pushed:
             words = "the torques are its caller's, which computeABADerivatives does not see"
@@ -66,7 +69,7 @@ class PinocchioSession(WorldSession):
         return along(self.frame.body_from_axes.as_matrix(), rate)
 
     def active(self) -> frozenset[str]:
-        """Gravity and pivot as in the model; torques as passed to `aba`."""
+        """Return what acts: gravity and joints as in the model; torques as passed to `aba`."""
         model, scenario = self.world.model, self.scenario
         named = {
             **self.gravity_by(np.array(model.gravity.linear)),
@@ -78,7 +81,7 @@ class PinocchioSession(WorldSession):
         return frozenset(name for name, acts in named.items() if acts)
 
     def _joints(self) -> dict[str, bool]:
-        """What the joints are, before and after the body's."""
+        """Return what the joints are, before and after the body's, and whether each acts."""
         world, model = self.world, self.world.model
         kinds = [joint.shortname() for joint in model.joints]
         hinges = [joint for joint in world.rotors if joint]

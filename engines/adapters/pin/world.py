@@ -7,8 +7,8 @@ import pinocchio
 
 from ...world_parts import drive, is_pushed, push, rotor_tensor
 
-#: The classical Runge-Kutta rule (Hairer, Nørsett & Wanner I, II.1): nodes of the stages, and their
-#: weights in sixths.
+#: The classical Runge-Kutta rule (Hairer, Nørsett & Wanner I, II.1): times of the stages within a
+#: step, and their weights in sixths.
 STAGES = ((0.0, 1.0), (0.5, 2.0), (0.5, 2.0), (1.0, 1.0))
 
 
@@ -43,7 +43,7 @@ class World:
         self.model.appendBodyToJoint(self.joint, inertia, pinocchio.SE3.Identity())
 
     def add_rotor(self, rotor):
-        """Add a rotor; the number of its joint, 0 of one that is locked."""
+        """Add a rotor; return the number of its joint, which is 0 if it is locked."""
         at = pinocchio.SE3(np.eye(3), self.lever + rotor["place"])
         inertia = pinocchio.Inertia(rotor["mass"], np.zeros(3), rotor_tensor(rotor))
         if rotor["hinge"] == "locked":
@@ -64,7 +64,7 @@ class World:
         R = pinocchio.Quaternion(np.array((x, y, z, w))).matrix()
         omega, com, velocity = (np.array(motion[key]) for key in ("omega", "com", "velocity"))
         if self.is_free:
-            # The velocity of the com is along the body's axes.
+            # The velocity of a free-flyer joint is along the body's axes.
             place, speed = com, R.T @ velocity
         else:
             place = (com - R @ self.lever)[self.slides]
@@ -89,22 +89,22 @@ class World:
         return np.array([w, x, y, z, *omega, *com, *velocity, *self.spins()])
 
     def spins(self):
-        """Angular velocities of all rotors relative to the body, rad/s."""
+        """Return the angular velocities of all rotors relative to the body, rad/s."""
         joints = self.model.joints
         return [self.v[joints[joint].idx_v] if joint else 0.0 for joint in self.rotors]
 
     def advance(self, steps):
-        """Take steps one by one: Pinocchio has no native loop."""
+        """Take steps one by one, because Pinocchio has no native loop."""
         for _ in range(steps):
             self.step()
 
     def semi_implicit(self):
-        """Step as Pinocchio's examples do."""
+        """Take a step as Pinocchio's examples do."""
         self.v = self.v + self.timestep * self.acceleration(self.q, self.v)
         self.q = pinocchio.integrate(self.model, self.q, self.timestep * self.v)
 
     def runge_kutta(self):
-        """Step position, quaternion (as plain numbers) and velocity."""
+        """Take a step of position, quaternion (as plain numbers) and velocity."""
         h, q, v = self.timestep, self.q, self.v
         q_rate, v_rate = np.zeros(len(q)), np.zeros(len(v))
         q_gain, v_gain = np.zeros(len(q)), np.zeros(len(v))
@@ -117,8 +117,8 @@ class World:
         self.q, self.v = self.normalised(q + h / 6 * q_gain), v + h / 6 * v_gain
 
     def rate(self, q, v):
-        """Time derivative of the coordinates; of the quaternion, half its product with ω."""
-        # As Python's floats: numpy's cost several times as much one by one.
+        """Return the time derivative of the coordinates; that of the quaternion is ½ q (0, ω)."""
+        # With Python's floats: numpy's cost several times as much one by one.
         (x, y, z, w), (a, b, c) = q[self.q_turning].tolist(), v[self.v_turning].tolist()
         turning = (
             w * a + y * c - z * b,
@@ -133,7 +133,7 @@ class World:
         return np.array([*moving, *(part / 2 for part in turning), *spins])
 
     def acceleration(self, q, v):
-        """The acceleration by the articulated-body algorithm."""
+        """Return the acceleration by the articulated-body algorithm."""
         torque = np.zeros(len(v))
         if self.is_pushed:
             R = pinocchio.Quaternion(q[self.q_turning]).matrix()
@@ -141,7 +141,7 @@ class World:
         return pinocchio.aba(self.model, self.data, q, v, torque)
 
     def normalised(self, q):
-        """Coordinates with their quaternion, x y z w, of norm 1."""
+        """Return the coordinates with their quaternion, x y z w, scaled to norm 1."""
         turning = q[self.q_turning]
         turning /= math.sqrt(turning @ turning)
         return q

@@ -14,7 +14,7 @@ from ...world_session import WorldSession
 
 #: Relative rounding of numbers in single precision.
 SLACK = 8 * float(np.finfo(np.float32).eps)
-#: How users keep bodies from falling asleep.
+#: What users write to keep bodies from falling asleep.
 AWAKE = """\
 world.sleeping_enabled = False
 world.step(TIMESTEP)"""
@@ -22,18 +22,20 @@ world.step(TIMESTEP)"""
 
 @final
 class PyBox3DSession(WorldSession):
-    """One box, its origin the com."""
+    """One box, whose origin is the com."""
 
     def world_body(self) -> WorldBody:
-        """Its mass and the joint's anchor; its tensor by what impulses do to it."""
+        """Return the body: its tensor is measured by impulses, the rest is read."""
         joint, xyz = self.world.joint, self.module.xyz
         arm = None if joint is None else xyz(joint.anchor_b)
         return WorldBody(self.world.body.mass, np.zeros(3), self._tensor(), arm)
 
     def _tensor(self) -> FloatArray:
-        """The tensor, body axes, kg m²: no attribute tells it.
+        """Return the tensor, body axes, kg m², (3, 3), which no attribute of the body holds.
 
-        Each couple would give a body of the scene's moments 2 rad/s about one axis.
+        It is measured by couples of impulses, each of which would turn a body with the scene's
+        moments
+        about one axis at 2 rad/s.
         """
         body, world = self.world.body, self.world.world
         before = world.snapshot()
@@ -50,11 +52,11 @@ class PyBox3DSession(WorldSession):
         return (tensor + tensor.T) / 2
 
     def active(self) -> frozenset[str]:
-        """What acts, as reported by the world; torques, which nothing tells, by its own word."""
+        """Return what acts as reported by the world; torques are not reported, but trusted."""
         world, scenario = self.world.world, self.scenario
         joint, gravity = self.world.joint, self.module.xyz(world.gravity)
         right = np.allclose(gravity, scenario.gravity_world, rtol=SLACK, atol=0)
-        # A pivot's filter is a joint as well.
+        # The collision filter of a pivot counts as a joint as well.
         expected = (1, 0) if joint is None else (2, 2)
         named = {
             "gravity" if right else f"a gravity of {gravity.tolist()} m/s²": gravity.any(),
@@ -68,7 +70,7 @@ class PyBox3DSession(WorldSession):
 
 @final
 class PyBox3D(WorldEngine):
-    """Its rigid bodies, each a box of the scene's moments; a pivot as a spherical joint."""
+    """Box3D's rigid bodies, boxes with the scene's moments; a pivot is a spherical joint."""
 
     session = PyBox3DSession
     name = "pybox3d"

@@ -7,30 +7,30 @@ from ...world_parts import is_pushed, matrix, push
 
 
 def wxyz(q):
-    """A quaternion of its own as numbers."""
+    """Return one of pybox3d's quaternions as numbers, w x y z."""
     return np.array((q.w, q.x, q.y, q.z))
 
 
 def xyz(v):
-    """A vector of its own as numbers."""
+    """Return one of pybox3d's vectors as numbers."""
     return np.array((v.x, v.y, v.z))
 
 
 def half_extents(mass, moments):
-    """Half the edges of the box that has these principal moments, m, (3,)."""
+    """Return half the edges of the box with these principal moments, m, (3,)."""
     squares = np.sum(moments) / 2 - np.array(moments)
     return np.sqrt(3 / mass * np.maximum(squares, 0.0))
 
 
 class World:
-    """The body, a box at its com; at a pivot, a spherical joint to a point that stays."""
+    """A box at the com of the body, and for a pivot a spherical joint to a fixed point."""
 
     def __init__(self, scene, method, timestep):
         self.scene, self.method = scene, method
         self.restart(scene, timestep)
 
     def restart(self, motion, timestep):
-        """Build a world with another motion and timestep: a new one has nothing to forget."""
+        """Build a new world, with another motion and timestep and no memory of earlier steps."""
         self.scene = scene = self.scene | motion
         self.timestep = timestep
         self.world = pybox3d.World(gravity=tuple(scene["gravity"]))
@@ -49,7 +49,7 @@ class World:
             self.joint = self.world.add_spherical_joint(
                 ground, self.body, anchor_b=tuple(scene["arm"])
             )
-            # Without it the point and the box collide.
+            # Without the filter the fixed point and the box collide.
             self.world.add_filter_joint(ground, self.body)
 
     def motion(self):
@@ -59,7 +59,7 @@ class World:
         return np.concatenate([wxyz(body.orientation), *map(xyz, vectors)])
 
     def push(self):
-        """Add the torque, N m, by a couple of forces, which one step forgets."""
+        """Add the torque, N m, world axes, as a couple of forces, which the next step clears."""
         place = xyz(self.body.position)
         torque = push(
             self.scene, matrix(wxyz(self.body.orientation)), xyz(self.body.angular_velocity)
@@ -67,7 +67,8 @@ class World:
         across = np.cross(torque, np.eye(3)[np.argmin(np.abs(torque))])
         if not across.any():
             return
-        # As long as the com is far, or its place would round the arm.
+        # The couple's arm is as long as the com is far away, or else rounding of the com's place
+        # would change it.
         arm = across / np.linalg.norm(across) * (1 + np.linalg.norm(place))
         force = np.cross(torque, arm) / (2 * arm @ arm)
         self.body.apply_force(tuple(force), tuple(place + arm))

@@ -1,8 +1,8 @@
 """What acts on a body in PyBullet: read back where its API reports it, measured where it does not.
 
 PyBullet reports neither damping nor applied torques. So after a run one tiny step is taken without
-gravity, from rest and once more from a slow spin: the gain of angular momentum in that step is the
-torque that acts.
+gravity, from rest and once more from a slow spin: the angular momentum gained in that step, divided
+by the timestep, is the torque that acts.
 """
 
 from collections.abc import Callable
@@ -17,11 +17,12 @@ from .model import Model
 from .probe import PROBE_SPIN, SLACK, Probe, near
 from .world import BASE, World
 
-#: rad/s, above the default clamp: the body keeps this speed only if the clamp is off.
+#: Speed of a fast probe, rad/s, above the default clamp: the body keeps this speed only if the
+#: clamp is off.
 PROBE_RUSH = 2.0**9
-#: What a spherical joint on so many slides is.
+#: The effect that a spherical joint is, by the number of slides that it is on.
 HELD_BY = {0: "pivot", 2: "table"}
-#: m; PyBullet's default, `gUrdfDefaultCollisionMargin` of its source.
+#: PyBullet's default margin around a shape, m, `gUrdfDefaultCollisionMargin` of its source.
 EMPTY_MARGIN = 0.001
 
 
@@ -56,7 +57,7 @@ def _engine(world: World, scenario: Scenario) -> set[str]:
 
 
 def _holds(world: World) -> set[str]:
-    """What holds the body, in words: its joints, and constraints of the world."""
+    """Return what holds the body, in words: its joints, and constraints of the world."""
     acting, client, slides = set(), world.client, 0
     for joint in range(p.getNumJoints(world.body, client)):
         kind = p.getJointInfo(world.body, joint, client)[2]
@@ -75,9 +76,9 @@ def _holds(world: World) -> set[str]:
 
 
 def _beside(world: World, scenario: Scenario, rests: bool) -> set[str]:
-    """What else is in the world, or can collide with the body, in words.
+    """Return in words what else is in the world, or can collide with the body.
 
-    What a body rests on is taken away, so that nothing else pushes it.
+    The plane that a body rests on is removed, so that nothing pushes the body in the probes.
     """
     client, acting = world.client, set()
     bodies = [p.getBodyUniqueId(i, client) for i in range(p.getNumBodies(client))]
@@ -102,25 +103,26 @@ def _beside(world: World, scenario: Scenario, rests: bool) -> set[str]:
 
 
 def _has_shape(client: int, body: int, link: int) -> bool:
-    """Whether the bounding box is larger than PyBullet's margin around an empty shape.
+    """Whether a link has a collision shape: its bounding box is larger than that of an empty shape.
 
     (In maximal coordinates PyBullet does not report the shapes themselves; the margin of a sphere
     is its radius.)
     """
     margin = p.getDynamicsInfo(body, link, client)[11]
     low, high = p.getAABB(body, link, client)
-    # A cube of half-width `EMPTY_MARGIN`, turned to reach furthest.
+    # Half the bounding box of a cube of half-width `EMPTY_MARGIN` in the attitude where it is
+    # largest.
     furthest = 2 * np.sqrt(3) * EMPTY_MARGIN * (1 + SLACK)
     return bool(margin > EMPTY_MARGIN or max(np.subtract(high, low)) > furthest)
 
 
 def _acting(probe: Probe) -> set[str]:
-    """The names of effects that the momentum gained in a step shows: torques, drag, damping."""
+    """Return the effects that the momentum gained in a step shows: torques, drag, damping."""
     torque, resistance, force = probe.unlike()
     acting = {words for words in (torque, resistance, force) if words}
     if acting:
         acting |= _slowing_defaults(probe)
-        # Of what the scene calls for, once nothing else acts.
+        # Measured again, once PyBullet's defaults are switched off, for what the scene calls for.
         torque, resistance, _ = probe.unlike()
     if not torque:
         acting |= probe.scenario.called_for & {"torque_body", "torque_world"}
@@ -128,12 +130,12 @@ def _acting(probe: Probe) -> set[str]:
         acting |= probe.scenario.called_for & {"drag"}
     if probe.scenario.rotors:
         acting |= _wrong_hinges(probe) or {"rotors"}
-    # Last, as so fast a step changes the attitude.
+    # This probe comes last, as so fast a step changes the attitude.
     return acting | ({"velocity clamp"} if _is_clamped(probe) else set())
 
 
 def _wrong_hinges(probe: Probe) -> set[str]:
-    """What is wrong with the hinges; PyBullet's motors if it ends without them."""
+    """Return in words what is wrong with the hinges, or PyBullet's motors if they are what is."""
     if not probe.wrong_hinges():
         return set()
     probe.model.world.take_away_motors()
@@ -141,11 +143,11 @@ def _wrong_hinges(probe: Probe) -> set[str]:
 
 
 def _slowing_defaults(probe: Probe) -> set[str]:
-    """The defaults of PyBullet that act: those whose removal makes a difference."""
+    """Return PyBullet's defaults that act: the ones whose removal makes a difference."""
     world, acting = probe.model.world, set()
     slowing: dict[str, Callable[[], object]] = {"damping": world.take_away_damping}
     if world.link != BASE:
-        # First, as its torque would hide the damping.
+        # The motor is removed first, as its torque would hide the damping.
         slowing = {"joint motor": partial(world.set_motor, 0), **slowing}
     for name, take_away in slowing.items():
         with_it = probe.resistance()
@@ -156,7 +158,7 @@ def _slowing_defaults(probe: Probe) -> set[str]:
 
 
 def _is_clamped(probe: Probe) -> bool:
-    """Whether a fast body is slower a step later, though nothing slows it."""
+    """Whether a fast body is slower a step later, although no damping is left."""
     before, after = probe.after(probe.spin_world * (PROBE_RUSH / PROBE_SPIN))
     speed = float(np.linalg.norm(before.omega_body))
     return bool(np.linalg.norm(after.omega_body) < speed / 2)

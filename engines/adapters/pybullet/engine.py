@@ -26,26 +26,28 @@ from ...native_output import native_output
 from ...version_numbers import numbers_of
 
 with native_output():
-    # On import, Bullet prints its build date.
+    # On import, Bullet prints its build date, which is caught here.
     from .load import BodyRepresentation
     from .pivot_limit import check_borne
     from .script import script, setup
     from .session import PyBulletSession
     from .world import DEFAULTS, INERTIA, JOINT_MOTOR
 
-#: rad: ANGULAR_MOTION_THRESHOLD of Bullet's LinearMath/btTransformUtil.h, for every kind of body.
-#: Beyond it the attitude turns only by this much a step, while ω still reads its full value.
+#: Largest turn in a step, rad: ANGULAR_MOTION_THRESHOLD of Bullet's LinearMath/btTransformUtil.h,
+#: for every kind of body. Beyond it the attitude turns only by this much a step, while ω still
+#: reads its full value.
 MOST_ROTATION_A_STEP = pi / 4
 
-#: What bodies in joint coordinates have besides.
+#: Effects that bodies in joint coordinates can have.
 JOINTED = COMMON_EFFECTS | {"rotors"}
 ON_TABLE = frozenset({"table"})
 SHIPPED = frozenset(DEFAULTS)
-#: Of first order, whatever the coordinates.
+#: A method of PyBullet; all are of first order, in whatever coordinates.
 bullet_method = partial(
     Method, order=1, attitude_order=1, max_rotation_per_step=MOST_ROTATION_A_STEP
 )
-#: By name: how the body is represented, in words, what can act, and what has to.
+#: By method: how the body is represented, a summary, the effects it can simulate, and those it
+#: requires.
 METHODS = {
     "multibody": (
         BodyRepresentation(hung=True),
@@ -88,11 +90,11 @@ REPRESENTATIONS = {name: representation for name, (representation, *_) in METHOD
 
 
 class PyBullet(Engine):
-    """Bullet's two kinds of body, and its two ways to hold one at a point."""
+    """Bullet's two kinds of body, with two ways to hold each at a point."""
 
     interface = 1
     name = "pybullet"
-    # PyBullet quickstart guide, setTimeStep.
+    # Default of the PyBullet quickstart guide, setTimeStep.
     stock_timestep = 1 / 240
     describes = frozenset({"parts", "full tensor", "shape"})
     methods = tuple(
@@ -128,7 +130,10 @@ class PyBullet(Engine):
         defaults: Collection[str] | None = None,
         description: Description = PLAIN,
     ) -> Session:
-        """As `open`; a body that is described by its shape is a collision box."""
+        """Open a scene with parts left in or with another description; parameters as in `Engine`.
+
+        A body that is described by its shape is a collision box.
+        """
         representation = replace(REPRESENTATIONS[method.name], description=description)
         if description.shape:
             defaults = {INERTIA}
@@ -137,33 +142,33 @@ class PyBullet(Engine):
         return PyBulletSession(scenario, representation, timestep, left_in)
 
     def script(self, scenario: Scenario, method: Method, timestep: float) -> str:
-        """The URDF, and the calls that take away PyBullet's defaults and step it."""
+        """Return the URDF, and the calls that remove PyBullet's defaults and step it, as Python."""
         return script(scenario, REPRESENTATIONS[method.name], timestep)
 
     def left_out(self, scenario: Scenario, method: Method) -> tuple[str, ...]:
-        """The collision shape, and for a body on a joint the motor, which has no force."""
+        """Return the parts left out: the collision shape, and on a joint the forceless motor."""
         return REPRESENTATIONS[method.name].left_out(scenario)
 
     def at_version(self, version: str) -> Release:
-        """Another version, with the same methods."""
+        """Return another version, with the same methods."""
         return release(version, self.methods)
 
     def defaults(self, scenario: Scenario, method: Method) -> tuple[str, ...]:
-        """The defaults of a method as shipped; motors only if there is a joint."""
+        """Return the defaults of a method as shipped; a motor is one only if there is a joint."""
         has_joint = scenario.constraint.is_pivot or scenario.rotors.is_turning.any()
         left = REPRESENTATIONS[method.name].defaults - (set() if has_joint else {JOINT_MOTOR})
         return tuple(name for name in DEFAULTS if name in left)
 
 
 def release(version: str, methods: tuple[Method, ...]) -> Release:
-    """A version of PyBullet; 3.2.6 and older need numpy 1."""
+    """Return a version of PyBullet; 3.2.6 and older need numpy 1."""
     older = ("numpy==1.26.4",) if numbers_of(version) <= (3, 2, 6) else ()
-    # Robots and meshes: 142 MB.
+    # Robots and meshes that come with the package, 142 MB.
     robots = ("pybullet_data",)
     return Release((f"pybullet=={version}", *older), methods, PyBullet.name, robots)
 
 
 @cache
 def installed_version() -> str:
-    """Looked up once: it takes as long as a hundred steps."""
+    """Return the installed version, kept because finding it takes as long as a hundred steps."""
     return version("pybullet")

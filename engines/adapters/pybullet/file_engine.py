@@ -11,13 +11,13 @@ from .model_reader import DEFAULT, FROM_FILE, PyBulletModelReader, takes_mesh
 from .session import PyBulletSession
 from .world import DEFAULTS, INERTIA
 
-#: By method, the defaults that are kept.
+#: Defaults of PyBullet that are kept, by method.
 LEFT = {DEFAULT: frozenset(DEFAULTS), FROM_FILE: frozenset[str]()}
 
 
 @final
 class PyBulletFile(FileEngine):
-    """`loadURDF` on the link that a scene names, as `inspect` has it."""
+    """`loadURDF` on the link that a scene names; `inspect`'s configurations are the methods."""
 
     name = "pybullet-file"
     reader = PyBulletModelReader()
@@ -41,7 +41,7 @@ class PyBulletFile(FileEngine):
         """Load the link's element and set its start."""
         users = users_link(scenario)
         left = LEFT[method.name]
-        # Shapes are needed only if PyBullet makes up tensors from them.
+        # Shapes are needed only if PyBullet computes tensors from them.
         shapes = takes_mesh if INERTIA in left else None
         text, meshes = body_alone(users.model, users.body, shapes)
         own = OwnURDF(text, tuple(meshes.items()))
@@ -49,5 +49,5 @@ class PyBulletFile(FileEngine):
         return PyBulletSession(scenario, representation, timestep)
 
     def at_version(self, version: str) -> Release:
-        """Another version, as of the `pybullet` engine."""
+        """Return another version of the `pybullet` engine, with this engine's methods."""
         return release(version, self.methods)

@@ -1,4 +1,4 @@
-"""Puts a scene's body into a PyBullet world: what the world is given, and what it is read as."""
+"""Puts a scene's body into a PyBullet world: the numbers it is given, and the body read back."""
 
 import tempfile
 from collections.abc import Collection
@@ -17,7 +17,7 @@ from ...models.urdf import urdf
 from .model import Model
 from .world import DEFAULTS, World
 
-#: Names of the parts left out; they would change no motion.
+#: Names of the parts that are left out because they change no motion.
 SHAPE, MOTOR = "collision shape", "idle joint motor"
 #: SIMD_EPSILON of Bullet's LinearMath/btScalar.h: values not above it are taken for zero.
 TAKEN_FOR_ZERO = float(np.finfo(float).eps)
@@ -33,14 +33,16 @@ class OwnURDF:
 
 @dataclass(frozen=True)
 class BodyRepresentation:
-    """How a method represents the body, and what holds it where it is held.
+    """How a method represents the body and holds it.
 
     Attributes
     ----------
-    maximal : six coordinates a body (btRigidBody) instead of joint coordinates (btMultiBody)
-    hung : whether a pivot is a spherical joint, and a table one on slides; otherwise a pivot is a
-        point-to-point constraint
-    defaults : those of `DEFAULTS` that are kept
+    maximal : whether the body has six coordinates (btRigidBody), not joint coordinates
+        (btMultiBody)
+    hung : whether a pivot is a spherical joint, and a table such a joint on slides; otherwise a
+        pivot
+        is a point-to-point constraint
+    defaults : the names, among `DEFAULTS`, of PyBullet's defaults that are kept
     own : the file that is loaded; the scene's URDF if None
     by_contact : whether a table is a contact of a sphere and a plane
     description : how the scene's URDF describes the body
@@ -55,7 +57,7 @@ class BodyRepresentation:
 
     @property
     def as_shipped(self) -> bool:
-        """Whether it is loaded as a user would, apart from defaults removed one by one."""
+        """Whether the body is loaded as a user would, but for defaults removed one by one."""
         return bool(self.defaults)
 
     def hangs(self, scenario: Scenario) -> bool:
@@ -63,7 +65,7 @@ class BodyRepresentation:
         return self.hung and not scenario.constraint.is_free
 
     def left_out(self, scenario: Scenario) -> tuple[str, ...]:
-        """Parts left out of the body that would change no motion."""
+        """Return the names of parts left out of the body, which would change no motion."""
         if self.as_shipped or self.own or self.by_contact:
             return ()
         return (SHAPE, MOTOR) if self.hangs(scenario) else (SHAPE,)
@@ -80,7 +82,7 @@ def load(
 
     Parameters
     ----------
-    left_in : the names of `left_out` that are kept
+    left_in : names of parts, among those in `left_out`, that are kept
 
     Raises
     ------
@@ -105,7 +107,7 @@ def load(
 def _record(
     scenario: Scenario, representation: BodyRepresentation, left_in: Collection[str]
 ) -> dict[str, Any]:
-    """The scene as a world takes it, but for what is along the body's principal axes."""
+    """Return the world's record of the scene, without numbers along the principal axes."""
     start, is_pivot = scenario.start, scenario.constraint.is_pivot
     hung = representation.hangs(scenario)
     world_from_body = Rotation.from_quat(start.q_world_body_wxyz, scalar_first=True)
@@ -134,7 +136,7 @@ def _record(
 def scenes_own(
     scenario: Scenario, representation: BodyRepresentation, left_in: Collection[str] = ()
 ) -> OwnURDF:
-    """The scene as URDF; what holds a body that does not hang by a joint is no part of it."""
+    """Return the scene as URDF; only a body that hangs by a joint has what holds it in the URDF."""
     hung = representation.hangs(scenario)
     sphere: tuple[tuple[float, ...], float] | None = None
     if representation.by_contact:
@@ -142,7 +144,7 @@ def scenes_own(
         assert table is not None
         sphere = table.tip, sphere_and_plane(scenario)[0]
     elif SHAPE in left_in:
-        # About the size of a shape: the radius of gyration.
+        # A size for the shape about that of the body: the radius of gyration.
         radius = np.sqrt(scenario.body.principal_moments[-1] / scenario.body.mass)
         sphere = tuple(scenario.body.com), float(radius)
     text = urdf(
@@ -156,10 +158,10 @@ def scenes_own(
 
 
 def _loaded(model: OwnURDF, record: dict[str, Any], client: int) -> World:
-    """A world with a model loaded.
+    """Return a world with a model loaded.
 
-    PyBullet caches files and meshes by name, so those of each model have a folder of their own. It
-    is gone before the run begins: workers are killed.
+    PyBullet caches files and meshes by name, so each model has a folder of its own. The folder is
+    removed before the run begins, because a worker may be killed during the run.
     """
     prefix = f"spincheck-{next(_numbers)}-"
     with tempfile.TemporaryDirectory(prefix=prefix, ignore_cleanup_errors=True) as folder:
@@ -186,9 +188,10 @@ def _model_of_link(world: World, scenario: Scenario) -> Model:
 
 
 def _model_of_rigid_body(world: World, scenario: Scenario) -> Model:
-    """The model of a rigid body, from the pose after loading: PyBullet does not report its frame.
+    """Return the model of a rigid body, whose frame is computed from the pose after loading.
 
-    (For rigid bodies `getDynamicsInfo` returns uninitialised memory.)
+    PyBullet does not report this frame: for rigid bodies `getDynamicsInfo` returns uninitialised
+    memory.
     """
     com_world, q_world_principal_xyzw = p.getBasePositionAndOrientation(world.body, world.client)
     q_world_body_wxyz = scenario.start.q_world_body_wxyz
@@ -199,7 +202,7 @@ def _model_of_rigid_body(world: World, scenario: Scenario) -> Model:
 
 
 def _check_not_lost(scenario: Scenario, representation: BodyRepresentation) -> None:
-    """Raise if Bullet would leave out terms, which it does below an absolute constant."""
+    """Raise `UnsupportedError` if Bullet would drop terms, being below its constant."""
     mass, moments = scenario.carrier.mass, scenario.carrier.principal_moments
     is_pivot, product, least = scenario.constraint.is_pivot, np.prod(moments), min(mass, *moments)
     is_jointed = is_pivot and representation.hung

@@ -13,18 +13,20 @@ from spincheck.engine import BodyReading, FloatArray, Scenario, State, composed
 from ....scenarios.rotation import across, cross, matrices, matrix, times, turned, turned_back
 from .world import BASE, World
 
-#: In what `getJointInfo` returns: axis, place and turn of a joint, and the link it is on.
+#: Indices into what `getJointInfo` returns: axis, place and turn of a joint, and its parent link.
 AXIS, PLACE, TURN, PARENT = 13, 14, 15, 16
 
 
 @dataclass(frozen=True, eq=False)
 class Placed:
-    """Attitude and ω of a state as PyBullet is given them.
+    """Attitude and ω of a state in PyBullet's coordinates.
 
     Attributes
     ----------
-    q_xyzw, omega : of a base, world axes; of a body that hangs, its joint's, principal axes
-    arm_world : to the com of all from the point that is set, m, (3,): a joint, or a base's own com
+    q_xyzw, omega : of the base, world axes; if the body hangs, of its joint, principal axes
+    arm_world : to the com of the whole from the point that is set, m, (3,): the joint, or the com
+        of
+        the base alone
     swing_world : ω × `arm_world`, m/s, (3,)
     """
 
@@ -41,8 +43,8 @@ class Model:
     Attributes
     ----------
     body_from_principal : takes components along the engine's axes (principal) to body components
-    link_com : of its base or hung link alone, as the engine holds it, m, body axes, (3,)
-    joint_body : the point that it hangs by, m, body axes, (3,); of a base, its origin
+    link_com : com of the base or hung link alone, as the engine holds it, m, body axes, (3,)
+    joint_body : the point that the body hangs by, m, body axes, (3,); for a base, its origin
     """
 
     world: World
@@ -52,10 +54,11 @@ class Model:
 
     @cached_property
     def body(self) -> BodyReading:
-        """Mass, com and tensor, with what is welded to the link, and its rotors.
+        """Mass, com and tensor of the link with all that is welded to it, and its rotors.
 
-        PyBullet keeps principal moments of each link, the place of its joint in the axes of the
-        link before it, and the turn of its own: joints are at angle 0.
+        PyBullet keeps for each link its principal moments, the place of its joint in the axes of
+        the
+        link before it, and its rotation relative to that link: joints are at angle 0.
         """
         world, R_body_principal = self.world, self.body_from_principal.as_matrix()
         mass, _, moments, *_ = p.getDynamicsInfo(world.body, world.link, world.client)
@@ -83,7 +86,7 @@ class Model:
 
     @cached_property
     def _arm(self) -> FloatArray:
-        """The com of the whole from the link's, m, body axes, (3,)."""
+        """The com of the whole from the link's com, m, body axes, (3,)."""
         return self.body.com - self.link_com
 
     @cached_property
@@ -97,7 +100,7 @@ class Model:
         return self.states(rows).rows(0)
 
     def states(self, rows: FloatArray) -> State:
-        """States from n readings, in spincheck's frames.
+        """Return the states of n readings, in spincheck's frames.
 
         Parameters
         ----------
@@ -116,7 +119,7 @@ class Model:
         return State(q_world_body, omega_body, com_world, velocity_world, spins)
 
     def R_world_body(self) -> FloatArray:
-        """The body's attitude now, (3, 3)."""
+        """Return the body's attitude now, as a matrix, (3, 3)."""
         q_world_body = self.read_state().q_world_body_wxyz
         return matrix(q_world_body / np.linalg.norm(q_world_body))
 
@@ -125,7 +128,7 @@ class Model:
         return times(self.body_from_principal.inv().as_quat(scalar_first=True))
 
     def coordinates(self, states: State) -> FloatArray:
-        """The velocity coordinates that PyBullet clamps, rad/s and m/s, a row of each state."""
+        """Return the velocity coordinates that PyBullet clamps, rad/s and m/s, a row a state."""
         R_world_body = matrices(states.q_world_body_wxyz)
         if self.world.link == BASE:
             omega_world = turned(R_world_body, states.omega_body)
@@ -136,7 +139,7 @@ class Model:
         return np.hstack([sliding, turning, states.spins])
 
     def placed(self, state: State) -> Placed:
-        """A state in PyBullet's coordinates; a body that hangs by a joint is turned there.
+        """Return a state in PyBullet's coordinates; if the body hangs by a joint, turn that joint.
 
         A joint's angle is counted along the principal axes.
         """
@@ -156,7 +159,7 @@ class Model:
         return Placed(q_xyzw, omega, arm_world, swing_world)
 
     def place(self, placed: Placed, com_world: FloatArray, velocity_world: FloatArray) -> None:
-        """Set the body to a state; the joint of one that hangs stays at its height."""
+        """Set the body to a state; if it hangs by a joint, the joint stays at its height."""
         world, at, speed = self.world, com_world - placed.arm_world, placed.swing_world
         if world.link == BASE:
             p.resetBasePositionAndOrientation(world.body, at, placed.q_xyzw, world.client)
@@ -165,7 +168,7 @@ class Model:
         world.move(placed.q_xyzw, velocity_world - speed, placed.omega)
 
     def in_its_axes(self, scenario: Scenario) -> dict[str, Any]:
-        """What a world's `set_up` needs besides: the start and torque, along principal axes."""
+        """Return the rest of the record for `set_up`: start and torque along principal axes."""
         start, is_pivot = scenario.start, scenario.constraint.is_pivot
         is_base, principal_from_body = self.world.link == BASE, self.body_from_principal.inv()
         world_from_body = Rotation.from_quat(start.q_world_body_wxyz, scalar_first=True)

@@ -15,20 +15,20 @@ from ...users_models import Advice, Configuration, ModelFile, ModelReader, Shape
 from .engine import installed_version
 from .world import BASE
 
-#: Endings of meshes that PyBullet makes collision shapes of.
+#: File endings of the meshes of which PyBullet makes collision shapes.
 MESHES = frozenset((".obj", ".stl", ".dae"))
 UNSTATED = {"nothing stated": Advice("PyBullet then fixes a root in the world")}
 #: The two ways to load a URDF.
 DEFAULT, FROM_FILE = "default", "inertia-from-file"
-#: First words of what PyBullet prints: file and line of its source.
+#: Pattern of the first words of what PyBullet prints: file and line of its source.
 _HEAD = re.compile(r"b3(?:Warning|Error|Printf)\[[^\]]*\]:\n?")
-#: In bytes of the index of `getJointInfo`.
+#: Indices into what `getJointInfo` returns, of numbers that are bytes.
 LINK_NAME = 12
 
 
 @final
 class PyBulletModelReader(ModelReader):
-    """`loadURDF`, without and with the flag that has it take the file's tensors."""
+    """`loadURDF`, without and with the flag by which it uses the file's tensors."""
 
     name = "pybullet"
     formats = frozenset({"urdf"})
@@ -49,7 +49,7 @@ class PyBulletModelReader(ModelReader):
         return installed_version()
 
     def read(self, model: ModelFile, configuration: str) -> dict[str, BodyReading]:
-        """Load the file into an empty world; only the default needs collision shapes."""
+        """Return the bodies of a file after loading; only the default needs its shapes."""
         asks_shapes = configuration == DEFAULT
         flags = p.URDF_IGNORE_VISUAL_SHAPES
         if not asks_shapes:
@@ -71,7 +71,7 @@ class PyBulletModelReader(ModelReader):
 
 
 def takes_mesh(shape: Shape) -> bool:
-    """Whether PyBullet makes a collision shape of such a mesh."""
+    """Whether PyBullet makes a collision shape of this mesh."""
     return Path(shape.mesh or "").suffix.lower() in MESHES
 
 

@@ -1,4 +1,4 @@
-"""What the pivot of a rigid body bears: beyond it the body falls through."""
+"""The largest load that the pivot of a rigid body bears: beyond it the body falls through."""
 
 import numpy as np
 from spincheck.engine import Scenario, State, UnsupportedError
@@ -6,14 +6,15 @@ from spincheck.engine import Scenario, State, UnsupportedError
 from ....scenarios.effects.push import push
 from ....scenarios.rotation import cross, matrix
 
-#: N s a step, of a constraint between two rigid bodies: PyBullet's default, which it keeps.
+#: Largest impulse in a step of a constraint between two rigid bodies, N s: PyBullet's default,
+#: which is kept.
 MOST_IMPULSE = 500.0
 
 
 def check_borne(scenario: Scenario, state: State, timestep: float) -> None:
     """Raise `UnsupportedError` if the pivot cannot bear the body at this state.
 
-    The com's acceleration is by Euler's equations about the pivot.
+    The load follows from the com's acceleration by Euler's equations about the pivot.
     """
     mass, com, inertia = scenario.body.mass, scenario.body.com, scenario.inertia
     R_world_body, omega_body = matrix(state.q_world_body_wxyz), state.omega_body

@@ -10,13 +10,14 @@ from ....scenarios.effects.push import push
 from ....scenarios.rotation import cross, matrix
 from .model import Model
 
-#: s, timestep h of a probe. The torque, gain of L over h, has a rounding error of EPS L / h and a
+#: Timestep h of a probe, s. The torque, gain of L over h, has a rounding error of EPS L / h and a
 #: truncation error proportional to h: their sum is least at h = √EPS.
 PROBE_STEP = 2.0**-26
-#: rad/s, and m/s of a free body's com; slow, so that gyroscopic terms stay below both errors.
+#: Spin of a probe, rad/s, and speed of a free body's com, m/s; slow, so that gyroscopic terms stay
+#: below both errors.
 PROBE_SPIN = 2.0**-7
-#: How many such errors add up, at most. PyBullet's default damping, 0.04 I ω, is a hundred thousand
-#: times as large.
+#: Largest number of such errors that add up. The torque of PyBullet's default damping, 0.04 I ω, is
+#: a hundred thousand times as large.
 SLACK = 16 * PROBE_STEP
 
 
@@ -41,18 +42,19 @@ class Probe:
         model.world.set_spins(np.full(len(scenario.rotors.each), PROBE_SPIN))
         R_world_body = model.R_world_body()
         self.spin_world = R_world_body @ np.full(3, PROBE_SPIN)
-        # N m, the scene's torques at rest, and what they change by at that spin.
+        # The scene's torques at rest, N m, and their change by that spin.
         self._push_world = push(scenario.pushed, R_world_body, np.zeros(3))
         self._dragged_world = (
             push(scenario.pushed, R_world_body, self.spin_world) - self._push_world
         )
-        # What holds the body, if not a contact: along which axes, and m from there to the com.
+        # Axes of the world along which a joint or constraint, not a contact, holds the body, and
+        # the vector from the held point to the com, m.
         is_held = scenario.constraint.is_pivot or model.world.link > 0
         self._is_held = np.array(scenario.constraint.is_held) & is_held
         self._lever_body = scenario.constraint.lever * is_held
 
     def after(self, omega_world: FloatArray) -> tuple[State, State]:
-        """The states before and after a step from this ω.
+        """Return the states before and after a step that starts with a given ω, rad/s, (3,).
 
         A body that is not on a pivot also starts with a velocity: the same vector in m/s.
         """
@@ -69,10 +71,10 @@ class Probe:
         return before, self.model.read_state()
 
     def gains(self, omega_world: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Momentum gained, N, and angular momentum, N m, a second of such a step; (3,) each.
+        """Return the rates at which a step gains momentum, N, and angular momentum, N m, (3,) each.
 
-        A point that holds the body may slide, at v: the angular momentum about it changes by
-        −m v × v_com besides, since the force there passes through it.
+        If the point that holds the body slides at v, the angular momentum about it also changes by
+        −m v × v_com, which is left out of the rate, since the force at the point passes through it.
         """
         before, after = self.after(omega_world)
         mass, velocity_world = self.model.body.mass, before.velocity_world
@@ -82,18 +84,18 @@ class Probe:
         return force, gain + mass * cross(velocity_world - swing_world, velocity_world)
 
     def _momentum(self, state: State) -> FloatArray:
-        """L about what holds the body, or else the com, world axes, kg m²/s, (3,)."""
+        """Return L about the held point, or else the com, world axes, kg m²/s, (3,)."""
         body, R_world_body = self.model.body, _attitude(state)
         L_body = body.inertia_com @ state.omega_body + state.spins @ body.axial
         about_world = cross(R_world_body @ self._lever_body, state.velocity_world)
         return np.asarray(R_world_body @ L_body + body.mass * about_world)
 
     def resistance(self) -> FloatArray:
-        """The torque of the spinning body minus that at rest, N m, (3,)."""
+        """Return the torque on the spinning body minus the torque at rest, N m, (3,)."""
         return self.gains(self.spin_world)[1] - self.gains(np.zeros(3))[1]
 
     def unlike(self) -> tuple[str, str, str]:
-        """How torque, resistance and force differ from the scene's; empty if they do not.
+        """Return in words how torque, resistance and force differ from the scene's; empty if equal.
 
         Gravity is off and so not part of the force; along axes on which a joint holds the body
         there is no force to compare.
@@ -111,7 +113,7 @@ class Probe:
         return torque, resistance, force
 
     def wrong_hinges(self) -> list[str]:
-        """The hinges that do not keep what they should, from a slow spin, in words."""
+        """Return in words the hinges that do not keep their constant from a slow spin on."""
         rotors = self.scenario.rotors
         self.model.world.set_spins(np.full(len(rotors.each), PROBE_SPIN))
         before, after = self.after(self.spin_world)
@@ -124,31 +126,32 @@ class Probe:
 
     @property
     def noise(self) -> float:
-        """Noise of the measured torque, N m."""
+        """Bound of the rounding and truncation errors of the measured torque, N m."""
         body, arm = self.model.body, float(np.linalg.norm(self.scenario.constraint.lever))
         moments = np.linalg.eigvalsh(body.inertia_com)
         largest_moment = float(moments[-1]) + body.mass * arm**2
         if self.model.world.link > 0:
-            # A com that flies at 1 m/s a rad/s has an angular momentum about the joint.
+            # The com of a free body, flying at 1 m/s for each rad/s, has an angular momentum about
+            # the joint.
             largest_moment += body.mass * arm
         pushed = float(np.linalg.norm(self._push_world))
-        # What a torque adds to ω in the step also turns the body, and with it L.
+        # The change of ω by a torque during the step also turns the body, and with it L.
         dragged = float(np.linalg.norm(self._dragged_world))
         turned = (pushed + dragged) * largest_moment / float(moments[0])
         return SLACK * (PROBE_SPIN * (largest_moment + turned) + pushed)
 
 
 def _attitude(state: State) -> FloatArray:
-    """The attitude, (3, 3), to the last digit, as differences are divided by a very short time."""
+    """Return the normalised attitude matrix: its differences are divided by a short time."""
     q_wxyz = state.q_world_body_wxyz
     return matrix(q_wxyz / np.linalg.norm(q_wxyz))
 
 
 def near(got: FloatArray, wanted: FloatArray, noise: float) -> bool:
-    """Whether a vector is another but for rounding and noise."""
+    """Whether two vectors are equal up to rounding and noise."""
     return bool(np.abs(got - wanted).max() <= SLACK * np.abs(wanted).max() + noise)
 
 
 def size(vector: FloatArray) -> str:
-    """The length of a vector, in words."""
+    """Return the length of a vector as text."""
     return f"{np.linalg.norm(vector):.3g}"

@@ -55,7 +55,7 @@ p.changeConstraint(tie, maxForce=1e100)"""
 
 
 def setup(representation: BodyRepresentation) -> str:
-    """What users write who load a URDF of their own, its pivot a joint or a constraint."""
+    """Return what users write to load a URDF of their own, with a pivot as joint or constraint."""
     maximal = ", useMaximalCoordinates=True" if representation.maximal else ""
     holding = CONTACT if representation.by_contact else JOINT if representation.hung else TIE
     return f"""\
@@ -67,7 +67,7 @@ p.changeDynamics(body, -1, maxJointVelocity=1e100)
 
 
 def script(scenario: Scenario, representation: BodyRepresentation, timestep: float) -> str:
-    """The world of a method, with the numbers that a session gives it."""
+    """Return the world of a method as Python, with the numbers that a session gives it."""
     with PyBulletSession(scenario, representation, timestep) as session:
         entries = [f'    "{key}": {value!r},' for key, value in session.world.scene.items()]
     return _SCRIPT.format(

@@ -19,14 +19,14 @@ from .pivot_limit import check_borne
 from .world import BASE, CLAMP, UNREACHED
 from .worlds import give_back, take_world
 
-#: rad/s and m/s: every velocity coordinate of a multibody is clamped at this. (Source:
-#: `m_maxCoordinateVelocity` of btMultiBody; measured.)
+#: Largest value of every velocity coordinate of a multibody, rad/s and m/s, at which it is clamped.
+#: (Source: `m_maxCoordinateVelocity` of btMultiBody; measured.)
 DEFAULT_CLAMP = 100.0
-#: s, of a step in which a body at rest goes nowhere.
+#: Timestep, s, in which a body at rest moves nowhere.
 IDLE = 2.0**-60
-#: A clamped velocity is read back through a rotation, with a few rounding errors.
+#: Relative slack, as a clamped velocity is read back through a rotation, with rounding errors.
 ROTATED = 8 * float(np.finfo(float).eps)
-#: How PyBullet marks what it warns of.
+#: Marks of warnings in what PyBullet prints.
 WARNING = "b3Warning"
 
 
@@ -37,7 +37,7 @@ class PyBulletSession(Session):
     Raises
     ------
     EngineError
-        If PyBullet cannot load the scene, or warns while it does; with what it printed.
+        If PyBullet cannot load the scene, or warns while it does; with the text that it printed.
     """
 
     def __init__(
@@ -65,20 +65,20 @@ class PyBulletSession(Session):
 
     @property
     def can_restart(self) -> bool:
-        """Unless it lies on a contact, whose impulses Bullet keeps from step to step."""
+        """Whether the body lies on no contact: Bullet keeps a contact's impulses."""
         return not self._rests
 
     @property
     def restarts_to_the_last_bit(self) -> bool:
-        """Whether the body is on a joint; any other pose is composed as it is loaded."""
+        """Whether the body is on a joint: any other pose is composed as it is loaded."""
         return bool(self.world.link != BASE)
 
     def restart(self, state: State, timestep: float | None = None) -> None:
-        """Set pose and velocities; a body held by a constraint is set off its pivot, too."""
+        """Set pose and velocities; a body on a constraint may be set off its pivot, too."""
         timestep = self.world.timestep if timestep is None else timestep
         if self._is_maximal and self._scenario.constraint.is_pivot:
             check_borne(self._scenario, state, timestep)
-        # The same few states are set at many timesteps.
+        # `placed` is kept, as the same few states are set at many timesteps.
         turned = state.q_world_body_wxyz.tobytes() + state.omega_body.tobytes()
         if turned not in self._placed:
             self._placed[turned] = self.model.placed(state)
@@ -90,7 +90,7 @@ class PyBulletSession(Session):
         self.world.set_timestep(timestep)
 
     def _renew_inertia(self, placed: Placed, state: State) -> None:
-        """Have PyBullet turn a rigid body's inertia, which it does at the end of a step only."""
+        """Make PyBullet rotate a rigid body's inertia, which it only does at the end of a step."""
         rest = com_world = np.zeros(3)
         if self._scenario.constraint.is_pivot:
             attitude = Rotation.from_quat(state.q_world_body_wxyz, scalar_first=True)
@@ -100,7 +100,7 @@ class PyBulletSession(Session):
         self.advance(1)
 
     def advance(self, steps: int) -> None:
-        """As the world does; a world whose step was given up is not used again."""
+        """Take steps as the world does; a world interrupted in a step is not used again."""
         try:
             self.world.advance(steps)
         except RuntimeError as error:
@@ -108,7 +108,7 @@ class PyBulletSession(Session):
             raise EngineError(str(error), "warning") from None
 
     def check(self) -> None:
-        """Raise if the clock is not what was set, a velocity is clamped, or the pivot gave way."""
+        """Raise if the clock is not as it was set, a velocity is clamped, or the pivot gave way."""
         engine, world = p.getPhysicsEngineParameters(self.client), self.world
         wanted = (world.timestep * world.substeps, world.substeps)
         got = (engine["fixedTimeStep"], engine["numSubSteps"])
@@ -150,7 +150,7 @@ class PyBulletSession(Session):
         return Fault(int(np.argmax(clamped.any(axis=1))), "clamp", reason)
 
     def active(self) -> frozenset[str]:
-        """What acts, read back and felt: see `audit`."""
+        """Return what acts, as read back and measured: see `audit`."""
         return what_acts(self.advance, self.model, self._scenario, rests=self._rests)
 
     def close(self) -> None:
@@ -171,7 +171,7 @@ def _open(
     timestep: float,
     left_in: Collection[str],
 ) -> Model:
-    """The scene's body, in a world of its own."""
+    """Return the scene's body in a world of its own."""
     client = -1
     try:
         with native_output() as printed:

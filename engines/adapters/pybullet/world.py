@@ -9,13 +9,13 @@ import pybullet as p
 
 #: PyBullet's index of a body's base; its links count from 0.
 BASE = -1
-#: Defaults of PyBullet that alter motions; the third is of bodies on a joint.
+#: Names of PyBullet's defaults that alter motions; the motor is only on a body on a joint.
 INERTIA, DAMPING = "inertia of the shape", "damping"
 JOINT_MOTOR, CLAMP = "joint motor", "velocity clamp"
 DEFAULTS = (INERTIA, DAMPING, JOINT_MOTOR, CLAMP)
-#: rad/s and m/s; N; N m: larger than any velocity, force or torque of a run.
+#: A velocity, rad/s and m/s, force, N, and torque, N m, larger than any in a run.
 UNREACHED = 1e100
-#: Of a contact.
+#: Parameters of a contact.
 FRICTIONLESS = dict.fromkeys(
     ("lateralFriction", "spinningFriction", "rollingFriction", "restitution"), 0
 )
@@ -25,10 +25,11 @@ MOST_STEPS_A_CALL = 2**14
 
 @cache
 def calls(steps, timestep):
-    """Steps a call that add up to `steps`: one call where PyBullet takes exactly that many.
+    """Return the numbers of steps of native calls that take `steps` steps together.
 
-    PyBullet gets k dt and k, divides the one by the other, and takes as many steps as fit. With k a
-    power of two that is exact; with another it may be a step less, or of another length.
+    One call is enough if PyBullet takes exactly that many: it receives k dt and k, divides the one
+    by the other, and takes as many steps as fit. If k is a power of two, that is exact; otherwise
+    it may take a step less, or steps of another length.
     """
     span = steps * timestep
     each = span / steps
@@ -40,21 +41,23 @@ def calls(steps, timestep):
 
 
 class World:
-    """One body, loaded in its pose, as a rigid body keeps its inertia, in world axes, for a step.
+    """One body in a PyBullet world of its own.
+
+    It is loaded in its start pose: a rigid body keeps its inertia in world axes during a step.
 
     Parameters
     ----------
-    scene : `maximal`, whether it has six coordinates and not a joint's; `hung`, whether it hangs by
-        a spherical joint, on `slides` along so many axes; `defaults` that are left; `position`, m,
-        and `attitude`, x y z w, that it is loaded at; `gravity`, m/s²; `drag`, N m s;
-        `torque_world`, N m; `plane`, the height of the plane that it lies on, m, or None; `rotors`,
-        the hinge of each, and their `spins`, rad/s; `motor`, the gain of the joint's motor;
-        `is_exact`, whether constraints are solved directly. Along the principal axes that PyBullet
-        has found, and needed by `set_up` only: `axes`, w x y z, in the body's; `pivot`, m, where it
-        is tied to the world's origin, or None; `torque_body`, N m; `joint`, x y z w, and its
-        `omega`, rad/s; `place` and `speed` of slides, m and m/s; of a base, `omega` and `velocity`,
-        m/s, are along the world's.
-    client, file : PyBullet's number of an empty world, and a URDF
+    scene : `maximal`, whether the body has six coordinates and not a joint's; `hung`, whether it
+        hangs by a spherical joint, on `slides` along so many axes; `defaults` of PyBullet that are
+        kept; `position`, m, and `attitude`, x y z w, that it is loaded at; `gravity`, m/s²; `drag`,
+        N m s; `torque_world`, N m; `plane`, the height of the plane that it lies on, m, or None;
+        `rotors`, the hinge of each, and their `spins`, rad/s; `motor`, the gain of the joint's
+        motor; `is_exact`, whether constraints are solved directly. Along the principal axes that
+        PyBullet has found, and needed by `set_up` only: `axes`, w x y z, in the body's; `pivot`, m,
+        where it is tied to the world's origin, or None; `torque_body`, N m; `joint`, x y z w, and
+        its `omega`, rad/s; `place` and `speed` of slides, m and m/s; of a base, `omega` and
+        `velocity`, m/s, are along the world's axes.
+    client, file : PyBullet's number of an empty world, and the path of a URDF
     """
 
     def __init__(self, scene, client, file):
@@ -68,20 +71,20 @@ class World:
             flags=0 if INERTIA in scene["defaults"] else p.URDF_USE_INERTIA_FROM_FILE,
             physicsClientId=client,
         )
-        # By their links: rotors come last.
+        # Hinges of rotors by their links, which come last.
         self.first_rotor = p.getNumJoints(self.body, client) - len(scene["rotors"])
         hinges = dict(enumerate(scene["rotors"], start=self.first_rotor))
         self.hinges = {link: hinge for link, hinge in hinges.items() if hinge != "locked"}
         self.pushes = []
 
     def set_up(self, timestep):
-        """Take away the defaults that are not to be left, hold the body, and set it off."""
+        """Remove PyBullet's defaults that are not kept, hold the body, and set it moving."""
         scene, client = self.scene, self.client
         has_motors = JOINT_MOTOR in scene["defaults"]
         if DAMPING not in scene["defaults"]:
             self.take_away_damping()
         if CLAMP not in scene["defaults"]:
-            # Of all joint velocities, the base's ω among them.
+            # The clamp applies to all joint velocities, the base's ω among them.
             self.change(BASE, maxJointVelocity=UNREACHED)
         if scene["hung"] and not has_motors:
             self.set_motor(scene["motor"])
@@ -105,18 +108,18 @@ class World:
         self.set_timestep(timestep)
 
     def change(self, link, **numbers):
-        """Set numbers of the base or a link."""
+        """Set dynamics parameters of the base or a link."""
         p.changeDynamics(self.body, link, physicsClientId=self.client, **numbers)
 
     def take_away_damping(self):
-        """Set linear and angular damping to 0; for a body with joints, at its base."""
+        """Set linear and angular damping to 0; a body with joints has them at its base."""
         self.change(BASE, linearDamping=0, angularDamping=0)
 
     def set_motor(self, gain):
-        """Have the motor of a spherical joint, which holds the joint's velocity at zero, idle.
+        """Set the gain of the motor that holds a spherical joint's velocity at zero.
 
-        With gains of one number, 0, it is removed; with three it stays in the solver, without a
-        force. If it were removed first, it would not come back.
+        A gain of one number, 0, removes the motor; three keep it in the solver without a force. A
+        motor that was removed cannot be added again.
         """
         self.control(
             p.POSITION_CONTROL,
@@ -133,10 +136,11 @@ class World:
         )
 
     def tie(self):
-        """A point-to-point constraint from the body's origin to the world's."""
+        """Tie the body's origin to the world's by a point-to-point constraint."""
         client, anchor = self.client, BASE
         if self.scene["maximal"]:
-            # Of two rigid bodies only: a massless, shapeless one stands for the world.
+            # Constraints with the world are between two rigid bodies: a massless, shapeless one
+            # stands for it.
             anchor = p.createMultiBody(
                 baseMass=0, useMaximalCoordinates=True, physicsClientId=client
             )
@@ -157,7 +161,7 @@ class World:
     def lay_under(self):
         """Put a plane under the body, both without friction or restitution.
 
-        By default Bullet leaves contacts that are 1e-5 m deep, which shows in the limit of short
+        By default Bullet accepts contacts that are 1e-5 m deep, which shows in the limit of short
         steps.
         """
         client = self.client
@@ -178,12 +182,12 @@ class World:
             )
 
     def slide(self, place, speed):
-        """Set the slides, m and m/s, of a body that hangs on any."""
+        """Set place, m, and velocity, m/s, of the slides, if the body is on any."""
         for link in range(self.link):
             p.resetJointState(self.body, link, place[link], speed[link], self.client)
 
     def set_spins(self, spins):
-        """Set the spins of all rotors, rad/s, at the angles of the model, and the drives."""
+        """Set the spins of all rotors, rad/s, at the model's angles, and their drives."""
         for link, spin in enumerate(spins, start=self.first_rotor):
             if link in self.hinges:
                 p.resetJointState(self.body, link, 0.0, float(spin), self.client)
@@ -196,7 +200,7 @@ class World:
             self.drive(link, 0.0, 0.0)
 
     def drive(self, link, spin, torque):
-        """Have a hinge keep its spin with a torque of at most this."""
+        """Make a hinge keep its spin, rad/s, with a torque of at most `torque`, N m."""
         p.setJointMotorControl2(
             self.body,
             link,
@@ -207,7 +211,7 @@ class World:
         )
 
     def set_torques(self):
-        """Find what to apply before a call, and whether that call may take many steps.
+        """Choose the torques to apply before a call, and whether that call may take many steps.
 
         PyBullet applies a torque in all steps of a call and clears it afterwards. A torque constant
         in world axes, or on a joint, is right for all of them; any other must be set again every
@@ -237,11 +241,11 @@ class World:
         self.push((-drag * x, -drag * y, -drag * z), p.WORLD_FRAME)
 
     def set_timestep(self, timestep):
-        """Length of the steps from now on, s."""
+        """Set the length of the steps from now on, s."""
         self.timestep, self.substeps = timestep, 0
 
     def advance(self, steps):
-        """Take whole steps, many a call where no torque has to be renewed in between."""
+        """Take whole steps, many in a call if no torque has to be renewed in between."""
         if steps == self.substeps and self.at_once:
             self.step(steps)
             return
@@ -249,7 +253,7 @@ class World:
             self.step(substeps)
 
     def step(self, substeps):
-        """One native call."""
+        """Take `substeps` steps in one native call."""
         if substeps != self.substeps:
             p.setPhysicsEngineParameter(
                 fixedTimeStep=self.timestep * substeps,
@@ -263,20 +267,21 @@ class World:
             raise RuntimeError("PyBullet did not complete a step")
 
     def motion(self):
-        """Com, attitude of the principal axes as x, y, z, w, velocity, ω; world axes.
+        """Return com, attitude of the principal axes as x, y, z, w, velocity, ω; world axes.
 
-        Those of a link are computed anew: PyBullet's cached values are one step old.
+        A link's motion is computed anew: PyBullet's cached values are one step old.
         """
         if self.link == BASE:
             com_world, q_xyzw = p.getBasePositionAndOrientation(self.body, self.client)
             velocity_world, omega_world = p.getBaseVelocity(self.body, self.client)
             return com_world, q_xyzw, velocity_world, omega_world
-        # computeLinkVelocity and computeForwardKinematics; keywords would take longer.
+        # The flags are computeLinkVelocity and computeForwardKinematics; keywords would take
+        # longer.
         state = p.getLinkState(self.body, self.link, 1, 1, self.client)
         return state[0], state[1], state[6], state[7]
 
     def spins(self):
-        """Spins of the rotors that turn, relative to the body, rad/s."""
+        """Return the spins of the rotors that turn, relative to the body, rad/s."""
         if not self.hinges:
             return ()
         return tuple(state[1] for state in p.getJointStates(self.body, [*self.hinges], self.client))

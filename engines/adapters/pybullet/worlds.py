@@ -1,19 +1,19 @@
-"""Reuses PyBullet worlds: connecting to a new one takes as long as thousands of steps.
+"""Reuses PyBullet worlds, since connecting to a new one takes as long as thousands of steps.
 
-Bodies move in an emptied world as in a new one, to the last bit.
+In an emptied world bodies move as in a new one, to the last bit.
 """
 
 import pybullet as p
 from spincheck.engine import EngineError
 
-#: Timestep, s, and steps a call, of a new world.
+#: Timestep, s, and number of steps in a call, of a new world.
 DEFAULT_TIMESTEP, DEFAULT_SUBSTEPS = 1 / 240, 0
 
 _empty: list[int] = []
 
 
 def take_world() -> int:
-    """An empty world, by PyBullet's number of it.
+    """Return PyBullet's number of an empty world.
 
     Raises
     ------
@@ -37,7 +37,7 @@ def give_back(client: int) -> None:
         p.removeConstraint(p.getConstraintUniqueId(index, client), client)
     for index in reversed(range(p.getNumBodies(client))):
         p.removeBody(p.getBodyUniqueId(index, client), client)
-    # By keyword: the first positional argument is something else, and world 0 would be emptied.
+    # By keyword: the first positional argument is not the client, and world 0 would be emptied.
     p.resetSimulation(physicsClientId=client)
     p.setPhysicsEngineParameter(
         fixedTimeStep=DEFAULT_TIMESTEP, numSubSteps=DEFAULT_SUBSTEPS, physicsClientId=client

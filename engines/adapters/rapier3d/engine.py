@@ -15,15 +15,16 @@ from ...world_engine import WorldEngine
 from ...world_parts import matrix, push
 from ...world_session import WorldSession
 
-#: A rotor's hinge and a table are joints of other locked axes than a pivot's.
+#: Effects that it can simulate: a rotor's hinge and a table are joints that lock other axes than a
+#: pivot.
 EFFECTS = COMMON_EFFECTS | {"rotors", "table"}
-#: Axes that a joint can lock.
+#: Names of the axes that a joint can lock.
 EVERY = 6
-#: rad: ANGULAR_MOTION_THRESHOLD of its sources: by default a body turns no further in a step.
+#: Largest turn in a step, rad, by default: ANGULAR_MOTION_THRESHOLD of its sources.
 MOST_ROTATION_A_STEP = pi / 4
 #: Relative rounding of numbers in single precision.
 SLACK = 8 * float(np.finfo(np.float32).eps)
-#: How users keep bodies from falling asleep, and from being clamped.
+#: What users write to keep bodies from falling asleep, and from being clamped.
 AWAKE = """\
 world.integration_parameters.dt = TIMESTEP
 body = rapier3d.RigidBody.dynamic().can_sleep(False).allow_fast_rotation(True)"""
@@ -31,43 +32,43 @@ body = rapier3d.RigidBody.dynamic().can_sleep(False).allow_fast_rotation(True)""
 
 @final
 class Rapier3DSession(WorldSession):
-    """One body, its origin the com."""
+    """One body, whose origin is the com."""
 
     def world_body(self) -> WorldBody:
-        """Its principal moments in the axes that they belong to, and the joint's anchor."""
+        """Return the body by its principal moments, their axes, and the joint's anchor."""
         joint, xyz = self.world.joint, self.module.xyz
         arm = None if joint is None else xyz(joint.data.local_anchor2)
         rotors = [self._rotor(*rotor) for rotor in self.world.rotors]
         return WorldBody(*self._mass_of(self.world.body), arm, rotors)
 
     def _mass_of(self, body: Any) -> tuple[float, FloatArray, FloatArray]:
-        """Mass, com and tensor about it of a body, in its own axes."""
+        """Return mass, com and tensor about the com of a body, in its own axes."""
         properties, xyz = body.mass_properties, self.module.xyz
         axes = matrix(self.module.wxyz(properties.principal_inertia_local_frame))
         inertia = axes @ np.diag(xyz(properties.principal_inertia)) @ axes.T
         return body.mass, xyz(properties.local_com), inertia
 
     def _rotor(self, body: Any, joint: Any) -> HeldRotor:
-        """A rotor, which starts along the body's axes."""
+        """Return a rotor, whose axes are the body's at the start."""
         (mass, com, inertia), hinge, xyz = self._mass_of(body), joint.data, self.module.xyz
         place = xyz(hinge.local_anchor1) + com - xyz(hinge.local_anchor2)
         turns = self.module.count(hinge.locked_axes) < EVERY
-        # Its `local_axis1` adds the anchor.
+        # Rapier's `local_axis1` has the anchor added to it, which is subtracted here.
         axis = matrix(self.module.wxyz(hinge.local_frame1.rotation))[:, 0] * turns
         return HeldRotor(mass, place, inertia, axis)
 
     def advance(self, steps: int) -> None:
-        """Step; Rapier reports a body whose numbers are not finite only after that step."""
+        """Take steps; Rapier reports a body with infinite numbers only after the step."""
         self.world.advance(steps)
         self.check()
 
     def check(self) -> None:
-        """Raise if any step so far was quarantined."""
+        """Raise if a body was quarantined, that is stopped as not finite, in any step so far."""
         if self.world.quarantined:
             raise EngineError("Rapier has quarantined the body: not finite", "not-finite")
 
     def active(self) -> frozenset[str]:
-        """What acts, as reported by the world and the body."""
+        """Return what acts, as reported by the world and the body."""
         body, world, scenario = self.world.body, self.world.world, self.scenario
         motion = self.world.motion()
         wanted = push(self.scene, matrix(motion[:4]), motion[4:7])
@@ -99,7 +100,7 @@ class Rapier3DSession(WorldSession):
         return frozenset(acting | stated_effects if got.any() else acting)
 
     def _wrong_hinges(self) -> Iterator[str]:
-        """Joints of rotors that are other than the scene's, in words."""
+        """Yield in words how joints of rotors differ from the scene's."""
         described = self.scene.get("rotors", ())
         for number, (rotor, (_, joint)) in enumerate(
             zip(described, self.world.rotors, strict=True), 1
@@ -114,7 +115,7 @@ class Rapier3DSession(WorldSession):
 
 @final
 class Rapier3D(WorldEngine):
-    """Rapier's rigid bodies, a pivot as an impulse joint."""
+    """Rapier's rigid bodies; a pivot is an impulse joint."""
 
     session = Rapier3DSession
     name = "rapier3d"

@@ -5,34 +5,34 @@ import rapier3d
 
 from ...world_parts import is_pushed, matrix, push, quaternion, rotor_tensor
 
-#: Gain of a drive, in steps: it lets no change of a spin be.
+#: Gain of a drive, in steps: the drive allows no change of the spin.
 FIRM = 1e9
 
 
 def wxyz(q):
-    """A quaternion of Rapier's as numbers."""
+    """Return one of Rapier's quaternions as numbers, w x y z."""
     return np.array((q.w, q.i, q.j, q.k))
 
 
 def xyz(v):
-    """A vector of Rapier's as numbers."""
+    """Return one of Rapier's vectors as numbers."""
     return np.array((v.x, v.y, v.z))
 
 
 def count(mask):
-    """How many axes a mask of them has."""
+    """Return how many axes a joint's mask locks."""
     return mask.bits.bit_count()
 
 
 class World:
-    """The body, its rotors, and joints: of a pivot or table, then the rotors' hinges."""
+    """The body, its rotors, and joints: the one that holds the body, then the rotors' hinges."""
 
     def __init__(self, scene, method, timestep):
         self.scene, self.method = scene, method
         self.restart(scene, timestep)
 
     def restart(self, motion, timestep):
-        """Build a world with another motion and timestep: a new one has nothing to forget."""
+        """Build a new world with another motion and timestep, without memory of earlier steps."""
         self.scene = scene = self.scene | motion
         self.quarantined = False
         self.world = rapier3d.PhysicsWorld(gravity=tuple(scene["gravity"]))
@@ -61,7 +61,7 @@ class World:
         body.position = rapier3d.Isometry3(tuple(motion["com"]), attitude)
         body.linvel = tuple(motion["velocity"])
         body.angvel = tuple(motion["omega"])
-        # Until then its mass reads 0.
+        # Before this step its mass reads 0.
         body.recompute_mass_properties_from_colliders(self.world.colliders)
         return body, handle
 
@@ -116,5 +116,5 @@ class World:
             if pushed:
                 self.push()
             self.world.step()
-            # It stops a body whose numbers are not finite, and says so only after that step.
+            # Rapier stops a body whose numbers are not finite, and says so only after the step.
             self.quarantined |= not self.world.quarantine.is_empty()
