@@ -6,7 +6,7 @@ from ...results.cost_records import MethodCost
 from ...results.environment import processor
 from ...results.records import Key, variation
 from ...results.store import Store
-from ..choice import Choice
+from ..choice import Choice, EngineMethod
 from ..executors import CallFailed, Executor
 from ..plan import SceneLeft, can_be_timed, settled_verdicts
 from .left_out import motions_apart, with_all_left_in
@@ -44,16 +44,14 @@ def _time_scene(
         for key, pair in choice.methods_on(scenario).items()
         if can_be_timed(scenario, pair, verdicts.get(key))
     ]
-    whole = with_all_left_in(scenario, pairs)
-    apart = [
-        timed(executor.call_at(engine.site, motions_apart, scenario, engine, method.name))
-        for engine, method in whole
-    ]
-    of_motions, pairs = [*([None] * len(pairs)), *apart], [*pairs, *whole]
-    costs, complaints = measure(executor, scenario, pairs) if pairs else ([], [])
+    apart: dict[EngineMethod, tuple[float, float] | CallFailed | None] = dict.fromkeys(pairs)
+    for whole, method in with_all_left_in(scenario, pairs):
+        found = timed(executor.call_at(whole.site, motions_apart, scenario, whole, method.name))
+        apart[whole, method] = found
+    costs, complaints = measure(executor, scenario, [*apart]) if apart else ([], [])
     made = []
-    for (engine, method), cost, found in zip(pairs, costs, of_motions, strict=True):
-        until, difference = (None, None) if isinstance(found, CallFailed | None) else found
+    for ((engine, method), compared), cost in zip(apart.items(), costs, strict=True):
+        until, difference = (None, None) if isinstance(compared, CallFailed | None) else compared
         key, varied = Key(scenario.name, engine.name, method.name), variation(engine.varied)
         made.append(MethodCost(key, processor(), cost, varied, difference, until))
     store.put(*made)

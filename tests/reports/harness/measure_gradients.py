@@ -133,7 +133,7 @@ def write(tables: Mapping[str, Sequence[str]]) -> None:
 
 def main(names: Sequence[str]) -> None:
     """Measure one after the other."""
-    with LocalWorkers(1, time_limit=600.0) as executor:
+    with LocalWorkers(1, time_limit=3600.0) as executor:
         for named in names:
             found = list(rows_of(executor, named, SCENES))
             name, _, wanted = named.partition("/")
