@@ -1,4 +1,4 @@
-"""The answers that a child may give: sizes, types, ranges (docs/reference/engine-protocol.md)."""
+"""The answers that a child may give: size, type and range (docs/reference/engine-protocol.md)."""
 
 import json
 import math
