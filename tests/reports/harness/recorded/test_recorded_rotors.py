@@ -138,5 +138,5 @@ def test_an_engines_spins_are_judged() -> None:
 
 def test_the_rounding_of_fast_spins_is_not_told() -> None:
     rounded = MOTION.spins.astype(np.float32).astype(float)
-    found = judged(spins=rounded, order=4, timestep="1e-4", precision="single")
+    found = judged(spins=rounded, order=4, timestep="1e-6", precision="single")
     assert not found.is_another
