@@ -1,4 +1,4 @@
-"""Runs a scene's body in other descriptions that mean the same, and compares the motions."""
+"""Runs a scene's body in other descriptions of the same meaning, and compares the motions."""
 
 from .running import run_encodings
 

@@ -1,4 +1,4 @@
-"""What rounding may do to a motion that is described otherwise, signal by signal."""
+"""Bounds of the difference that rounding makes between two encodings of a motion, by signal."""
 
 from dataclasses import replace
 from functools import lru_cache
@@ -14,14 +14,15 @@ from .....scenarios import SIGNAL, Scenario, Trajectory, signals_of
 from .....scenarios.mechanics import angular_momentum_world
 from .....scenarios.rotation import norms
 
-#: The signals that make up a state; the others follow from them.
+#: The signals that make up a state; the other signals follow from these.
 JUDGED = ("omega", "attitude", "com", "velocity", "spins")
-#: Both motions are rounded.
+#: Number of motions that are rounded: both.
 BOTH = 2
-#: Numbers that a motion follows from, each of which rounding may change: of ω and attitude three
-#: each, of the tensor six. The conditioning is of changes of length one, together.
+#: Number of numbers that a motion follows from, each of which rounding may change: three of ω,
+#: three of the attitude, six of the tensor. The conditioning is for a change of all of them of
+#: length one.
 NUMBERS = 12
-#: Of a component of ω̇ a step.
+#: Number of operations by which a component of ω̇ is rounded in a step.
 OPERATIONS = 20
 EPS = float(np.finfo(float).eps)
 
@@ -29,21 +30,23 @@ EPS = float(np.finfo(float).eps)
 def rounding_bounds(
     scenario: Scenario, encoding: Encoding, solution: Solution, steps: int, engine: Engine
 ) -> dict[str, float]:
-    """The largest distance that rounding explains, of each of `JUDGED`, in the norm of errors.
+    """Return the largest distances, in the norm of errors, that rounding explains, by signal.
 
     To first order two motions are apart by the conditioning, per ulp, times the ulp by which their
     bodies and states are apart, with √n for n numbers that each change by as much (Higham, §1.6).
 
     - The body: one that reads back within `SAME_BODY` ulp of I₃ + m r², r from the frame's origin
-      to the com, is as many times (I₃ + m r²) / I₁ off in its least moment.
-    - A step: ω̇ = I⁻¹ (ω × I ω) is rounded relative to ‖I⁻¹‖ ‖I‖ ω² = (I₃ + m r²) / I₁ ω², and
-      gains ω dt of that, an ulp of ω for the 20 operations of a component at 0.05 rad a step; the
-      state is rounded once. Steps add up as if all had one sign. With parts that turn L is not I ω,
-      torques are added that cancel in coordinates which turn with them, at places that are rounded
-      relative to their distance from the origin, and I₁ is the least moment that is left where they
-      turn freely. The arm r to a free body's com is rounded so too, in the torque m r × ω² r.
+      to the com, has a least moment that is off by (I₃ + m r²) / I₁ times as many ulp.
+    - A step: ω̇ = I⁻¹ (ω × I ω) is rounded relative to ‖I⁻¹‖ ‖I‖ ω² = (I₃ + m r²) / I₁ ω², and ω
+      changes by ω dt times that, an ulp of ω for the 20 operations of a component at 0.05 rad a
+      step; the state is rounded once. Steps add up as if all had one sign. With parts that turn, L
+      is not I ω; torques are added that cancel in coordinates that turn with the parts, at places
+      whose rounding is relative to their distance from the origin; and I₁ is the least moment that
+      is left when the parts turn freely. The arm r to a free body's com is rounded in the same way,
+      in the torque m r × ω² r.
     - The flight, for place and velocity of a free body: an ulp of either scene's own numbers, and
-      of forces that cancel in coordinates which turn with parts.
+    of
+      forces that cancel in coordinates that turn with parts.
     """
     change, exact = encoding.change(scenario), solution.trajectory
     changed, moved = _farthest(encoding.scene(scenario), encoding), _moved(change, exact)
@@ -52,7 +55,7 @@ def rounding_bounds(
     ulps = steps * _ulps_a_step(scenario, exact, steps, far) + flight + SAME_BODY
     ulps *= _condition(changed) * BOTH * np.sqrt(NUMBERS) * engine.ulp / EPS
     units = {"com": change.length, "velocity": change.length / change.time}
-    # A place turns with the body: what it is rounded by makes a velocity.
+    # A place turns with the body, so that its rounding makes a velocity.
     metres = SIGNAL["com"].growth(changed, moved, solution.conditioning)
     metres *= SIGNAL["com"].base(changed, moved)
     swing = metres * float(norms(moved.omega_body).max())
@@ -63,7 +66,7 @@ def rounding_bounds(
         if (name := signal.name) not in JUDGED:
             continue
         ulp = solution.conditioning[name]
-        # Where nothing moves, distances are 0 or infinite, whatever they are relative to.
+        # If nothing moves, distances are 0 or infinite, whatever they are relative to.
         base = signal.base(scenario, exact) or 1.0
         if name in units and not scenario.constraint.is_pivot:
             absolute = signal.growth(changed, moved, solution.conditioning)
@@ -76,7 +79,7 @@ def rounding_bounds(
 
 
 def _moved(change: SceneChange, exact: Trajectory) -> Trajectory:
-    """The exact motion in the changed scene's units, and where that has it."""
+    """Return the exact motion with the changed scene's units, places and velocities."""
     state = State(exact.q_world_body_wxyz, exact.omega_body, exact.com_world, exact.velocity_world)
     place, velocity = change.motion(state, exact.t)
     return Trajectory(
@@ -90,7 +93,7 @@ def _moved(change: SceneChange, exact: Trajectory) -> Trajectory:
 
 
 def _flung(scenario: Scenario, exact: Trajectory, far: float) -> float:
-    """Accelerations that cancel where parts of a free body are off its com, both ways, m/s²."""
+    """Return cancelling accelerations, m/s², if parts of a free body are off its com, both ways."""
     if not scenario.constraint.is_free:
         return 0.0
     force, _ = scenario.cancelling(exact.spins, far)
@@ -99,7 +102,7 @@ def _flung(scenario: Scenario, exact: Trajectory, far: float) -> float:
 
 @lru_cache(maxsize=KEPT)
 def _farthest(scenario: Scenario, encoding: Encoding) -> Scenario:
-    """The scene with its com where the farthest frame of the model has it."""
+    """Return the scene with its com at the distance that the model's farthest frame has from it."""
     if encoding.description.parts == "one":
         return scenario
     there = zip(scenario.body.com_exact, away_from(scenario.body), strict=True)
@@ -108,7 +111,7 @@ def _farthest(scenario: Scenario, encoding: Encoding) -> Scenario:
 
 
 def _ulps_a_step(scenario: Scenario, exact: Trajectory, steps: int, far: float) -> float:
-    """Roundings of ω a step, in units of the condition number: one, or more of fast parts."""
+    """Return roundings of ω in a step, in condition numbers: one, or more with fast parts."""
     speed = norms(exact.omega_body).max() or 1 / float(exact.t[-1])
     turning = np.abs(exact.spins) + speed
     _, torque = scenario.cancelling(turning, far)
@@ -122,7 +125,7 @@ def _ulps_a_step(scenario: Scenario, exact: Trajectory, steps: int, far: float) 
 
 
 def _condition(scenario: Scenario) -> float:
-    """(I₃ + m r²) / I₁, r the distance of the com from the frame's origin."""
+    """Return the condition number (I₃ + m r²) / I₁, r the distance of com and frame's origin."""
     body = scenario.body
     far = float(np.linalg.norm(body.com))
     left = scenario.without_free_axes(body.inertia_com_exact)
@@ -131,18 +134,16 @@ def _condition(scenario: Scenario) -> float:
 
 
 def _roundings_in_flight(scenario: Scenario, solution: Solution, steps: int) -> float:
-    """Roundings of L, in ulp, that a free body's flight adds to those of the steps.
+    """Return the roundings of L, in ulp, that a free body's flight adds to those of the steps.
 
-    None on a pivot.
-
-    Engines may solve for rotation and flight together, with terms m v² that cancel: the model is
-    that a torque of one ulp of them is left, m v² T / L ulp of L over the run, added up as a random
-    walk. Measured in MuJoCo 4.0: at 957 m/s for 98 s L is off by 1e-11, at rest and 47 km away by
-    nothing.
+    There are none on a pivot. Engines may solve for rotation and flight together, with terms m v²
+    that cancel: the model is that a torque of one ulp of them is left, m v² T / L ulp of L over the
+    run, added up as a random walk. Measured in MuJoCo 4.0: at 957 m/s for 98 s L is off by 1e-11,
+    at rest and 47 km away by nothing.
 
     Parameters
     ----------
-    steps : of the run
+    steps : number of steps of the run
     """
     if scenario.constraint.is_pivot:
         return 0.0

@@ -1,4 +1,4 @@
-"""Judges the run of an encoding beside that of the scene as it is."""
+"""Judges a scene's run in an encoding by comparing it with the run of the unchanged scene."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -11,16 +11,16 @@ from .....scenarios.agreement import ErrorNorm
 from ....results.encoding_records import Beside, EncodingWord
 from .bounds import rounding_bounds
 
-#: Halvings of the timestep, at most, to tell a coarser scheme from another motion.
+#: Most halvings of the timestep by which a coarser scheme is distinguished from another motion.
 MOST_HALVINGS = 5
-#: What falls to less than this share as the timestep is halved goes away with it: errors of the
-#: first order to a half.
+#: If halving the timestep reduces a difference below this share, it is a truncation error: errors
+#: of first order fall to a half.
 FALLS = 0.75
 
 
 @dataclass(frozen=True, eq=False)
 class Pair:
-    """The runs of an encoding and of the scene as it is, at one timestep."""
+    """The runs of an encoding and of the unchanged scene, at one timestep."""
 
     encoded: Run
     plain: Run
@@ -33,8 +33,8 @@ class Judge:
     Attributes
     ----------
     solution : the exact motion at the samples of all runs
-    at_halved : the runs of an encoding at the timestep halved so many times
-    plain_of : the runs of the scene as it is, by method
+    at_halved : returns the pair of runs in an encoding with the timestep halved a number of times
+    plain_of : the runs of the unchanged scene, by method
     """
 
     scenario: Scenario
@@ -45,7 +45,7 @@ class Judge:
     plain_of: Mapping[str, Run]
 
     def judged(self, encoding: Encoding, pair: Pair) -> Beside:
-        """The word on an encoding, with its reason."""
+        """Return the word on an encoding, with its reason."""
         run, plain = pair.encoded, pair.plain
         motion, own = run.trajectory, plain.trajectory
         assert own is not None, "a scene that gives nothing to compare with is not judged"
@@ -72,7 +72,7 @@ class Judge:
         return ErrorSeries(norm.signals, distances).worst()
 
     def _beyond(self, encoding: Encoding, apart: Errors, steps: int) -> list[str]:
-        """The signals in which motions are farther apart than rounding explains."""
+        """Return the signals in which motions are farther apart than rounding explains."""
         bounds = self._bounds(encoding, steps)
         return [name for name, bound in bounds.items() if not apart[name] <= bound]
 
@@ -80,7 +80,7 @@ class Judge:
         return rounding_bounds(self.scenario, encoding, self.solution, steps, self.engine)
 
     def _moves_as(self, encoding: Encoding, run: Run) -> str:
-        """The method whose motion of the scene as it is this one is, to round-off."""
+        """Return another method whose unchanged scene has this motion, up to rounding, or ""."""
         assert run.trajectory is not None
         for method, other in self.plain_of.items():
             if method == self.method or other.outcome != "ok" or other.trajectory is None:
@@ -93,7 +93,7 @@ class Judge:
     def _with_the_timestep(
         self, encoding: Encoding, pair: Pair, beyond: list[str]
     ) -> tuple[EncodingWord, str]:
-        """Whether the difference goes away with the timestep, as the method's own error does."""
+        """Return whether the difference falls with the timestep as the method's own error does."""
         first = before = now = self._sizes(pair, beyond)
         worst = max(beyond, key=lambda name: first[name][0])
         size = f"{SIGNAL[worst].label} by {SIGNAL[worst].words(first[worst][0])}"
@@ -109,12 +109,12 @@ class Judge:
             rounding = self._bounds(encoding, halved.encoded.steps)
             if all(now[n][0] <= max(FALLS * before[n][0], rounding[n]) for n in beyond):
                 return "coarser", left
-        # It does not go away: does the method's own error, of the scene as it is?
+        # It does not: does the method's own error for the unchanged scene?
         falls = all(now[name][1] <= FALLS * before[name][1] for name in beyond)
         return ("differs" if falls else "open"), left
 
     def _nearer(self, motion: Trajectory, pair: Pair, beyond: list[str]) -> str:
-        """That the scene as it is has the larger errors, in words; empty if not in all signals."""
+        """Return the sentence that the unchanged scene has larger errors throughout, or ""."""
         errors = errors_between(self.scenario, motion, self.solution.trajectory)
         own = {name: size for name, (_, size) in self._sizes(pair, beyond).items()}
         if not all(errors[name] < own[name] for name in beyond):
@@ -127,7 +127,7 @@ class Judge:
         )
 
     def _sizes(self, pair: Pair, names: list[str]) -> dict[str, tuple[float, float]]:
-        """How far the motions are apart, and the error of the scene as it is, by signal."""
+        """Return by signal how far the motions are apart, and the error for the unchanged scene."""
         encoded, plain = pair.encoded.trajectory, pair.plain.trajectory
         assert encoded is not None
         assert plain is not None

@@ -1,4 +1,4 @@
-"""Runs scenes × engines × methods × encodings at one timestep each, and stores what came of it."""
+"""Runs scenes × engines × methods × encodings at one timestep each, and stores the rows."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
@@ -19,9 +19,9 @@ from ...prepared import Prepared, prepare
 from ..defaults import varied_row
 from .judged import Judge, Pair
 
-#: The encoding that the others are compared with.
+#: The encoding that the others are compared with: the unchanged scene.
 PLAIN = ENCODINGS["plain"]
-#: Of a ladder, the rung that is run: two halvings below the coarsest, 0.05 rad a step at most.
+#: Index of the ladder's rung that is run: two halvings below the coarsest, 0.05 rad a step at most.
 RUNG = 2
 
 
@@ -32,7 +32,7 @@ def run_encodings(
     store: Store,
     executor: Executor,
 ) -> list[Row]:
-    """Run every method on every scene in these encodings, those that are stored only if asked to.
+    """Run every method on every scene in some encodings; stored runs only if the user asks again.
 
     Returns the rows, each of which is stored at once.
     """
@@ -55,7 +55,7 @@ def run_encodings(
 
 
 def _chosen(prepared: Prepared) -> tuple[Rung, Solution] | None:
-    """The timestep asked for, the first of several, or one of the ladder."""
+    """Return the user's first timestep, or one of the ladder, with the exact motion."""
     if prepared.singles:
         return prepared.singles[0]
     rungs = prepared.ladder.rungs
@@ -70,7 +70,7 @@ def _methods(
     executor: Executor,
     there: Mapping[EngineAndMethod, list[Row]],
 ) -> Iterator[Callable[[], list[Row]]]:
-    """One task for each method; the scene as it is is run by all methods of an engine first."""
+    """Yield a task for each method; first, all methods of an engine run the unchanged scene."""
     rung, solution = chosen
     for engine in choice.engines:
         if engine.of_file or not engine.applies_to(scenario):
@@ -99,7 +99,7 @@ class _Runner:
         self.scenario, self.engine, self.rung, self._executor = scenario, engine, rung, executor
 
     def run(self, encoding: Encoding, method: str, halvings: int = 0) -> Run:
-        """A run; one whose process is lost has failed."""
+        """Return a run, which has failed if its process was lost."""
         named = (self.engine.name, self.engine.version, method)
         if why_not := encoding.why_not(self.engine, self.scenario):
             return Run(*named, self.rung.timestep, "unsupported", why_not)
@@ -117,12 +117,12 @@ class _Runner:
         return answer
 
     def pair(self, method: str, encoding: Encoding, halvings: int) -> Pair:
-        """The encoding and the scene as it is."""
+        """Return the runs in the encoding and of the unchanged scene."""
         return Pair(self.run(encoding, method, halvings), self.run(PLAIN, method, halvings))
 
 
 def _simulate(engine: EncodedEngine, scenario: Scenario, method: str, rung: Rung) -> Run:
-    """One run, in a worker: of a body held otherwise, the motion is wanted too."""
+    """Return one run, in a worker; a difference of the body does not fail it."""
     own = engine.method(method)
     return engine.run(scenario, own, rung.timestep, rung.sample_steps, fails_if_unlike=False)
 
@@ -134,7 +134,7 @@ def _encoded_rows(
     solution: Solution,
     names: Sequence[str],
 ) -> list[Row]:
-    """A method's answers to all encodings that were asked for."""
+    """Return the rows of a method in all encodings that were asked for."""
     scenario, engine, own = runner.scenario, runner.engine, plain[method.name]
     pair_at = partial(runner.pair, method.name)
     judge = Judge(scenario, solution, method.name, engine, pair_at, plain)
