@@ -64,7 +64,7 @@ def run_along(
 
 
 def chained(each: Iterable[FloatArray]) -> list[FloatArray]:
-    """Return the Jacobians from the start over no step, the first step, the first two, and so on."""
+    """Return the Jacobians from the start over no step, one step, two steps, and so on."""
     found: list[FloatArray] = [np.eye(CHART)]
     with np.errstate(over="ignore", invalid="ignore"):
         for one in each:
