@@ -1,8 +1,8 @@
 """Whether a world's motion depends on the worlds that are stepped with it, and what a step costs.
 
-It must depend on neither the number of worlds, nor its place, nor its neighbours. Compared are the
-worlds at the first, middle and last place: with the same world alone, with each other, and with
-themselves beside neighbours of which one blows up, one is at rest, and one is another body.
+It must depend neither on the number of worlds, nor on its place, nor on its neighbours. The worlds
+at the first, middle and last place are compared with the same world alone, with each other, and
+with themselves beside neighbours of which one blows up, one is at rest, and one is another body.
 """
 
 import math
@@ -30,13 +30,17 @@ from ...scenarios import Scenario
 from ...scenarios.scatter import member
 from .executors import CallFailed, Executor
 
-#: s, about what the steps of a batch may take; of a dear one less than the window is compared.
+#: Time that the steps of a batch may take, about, s; if steps are expensive, less than the window
+#: is compared.
 BUDGET = 10.0
-#: Steps by which that is estimated, and steps of MuJoCo that are timed, several times.
+#: Number of steps by which that time is estimated; number of MuJoCo's steps that are timed, and how
+#: often.
 TRIED, TIMED, TIMES = 10, 2000, 5
-#: rad/s; overflows in single precision at once, in double precision after a few steps.
+#: Spin of a neighbour that blows up, rad/s: it overflows in single precision at once, in double
+#: precision after a few steps.
 BLOWING_UP = 1e60
-#: Causes where worlds differ that have no odd neighbours, or that differ beside no one kind alone.
+#: What a motion depends on if worlds differ without odd neighbours, or only beside all kinds
+#: together.
 NUMBER, PLACE, TOGETHER = "the number of worlds", "its place", "its neighbours together"
 
 
@@ -46,9 +50,9 @@ class Apart:
 
     Attributes
     ----------
-    step : from which on; of those looked at, each twice as many as the one before
-    ulp : largest relative distance there of attitude, ω, position, velocity and spins
-    degrees : between their attitudes at the end; infinite where one is not finite
+    step : the first step at which they differ, among those compared, each twice the one before
+    ulp : largest relative distance, at that step, of attitude, ω, position, velocity and spins
+    degrees : angle between their attitudes at the end; infinite if one is not finite
     """
 
     step: int
@@ -58,20 +62,20 @@ class Apart:
 
 @dataclass(frozen=True)
 class BatchRow:
-    """A number of worlds of one scene in one batch.
+    """A batch with a number of worlds of one scene: what its motions depend on, and its cost.
 
     Attributes
     ----------
-    device : what steps them; what was asked for if nothing was stepped
-    steps : that are compared
-    until : s, what these are
+    device : the device that steps them; the one asked for if nothing was stepped
+    steps : number of steps that are compared
+    until : time of the last of these steps, s
     alone, place, neighbours : the largest difference from the world alone, between places, and
-        from itself with other neighbours; None where it is the same to the last bit
-    has_neighbours : whether there is a place for any
+        of a world from itself beside other neighbours; None if the motions agree to the last bit
+    has_neighbours : whether there is a place for neighbours
     because : what the motion depends on; empty if on nothing of its batch
     seconds_per_step : wall time of a step of all worlds
     beside : wall time of a step of `beside_by`, which steps one world on one core
-    outcome, reason : ok, or unsupported or failed, with why nothing could be compared
+    outcome, reason : ok; or unsupported or failed, and why nothing could be compared
     """
 
     scene: str
@@ -95,7 +99,7 @@ class BatchRow:
 
 
 def batch_by(executor: Executor, scenario: Scenario, engine: Engine, row: BatchRow) -> BatchRow:
-    """Run a batch in another process, so that a crash or a time-out is a row with its reason."""
+    """Return `batch_of` run in another process; a crash, or too long a time, gives a row too."""
     answer = executor.call_at(engine.site, batch_of, scenario, engine, row)
     if isinstance(answer.value, CallFailed):
         return replace(row, outcome="failed", reason=answer.value.reason)
@@ -119,7 +123,7 @@ def batch_of(scenario: Scenario, engine: Engine, row: BatchRow) -> BatchRow:
 
 
 def device_by(executor: Executor, engine: Engine, name: str) -> str:
-    """Why an engine cannot step on a device, tried in another process; empty if it can."""
+    """Return why an engine cannot step on a device, tried in another process; empty if it can."""
     answer = executor.call_at(engine.site, _refused, engine, name)
     return answer.value.reason if isinstance(answer.value, CallFailed) else answer.value
 
@@ -133,10 +137,10 @@ def _refused(engine: Engine, name: str) -> str:
 
 
 def neighbours_of(scenario: Scenario) -> dict[str, Scenario]:
-    """Scenes that are stepped beside one, by what they are."""
+    """Return scenes that are stepped beside a scene, by a description of each."""
 
     def turning(rate: float) -> Scenario:
-        # No file may hold such a start.
+        # Set directly, since no file may hold such a start.
         start = replace(scenario.start, omega_body_exact=(mpf(rate), mpf(rate), mpf(rate)))
         return replace(scenario, start=start)
 
@@ -169,12 +173,12 @@ class _Study:
     session: Session
 
     def row(self) -> BatchRow:
-        """Batches without and with odd neighbours; with one kind alone where these matter."""
+        """Compare batches without odd neighbours, with all kinds, and if these matter with each."""
         begun, odd = self.begun, neighbours_of(self.scenario)
         alike = self._batch(())
         alone = self._alone(alike.ends)
         apart = partial(_apart, states=self.session.states, ulp=self.engine.ulp)
-        # Each place with the first.
+        # Each place is compared with the first.
         first = replace(alike, snapshots=[[row[0]] * len(row) for row in alike.snapshots])
         by_number, by_place = apart(alone, first), apart(first, alike)
         because = [word for word, is_so in ((NUMBER, by_number), (PLACE, by_place)) if is_so]
@@ -211,11 +215,11 @@ class _Study:
 
     @property
     def _free(self) -> list[int]:
-        """Places that may be a neighbour's."""
+        """The places that a neighbour may have."""
         return [k for k in range(self.begun.worlds) if k not in self._places]
 
     def _batch(self, odd: Sequence[Scenario], ends: Sequence[int] = ()) -> _Motion:
-        """A batch with odd neighbours in turn; steps until `ends`, chosen by their time if none."""
+        """Run a batch with odd neighbours in turn up to `ends`, chosen by their time if empty."""
         scenes = [self.scenario] * self.begun.worlds
         for number, place in enumerate(self._free if odd else ()):
             scenes[place] = odd[number % len(odd)]
@@ -228,7 +232,7 @@ class _Study:
             return _Motion(ends, snapshots, seconds / ends[-1], batch.device)
 
     def _ends(self, scenes: Sequence[Scenario]) -> list[int]:
-        """Powers of two, and the steps of the window or, if fewer, those that there is time for."""
+        """Return step counts: powers of two, and the window's steps or those there is time for."""
         with closing(self.engine.open_batch(scenes, self.method, self.begun.timestep)) as batch:
             batch.advance(1)
             a_step = batch.timed(TRIED) / TRIED
@@ -237,7 +241,7 @@ class _Study:
         return [1 << k for k in range(last.bit_length()) if 1 << k < last] + [last]
 
     def _alone(self, ends: Sequence[int]) -> _Motion:
-        """The world in the session of its own, at every place."""
+        """Run the world in a session of its own, as if it were at every place."""
         snapshots: list[object] = []
         self.session.record(np.diff(ends, prepend=0).tolist(), snapshots.append)
         return _Motion(ends, [[one] * len(self._places) for one in snapshots])
@@ -246,7 +250,7 @@ class _Study:
 def _apart(
     first: _Motion, second: _Motion, states: Callable[[Sequence[object]], State], ulp: float
 ) -> Apart | None:
-    """The largest difference of two motions, over places; None if they have the same bits."""
+    """Return the largest difference of two motions over places; None if their bits agree."""
     same = [
         np.array_equal(np.asarray(a), np.asarray(b), equal_nan=True)
         for a, b in zip(first.snapshots, second.snapshots, strict=True)
@@ -260,7 +264,7 @@ def _apart(
 
 
 def _distance(first: State, second: State) -> float:
-    """The largest relative distance of a quantity, over rows; infinite if one is not finite."""
+    """Return the largest relative distance of a quantity over all rows; infinite if not finite."""
     found = [0.0]
     for a, b in zip(first.columns, second.columns, strict=True):
         size, off = (np.linalg.norm(x, axis=1) for x in (a, b - a))
@@ -271,7 +275,7 @@ def _distance(first: State, second: State) -> float:
 
 
 def _degrees(first: State, second: State) -> float:
-    """The largest angle between two attitudes; infinite if one is not finite."""
+    """Return the largest angle between two attitudes, degrees; infinite if one is not finite."""
     both = first.q_world_body_wxyz, second.q_world_body_wxyz
     if not all(np.isfinite(q).all() and q.any(axis=1).all() for q in both):
         return math.inf
@@ -280,7 +284,7 @@ def _degrees(first: State, second: State) -> float:
 
 
 def _mujoco(scenario: Scenario, method: Method, timestep: float) -> tuple[str, float]:
-    """A method of MuJoCo as accurate, and the wall time of its step on one core, s."""
+    """Return a MuJoCo method of similar order, and the wall time of its step on one core, s."""
     mujoco = engines()["mujoco"]
     by = mujoco.method("RK4" if method.order > 1 else "Euler")
     with mujoco.open(scenario, by, timestep) as session:

@@ -1,4 +1,4 @@
-"""The part of a study that is asked for."""
+"""The part of a study that a user asks for."""
 
 from dataclasses import dataclass
 
@@ -19,9 +19,9 @@ class Choice:
     timesteps : s; if empty, the ladder is run
     max_steps : a ladder ends before a run would take more steps
     timed : whether steps are timed
-    hard_in_passing : whether hard scenes get short ladders without timing, as in a quick study:
-        which methods survive shows in few steps
-    time_limit : s, that a run may take; the workers' own limit if None
+    hard_in_passing : whether hard scenes get short ladders without timing, as in a quick study,
+        because few steps show which methods survive
+    time_limit : CPU time that a run may take, s; the workers' own limit if None
     again : whether stored runs are made again
     """
 
@@ -35,7 +35,7 @@ class Choice:
     again: bool = False
 
     def max_steps_on(self, scenario: Scenario) -> int:
-        """The largest number of steps of a run of a scene's ladder."""
+        """Return the largest number of steps of a run in a scene's ladder."""
         in_passing = self.hard_in_passing and scenario.hard
         return min(self.max_steps, QUICK_STEPS) if in_passing else self.max_steps
 
@@ -44,7 +44,7 @@ class Choice:
         return self.timed and not (self.hard_in_passing and scenario.hard)
 
     def pairs(self) -> list[EngineMethod]:
-        """Every engine and method chosen."""
+        """Return every chosen engine and method."""
         return [
             (engine, method)
             for engine in self.engines
@@ -53,9 +53,9 @@ class Choice:
         ]
 
     def methods_on(self, scenario: Scenario) -> dict[Key, EngineMethod]:
-        """The keys of the results of every engine and method chosen, on one scene.
+        """Return the chosen engines and methods for one scene, by the keys of their results.
 
-        Methods that are made for other scenes are among them only if they were named.
+        Methods that are made for other scenes are included only if the user named them.
         """
         return {
             Key(scenario.name, engine.name, method.name): (engine, method)

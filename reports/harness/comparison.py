@@ -24,9 +24,9 @@ from .executors import Answer, CallFailed
 from .ladder import Rung
 from .stock import stock_timesteps
 
-#: An energy error of more than this many times the base is a blow-up.
+#: A run whose energy error exceeds this many times the base has blown up.
 ABSURD_ENERGY = 10.0
-#: rad; turns are counted until the attitude is off by this.
+#: Turns are counted until the attitude is off by this angle, rad.
 DEGREE = np.pi / 180
 
 
@@ -38,7 +38,7 @@ def row_of(
     result: Run | CallFailed,
     solution: Solution,
 ) -> Row:
-    """Compare a run with the exact motion at its own sample times."""
+    """Return the row of a run, compared with the exact motion at the run's own sample times."""
     if isinstance(result, CallFailed):
         return Row(key, version, rung.timestep, "failed", result.reason, result.cause)
     row = Row(
@@ -58,10 +58,10 @@ def row_of(
         return row
     exact = solution.trajectory.until(len(motion.t))
     series = error_series(scenario, motion, exact)
-    # An energy that is no number, of terms too large for a double, is absurd as well.
+    # An energy that is NaN, from terms too large for a double, has blown up as well.
     absurd = series.first_beyond("energy", ABSURD_ENERGY)
     if absurd is not None:
-        # The run's own reason is kept too: it may tell the cause.
+        # The run's own reason is added, since it may tell the cause.
         reasons = (f"the energy exceeds {ABSURD_ENERGY:g} times its base", row.reason)
         reason = "; ".join(filter(None, reasons))
         stopped_at = float(motion.t[absurd])
@@ -73,7 +73,7 @@ def row_of(
     beyond = series.first_beyond("attitude", DEGREE)
     return replace(
         row,
-        # A run that stopped early has none: those up to that time may be arbitrarily small.
+        # A run that stopped early has no errors: those up to that time may be arbitrarily small.
         errors=series.worst() if row.outcome == "ok" else None,
         drifts=drifts(scenario, motion),
         motion=motion,
@@ -91,14 +91,14 @@ def compared(
     solution: Solution,
     steps: StepEvidence | None,
 ) -> Row:
-    """A run of a study as a row, with what its single steps show."""
+    """Return the row of a study's run, with what the method's single steps show."""
     run = _of_other_law(answer.value, steps)
     row = row_of(scenario, key, engine.version, rung, run, solution)
     return replace(row, printed=answer.printed, stock=rung.timestep in stock_timesteps(engine))
 
 
 def _of_other_law(run: Run | CallFailed, steps: StepEvidence | None) -> Run | CallFailed:
-    """The run, marked where single steps do not obey the scene's equations of motion."""
+    """Return the run, marked if single steps do not obey the scene's equations of motion."""
     if isinstance(run, CallFailed) or not (steps and steps.fault):
         return run
     reason = "; ".join(filter(None, (run.reason, fault_in_words(steps.fault))))
@@ -108,7 +108,7 @@ def _of_other_law(run: Run | CallFailed, steps: StepEvidence | None) -> Run | Ca
 def unmet_expectations(
     scenario: Scenario, expected: Expect, row: Row, exact: Trajectory
 ) -> list[str]:
-    """Which of a scene's expectations of one run are unmet: `WHAT at TIMESTEP: how it is`.
+    """Return a scene's unmet expectations of one run, as `WHAT at TIMESTEP: how it is`.
 
     Parameters
     ----------
@@ -134,13 +134,13 @@ def unmet_expectations(
 
 
 def _since(exact: Trajectory, series: ErrorSeries | None, name: str, bound: float) -> str:
-    """The time from which on a bound is exceeded, in words; empty where it is not known."""
+    """Return in words the time from which on a bound is exceeded; empty if it is not known."""
     first = series.first_beyond(name, bound) if series else None
     return "" if first is None else f" from t = {exact.t[first]:.4g} s on"
 
 
 def _in_unit(name: str, size: float) -> str:
-    """A size of a signal's error: `0.705° (0.0123 rad)`, as scenes' files have it, or `1e-06`."""
+    """Return an error in words: `0.705° (0.0123 rad)`, with the unit of scenes, or `1e-06`."""
     if SIGNAL[name].unit == "rad":
         return f"{size * SIGNAL[name].shown:.3g}° ({size:.3g} rad)"
     return f"{size:.3g}"
@@ -149,9 +149,9 @@ def _in_unit(name: str, size: float) -> str:
 def no_better_than_rest(
     scenario: Scenario, motion: Trajectory, exact: Trajectory, series: ErrorSeries
 ) -> str:
-    """The signals in which a run is no better than no motion, in words; empty if there is none.
+    """Return in words the signals in which a run is no better than no motion; empty if none.
 
-    Bounds on energy and norms do not find them: with an implicit rule at too large a step, a
+    Bounds on energy and norms do not find such runs: with an implicit rule at too large a step, a
     clamp, a joint motor or another body in the model, a run stays bounded. They are found by
     comparison with rest, a body that does not turn or stays where it was, as a forecast without
     skill is by comparison with a trivial one (A. H. Murphy, Mon. Wea. Rev. 116 (1988) 2417). A
@@ -180,7 +180,7 @@ def _signals(
 ) -> Iterator[str]:
     yield from _of_path("ω", motion.omega_body, exact.omega_body, exact.t)
     L_errors = series["angular_momentum"]
-    # Over an exact value of zero they are infinite.
+    # Errors relative to an exact value of zero are infinite.
     if 1 <= (worst := float(L_errors.max())) < np.inf:
         yield _words("L", worst, exact.t[np.argmax(L_errors >= 1)])
     start, is_flying = exact.com_world[0], ~np.array(scenario.constraint.is_held)
@@ -189,9 +189,9 @@ def _signals(
 
 
 def _of_path(name: str, run: FloatArray, exact: FloatArray, times: FloatArray) -> Iterator[str]:
-    """Whether a signal that is zero at rest is no better than rest; vectors are (n, 3)."""
+    """Yield a complaint if a signal, zero at rest, is no better than rest, (n, 3)."""
     if not exact.any():
-        # Relative to an exact value of zero, round-off alone would be infinite.
+        # Relative to an exact value of zero even round-off would be infinite.
         return
     size = min(_rms(run), _rms(exact))
     error = run - exact

@@ -24,14 +24,14 @@ from .stock import StockRun, stock_timestep
 
 @dataclass(frozen=True, eq=False)
 class PlannedRun:
-    """A run that a study asks for.
+    """A run that a study needs.
 
     Attributes
     ----------
     solution : the exact motion at the samples of the rung
-    use : what it is for
+    use : what the run is for
     judged : whether it was judged before, so that its samples are not needed
-    expectations : of the scene, that name a single timestep
+    expectations : expectations of the scene that name a single timestep
     """
 
     rung: Rung
@@ -41,7 +41,7 @@ class PlannedRun:
     expectations: tuple[Expect, ...] = ()
 
     def is_answered_by(self, row: Row) -> bool:
-        """Whether a stored row will do: what is judged, drawn or expected needs a motion."""
+        """Whether a stored row is enough: to judge, draw or expect a run takes its motion."""
         if row.outcome != "ok" or self.judged:
             return True
         if self.use in ("single", "above") and not self.expectations:
@@ -59,11 +59,11 @@ class ConvergenceStudy:
     ladder : None if only single timesteps are asked for
     singles : asked for by a user, or named in an expectation of the scene
     stock : runs at stock timesteps
-    before : what the method was judged by before
+    before : the stored evidence that the method was judged by before; None if there is none
     rows, single_rows, above_rows, stock_rows : the runs so far
     unmet : expectations of the scene that were not met, in words
-    places : exact states that the method is tested from, if there are any
-    steps, own_steps, replays, refusal : what it is judged by (`Evidence`)
+    places : exact states from which the method's steps are tested, if there are any
+    steps, own_steps, replays, refusal : what the method is judged by (see `Evidence`)
     """
 
     scenario: Scenario
@@ -87,14 +87,14 @@ class ConvergenceStudy:
 
     @property
     def evidence(self) -> Evidence:
-        """What the method is judged by besides its rows: as before, if that is stored."""
+        """What the method is judged by besides its rows: the stored evidence, if there is any."""
         return self.before or Evidence(
             self.key, self.steps, self.own_steps, self.replays, self.refusal
         )
 
     @property
     def records(self) -> Records:
-        """All that the method is judged by, so far."""
+        """All that the method is judged by, as far as it has been run."""
         scenario, engine = self.scenario, self.engine
         return Records(
             self.evidence,
@@ -114,7 +114,7 @@ class ConvergenceStudy:
 
     @property
     def made_runs(self) -> tuple[list[MadeRun], list[MadeRun]]:
-        """The runs that are replayed: of the ladder, coarse to fine; singles and the stock one."""
+        """The runs to be replayed: the ladder's, coarse to fine; then singles and the stock run."""
         ladder = self.ladder.rungs if self.ladder else ()
         others = [planned.rung for planned in self.singles]
         own = stock_timestep(self.engine)
@@ -134,14 +134,14 @@ class ConvergenceStudy:
 
     @property
     def key(self) -> Key:
-        """Scene, engine and method."""
+        """Scene, engine and method of the results."""
         return Key(self.scenario.name, self.engine.name, self.method.name)
 
     def runs(self) -> Generator[PlannedRun, Row]:
-        """Ask for one run after the other, and take its row: just made, or stored.
+        """Yield one planned run after another, and receive its row, just made or stored.
 
-        First the single timesteps, then the ladder down to where it can be judged, then timesteps
-        above it as long as they survive, then stock timesteps.
+        First come the single timesteps, then the ladder down to where it can be judged, then
+        timesteps above it as long as runs survive, then stock timesteps.
         """
         for single in self.singles:
             row = yield single
@@ -168,7 +168,7 @@ class ConvergenceStudy:
                 self.stock_rows.append((yield PlannedRun(run.rung, run.solution, "stock")))
 
     def compare(self, planned: PlannedRun, answer: Answer[Run]) -> Row:
-        """Compare a run that was asked for with the exact motion; returns its row."""
+        """Compare an answered run with the exact motion; return its row."""
         row = compared(
             self.scenario,
             self.engine,
@@ -176,19 +176,19 @@ class ConvergenceStudy:
             planned.rung,
             answer,
             planned.solution,
-            # What differs in an engine as shipped is expected.
+            # An engine as shipped is expected to differ.
             None if self.method.as_shipped else self.steps,
         )
         if row.stock or planned.use == "single":
             exact, is_single = planned.solution.trajectory, self.engine.single_precision
             return with_defects(row, self.scenario, exact, is_single=is_single)
         if self.rows and planned.use == "above":
-            # Its samples are not needed: finer runs are judged and drawn.
+            # Its samples are not needed, as finer runs are judged and drawn.
             return replace(row, motion=None)
         return row
 
     def refusals(self) -> list[Row]:
-        """Rows of stock timesteps that do not fit the scene: `unsupported`, without a run."""
+        """Return rows of stock timesteps that do not fit the scene: `unsupported`, not run."""
         return [
             Row(
                 self.key,
@@ -205,13 +205,13 @@ class ConvergenceStudy:
 
     @property
     def cut_short(self) -> bool:
-        """Whether finer rungs would have been run if the step limit allowed them."""
+        """Whether the step limit left out finer rungs."""
         return cut_short(self.records)
 
     def discardable_timesteps(self) -> list[float]:
-        """Timesteps of the runs whose samples are not needed after the verdict.
+        """Return timesteps of the runs whose samples are not needed after the verdict.
 
-        A report shows the finest run that has any, and those at stock timesteps; an expectation
+        A report shows the finest run that has samples, and those at stock timesteps; an expectation
         that is unmet says since when.
         """
         rows = self.rows + self.single_rows + self.above_rows
@@ -221,7 +221,7 @@ class ConvergenceStudy:
 
     @property
     def _stock_left(self) -> list[StockRun]:
-        """Stock timesteps without a run; none if no timestep can succeed."""
+        """Stock timesteps that have not been run yet; none if no timestep can succeed."""
         return [] if self._pointless else [r for r in self.stock if r.timestep not in self._taken]
 
     @property
@@ -238,7 +238,7 @@ class ConvergenceStudy:
 
 
 def thinned(solution: Solution, every: int) -> Solution:
-    """The exact motion at every n-th of its sample times."""
+    """Return the exact motion at every n-th of its sample times."""
     if every == 1:
         return solution
     return replace(solution, trajectory=solution.trajectory.every(every))

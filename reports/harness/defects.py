@@ -1,12 +1,12 @@
-"""The defects of a run: what it does between two samples, beside the exact flow.
+"""The defects of a run: the difference from the exact flow that arises between two samples.
 
-From each sample that an engine made the exact flow is followed to the next one, and compared with
-what the engine did. Errors that came before do not count: a defect means something where a motion
-is chaotic, and where errors have long saturated, and it shows a fault in the interval in which it
-acts (W. H. Enright, J. Comput. Appl. Math. 125 (2000) 159; L. F. Shampine, J. Comput. Appl. Math.
-175 (2005) 195). Every interval is followed from end to end, so that nothing falls between.
+From each sample of an engine the exact flow is followed to the next one, and compared with what the
+engine did. Errors that came before do not count: a defect means something even where a motion is
+chaotic, and where errors have long saturated, and it shows a fault in the interval in which it acts
+(W. H. Enright, J. Comput. Appl. Math. 125 (2000) 159; L. F. Shampine, J. Comput. Appl. Math. 175
+(2005) 195). Every interval is followed from end to end, so that nothing is missed between them.
 
-Defects are in the norms of errors: relative to the same bases of the exact motion.
+Defects are in the norms of errors, relative to the same bases of the exact motion.
 """
 
 from dataclasses import dataclass, replace
@@ -21,11 +21,11 @@ from ...scenarios.fastest_rate import fastest_rate
 from ...scenarios.mechanics import RECENT
 from ..results.records import Defect, Row
 
-#: rad; a motion that turns by more in all is not followed: it would take longer than a second.
+#: Largest turn of a motion, rad, that is followed: more would take longer than a second.
 FARTHEST_TURN = 1e5
-#: What the rounding of a step makes at least, in doubles: it does more than one product.
+#: Least error of a step by rounding, in roundings of the state: a step makes more than one product.
 LEAST_ROUNDING = 8 * float(np.finfo(float).eps)
-#: Relative noise of a step that is no fault: where iterative solvers end.
+#: Relative noise of a step that is no fault: the tolerance of iterative solvers.
 NOISE = 1e-12
 #: A body moves if it turns by this fraction of the exact motion's mean turn between two samples.
 MOVING = 1e-3
@@ -33,14 +33,14 @@ MOVING = 1e-3
 
 @dataclass(frozen=True, eq=False)
 class Defects:
-    """The defects of a run of n samples.
+    """The defects of a run with n samples.
 
     Attributes
     ----------
-    t : (n − 1,) s, the ends of the intervals
-    series : the defects at these
-    rounding : the largest that the rounding of a state at the beginning of an interval
-        makes of it by its end: the defects of the exact motion, rounded to doubles
+    t : ends of the intervals between samples, s, (n − 1,)
+    series : the defects at these times
+    rounding : the largest defects of the exact motion when it is rounded to doubles: the rounding
+        of a state at the beginning of an interval, grown to its end
     """
 
     t: FloatArray
@@ -48,12 +48,12 @@ class Defects:
     rounding: Errors
 
     def summary(self, steps: int, ulp: float) -> dict[str, Defect]:
-        """The record to store, by signal.
+        """Return the record to store, by signal.
 
         Parameters
         ----------
-        steps : of the whole run
-        ulp : relative, of the engine's numbers
+        steps : number of steps of the whole run
+        ulp : relative distance of the engine's numbers
         """
         step = max(ulp, NOISE) / np.finfo(float).eps
         roundings = np.sqrt(1 + steps / len(self.t)) * step
@@ -65,9 +65,9 @@ class Defects:
         }
 
     def attitude_a_turn(self, motion: Trajectory, usual: float) -> float | None:
-        """The median error that a turn of the run adds to the attitude, rad, while it moves.
+        """Return the median error that a turn of the run adds to the attitude, rad, while it moves.
 
-        At rest there are no turns: a run that has stopped would look exact. None if it never moves.
+        At rest there are no turns: a run that has stopped would seem exact. None if it never moves.
 
         Parameters
         ----------
@@ -81,11 +81,11 @@ class Defects:
 
 
 def defects(scenario: Scenario, motion: Trajectory, exact: Trajectory) -> Defects | None:
-    """The defects of a run; None if it is of one sample, or turns too far to be followed.
+    """Return the defects of a run; None if it has one sample, or turns too far to be followed.
 
     Parameters
     ----------
-    exact : the exact motion at the run's samples, or more
+    exact : the exact motion at the run's samples, or at more
     """
     turn = fastest_rate(scenario, motion.omega_body) * float(motion.t[-1])
     if len(motion.t) < 2 or turn > FARTHEST_TURN:
@@ -99,11 +99,11 @@ def defects(scenario: Scenario, motion: Trajectory, exact: Trajectory) -> Defect
 
 
 def with_defects(row: Row, scenario: Scenario, exact: Trajectory, *, is_single: bool) -> Row:
-    """The row of a run with its defects, and what they come to in a turn.
+    """Return the row of a run with its defects, and the error that they add in a turn.
 
     Parameters
     ----------
-    exact : the exact motion at the run's samples, or more
+    exact : the exact motion at the run's samples, or at more
     is_single : whether the engine's numbers are in single precision
     """
     if row.motion is None or row.errors is None:
@@ -118,7 +118,7 @@ def with_defects(row: Row, scenario: Scenario, exact: Trajectory, *, is_single: 
 
 
 def turns_made(motion: Trajectory) -> FloatArray:
-    """The turns between neighbours of n samples of a motion, 2π rad each, (n − 1,)."""
+    """Return the turns between neighbouring samples of a motion, 2π rad each, (n − 1,)."""
     rates = np.linalg.norm(motion.omega_body, axis=1)
     turns: FloatArray = (rates[1:] + rates[:-1]) / (4 * np.pi) * np.diff(motion.t)
     return turns

@@ -1,4 +1,4 @@
-"""The ladder of halved timesteps a method is run down, chosen from the motion alone."""
+"""The ladder of halved timesteps that a method is run at, chosen from the motion alone."""
 
 import math
 from collections.abc import Iterator
@@ -21,11 +21,12 @@ LEAST_STEPS = 10
 MAX_STEPS = 1 << 20
 #: A quick study's ladders end before a run would take more steps than this.
 QUICK_STEPS = 1 << 14
-#: And a ladder before a run would take more than this, as errors of finer ones follow by the order.
+#: A ladder also ends before a run would take longer than this, s, as errors at finer timesteps
+#: follow from the order.
 DECIDED_STEPS = 1 << 12
-#: A ladder is not ended early after fewer rungs than this.
+#: A ladder is not ended early before it has this many rungs.
 MIN_RUNGS = 6
-#: For so many rungs, which show an order, runs may take more steps than the limit.
+#: Factor by which runs of the first rungs, which show an order, may exceed the limit of steps.
 LEAST_RUNGS = 3
 EXCESS = 4
 #: Largest step count: beyond it a step's number is no longer exact as a double.
@@ -40,7 +41,7 @@ class Rung:
     ----------
     timestep : s
     sample_steps : (n,) step counts of the samples, the first of them 0
-    every : this rung is sampled at every n-th sample of its ladder; n
+    every : n, if this rung is sampled at every n-th sample of its ladder
     """
 
     timestep: float
@@ -49,7 +50,7 @@ class Rung:
 
     @property
     def steps(self) -> int:
-        """Steps to the last sample."""
+        """Number of steps to the last sample."""
         return int(self.sample_steps[-1])
 
     @property
@@ -58,7 +59,7 @@ class Rung:
         return np.asarray(self.sample_steps * self.timestep, dtype=float)
 
     def until(self, samples: int) -> "Rung":
-        """The rung, cut after so many samples of its ladder."""
+        """Return the rung, cut after a number of samples of its ladder."""
         return replace(self, sample_steps=self.sample_steps[: math.ceil(samples / self.every)])
 
 
@@ -82,7 +83,7 @@ class Ladder:
     least_steps: float
 
     def until(self, samples: int) -> "Ladder":
-        """The ladder with the first samples only, as far as the exact motion is known."""
+        """Return the ladder with the first samples only, as far as the exact motion is known."""
         if samples < 2:
             return Ladder((), (), self.times[:samples], least_steps=0.0)
         parts = (self.rungs, self.above)
@@ -127,7 +128,7 @@ def ladder(window: Window, fastest_rate: float, samples: int, max_steps: int = M
 
 
 def _thinned(intervals: int, turn: float) -> int:
-    """One of how many samples is used, a power of two, if the body turns `turn` rad between two."""
+    """Return n, a power of two, to use every n-th sample, given the turn between two, rad."""
     every = 1
     while (
         intervals // every * 2 ** (MIN_RUNGS - 1) > MAX_STEPS and 2 * every * turn <= COARSEST_TURN
@@ -137,7 +138,7 @@ def _thinned(intervals: int, turn: float) -> int:
 
 
 def _above(coarsest: float, counts: NDArray[np.int64], fastest_rate: float) -> Iterator[Rung]:
-    """Doubled timesteps, each with the samples that lie at whole steps of it."""
+    """Yield doubled timesteps, each with the samples that lie at whole steps of it."""
     per_interval = int(counts[1])
     for k in count(1):
         timestep = coarsest * 2**k
@@ -152,12 +153,12 @@ def _above(coarsest: float, counts: NDArray[np.int64], fastest_rate: float) -> I
 
 
 def single(timestep: float, times: NDArray[np.float64]) -> Rung:
-    """A rung with a given timestep, sampled at the whole steps nearest to `times`.
+    """Return a rung with a given timestep, sampled at the whole steps nearest to `times`.
 
     Raises
     ------
     ValueError
-        If the window is shorter than one step, or of more steps than can be counted.
+        If the window is shorter than one step, or has more steps than can be counted.
     """
     if not times[-1] / timestep < MOST_STEPS:
         raise ValueError(

@@ -1,4 +1,4 @@
-"""Determines which results of a study are in the result file, and which must be made."""
+"""Determines which results of a study are in the result file, and which must be computed."""
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
@@ -35,8 +35,8 @@ class Plan:
     Attributes
     ----------
     scenes : the incomplete ones, in the order asked for
-    there : number of verdicts in the file
-    outdated : number of verdicts that do not count, as scene, engine or program has changed
+    there : number of valid verdicts in the file
+    outdated : number of verdicts that are invalid because scene, engine or program has changed
     """
 
     scenes: list[SceneLeft]
@@ -45,11 +45,11 @@ class Plan:
 
     @property
     def total(self) -> int:
-        """Number of verdicts and timings to be made."""
+        """Number of verdicts and timings still to be computed."""
         return sum(len(scene.to_run) + scene.to_time for scene in self.scenes)
 
     def __str__(self) -> str:
-        """How many stored results are used again, in words; empty if none."""
+        """Return in words how many stored results are used again; empty if none."""
         verdicts = self.there + sum(len(scene.to_run) for scene in self.scenes)
         counts = [f"{self.there} of {verdicts} verdicts are stored already"] if self.there else []
         if self.outdated:
@@ -58,7 +58,7 @@ class Plan:
 
 
 def plan(scenarios: Sequence[Scenario], choice: Choice, store: Store) -> Plan:
-    """Pass over results that are out of date, and determine what is missing."""
+    """Return the plan of a study: skip valid results, and determine what is missing."""
     if choice.again:
         store.forget(key for scenario in scenarios for key in choice.methods_on(scenario))
     outdated = sum(store.rest_on(tuple(fingerprints(s, choice.engines))) for s in scenarios)
@@ -83,7 +83,7 @@ def plan(scenarios: Sequence[Scenario], choice: Choice, store: Store) -> Plan:
 
 
 def settled_verdicts(scenario: Scenario, choice: Choice, store: Store) -> list[Verdict]:
-    """The stored verdicts on a scene, except those based on a failed run that may be repeated."""
+    """Return the stored verdicts on a scene, except if they follow from a failure that may pass."""
     to_repeat = {
         row.key
         for row in store.failed_rows(scenario.name)
@@ -106,7 +106,8 @@ def _untimed(
 def can_be_timed(scenario: Scenario, pair: EngineMethod, verdict: Verdict | None) -> bool:
     """Whether a method can be stepped on a scene, as far as is known.
 
-    Another reader of an engine's models takes the engine's own steps: they are not timed again.
+    A method that only reads models in another way takes the engine's own steps, which are not timed
+    again.
     """
     engine, method = pair
     failed = verdict is not None and verdict.verdict in ("failed", "unsupported")

@@ -17,7 +17,7 @@ from .stock import StockRun, stock_rung, stock_timesteps
 
 @dataclass(frozen=True, eq=False)
 class Prepared:
-    """A scene's exact motion on its ladder, on single timesteps, and at stock ones."""
+    """A scene's exact motion at the samples of its ladder, single timesteps and stock timesteps."""
 
     solution: Solution
     ladder: Ladder
@@ -26,12 +26,12 @@ class Prepared:
     places: Places | None = None
 
     def for_verdicts(self) -> "Prepared":
-        """Without the timesteps above the ladder, which are for reports only."""
+        """Return it without the timesteps above the ladder, which are only for reports."""
         return replace(self, ladder=replace(self.ladder, above=()))
 
 
 class SceneReference:
-    """A scene's exact motion for all its methods, solved by the first that asks."""
+    """A scene's exact motion for all its methods, solved when the first of them needs it."""
 
     def __init__(self, scenario: Scenario, choice: Choice) -> None:
         self._scenario, self._choice = scenario, choice
@@ -39,7 +39,7 @@ class SceneReference:
         self._solved: Prepared | CallFailed | None = None
 
     def get(self, executor: Executor, store: Store) -> Prepared | CallFailed:
-        """The exact motion, which is also stored, or the reason why it could not be solved."""
+        """Return the exact motion, which is also stored, or why it could not be solved."""
         with self._solving:
             if self._solved is None:
                 self._solved = self._solve(executor)
@@ -65,7 +65,7 @@ def prepare(
 ) -> Prepared:
     """Solve a scene at the sample times of its ladder and of every single and stock timestep.
 
-    If the exact motion ends at a horizon, so do the runs.
+    If the exact motion ends at a horizon, the runs end there, too.
 
     Parameters
     ----------
@@ -79,7 +79,7 @@ def prepare(
     at_stock = {timestep: stock_rung(outline.t, timestep, rate) for timestep in stock}
     made = [single(timestep, outline.t) for timestep in timesteps]
     made += [rung for rung in at_stock.values() if isinstance(rung, Rung)]
-    # One solve for all: its cost hardly depends on the number of times.
+    # All times are solved for at once: the cost hardly depends on their number.
     solution, *solutions = exact.solve_each([rungs.times, *(rung.times for rung in made)])
     runs = {
         rung.timestep: (rung.until(len(part.trajectory.t)), part)

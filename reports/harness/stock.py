@@ -1,7 +1,7 @@
 """Runs at stock timesteps: the engine's default, and one that is the same for all engines.
 
-They are made and stored in addition to a method's ladder; the one at its own stock timestep is
-replayed for its verdict (`measuring/replay.py`).
+They are made and stored in addition to a method's ladder. The run at the engine's own stock
+timestep is replayed for the method's verdict (`measuring/replay.py`).
 """
 
 import math
@@ -13,16 +13,16 @@ from ...reference import Solution
 from ...scenarios import FloatArray, Scenario
 from .ladder import LARGEST_TURN, LEAST_STEPS, QUICK_STEPS, Rung, single
 
-#: s; every engine is run at this timestep too, so that all can be compared at one.
+#: Timestep at which every engine is run, too, so that all can be compared at one timestep, s.
 COMMON_TIMESTEP = 1e-3
-#: A run of more steps is not made: it would take about 1 s in MuJoCo, a few in PyBullet. For hard
-#: scenes see `stock_runs_of`.
+#: Largest number of steps of a run that is made: such a run takes about 1 s in MuJoCo, a few in
+#: PyBullet. For hard scenes see `stock_runs_of`.
 STEP_BUDGET = 1 << 17
 
 
 @dataclass(frozen=True, eq=False)
 class StockRun:
-    """A scene at one such timestep.
+    """A run of a scene at a stock timestep.
 
     Attributes
     ----------
@@ -37,19 +37,19 @@ class StockRun:
 
 
 def stock_timestep(engine: Engine) -> float:
-    """The timestep, s, that its users get who say nothing; without one, that of all engines."""
+    """Return the timestep, s, that users get by default; without one, the common timestep."""
     return engine.stock_timestep or COMMON_TIMESTEP
 
 
 def stock_timesteps(engine: Engine) -> tuple[float, ...]:
-    """The timesteps, s, at which an engine is run on every scene, the coarsest first."""
+    """Return the timesteps, s, at which an engine is run on every scene, the coarsest first."""
     return tuple(sorted({stock_timestep(engine), COMMON_TIMESTEP}, reverse=True))
 
 
 def stock_runs_of(
     engine: Engine, scenario: Scenario, at_stock: Iterable[StockRun]
 ) -> list[StockRun]:
-    """An engine's runs at stock timesteps: its own, and the one that is the same for all engines.
+    """Return an engine's runs at stock timesteps: its own, and the one common to all engines.
 
     On a hard scene the latter is not made if it would take more steps than a quick study's ladder.
     """
@@ -73,12 +73,12 @@ def _refused_if_long(run: StockRun) -> StockRun:
 
 
 def stock_rung(times: FloatArray, timestep: float, rate: float) -> Rung | str:
-    """A run with such a timestep, or why it is not made.
+    """Return the rung of a run with a stock timestep, or why the run is not made.
 
     Parameters
     ----------
-    times : (n,) s, of the window's samples, as far as the motion is known
-    rate : the fastest of the motion, rad/s
+    times : times of the window's samples, as far as the motion is known, s, (n,)
+    rate : fastest rate of the motion, rad/s
     """
     if refusal := _refusal(timestep, rate, float(times[-1])):
         return refusal
@@ -89,7 +89,7 @@ def stock_rung(times: FloatArray, timestep: float, rate: float) -> Rung | str:
 
 
 def _refusal(timestep: float, rate: float, horizon: float) -> str:
-    """Why a run with this timestep is not made; empty if it is made."""
+    """Return why a run with this timestep is not made; empty if it is made."""
     turn, steps = timestep * rate, horizon / timestep
     if turn > LARGEST_TURN:
         return (

@@ -37,7 +37,7 @@ Progress = Callable[[str], None]
 def run_study(
     left: Plan, choice: Choice, store: Store, executor: Executor, progress: Progress
 ) -> None:
-    """Run what is missing of every scene, then time steps with nothing else running.
+    """Run what is missing for every scene, then time steps while nothing else runs.
 
     Each row, verdict and time is stored as soon as it is made.
     """
@@ -69,7 +69,7 @@ def study_method(
     store: Store,
     executor: Executor,
 ) -> Verdict:
-    """One method on one scene, from the exact motion to the stored verdict."""
+    """Run one method on one scene, and return the verdict, which is stored."""
     key = Key(scenario.name, engine.name, method.name)
     solved = reference.get(executor, store)
     if isinstance(solved, CallFailed):
@@ -80,12 +80,12 @@ def study_method(
         for row in store.rows_of(key)
         if not may_succeed_if_repeated(row.cause, row.reason, choice.time_limit)
     }
-    # What has been run is judged again by the numbers that are stored of it.
+    # Stored runs are judged again from the numbers that are stored for them.
     before = store.evidence(key)
     study = begin(before)
     if not is_run(study, stored):
         study = begin(None)
-        # What steps from exact states show does not depend on the ladder.
+        # The result of steps from exact states does not depend on the ladder.
         study.steps = before.steps if before else None
         for row in run_rungs(study, executor, stored):
             store.put(row)
@@ -101,7 +101,7 @@ def study_method(
 def _take_defaults_away(study: ConvergenceStudy, executor: Executor, store: Store) -> None:
     """Store runs with some of an engine's defaults, at the coarsest stock timestep that can be run.
 
-    Only its first method as shipped is run: it has all of its defaults.
+    Only the engine's first method as shipped, which has all of its defaults, is run.
     """
     scenario, engine, method = study.scenario, study.engine, study.method
     first = next((other for other in engine.methods if other.as_shipped), None)
@@ -111,7 +111,7 @@ def _take_defaults_away(study: ConvergenceStudy, executor: Executor, store: Stor
     rung, solution = max(made, key=lambda run: run[0].timestep)
     if clamped_start(scenario, method, rung.timestep):
         return
-    # The report's first screen, which counts what acts, is of plain scenes.
+    # The report's first screen, which counts the defaults that act, only uses plain scenes.
     at = None if scenario.hard else study.places
     arguments = (scenario, engine, method.name, rung, solution, at)
     rows = executor.call_at(engine.site, runs_with_defaults, *arguments).value
@@ -120,7 +120,7 @@ def _take_defaults_away(study: ConvergenceStudy, executor: Executor, store: Stor
 
 
 def is_run(study: ConvergenceStudy, stored: Mapping[float, Row]) -> bool:
-    """Whether all runs of a study are stored, and measured; if so, it has taken them."""
+    """Return whether all runs of a study are stored and measured, and let it take them."""
     if study.before is None:
         return False
     runs = study.runs()
@@ -133,7 +133,7 @@ def is_run(study: ConvergenceStudy, stored: Mapping[float, Row]) -> bool:
 
 
 def run_and_judge(study: ConvergenceStudy, executor: Executor) -> Verdict:
-    """The verdict on a method that is run now, and stored nowhere."""
+    """Return the verdict on a method that is run now, and store nothing."""
     for _ in run_rungs(study, executor):
         pass
     return judge(study.records)
@@ -179,12 +179,12 @@ def convergence_study_of(
     timesteps: Sequence[float] = (),
     before: Evidence | None = None,
 ) -> ConvergenceStudy:
-    """The runs of a method: single timesteps, ladder, stock timesteps.
+    """Return the study of a method: single timesteps, ladder, stock timesteps.
 
     Parameters
     ----------
     timesteps : s; if there are any, only these are run
-    before : what the method was judged by before
+    before : the stored evidence that the method was judged by before
     """
     singles = []
     for rung, solution in prepared.singles:
@@ -207,12 +207,12 @@ def convergence_study_of(
 
 
 def simulate(engine: Engine, scenario: Scenario, method: str, rung: Rung) -> Run:
-    """Simulate one run with an engine; called in a worker."""
+    """Return one run; called in a worker."""
     return engine.run(scenario, engine.method(method), rung.timestep, rung.sample_steps)
 
 
 def _examine(study: ConvergenceStudy, executor: Executor) -> None:
-    """Examine the method from exact states of the motion, in a worker."""
+    """Examine the method's steps from exact states of the motion, in a worker."""
     at, site = study.places, study.engine.site
     if at is not None and study.steps is None:
         arguments = (study.engine, study.scenario, study.method.name, at)
@@ -224,7 +224,7 @@ def _examine(study: ConvergenceStudy, executor: Executor) -> None:
 
 
 def _examine_runs(study: ConvergenceStudy, executor: Executor) -> None:
-    """Replay the finest run, and those at other timesteps, in a worker; unless steps are wrong."""
+    """Replay the finest run, and runs at other timesteps, in a worker, unless steps are wrong."""
     at, steps, site = study.places, study.steps, study.engine.site
     ladder, others = study.made_runs
     if at is None or steps is None or steps.fault:

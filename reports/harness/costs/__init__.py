@@ -1,1 +1,1 @@
-"""What steps cost, and what is left out of them costs."""
+"""The cost of steps, and the cost of what is left out of them."""

@@ -1,4 +1,4 @@
-"""Which methods are timed with what they leave out left in, and whether that moves them."""
+"""Chooses the methods that are also timed with nothing left out, and compares their motions."""
 
 import math
 from collections.abc import Sequence
@@ -13,7 +13,7 @@ from ..choice import EngineMethod
 
 #: Angle turned in a step at the start, rad, where motions are compared: small for any method.
 COMPARED_TURN = 0.05
-#: Largest number of steps of that comparison.
+#: Largest number of steps in the comparison of motions.
 MOST_STEPS = 1 << 13
 #: Number of times at which the two motions are compared.
 COMPARED = 16
@@ -22,9 +22,9 @@ COMPARED = 16
 def with_all_left_in(
     scenario: Scenario, pairs: Sequence[EngineMethod]
 ) -> list[tuple[VariedEngine, Method]]:
-    """Return the methods that are timed with all that they leave out of a scene left in.
+    """Return the methods that are timed with all left in that they leave out of a scene.
 
-    Of the methods of an engine that leave out the same these are the first, and one of the highest
+    Among an engine's methods that leave out the same, these are the first and one of the highest
     order, which reports recommend.
     """
     alike: dict[tuple[str, tuple[str, ...]], list[EngineMethod]] = {}
@@ -42,9 +42,9 @@ def with_all_left_in(
 def motions_apart(
     scenario: Scenario, engine: VariedEngine, name: str
 ) -> tuple[float, float] | None:
-    """Return how far a method's motion is from that of the same engine as it is.
+    """Return how far a varied engine's motion is from that of the same engine as it is.
 
-    These are the time, s, up to which the two were compared, and the largest difference of any
+    The result is the time, s, up to which the two were compared, and the largest difference of any
     number of their states; None if one of them does not load.
     """
     method, steps = engine.method(name), _compared_steps(scenario)
@@ -66,14 +66,14 @@ def motions_apart(
 
 
 def _compared_steps(scenario: Scenario) -> int:
-    """Return the steps over the window, a whole number of times `COMPARED`."""
+    """Return the number of steps over the window, a multiple of `COMPARED`."""
     turned = float(np.linalg.norm(scenario.start.omega_body)) * scenario.window.duration
     wanted = min(turned / COMPARED_TURN, MOST_STEPS)
     return COMPARED * max(1, math.ceil(wanted / COMPARED))
 
 
 def _stepped(session: Session, steps: int) -> FloatArray:
-    """Return all numbers of the state some steps on, (13,)."""
+    """Return all numbers of the state after some steps, (13,)."""
     session.advance(steps)
     session.check()
     return np.concatenate(list(vars(session.read_state()).values()))

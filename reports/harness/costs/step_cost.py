@@ -19,24 +19,24 @@ from ..executors import Answer, CallFailed, Executor, is_environmental
 
 T = TypeVar("T")
 
-#: s of CPU time that a timed stretch lasts at least: so short that many stretches fall between two
+#: Least CPU time of a timed stretch of steps, s: so short that many stretches fall between two
 #: ticks of the system's clock.
 STRETCH = 0.001
-#: And at least so many times the measured resolution of the clock.
+#: Least length of a stretch in units of the measured resolution of the clock.
 RESOLUTIONS = 100
-#: And so long that a call's own cost, whatever the number of steps, is at most this share of it.
+#: Largest share of a stretch that a call's own cost, independent of the number of steps, may have.
 SHARE_OF_CALL = 0.02
-#: Timed stretches of a method; the minimum is reported, their spread is the noise.
+#: Number of timed stretches of a method; the minimum is reported, their spread is the noise.
 REPEATS = 9
-#: Significant binary digits of a stretch's number of steps: engines that take a power of two of
-#: steps a call need at most that many calls.
+#: Number of significant binary digits of a stretch's number of steps: engines that take a power of
+#: two of steps in a call need at most that many calls.
 DIGITS_OF_STEPS = 3
-#: Steps before the first timed one, to warm up caches, allocations and branch predictors. The
-#: stretches by which their number of steps is found warm up further.
+#: Number of steps before the first timed one, to warm up caches, allocations and branch predictors.
+#: The stretches that determine the number of steps warm up further.
 WARM_UP = 16
-#: Stretches of a length, the least of which counts while the length is sought.
+#: Number of stretches of one length, of which the shortest counts, while the length is determined.
 TRIALS = 3
-#: rad turned in a timed step, so small that no method blows up while it is timed.
+#: Angle turned in a timed step, rad: so small that no method blows up while it is timed.
 TIMED_TURN = 1e-4
 #: Number of changes of the clock from which its resolution is measured.
 CLOCK_TICKS = 100
@@ -44,7 +44,7 @@ CLOCK_TICKS = 100
 
 @dataclass(frozen=True)
 class TimingSample:
-    """One timed stretch: seconds a step."""
+    """One timed stretch of steps: seconds for each step."""
 
     cpu: float
     wall: float
@@ -55,7 +55,7 @@ class TimingRefused(Exception):
 
 
 def timed(answer: Answer[T]) -> T | CallFailed:
-    """The result of a call that times steps.
+    """Return the result of a call that times steps.
 
     Raises
     ------
@@ -70,7 +70,7 @@ def timed(answer: Answer[T]) -> T | CallFailed:
 def measure(
     executor: Executor, scenario: Scenario, pairs: Sequence[EngineMethod]
 ) -> tuple[list[StepCost | None], list[str]]:
-    """Time every method on a scene, those of one process together.
+    """Time every method on a scene; methods that run in one process are timed together.
 
     If a method crashes or hangs the process, only its own cost is missing: the methods are then
     timed one by one, no longer interleaved.
@@ -108,7 +108,7 @@ def step_costs(scenario: Scenario, pairs: Sequence[EngineMethod]) -> list[StepCo
 
     Parameters
     ----------
-    pairs : engines and their methods, varied ones after the engine as it is
+    pairs : engines and their methods; a varied engine comes after the engine as it is
     """
     timestep = timed_timestep(scenario)
     timed = interleaved(
@@ -168,28 +168,28 @@ class _Timed:
             self.stretches.clear()
 
     def open(self) -> None:
-        """Load the session, warm it up, and find how many steps make a stretch."""
+        """Load the session, warm it up, and determine the number of steps of a stretch."""
         self.session = self.stack.enter_context(self.opening())
         self.session.advance(WARM_UP)
         short = self._seconds(WARM_UP)
         self.steps = 2 * WARM_UP
         while (seconds := self._seconds(self.steps)) < (least := self._least(short, seconds)):
-            # A stretch too short for the clock says only that it must be much longer.
+            # A stretch too short for the clock only shows that it must be much longer.
             longer = least / max(seconds, least / RESOLUTIONS)
             self.steps = _in_few_calls(math.ceil(self.steps * longer))
 
     def _least(self, short: float, seconds: float) -> float:
-        """s that a stretch lasts at least, by the shortest stretch and the last one."""
+        """Return the least length of a stretch, s, given the shortest and the last one tried."""
         a_step = max(0.0, seconds - short) / (self.steps - WARM_UP)
         a_call = max(0.0, short - WARM_UP * a_step)
         return max(STRETCH, RESOLUTIONS * resolution(), a_call / SHARE_OF_CALL)
 
     def time(self) -> None:
-        """Time one stretch of steps."""
+        """Time one stretch."""
         self.stretches.append(self._stretch(self.steps))
 
     def check(self) -> None:
-        """Check that all steps were taken; a step with a clamped velocity costs the same."""
+        """Check that the timed steps were valid; clamped steps are, as they cost the same."""
         try:
             self.session.check()
         except EngineError as error:
@@ -208,14 +208,14 @@ class _Timed:
 
 
 def _in_few_calls(steps: int) -> int:
-    """No fewer steps, in as many binary digits as `DIGITS_OF_STEPS`."""
+    """Return at least `steps` steps, with no more binary digits than `DIGITS_OF_STEPS`."""
     unit = 1 << max(0, steps.bit_length() - DIGITS_OF_STEPS)
     return math.ceil(steps / unit) * unit
 
 
 @cache
 def resolution() -> float:
-    """The least change of the CPU clock, s, as measured: some systems report a wrong one."""
+    """Return the smallest change of the CPU clock, s, measured: some systems report a wrong one."""
     changes: list[float] = []
     before = time.process_time()
     while len(changes) < CLOCK_TICKS:
@@ -227,11 +227,11 @@ def resolution() -> float:
 
 
 def _cost(stretches: Sequence[TimingSample], plain: Sequence[TimingSample]) -> StepCost | None:
-    """The cost by these stretches.
+    """Return the cost of a step, given the timed stretches.
 
     Parameters
     ----------
-    plain : of a varied engine, the stretches of the engine as it is, timed in turn with these
+    plain : for a varied engine, stretches of the engine as it is, timed in turn with its own
     """
     if not stretches:
         return None

@@ -20,9 +20,9 @@ def time_scene(
     executor: Executor,
     progress: Callable[[str], None],
 ) -> None:
-    """Time every method that can simulate a scene in one call, some with what they leave out, too.
+    """Time in one call every method that can simulate a scene, some also with all left in.
 
-    All methods are timed, interleaved, even if only one is missing: times taken at different
+    All methods are timed, interleaved, even if only one has no time yet: times taken at different
     moments cannot be compared. Times are stored last, so a scene with times is complete; if the
     machine prevented the timing, the next run repeats it.
     """

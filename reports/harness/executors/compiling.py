@@ -12,25 +12,26 @@ from ....reference.kernel import FOLDER
 from .executor import Executor
 from .local_workers import LocalWorkers
 
-#: What shares the work about evenly.
+#: The functions that share the work about evenly.
 HALVES = (compile_march, compile_flow)
-#: s, that the slower one takes on a core of its own, with the start of a process.
+#: Time that the slower one takes on a core of its own, with the start of a process, s.
 SECONDS = 19.0
 
 
 def compile_side_by_side(executor: Executor) -> None:
-    """Compile all kernels that are not compiled yet, in as many workers as share the work."""
-    # Without a place for machine code every process compiles for itself.
+    """Compile all kernels that are not compiled yet, in as many workers as there are functions."""
+    # Without a folder for machine code every process has to compile for itself.
     if FOLDER is None or is_compiled():
         return
     for _ in executor.each(partial(executor.call, half) for half in HALVES):
         pass
-    # Both are loaded now: this sees that nothing is missing, and says so to later processes.
+    # Both are loaded now: this call checks that nothing is missing, and marks the folder as
+    # complete.
     executor.call(compile_kernels)
 
 
 def compile_first(tell: Callable[[str], object]) -> None:
-    """Compile for a process that solves exact motions itself, and say so, unless it is done."""
+    """Compile, after saying so, in a process that solves motions itself, unless it is done."""
     if is_compiled():
         return
     tell(notice())
@@ -39,7 +40,7 @@ def compile_first(tell: Callable[[str], object]) -> None:
 
 
 def notice() -> str:
-    """The sentence that stands before a compilation."""
+    """Return the sentence that announces a compilation."""
     return f"First, once: the solver of exact motions is compiled, roughly {SECONDS:.0f} s."
 
 

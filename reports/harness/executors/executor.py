@@ -12,7 +12,7 @@ from ....engines import Cause
 P = ParamSpec("P")
 T = TypeVar("T")
 
-#: Tasks waiting for a thread, per task running: enough to keep all threads busy.
+#: Number of tasks waiting for a thread, for each running task: enough to keep all threads busy.
 QUEUED_PER_THREAD = 1
 
 
@@ -23,7 +23,7 @@ class CallFailed:
     Attributes
     ----------
     reason : one sentence
-    cause : the same as one word
+    cause : the cause in one word
     """
 
     reason: str
@@ -36,8 +36,8 @@ class Answer(Generic[T]):
 
     Attributes
     ----------
-    value : what it returned, or why it returned nothing
-    printed : what it wrote to stdout and stderr, from Python or C; only the end if it is long
+    value : what the call returned, or why it returned nothing
+    printed : what the call wrote to stdout and stderr, from Python or C; only the end if it is long
     """
 
     value: T | CallFailed
@@ -45,7 +45,7 @@ class Answer(Generic[T]):
 
 
 class ExecutorStopped(Exception):
-    """The executor was stopped: the call under way, or made later, has no result."""
+    """The executor was stopped: the call under way, or any later call, has no result."""
 
 
 class Executor(ABC):
@@ -63,7 +63,7 @@ class Executor(ABC):
 
     @abstractmethod
     def call(self, function: Callable[P, T], /, *args: P.args, **kwargs: P.kwargs) -> Answer[T]:
-        """Call a function of a module, wait, and return what came of it. From any thread.
+        """Call a function of a module, wait, and return the answer. May be called from any thread.
 
         Raises
         ------
@@ -74,9 +74,9 @@ class Executor(ABC):
     def call_at(
         self, site: str, function: Callable[P, T], /, *args: P.args, **kwargs: P.kwargs
     ) -> Answer[T]:
-        """As `call`, in a process that imports modules from the folder `site` first, if not empty.
+        """Call a function in a process that imports modules from the folder `site` first.
 
-        Used for an engine at another version; most executors support no `site`.
+        An empty `site` is none. It is for an engine at another version; few executors support it.
         """
         if site:
             return Answer(
@@ -86,7 +86,7 @@ class Executor(ABC):
 
     @abstractmethod
     def stop(self) -> None:
-        """End all calls under way at once. From any thread."""
+        """End all calls under way at once. May be called from any thread."""
 
     @abstractmethod
     def close(self) -> None:
@@ -94,9 +94,9 @@ class Executor(ABC):
 
     @abstractmethod
     def alone(self) -> "Executor":
-        """An executor of one call at a time on this computer, for timing; it ends with this one.
+        """Return an executor of one call at a time on this computer, for timing.
 
-        No other call may be made in the meantime.
+        It ends with this executor, which may make no other call in the meantime.
         """
 
     @final

@@ -12,7 +12,7 @@ T = TypeVar("T")
 
 @final
 class InProcess(Executor):
-    """A call that raises fails; one that crashes or hangs takes this process with it."""
+    """Makes calls in this process, which a call that crashes or hangs takes with it."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -28,7 +28,7 @@ class InProcess(Executor):
             return Answer(CallFailed(f"{type(error).__name__}: {error}", cause_of(error)))
 
     def alone(self) -> Executor:
-        """Itself: it makes one call at a time."""
+        """Return the executor itself, as it makes one call at a time."""
         return self
 
     def stop(self) -> None:
@@ -36,4 +36,4 @@ class InProcess(Executor):
         self._stopped = True
 
     def close(self) -> None:
-        """Nothing to free."""
+        """Do nothing, as there is nothing to free."""

@@ -14,12 +14,12 @@ T = TypeVar("T")
 
 @final
 class LocalWorkers(Executor):
-    """A number of worker processes, one a thread, each started by the thread's first call.
+    """A number of worker processes, one for each thread, started by the thread's first call.
 
     Parameters
     ----------
-    jobs : how many
-    time_limit : CPU seconds that a call may take; `TIME_LIMIT` if None
+    jobs : number of worker processes
+    time_limit : CPU time that a call may take, s; `TIME_LIMIT` if None
     """
 
     def __init__(self, jobs: int, time_limit: float | None = None) -> None:
@@ -42,7 +42,7 @@ class LocalWorkers(Executor):
         return self._slot(site).call(partial(function, *args, **kwargs))
 
     def alone(self) -> Executor:
-        """The first of its workers; the others are idle in the meantime."""
+        """Return an executor with the first of the workers; the others are idle in the meantime."""
         alone = LocalWorkers(1, self._time_limit)
         with self._changing:
             idle = [slot for slot in self._slots if not slot.site]
@@ -53,7 +53,7 @@ class LocalWorkers(Executor):
         return alone
 
     def stop(self) -> None:
-        """Kill the processes."""
+        """Kill the worker processes."""
         with self._changing:
             self._stopped = True
             slots = list(self._slots)
@@ -61,7 +61,7 @@ class LocalWorkers(Executor):
             slot.stop()
 
     def close(self) -> None:
-        """End the processes."""
+        """End the worker processes."""
         self.stop()
         for slot in self._slots:
             slot.end()

@@ -18,11 +18,11 @@ from typing import IO, TYPE_CHECKING
 if TYPE_CHECKING:
     from ....engines import Cause
 
-#: Length of the message that follows, bytes.
+#: Format of the length, in bytes, of the message that follows it.
 LENGTH = struct.Struct("<Q")
-#: <stdio.h>, _IONBF: no buffer, so that nothing printed before a crash is lost.
+#: _IONBF of <stdio.h>: no buffer, so that nothing printed before a crash is lost.
 UNBUFFERED = 2
-#: Fraction of the machine's memory that one worker may hold (RLIMIT_DATA of getrlimit(2)).
+#: Fraction of the machine's memory that one worker may use (RLIMIT_DATA of getrlimit(2)).
 MEMORY_SHARE = 0.5
 #: Errors of the operating system that are not the engine's fault and may pass.
 PASSING = frozenset(
@@ -33,7 +33,7 @@ PASSING = frozenset(
     )
     if hasattr(errno, name)
 )
-#: What Python says if the system cannot start another thread.
+#: Python's message if the system cannot start another thread.
 NO_THREAD = "can't start new thread"
 
 
@@ -44,7 +44,7 @@ def serve(mark: bytes) -> None:
     ----------
     mark : printed at the end of each call
     """
-    # The parent decides about Ctrl-C, should it reach this process.
+    # The parent decides what Ctrl-C does, should it reach this process.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     _bound_memory()
     calls, answers, output = _pipes_of_its_own()
@@ -89,18 +89,18 @@ def _read(stream: IO[bytes], length: int) -> bytes:
 
 
 def _answer(request: bytes) -> bytes:
-    """Pickled: whether a call returned, what it returned or raised, and the cause of a failure."""
+    """Return, pickled, whether a call returned, what it returned or raised, and the cause."""
     try:
         call = pickle.loads(request)
         return pickle.dumps((True, call(), ""))
-    # `sys.exit` in a call is a failed call, not the end of the worker.
+    # `sys.exit` in a call is a failure of the call, not the end of the worker.
     except (Exception, SystemExit) as error:
         return pickle.dumps((False, f"{type(error).__name__}: {error}", cause_of(error)))
 
 
 def cause_of(error: BaseException) -> "Cause":
     """The cause, one word, of a call that raised: `environment` if the machine is to blame."""
-    # An `EngineError` carries its cause: its child may have been killed.
+    # An `EngineError` has its own cause, as its child may have been killed.
     if getattr(error, "cause", "") == "killed":
         return "killed"
     at: BaseException | None = error
@@ -118,7 +118,7 @@ def _is_passing(error: BaseException) -> bool:
     if isinstance(error, OSError):
         return error.errno in PASSING
     if isinstance(error, ImportError):
-        # If a library cannot be opened, the loader tells the reason in words only.
+        # If a library cannot be opened, the loader gives the reason in words only.
         return any(os.strerror(number) in str(error) for number in PASSING)
     if isinstance(error, MemoryError):
         return _is_memory_limited()
@@ -136,7 +136,7 @@ def _is_memory_limited() -> bool:
 
 
 def _pipes_of_its_own() -> tuple[IO[bytes], IO[bytes], int]:
-    """Move calls and answers off the standard streams, where an engine may read or print.
+    """Move calls and answers away from the standard streams, where an engine may read or print.
 
     Returns
     -------
@@ -165,7 +165,7 @@ def _bound_memory() -> None:
 
 
 def _own_bound() -> int:
-    """Bytes that a worker may hold."""
+    """Return the number of bytes that a worker may use."""
     return int(MEMORY_SHARE * os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES"))
 
 
@@ -181,6 +181,6 @@ def _print_at_once() -> None:
 
 if __name__ == "__main__":
     _, mark_hex, search_path = sys.argv
-    # None of another Python, which has its own.
+    # It is None for another Python, which has its own library.
     sys.path[:] = json.loads(search_path) or sys.path
     serve(bytes.fromhex(mark_hex))

@@ -2,8 +2,8 @@
 
 Calls are sent to its standard input, answers come from its standard output, each as a length and a
 pickle; everything printed comes from its standard error. It is started like any program, and gets
-from its parent only the paths of modules. So `__main__` is not imported twice, and processes that
-may not have children of `multiprocessing`, may have this one.
+only the paths of modules from its parent. So `__main__` is not imported twice, and even processes
+that may not have children of `multiprocessing` may have a worker.
 """
 
 import json
@@ -26,13 +26,14 @@ from ....engines.versions.folders import interpreter_of
 from . import worker_main
 from .worker_main import receive, send
 
-#: Bytes kept of what a call printed, counted from the end.
+#: Number of bytes kept of what a call printed, counted from the end.
 KEPT_OUTPUT = 4096
-#: Bytes of output read at once: as many as a pipe holds (pipe(7), Linux).
+#: Number of bytes of output read at once: as many as a pipe holds (pipe(7), Linux).
 PIPE_SIZE = 1 << 16
-#: s, to wait for the rest of the output after a call has answered.
+#: Time to wait for the rest of the output after a call has answered, s.
 OUTPUT_WAIT = 5.0
-#: Environment variables of thread pools. Engines step in one thread; idle pools would only spin.
+#: Environment variables that set the size of thread pools. Engines step in one thread; idle pools
+#: would only spin.
 THREAD_COUNTS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "RAYON_NUM_THREADS")
 ONE_THREAD = dict.fromkeys(THREAD_COUNTS, "1")
 
@@ -54,7 +55,7 @@ class WorkerProcess:
         path = [site] * bool(site) + sys.path
         if site and interpreter_of(Path(site)).exists():
             program, path = str(interpreter_of(Path(site))), []
-        # -P: modules of the current folder do not shadow Python's own. Not -I, by which a package
+        # -P: modules in the current folder do not shadow Python's own. Not -I, with which a package
         # that is installed for the user alone is not found.
         self._process = start(
             [program, "-P", worker_main.__file__, self._mark.hex(), json.dumps(path)],
@@ -88,7 +89,7 @@ class WorkerProcess:
         return self._process.poll() is None
 
     def give(self, call: bytes) -> None:
-        """Send it a pickled call.
+        """Send the worker a pickled call.
 
         Raises
         ------
@@ -100,7 +101,7 @@ class WorkerProcess:
         send(_raw(self._process.stdin), call)
 
     def wait(self, limit: float) -> Overdue | None:
-        """Wait for the worker's answer, as `wait_for_answer` does."""
+        """Wait for the answer: see `wait_for_answer`."""
         return wait_for_answer(self._has_answered, self._of_system, limit)
 
     def _has_answered(self, seconds: float) -> bool:
@@ -111,7 +112,7 @@ class WorkerProcess:
         return True
 
     def take(self) -> tuple[bool, Any, Cause]:
-        """The answer: (True, value, cause) if the call returned, else (False, error, cause).
+        """Return the answer: (True, value, cause) if the call returned, else (False, error, cause).
 
         Raises
         ------
@@ -125,7 +126,7 @@ class WorkerProcess:
         return answer
 
     def printed(self) -> str:
-        """What the call has printed; only the end if it is long."""
+        """Return what the call has printed; only the end if it is long."""
         return self._printed.replace(self._mark, b"").decode(errors="replace")
 
     def kill(self) -> None:
@@ -133,7 +134,7 @@ class WorkerProcess:
         kill(self._process)
 
     def end(self) -> int:
-        """Kill the process and close its pipes; returns its exit code."""
+        """Kill the process and close its pipes; return its exit code."""
         code = kill(self._process)
         for listener in getattr(self, "_listeners", []):
             if listener.ident is not None:
@@ -162,10 +163,10 @@ class WorkerProcess:
 
 
 def _on_windows() -> tuple[str, dict[str, str]]:
-    """The interpreter and the environment to start it with, on Windows.
+    """Return the interpreter and the environment to start the worker with, on Windows.
 
     In a virtual environment `sys.executable` only launches the real interpreter, whose CPU time
-    would not be counted; so that is started, as in `multiprocessing.popen_spawn_win32`.
+    would not be counted; so the real one is started, as in `multiprocessing.popen_spawn_win32`.
     """
     program = getattr(sys, "_base_executable", sys.executable)
     environment = os.environ | ONE_THREAD

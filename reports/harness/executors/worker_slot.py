@@ -1,4 +1,4 @@
-"""One worker process at a time, replaced whenever it dies; its death becomes the call's failure."""
+"""One worker process at a time, which is replaced when it dies; its death is the call's failure."""
 
 import pickle
 import re
@@ -11,9 +11,9 @@ from ....engines.lost_process import Overdue, death, last_line
 from .executor import Answer, CallFailed, ExecutorStopped
 from .worker_process import WorkerProcess
 
-#: CPU seconds that a call may take; the longest run of a ladder takes a few.
+#: CPU time that a call may take, s; the longest run of a ladder takes a few seconds.
 TIME_LIMIT = 120.0
-#: Times that a call is tried whose worker is killed from outside.
+#: Number of times that a call is tried if its worker is killed from outside.
 ATTEMPTS = 2
 #: First words of the reason of a call whose worker has died.
 _WORKER = "the worker process"
@@ -27,7 +27,7 @@ class WorkerSlot:
     Parameters
     ----------
     time_limit : CPU seconds that a call may take
-    site : a folder in which its process finds modules first; none if empty
+    site : a folder from which its process imports modules first; none if empty
     """
 
     def __init__(self, time_limit: float, site: str = "") -> None:
@@ -89,7 +89,7 @@ class WorkerSlot:
         return Answer(value if returned else CallFailed(value, cause), worker.printed())
 
     def _ready(self) -> WorkerProcess:
-        """The process; a new one if it has died."""
+        """Return the worker process, a new one if the last has died."""
         with self._changing:
             if self._stopped:
                 raise ExecutorStopped
@@ -123,9 +123,9 @@ def is_environmental(cause: str) -> bool:
 
 
 def cause_of_unsolved(failure: CallFailed) -> Cause:
-    """The cause of a run that was not made because the exact motion could not be found.
+    """Return the cause of a run that was not made because the exact motion could not be found.
 
-    A solver that was killed, by whatever signal, is one that is tried again: no engine is in it.
+    A solver that was killed, by any signal, is to be tried again: no engine is involved.
     """
     if failure.cause in ENVIRONMENTAL:
         return failure.cause
@@ -135,7 +135,7 @@ def cause_of_unsolved(failure: CallFailed) -> Cause:
 def may_succeed_if_repeated(cause: str, reason: str, time_limit: float | None) -> bool:
     """Whether a call that failed may succeed if it is made again.
 
-    That is so if the machine is to blame, or if it was stopped after less CPU time than the limit
+    It may if the machine is to blame, or if it was stopped after less CPU time than the limit
     that applies now, s.
     """
     if is_environmental(cause):

@@ -1,1 +1,1 @@
-"""Are derivatives that engines give those of the motion: docs/how-to/gradients.md."""
+"""Compares derivatives that engines compute with those of the motion: docs/how-to/gradients.md."""

@@ -1,7 +1,7 @@
-"""Jacobians that usual mistakes make of the exact one, by their names.
+"""Jacobians that common mistakes would make of the exact one, by name of the mistake.
 
-A mistake that leaves a term out is known to first order in the timestep: what it leaves
-unexplained vanishes with the timestep.
+A mistake that leaves a term out is known to first order in the timestep: the part of the error
+that it does not explain vanishes with the timestep.
 """
 
 from collections.abc import Callable, Iterator
@@ -20,20 +20,20 @@ from ....scenarios.rotation import cross, matrix
 from ..measuring.steps import flowed
 from .jacobians import CHANGES, CHART, WEIGHTS, Units, changed, stepped_by_rate
 
-#: Terms of I dω/dt, by the word for them.
+#: Names of the terms of I dω/dt.
 TERMS = ("gravity", "applied torques", "gyroscopic torque")
 #: Powers of ten of ε that are tried, in rad and rad/s, and their spacing.
 SPACING = 0.125
 POWERS = np.arange(-5.0, SPACING, SPACING).tolist()
-#: What the derivatives of terms are known to, relative, by differences.
+#: Tolerance of the fitted ε: derivatives of terms, by differences, have this relative error.
 KNOWN = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
 class Exact:
-    """What is differentiated: K states, J times, s, and the exact Jacobians, (J, K, 6, 6).
+    """The exact Jacobians, (J, K, 6, 6), from K states over J spans of time, s.
 
-    Each time is one of so many steps.
+    Each span is one of `steps` steps.
     """
 
     scenario: Scenario
@@ -45,11 +45,12 @@ class Exact:
 
 
 def candidates(exact: Exact, limits: FloatArray) -> Iterator[tuple[str, FloatArray]]:
-    """Names of mistakes, and the Jacobians that they make, (J, K, 6, 6).
+    """Yield names of mistakes, and the Jacobians that they would make, (J, K, 6, 6).
 
     Parameters
     ----------
-    limits : what a derivative gains beyond the exact one at vanishing timesteps, (K, 6, 6), 1/s
+    limits : gain of the engine's derivative over the exact one at vanishing timesteps, (K, 6, 6),
+        1/s
     """
     P = exact.jacobians
     yield "it is zero: nothing is differentiated", 0 * P
@@ -78,7 +79,7 @@ def candidates(exact: Exact, limits: FloatArray) -> Iterator[tuple[str, FloatArr
 
 
 def _detached(P: FloatArray) -> Iterator[tuple[str, FloatArray]]:
-    """What is left if rows or columns are zero."""
+    """Yield the exact Jacobians with rows or columns set to zero."""
     for what, first in {"attitude": 0, "ω": 3}.items():
         three = slice(first, first + 3)
         for part in ("rows", "columns"):
@@ -88,9 +89,9 @@ def _detached(P: FloatArray) -> Iterator[tuple[str, FloatArray]]:
 
 
 def _in_world_axes(exact: Exact) -> Iterator[tuple[str, FloatArray]]:
-    """The exact Jacobians with attitude, ω or both along the world's axes.
+    """Yield the exact Jacobians with attitude, ω or both along the world's axes.
 
-    With δω_world = R (δω − ω × δθ), or R δω if a derivative is only turned.
+    δω_world is R (δω − ω × δθ), or R δω if a derivative is only turned.
     """
     states, P = exact.states, exact.jacobians
     ends = _ends(exact)
@@ -113,7 +114,7 @@ def _in_world_axes(exact: Exact) -> Iterator[tuple[str, FloatArray]]:
 
 
 def _ends(exact: Exact) -> list[list[tuple[FloatArray, FloatArray]]]:
-    """Attitude and ω after each timestep from each state."""
+    """Return attitude and ω after each span of time from each state."""
     count = len(exact.states.omega_body)
     rows = np.tile(np.arange(count), len(exact.spans))
     flown = flowed(exact.scenario, exact.states.rows(rows), np.repeat(exact.spans, count))
@@ -124,7 +125,7 @@ def _ends(exact: Exact) -> list[list[tuple[FloatArray, FloatArray]]]:
 def _to_world(
     q: FloatArray, omega: FloatArray, turn: bool, spin: bool, carried: bool
 ) -> FloatArray:
-    """Takes the chart in body axes to one with either vector along the world's axes, (6, 6)."""
+    """Return the matrix from the chart to one with turn or ω along world axes, (6, 6)."""
     R, made = matrix(q), np.eye(CHART)
     if turn:
         made[:3, :3] = R
@@ -136,7 +137,7 @@ def _to_world(
 
 
 def _changed_rates(exact: Exact, limits: FloatArray) -> Iterator[tuple[str, FloatArray]]:
-    """The exact Jacobians with another derivative of dx/dt."""
+    """Yield the exact Jacobians with mistakes in the derivative of dx/dt."""
     states, scenario, units = exact.states, exact.scenario, exact.units
     rates = [_Rates(Equations(scenario), states.rows(k), units) for k in range(len(limits))]
     h = exact.spans[:, None, None, None]
@@ -159,7 +160,7 @@ def _changed_rates(exact: Exact, limits: FloatArray) -> Iterator[tuple[str, Floa
 
 
 def _fitted(rates: list["_Rates"], limits: FloatArray, two_sided: bool) -> float:
-    """The ε whose differences come closest to limits, rad and rad/s."""
+    """Return the ε, rad and rad/s, whose finite differences would come closest to the limits."""
 
     def left(power: float) -> float:
         off = np.array([one.secant(10.0**power, two_sided) for one in rates])
@@ -179,18 +180,18 @@ class _Rates:
         self.exact = self._derivative("")
 
     def without(self, name: str) -> FloatArray:
-        """What a derivative of dx/dt lacks without that of a term, (6, 6)."""
+        """Return the change of the derivative of dx/dt if that of one term is left out, (6, 6)."""
         return self._whole(self._derivative(name) - self.exact)
 
     def without_turn(self, first: int) -> FloatArray:
-        """The Jacobian without one of the terms of δθ' = δω − ω × δθ."""
+        """Return the change of the derivative of dx/dt if δθ' = δω − ω × δθ lacks a part."""
         kept = stepped_by_rate(np.zeros((3, CHART)), self.state.omega_body, 1.0) - np.eye(CHART)
         lacking = np.zeros((CHART, CHART))
         lacking[:, first : first + 3] = -kept[:, first : first + 3]
         return lacking
 
     def secant(self, epsilon: float, two_sided: bool) -> FloatArray:
-        """What differences with ε make of the derivative of dω/dt beyond it, (6, 6)."""
+        """Return the error of the derivative of dω/dt by finite differences with ε, (6, 6)."""
         ahead, behind = (self._rates(step * np.eye(CHART)) for step in (epsilon, -epsilon))
         if two_sided:
             slope = (ahead - behind) / (2 * epsilon)
@@ -213,7 +214,7 @@ class _Rates:
         torque: FloatArray,
         weighed: tuple[FloatArray, FloatArray],
     ) -> FloatArray:
-        """The torque with that of the table, whose part by gravity is that of another state."""
+        """Return the torque with a table's, whose part by gravity may be that of another state."""
         scenario, none = self.equations.scenario, np.zeros(3)
         answer = scenario.answer
         assert answer is not None
@@ -225,7 +226,7 @@ class _Rates:
         return np.asarray(otherwise + by_weight[0] - by_weight[1])
 
     def _rates(self, offsets: FloatArray, frozen: str = "") -> FloatArray:
-        """dω/dt of states that are off by so much, (n, 3), one term as at the state itself."""
+        """Return dω/dt at offsets from the state, (n, 3), with one term kept constant if named."""
         equations, scenario = self.equations, self.equations.scenario
         there = changed(scenario, self.state, offsets)
         kept = equations.kept_body(self.state)

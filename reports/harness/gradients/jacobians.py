@@ -1,6 +1,7 @@
-"""Jacobians of single steps by attitude and ω: the exact motion's, and an engine's steps'.
+"""Jacobians of single steps by attitude and ω, of the exact motion and of an engine.
 
-Rows and columns: attitude (3, rad), ω (3, rad/s), body axes: docs/explanation/sensitivities.md.
+Rows and columns are attitude (3, rad) and ω (3, rad/s) in body axes:
+docs/explanation/sensitivities.md.
 """
 
 from collections.abc import Sequence
@@ -16,21 +17,21 @@ from ....scenarios.scenario import started_at
 from ..measuring.noise import ULPS
 from ..measuring.steps import Sessions, flowed
 
-#: Changes that a central difference of fourth order is taken with, and the weights of what they
-#: make (Fornberg, Math. Comp. 51 (1988) 699, table 1).
+#: Offsets of a central difference of fourth order, in units of the change, and the weights of the
+#: results (Fornberg, Math. Comp. 51 (1988) 699, table 1).
 CHANGES, WEIGHTS = np.array([-2.0, -1.0, 1.0, 2.0]), np.array([1.0, -8.0, 8.0, -1.0]) / 12
-#: Numbers of a state in the chart, of which the first three are the attitude's.
+#: Number of components of a state in the chart; the first three are the attitude's.
 CHART = 6
 
 
 @dataclass(frozen=True)
 class Units:
-    """What a change of each number of the chart is measured in.
+    """The units of changes of the six numbers in the chart.
 
     Attributes
     ----------
-    rate : rad/s, of ω; of the attitude it is 1 rad
-    ulp : of the numbers of an engine's state, relative
+    rate : unit of ω, rad/s; that of the attitude is 1 rad
+    ulp : relative distance of the numbers of an engine's state
     """
 
     rate: float
@@ -43,21 +44,21 @@ class Units:
 
     @property
     def change(self) -> float:
-        """The step of fourth-order differences at which rounding and truncation are equal."""
+        """Best change, in units, for differences of order 4: rounding equals truncation error."""
         return float(self.ulp**0.2)
 
     def of(self, jacobians: FloatArray) -> FloatArray:
-        """Jacobians, (..., 6, 6), in these units."""
+        """Return Jacobians, (..., 6, 6), in these units."""
         return np.asarray(jacobians / self.each[:, None] * self.each)
 
 
 def units_of(engine: Engine, rate: float) -> Units:
-    """The units of an engine and a motion whose fastest rate is given, rad/s."""
+    """Return the units for an engine and a motion with a given fastest rate, rad/s."""
     return Units(rate, engine.ulp)
 
 
 def exact_jacobians(scenario: Scenario, states: State, timesteps: FloatArray) -> FloatArray:
-    """Jacobians of the exact motion from K states over J timesteps, (J, K, 6, 6)."""
+    """Return the Jacobians of the exact motion from K states over J timesteps, (J, K, 6, 6)."""
     ascending = np.sort(timesteps)
     found = []
     for k in range(len(states.omega_body)):
@@ -75,12 +76,12 @@ def own_jacobian(
     counts: Sequence[int],
     share: float = 1.0,
 ) -> FloatArray:
-    """Jacobians of an engine's own steps from a state, by central differences, (n, 6, 6).
+    """Return Jacobians of an engine's own steps from a state, by central differences, (n, 6, 6).
 
     Parameters
     ----------
-    counts : of steps, ascending, one a Jacobian
-    share : of the change that is best where derivatives are of the size of the units
+    counts : numbers of steps, ascending, one for each Jacobian
+    share : size of the change, in that which is best if derivatives are of the size of the units
     """
     sizes = share * units.change * units.each
     offsets = (CHANGES[:, None, None] * np.diag(sizes)).reshape(-1, CHART)
@@ -105,9 +106,9 @@ def own_jacobian(
 
 
 def changed(scenario: Scenario, state: State, offsets: FloatArray) -> State:
-    """States that are off one by so much in attitude and ω, (n, 6), as what holds the body has it.
+    """Return states at offsets in attitude and ω, (n, 6), that the constraint allows.
 
-    Of a body that is free com and velocity stay.
+    If the body is free, its com and velocity stay as they are.
     """
     half = np.linalg.norm(offsets[:, :3], axis=1, keepdims=True) / 2
     turn = np.hstack([np.cos(half), np.sinc(half / np.pi) * offsets[:, :3] / 2])
@@ -132,12 +133,13 @@ def changed(scenario: Scenario, state: State, offsets: FloatArray) -> State:
 
 @dataclass(frozen=True, eq=False)
 class Own:
-    """Jacobians of an engine's own steps, by differences of them.
+    """Jacobians of an engine's own steps, by finite differences.
 
     Attributes
     ----------
     jacobians : from K states with J timesteps, (J, K, 6, 6)
-    known_to : in units, for each timestep, (J,): what rounding makes, or half the change does
+    known_to : bound on their error, in units, for each timestep, (J,): by rounding, or by their
+        change when the offsets are halved
     """
 
     jacobians: FloatArray
@@ -147,7 +149,7 @@ class Own:
 def own_jacobians(
     sessions: Sessions, states: State, timesteps: FloatArray, units: Units, steps: int
 ) -> Own:
-    """Jacobians of an engine's own steps from K states, by differences of two step sizes."""
+    """Return Jacobians of a number of steps from K states with J timesteps, and their error."""
     found, finer = (
         np.array(
             [
@@ -166,15 +168,15 @@ def own_jacobians(
 def settled_jacobians(
     sessions: Sessions, states: State, timesteps: FloatArray, units: Units, settling: Sequence[int]
 ) -> tuple[Own, FloatArray]:
-    """Jacobians of a step after a constraint has settled, and the exact ones, (J, K, 6, 6).
+    """Return Jacobians of a step after a constraint has settled, and the exact ones, (J, K, 6, 6).
 
-    A run begins where the exact motion was so many steps before. Its states are changed there, as
-    the constraint allows, so that what the step makes of a change is what it and all steps before
-    make, divided by what these do. Only attitude and ω may be free; all else follows them.
+    A run begins where the exact motion was some steps before. The states are changed there, as the
+    constraint allows. The Jacobian of the step is that of all steps divided by that of the steps
+    before. Only attitude and ω may be free; all other numbers follow from them.
 
     Parameters
     ----------
-    settling : two numbers of steps, which what is left of settling is the difference of
+    settling : two numbers of steps before; the difference between them bounds the error
     """
     found = np.empty((len(settling), len(timesteps), len(states.omega_body), CHART, CHART))
     exact = np.empty(found.shape[1:])
@@ -190,18 +192,18 @@ def settled_jacobians(
                     there = session.read_state()
                 one = State(*(column[None] for column in there.columns))
                 exact[j, k] = exact_jacobians(sessions.scenario, one, np.array([h]))[0, 0]
-    # The last ones settled longest; the exact ones are from where these did.
+    # The run with more steps before is used; the exact Jacobians are from the states where it ends.
     return Own(found[-1], _apart(units, *found)), exact
 
 
 def _apart(units: Units, found: FloatArray, other: FloatArray) -> FloatArray:
-    """What Jacobians are known to by their distance from others, (J,)."""
+    """Return a bound on the error of Jacobians by their distance from others, in units, (J,)."""
     apart = np.abs(units.of(found - other)).max(axis=(1, 2, 3))
     return np.asarray(np.maximum(apart, ULPS * units.ulp / units.change))
 
 
 def stepped_by_rate(rate: FloatArray, omega_body: FloatArray, timestep: float) -> FloatArray:
-    """The Jacobian of an explicit Euler step, (6, 6), from that of dω/dt, (3, 6).
+    """Return the Jacobian of an explicit Euler step, (6, 6), given that of dω/dt, (3, 6).
 
     The turn obeys δθ' = δω − ω × δθ.
     """

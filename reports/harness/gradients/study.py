@@ -1,4 +1,4 @@
-"""Every derivative of a method on a scene: its verdict, its cost, and gradients over a window."""
+"""Studies every derivative of a method on a scene: verdict, cost, and gradients over a window."""
 
 import time
 from collections.abc import Callable
@@ -32,37 +32,37 @@ from .jacobians import (
 from .verdict import Judged, beside_own, judged, noise_of
 from .window import STEPS, Gradient, chained, cut_in_words, gradients_along, run_along, useless_from
 
-#: Exact states that steps are taken from.
+#: Number of exact states that steps are taken from.
 STATES = 4
-#: The name of what is found where an engine gives nothing.
+#: The name of the derivative that spincheck itself computes, for engines without any.
 OURS = "central differences by spincheck"
-#: Steps of a derivative through many, and over windows.
+#: Number of steps of a derivative through many steps, and those numbers over windows.
 MANY = 8
 TAPED = (MANY, 64)
-#: Why an engine's derivative is not judged where a constraint or a contact gives way.
+#: The reason why an engine's derivative is not judged if a constraint or a contact gives way.
 UNSETTLED = (
     "a constraint gives way: by attitude and ω with the com where it is, as the engine "
     "differentiates, no motion is allowed; only differences of its runs are judged"
 )
-#: Steps that are timed, and how often, before a derivative each time.
+#: Number of plain steps that are timed before each derivative, and how often.
 TIMED, TIMES = 200, 5
-#: Which of the halved timesteps a window is taken with: some 0.05 rad a step.
+#: Index of the halved timestep that a window is stepped with: some 0.05 rad a step.
 FINE = 2
 
 
 @dataclass(frozen=True)
 class GradientRow:
-    """One derivative of one method on one scene.
+    """The result for one derivative of one method on one scene.
 
     Attributes
     ----------
     derivative : the engine's name for it, or `OURS`
-    judged : what was found of it; failed or unsupported where nothing was
-    cost : CPU time, in plain steps; None where it could not be taken
-    seconds : until the row was made, with what was compiled
-    timestep : s, of the window's steps
+    judged : the verdict; failed or unsupported if nothing was computed
+    cost : CPU time, in plain steps; None if it could not be measured
+    seconds : wall time until the row was made, including compilation
+    timestep : timestep of the window's steps, s
     window : gradients along a run
-    useless_from : s, from when on they are as wrong as none; None if they are not
+    useless_from : time from which on gradients are as wrong as none, s; None if they are not
     """
 
     scene: str
@@ -80,7 +80,7 @@ class GradientRow:
 def gradients_by(
     executor: Executor, scenario: Scenario, engine: Engine, method: str, timestep: float | None
 ) -> list[GradientRow]:
-    """Judge gradients in another process: a crash or a time-out is a row with its reason."""
+    """Return `gradients_of` run in another process; a crash, or time out, gives a row too."""
     began = time.perf_counter()
     answer = executor.call_at(engine.site, gradients_of, scenario, engine, method, timestep)
     if isinstance(answer.value, CallFailed):
@@ -93,11 +93,11 @@ def gradients_by(
 def gradients_of(
     scenario: Scenario, engine: Engine, method_name: str, timestep: float | None = None
 ) -> list[GradientRow]:
-    """Judge every derivative of one method; what cannot be judged is a row with the reason.
+    """Judge every derivative of one method; one that cannot be judged has a row with the reason.
 
     Parameters
     ----------
-    timestep : s, of the window's steps; chosen by the motion's fastest rate if None
+    timestep : timestep of the window's steps, s; chosen by the motion's fastest rate if None
     """
     method, began = engine.method(method_name), time.perf_counter()
 
@@ -124,7 +124,7 @@ def gradients_of(
 
 @dataclass(frozen=True, eq=False)
 class _Target:
-    """What derivatives should be: the exact ones over some steps, and the engine's own."""
+    """What derivatives should be: the exact Jacobians, and those of the engine's own steps."""
 
     exact: Exact
     own: Own
@@ -133,7 +133,7 @@ class _Target:
 
 @dataclass(frozen=True, eq=False)
 class _Study:
-    """A method whose derivatives are taken at exact states."""
+    """A method whose derivatives are judged at exact states."""
 
     sessions: Sessions
     engine: Engine
@@ -143,7 +143,7 @@ class _Study:
     timestep: float | None
 
     def rows(self) -> list[GradientRow]:
-        """A row for each derivative that the engine gives, and one by differences of its steps."""
+        """Return a row for each of the engine's derivatives, and one for differences of steps."""
         began, offered = time.perf_counter(), self.sessions.first.derivatives()
         steps = steps_from(self.sessions, self.at.states, self.at.timesteps)
         if gives_way(Equations(self.sessions.scenario), self.engine, steps):
@@ -157,7 +157,7 @@ class _Study:
         return [*rows, self._own_row(target, time.perf_counter())]
 
     def _target(self, steps: int) -> _Target:
-        """The target over so many steps, which last as long as one step of the longer timesteps."""
+        """Return the target over `steps` steps, which last as long as one longer timestep."""
         scenario, at, units = self.sessions.scenario, self.at, self.units
         timesteps = at.timesteps[at.timesteps <= at.timesteps[0] / steps]
         spans = steps * timesteps
@@ -167,14 +167,14 @@ class _Study:
         return _Target(exact, own, timesteps)
 
     def _settled_target(self) -> _Target:
-        """The target of a step after others, without timesteps that turn the body by much."""
+        """Return the target of a step after others, without timesteps that turn the body far."""
         scenario, at, units = self.sessions.scenario, self.at, self.units
         settling, timesteps = (SETTLING, SETTLING + FURTHER), at.timesteps[FINER:]
         own, jacobians = settled_jacobians(self.sessions, at.states, timesteps, units, settling)
         return _Target(Exact(scenario, at.states, timesteps, jacobians, units), own, timesteps)
 
     def _engines_row(self, target: _Target, name: str) -> GradientRow:
-        """A derivative of the engine's; whatever its own code raises is the reason."""
+        """Return the row of an engine's derivative, with what its code raises as the reason."""
         began, steps = time.perf_counter(), target.exact.steps
         called = name if steps == 1 else f"{name}, through {steps} steps"
         try:
@@ -205,7 +205,7 @@ class _Study:
         if one.reason:
             one = replace(one, reason=f"its steps themselves: {one.reason}")
         row = self._row(OURS, one)
-        # Where a scene is opened anew for each difference, a window would take minutes.
+        # If a scene must be opened anew for each difference, a window would take minutes.
         if self.sessions.first.can_restart:
             row = self._with_window(row)
         return replace(row, seconds=time.perf_counter() - began)
@@ -220,7 +220,7 @@ class _Study:
         return GradientRow(*names, one, timestep=self.window_timestep)
 
     def _found(self, name: str, target: _Target) -> tuple[FloatArray | None, bool]:
-        """Jacobians by a derivative, (J, K, 6, 6), and whether it is one of steps."""
+        """Return Jacobians by a derivative, (J, K, 6, 6), and whether it is of steps or dω/dt."""
         states, jacobians, is_step = self.at.states, np.empty_like(target.exact.jacobians), True
         for j, k in np.ndindex(jacobians.shape[:2]):
             h, state = float(target.timesteps[j]), states.rows(k)
@@ -233,7 +233,7 @@ class _Study:
         return jacobians, is_step
 
     def _jacobian(self, session: Session, name: str) -> FloatArray:
-        """The Jacobian of the next step of a window, in units of the state, (6, 6)."""
+        """Return the Jacobian of the next step of a window, in units, (6, 6)."""
         found = np.asarray(session.derivatives()[name].compute(), dtype=float)
         if len(found) != CHART:
             omega_body = session.read_state().omega_body
@@ -241,7 +241,7 @@ class _Study:
         return self.units.of(found)
 
     def _with_window(self, row: GradientRow, name: str = "", is_taped: bool = False) -> GradientRow:
-        """A row with gradients along a run, by a derivative or by differences of the whole run."""
+        """Return a row with gradients along a run, by the derivative or by differences of runs."""
         sessions, h, units, one = self.sessions, row.timestep, self.units, row.judged
         counts = TAPED if is_taped else STEPS
         of_step = partial(self._jacobian, name=name) if name else None
@@ -265,7 +265,7 @@ class _Study:
         return replace(row, judged=one, window=along, useless_from=useless_from(along))
 
     def _cost(self, name: str, steps: int) -> float:
-        """CPU time of a derivative, in as many plain steps as it is of: the median of ratios."""
+        """Return CPU time of a derivative over that of as many steps, the median of ratios."""
         with self.sessions.at(self.at.states.rows(0), float(self.at.timesteps[-1])) as session:
             session.advance(TIMED)
             compute, ratios = _by(session, name, steps), []
@@ -277,6 +277,6 @@ class _Study:
 
 
 def _by(session: Session, name: str, steps: int) -> Callable[[], FloatArray]:
-    """Computes a derivative of so many steps, many by what the engine has for many."""
+    """Return a function that computes the derivative of steps, by a tape if they are many."""
     one = session.derivatives()[name]
     return one.compute if steps == 1 or one.through is None else partial(one.through, steps)

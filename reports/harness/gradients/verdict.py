@@ -1,7 +1,7 @@
-"""The verdict on a derivative: what it gains beyond the exact one, by the model of steps.
+"""The verdict on a derivative, from its gain over the exact one and the model of steps.
 
-A step's Jacobian minus the exact motion's, over the timestep, is a series that vanishes with it
-where the derivative is consistent (`measuring/gain_series.py`).
+A step's Jacobian minus the exact motion's, over the timestep, is a series that vanishes with the
+timestep if the derivative is consistent (`measuring/gain_series.py`).
 """
 
 from dataclasses import dataclass, replace
@@ -16,7 +16,7 @@ from ..measuring.noise import ULPS
 from .candidates import KNOWN, Exact, candidates
 from .jacobians import CHART, Own, Units
 
-#: Halves of the rows, each judged by itself: attitude and ω.
+#: Number of halves of the rows, attitude and ω, each of which is judged by itself.
 HALVES = 2
 #: Standard deviations within which a derivative is that of the engine's own step.
 SURE = 8.0
@@ -24,18 +24,18 @@ SURE = 8.0
 
 @dataclass(frozen=True)
 class Judged:
-    """What was found of a derivative.
+    """The verdict on a derivative, and its numbers.
 
     Attributes
     ----------
     verdict : converges, disagrees, unresolved, unsupported or failed
     reason : in words
-    order : with which it approaches the motion's derivative as timesteps vanish
-    limit : what is left then, relative to the fastest rate
-    known_to : that the limit is known to, likewise
-    off_own : distance from differences of the engine's own steps, relative; None if it is a
+    order : order with which it approaches the motion's derivative as timesteps vanish
+    limit : difference from the motion's derivative in that limit, relative to the fastest rate
+    known_to : uncertainty of the limit, relative to the fastest rate
+    off_own : distance from finite differences of the engine's own steps, relative; None if it is a
         derivative of no step, or these differences themselves
-    is_own : whether that is no more than rounding and ε make; None likewise
+    is_own : whether that distance is explained by rounding and ε; None likewise
     """
 
     verdict: VerdictWord
@@ -48,13 +48,14 @@ class Judged:
 
 
 def noise_of(units: Units, timesteps: FloatArray, condition: float, epsilon: float) -> FloatArray:
-    """The standard deviation of what a derivative gains, in units, 1/s, (J, 6) by columns.
+    """Return the standard deviation of a derivative's gain, in units, 1/s, (J, 6) by columns.
 
     Parameters
     ----------
-    condition : that rounding of the moments grows by
-    epsilon : of finite differences, rad and rad/s; 0 of exact derivatives. What they omit grows
-        with it, and is a fault beyond the cube root of an ulp, where central ones are best
+    condition : factor by which rounding of the moments grows
+    epsilon : of finite differences, rad and rad/s; 0 for exact derivatives. The truncation error
+        grows with it, and is a fault beyond the cube root of an ulp, where central differences are
+        best
     """
     rounding, each = ULPS * units.ulp, units.each
     of_state = rounding * (each / epsilon if epsilon else np.ones(CHART))
@@ -64,7 +65,7 @@ def noise_of(units: Units, timesteps: FloatArray, condition: float, epsilon: flo
 
 
 def judged(exact: Exact, found: FloatArray, noise: FloatArray) -> Judged:
-    """Judge Jacobians of steps, (J, K, 6, 6), whose noise by columns is known, (J, 6)."""
+    """Judge Jacobians of steps, (J, K, 6, 6), with noise known by columns, (J, 6)."""
     units = exact.units
     if not np.isfinite(found).all():
         wrong = int((~np.isfinite(found).all(axis=(2, 3))).sum())
@@ -93,7 +94,7 @@ def judged(exact: Exact, found: FloatArray, noise: FloatArray) -> Judged:
 
 
 def beside_own(one: Judged, exact: Exact, found: FloatArray, own: Own, noise: FloatArray) -> Judged:
-    """The verdict with how far Jacobians are from those of the engine's own steps."""
+    """Return the verdict with the Jacobians' distance from those of the engine's own steps."""
     units = exact.units
     wanted = units.of(own.jacobians)
     apart = units.of(found) - wanted
@@ -104,7 +105,7 @@ def beside_own(one: Judged, exact: Exact, found: FloatArray, own: Own, noise: Fl
     if is_own and reason:
         reason += "; the engine's own steps do the same"
     elif not is_own and not reason:
-        # |q| is a factor of the attitude's rows if q is not normalised (`in_chart`).
+        # If q is not normalised, its norm is a factor of the attitude's rows (`in_chart`).
         rows, turned = apart[..., :3, :], wanted[..., :3, :]
         factor = (rows * turned).sum((2, 3), keepdims=True) / (turned**2).sum((2, 3), keepdims=True)
         left = np.concatenate([rows - factor * turned, apart[..., 3:, :]], axis=2)
@@ -115,11 +116,11 @@ def beside_own(one: Judged, exact: Exact, found: FloatArray, own: Own, noise: Fl
 
 
 def _series(exact: Exact, off: FloatArray, noise: FloatArray) -> list[GainSeries]:
-    """The series of rows of attitude and of ω: each column of each state is a vector of three."""
+    """Return the series of attitude's and of ω's rows, each column and state a vector of 3."""
     J, K = off.shape[:2]
     columns = np.swapaxes(_gains(exact, off), 2, 3).reshape(J, K * CHART, CHART)
     each = np.tile(noise, (1, K))
-    # Columns of differences share a step, so that they are not judged together.
+    # Columns of finite differences share a step, so that they are not judged together.
     return [
         fitted(exact.spans, half, each, LEVEL / HALVES, may_split=False, is_pooled=False)
         for half in np.split(columns, HALVES, axis=2)
@@ -131,11 +132,11 @@ def _gains(exact: Exact, off: FloatArray) -> FloatArray:
 
 
 def _tail(series: list[GainSeries]) -> float:
-    """The probability of what both halves gain."""
+    """Return the probability of the larger gain of both halves, if there were none."""
     return min(1.0, HALVES * min(one.tail for one in series))
 
 
 def _joined(series: list[GainSeries]) -> FloatArray:
-    """The limits of all columns as Jacobians, (K, 6, 6)."""
+    """Return the limits of all columns as Jacobians, (K, 6, 6)."""
     rows = np.concatenate([one.limit for one in series], axis=1)
     return np.swapaxes(rows.reshape(-1, CHART, CHART), 1, 2)

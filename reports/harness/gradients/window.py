@@ -1,8 +1,8 @@
 """Gradients of a loss over many steps, by the chain rule along an engine's own run.
 
-The losses are half the square of the turn to a target, which the exact attitude at the end is one
-radian away from, and the kinetic energy of rotation. Both are differentiated by attitude and ω at
-the start, in units: docs/how-to/gradients.md.
+The losses are half the square of the turn to a target, which is one radian away from the exact
+attitude at the end, and the kinetic energy of rotation. Both are differentiated by attitude and ω
+at the start, in units: docs/how-to/gradients.md.
 """
 
 from collections.abc import Callable, Iterable, Sequence
@@ -20,11 +20,11 @@ from ..measuring.noise import ULPS
 from .jacobians import CHART, Units
 from .verdict import SURE
 
-#: Steps after which gradients are compared.
+#: Numbers of steps after which gradients are compared.
 STEPS = tuple(2**k for k in range(10))
-#: From the exact attitude to the target, rad, body axes.
+#: Turn from the exact attitude to the target, rad, body axes.
 TO_TARGET = np.ones(3) / np.sqrt(3.0)
-#: Beyond it squares leave the range of doubles.
+#: Size of a gradient beyond which squares leave the range of doubles.
 HUGE = 1e150
 #: Relative error of a gradient that is no better than none.
 USELESS = 1.0
@@ -37,10 +37,10 @@ class Gradient:
     Attributes
     ----------
     t : s
-    error : of the gradient, relative
-    cosine : of the angle between the two
-    energy_error : of the gradient of the kinetic energy, relative
-    conditioning : of the exact motion: what a change of the start is multiplied by, at most
+    error : relative error of the gradient
+    cosine : cosine of the angle between the gradient and the exact one
+    energy_error : relative error of the gradient of the kinetic energy
+    conditioning : largest factor by which the exact motion multiplies a change of its start
     """
 
     t: float
@@ -53,7 +53,7 @@ class Gradient:
 def run_along(
     session: Session, counts: Sequence[int], jacobian: Callable[[Session], FloatArray] | None
 ) -> tuple[list[State], list[FloatArray]]:
-    """The states after so many steps of a run, and the Jacobians of all its single steps."""
+    """Return the states after given numbers of steps, and the Jacobians of all single steps."""
     states, each = [], []
     for step in range(counts[-1]):
         each += [jacobian(session)] if jacobian else []
@@ -64,7 +64,7 @@ def run_along(
 
 
 def chained(each: Iterable[FloatArray]) -> list[FloatArray]:
-    """The Jacobians from the start through no step, the first, the first two, and so on."""
+    """Return the Jacobians from the start over no step, one step, two steps, and so on."""
     found: list[FloatArray] = [np.eye(CHART)]
     with np.errstate(over="ignore", invalid="ignore"):
         for one in each:
@@ -80,9 +80,10 @@ def gradients_along(
     jacobians: Sequence[FloatArray],
     states: Sequence[State],
 ) -> tuple[Gradient, ...]:
-    """Those by Jacobians, in units, and states after so many steps from the start of a scene.
+    """Return gradients from single steps' Jacobians, in units, and the states after some steps.
 
-    They go as far as the exact motion is known.
+    The steps begin at the start of the scene; gradients are given as far as the exact motion is
+    known.
 
     Raises
     ------
@@ -117,14 +118,14 @@ def gradients_along(
 
 
 def cut_in_words(each: Sequence[FloatArray], taped: FloatArray, ulp: float) -> str:
-    """What a Jacobian of N steps at once, in units, is instead of the product of theirs.
+    """Return in words how a Jacobian of N steps at once differs from the product of single steps'.
 
-    Empty where it is that but for rounding, of each Jacobian and of the state that it is at, which
-    later ones multiply.
+    It is empty if they agree up to the rounding of each Jacobian and of the state that it is taken
+    at, which later Jacobians multiply. All are in units.
 
     Parameters
     ----------
-    each : of every step, in units, (6, 6)
+    each : Jacobian of every step, (6, 6)
     """
     steps = len(each)
     if not np.isfinite(taped).all():
@@ -137,7 +138,7 @@ def cut_in_words(each: Sequence[FloatArray], taped: FloatArray, ulp: float) -> s
     known_to = SURE * ULPS * ulp * float((after * before * (1 + before)).sum())
     for words, made in (("first", first), ("last", last)):
         off = np.linalg.norm(np.array(made) - taped, axis=(1, 2))
-        # The whole product is the same from both ends, and comes before any part of it.
+        # Cut at either end, it may be the whole product, which is looked for before any part of it.
         if off[-1] <= known_to:
             return ""
         kept = int(off[:-1].argmin())
@@ -147,7 +148,7 @@ def cut_in_words(each: Sequence[FloatArray], taped: FloatArray, ulp: float) -> s
 
 
 def useless_from(gradients: tuple[Gradient, ...]) -> float | None:
-    """The time, s, from which on all gradients are as wrong as none; None if there is none."""
+    """Return the time, s, from which on all gradients are as wrong as none, or None."""
     wrong = [one.t for one in gradients]
     for one in reversed(gradients):
         if one.error < USELESS:
@@ -157,7 +158,7 @@ def useless_from(gradients: tuple[Gradient, ...]) -> float | None:
 
 
 def _slopes(equations: Equations, state: State, target: FloatArray) -> list[FloatArray]:
-    """Derivatives of both losses by attitude and ω at a state, (6,) each."""
+    """Return the derivatives of both losses by attitude and ω at a state, (6,) each."""
     turn = rotation_vectors(target[None], state.q_world_body_wxyz[None])[0]
     momentum = equations.inertia @ state.omega_body
     return [np.append(turn, np.zeros(3)), np.append(np.zeros(3), momentum)]

@@ -1,1 +1,1 @@
-"""Motions that somebody recorded: read, compared with the exact motion, explained."""
+"""Recorded motions from anywhere: read, compared with the exact motion, and explained."""

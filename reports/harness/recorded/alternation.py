@@ -1,4 +1,4 @@
-"""What of a recorded motion alternates from sample to sample: noise, or ω of an integrator."""
+"""Finds what alternates from sample to sample of a recorded motion: noise, or an integrator's ω."""
 
 from dataclasses import dataclass
 
@@ -12,17 +12,18 @@ from ..measuring.changes import as_it_is
 from .intervals import apart, states_of
 from .mistakes import FITS
 
-#: Samples that it is told from, at least.
+#: Least number of samples from which alternation can be found.
 FEWEST = 12
-#: Fourth differences of noise have a variance of so many times its own, Σ (4 over k)²; where three
-#: of them are of every second sample, (1 − B)(1 − B²)³, of fewer.
+#: Variance of fourth differences of noise, in variances of the noise, Σ (4 over k)²; it is smaller
+#: if three of the differences are of every second sample, (1 − B)(1 − B²)³.
 OF_DIFFERENCES = {1: 70.0, 2: 40.0}
-#: The latter's size over that of third ones, √3.5 and √(10/3) of noise alone; of what is smooth it
-#: is less than the angle between the samples, of which two are less than this apart.
+#: Least size of fourth differences over that of third ones in what alternates; noise alone has √3.5
+#: and √(10/3). In what is smooth the ratio is less than the angle between samples, and two samples
+#: are less than `NEAR` apart, rad.
 ALTERNATES, NEAR = 1.4, 0.7
-#: The latter of what alternates, ± 1.
+#: Size of the fourth differences of what alternates between ± 1.
 ALTERNATING = 16.0
-#: Noise that is not that of printed numbers is larger by this factor.
+#: Noise that is not rounding of printed numbers is larger than that rounding by this factor.
 PRINTED = 50.0
 
 
@@ -30,14 +31,14 @@ PRINTED = 50.0
 class Alternation:
     """What alternates from sample to sample, beyond the exact flow from the sample before.
 
-    It is smooth along a motion that was computed, whatever is wrong with it; along one that was
-    measured it alternates, and where only every second sample is taken it does, too.
+    That excess is smooth along a motion that was computed, whatever is wrong with the motion. Along
+    a motion that was measured it alternates, even if only every second sample is taken.
 
     Attributes
     ----------
-    every, every_second : third and fourth differences of attitude, rad, and ω, rad/s, root mean
-        square; the further ones are those of every sample, or of every second one, (2, 2)
-    least : that is more than rounding, or an integrator's interpolation, (2,)
+    every, every_second : root mean squares of third and of fourth differences of attitude, rad, and
+        ω, rad/s, of every sample or of every second one, (2, 2)
+    least : least size of noise, beyond rounding and an integrator's interpolation, (2,)
     """
 
     every: FloatArray
@@ -46,17 +47,17 @@ class Alternation:
 
     @property
     def noise(self) -> FloatArray:
-        """Standard deviations, if it is noise, (2,)."""
+        """Standard deviations of attitude, rad, and ω, rad/s, if what alternates is noise, (2,)."""
         return np.asarray(self.every[1] / np.sqrt(OF_DIFFERENCES[1]))
 
     @property
     def is_noise(self) -> NDArray[np.bool_]:
-        """Whether the alternation of attitude, and that of ω, is noise, (2,)."""
+        """Whether what alternates is noise, for attitude and for ω, (2,)."""
         return self._alternates(self.every, 1) & self._alternates(self.every_second, 2)
 
     @property
     def of_omega(self) -> str:
-        """The message that ω alternates by more than noise; empty if it does not."""
+        """The sentence that ω alternates without noise; empty if it does not."""
         if not self._alternates(self.every, 1)[1] or self.is_noise[1]:
             return ""
         size = np.sqrt(3) * self.every[1, 1] / ALTERNATING
@@ -72,18 +73,18 @@ class Alternation:
 
 
 def alternation(scenario: Scenario, motion: Trajectory, floor: FloatArray) -> Alternation | None:
-    """Return what alternates in a motion; None of too few samples, or too far apart.
+    """Return what alternates in a motion; None if samples are too few or too far apart.
 
     Parameters
     ----------
-    floor : noise of the printed numbers, of attitude, rad, and ω, rad/s, (2,)
+    floor : noise of attitude, rad, and ω, rad/s, by the rounding of printed numbers, (2,)
     """
     fastest = float(norms(motion.omega_body).max())
     if len(motion.t) < FEWEST or fastest * np.median(np.diff(motion.t)) >= NEAR:
         return None
     states, equations = states_of(motion), as_it_is(scenario).equations
     made = follow(equations, states[:-1], np.diff(motion.t)[:, None])[:, 0]
-    # A difference already, of the noise of two samples.
+    # These are first differences already, with the noise of two samples.
     gained = apart(made, states[1:])
     least = np.maximum(PRINTED * floor, FITS * np.array([1.0, fastest]))
     every, every_second = (_differences(gained, lag) for lag in OF_DIFFERENCES)
@@ -91,7 +92,7 @@ def alternation(scenario: Scenario, motion: Trajectory, floor: FloatArray) -> Al
 
 
 def _differences(gained: FloatArray, lag: int) -> FloatArray:
-    """Root mean squares of the second and third differences, of attitude and ω, (2, 2)."""
+    """Return root mean squares of third and fourth differences, of attitude and ω, (2, 2)."""
     squares = []
     for _ in range(3):
         gained = gained[lag:] - gained[:-lag]

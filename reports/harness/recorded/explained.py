@@ -1,4 +1,4 @@
-"""What explains a recorded motion, and whether it is within what may be made of the exact one."""
+"""Explains a recorded motion, and says whether it is within the errors allowed to its method."""
 
 from dataclasses import dataclass
 
@@ -16,18 +16,16 @@ from .motion import Reading, RecordedMotion
 from .other_physics import Physics, rounding
 from .recording import Recording
 
-#: The names by which a file states the noise of attitude, rad, and of ω, rad/s.
+#: Names of the settings by which a file states the noise of attitude, rad, and of ω, rad/s.
 NOISE = ("noise_attitude", "noise_omega")
-#: rad, and of ω relative; a first sample that is this far off is another start.
+#: Distance of a first sample, rad, and relative for ω, from which on the start counts as another
+#: one.
 STARTS = 1e-3
 
 
 @dataclass(frozen=True, eq=False)
 class Explanation:
-    """What explains a recorded motion.
-
-    Attributes are as of `JudgedMotion`.
-    """
+    """What explains a recorded motion; the attributes are those of `JudgedMotion`."""
 
     explained_by: tuple[str, ...]
     verdict: str
@@ -50,9 +48,9 @@ def explained(
     Parameters
     ----------
     exact : the exact motion at the recording's times
-    reading, recorded : the recording as it states that it is to be read
-    timestep : s, that the motion was made with; None if that is unknown
-    order : of accuracy, of the method that made it
+    reading, recorded : the recording, read as it states itself
+    timestep : the timestep that the motion was made with, s; None if unknown
+    order : order of accuracy of the method that made it
     """
     motion = recorded.trajectory
     floor = _floor(scenario, motion, recording.resolution, recorded.has_omega)
@@ -70,7 +68,7 @@ def explained(
         if noise is not None:
             has = {"is_stated": is_stated, "has_omega": recorded.has_omega}
             fit = Measured(scenario, log_of(scenario, motion, exact, noise, **has))
-            # Two samples have noise.
+            # An interval has the noise of two samples.
             physics = Physics(scenario, motion, exact, timestep, order, np.sqrt(2) * noise)
             return _of_measured(fit, physics)
     physics = Physics(scenario, motion, exact, timestep, order, floor)
@@ -89,13 +87,13 @@ def explained(
 
 
 def _of_measured(fit: Measured, physics: Physics) -> Explanation:
-    """Explain a measured motion, by other physics where more than noise is left."""
+    """Explain a measured motion, by other physics if more than noise is left."""
     words = (physics.explained() if fit.is_beyond else []) or fit.explained()
     return Explanation(tuple(words), fit.verdict, fit.is_beyond, measured=fit)
 
 
 def _elsewhere(exact: Trajectory, motion: Trajectory) -> list[str]:
-    """Say that the first sample is not on the scene's motion; nothing if it nearly is."""
+    """Return the sentence that the first sample is off the scene's motion, if it is."""
     start, first = (states_of(one.until(1)) for one in (exact, motion))
     turned, faster = norms(apart(start, first).reshape(2, 3))
     speed = float(norms(start[:, 4:])[0])
@@ -106,14 +104,14 @@ def _elsewhere(exact: Trajectory, motion: Trajectory) -> list[str]:
 def _floor(
     scenario: Scenario, motion: Trajectory, resolution: float, has_omega: bool
 ) -> FloatArray:
-    """What rounding, and finding ω from attitudes, make of attitude, rad, and ω, rad/s, (2,)."""
+    """Return the error of attitude, rad, and ω, rad/s, by rounding, or by deriving ω, (2,)."""
     speed, distances = float(norms(motion.omega_body).max()), np.diff(motion.t)
-    # Rounding of ω about the axis of the largest moment turns a needle about its smallest.
+    # Rounding of ω about the axis of the largest moment turns a needle about its thin axis.
     turns = speed * float(np.median(distances)) * float(np.linalg.cond(scenario.inertia))
     floor = (1 + turns) * rounding(motion, resolution)
     if not has_omega:
         distance = float(distances.max())
-        # Of five samples, with numbers that are rounded.
+        # The stencil has five samples, with rounded numbers.
         found = speed * (speed * distance) ** 4 + floor[0] / float(distances.min())
         floor = np.array([floor[0] + distance * found, found])
     return floor

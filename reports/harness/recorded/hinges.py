@@ -1,4 +1,4 @@
-"""Whether the rotors of a recorded motion keep what their hinges let them keep."""
+"""Checks whether the rotors of a recorded motion keep the constants that their hinges conserve."""
 
 import numpy as np
 from scipy.stats import norm
@@ -11,16 +11,17 @@ from ..measuring.likelihood import LEVEL
 def spins_beyond(
     scenario: Scenario, motion: Trajectory, timestep: float | None, order: int, noise: FloatArray
 ) -> str:
-    """Say how fast spins change beyond what a method, or rounding, makes of them; often nothing.
+    """Return in words how fast spins change beyond the error of a method or rounding, if so.
 
-    A step of order p moves what is along an axis that turns by its share of the p-th power of the
-    angle of a step: of the rotor's, as engines may turn each by itself.
+    A step of order p changes a component along an axis that turns by some part of the p-th power of
+    the angle of a step: of the rotor's angle, as engines may turn each body by itself.
 
     Parameters
     ----------
-    timestep : s, that it was made with; None if that is unknown: then the samples' distance
+    timestep : the timestep that it was made with, s; None if unknown: then the samples' distance is
+        used
     order : of accuracy of the method that made it
-    noise : of attitude, rad, and ω, rad/s, (2,), which is taken to be relative to the largest rate
+    noise : of attitude, rad, and ω, rad/s, (2,); the latter counts relative to the largest rate
     """
     if not motion.spins.size:
         return ""

@@ -1,4 +1,4 @@
-"""A recorded motion beside the exact one: its errors, and what explains them."""
+"""Judges a recorded motion: its errors against the exact motion, and what explains them."""
 
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
@@ -25,38 +25,38 @@ from .motion import RecordedMotion, reading_of, recorded_motion
 from .recording import Recording, RecordingError
 
 EPS = float(np.finfo(float).eps)
-#: rad; the bound that is reported where a user names none.
+#: Bound on the attitude, rad, that is reported if the user names none.
 DEGREE = pi / 180
-#: Times that go on for more windows of the scene are in another unit than s, and would take long to
-#: solve; those of one window in ms, which are explained, go on for 1000.
+#: Largest time, in windows of the scene: longer times are in another unit than s, and would take
+#: long to solve. Times in ms, of one window, are explained: they go on for 1000 windows.
 MOST_WINDOWS = 2000
-#: Times as they are printed are so far off, relative to a timestep.
+#: Error of printed times, relative to a timestep.
 ALIKE = 1e-2
-#: What a recording may lack of a free body.
+#: Quantities that a recording of a free body may lack.
 OPTIONAL = ("com", "velocity")
 
 
 @dataclass(frozen=True, eq=False)
 class JudgedMotion:
-    """A recorded motion beside the exact one.
+    """A recorded motion, compared with the exact one.
 
     Attributes
     ----------
     recorded : the motion as it was read
     solution : the exact motion at its times
     timestep : s, if the file or the user states it
-    verdict : in a sentence, whether it is within what noise, or a method's order and timestep, make
-        of the exact motion
-    is_beyond : whether it is not
-    errors : the largest of each signal, by name; None for a signal that was not recorded
-    series : the same, sample by sample
+    verdict : a sentence on whether the motion is within the error of noise, or of a method with the
+        given order and timestep
+    is_beyond : whether it is beyond that error
+    errors : the largest error of each signal, by name; None for a signal that was not recorded
+    series : errors sample by sample
     drifts : the largest change of each conserved quantity, relative
-    defects : of the steps from sample to sample, by signal; empty if they cannot be followed
+    defects : defects of the intervals between samples, by signal; empty if they cannot be followed
     explained_by : mistakes in recording, or other physics, that explain the difference, in words
     made_by : the known integrator that made the motion, in words; empty if none did
-    measured : of a motion with noise, the fit of the exact one to all samples
-    remarks : what was done to read it
-    ignored : headings of the file that mean nothing here
+    measured : if the motion has noise, the fit of the exact motion to all samples
+    remarks : sentences on how the file was read
+    ignored : headings of the file that have no meaning here
     is_single : whether it was computed in single precision
     resolution : the relative distance of its numbers as they are printed
     """
@@ -80,11 +80,11 @@ class JudgedMotion:
 
     @property
     def is_another(self) -> bool:
-        """Whether the recorded motion is another than the exact one."""
+        """Whether the motion is another one than the exact motion."""
         return self.is_beyond or bool(self.explained_by)
 
     def as_record(self) -> dict[str, Any]:
-        """The numbers and words of it, as `spincheck judge --json` prints them of a file."""
+        """Return its numbers and words, as `spincheck judge --json` prints them for a file."""
         return {
             "timestep": self.timestep,
             **{SIGNAL[signal].key: error for signal, error in self.errors.items()},
@@ -106,7 +106,7 @@ class JudgedMotion:
         return self._beyond_since("attitude", DEGREE)
 
     def beyond(self, bounds: Mapping[str, float]) -> list[str]:
-        """The bounds that are not kept, one sentence each.
+        """Return a sentence for each bound that is exceeded.
 
         Parameters
         ----------
@@ -115,7 +115,7 @@ class JudgedMotion:
         Raises
         ------
         RecordingError
-            If a bound is of a signal that was not recorded.
+            If a bound is on a signal that was not recorded.
         """
         if unrecorded := [name for name in bounds if self.errors[name] is None]:
             raise RecordingError(f"'{unrecorded[0]}' cannot be checked: it was not given")
@@ -137,13 +137,13 @@ def judged_motion(scenario: Scenario, recording: Recording, order: int = 1) -> J
 
     Parameters
     ----------
-    order : of accuracy, that its method has or claims
+    order : order of accuracy that its method has or claims
 
     Raises
     ------
     RecordingError
-        If its timestep is longer than its samples are apart, its times are beyond those at which
-        the exact motion is known, or ω is missing and cannot be found from the attitudes.
+        If its timestep is longer than its samples are apart, its times go on after the exact motion
+        is known, or ω is missing and cannot be computed from the attitudes.
     """
     stated = recording.settings.get("timestep")
     timestep = None if stated is None else float(stated)
@@ -175,7 +175,7 @@ def judged_motion(scenario: Scenario, recording: Recording, order: int = 1) -> J
 
 
 def _drifts(scenario: Scenario, recorded: RecordedMotion) -> dict[str, float]:
-    """Drifts of a recording, but for what spins that it has none of are taken to keep."""
+    """Return drifts of a recording, without that of rotors' momenta if spins were not recorded."""
     found = drifts(scenario, recorded.trajectory)
     if not recorded.has_spins:
         found.pop("rotors_momentum", None)
@@ -192,12 +192,12 @@ def _check_timestep(timestep: float | None, times: FloatArray) -> None:
 
 
 def exact_at(scenario: Scenario, times: FloatArray) -> Solution:
-    """The exact motion at all of the times, s, (n,).
+    """Return the exact motion at given times, s, (n,).
 
     Raises
     ------
     RecordingError
-        If it is not known up to the last of them, or they are in another unit.
+        If it is not known up to the last time, or times are in another unit.
     """
     windows = float(times[-1]) / scenario.window.duration
     if windows > MOST_WINDOWS:

@@ -1,7 +1,7 @@
 """A measured motion: its noise, and the start, tensor and mistakes of a gyroscope that fit it best.
 
-The exact motion is fitted to all samples at once by maximum likelihood: their noise is taken to be
-normal and independent.
+The exact motion is fitted to all samples at once by maximum likelihood, with normal and independent
+noise.
 """
 
 from collections.abc import Sequence
@@ -19,21 +19,21 @@ from ..measuring.changes import Change, Hypothesis, as_it_is, com, is_scaled, re
 from ..measuring.likelihood import LEVEL, Data, Fit, Search, Trial
 from .intervals import apart, states_of
 
-#: rad that the body turns in the samples that are fitted first, and how many these are at least;
-#: then twice as many, until it is all.
+#: Turn of the body, rad, in the samples that are fitted first, and their least number; then twice
+#: as many are fitted, until it is all.
 BEGINNING, FEWEST = 2.0, 12
-#: Changes that are looked for at once, at most.
+#: Largest number of changes that are fitted at once.
 MOST = 4
-#: A tensor is known beforehand, relative to its mean moment, to so many in each of its directions:
-#: the root mean square difference of two bodies of one trace whose second moments share it at
-#: random (uniform on the simplex) about axes at random, √(2 · 3/8 / 5).
+#: Standard deviation of a tensor that is assumed before any fit, relative to its mean moment, in
+#: each of its directions: the root mean square difference of two bodies of one trace whose second
+#: moments share it at random (uniform on the simplex) about axes at random, √(2 · 3/8 / 5).
 SPREAD = 0.387
-#: Neighbouring fourth differences share noise: their mean square is known as well as that of so
-#: many times fewer independent numbers, Σ (8 over 4+k)² / (8 over 4)².
+#: Factor by which neighbouring fourth differences, which share noise, count as fewer independent
+#: numbers, Σ (8 over 4+k)² / (8 over 4)².
 SHARED = 2.63
 
 START = Change("start", lambda h, n: h._replace(start=h.start + n), np.ones(6))
-#: Mistakes of a gyroscope.
+#: Mistakes of a gyroscope, as changes of how states are read.
 GYROSCOPE = (
     Change("bias", lambda h, n: h._replace(bias=n), np.ones(3)),
     Change("scale", lambda h, n: h._replace(read=h.read @ np.diag(1 + n)), np.ones(3)),
@@ -44,7 +44,7 @@ GYROSCOPE = (
     ),
     Change("lag", lambda h, n: h._replace(lag=n[0]), np.ones(1)),
 )
-#: By mistake its words, what is added to its numbers, and what they are multiplied by, to be shown.
+#: By mistake, its words, and what is added to its numbers, and the factor, before they are shown.
 WORDS = {
     "bias": ("the gyroscope has a bias of {} rad/s", 0.0, 1.0),
     "scale": ("the gyroscope's axes read {} times ω", 1.0, 1.0),
@@ -62,12 +62,13 @@ class Log(Data):
 
     Attributes
     ----------
-    scene_start : q, scalar first, and ω, rad/s, body axes, of the exact motion at the first, (7,)
+    scene_start : q, scalar first, and ω, rad/s, body axes, of the exact motion at the first sample,
+        (7,)
     t : s, (n,)
     states : recorded q and ω, (n, 7)
     noise : standard deviations of attitude, rad, and ω, rad/s, (2,)
-    is_stated : whether the noise is, or was estimated
-    has_omega : else only attitudes are fitted
+    is_stated : whether the noise was stated, not estimated
+    has_omega : whether ω was recorded; if not, only attitudes are fitted
     """
 
     scene_start: FloatArray
@@ -79,7 +80,7 @@ class Log(Data):
 
     @cached_property
     def parts(self) -> Sequence[int | None]:
-        """As of `Data`: from where the motion is nearly linear in its start to all samples."""
+        """As in `Data`: from samples in which the motion is nearly linear in its start to all."""
         turned = np.cumsum(norms(self.states[1:, 4:]) * np.diff(self.t))
         length, lengths = max(FEWEST, int(np.searchsorted(turned, BEGINNING))), []
         while length < len(self.t):
@@ -93,7 +94,7 @@ class Log(Data):
         return 6 if self.has_omega else 3
 
     def off(self, hypothesis: Hypothesis, samples: int | None = None) -> FloatArray:
-        """As of `Data`, (n, 6), or (n, 3) without ω."""
+        """As in `Data`: what a hypothesis leaves, in units of noise, (n, 6), without ω (n, 3)."""
         t, turn = self.t[:samples], Rotation.from_rotvec(hypothesis.start[:3])
         q = Rotation.from_quat(self.scene_start[:4], scalar_first=True) * turn
         omega = self.scene_start[4:] + hypothesis.start[3:]
@@ -105,26 +106,26 @@ class Log(Data):
         return off[:, : self.measured]
 
     def unlikely(self, hypothesis: Hypothesis) -> FloatArray:
-        """As of `Data`: how far a tensor's ratios are from the scene's, (9,)."""
+        """As in `Data`: how far a tensor's ratios are from the scene's, standardised, (9,)."""
         made, usual = (h.equations.inertia for h in (hypothesis, self.base))
         off = made / np.trace(made) - usual / np.trace(usual)
         return np.asarray(3 * off.ravel() / SPREAD)
 
     def squares(self, rest: FloatArray) -> FloatArray:
-        """The sum of squares of attitude and, where it is fitted, of ω: (2,) or (1,)."""
+        """Return the sum of squares of attitude and, if it is fitted, of ω: (2,) or (1,)."""
         return np.asarray(np.sum(rest.reshape(len(self.t), -1, 3) ** 2, axis=(0, 2)))
 
     def falls(self, before: FloatArray, after: FloatArray) -> float:
-        """As of `Data`; where noise is not known it is taken to be what is left."""
+        """As in `Data`; noise that is not stated is estimated from what is left."""
         if self.is_stated:
             return super().falls(before, after)
         ratios = self.squares(before) / self.squares(after)
         return float(3 * len(self.t) * np.sum(np.log(ratios)))
 
     def with_noise_of(self, fit: Fit) -> "Log":
-        """These data with noise of the size that a fit leaves."""
+        """Return the samples with the noise that a fit leaves."""
         squares = self.squares(fit.rest)
-        # Half of the numbers are taken by each.
+        # Attitude and ω each lose half of the numbers that were fitted.
         share = 3 * len(self.t) - len(fit.numbers) / len(squares)
         noise = self.noise.copy()
         noise[: len(squares)] *= np.sqrt(squares / share)
@@ -140,7 +141,7 @@ def log_of(
     is_stated: bool,
     has_omega: bool,
 ) -> Log:
-    """Return the samples of a motion; arguments are as of `Log`."""
+    """Return the samples of a motion; the arguments are those of `Log`."""
     start, states = states_of(exact.until(1))[0], states_of(motion)
     return Log(as_it_is(scenario), start, motion.t, states, noise, is_stated, has_omega)
 
@@ -159,12 +160,12 @@ class Measured:
 
     @cached_property
     def tensor(self) -> Change:
-        """The scene's tensor with other numbers."""
+        """The change of the scene's tensor that is fitted."""
         return tensor(self.given.base.equations)
 
     @cached_property
     def search(self) -> Search:
-        """The search for the changes that the samples call for, by the noise that is given."""
+        """The search for changes that the samples require, given the noise before any fit."""
         equations = self.given.base.equations
         candidates = [START, self.tensor, *resistance(self.scenario, equations)]
         candidates += com(self.scenario, equations)
@@ -174,19 +175,20 @@ class Measured:
 
     @cached_property
     def found(self) -> Fit:
-        """The fit with all of these changes."""
+        """The best fit, with all the changes that the samples require."""
         search, both = self.search, (START, self.tensor)
         found = search.stepwise(both, MOST)
         if set(both) <= set(found.changes):
             return found
-        # Either may stand for a change that has fewer numbers.
+        # Start or tensor may have been fitted in place of a change with fewer numbers.
         return max(found, search.stepwise((), MOST), key=search.gain)
 
     def alternatives(self, change: Change) -> list[tuple[float, Change, Fit]]:
-        """The mistakes of a gyroscope that explain as much as the one that is named, or nearly.
+        """Return the mistakes of a gyroscope that explain about as much as the named one.
 
-        Each with how likely it is beside that one, and its fit, the likeliest first. Where ω hardly
-        changes, a bias and a scale are alike. Left out is what is less likely than `LEVEL`.
+        Each comes with its likelihood relative to the named one and its fit, the likeliest first.
+        If ω hardly changes, a bias and a scale are alike. Mistakes less likely than `LEVEL` are
+        left out.
         """
         fits = []
         for other in GYROSCOPE:
@@ -199,29 +201,29 @@ class Measured:
 
     @cached_property
     def log(self) -> Log:
-        """The samples with noise as it is stated, or as it is where the best fit is right."""
+        """The samples with noise as stated, or else as the best fit leaves it."""
         is_noise = self.given.is_stated or self.is_beyond
         return self.given if is_noise else self.given.with_noise_of(self.found)
 
     @cached_property
     def fit(self) -> Fit:
-        """The best fit, by that noise."""
+        """The best fit, given that noise."""
         return Trial(self.log, self.found.changes).fit(self.found)
 
     @cached_property
     def with_tensor(self) -> Fit:
-        """The best fit, with start and tensor besides where they were not called for."""
+        """The best fit, with start and tensor added even if the samples do not require them."""
         more = [one for one in (START, self.tensor) if one not in self.found.changes]
         return Trial(self.log, (*self.found.changes, *more)).fit(self.found)
 
     @cached_property
     def freedom(self) -> int:
-        """Numbers that were measured, less those that were fitted."""
+        """Number of measured numbers less the number of fitted ones."""
         return self.found.rest.size - len(self.found.numbers)
 
     @cached_property
     def is_beyond(self) -> bool:
-        """Whether more is left than noise makes."""
+        """Whether more is left than noise explains."""
         squares, freedom = self.given.squares(self.found.rest), self.freedom
         if self.given.is_stated:
             return float(chi2.sf(squares.sum(), freedom)) < LEVEL
@@ -231,7 +233,7 @@ class Measured:
 
     @property
     def verdict(self) -> str:
-        """Whether what is left is noise, in a sentence."""
+        """A sentence on whether what is left is noise."""
         of, in_omega = np.degrees(self.log.noise[0]), self.log.noise[1]
         noise = f"a noise of {of:.3g}° in attitude"
         noise += f" and {in_omega:.3g} rad/s in ω" if self.log.has_omega else ""
@@ -248,13 +250,13 @@ class Measured:
         return float(np.sum(self.fit.rest**2))
 
     def tensor_in_words(self) -> str:
-        """The tensor that fits best, with standard errors, in a sentence."""
+        """Return a sentence with the tensor that fits best, and standard errors."""
         free = "" if is_scaled(self.log.base.equations) else ", up to a factor"
         entries = _plus_minus(*self.tensor_entries())
         return f"The tensor Ixx, Iyy, Izz, Ixy, Ixz, Iyz that fits best is {entries} kg m²{free}."
 
     def as_record(self) -> dict[str, object]:
-        """Noise, χ² and tensor, as JSON has them."""
+        """Return noise, χ² and tensor for JSON."""
         entries, errors = self.tensor_entries()
         attitude, omega = map(float, self.log.noise)
         return {
@@ -267,7 +269,7 @@ class Measured:
         }
 
     def explained(self) -> list[str]:
-        """What the samples call for, in words."""
+        """Return in words what the samples require."""
         return [self._in_words(change) for change in self.fit.changes]
 
     def _in_words(self, change: Change) -> str:
@@ -285,7 +287,7 @@ class Measured:
         return f"it moves as if {self.fit.explanation(change).words} (± {listed})"
 
     def tensor_entries(self) -> tuple[FloatArray, FloatArray]:
-        """The tensor's entries Ixx, Iyy, Izz, Ixy, Ixz, Iyz, kg m², and their standard errors."""
+        """Return the entries Ixx, Iyy, Izz, Ixy, Ixz, Iyz, kg m², and their standard errors."""
         fit, entries = self.with_tensor, self.tensor.shown
         rows, count = fit.rows(self.tensor), len(self.tensor.sizes)
         usual = np.asarray(entries(np.zeros(count)))
@@ -295,13 +297,13 @@ class Measured:
 
 
 def _of_gyroscope(change: Change, fit: Fit) -> str:
-    """Say a mistake of a gyroscope, with its numbers in a fit."""
+    """Return a mistake of a gyroscope in words, with its numbers in a fit."""
     rows, (words, added, factor) = fit.rows(change), WORDS[change.kind]
     return words.format(_plus_minus(added + factor * fit.numbers[rows], factor * fit.errors[rows]))
 
 
 def started_elsewhere(at: float, off: Sequence[float] | FloatArray) -> str:
-    """Say by how much attitude, rad, and ω, rad/s, are off at a time, s."""
+    """Return in words how far attitude, rad, and ω, rad/s, are off at a time, s."""
     turned, faster = off
     return (
         f"it started elsewhere: at t = {at:g} s the attitude is off by {np.degrees(turned):.3g}° "
@@ -310,6 +312,6 @@ def started_elsewhere(at: float, off: Sequence[float] | FloatArray) -> str:
 
 
 def _plus_minus(numbers: FloatArray, errors: FloatArray) -> str:
-    """Numbers with their standard errors."""
+    """Return numbers with their standard errors, as text."""
     each = [f"{n:.5g} ± {e:.2g}" for n, e in zip(numbers, errors, strict=True)]
     return each[0] if len(each) == 1 else f"[{', '.join(each)}]"

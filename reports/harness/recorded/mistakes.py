@@ -1,6 +1,6 @@
-"""Usual mistakes in recording a motion: each is undone, and named if the motion then fits.
+"""Finds common mistakes in recording: each is undone, and named if the motion then fits.
 
-What is compared is the beginning, before errors of an integrator have grown.
+Only the beginning is compared, before errors of an integrator have grown.
 """
 
 from collections.abc import Iterator
@@ -18,28 +18,31 @@ from ..measuring.changes import EULER_ANGLES
 from .intervals import apart, states_of
 from .motion import OmegaFrame, QuaternionOrder, Reading
 
-#: rad that the exact motion turns in the beginning that is compared, and samples of it at least.
+#: Turn of the exact motion, rad, in the beginning that is compared, and its least number of
+#: samples.
 BEGINNING, FEWEST = 3.0, 3
-#: Samples that must be left of what is read otherwise: steps are told from two. One at most is left
-#: out: an ω that is half a sample older and half a sample newer is smoothed, and no mistake.
+#: Least number of samples that must be left when a recording is read differently: steps show from
+#: two samples on. At most one sample is left out: an ω that is half a sample older and half a
+#: sample newer is smoothed, which is no mistake.
 FEWEST_LEFT, LEFT_OUT = 2, 1
-#: rad that the body turns at most, as the times are read: more is no beginning.
+#: Largest turn of the body in the beginning, rad, with the times as they are read: more is not a
+#: beginning.
 FURTHEST = 3e3
 #: A mistake explains the motion if undoing it makes the errors smaller by this factor.
 EXPLAINS = 10.0
-#: rad, and of ω relative, that may be left at most: ω taken as zero is off by one.
-MOST_LEFT = 0.2
+#: Largest error that may be left, rad, and relative for ω: an ω taken as zero is off by one.
+MOST_LEFT = 0.5
 #: Errors below this, relative or in rad, need no explanation.
 FITS = 1e-9
-#: Mistakes that are looked for in one file at the same time.
+#: Largest number of mistakes that are looked for in one file at the same time.
 MOST = 2
 #: By how many times too long or too short times may be, and how nearly so many, relative.
 FACTORS, ALIKE = range(2, 21), 2e-2
 EPS = float(np.finfo(float).eps)
 CONJUGATE = np.array([1.0, -1.0, -1.0, -1.0])
-#: Units that times may be in by mistake, as a column's heading names them, and their seconds.
+#: Units of times by mistake, as a column's heading names them, and their length in seconds.
 UNITS = {"ms": 1e-3, "us": 1e-6, "ns": 1e-9, "min": 60.0}
-#: What ω may be in by mistake, and what it is to be multiplied by.
+#: What may be wrong with ω, in words, and the factor that corrects it.
 RATES = {
     "in degrees a second; wx [deg/s] says so": pi / 180,
     "in rad/s already, and was converted from deg/s": 180 / pi,
@@ -56,7 +59,7 @@ LEFT_HANDED = {
 
 
 def mistakes(scenario: Scenario, exact: Trajectory, reading: Reading) -> list[str]:
-    """The mistakes that explain why a recording is not the exact motion; often none.
+    """Return the mistakes that explain why a recording is not the exact motion; often none.
 
     Parameters
     ----------
@@ -116,13 +119,13 @@ def mistakes(scenario: Scenario, exact: Trajectory, reading: Reading) -> list[st
 
 
 def _beginning(exact: Trajectory) -> int:
-    """How many samples are compared."""
+    """Return the number of samples that are compared."""
     turned = np.cumsum(norms(exact.omega_body)[1:] * np.diff(exact.t))
     return max(FEWEST + LEFT_OUT, int(np.searchsorted(turned, BEGINNING)) + 1)
 
 
 def _undone(reading: Reading, scenario: Scenario) -> Iterator[tuple[str, Reading]]:
-    """Every mistake in words, and the reading without it."""
+    """Yield every mistake in words, and the reading without it."""
     other: QuaternionOrder = "xyzw" if reading.order == "wxyz" else "wxyz"
     letters = " ".join(other)
     swapped = np.roll(reading.q, 1 if other == "xyzw" else -1, axis=1)
@@ -217,7 +220,7 @@ def _of_omega(reading: Reading, omega: FloatArray) -> Iterator[tuple[str, Readin
             f"ω is the rates of Euler angles {of_angles}",
             reading._replace(omega=omega_world, frame="world"),
         )
-    # Undone by pairing each attitude with the ω that goes with it, of which one end has none.
+    # It is undone by pairing each attitude with the ω that belongs to it; at one end there is none.
     earlier, later = slice(None, -1), slice(1, None)
     for age, mine, other in (("older", earlier, later), ("newer", later, earlier)):
         kept = reading.rows(mine)
@@ -229,7 +232,7 @@ def _of_omega(reading: Reading, omega: FloatArray) -> Iterator[tuple[str, Readin
 
 
 def _of_rates(R_world_body: FloatArray, rates: FloatArray, axes: tuple[int, ...]) -> FloatArray:
-    """ω along world axes from rates of angles a, b, c, R = R_i(a) R_j(b) R_k(c)."""
+    """Return ω along world axes from rates of angles a, b, c, with R = R_i(a) R_j(b) R_k(c)."""
     i, j, k = axes
     a, b, c = rates.T if i == k else rates.T[[i, j, k]]
     first = np.eye(3)[i]

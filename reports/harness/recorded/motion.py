@@ -1,4 +1,4 @@
-"""A recording as a motion: frames and order of components as its columns have them."""
+"""Turns a recording into a motion, with frames and order of components as its columns have them."""
 
 from dataclasses import dataclass
 from typing import Literal, NamedTuple
@@ -35,7 +35,7 @@ class Reading(NamedTuple):
     spins: FloatArray | None
 
     def rows(self, rows: slice) -> "Reading":
-        """Some of the samples."""
+        """Return some of the samples."""
         omega, spins = (None if one is None else one[rows] for one in (self.omega, self.spins))
         return self._replace(t=self.t[rows], q=self.q[rows], omega=omega, spins=spins)
 
@@ -48,7 +48,7 @@ class Reading(NamedTuple):
 
 
 def reading_of(recording: Recording) -> Reading:
-    """A recording as it states that it is to be read: w x y z and body axes, if it does not."""
+    """Return a recording as it states itself, or if it does not as w x y z and in body axes."""
     stated = recording.settings
     order: QuaternionOrder = "xyzw" if stated.get("quaternion") == "xyzw" else "wxyz"
     frame: OmegaFrame = "world" if stated.get("omega") == "world" else "body"
@@ -65,8 +65,8 @@ class RecordedMotion:
     Attributes
     ----------
     trajectory : at the file's own times; a com or velocity that was not recorded is the exact one
-    has_omega : else ω is the derivative of the attitudes
-    has_spins : else parts keep what they should
+    has_omega : whether ω was recorded; if not, it is the derivative of the attitudes
+    has_spins : whether spins were recorded; if not, rotors keep the constants of their hinges
     """
 
     trajectory: Trajectory
@@ -77,7 +77,7 @@ class RecordedMotion:
 def recorded_motion(
     scenario: Scenario, recording: Recording, reading: Reading, exact: Trajectory
 ) -> RecordedMotion:
-    """A recording as a motion in the scene's frames.
+    """Return a recording as a motion in the scene's frames.
 
     Parameters
     ----------
@@ -86,7 +86,7 @@ def recorded_motion(
     Raises
     ------
     RecordingError
-        If attitudes are too far apart to tell ω from them, or a rotor has no spin.
+        If attitudes are too far apart to compute ω from them, or a rotor has no spin.
     """
     arrays, t, q = recording.arrays, reading.t, reading.q
     R_world_body, constraint = matrices(q), scenario.constraint
@@ -113,15 +113,15 @@ def recorded_motion(
 
 
 def omega_of_attitudes(t: FloatArray, q_world_body_wxyz: FloatArray) -> FloatArray:
-    """ω along body axes, rad/s, (n, 3), from n attitudes, of fourth order in their distance.
+    """Return ω along body axes, rad/s, (n, 3), from n attitudes, to fourth order in their distance.
 
-    At a sample the rotation vector to its neighbours has the derivative ω; it is that of the
+    At a sample ω is the derivative of the rotation vector to its neighbours, computed by the
     polynomial through five of them (B. Fornberg, Math. Comp. 51 (1988) 699, for its weights).
 
     Raises
     ------
     RecordingError
-        If the body turns too far between two samples for that.
+        If the body turns too far between two samples.
     """
     attitudes = Rotation.from_quat(q_world_body_wxyz, scalar_first=True)
     turns = np.atleast_1d((attitudes[:-1].inv() * attitudes[1:]).magnitude())
@@ -141,9 +141,10 @@ def omega_of_attitudes(t: FloatArray, q_world_body_wxyz: FloatArray) -> FloatArr
 
 
 def _weight(t: FloatArray, first: NDArray[np.intp], points: int, j: int) -> FloatArray:
-    """The derivative at each sample of the Lagrange polynomial of its stencil's point j, 1/s, (n,).
+    """Return the derivative, 1/s, (n,), at each sample, of the Lagrange polynomial of point j.
 
-    That of the sample's own point is not needed: its rotation vector is zero.
+    j counts the points of the sample's stencil. The sample's own point is not needed, as its
+    rotation vector is zero.
     """
     own = np.arange(len(t)) - first
     weight = np.where(own == j, 0.0, 1.0)
@@ -154,7 +155,8 @@ def _weight(t: FloatArray, first: NDArray[np.intp], points: int, j: int) -> Floa
     return weight
 
 
-#: Samples that ω is found from.
+#: Number of samples that ω is computed from.
 STENCIL = 5
-#: rad between two samples: over a stencil's four the direction of a turn must not be ambiguous.
+#: Largest turn between two samples, rad: over the four intervals of a stencil the direction of a
+#: turn must not be ambiguous.
 FURTHEST = 0.75

@@ -1,8 +1,7 @@
 """Other physics that explain a recorded motion: a clamp, an integrator, changes of the equations.
 
-From each sample to the next one what the recording gains beyond the exact flow is compared with
-what such changes would make: so it shows at any time, however far the motion is from the exact one
-by then.
+From each sample to the next, the gain of the recording over the exact flow is compared with that of
+such changes. So they show at any time, however far the motion is from the exact one by then.
 """
 
 from collections.abc import Iterator
@@ -20,19 +19,20 @@ from ..measuring.changes import Change, as_it_is, changes
 from ..measuring.likelihood import LEFT, Fit, Search
 from .intervals import Intervals, intervals_of, states_of
 
-#: Intervals that integrators are tried on, whose steps are many.
+#: Number of intervals that integrators, which take many steps in each, are tried on.
 FEW = 12
-#: Of what an integrator does wrong, what may be left: its steps are those, or they are not.
+#: Part of an integrator's error that may be left: its steps either are the motion's, or they are
+#: not.
 SAME = 1e-3
-#: How well a clamp has to fit, relative, and of how many samples at least.
+#: Relative tolerance of the fit of a clamp, and least number of samples.
 CLAMPED, FEWEST = 1e-2, 3
-#: rad/s; no body turns so slowly.
+#: Slowest turn of a body, rad/s.
 TINY = 1e-300
-#: What the rounding of numbers makes of a short flow, in their distance from one another.
+#: Error of a short flow by rounding, in relative distances of the numbers.
 ROUNDINGS = 8.0
-#: Relative, of a span that is a multiple of the timestep.
+#: Relative tolerance for a span that is a multiple of the timestep.
 MULTIPLE = 1e-6
-#: As of a game engine, which keeps ω along world axes.
+#: Integrators of game engines, which keep ω along world axes.
 IN_WORLD = Change(
     "wrong side in world axes", lambda h, _: h.of(kinematics=KEPT_IN_WORLD), np.empty(0)
 )
@@ -46,9 +46,10 @@ class Physics:
 
     Attributes
     ----------
-    motion, exact : recorded, and exact at the same times
-    timestep : s, that it was made with; None if that is unknown: then the samples' distance
-    order : of accuracy of the method that made it
+    motion, exact : the recorded motion, and the exact one at the same times
+    timestep : the timestep that it was made with, s; None if unknown: then the samples' distance is
+        used
+    order : order of accuracy of the method that made it
     noise : standard deviations of attitude, rad, and ω, rad/s, (2,)
     """
 
@@ -61,18 +62,18 @@ class Physics:
 
     @cached_property
     def intervals(self) -> Intervals | None:
-        """The motion from sample to sample; None where these are too few, or too far apart."""
+        """The motion from sample to sample; None if intervals are too few, or too long."""
         return intervals_of(self.scenario, self.motion, self.timestep, self.order, self.noise)
 
     @cached_property
     def search(self) -> Search | None:
-        """The search for a change of the equations."""
+        """The search for changes of the equations; None without intervals."""
         data = self.intervals
         return None if data is None else Search(data, (IN_WORLD, *changes(self.scenario)))
 
     @property
     def is_beyond(self) -> bool:
-        """Whether the recording is beyond what a method of its order and timestep makes."""
+        """Whether the recording is beyond the error of a method of its order and timestep."""
         return self.search is not None and self.search.is_called_for
 
     @cached_property
@@ -82,7 +83,7 @@ class Physics:
         return self._integrator(data, data.base.equations) if data else ""
 
     def _integrator(self, data: Intervals, equations: OtherEquations) -> str:
-        """The known integrator that made the motion by these equations; empty if none did."""
+        """Return the integrator that made the motion by given equations; empty if none did."""
         h = self.timestep
         if h is None:
             return ""
@@ -98,7 +99,7 @@ class Physics:
         return f"what {KNOWN[best].name} at {h:.4g} s makes"
 
     def explained(self) -> list[str]:
-        """The clamp, or the changes, that explain the motion, in words; often none."""
+        """Return in words the clamp, or the changes, that explain the motion; often none."""
         if words := [*self._clamps()][:1]:
             return words
         if self.intervals is None or self.search is None or not self.search.is_called_for:
@@ -107,13 +108,13 @@ class Physics:
         return self._in_words(self.intervals, found) if found else _where(self.intervals)
 
     def _clamps(self) -> Iterator[str]:
-        """Clamps of ω that make of each sample, and of the exact start, the next one."""
+        """Yield clamps of ω that lead from the exact start, and each sample, to the next one."""
         states = states_of(self.motion)
         if len(states) <= FEWEST:
             return
         kept = np.unique(np.linspace(0, len(states) - 2, FEW).astype(int))
         spans, starts, ends = np.diff(self.motion.t)[kept, None], states[kept], states[kept + 1]
-        # The first may be recorded as it was set, or as it was made of that.
+        # The first sample may be recorded before or after it was clamped.
         starts[0] = states_of(self.exact.until(1))[0]
         equations = as_it_is(self.scenario).equations
         wanted = follow(equations, starts, spans)[:, 0]
@@ -134,7 +135,7 @@ class Physics:
 
 
 def _where(data: Intervals) -> list[str]:
-    """The words that kinematics, or dynamics, is wrong where no change explains the motion."""
+    """Return whether kinematics or dynamics alone differ, if no change explains the motion."""
     off = data.apart(data.base.equations)
     turned, omega = (np.sqrt(np.mean(part**2, axis=1)) for part in np.split(off, 2, axis=1))
     left = np.mean((off / data.scale) ** 2, axis=0)
@@ -146,7 +147,7 @@ def _where(data: Intervals) -> list[str]:
 
 
 def _in_world(states: FloatArray) -> FloatArray:
-    """ω along world axes, rad/s, (S, 3)."""
+    """Return ω along world axes, rad/s, (S, 3)."""
     return turned(matrices(states[:, :4]), states[:, 4:])
 
 
@@ -168,7 +169,7 @@ def _by_norm(states: FloatArray, bound: float) -> FloatArray:
     return _with_omega(states, states[:, 4:] * np.minimum(1.0, bound / speeds))
 
 
-#: Clamps: in words, what is bounded of states (S, 7), and the states with it clamped.
+#: Clamps: in words, the size of states (S, 7) that is bounded, and the states with it clamped.
 CLAMPS = (
     ("each component of ω in world axes", lambda s: np.abs(_in_world(s)), _by_component_in_world),
     ("each component of ω in body axes", lambda s: np.abs(s[:, 4:]), _by_component),
@@ -177,7 +178,7 @@ CLAMPS = (
 
 
 def _fits(omega: FloatArray, clamped: FloatArray, wanted: FloatArray) -> bool:
-    """Whether ω is what a clamp makes of what it should be, and it makes something else of it."""
+    """Whether ω is what a clamp makes of the correct ω, and differs from the correct one."""
     size = float(norms(wanted).max())
     off, changed = (float(norms(one - clamped).max()) for one in (omega, wanted))
     is_moving = bool(clamped.any())
@@ -185,11 +186,11 @@ def _fits(omega: FloatArray, clamped: FloatArray, wanted: FloatArray) -> bool:
 
 
 def rounding(motion: Trajectory, resolution: float) -> FloatArray:
-    """What the rounding of numbers makes of attitude, rad, and ω, rad/s, (2,).
+    """Return the error of attitude, rad, and ω, rad/s, by rounding of the numbers, (2,).
 
     Parameters
     ----------
-    resolution : relative, of the numbers
+    resolution : relative distance of the numbers
     """
     speed = float(norms(motion.omega_body).max()) or 1.0
     return ROUNDINGS * resolution * np.array([1.0, speed])

@@ -1,4 +1,4 @@
-"""A recorded motion read from a file: CSV, JSON lines, npz or Parquet.
+"""Reads a recorded motion from a file: CSV, JSON lines, npz or Parquet.
 
 Files may come from anyone and be of any size: they are read in pieces, no further than to the
 largest number of samples, and nothing in them is executed.
@@ -29,9 +29,9 @@ from .text_formats import (
     setting,
 )
 
-#: Bytes that are read of an array's header, which states its length itself; one of numbers has 128.
+#: Number of bytes read of an array's header, which states its own length; one of numbers has 128.
 LONGEST_HEADER = 1 << 10
-#: What archives raise that are damaged or encrypted, and headers that are.
+#: Errors that damaged or encrypted archives raise, and damaged headers.
 DAMAGED = (zipfile.BadZipFile, zlib.error, lzma.LZMAError, EOFError, RuntimeError)
 MALFORMED = (ValueError, TypeError, tokenize.TokenError, SyntaxError)
 
@@ -52,7 +52,7 @@ def read_npz(path: Path) -> Recording:
         with zipfile.ZipFile(path) as archive:
             for entry in archive.namelist():
                 name = entry.removesuffix(".npy")
-                # ω itself, or the axes that it is in.
+                # It is ω itself, or the axes that ω is in.
                 if name in SETTINGS and _header(archive, entry)[0] == ():
                     value = str(_array(archive, entry, ())[()])
                     settings |= setting(name, value, None)
@@ -75,7 +75,7 @@ def read_npz(path: Path) -> Recording:
 
 
 def _header(archive: zipfile.ZipFile, entry: str) -> tuple[tuple[int, ...], np.dtype[Any]]:
-    """Shape and type of an array, which is not unpacked."""
+    """Return shape and type of an array, which is not unpacked."""
     with archive.open(entry) as packed:
         file = io.BytesIO(packed.read(LONGEST_HEADER))
     version = npy.read_magic(file)
@@ -85,7 +85,7 @@ def _header(archive: zipfile.ZipFile, entry: str) -> tuple[tuple[int, ...], np.d
 
 
 def _array(archive: zipfile.ZipFile, entry: str, wanted: tuple[int | None, ...]) -> Any:
-    """An array whose shape is checked before it is unpacked."""
+    """Return an array whose shape is checked before it is unpacked."""
     shape, dtype = _header(archive, entry)
     is_text = dtype.kind == "U" and dtype.itemsize <= 4 * LONGEST_LINE
     if dtype.kind not in "fiu" and not (wanted == () and is_text):
@@ -126,7 +126,7 @@ def read_parquet(path: Path) -> Recording:
                 if not (is_floating(field.type) or is_integer(field.type)):
                     wanted = f"must hold numbers, got {printable(str(field.type), 40)}"
                     raise RecordingError(f"'{field.name}' {wanted}")
-            # Others are not unpacked: a text may be large, and the same a million times.
+            # Other columns are not unpacked: a text may be large, and the same a million times.
             names = [field.name for field in used]
             table, row = Table(names), count(1)
             settings: dict[str, str] = {}
@@ -143,7 +143,7 @@ def read_parquet(path: Path) -> Recording:
     return Recording(path, table.arrays(), settings, ignored)
 
 
-#: By the ending of a file's name, what reads it.
+#: The function that reads a file, by the ending of its name.
 READERS = {
     ".csv": read_csv,
     ".txt": read_csv,
@@ -172,7 +172,7 @@ def read_recording(path: Path) -> Recording:
         recording = reader(path)
         check_motion(recording.arrays)
     except (RecordingError, ColumnError) as error:
-        # A library's own message may end with one.
+        # A library's own message may end with a full stop.
         raise RecordingError(f"{where}: {str(error).rstrip('.')}.") from None
     except OSError as error:
         raise RecordingError(

@@ -1,7 +1,7 @@
 """Recorded motions at halved timesteps as the ladder of one method, and the verdict on it.
 
-What each file gains from sample to sample beyond the exact flow is judged as what single steps gain
-is, by the same model. That a step depends on the state alone cannot be seen in a file.
+The gain of each file over the exact flow, from sample to sample, is judged by the same model as the
+gain of single steps. Whether a step depends on the state alone cannot be seen in a file.
 """
 
 from collections.abc import Sequence
@@ -30,19 +30,20 @@ from ..measuring.steps import Steps, flowed, step_gains
 from .judged import JudgedMotion, exact_at
 from .recording import RecordingError
 
-#: Two times are the same if they differ by less than this, relative to the last.
+#: Two times are the same if they differ by less than this, relative to the last time.
 SAME_TIME = 1e-9
-#: rad; beyond it files are on ways of their own, and what they gain is no function of the timestep.
+#: Distance from the exact motion, rad, beyond which files follow motions of their own, and what
+#: they gain is no function of the timestep.
 TOGETHER = 0.1
-#: Intervals at most that are judged, and files that a prediction needs.
+#: Largest number of intervals that are judged, and number of files that a prediction needs.
 MOST_INTERVALS, FEWEST_FILES = 64, 3
-#: Relative difference from a halved timestep that is one nevertheless.
+#: Relative tolerance for a halved timestep.
 HALVED = 1e-6
 
 
 @final
 class RecordedEngine(Engine):
-    """Stands for whatever made the motions: it has a method, and cannot be run."""
+    """An engine that stands for whatever made the motions: it has a method, and cannot be run."""
 
     name = "recorded"
 
@@ -52,7 +53,7 @@ class RecordedEngine(Engine):
 
     @property
     def version(self) -> str:
-        """None is known."""
+        """Empty, as the version is unknown."""
         return ""
 
     def open(self, scenario: Scenario, method: Method, timestep: float) -> Session:  # noqa: ARG002
@@ -67,7 +68,7 @@ def study_of_files(
 
     Parameters
     ----------
-    order : of accuracy, that the method has or claims
+    order : order of accuracy that the method has or claims
 
     Raises
     ------
@@ -101,15 +102,15 @@ def _steps(
     motions: Sequence[Trajectory],
     resolution: float,
 ) -> StepEvidence | None:
-    """What files gain from sample to sample, while all of them are near the exact motion.
+    """Return the gain of files from sample to sample, while all of them are near the exact motion.
 
     Parameters
     ----------
-    resolution : relative, of the numbers of the files
+    resolution : relative distance of the numbers in the files
 
     Returns
     -------
-    None where there are too few files, or they are nowhere near.
+    None if there are too few files, or they are never near it.
     """
     scenario, exact = study.scenario, study.solution.trajectory
     beyond = error_series(scenario, motions[0], exact).first_beyond("attitude", TOGETHER)
@@ -137,7 +138,7 @@ def _steps(
 
 
 def verdict_on_files(study: ConvergenceStudy) -> Verdict:
-    """Return the verdict; where files are too few, or nowhere near, with what it takes."""
+    """Return the verdict; if files are too few, or never near, it says what a verdict takes."""
     verdict = judge(study.records)
     if verdict.verdict != "unresolved" or study.steps is not None:
         return verdict
@@ -149,18 +150,18 @@ def verdict_on_files(study: ConvergenceStudy) -> Verdict:
 
 
 def results_of(study: ConvergenceStudy, explained_by: Sequence[str]) -> Results:
-    """Return the runs and the verdict as a result file has them, for pages.
+    """Return the runs and the verdict in the form of a result file, for pages.
 
     Parameters
     ----------
-    explained_by : what explains the motion, in words, if anything does: then it is another one
+    explained_by : what explains the motion, in words; if anything does, it is not the exact one
     """
     verdict = verdict_on_files(study)
     if explained_by:
         quoted = "; ".join(filter(None, [*explained_by, verdict.quoted]))
         verdict = replace(verdict, verdict="disagrees", quoted=quoted)
     name, pair = study.scenario.name, (study.engine.name, study.method.name)
-    # As an engine's defaults are: judged as they are, shown first, recommended to nobody.
+    # They are treated as an engine's defaults: judged as they are, shown first, never recommended.
     return Results(
         {},
         {name: SceneResult(study.scenario, study.solution)},
@@ -186,7 +187,7 @@ def _take(study: ConvergenceStudy, recorded: dict[float, Trajectory]) -> None:
 
 
 def _timestep(motion: JudgedMotion) -> float:
-    """The timestep of a file, s; where it states none, the distance of its samples."""
+    """Return the timestep of a file, s; if it states none, the distance of its samples."""
     if motion.timestep is not None:
         return motion.timestep
     distances = np.diff(motion.recorded.trajectory.t)
@@ -211,6 +212,6 @@ def _shared(motions: Sequence[Trajectory]) -> FloatArray:
 
 
 def _at(motion: Trajectory, times: FloatArray) -> Trajectory:
-    """The samples at these times, which are those of another file."""
+    """Return the samples at given times, which are times of another file."""
     slack = SAME_TIME * float(times[-1])
     return replace(motion.at(np.searchsorted(motion.t, times - slack)), t=times)

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from ....scenarios import FloatArray
 
-#: By unit, what a number is multiplied by to be in SI units.
+#: Factor from each unit to SI units.
 TIMES = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "min": 60.0}
 RATES = {"rad/s": 1.0, "deg/s": pi / 180, "rpm": pi / 30}
 LENGTHS = {"m": 1.0, "mm": 1e-3, "cm": 1e-2, "km": 1e3}
@@ -25,12 +25,12 @@ class Quantity:
 
     Attributes
     ----------
-    name : of its array in npz and JSON lines, with all its components
-    columns : the names of its components in a table; of spins, of which there is one a rotor, none:
-        they are `spin1`, `spin2`, …
-    written : another name; of all but times the one of `spincheck export --truth`, where components
-        have the letters behind them
-    units : the units it may be in, in SI first
+    name : name of its array in npz and JSON lines, with all its components
+    columns : the names of its components in a table; empty for spins, which are named `spin1`,
+        `spin2`, … for the rotors
+    written : another name of the quantity; except for times it is the name in `spincheck export
+        --truth`, to which the components' letters are added
+    units : the units it may be in, that of SI first
     """
 
     name: str
@@ -39,7 +39,7 @@ class Quantity:
     units: dict[str, float]
 
     def component(self, column: str) -> int | None:
-        """The index of the component that a column of this name holds; None if it is none."""
+        """Return the index of the component that a column of this name holds, or None."""
         if not self.columns:
             numbered = _NUMBERED.fullmatch(column)
             return int(numbered["number"]) - 1 if numbered else None
@@ -60,14 +60,14 @@ QUANTITIES = (
     Quantity("spins", (), "rotors_spin", RATES),
 )
 REQUIRED = ("t", "q")
-#: Shown where columns are missing.
+#: Message that is shown if columns are missing.
 HEADINGS = "t,qw,qx,qy,qz,wx,wy,wz"
 _NUMBERED = re.compile(r"(spin|rotors_spin_)(?P<number>[1-9][0-9]{0,3})")
 _HEAD = re.compile(r"^\s*(?P<name>[A-Za-z_0-9]+)\s*(?:[\[(]\s*(?P<unit>[^\])]*?)\s*[\])])?\s*$")
 
 
 class ColumnError(ValueError):
-    """A column that cannot be used, or one that is missing."""
+    """A column that cannot be used, or that is missing."""
 
 
 @dataclass(frozen=True)
@@ -80,9 +80,9 @@ class Column:
 
 
 def columns_of(heads: Sequence[str]) -> list[Column | None]:
-    """The meaning of a table's columns by their headings; None for those that mean nothing here.
+    """Return the meaning of a table's columns by their headings; None for headings without meaning.
 
-    A unit may stand behind the name in brackets, ``wx [deg/s]``; without one it is SI.
+    A unit may follow the name in brackets, ``wx [deg/s]``; without one the unit is SI.
 
     Raises
     ------
@@ -106,7 +106,7 @@ def columns_of(heads: Sequence[str]) -> list[Column | None]:
 
 
 def factor_of(quantity: Quantity, unit: str | None) -> float:
-    """The factor that takes a number in this unit to SI units; None is SI already.
+    """Return the factor that takes a number in this unit to SI units; None means SI.
 
     Raises
     ------
@@ -143,9 +143,9 @@ def _names(quantity: Quantity) -> str:
     return ", ".join(f"'{name}'" for name in quantity.columns) or "'spin1', 'spin2', …"
 
 
-#: How far a quaternion's norm may be off: what is printed with four digits passes.
+#: Tolerance of a quaternion's norm: numbers printed with four digits pass.
 UNIT_SLACK = 1e-3
-#: The factor by which it may change from one sample to the next, where no step normalises it.
+#: Factor by which the norm may change from one sample to the next, if no step normalises it.
 NORM_GROWS = 1.5
 
 
@@ -162,8 +162,8 @@ class Recording:
     path : the file
     arrays : t (n,), q (n, 4) and, where the file has them, omega, com, velocity, (n, 3),
         and spins, (n, rotors)
-    settings : what the file states of itself, by the names of `SETTINGS`
-    ignored : headings of columns that mean nothing here
+    settings : what the file states about itself, by the names in `SETTINGS`
+    ignored : headings of columns that have no meaning here
     """
 
     path: Path
@@ -173,14 +173,14 @@ class Recording:
 
     @property
     def is_single(self) -> bool:
-        """Whether it was computed in single precision, as it states or as its attitudes show."""
+        """Whether it was computed in single precision: as stated, or by 24 bits of attitudes."""
         q = self.arrays["q"]
         has_24_bits = np.array_equal(q, q.astype(np.float32)) and not np.array_equal(q, np.rint(q))
         return self.settings.get("precision", "single" if has_24_bits else "double") == "single"
 
     @property
     def drift_off_the_sphere(self) -> str:
-        """How the quaternions' norm drifts, in words; empty if it does not."""
+        """A sentence on how the quaternions' norm drifts; empty if it does not."""
         t, norms = self.arrays["t"], np.linalg.norm(self.arrays["q"], axis=1)
         if (np.abs(norms - 1) <= UNIT_SLACK).all():
             return ""
@@ -200,13 +200,13 @@ class Recording:
 
 
 def _digits(value: float) -> int:
-    """How many decimal digits it takes to print a number exactly."""
+    """Return how many decimal digits it takes to print a number exactly."""
     mantissa = repr(float(abs(value))).partition("e")[0]
     return len(mantissa.replace(".", "").strip("0"))
 
 
 def check_motion(arrays: dict[str, FloatArray]) -> None:
-    """Check what holds between samples: times, and the norms of quaternions."""
+    """Check what must hold between samples: increasing times, and norms of quaternions."""
     for quantity in QUANTITIES[:2]:
         if quantity.name not in arrays:
             raise RecordingError(f"must have an array '{quantity.name}'")
@@ -240,5 +240,5 @@ def check_motion(arrays: dict[str, FloatArray]) -> None:
 
 
 def _first(wrong: NDArray[np.bool_]) -> int:
-    """The number of the first row with something wrong, counted from one."""
+    """Return the number of the first row with something wrong, counted from one."""
     return int(np.argmax(wrong.reshape(len(wrong), -1).any(axis=1))) + 1

@@ -13,9 +13,9 @@ from ....scenarios import FloatArray, printable
 from ....scenarios.document import MAX_SAMPLES
 from .recording import QUANTITIES, Quantity, Recording, RecordingError, columns_of
 
-#: Characters of a line, at most.
+#: Largest number of characters in a line.
 LONGEST_LINE = 1 << 14
-#: What a file may state of itself, with the words it may use; None stands for a positive number.
+#: What a file may state about itself, with the words it may use; None means a positive number.
 SETTINGS: dict[str, tuple[str, ...] | None] = {
     "quaternion": ("wxyz", "xyzw"),
     "omega": ("body", "world"),
@@ -28,16 +28,16 @@ _SHORTEST, _LONGEST = 1e-150, 1e150
 
 
 class Table:
-    """Rows of numbers as they come, by quantity; never more than a motion may have.
+    """Rows of numbers, added as they are read, by quantity; never more than a motion may have.
 
     Attributes
     ----------
-    ignored : headings that mean nothing here
+    ignored : headings that have no meaning here
 
     Raises
     ------
     ColumnError
-        As `columns_of`.
+        As for `columns_of`.
     """
 
     def __init__(self, heads: Sequence[str]) -> None:
@@ -62,7 +62,7 @@ class Table:
         check_count(len(self._rows))
 
     def arrays(self) -> dict[str, FloatArray]:
-        """The quantities, each (n, components), the time (n,)."""
+        """Return the quantities, each (n, components), and the time (n,)."""
         used = [column for column in self._columns if column is not None]
         numbers = np.array(self._rows, dtype=float).reshape(-1, len(used))
         arrays = {}
@@ -78,7 +78,7 @@ class Table:
 
 
 def setting(name: str, value: str, line: int | None) -> dict[str, str]:
-    """What a file states of itself; nothing if the name is no setting."""
+    """Return what a line states about the file; nothing if the name is no setting."""
     if name not in SETTINGS:
         return {}
     words = SETTINGS[name]
@@ -112,7 +112,7 @@ def check_count(samples: int) -> None:
 
 
 def _lines(file: IO[str]) -> Iterator[tuple[int, str]]:
-    """Lines with their numbers, from 1 on; of one without an end only the beginning is read."""
+    """Yield lines with their numbers, from 1 on; of a line that is too long only the beginning."""
     number = 0
     while line := file.readline(LONGEST_LINE):
         number += 1
@@ -194,7 +194,7 @@ def _object(line: str, number: int) -> dict[str, Any]:
 
 
 def _flat(record: dict[str, Any], number: int) -> Iterator[tuple[str, Any]]:
-    """Key by key; the components of a list under the names that they have in a table."""
+    """Yield keys with values; components of a list have the names that they have in a table."""
     quantities: dict[str, Quantity] = {quantity.name: quantity for quantity in QUANTITIES}
     for key, value in record.items():
         if not isinstance(value, list):

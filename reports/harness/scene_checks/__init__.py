@@ -1,1 +1,1 @@
-"""Checks of a scene, and of its exact motion, against what its file says and what is known."""
+"""Checks of a scene and its exact motion against what its file states and what is published."""

@@ -8,13 +8,14 @@ from ....scenarios.locate import line_of
 
 
 def unknown_expectations(scenarios: Iterable[Scenario]) -> list[str]:
-    """One complaint for each expectation that names an unknown engine or method."""
+    """Return one complaint for each expectation that names an unknown engine or method."""
     return [complaint for scenario in scenarios for complaint in _unknown(scenario)]
 
 
 def _unknown(scenario: Scenario) -> Iterator[str]:
     if not (scenario.document.expect or scenario.document.known):
-        # To find the engines is to import them.
+        # Engines are only looked for if a scene has expectations, because finding them imports
+        # them.
         return
     methods = {name: [m.name for m in engine.methods] for name, engine in engines().items()}
     absent = [engine.name for engine in missing()]

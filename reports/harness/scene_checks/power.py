@@ -1,4 +1,4 @@
-"""Finds what a scene cannot test: effects without which no signal would change, and its end."""
+"""Finds what a scene cannot test: effects without which no signal would change, and late times."""
 
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
@@ -12,7 +12,7 @@ from ....scenarios.scenario import with_tables
 
 
 def powerless(scenario: Scenario) -> Iterator[str]:
-    """Effects without which no signal of a scene would change, one sentence each, and a lift-off.
+    """Yield a sentence for each effect without which no signal would change, and for a lift-off.
 
     Raises
     ------
@@ -34,7 +34,7 @@ def powerless(scenario: Scenario) -> Iterator[str]:
             continue
         until = min(len(other.t), len(exact.t))
         kept = exact.until(until)
-        # Parts that are not there do not turn.
+        # Without its rotors a scene has no spins that could change.
         without = replace(other.until(until), spins=np.zeros_like(kept.spins))
         moved = errors_between(scenario, without, kept)
         if _is_nothing(moved, solution.uncertainty, signals_of(without_it)):

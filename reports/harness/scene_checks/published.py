@@ -1,4 +1,4 @@
-"""Published values of a scene, beside those of its exact motion."""
+"""Compares published values of a scene with those of its exact motion."""
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
@@ -18,7 +18,7 @@ from ....scenarios import (
 
 @dataclass(frozen=True, eq=False)
 class PublishedValue:
-    """A published value, beside the reference's.
+    """A published value and the reference's value.
 
     Attributes
     ----------
@@ -44,7 +44,7 @@ class PublishedValue:
 
 
 def published_values(scenario: Scenario) -> Iterator[PublishedValue]:
-    """Every quantity of a scene's `[[published]]`, beside the reference's at that time."""
+    """Yield every quantity of a scene's `[[published]]`, with the reference's value then."""
     for published in scenario.document.published:
         exact = ExactMotion(scenario)
         times = np.array([0.0, published.t]) if published.t > 0 else np.array([0.0])
@@ -57,7 +57,7 @@ def published_values(scenario: Scenario) -> Iterator[PublishedValue]:
 
 
 def published_that_do_not_hold(scenario: Scenario) -> Iterator[str]:
-    """The published values that differ from the exact motion by more than their tolerance."""
+    """Yield a sentence for each published value that differs beyond its tolerance."""
     for value in published_values(scenario):
         if not value.holds:
             is_printed = np.isfinite(value.printed)

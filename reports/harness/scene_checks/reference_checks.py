@@ -11,13 +11,13 @@ from ....scenarios import Scenario, errors_between
 from .published import published_that_do_not_hold
 
 EPS = float(np.finfo(float).eps)
-#: A cross-check whose own error may be this large, relative or in rad, is inconclusive; errors of
-#: that size no longer grow in proportion, as conditioning assumes.
+#: Largest own error of a cross-check, relative or in rad, that is conclusive; larger errors no
+#: longer grow in proportion, as conditioning assumes.
 TELLING = 1e-2
 
 
 def complaints(scenario: Scenario) -> Iterator[str]:
-    """Complaints about a scene's reference, one sentence each; none if it passes."""
+    """Yield complaints about a scene's reference, one sentence each; none if it passes."""
     solution = solve(scenario, scenario.times)
     yield from drifting(scenario, solution)
     yield from _cross_check(scenario, solution)
@@ -25,7 +25,7 @@ def complaints(scenario: Scenario) -> Iterator[str]:
 
 
 def drifting(scenario: Scenario, solution: Solution) -> Iterator[str]:
-    """Conserved quantities that drift further than the stated uncertainty allows."""
+    """Yield conserved quantities that drift further than the stated uncertainty allows."""
     allowed = allowed_drifts(scenario, solution.trajectory, solution.uncertainty)
     for name, drift in drifts(scenario, solution.trajectory).items():
         if not drift <= allowed[name]:
@@ -33,7 +33,7 @@ def drifting(scenario: Scenario, solution: Solution) -> Iterator[str]:
 
 
 def _cross_check(scenario: Scenario, solution: Solution) -> Iterator[str]:
-    """Compare with DOP853; the span is halved until DOP853's own error is small enough."""
+    """Yield complaints by DOP853; the span is halved until DOP853's own error is small enough."""
     times = times_within_reach(scenario, solution.trajectory)
     while True:
         if len(times) < len(solution.trajectory.t) or times[-1] < solution.trajectory.t[-1]:
@@ -49,7 +49,7 @@ def _cross_check(scenario: Scenario, solution: Solution) -> Iterator[str]:
 
 
 def _bounds(solution: Solution, other: CrossCheck) -> dict[str, float]:
-    """Bound on the cross-check's error: local errors of all steps, grown by the conditioning."""
+    """Return bounds of the cross-check's error: local errors, grown by the conditioning."""
     committed = other.steps * other.tolerance
     uncertainty = dict(solution.uncertainty)
     return {name: committed * ulp / EPS + uncertainty[name] for name, ulp in solution.conditioning}

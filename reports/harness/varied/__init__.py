@@ -1,1 +1,1 @@
-"""Runs in which something is varied: the scene, its description, or how an engine opens it."""
+"""Runs in which one thing is varied: the scene, its description, or how an engine opens it."""

@@ -33,7 +33,7 @@ def runs_with_defaults(
     Parameters
     ----------
     rung, solution : the timestep and samples of all runs, and the exact motion there
-    at : exact states to step from, to tell which defaults act at any timestep
+    at : exact states to step from, which show the defaults that act at any timestep
     """
     method = engine.method(method_name)
     names = engine.defaults(scenario, method)

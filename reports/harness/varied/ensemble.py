@@ -26,7 +26,7 @@ Progress = Callable[[str], None]
 
 @dataclass(frozen=True, eq=False)
 class PointLeft:
-    """A point, and the methods whose results are missing there."""
+    """A point of an ensemble, and the methods whose results are missing there."""
 
     point: EnsemblePoint
     to_run: Sequence[EngineMethod]
@@ -34,12 +34,12 @@ class PointLeft:
 
 @dataclass(frozen=True, eq=False)
 class EnsemblePlan:
-    """What an ensemble still has to do.
+    """What an ensemble still has to run.
 
     Attributes
     ----------
     pairs : the methods asked for
-    stored : engine and method of the stored results, by what is varied
+    stored : engine and method of the stored results, for each point's variation
     total, complete : number of points asked for, and of complete ones
     """
 
@@ -55,7 +55,7 @@ class EnsemblePlan:
         return self.total - self.complete
 
     def left(self) -> Iterator[PointLeft]:
-        """The incomplete points, one by one: an ensemble may have more than fit into memory."""
+        """Yield the incomplete points one by one, as there may be more than fit into memory."""
         for point in self.ensemble.points():
             there = self.stored.get(variation(point.varied), ())
             if to_run := _to_run(self.pairs, there):
@@ -63,7 +63,7 @@ class EnsemblePlan:
 
 
 def plan_ensemble(ensemble: Ensemble, base: Scenario, choice: Choice, store: Store) -> EnsemblePlan:
-    """Store the definition, and determine what is missing."""
+    """Store the definition of an ensemble, and determine what is missing."""
     store.rest_on(tuple(fingerprints(base, choice.engines)))
     store.put_environment(environment(choice.engines))
     store.put_methods(choice.engines)
@@ -81,14 +81,14 @@ def plan_ensemble(ensemble: Ensemble, base: Scenario, choice: Choice, store: Sto
 
 
 def _to_run(pairs: Sequence[EngineMethod], there: Collection[Pair]) -> list[EngineMethod]:
-    """The methods that have no result at a point."""
+    """Return the methods that have no result at a point."""
     return [pair for pair in pairs if (pair[0].name, pair[1].name) not in there]
 
 
 def run_ensemble(
     plan: EnsemblePlan, base: Scenario, store: Store, executor: Executor, progress: Progress
 ) -> None:
-    """Run the missing points, and store the results of each as soon as it is run."""
+    """Run the missing points, and store the results of each as soon as it has been run."""
     if plan.missing:
         compile_side_by_side(executor)
     tasks = (partial(study_point, left, base, store, executor) for left in plan.left())
@@ -97,7 +97,7 @@ def run_ensemble(
 
 
 def study_point(left: PointLeft, base: Scenario, store: Store, executor: Executor) -> EnsemblePoint:
-    """One point, from the exact motion to the stored results of all its methods."""
+    """Return one point with the results of all its methods, which are stored."""
     store.put(*_rows(left, base, executor))
     return left.point
 
@@ -105,7 +105,7 @@ def study_point(left: PointLeft, base: Scenario, store: Store, executor: Executo
 def _rows(
     left: PointLeft, base: Scenario, executor: Executor, *, is_solved: bool = False
 ) -> list[Row]:
-    """The results at a point; where the call that is to run all methods fails, of one by one.
+    """Return the results at a point, by one call for all methods or, if that fails, one for each.
 
     Parameters
     ----------

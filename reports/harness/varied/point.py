@@ -1,4 +1,4 @@
-"""Runs one member of an ensemble: each method against the exact motion of the member's scene."""
+"""Runs methods at one point of an ensemble, against the exact motion of the scene at that point."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -21,9 +21,9 @@ Solved = dict[float, Solution] | str
 
 
 def run_point(base: Scenario, point: EnsemblePoint, pairs: Sequence[EngineMethod]) -> list[Row]:
-    """One row for each method.
+    """Return one row for each method.
 
-    Without methods the exact motion is found, and there are no rows.
+    Without methods the exact motion is still solved, and there are no rows.
 
     Parameters
     ----------
@@ -54,7 +54,7 @@ def not_run(
     cause: Cause,
     why: str,
 ) -> Row:
-    """The row of a method that was not run at a point, or whose call has failed."""
+    """Return the row of a method that was not run at a point, or whose call has failed."""
     engine, method = pair
     key, timestep = Key(base.name, engine.name, method.name), _timestep(base, point, engine)
     varied = variation(point.varied)
@@ -62,7 +62,7 @@ def not_run(
 
 
 def _timestep(base: Scenario, point: EnsemblePoint, engine: Engine) -> float:
-    """s, of a run that was not made; 0 where there is none."""
+    """Return the timestep of a run that was not made, s; 0 if it has none."""
     if point.timestep is not None:
         return point.timestep
     try:
@@ -73,10 +73,10 @@ def _timestep(base: Scenario, point: EnsemblePoint, engine: Engine) -> float:
 
 
 def _no_scene(error: ValueError) -> str:
-    """Why there is no scene at a point."""
+    """Return why there is no scene at a point."""
     if not isinstance(error, ScenarioError):
         return str(error)
-    # Without the line number: the varied file exists in memory only.
+    # The line number is left out: the varied file exists in memory only.
     return "; ".join(line.partition(": ")[2] for line in str(error).splitlines())
 
 
@@ -87,7 +87,7 @@ def _within_budget(rung: Rung | str) -> Rung | str:
 
 
 def _solved(scenario: Scenario, rungs: Sequence[Rung]) -> Solved:
-    """The exact motion at the samples of each timestep, solved once, or why it was not found."""
+    """Return the exact motion at the samples of all timesteps, or why it is not known."""
     times = {rung.timestep: rung.times for rung in rungs}
     if not times:
         return {}
@@ -113,23 +113,23 @@ def _row(
     row = row_of(scenario, key, engine.version, within, run, solution)
     exact, is_single = solution.trajectory, engine.single_precision
     row = with_defects(row, scenario, exact, is_single=is_single)
-    # What is kept of one of many: a few numbers.
+    # Only a few numbers are kept, as there are many points.
     return replace(row, variation=variation(point.varied), motion=None, defects=None)
 
 
 def scene_at(point: EnsemblePoint, base: Scenario) -> Scenario:
-    """The scene at a point.
+    """Return the scene at a point.
 
     Raises
     ------
     ScenarioError
-        If the member is no valid scene.
+        If it is not a valid scene.
     """
     return member(base, point.seed, point.number)
 
 
 def rung_at(point: EnsemblePoint, scenario: Scenario, engine: Engine) -> Rung | str:
-    """Timestep and samples of a run of the scene at a point, or why the run is not made.
+    """Return timestep and samples of a run of the scene at a point, or why the run is not made.
 
     Raises
     ------
