@@ -31,7 +31,7 @@ FURTHEST = 3e3
 #: A mistake explains the motion if undoing it makes the errors smaller by this factor.
 EXPLAINS = 10.0
 #: Largest error that may be left, rad, and relative for ω: an ω taken as zero is off by one.
-MOST_LEFT = 0.5
+MOST_LEFT = 0.2
 #: Errors below this, relative or in rad, need no explanation.
 FITS = 1e-9
 #: Largest number of mistakes that are looked for in one file at the same time.
