@@ -180,9 +180,10 @@ class _Examination:
         equations = Equations(self.sessions.scenario)
         gains = step_gains(equations, steps).mean(axis=1)
         noise = noise_of(equations, steps, self.engine, self.at.condition, settled=bool(settle))
+        is_single = self.engine.single_precision
         # What short steps leave out of a turn is less than rounding of 24 bits.
-        may_split = not self.engine.single_precision
-        return Look(equations, steps, gains, noise, settle, may_split, self.at.are_apart)
+        split = not is_single
+        return Look(equations, steps, gains, noise, settle, is_single, split, self.at.are_apart)
 
     def _timesteps(self, halved: FloatArray) -> FloatArray:
         """The timesteps of steps, s, long to short.
@@ -242,7 +243,8 @@ def _misread(sessions: Sessions, engine: Engine, at: Places) -> StepFault | None
     if np.abs(off[k]).max() <= 2 * ULPS * max(engine.slack, rounding_of_body(at.condition)):
         return None
     turn, omega, spins = norms(off[k])
-    zero, changes = (0.0, 0.0, 0.0), misreading(read, at.states, reach)
+    is_single = engine.single_precision
+    zero, changes = (0.0, 0.0, 0.0), misreading(read, at.states, reach, is_single=is_single)
     time = None if np.isnan(at.times[k]) else float(at.times[k])
     return StepFault(
         "misread", "attitude", time, 0.0, (float(omega), float(turn), float(spins)), zero, changes

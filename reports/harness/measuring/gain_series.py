@@ -120,7 +120,7 @@ def fitted(
     noise : its standard deviation in each component, (J, K)
     level : tails below it, together, are a fault
     turns : by how much each step turns the body, or its rank, (J, K); None where it is not known
-    seen : changes of the same steps that other quantities show, (K,) each; they are tried first
+    seen : changes of the same steps that other quantities show, (K,) each, which are tried first
     may_split : whether two series are tried
     is_pooled : whether the limits of states are independent, and are judged together, too
     """
@@ -132,7 +132,9 @@ def fitted(
     alone, total = _off_alone(measured)
     if may_split and len(timesteps) > LEAST:
         splits = _likeliest(lambda order: _Splits.of(measured, order))
-        for changes in (*seen, *splits.changes[splits.totals > total + np.log(level)]):
+        tried = [*splits.changes[splits.totals > total + np.log(level)]]
+        # Where one timestep that is off is likelier than one series, no other quantity excuses it.
+        for changes in tried if total > fit.total else [*seen, *tried]:
             two = _two_series(one, splits, changes)
             if two.tail >= level:
                 return two

@@ -22,6 +22,7 @@ class Look:
     ----------
     gains, noise : of Q quantities, (J, K, Q, 3) and (J, K, Q)
     settled : steps in which a constraint settled first
+    is_single : whether the engine declares single precision
     is_pooled : whether what states show is independent: neighbours of a recording share much
     may_split : whether steps may be computed otherwise with other timesteps
     """
@@ -31,6 +32,7 @@ class Look:
     gains: FloatArray
     noise: FloatArray
     settled: int
+    is_single: bool
     may_split: bool = True
     is_pooled: bool = True
 

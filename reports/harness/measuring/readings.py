@@ -15,15 +15,18 @@ from .steps import apart
 EXPLAINS = 1e-3
 
 
-def misreading(read: State, exact: State, reach: float) -> tuple[Explanation, ...]:
+def misreading(
+    read: State, exact: State, reach: float, *, is_single: bool
+) -> tuple[Explanation, ...]:
     """The mistake in reading that explains n states; empty if none does.
 
     Parameters
     ----------
     read, exact : states after a step, and what they should be
     reach : m, as of `apart`
+    is_single : whether the engine declares single precision
     """
-    if _is_in_24_bits(read) and not _is_in_24_bits(exact):
+    if not is_single and _is_in_24_bits(read) and not _is_in_24_bits(exact):
         return (Explanation("24 bits", ()),)
     off = _off(read, exact, reach)
     for kind, mistaken in MISTAKES.items():

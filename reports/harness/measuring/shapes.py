@@ -50,7 +50,7 @@ def fault_of(look: Look, at: Places) -> StepFault | None:
     if kind != "limit":
         shortest = slice(-look.gains.shape[1], None)
         ends = look.steps.after.rows(shortest), look.steps.exact.rows(shortest)
-        changes = misreading(*ends, look.equations.reach)
+        changes = misreading(*ends, look.equations.reach, is_single=look.is_single)
     time = None if np.isnan(at.times[k]) else float(at.times[k])
     timestep = float(look.steps.timesteps[j])
     return StepFault(

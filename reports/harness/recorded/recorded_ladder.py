@@ -131,6 +131,7 @@ def _steps(
         step_gains(equations, steps)[:, 0],
         np.hypot(of_numbers, of_files),
         0,
+        study.engine.single_precision,
         is_pooled=False,
     )
     at = Places(before.rows(slice(len(kept))), exact.t[kept], timesteps, condition)

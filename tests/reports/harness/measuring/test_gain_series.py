@@ -262,6 +262,15 @@ def test_a_change_that_another_quantity_shows_need_not_show_in_this_one(constant
     assert any(alone), "no need of what another quantity shows"
 
 
+def test_a_change_that_another_quantity_shows_excuses_no_single_timestep() -> None:
+    """The second series would begin with the one that is off, which nothing predicts."""
+    first = 6
+    for one in sample(1)[:FAULTY]:
+        faulty = one.with_fault(1e3 * one.noise[first, 0] * (np.arange(DOUBLE) == first))
+        seen = [np.full(STATES, first)]
+        assert is_accused(fitted(one.timesteps, faulty.gains, one.noise, LEVEL, seen=seen))
+
+
 def test_fewer_timesteps_than_a_change_needs_are_one_series() -> None:
     one = sample(1)[0].with_fault(1.0)
     few = Drawn(one.timesteps[:LEAST], one.gains[:LEAST], one.noise[:LEAST])
