@@ -1,4 +1,4 @@
-"""Mistakes in reading a state that are named from n states that are read and what they should be."""
+"""Mistakes in reading that are named from n states that are read and what they should be."""
 
 import numpy as np
 import pytest
