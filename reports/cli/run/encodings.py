@@ -1,4 +1,4 @@
-"""The option `--as`, the list of encodings, and what they print."""
+"""The option `--as`: which encodings it names, and what is printed of them."""
 
 from collections.abc import Iterator, Sequence
 from itertools import groupby
@@ -10,13 +10,13 @@ from ...results.encoding_records import PHRASES, WRONG, Beside, encoding_sentenc
 from ...results.records import Row
 from ..terminal import Complaint
 
-#: The word for all of them.
+#: Name for all encodings.
 ALL = "all"
 PLAIN = "plain"
 
 
 def named_encodings(text: str) -> tuple[str, ...]:
-    """The encodings of `--as`, names with commas between, or `all`; none of an empty text."""
+    """Return the encodings of `--as`, names separated by commas, or `all`; none if empty."""
     known = [name for name in ENCODINGS if name != PLAIN]
     names = [part.strip().lower() for part in text.split(",") if part.strip()]
     if ALL in names:
@@ -31,7 +31,7 @@ def named_encodings(text: str) -> tuple[str, ...]:
 
 
 def encoding_rows() -> list[dict[str, str]]:
-    """A row for each encoding: its name, what it changes, which engines can be given it."""
+    """Return a row for each encoding: its name, what it changes, which engines can be given it."""
     installed = engines().values()
     rows = []
     for name, encoding in ENCODINGS.items():
@@ -46,7 +46,7 @@ def encoding_rows() -> list[dict[str, str]]:
 
 
 def encoding_lines(rows: Sequence[Row]) -> Iterator[str]:
-    """What differs, by scene, engine and encoding; and how many are the same."""
+    """Yield the differences, by scene, engine and encoding, and how many are the same."""
     by_scene = groupby(rows, key=lambda row: (row.key.scenario, row.timestep))
     for (scene, timestep), group in by_scene:
         answers = [(row, row.beside) for row in group if row.beside]
@@ -62,9 +62,9 @@ def encoding_lines(rows: Sequence[Row]) -> Iterator[str]:
 
 
 def _lines(answers: Sequence[tuple[Row, Beside]]) -> Iterator[str]:
-    """One line for each engine, encoding and word, with the numbers of the method furthest off.
+    """Yield a line for each engine, encoding and word, with the numbers of the method furthest off.
 
-    What is wrong comes first; last, a line for each reason that encodings are left out for.
+    Wrong answers come first; at the end there is a line for each reason why encodings are left out.
     """
     alike: dict[tuple[str, str, str, str], list[tuple[str, Beside]]] = {}
     left_out: dict[str, dict[str, None]] = {}
@@ -86,10 +86,10 @@ def _lines(answers: Sequence[tuple[Row, Beside]]) -> Iterator[str]:
 
 
 def _distance(one: Beside) -> float:
-    """The largest distance of a run from that of the scene as it is, of all signals."""
+    """Return the largest distance of a run from that of the unchanged scene, over all signals."""
     return max(error for _, error in one.apart) if one.apart else float("inf")
 
 
 def are_alike(rows: Sequence[Row]) -> bool:
-    """Whether no encoding is wrong."""
+    """Return whether no encoding is answered wrongly."""
     return not any(row.beside.word in WRONG for row in rows if row.beside)
