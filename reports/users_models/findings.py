@@ -117,7 +117,7 @@ def _apart(reading: LinkReading) -> str:
 
 
 def badness(reading: LinkReading) -> tuple[float, float]:
-    """Return the angle between attitudes at the latest time, degrees, and the size of the difference.
+    """Return the angle between attitudes at the latest time, degrees, and the difference's size.
 
     A body for which the file states nothing counts as worse than any wrong body.
     """
