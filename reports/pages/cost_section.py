@@ -1,4 +1,4 @@
-"""The report's sections on cost: of accuracy, on both kinds of page, and of what is left out."""
+"""The report's sections on cost: the cost of accuracy, and the cost of what engines leave out."""
 
 from collections.abc import Sequence
 
@@ -10,18 +10,19 @@ from .analysis.wording import NOTHING, number, plural
 from .analysis.work_precision import curve_of, curves
 from .tables import Cell, Table, figure, named, records, table
 
-#: Microseconds in a second.
+#: Number of microseconds in a second.
 MICROSECONDS = 1e6
-#: The errors of the columns by their headings.
+#: The errors of the columns, by the columns' headings.
 TO_LEVEL = {f"to {number(level, 1).removeprefix('1×')}": level for level in LEVELS}
 #: Signs before a cost that is not interpolated between two runs.
 MARKS = {"measured": "", "at most": "≤ ", "extrapolated": "≈ "}
 
 
 def reach_table(scene: SceneRuns, signal: str) -> Table:
-    """Table of CPU seconds a simulated second that each method needs to stay within each error.
+    """Return a table of CPU seconds for a simulated second that methods need within each error.
 
-    Second lines, shown in HTML only: the timestep, or the error that rounding may cause at it.
+    Cells have a second line, in HTML only: the timestep, or the error that rounding may cause
+    there.
     """
     rows = []
     for runs in scene.methods:
@@ -32,9 +33,9 @@ def reach_table(scene: SceneRuns, signal: str) -> Table:
 
 
 def median_table(gathered: ReportData) -> Table:
-    """Table of the median cost of each error, over the scenes that a method can simulate.
+    """Return a table of the median cost of each error over the scenes that a method can simulate.
 
-    Second lines: on how many scenes it reaches the error.
+    Cells have a second line: the number of scenes on which the method reaches the error.
     """
     found = tallies([curves(scene, COMPARED) for scene in gathered.scenes if scene.solved])
 
@@ -60,7 +61,7 @@ def _reach_cell(reached: Reach) -> Cell:
 
 
 def _step_costs(runs: MethodRuns) -> dict[str, Cell]:
-    """Cells of the times a step: least CPU time, spread over the repeats, least wall time."""
+    """Return cells of times of a step: least CPU time, spread over repeats, least wall time."""
     timed = [row for row in runs.rows if row.seconds_per_step is not None]
     cpu = wall = figure(NOTHING)
     if timed:
@@ -76,7 +77,7 @@ def _microseconds(seconds: float | None) -> str:
 
 
 def left_out_section(costs: Sequence[MethodCost]) -> tuple[Table, str]:
-    """What steps cost with all that is left out left in, and whether that changes motions."""
+    """Return a table of steps' cost with nothing left out, and whether motions change."""
     whole = [cost for cost in costs if cost.difference is not None]
     methods = sorted({cost.key.pair for cost in whole})
     cells = {cost.key: _whole_cell(cost) for cost in whole}
@@ -100,7 +101,7 @@ def _whole_cell(cost: MethodCost) -> Cell:
     return Cell(more, "number", harm)
 
 
-#: The error by which methods are compared over all scenes; every scene's page has all.
+#: The signal whose errors compare methods over all scenes; every scene's page has all signals.
 COMPARED = "omega"
 #: Explanation of the costs in the tables.
 LEGEND = (
@@ -111,5 +112,5 @@ LEGEND = (
 
 
 def scene_costs(scene: SceneRuns) -> list[tuple[str, Table]]:
-    """A table for the errors of each signal, with its name."""
+    """Return a table for the errors of each signal, with the signal's name."""
     return [(str(signal), reach_table(scene, signal.name)) for signal in scene.signals]
