@@ -82,7 +82,8 @@ def spincheck(
 
 def main() -> None:
     """Run the command line; every complaint is one message and an exit code."""
-    # Greek letters of a title, or bytes of a file's name, that the terminal's encoding lacks.
+    # The text may have Greek letters of a title, or bytes of a file's name, that the terminal's
+    # encoding lacks.
     open_closed_streams()
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, TextIOWrapper):

@@ -1,4 +1,4 @@
-"""Which engines, methods, timesteps and executor a command is to use, from what was typed."""
+"""Determines which engines, methods, timesteps and executor a command uses, from what was typed."""
 
 import re
 import shlex
@@ -19,14 +19,14 @@ from .terminal import BAD_INPUT, NOT_RUN, Complaint, as_complaint, say
 
 @contextmanager
 def executor_for(jobs: int, choice: Choice) -> Iterator[Executor]:
-    """Open worker processes for what was chosen, and end them at the end."""
+    """Open worker processes for what was chosen, and end them afterwards."""
     check_temporary_folder()
     with LocalWorkers(jobs, choice.time_limit) as executor:
         yield executor
 
 
 def say_if_compiling() -> None:
-    """Say that the solver of exact motions is compiled next, unless it is there."""
+    """Say that the solver of exact motions is about to be compiled, unless it already is."""
     from ...reference.compiled import is_compiled
     from ..harness.executors.compiling import notice
 
@@ -49,13 +49,13 @@ def check_temporary_folder() -> None:
         raise Complaint(f"{error.strerror}; 'TMPDIR' names another", NOT_RUN) from None
 
 
-#: Begins the name of an engine that is a command: docs/reference/engine-protocol.md.
+#: Prefix of the name of an engine that is a command: docs/reference/engine-protocol.md.
 CHILD = "child:"
-#: A module and a name in it.
+#: Pattern of a module and a name in it.
 _OBJECT = re.compile(r"[A-Za-z_][\w.]*:[A-Za-z_][\w.]*")
-#: Stands for every engine that is installed, optional ones too.
+#: Name for every engine that is installed, optional ones too.
 ALL = "all"
-#: s; a system's clocks wait for no more than 2³¹ ms at once.
+#: Largest time limit, s; a system's clocks wait for no more than 2³¹ ms at once.
 MOST_TIME = 1e6
 
 
@@ -68,13 +68,13 @@ def choose(
     python: str = "",
     time_limit: float | None = None,
 ) -> Choice:
-    """The engines, methods and timesteps that were asked for; no optional engine if none is named.
+    """Return the engines, methods and timesteps asked for; optional engines only if named.
 
     Parameters
     ----------
-    scenarios : to be run; engines that load users' files are left out if no scene names one
-    python : the command of the interpreter that versions run under; this one if empty
-    time_limit : s, that a run may take
+    scenarios : scenes to be run; engines that load users' files are left out if no scene names one
+    python : the command of the interpreter that other versions run under; this one if empty
+    time_limit : CPU time that a run may take, s
     """
     if time_limit is not None and not 0 < time_limit <= MOST_TIME:
         raise Complaint(
@@ -107,7 +107,7 @@ def choose(
 
 
 def _applying(scenarios: Sequence[Scenario]) -> list[Engine]:
-    """The engines that are here and apply to one of the scenes."""
+    """Return the installed engines that apply to one of the scenes."""
     return [
         engine
         for engine in engines().values()
@@ -118,7 +118,7 @@ def _applying(scenarios: Sequence[Scenario]) -> list[Engine]:
 def _engines(
     name: str, python: str, time_limit: float | None, scenarios: Sequence[Scenario]
 ) -> Sequence[Engine]:
-    """The engines of a name, in any case; several of 'all' and of a family."""
+    """Return the engines of a name, in any case; several for 'all' and for a family."""
     if name.startswith(CHILD):
         return [_child(name.removeprefix(CHILD), time_limit)]
     if _OBJECT.fullmatch(name):
@@ -146,7 +146,7 @@ def _engines(
 
 
 def _at_version(name: str, python: str) -> Engine:
-    """The engine of a name such as mujoco@3.1.6; from now on in the list of engines."""
+    """Return the engine of a name such as mujoco@3.1.6, and add it to the list of engines."""
     from ...engines.versions import VersionError, versioned
 
     try:
@@ -158,7 +158,7 @@ def _at_version(name: str, python: str) -> Engine:
 
 
 def _child(command: str, time_limit: float | None) -> Engine:
-    """The engine that a command starts; from now on in the list of engines, under its own name."""
+    """Return the engine that a command starts, and add it to the list under its own name."""
     from ...engines import EngineError
     from ...engines.child import ANSWER_LIMIT, ChildEngine, child_engine
 
@@ -177,9 +177,9 @@ def _child(command: str, time_limit: float | None) -> Engine:
 
 
 def _of_module(name: str) -> Engine:
-    """The engine of a module and a class or object in it; from now on in the list of engines.
+    """Return the engine of a module and a class or object in it, and add it to the list of engines.
 
-    The module may be in the current folder, where it hides no other.
+    The module may be in the current folder, where it hides no other module.
     """
     if (here := str(Path.cwd())) not in sys.path:
         sys.path.append(here)
@@ -187,7 +187,7 @@ def _of_module(name: str) -> Engine:
     try:
         found = resolve_name(name)
         engine = found() if isinstance(found, type) else found
-    # An engine's package may raise anything when imported.
+    # An engine's package may raise anything when it is imported.
     except (Exception, SystemExit) as error:
         raise Complaint(f"{before}{type(error).__name__}: {error}") from None
     if not isinstance(engine, Engine):
@@ -203,7 +203,7 @@ def _of_module(name: str) -> Engine:
 
 
 def words_of(command: str) -> list[str]:
-    """A command's words, quoted as in a shell.
+    """Return a command's words, quoted as in a shell.
 
     Raises
     ------
@@ -216,7 +216,7 @@ def words_of(command: str) -> list[str]:
 
 
 def check_timesteps(scenarios: Sequence[Scenario], choice: Choice) -> None:
-    """See that every scene's window is longer than the timesteps asked for."""
+    """Check that every scene's window is longer than the timesteps asked for."""
     for scenario in scenarios:
         for timestep in choice.timesteps:
             if timestep > scenario.window.duration:

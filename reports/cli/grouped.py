@@ -1,4 +1,4 @@
-"""Kinds of commands: in groups, with an option a signal, with an option whose number may lack."""
+"""Kinds of commands: in groups, with an option for each signal, with an optional number."""
 
 import math
 from inspect import Parameter, Signature
@@ -28,7 +28,7 @@ class GroupedCommands(TyperGroup):
     """Lists commands under the headings of `GROUPS`; commands in no group come last."""
 
     def format_commands(self, ctx: Any, formatter: Any) -> None:
-        """Write a section a group."""
+        """Write a section for each group."""
         commands = set(self.list_commands(ctx))
         grouped = {name for names in GROUPS.values() for name in names}
         for heading, names in (GROUPS | {_OTHERS: sorted(commands - grouped)}).items():
@@ -38,7 +38,7 @@ class GroupedCommands(TyperGroup):
                     formatter.write_dl(rows)
 
     def get_command(self, ctx: Any, cmd_name: str) -> Any:
-        """Return a command whose help shows no types of Python's."""
+        """Return a command whose help shows no Python types."""
         command = super().get_command(ctx, cmd_name)
         for one in command.params if command else ():
             if one.param_type_name == "argument":
@@ -48,7 +48,7 @@ class GroupedCommands(TyperGroup):
         return command
 
     def resolve_command(self, ctx: Any, args: list[str]) -> Any:
-        """Find a command; its name may be in any case."""
+        """Find a command by its name, in any case."""
         return super().resolve_command(ctx, [args[0].lower(), *args[1:]])
 
     def _summary(self, ctx: Any, name: str) -> str:
@@ -59,15 +59,15 @@ class GroupedCommands(TyperGroup):
 
 
 _ENSEMBLE = "--ensemble"
-#: By the unit behind an angle, what it is multiplied by to be in rad.
+#: Factor to rad, by the unit that follows an angle.
 ANGLES = {"deg": math.pi / 180, "°": math.pi / 180, "rad": 1.0}
 
 
 class EnsembleCommand(TyperCommand):
-    """Adds `MEMBERS` where no number follows the option."""
+    """A command that adds `MEMBERS` if no number follows the option `--ensemble`."""
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
-        """Parse the arguments, none of which is a scene named by a number."""
+        """Parse the arguments; a number is never the name of a scene."""
         if _ENSEMBLE in args:
             after = args.index(_ENSEMBLE) + 1
             if not (after < len(args) and args[after].lstrip("-").isdigit()):
@@ -77,16 +77,16 @@ class EnsembleCommand(TyperCommand):
 
 
 class ErrorBoundsCommand(TyperCommand):
-    """Adds an option a signal; `error_bounds` has the bounds that were given."""
+    """A command with an option for each signal; `error_bounds` has the bounds that were given."""
 
     def get_params(self, ctx: Any) -> Any:
-        """The command's own arguments and options, with the bounds after the first of them."""
+        """Return the command's own arguments and options, with the bounds after the first."""
         first, *others = super().get_params(ctx)
         return [first, *_bounds(), *others]
 
 
 def error_bounds(context: typer.Context) -> dict[str, float]:
-    """The bounds that were given, by signal."""
+    """Return the bounds that were given, by signal."""
     from ...scenarios import SIGNAL
 
     bounds = {name: context.meta.get(f"{__name__}.{name}") for name in SIGNAL}
@@ -94,12 +94,12 @@ def error_bounds(context: typer.Context) -> dict[str, float]:
 
 
 def option(signal: str) -> str:
-    """The option of a signal's bound."""
+    """Return the name of the option for a signal's bound."""
     return f"--{signal.replace('_', '-')}"
 
 
 def _bounds() -> list[Any]:
-    # Only here: every other command's help would wait for it.
+    # Imported only here: the help of every other command would wait for it.
     from ...scenarios import SIGNALS
 
     def command(**_: float | None) -> None: ...
@@ -116,7 +116,7 @@ def _bounds() -> list[Any]:
 
 
 def _bound(signal: "Signal") -> Any:
-    """The annotation of a bound."""
+    """Return the annotation of a bound's option."""
     return Annotated[
         float | None,
         typer.Option(
@@ -131,7 +131,7 @@ def _bound(signal: "Signal") -> Any:
 
 
 def number(text: str) -> float:
-    """A number."""
+    """Parse a number."""
     try:
         return float(text)
     except ValueError:
@@ -139,7 +139,7 @@ def number(text: str) -> float:
 
 
 def angle(text: str) -> float:
-    """An angle, rad, of a number with its unit behind it, rad where there is none."""
+    """Parse an angle, a number with its unit behind it, by default rad; return it in rad."""
     unit = next((unit for unit in ANGLES if text.endswith(unit)), "rad")
     try:
         return float(text.removesuffix(unit)) * ANGLES[unit]

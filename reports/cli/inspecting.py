@@ -1,4 +1,4 @@
-"""What 'inspect' prints, as text and as JSON, and the files that it and 'import' write."""
+"""What 'inspect' prints, as text and as JSON, and the files that 'inspect' and 'import' write."""
 
 import textwrap
 from collections.abc import Iterable, Iterator, Sequence
@@ -34,14 +34,14 @@ from ..users_models.mend import Mended, Wishes, mended
 from ..users_models.scenes import LinkScene, link_scenes
 from .terminal import NOT_RUN, Complaint, as_complaint, say, table, terminal_width, written
 
-#: Lines of a list that are printed; '--json' has all.
+#: Largest number of lines of a list that are printed; '--json' has all.
 MOST_LINES = 20
 
 
 def models(
     files: Sequence[Path], packages: tuple[tuple[str, Path], ...]
 ) -> tuple[list[ModelFile], list[str]]:
-    """The models of the files that can be read, and the complaints about the others."""
+    """Return the models of files that can be read, and complaints about the others."""
     read, wrong = [], []
     for file in files:
         try:
@@ -104,7 +104,7 @@ def write_mended(
 
 
 def print_mended(one: Mended, before: Inspection, after: Inspection) -> None:
-    """Print what was changed, what is left, and what engines hold before and after."""
+    """Print what was changed, what is left, and how many links were wrong before and after."""
     _print(f"{after.model.path}: {before.model.path}, mended. Links that engines hold otherwise:")
     table(
         [
@@ -127,7 +127,7 @@ def _count_of_wrong(inspection: Inspection, column: tuple[str, str]) -> int | st
 
 
 def _row(link: InspectedLink) -> dict[str, object]:
-    """A line of the table; headings are broken into lines as narrow as the cells."""
+    """Return a line of the table; headings are broken into lines as narrow as the cells."""
     stated = link.link.stated
     row: dict[str, object] = {"link": link.link.name, "kg": stated and stated.mass}
     for reading in link.readings:
@@ -148,7 +148,7 @@ def _print_list(heading: str, lines: Sequence[Finding]) -> None:
 
 
 def _print(text: str, first: str = "", rest: str = "") -> None:
-    """Print a paragraph; wrapped on a terminal only."""
+    """Print a paragraph, which is wrapped on a terminal only."""
     text = printable(text)
     wrap = textwrap.TextWrapper(
         terminal_width() or len(first) + len(text) + 1,
@@ -161,7 +161,7 @@ def _print(text: str, first: str = "", rest: str = "") -> None:
 
 
 def record(inspection: Inspection) -> dict[str, Any]:
-    """An inspection as a JSON object."""
+    """Return an inspection as a JSON object."""
     wrong = [" ".join(reading.column) for reading, _ in wrong_readings(inspection)]
     return {
         "file": str(inspection.model.path),
@@ -216,11 +216,11 @@ def _body_record(body: BodyReading | None) -> dict[str, Any]:
 
 
 def import_scenes(file: Path, out: Path, links: Sequence[str]) -> list[str]:
-    """Write the scenes; returns one line for each, and one for each reason why links were left out.
+    """Write the scenes; return a line for each, and one for each reason why links were left out.
 
     Parameters
     ----------
-    links : only these; all if empty
+    links : names of the only links to write; all if empty
     """
     with as_complaint(ModelFileError):
         model = read_model(file)
@@ -250,7 +250,7 @@ def import_scenes(file: Path, out: Path, links: Sequence[str]) -> list[str]:
 
 
 def _left_out(scenes: Iterable[LinkScene]) -> list[str]:
-    """The links that make no scene, by the reason for it."""
+    """Yield the links that make no scene, by the reason for it."""
     by_reason: dict[str, list[str]] = {}
     for scene in scenes:
         if scene.left_out:

@@ -1,6 +1,6 @@
-"""What came of items of scenes, kept in pytest's cache until something it rests on changes.
+"""Outcomes of scenes' test items, kept in pytest's cache until something they rest on changes.
 
-Verdicts are not kept that disagree: whoever mends an engine wants to see them again.
+Verdicts that disagree are not kept: whoever corrects an engine wants to see them again.
 """
 
 from collections.abc import Iterator
@@ -19,7 +19,7 @@ _FOLDER = "spincheck"
 
 
 def outcome_of(item: pytest.Item, rests_on: str) -> str | None:
-    """Why the item was skipped when it was last run; empty if it passed, None if it must be run."""
+    """Return why the item was last skipped; empty if it passed, None if it must be run."""
     cache = _cache(item)
     match cache and cache.get(_place(item), None):
         case [str(digest), str(outcome)] if digest == rests_on:
@@ -28,18 +28,18 @@ def outcome_of(item: pytest.Item, rests_on: str) -> str | None:
 
 
 def keep(item: pytest.Item, rests_on: str, outcome: str) -> None:
-    """Keep what came of an item, in place of what came of it before."""
+    """Store the outcome of a test item in pytest's cache, in place of an earlier outcome."""
     if cache := _cache(item):
         cache.set(_place(item), [rests_on, outcome])
 
 
 def _cache(item: pytest.Item) -> pytest.Cache | None:
-    """None if it is switched off."""
+    """Return pytest's cache; None if it is switched off."""
     return getattr(item.config, "cache", None)
 
 
 def rests_on(scenario: Scenario, engine: Engine, method: Method, max_steps: int) -> str:
-    """The digest of scene, program, adapter, engine, method and length of the ladder."""
+    """Return the digest of scene, program, adapter, engine, method and length of the ladder."""
     items = Path(__file__).with_name("scene_items.py")
     parts = [one.digest for one in fingerprints(scenario, [engine]) if one.kind != "timing"]
     parts += [method.name, str(max_steps), source(items).digest, *_native_files(engine)]
@@ -47,7 +47,7 @@ def rests_on(scenario: Scenario, engine: Engine, method: Method, max_steps: int)
 
 
 def _native_files(engine: Engine) -> Iterator[str]:
-    """Size and time of change of an engine's native files: one that was rebuilt is another."""
+    """Yield size and time of change of an engine's native files, which change in a rebuild."""
     package = engine.package or engine.family or engine.name
     spec = find_spec(package) if package.isidentifier() else None
     for folder in (spec and spec.submodule_search_locations) or ():
@@ -62,5 +62,5 @@ def _stamp(file: Path) -> str:
 
 
 def _place(item: pytest.Item) -> str:
-    """Its place in the cache: names of items are no names of files everywhere."""
+    """Return the item's key in the cache, as not every system allows its name as a file's."""
     return f"{_FOLDER}/{sha256(item.nodeid.encode()).hexdigest()[:16]}"

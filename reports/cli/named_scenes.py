@@ -1,4 +1,4 @@
-"""Finds and reads the scenes that a user named, and collects what is wrong with them."""
+"""Finds and reads the scenes that a user named, and collects their errors."""
 
 import math
 from collections.abc import Iterable, Sequence
@@ -16,12 +16,12 @@ from ...scenarios import (
 )
 from .terminal import Complaint, as_complaint, say
 
-#: Turns a minute, of 1 rad/s.
+#: Turns a minute that are 1 rad/s.
 RPM = 30 / math.pi
 
 
 def one_scene(name: str) -> Scenario:
-    """The scene of that name."""
+    """Return the scene of a given name."""
     scenes = scenes_to_run([name], expectations=False)
     if len(scenes) != 1:
         raise Complaint(f"{printable(name)}: takes one scene, this is {len(scenes)}")
@@ -29,7 +29,7 @@ def one_scene(name: str) -> Scenario:
 
 
 def scenes_to_run(names: Sequence[str], *, expectations: bool = True) -> list[Scenario]:
-    """All the scenes named, or the library if none is named.
+    """Return all the scenes named, or the library if none is named.
 
     Parameters
     ----------
@@ -45,7 +45,7 @@ def scenes_to_run(names: Sequence[str], *, expectations: bool = True) -> list[Sc
 
 
 def listed(names: Sequence[str]) -> tuple[list[dict[str, object]], list[str]]:
-    """A record for each scene named, and the complaints about files that cannot be read."""
+    """Return a record for each scene named, and complaints about files that cannot be read."""
     rows: list[dict[str, object]] = []
     scenarios, wrong = load_each(_files(names))
     for scenario in scenarios:
@@ -90,7 +90,7 @@ def checked(names: Iterable[str]) -> Checked:
         try:
             scenarios, complaints = load_each(_found([name]))
         except ScenarioError as error:
-            # None of that name, or two.
+            # No scene has that name, or two have it.
             scenarios, complaints = [], [str(error)]
         result.wrong.extend(complaints)
         for scenario in scenarios:
@@ -105,7 +105,7 @@ def checked(names: Iterable[str]) -> Checked:
 
 
 def _in_short(scenario: Scenario) -> str:
-    """The numbers that show a wrong unit at a glance: mass, tilt and speeds."""
+    """Return the numbers that show a wrong unit at a glance: mass, tilt and speeds."""
     w, x, y, z = scenario.start.q_world_body_wxyz.tolist()
     tilt = math.degrees(2 * math.atan2(math.hypot(x, y), math.hypot(w, z)))
     speeds = [math.hypot(*scenario.start.omega_body), *map(float, scenario.start_spins)]
@@ -114,7 +114,7 @@ def _in_short(scenario: Scenario) -> str:
 
 
 def _check_motion(scenario: Scenario, result: Checked) -> bool:
-    """Whether what is said of the motion is true; what solves it takes a second to import."""
+    """Check what a scene states about its motion; return whether all of it is true."""
     from ...reference import IntegrationError
     from ..harness.scene_checks.power import powerless
     from ..harness.scene_checks.published import published_that_do_not_hold

@@ -8,7 +8,7 @@ import typer
 
 RESULT_FILE = Path("spincheck.sqlite")
 REPORT_FOLDER = Path("spincheck-report")
-#: Of an ensemble whose number is left out.
+#: Number of members of an ensemble if the option has no number.
 MEMBERS = 200
 CORES = os.cpu_count() or 1
 
@@ -22,7 +22,7 @@ def _seconds(text: str) -> float:
 
 
 def _there_if_named(file: Path) -> Path:
-    """The result file; only the default one need not be there."""
+    """Return the result file, which must exist unless it is the default one."""
     if file != RESULT_FILE and not file.exists():
         raise typer.BadParameter(f"there is no file '{file}'")
     return file

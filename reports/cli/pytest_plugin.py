@@ -11,9 +11,9 @@ import pytest
 
 from .scene_summary import KEPT, summary
 
-#: Bytes of a file's beginning in which a scenario's first key must be.
+#: Number of bytes at a file's beginning in which a scenario's first key must be.
 _HEAD = 1 << 14
-#: The settings of which engines are tested, and of how many steps a run of a ladder may take.
+#: Names of the settings of which engines are tested, and of how many steps a run may take.
 _ENGINES, _MAX_STEPS = "spincheck_engines", "spincheck_max_steps"
 #: Options of `spincheck.suite`.
 ENGINE, XFAILS = "--spincheck-engine", "--spincheck-xfails"
@@ -75,7 +75,7 @@ def pytest_collect_file(file_path: Path, parent: pytest.Collector) -> pytest.Col
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_runtestloop(session: pytest.Session) -> None:
-    """Compile the solver of exact motions before the first scene, and say so where it shows."""
+    """Compile the solver of exact motions before the first scene, with a message that is shown."""
     reporter: Any = session.config.pluginmanager.get_plugin("terminalreporter")
     has_scenes = any(KEPT in dict(item.user_properties) for item in session.items)
     option = session.config.option
@@ -88,13 +88,13 @@ def pytest_runtestloop(session: pytest.Session) -> None:
 
 
 def pytest_terminal_summary(terminalreporter: Any) -> None:
-    """Say in a line how many methods on how many scenes agree, fail, or could not be judged."""
+    """Print how many methods on how many scenes agree, fail, or could not be judged."""
     if line := summary(terminalreporter.stats):
         terminalreporter.write_line(line)
 
 
 def _max_steps(config: pytest.Config) -> int | None:
-    """The setting of the number of steps; None if it is left out."""
+    """Return the setting of the number of steps; None if it is left out."""
     setting = config.getini(_MAX_STEPS)
     if not setting:
         return None
@@ -105,7 +105,7 @@ def _max_steps(config: pytest.Config) -> int | None:
 
 def _may_be_scenario(path: Path) -> bool:
     try:
-        # Reading from a pipe would block.
+        # Only a regular file, as reading from a pipe would block.
         if not path.is_file():
             return False
         with path.open("rb") as file:

@@ -1,4 +1,4 @@
-"""The items of pytest of a scene: one for its reference, one for each engine and method."""
+"""Pytest's items of a scene: one for its reference, one for each engine and method."""
 
 import shlex
 from collections.abc import Iterator
@@ -23,7 +23,7 @@ from .scene_summary import KEPT, UNSUPPORTED
 
 
 class SceneFile(pytest.File):
-    """One scene.
+    """One scene's file, whose items pytest collects.
 
     Parameters
     ----------
@@ -36,7 +36,7 @@ class SceneFile(pytest.File):
         self.max_steps = min(max_steps or MAX_STEPS, MAX_STEPS)
 
     def collect(self) -> Iterator[pytest.Item]:
-        """Yield the items; an engine as shipped has one only where `[[expect]]` names it."""
+        """Yield the items; an engine as shipped has one only if an `[[expect]]` names it."""
         self._check_engines()
         try:
             self.scenario = load(self.path)
@@ -86,9 +86,9 @@ class SceneFile(pytest.File):
         return engine.name in expected if expected else by_default
 
     def _not_tested(self) -> Iterator[pytest.Item]:
-        """Yield an item for each engine that should be here and is not: it is skipped, not passed.
+        """Yield an item, to be skipped, for each engine that should be installed and is not.
 
-        An engine that the scene has expectations of should be, though it is optional.
+        An engine for which the scene has expectations should be installed even if it is optional.
         """
         needed = [line for line in requires("spincheck") or [] if "extra ==" not in line]
         for absent in missing():
@@ -114,7 +114,7 @@ class SceneItem(pytest.Item):
 
     @property
     def typed(self) -> str:
-        """The scene's file as it is typed in a command."""
+        """The path of the scene's file as it is typed in a command."""
         return shlex.quote(str(self.path))
 
     def reportinfo(self) -> tuple[Path, None, str]:
@@ -122,14 +122,14 @@ class SceneItem(pytest.Item):
         return self.path, None, f"{self.path.stem}::{self.name}"
 
     def repr_failure(self, excinfo: pytest.ExceptionInfo[BaseException], style: Any = None) -> Any:
-        """Show what disagreed; only a fault of this program shows its trace."""
+        """Show what disagreed; only an error in this program shows a stack trace."""
         if isinstance(excinfo.value, Disagreement):
             return "\n".join(excinfo.value.args)
         return super().repr_failure(excinfo, style)
 
 
 class Disagreement(Exception):
-    """What an item found, in lines of words."""
+    """What disagreed in an item, in lines of words."""
 
 
 class ReferenceItem(SceneItem):
@@ -166,12 +166,12 @@ class EngineItem(SceneItem):
             pytest.skip(f"{scenario.name}, {engine.name} {method.name}: {skipped}")
 
     def _skipped(self) -> str:
-        """Run it; returns why it is neither a pass nor a failure, empty if it passes.
+        """Run the item; return why it is neither a pass nor a failure, empty if it passes.
 
         Raises
         ------
         Disagreement
-            If it disagrees, or is unresolved.
+            If the verdict disagrees, or is unresolved.
         """
         scenario, prepared = self.parent.scenario, self.parent.prepared
         study = convergence_study_of(scenario, self.engine, self.method, prepared)
@@ -206,7 +206,7 @@ class MissingEngineItem(SceneItem):
         self.reason = reason
 
     def runtest(self) -> None:
-        """Skip."""
+        """Skip the item."""
         pytest.skip(f"not tested: {self.reason}")
 
 

@@ -1,17 +1,17 @@
-"""The line below pytest's output on scenes: how many items agree, fail, or were not judged."""
+"""The line below pytest's output about scenes: how many items agree, fail, or were not judged."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-#: The property of every item of a scene, and so of its report, wherever it was run: whether its
-#: outcome was known from before, so that it was not run.
+#: Name of the property of every item of a scene, kept in its report: whether its outcome was known
+#: from before, so that it was not run.
 KEPT = "spincheck_kept"
-#: What the reason of a skipped item begins with if the engine cannot simulate the scene.
+#: Beginning of the reason of a skipped item if the engine cannot simulate the scene.
 UNSUPPORTED = "unsupported"
 
 
 def summary(stats: Mapping[str, Sequence[Any]]) -> str:
-    """The line, empty if there is no item of a scene.
+    """Return the line, empty if there is no item of a scene.
 
     Parameters
     ----------

@@ -5,7 +5,8 @@ import signal
 
 def main() -> None:
     """Run the command line."""
-    # Until the program handles signals itself. If they are ignored, as by nohup, they stay so.
+    # Default handlers, until the program handles signals itself. Signals that are ignored, as by
+    # nohup, stay so.
     if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
         signal.signal(signal.SIGINT, signal.SIG_DFL)
     from .app import main as command_line

@@ -21,24 +21,26 @@ from contextlib import contextmanager, suppress
 from types import FrameType
 
 STDIN, STDOUT, STDERR = 0, 1, 2
-#: s, in which Python must handle a signal; s, in which everything must be closed after that.
+#: Time in which Python must handle a signal, s; and time in which everything must be closed after
+#: that, s.
 HEARING, ENDING = 0.4, 0.4
 #: Windows has no SIGHUP.
 _HANGUP: signal.Signals | None = getattr(signal, "SIGHUP", None)
 _STOPPING = tuple(n for n in (signal.SIGINT, signal.SIGTERM, _HANGUP) if n is not None)
 #: A program ended by a signal exits with this plus the signal's number, as in shells.
 _BY_SIGNAL = 128
-#: The module of Python that imports modules: seen in a stack while one is being imported.
+#: Python's module that imports modules: it is in the stack while one is being imported.
 _IMPORTING = "<frozen importlib._bootstrap>"
-#: Brings back the cursor, which a progress bar hides, and clears the line that it is on.
+#: Terminal codes that show the cursor, which a progress bar hides, and clear the line that it is
+#: on.
 _CURSOR_AND_EMPTY_LINE = "\x1b[?25h\r\x1b[K"
-#: Second half of the message that tells of the stop; set by the command that runs.
+#: Second half of the message that the program was stopped; set by the command that runs.
 _besides: list[str] = []
 _last_words = threading.Lock()
 
 
 class Stopped(BaseException):
-    """The program is to end; only the command line catches it."""
+    """Raised to end the program; only the command line catches it."""
 
     def __init__(self, number: int) -> None:
         super().__init__(f"stopped by {signal.Signals(number).name}")
@@ -48,12 +50,12 @@ class Stopped(BaseException):
 
 @contextmanager
 def saying(besides: str) -> Iterator[None]:
-    """Add this to the message if the program is stopped inside the block."""
+    """Add a sentence to the message if the program is stopped inside the block."""
     _besides.append(besides)
     try:
         yield
     finally:
-        # Not if it is stopped: the message is still to be printed.
+        # Kept if the program was stopped: the message is still to be printed.
         if not isinstance(sys.exception(), Stopped):
             _besides.remove(besides)
 
@@ -63,7 +65,7 @@ def say_last_words(number: int) -> None:
     if not _last_words.acquire(blocking=False):
         return
     last_words = "; ".join([f"spincheck: {Stopped(number)}", *_besides[:1]])
-    # Not by `print`, whose lock another thread may hold; not on a terminal that has closed.
+    # Not by `print`, whose lock another thread may hold; and not on a terminal that has closed.
     with suppress(OSError):
         bar_away = _CURSOR_AND_EMPTY_LINE if os.isatty(STDERR) else ""
         os.write(STDERR, f"{bar_away}{last_words}\n".encode(errors="backslashreplace"))
@@ -71,7 +73,7 @@ def say_last_words(number: int) -> None:
 
 def raise_when_stopped() -> None:
     """Let signals raise `Stopped` from now on, except those that are ignored, as by nohup."""
-    # Asked now: `isatty` is false once the terminal has closed.
+    # Determined now: `isatty` is false once the terminal has closed.
     terminals = [descriptor for descriptor in (STDOUT, STDERR) if os.isatty(descriptor)]
 
     received = threading.Event()
@@ -117,7 +119,7 @@ def _watch(obeyed: list[signal.Signals], received: threading.Event) -> None:
         while number not in obeyed:
             (number,) = os.read(wakes, 1)
         if received.wait(HEARING):
-            # A daemon: it ends with the program.
+            # A daemon thread, so that it ends with the program.
             threading.Event().wait(ENDING)
         say_last_words(number)
         os._exit(_BY_SIGNAL + number)
@@ -130,7 +132,7 @@ def _leave(number: int, _: FrameType | None) -> None:
 
 
 def print_nowhere(*descriptors: int) -> None:
-    """Redirect streams to the null device: their reader is gone, and writing would raise."""
+    """Redirect streams to the null device if their reader is gone and writing would raise."""
     nowhere = os.open(os.devnull, os.O_WRONLY)
     for descriptor in descriptors:
         os.dup2(nowhere, descriptor)
@@ -146,7 +148,7 @@ def open_closed_streams() -> None:
         try:
             os.fstat(descriptor)
         except OSError:
-            # Opening takes the lowest free descriptor.
+            # Opening a file takes the lowest free descriptor.
             os.open(os.devnull, os.O_RDWR)
     if sys.stdout is None:
         sys.stdout = os.fdopen(STDOUT, "w", closefd=False)

@@ -17,7 +17,7 @@ from .stopping import STDERR, STDOUT, print_nowhere
 AGREES, DISAGREES, BAD_INPUT, NOT_RUN = 0, 1, 2, 3
 
 
-#: Columns that a longer name may be wrapped to, where a table is wider than the terminal.
+#: Width that a longer name may be wrapped to if a table is wider than the terminal.
 NAME = 12
 
 
@@ -33,7 +33,7 @@ class Complaint(Exception):
 def as_complaint(
     *errors: type[Exception], before: str = "", exit_code: int = BAD_INPUT
 ) -> Iterator[None]:
-    """Have such an error end the command: with its own message, behind what is set before it."""
+    """Raise a `Complaint` in place of some errors, with their message after the text `before`."""
     try:
         yield
     except errors as error:
@@ -47,14 +47,14 @@ def say(text: str) -> None:
     try:
         print("\n".join(printable(line) for line in text.split("\n")), file=sys.stderr, flush=True)
     except OSError:
-        # On a full disk or a closed pipe the message is lost; that does not end the program.
+        # On a full disk or a closed pipe the message is lost, which does not end the program.
         print_nowhere(STDERR)
 
 
 def escape_what_turns_text(stream: TextIO) -> None:
-    """Have a stream print as escapes what cannot be seen or turns text about: of any message.
+    """Make a stream print invisible characters and those that reverse text as escapes.
 
-    Commands of the terminal itself go through: tables and progress bars are drawn by them.
+    Commands of the terminal itself are kept: tables and progress bars are drawn by them.
     """
     write = stream.write
 
@@ -69,7 +69,7 @@ def escape_what_turns_text(stream: TextIO) -> None:
 
 
 def to_json(value: Any) -> str:
-    """JSON with numbers that read back to the last bit; inf and nan, which it lacks, as null.
+    """Return JSON with numbers that read back to the last bit, and null for inf and nan.
 
     Control characters are escaped, as JSON does.
     """
@@ -94,10 +94,10 @@ def _finite(value: Any) -> Any:
 
 
 def table(rows: Sequence[Mapping[str, object]]) -> None:
-    """Print records as a table with their keys as headings; in a pipe, one record a line.
+    """Print records as a table with their keys as headings; in a pipe, each record is a line.
 
-    On a terminal that is too narrow, texts are wrapped; where the numbers themselves are too wide
-    side by side, each record is printed as a paragraph. No number is cut.
+    On a terminal that is too narrow, texts are wrapped; if the numbers alone are too wide side by
+    side, each record is printed as a paragraph. No number is cut.
     """
     from rich import box
     from rich.console import Console
@@ -126,23 +126,23 @@ def table(rows: Sequence[Mapping[str, object]]) -> None:
 
 
 def _beside(columns: Sequence[object]) -> int:
-    """Characters of a table that are not in its cells."""
+    """Return the number of characters in a line of a table that are not in its cells."""
     return 3 * len(columns) + 1
 
 
 def _least_width(text: str) -> int:
-    """The least width of a cell: of its longest number, or of a readable part of its names."""
+    """Return the least width of a cell: of its longest number, or a readable part of a name."""
     words = text.split()
     return max((len(w) if _is_number(w) else min(len(w), NAME) for w in words), default=0)
 
 
 def _is_number(word: str) -> bool:
-    """Whether a word is a number or begins with one; names have digits further back."""
+    """Whether a word is a number or begins with one; names have their digits further back."""
     return word.lstrip("+-±≤≥<>~([").replace(".", "", 1)[:1].isdigit()
 
 
 def _narrowed(widths: list[int], least: list[int], room: int) -> list[int]:
-    """Take from the column that can spare most, until they fit."""
+    """Return widths that fit into the room: the column that can spare most is narrowed first."""
     widths = list(widths)
     for _ in range(sum(widths) - room):
         spare = [width - needed for width, needed in zip(widths, least, strict=True)]
@@ -169,7 +169,7 @@ def _print_paragraphs(lines: list[list[str]], width: int) -> None:
 
 
 def terminal_width() -> int | None:
-    """Columns of the terminal that is printed on; None in a file or a pipe."""
+    """Return the width of the terminal that is printed on; None for a file or a pipe."""
     from rich.console import Console
 
     console = Console()
@@ -177,7 +177,7 @@ def terminal_width() -> int | None:
 
 
 def cell(value: object) -> str:
-    """A value as tables show it: three digits, nothing for None."""
+    """Return a value as tables show it: numbers in three digits, nothing for None."""
     if value is None:
         return ""
     from ...scenarios import printable
@@ -186,7 +186,7 @@ def cell(value: object) -> str:
 
 
 def _left(finished: Sequence[float], total: int) -> str:
-    """The time left in words, from the later half of what finished; empty after the first."""
+    """Return the time left in words, from the later half of what finished; empty at first."""
     done = len(finished)
     if done < 2:
         return ""
@@ -196,20 +196,20 @@ def _left(finished: Sequence[float], total: int) -> str:
 
 
 def in_words(seconds: float) -> str:
-    """An estimate of a time: 42 s, 3 min."""
+    """Return an estimate of a time in words: 42 s, 3 min."""
     return f"{seconds:.0f} s" if seconds < 90 else f"{seconds / 60:.0f} min"
 
 
 @contextmanager
 def progress(total: int, lines: int | None = None) -> Iterator[Callable[[str], None]]:
-    """A bar on a terminal, plain lines elsewhere; each call counts as one of `total`.
+    """Show a bar on a terminal, plain lines elsewhere; each call counts as one of `total`.
 
     Both show the time left, extrapolated from what finished last: the first call may have waited
     for processes to start and kernels to compile, and the machine's load changes.
 
     Parameters
     ----------
-    lines : at most so many of the plain lines are printed, evenly spaced; all of them if None
+    lines : largest number of plain lines that are printed, evenly spaced; None prints all
     """
     if not sys.stderr.isatty():
         finished: list[float] = []
@@ -250,7 +250,7 @@ _OF_OUTPUT = (errno.ENOSPC, errno.EPIPE, errno.EBADF, errno.EIO, errno.EFBIG, er
 
 
 def refusal(error: Exception) -> Complaint | None:
-    """The message for an error of the system or of engines' names; None for any other error."""
+    """Return the message for an error of the system or of engines' names; None for others."""
     from ...engines import NameTaken
     from ..harness.executors import cause_of
 
@@ -272,7 +272,7 @@ def refusal(error: Exception) -> Complaint | None:
 
 @contextmanager
 def written(place: Path | str) -> Iterator[None]:
-    """Have a file or folder that cannot be written end the command with one message."""
+    """Raise a `Complaint` if a file or folder cannot be written inside the block."""
     try:
         yield
     except OSError as error:
@@ -280,7 +280,7 @@ def written(place: Path | str) -> Iterator[None]:
 
 
 def unusable(place: Path | str, error: OSError, purpose: str = "used") -> Complaint:
-    """The complaint about a file or folder that cannot be written or used."""
+    """Return the complaint about a file or folder that cannot be written or used."""
     from ...scenarios import printable
 
     where = printable(str(place))

@@ -20,7 +20,8 @@ if TYPE_CHECKING:
     from .exact_motion import ExactMotion
     from .stored import StoredResults
 
-    #: A scene's name in the library, the path of its file, its tables, or the scene itself.
+    #: A scene, given as its name in the library, the path of its file, its tables, or the scene
+    #: itself.
     Scene = str | Path | Mapping[str, Any] | Scenario
 
 __all__ = ["exact", "gradients", "judge", "judge_timesteps", "load", "results", "run"]
@@ -29,14 +30,14 @@ __all__ = ["exact", "gradients", "judge", "judge_timesteps", "load", "results", 
 def load(scene: "Scene", name: str = "scene") -> "Scenario":
     """Return a scene.
 
-    A file of the current folder, `./fast-top.toml`, is taken before a scene of the library; that is
-    said through `logging`.
+    A file of the current folder, such as `./fast-top.toml`, takes precedence over a scene of the
+    library; `logging` then says so.
 
     Parameters
     ----------
     scene : its name in the library, the path of its file, or its tables as a dict, as the file has
         them; NumPy's arrays may stand for lists
-    name : of a scene from a dict
+    name : name of a scene that is given as a dict
 
     Raises
     ------
@@ -64,7 +65,7 @@ def exact(scene: "Scene") -> "ExactMotion":
     Raises
     ------
     spincheck.scenarios.ScenarioError
-        As `load`.
+        As for `load`.
     """
     from .exact_motion import ExactMotion
 
@@ -78,11 +79,11 @@ def gradients(
 ) -> "list[GradientRow]":
     """Compare an engine's derivatives of its steps with those of the exact motion.
 
-    It is done in a process of its own.
+    The engine runs in a process of its own.
 
     Parameters
     ----------
-    timestep : s, of the steps of the window; chosen by the motion's fastest rate if None
+    timestep : timestep of the window's steps, s; chosen by the motion's fastest rate if None
 
     Returns
     -------
@@ -94,7 +95,7 @@ def gradients(
     ValueError
         If there is no such engine or method, or the timestep is not above 0.
     spincheck.scenarios.ScenarioError
-        As `load`.
+        As for `load`.
     """
     from .single_run import judged_gradients
 
@@ -122,27 +123,29 @@ def judge(
 ) -> "JudgedMotion":
     """Return the errors of a recorded motion, and what explains them.
 
-    Its `as_record()` has what `spincheck judge --json` prints of a file.
+    Its `as_record()` returns what `spincheck judge --json` prints for a file.
 
     Parameters
     ----------
     t : (n,) s, increasing, from 0 on
     q_wxyz, q_xyzw : (n, 4) attitudes, body to world components; one of the two
-    omega_body, omega_world : (n, 3) rad/s; at most one, else ω is found from the attitudes
-    com, velocity : (n, 3) m and m/s, world axes, of the centre of mass, if there
-    spins : (n, rotors) rad/s, relative to the body, of a scene with rotors, if there
-    timestep : s, that a method made it with; else its samples' distance is assumed
-    precision : "single" or "double", in which it was computed; else the numbers tell
-    order : of accuracy, of the method that made it
-    noise_attitude, noise_omega : standard deviations of measured numbers, rad and rad/s; if both
-        are left out they are estimated
+    omega_body, omega_world : (n, 3) rad/s; at most one of the two; without either, ω is computed
+        from the attitudes
+    com, velocity : (n, 3) m and m/s, world axes, of the centre of mass, if recorded
+    spins : (n, rotors) rad/s, relative to the body, of a scene with rotors, if recorded
+    timestep : the timestep that a method made it with, s; if None, its samples' distance is assumed
+    precision : "single" or "double", in which it was computed; if None, it is found from the
+        numbers
+    order : order of accuracy of the method that made it
+    noise_attitude, noise_omega : standard deviations of measured numbers, rad and rad/s; estimated
+        if both are left out
 
     Raises
     ------
     ValueError
-        If the arrays are no motion, or go beyond the time to which the exact motion is known.
+        If the arrays are not a motion, or go beyond the time up to which the exact motion is known.
     spincheck.scenarios.ScenarioError
-        As `load`.
+        As for `load`.
     """
     from .recorded import Made, judged
 
@@ -160,15 +163,15 @@ def judge_timesteps(scene: "Scene", motions: "Sequence[JudgedMotion]", order: in
 
     Parameters
     ----------
-    motions : what `judge` returned of each, with its timestep
-    order : of accuracy, that the method has or claims
+    motions : what `judge` returned for each motion, with its timestep
+    order : order of accuracy that the method has or claims
 
     Raises
     ------
     ValueError
         If timesteps are unknown or not halved, or the motions share no sample times.
     spincheck.scenarios.ScenarioError
-        As `load`.
+        As for `load`.
     """
     from .recorded import verdict_on
 
@@ -187,7 +190,7 @@ def run(scene: "Scene", *, engine: str, method: str, timestep: float) -> "Row":
     ValueError
         If there is no such engine or method, or the timestep does not fit the scene's window.
     spincheck.scenarios.ScenarioError
-        As `load`.
+        As for `load`.
     """
     from .single_run import single_run
 
@@ -210,7 +213,7 @@ def results(path: "str | Path") -> "StoredResults":
 
 
 def _compile_first() -> None:
-    """Say on the terminal, through `logging`, why the first call takes half a minute."""
+    """Say through `logging`, on the terminal, why the first call takes half a minute."""
     from logging import getLogger
 
     from spincheck.reports.harness.executors.compiling import compile_first

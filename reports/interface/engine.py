@@ -1,4 +1,4 @@
-"""What the adapter of a physics engine is written with: docs/how-to/add-an-engine.md.
+"""The interface for adapters of physics engines: docs/how-to/add-an-engine.md.
 
 This is the whole interface between spincheck and adapters, with the attributes of scenes on that
 page. An adapter states the version that it is written for, as `Engine.interface`.

@@ -58,12 +58,13 @@ class ExactMotion:
         self._scenario, self._solver = scenario, Solver(scenario)
 
     def at(self, times: ArrayLike) -> ExactStates:
-        """Return the states at times, s, (n,), increasing, from 0 on; one time is taken too.
+        """Return the states at times, s, (n,), increasing, from 0 on; or at a single time.
 
         Raises
         ------
         ValueError
-            If the times are not such, or beyond what is known of a chaotic motion, or a lift-off.
+            If the times are not increasing from 0 on, or go beyond the time up to which a chaotic
+            motion is known, or beyond a lift-off.
         spincheck.reference.IntegrationError
             If the motion cannot be integrated that far.
         """
@@ -90,19 +91,19 @@ class ExactMotion:
 
         Parameters
         ----------
-        times : as of `at`
+        times : as for `at`
 
         Raises
         ------
         ValueError
-            As `at`.
+            As for `at`.
         spincheck.reference.IntegrationError
-            As `at`, or if the derivatives take too many steps or leave the range of doubles.
+            As for `at`, or if the derivatives take too many steps or leave the range of doubles.
         """
         return sensitivity(self._scenario, self._known(times).trajectory)
 
     def _known(self, times: ArrayLike) -> Solution:
-        """The motion at times, all of which it is known at."""
+        """Return the motion at given times, at all of which it must be known."""
         wanted = np.atleast_1d(np.asarray(times, dtype=float))
         if wanted.ndim > 1 or not len(wanted):
             raise ValueError(f"'times' must have the shape (n,), got {wanted.shape}.")

@@ -1,4 +1,4 @@
-"""Arrays of a user's as a recorded motion."""
+"""Turns a user's arrays into a recorded motion."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -13,8 +13,8 @@ from spincheck.reports.harness.recorded.text_formats import setting
 from spincheck.reports.results.verdicts import Verdict
 from spincheck.scenarios import FloatArray, Scenario
 
-#: By the name of an argument, the quantity that it gives and its number of components: of t none,
-#: of spins any.
+#: By the name of an argument, the quantity that it gives and its number of components: None for t,
+#: and any number for spins.
 ARGUMENTS = {
     "t": ("t", None),
     "q_wxyz": ("q", 4),
@@ -29,14 +29,15 @@ ARGUMENTS = {
 
 @dataclass(frozen=True)
 class Made:
-    """How motions were made: what a file may state of itself.
+    """How motions were made: the settings that a file may state.
 
     Attributes
     ----------
     timestep : s
-    precision : "double" or "single"; None where the numbers tell
-    order : of accuracy
-    noise_attitude, noise_omega : standard deviations, rad and rad/s; None where they are estimated
+    precision : "double" or "single"; None if it is to be found from the numbers
+    order : order of accuracy
+    noise_attitude, noise_omega : standard deviations, rad and rad/s; None if they are to be
+        estimated
     """
 
     timestep: float | None = None
@@ -46,7 +47,7 @@ class Made:
     noise_omega: float | None = None
 
     def settings(self) -> dict[str, str]:
-        """The settings of a recording, by the names that a file has for them.
+        """Return the settings in the form in which a file states them.
 
         Raises
         ------
@@ -63,7 +64,7 @@ class Made:
 
 
 def judged(scenario: Scenario, arguments: Mapping[str, ArrayLike], made: Made) -> JudgedMotion:
-    """Return what a motion given as arrays is worth; the arguments are those of `spincheck.judge`.
+    """Return the judged motion that arrays hold; `arguments` are those of `spincheck.judge`.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""One run, or the derivatives of one method, for scripts."""
+"""One run of a method, or its derivatives, for scripts."""
 
 import atexit
 import os
@@ -62,7 +62,7 @@ def judged_gradients(
 
 
 def _engine_of(engine: str, method: str) -> Engine:
-    """The engine of that name, which has the method.
+    """Return the engine of a name, after checking that it has the method.
 
     Raises
     ------
@@ -81,7 +81,7 @@ def _engine_of(engine: str, method: str) -> Engine:
 
 @cache
 def _workers(_process: int) -> LocalWorkers:
-    """The worker of this process: starting one takes longer than most runs."""
+    """Return the worker of this process, kept because starting one takes longer than most runs."""
     executor = LocalWorkers(1)
     atexit.register(executor.close)
     return executor

@@ -14,7 +14,7 @@ from spincheck.reports.results.verdicts import MADE, Verdict
 @final
 @dataclass(frozen=True, eq=False)
 class StoredResults:
-    """Runs and verdicts of a result file; both also as a `pandas.DataFrame`, with pandas installed.
+    """Runs and verdicts of a result file, as records or, with pandas installed, as `DataFrame`s.
 
     Attributes
     ----------
@@ -33,7 +33,7 @@ class StoredResults:
         return cls(results.rows, results.verdicts)
 
     def rows_frame(self) -> Any:
-        """Return the runs as a table, a column a field; those of errors are `errors.omega` etc.
+        """Return the runs as a table with a column for each field; errors are `errors.omega` etc.
 
         Raises
         ------
@@ -43,7 +43,7 @@ class StoredResults:
         return _frame(asdict(replace(row, motion=None)) for row in self.rows)
 
     def verdicts_frame(self) -> Any:
-        """Return the verdicts as a table, a column a field.
+        """Return the verdicts as a table with a column for each field.
 
         Raises
         ------

@@ -28,7 +28,7 @@ def assert_matches_exact(
 
     Parameters
     ----------
-    scene, t, q_wxyz, q_xyzw, omega_body, omega_world, com, velocity : as of `spincheck.judge`
+    scene, t, q_wxyz, q_xyzw, omega_body, omega_world, com, velocity : as for `spincheck.judge`
     bounds : largest error of each signal that is to be checked: `attitude` in rad; `omega`,
         `angular_momentum`, `energy`, relative. Those of com and velocity are `com_error` and
         `velocity_error`
@@ -36,10 +36,10 @@ def assert_matches_exact(
     Raises
     ------
     AssertionError
-        With each signal beyond its bound, by how much, from when on, and the usual mistake that
-        explains it, if one does.
+        With each signal that exceeds its bound, by how much, from when on, and the common mistake
+        that explains it, if one does.
     ValueError
-        If a bound names no signal, or one that was not recorded; and as `spincheck.judge`.
+        If a bound names no signal, or one that was not recorded; and as for `spincheck.judge`.
     """
     wanted = {name.removesuffix("_error"): bound for name, bound in bounds.items()}
     if unknown := [name for name in wanted if name not in SIGNAL]:

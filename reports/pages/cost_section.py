@@ -1,4 +1,4 @@
-"""The first page's sections on cost: of accuracy, and of what is left out."""
+"""The report's sections on cost: the cost of accuracy, and the cost of what engines leave out."""
 
 from collections.abc import Sequence
 
@@ -15,9 +15,9 @@ TO_LEVEL = {f"to {number(level, 1).removeprefix('1×')}": level for level in LEV
 
 
 def median_table(gathered: ReportData) -> Table:
-    """Table of the median cost of each error, over the scenes that a method can simulate.
+    """Return a table of the median cost of each error over the scenes that a method can simulate.
 
-    Second lines: on how many scenes it reaches the error.
+    Cells have a second line: the number of scenes on which the method reaches the error.
     """
     found = tallies([curves(scene, COMPARED) for scene in gathered.scenes if scene.solved])
 
@@ -33,7 +33,7 @@ def median_table(gathered: ReportData) -> Table:
 
 
 def left_out_section(costs: Sequence[MethodCost]) -> tuple[Table, str]:
-    """What steps cost with all that is left out left in, and whether that changes motions."""
+    """Return a table of steps' cost with nothing left out, and whether motions change."""
     whole = [cost for cost in costs if cost.difference is not None]
     methods = sorted({cost.key.pair for cost in whole})
     cells = {cost.key: _whole_cell(cost) for cost in whole}
@@ -57,5 +57,5 @@ def _whole_cell(cost: MethodCost) -> Cell:
     return Cell(more, "number", harm)
 
 
-#: The error by which methods are compared over all scenes; every scene's page has all.
+#: The signal whose errors compare methods over all scenes; every scene's page has all signals.
 COMPARED = "omega"

@@ -1,1 +1,1 @@
-"""The result file."""
+"""The result file: its records, its tables, and what results rest on."""

@@ -10,7 +10,7 @@ from .records import MOTIONS, Key, Record
 
 
 def as_json(record: Record) -> dict[str, Any]:
-    """Every field of a record but its motion; errors have a field each, null if there are none."""
+    """Return every field of a record but its motion; each signal's error is a field, or null."""
     content: dict[str, Any] = {}
     for field in fields(record):
         value = getattr(record, field.name)

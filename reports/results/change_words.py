@@ -1,7 +1,7 @@
-"""The names of what may be off: changes of equations of motion, and mistakes in reading states.
+"""Names of what may be wrong: changes of equations of motion, and mistakes in reading states.
 
-They are used for what single steps of an engine gain, and for recorded motions. A change is known
-by its kind and its numbers, SI; its words follow "as if".
+They are used for single steps of an engine, and for recorded motions. A change is identified by its
+kind and its numbers, SI; its words follow "as if".
 """
 
 import math
@@ -10,29 +10,29 @@ from dataclasses import dataclass, field
 
 from ...scenarios import EFFECTS
 
-#: A change of a factor that seven digits show to a tenth.
+#: Smallest change of a factor that seven digits show to a tenth.
 VISIBLE = 1e-5
-#: Numbers this small beside others are zero but for rounding.
+#: Numbers this small relative to others are zero up to rounding.
 ROUNDING = 1e-12
-#: Of a body that turns freely a motion does not show how large its tensor is.
+#: For a body that turns freely a motion does not show how large its tensor is.
 UP_TO_A_FACTOR = ", up to a factor"
 _MOMENTUM = next(one.wrong_momentum for one in EFFECTS.values() if one.wrong_momentum)
 
 
 def vector(numbers: Sequence[float]) -> str:
-    """Numbers in brackets."""
+    """Return numbers in brackets."""
     least = ROUNDING * max(map(abs, numbers))
     return f"[{', '.join(f'{n if abs(n) > least else 0.0:.7g}' for n in numbers)}]"
 
 
 def _factor(numbers: Sequence[float]) -> str:
-    """The factor 1 + n, with as many digits as show by how much it differs from one."""
+    """Return 1 + change, with as many digits as show the change."""
     (change,) = numbers
     return f"{1 + change:.{7 if abs(change) > VISIBLE else 11}g}"
 
 
 def _turn(numbers: Sequence[float]) -> str:
-    """A rotation vector as an angle and an axis."""
+    """Return a rotation vector as an angle and an axis, in words."""
     angle = math.hypot(*numbers)
     axis = vector([value / (angle or 1.0) for value in numbers])
     return f"{math.degrees(angle):.4g}° about {axis}"
@@ -48,17 +48,17 @@ def _decays(numbers: Sequence[float]) -> str:
 
 
 def _axes(numbers: Sequence[float]) -> str:
-    """Names of axes, which are counted from zero."""
+    """Return names of axes, which are counted from zero."""
     return "".join("xyz"[int(axis) % 3] for axis in numbers)
 
 
 def _components(numbers: Sequence[float]) -> str:
-    """Components of ω, each by its axis, counted from one, with a sign."""
+    """Return components of ω, each by its axis, counted from one, with a sign."""
     return ", ".join(f"{'−' if n < 0 else ''}ω{_axes([abs(n) - 1])}" for n in numbers)
 
 
 def _products(numbers: Sequence[float]) -> str:
-    """The products of inertia that have another sign."""
+    """Return names of the products of inertia that have another sign."""
     pairs = zip(numbers, ("Ixy", "Ixz", "Iyz"), strict=True)
     return " and ".join(name for sign, name in pairs if sign < 0)
 
@@ -73,11 +73,11 @@ class Kind:
 
     Attributes
     ----------
-    template : its words, with braces where its numbers are
-    count : of its numbers
-    shown : its numbers as they are printed
-    is_kinematic : whether it is one of how the attitude follows ω
-    special : other words, by its first number
+    template : its words, with braces in place of its numbers
+    count : how many numbers it has
+    shown : returns its numbers as they are printed
+    is_kinematic : whether it changes how the attitude follows ω, not how ω changes
+    special : other words for a special value of its first number, by that value
     """
 
     template: str
@@ -87,14 +87,14 @@ class Kind:
     special: Mapping[float, str] = field(default_factory=dict)
 
     def words(self, numbers: Sequence[float]) -> str:
-        """What follows "as if"."""
+        """Return the words that follow "as if"."""
         if not numbers:
             return self.template
         return self.special.get(numbers[0]) or self.template.format(self.shown(numbers))
 
 
 def _of_factor(template: str, none: str = "", reversed_: str = "") -> Kind:
-    """A kind whose number is by how much a factor is off, with words for none and for −1."""
+    """Return a kind whose number is a factor's relative error, with words for factors 0, −1."""
     return Kind(template, 1, _factor, special={-1.0: none, -2.0: reversed_})
 
 

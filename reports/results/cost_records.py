@@ -7,7 +7,7 @@ from .records import MethodKey, Record, Size, Variation, varied_in
 
 @dataclass(frozen=True)
 class Ratio:
-    """The ratio of two times a step: the median over rounds timed in turn.
+    """The ratio of two times of a step: the median over rounds timed in turn.
 
     Attributes
     ----------
@@ -20,7 +20,7 @@ class Ratio:
 
 @dataclass(frozen=True)
 class StepCost:
-    """What a step costs.
+    """The cost of a step.
 
     Attributes
     ----------
@@ -28,7 +28,7 @@ class StepCost:
     seconds_spread : maximum minus minimum over the repeats, CPU seconds
     wall_seconds_per_step : the minimum of the wall time; shorter than the CPU time only if threads
         share the work, longer if another program had the processor
-    ratio : of a varied engine, its time over that of the engine as it is
+    ratio : for a varied engine, its time over that of the engine as it is
     """
 
     seconds_per_step: Size
@@ -43,10 +43,10 @@ class MethodCost(Record):
 
     Attributes
     ----------
-    variation : JSON of how the engine is varied; empty where it is not
-    difference : of an engine with all that it leaves out left in, the largest difference of any
-        number of its state from the engine as it is, in its SI unit; 0 if the motions are identical
-    compared_until : s; the whole window, unless one of the two diverged
+    variation : JSON that says how the engine is varied; empty if it is not
+    difference : for an engine with all left in that it leaves out, the largest difference of any
+        number of its state from the engine as it is, SI; 0 if the motions are identical
+    compared_until : time up to which the two were compared, s; the whole window unless one diverged
     """
 
     key: MethodKey
@@ -58,5 +58,5 @@ class MethodCost(Record):
 
     @property
     def left_in(self) -> tuple[str, ...]:
-        """What is left in that the engine leaves out, by its own names."""
+        """What is left in that the engine leaves out by default, by the engine's names."""
         return tuple(varied_in(self.variation).get("left_in", ()))

@@ -1,6 +1,6 @@
-"""A connection to a result file that several threads share; records go in and out by their names.
+"""A connection to a result file that several threads share; records are mappings by column name.
 
-Every record has a checksum (`checksum`). Control characters of texts are escaped on the way in and
+Every record has a checksum (`checksum`). Control characters in texts are escaped on the way in and
 out, so that nothing in a result file controls a terminal.
 
 A checksum detects accidental changes. It is no signature: whoever forges a record can compute it.
@@ -18,12 +18,12 @@ from typing import Any
 from ...scenarios import printable
 from .result_file import ResultFileError
 
-#: The name of its column, in every table.
+#: Name of the checksum's column, in every table.
 CHECKSUM = "checksum"
 
 
 def checksum(table: str, record: Mapping[str, Any]) -> str:
-    """SHA-256 of a record's texts and numbers as SQLite returns them, in hexadecimal.
+    """Return the SHA-256 of a record's texts and numbers as SQLite returns them, hexadecimal.
 
     Motions are left out: they may be dropped later, and their archives have checksums of their own
     (CRC-32, as every zip file).
@@ -33,13 +33,13 @@ def checksum(table: str, record: Mapping[str, Any]) -> str:
         for name, value in record.items()
         if name != CHECKSUM and value is not None and not isinstance(value, bytes)
     }
-    # What SQLite keeps as NULL.
+    # SQLite keeps an infinity or a NaN as NULL.
     content = {name: value for name, value in content.items() if value is not None}
     return sha256(json.dumps([table, content], sort_keys=True).encode()).hexdigest()
 
 
 def _as_stored(value: Any) -> str | float | None:
-    """A value as it comes back: SQLite has no bool, no NaN and no −0, and may keep 1.0 as 1."""
+    """Return a value as SQLite returns it: without bool, NaN and −0, and with 1.0 as 1."""
     if isinstance(value, str):
         return value
     number = float(value) + 0.0
@@ -68,14 +68,14 @@ class Database:
         """Write everything in this block, or nothing of it."""
         with self._one_at_a_time, self._connection:
             yield self._connection
-            # Stands in the log with every transaction (`result_file`).
+            # A new value in the log with every transaction (`result_file`).
             self._connection.execute("UPDATE file SET commits = commits + 1")
             self._check()
 
     def select(
         self, table: str, where: str = "TRUE", values: Sequence[Any] = (), order: str = "rowid"
     ) -> list[sqlite3.Row]:
-        """Records of a table.
+        """Return records of a table.
 
         Raises
         ------
@@ -104,7 +104,7 @@ def put(connection: sqlite3.Connection, table: str, record: Mapping[str, Any]) -
 
 
 def shown(text: str) -> str:
-    """The text with control characters escaped, except tabs and line ends."""
+    """Return the text with control characters escaped, except tabs and line ends."""
     if text.isprintable():
         return text
     lines = ("\t".join(map(printable, line.split("\t"))) for line in text.split("\n"))
@@ -112,10 +112,10 @@ def shown(text: str) -> str:
 
 
 def _text(content: bytes) -> str:
-    """A text out of a result file, which may not even be one."""
+    """Return a text from a result file, even if its bytes are not valid UTF-8."""
     return shown(content.decode(errors="backslashreplace"))
 
 
 def _named(record: sqlite3.Row) -> str:
-    """The first of a record's values, which say what it is about."""
+    """Return the first of a record's values, which say what the record is about."""
     return printable(", ".join(str(value) for value in tuple(record)[:3]), 100)

@@ -1,4 +1,4 @@
-"""What each default of an engine does to the motion of a scene, by runs with some of them."""
+"""The effect of each default of an engine on the motion of a scene, by runs with some of them."""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from ...scenarios import Errors
 from .records import Key, Row
 
-#: The name of what is varied.
+#: Name, in a run's variation, of the defaults that are kept.
 DEFAULTS = "defaults"
 
 
@@ -16,11 +16,11 @@ class DefaultEffect:
 
     Attributes
     ----------
-    name : the engine's own name of it
-    alone : errors with it and no other default; None if the run did not finish
-    without : errors with all defaults but this; None if the run did not finish
-    acts : whether it alone alters the equations of motion, in steps however short; None if unknown,
-        as where steps are not those of the equations of motion without any default
+    name : the engine's own name for the default
+    alone : errors with this default and no other; None if the run did not finish
+    without : errors with all defaults but this one; None if the run did not finish
+    acts : whether this default alone alters the equations of motion, in steps however short; None
+        if unknown, as when steps do not obey the equations of motion even without any default
     """
 
     name: str
@@ -31,7 +31,7 @@ class DefaultEffect:
 
 @dataclass(frozen=True)
 class DefaultEffects:
-    """A method as shipped on a scene, its defaults taken away one at a time.
+    """A method as shipped on a scene, with its defaults removed one at a time.
 
     Attributes
     ----------
@@ -47,11 +47,11 @@ class DefaultEffects:
 
 
 def default_effects(rows: Iterable[Row], varied: Iterable[Row]) -> list[DefaultEffects]:
-    """Return what each default does, where that was run.
+    """Return the effects of defaults, for each method and scene where they were run.
 
     Parameters
     ----------
-    rows, varied : runs of engines as they are, and of varied ones
+    rows, varied : runs of engines as they are, and of varied engines
     """
     as_shipped = {(row.key, row.timestep): row for row in rows}
     found: dict[tuple[Key, float], dict[tuple[str, ...], Row]] = {}

@@ -11,9 +11,9 @@ from pydantic import Field
 from ...scenarios import Scenario, loads
 from .records import Record, Row, SceneName
 
-#: A month on one core.
+#: Largest number of members: a month of computing on one core.
 MAX_MEMBERS = 1_000_000
-#: As many bits as numpy asks of a seed (`numpy.random.SeedSequence`).
+#: Largest seed: as many bits as numpy asks for (`numpy.random.SeedSequence`).
 MAX_SEED = (1 << 128) - 1
 
 
@@ -33,12 +33,12 @@ class EnsemblePoint:
 
     @property
     def varied(self) -> dict[str, float]:
-        """What identifies the point, whichever ensemble it belongs to."""
+        """What identifies the point, in whichever ensemble it is."""
         parts: dict[str, float] = {"seed": self.seed, "member": self.number}
         return parts if self.timestep is None else {**parts, "timestep": self.timestep}
 
     def __str__(self) -> str:
-        """The point in words."""
+        """Return the point in words."""
         at = "" if self.timestep is None else f", timestep {self.timestep:.6g}"
         return f"member {self.number}{at}"
 
@@ -48,12 +48,12 @@ _Timestep = Annotated[float, Field(gt=0, lt=math.inf)]
 
 @dataclass(frozen=True)
 class Ensemble:
-    """Scattered starts and bodies; a member does not depend on how many there are.
+    """An ensemble of scattered starts and bodies; a member does not depend on how many there are.
 
     Attributes
     ----------
     scenario : the scene's name
-    timestep : s, of every run; None for each engine's stock timestep
+    timestep : timestep of every run, s; None for each engine's stock timestep
     """
 
     scenario: SceneName
@@ -66,11 +66,11 @@ class Ensemble:
         return self.members
 
     def points(self) -> Iterator[EnsemblePoint]:
-        """All members."""
+        """Yield all members as points."""
         return map(self._member, range(self.members))
 
     def point(self, parts: Mapping[str, Any]) -> EnsemblePoint | None:
-        """The point that has an identity, parsed; None if there is none."""
+        """Return the point with a given identity, parsed; None if there is none."""
         number = parts.get("member")
         if type(number) is not int or not 0 <= number < self.members:
             return None
@@ -78,7 +78,7 @@ class Ensemble:
         return point if point.varied == parts else None
 
     def __str__(self) -> str:
-        """Its size and its seed, in words."""
+        """Return its size and its seed in words."""
         return f"{self.members} members of seed {self.seed}"
 
     def _member(self, number: int) -> EnsemblePoint:
@@ -87,7 +87,7 @@ class Ensemble:
 
 @dataclass(frozen=True)
 class DefinedEnsemble(Record):
-    """An ensemble that was asked for, and the file of the scene that is scattered."""
+    """An ensemble that a user asked for, and the file of the scene that is scattered."""
 
     scenario: SceneName
     ensemble: Ensemble
@@ -99,7 +99,7 @@ class DefinedEnsemble(Record):
         Raises
         ------
         ValueError
-            If it is none.
+            If the file is not a valid scene.
         """
         if self.ensemble.scenario != self.scenario:
             raise ValueError(f"an ensemble of '{self.ensemble.scenario}' under '{self.scenario}'")
@@ -108,7 +108,7 @@ class DefinedEnsemble(Record):
 
 @dataclass(frozen=True, eq=False)
 class EnsembleResult:
-    """An ensemble with the scene that is varied, and its stored points, member by member."""
+    """An ensemble, the scene that is scattered, and the stored runs, member by member."""
 
     ensemble: Ensemble
     scenario: Scenario
@@ -116,12 +116,12 @@ class EnsembleResult:
 
 
 def swept(stored: Iterable[DefinedEnsemble], points: Iterable[Row]) -> list[EnsembleResult]:
-    """The ensembles with their points.
+    """Return the ensembles with their stored runs.
 
     Raises
     ------
     ValueError
-        If a definition is none.
+        If the definition of an ensemble is invalid.
     """
     of_scene: dict[str, list[Row]] = defaultdict(list)
     for row in points:
@@ -133,9 +133,9 @@ def swept(stored: Iterable[DefinedEnsemble], points: Iterable[Row]) -> list[Ense
 
 
 def points_of(ensemble: Ensemble, stored: Iterable[Row]) -> tuple[Row, ...]:
-    """The points of an ensemble among those of its scene, member by member.
+    """Return the runs of an ensemble among those stored for its scene, member by member.
 
-    It loops over the stored points, not over all members: few may have been run.
+    It loops over the stored runs, not over all members, because few may have been run.
     """
     found = [row for row in stored if ensemble.point(row.varied) is not None]
     return tuple(sorted(found, key=lambda row: (row.varied["member"], row.pair)))

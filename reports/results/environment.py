@@ -1,4 +1,4 @@
-"""Where results come from: machine, operating system, versions."""
+"""Describes where results come from: machine, operating system, versions."""
 
 import os
 import platform
@@ -13,11 +13,11 @@ PACKAGES = ("spincheck", "numpy", "scipy", "numba", "mpmath")
 
 
 def environment(engines: Iterable[Engine], max_steps: int | None = None) -> dict[str, str]:
-    """Name and value of everything that results may depend on.
+    """Return name and value of everything that results may depend on.
 
     Parameters
     ----------
-    max_steps : of the runs of a ladder; None where none is run
+    max_steps : largest number of steps of a ladder's runs; None if no ladder is run
     """
     ladders = {} if max_steps is None else {"longest ladder run": f"{max_steps} steps"}
     return {

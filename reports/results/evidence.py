@@ -1,6 +1,6 @@
-"""What a method on a scene is judged by, besides its runs: numbers alone, no sentence.
+"""The evidence that a method on a scene is judged by, besides its runs: numbers, no sentences.
 
-They can be judged again, and put in other words, without a run.
+The numbers can be judged again, and put in other words, without a run.
 """
 
 from dataclasses import dataclass
@@ -11,26 +11,27 @@ from pydantic import Field, model_validator
 from .change_words import KINDS
 from .records import Count, MethodKey, Record, Signed, Size
 
-#: The probability that a method that converges is accused by one of the checks of its evidence.
+#: The probability that one of the checks of its evidence wrongly accuses a method that converges.
 LEVEL = 1e-9
-#: Standard error at most of the limit of what steps gain, relative to the largest terms: over ten
-#: radians it comes to a hundredth, which a user would see.
+#: Largest standard error of the limit of what steps gain, relative to the largest terms: over ten
+#: radians an error of this size comes to a hundredth, which a user would see.
 CONSISTENT = 1e-3
-#: And relative to the weakest effect of the scene: a missing one must be seen.
+#: Largest standard error of that limit, relative to the weakest effect of the scene: a missing
+#: effect must be seen.
 SEEN = 0.1
-#: The quantities that a step gains, in order, the last where parts turn in the body; see
-#: `measuring/steps.py`.
+#: The quantities whose gain in a step is judged, in order; the last one only if parts turn in the
+#: body. See `measuring/steps.py`.
 Quantity = Literal["attitude", "angular momentum", "velocity", "place", "parts"]
 QUANTITIES: tuple[Quantity, ...] = ("attitude", "angular momentum", "velocity", "place", "parts")
-#: A vector, SI.
+#: A vector, SI units.
 Vector = tuple[Signed, Signed, Signed]
-#: How gains depend on the timestep where they are not those of a method that converges.
+#: Ways in which gains depend on the timestep if they are not those of a method that converges.
 #:
 #: limit : they tend to something else than zero
-#: timestep : at one timestep alone they are not those that others predict
-#: shorter : with that timestep, and shorter ones, they tend to something else
+#: timestep : at one timestep they are not those that the other timesteps predict
+#: shorter : from one timestep down they tend to something else
 #: leap : a step changes the state by as much however short it is
-#: misread : a state that is set reads back otherwise
+#: misread : a state reads back differently from how it was set
 FaultKind = Literal["limit", "timestep", "shorter", "leap", "misread"]
 
 
@@ -51,22 +52,22 @@ class Explanation:
 
     @property
     def words(self) -> str:
-        """What follows "as if"."""
+        """The words that follow "as if"."""
         return KINDS[self.kind].words(self.numbers)
 
 
 @dataclass(frozen=True)
 class StepFault:
-    """How single steps are not those of a method that converges.
+    """How single steps differ from those of a method that converges.
 
     Attributes
     ----------
-    quantity : the one that shows it best
-    time : s, of the state that shows it best; None where ω is along a skew axis at the start
-    timestep : s, at which it shows
-    got, wanted : what the state gains a second, and should; of `leap` and `misread` how far it is
-        off
-    changes : explain what all states gain; empty where no change, or two at once, does
+    quantity : the quantity that shows the difference best
+    time : time of the state that shows it best, s; None if ω is along a skew axis at the start
+    timestep : timestep at which it shows, s
+    got, wanted : what the state gains in a second, and what it should gain; for `leap` and
+        `misread` how far the state is off
+    changes : changes that explain the gains of all states; empty if no single change and no two do
     """
 
     kind: FaultKind
@@ -85,8 +86,8 @@ class GainCurve:
     Attributes
     ----------
     timesteps : s, long to short, (J,)
-    gains, predicted, predicted_to : sizes of its gains, of what those with longer timesteps
-        predict, and the standard deviation of that, (J,)
+    gains, predicted, predicted_to : sizes of its gains, of the gains predicted from longer
+        timesteps, and the standard deviation of the prediction, (J,)
     largest : the largest gain of any state, (J,)
     """
 
@@ -107,7 +108,7 @@ class GainCurve:
 
 @dataclass(frozen=True)
 class StepEvidence:
-    """What a method's single steps from known states show.
+    """Evidence from a method's single steps from known states.
 
     Attributes
     ----------
@@ -116,14 +117,14 @@ class StepEvidence:
         converges: the smallest tail times the number of tails
     known_to, of_an_effect : the larger of the standard error and the size of the gains' limit,
         relative to the largest terms, and to the weakest effect of the scene
-    order, declared : the least order that gains show, and the one that is declared; the latter is
-        0 in single precision, where rounding hides it
-    curves : one a quantity that is not zero throughout
-    settled : steps in which a constraint settled first
-    changes_below : s; what shorter steps gain is another function of the timestep, which vanishes
-        as well; 0 where it is not
-    beyond_from : s; the shortest timestep that is beyond the radius of convergence of what steps
-        gain, in some state; 0 if none is
+    order, declared : the least order that gains show, and the declared order, which is 0 in single
+        precision, where rounding hides it
+    curves : one for each quantity that is not zero throughout
+    settled : number of steps before, in which a constraint settled
+    changes_below : timestep below which gains are another function of the timestep, which vanishes
+        as well, s; 0 if there is none
+    beyond_from : the shortest timestep beyond the radius of convergence of the gains' series in
+        some state, s; 0 if none is
     """
 
     states: Count
@@ -151,18 +152,19 @@ class StepEvidence:
 
 @dataclass(frozen=True)
 class ReplayEvidence:
-    """What a run does otherwise than its own intervals, each run again from its own start.
+    """Evidence from a run's intervals, each run again from its own start and compared with the run.
 
     Attributes
     ----------
-    timestep : s, of the run
-    intervals : number of them
+    timestep : timestep of the run, s
+    intervals : number of intervals
     tail : the probability of differences as large, if a step depends on the state alone
-    off : the largest difference, rad or relative to ω, a radian of turn
-    since : s; the start of the first interval that differs; None where none does
-    spread : how far two runs of one interval differ, likewise; 0 where the engine is deterministic
-    order : at which the differences vanish with the timestep; 0 where they do not
-    declared : the order of accuracy that is declared
+    off : the largest difference for each radian turned, rad or relative to ω
+    since : start of the first interval that differs, s; None if none does
+    spread : difference of two runs of one interval, in the same unit; 0 if the engine is
+        deterministic
+    order : order at which the differences vanish with the timestep; 0 if they do not
+    declared : the declared order of accuracy
     """
 
     timestep: Size
@@ -177,19 +179,19 @@ class ReplayEvidence:
     @property
     def is_wrong(self) -> bool:
         """Whether differences do not vanish with the timestep, or at too low an order."""
-        # What a restart lacks it lacks once: one order less is enough.
+        # What a restart lacks is lacking once, not in every step: one order less is enough.
         return self.tail < LEVEL or 0 < self.order < self.declared - 1
 
 
 @dataclass(frozen=True)
 class Evidence(Record):
-    """What a method on a scene is judged by, besides its rows.
+    """The evidence that a method on a scene is judged by, besides its rows.
 
     Attributes
     ----------
-    steps : from exact states; None where the method cannot be opened at them
-    own_steps : from states of its own runs; None where none were taken
-    replays : of its runs
+    steps : of steps from exact states; None if the method cannot be opened there
+    own_steps : of steps from states of its own runs; None if none were taken
+    replays : of replays of its runs
     refusal : why the runs could not be replayed, in the engine's words; else empty
     """
 

@@ -1,4 +1,4 @@
-"""Digests of what results rest on: a result whose digest is another now does not count.
+"""Digests of what results rest on: a result whose digest has changed since does not count.
 
 Sources count by their meaning, without docstrings, comments and layout, and only those that a
 result can rest on: the modules that decide about it, and all that these import.
@@ -21,12 +21,12 @@ _ROOTS = {
     name: Path(import_module(f"...{name}", __package__).__path__[0])
     for name in ("scenarios", "reference", "engines", "reports")
 }
-#: The module that hands adapters their interface.
+#: Name of the module through which adapters import the interface.
 _INTERFACE = "engine"
 _ROOTS[_INTERFACE] = Path(import_module(_PROGRAM).__path__[0]) / _INTERFACE
 #: The modules that decide about each kind of result. What follows from a run's numbers, and not
-#: from the run itself, is judging: it also decides how far down a ladder is run, but the numbers of
-#: a run do not depend on that.
+#: from the run itself, is judging: it also decides how far down a ladder is run, but a run's
+#: numbers do not depend on it.
 DECIDING = {
     "motion": ("reference.solve",),
     "run": (
@@ -44,12 +44,12 @@ DECIDING = {
     "verdict": ("reports.harness.convergence_study", "reports.harness.judging.verdict"),
 }
 JUDGING = ("reports.harness.judging", "reports.harness.convergence_study", "reports.harness.plan")
-#: Modules that store results, and those of them that decide about them nevertheless.
+#: The package that stores results, and those of its modules that decide about results nevertheless.
 _STORING, _RULING = "reports.results", ("reports.results.verdict_words", "reports.results.evidence")
 
 
 def fingerprints(scenario: Scenario, engines: Sequence[Engine]) -> Iterator[Fingerprint]:
-    """What results of a scene rest on: of all engines, and of each engine.
+    """Yield the digests of what results of a scene rest on: for all engines, and for each engine.
 
     The digest of an engine at another version includes the name of its folder, which ends with the
     Python that it runs under.
@@ -65,20 +65,20 @@ def fingerprints(scenario: Scenario, engines: Sequence[Engine]) -> Iterator[Fing
 
 @cache
 def program(kind: str) -> str:
-    """The digest of all modules that decide about a kind of result."""
+    """Return the digest of all modules that decide about a kind of result."""
     return _digest(_content(_file(name)) for name in sorted(modules(kind)))
 
 
 @cache
 def modules(kind: str) -> frozenset[str]:
-    """The modules that a kind of result rests on, by their names in this program."""
+    """Return the modules that a kind of result rests on, by their names in this program."""
     without = () if kind == "verdict" else JUDGING
     return _closure(DECIDING[kind], without)
 
 
 @cache
 def adapter(kind: type[Engine]) -> str:
-    """The digest of an adapter, its module or all of its package, and of all that it imports."""
+    """Return the digest of an adapter, its module or whole package, and all that it imports."""
     try:
         file = Path(inspect.getfile(kind))
     except (TypeError, OSError):
@@ -94,7 +94,7 @@ def adapter(kind: type[Engine]) -> str:
 
 
 def _closure(names: Iterable[str], without: tuple[str, ...]) -> frozenset[str]:
-    """Modules and all that they import, at any depth, but for those that store results."""
+    """Return modules and all that they import, at any depth, except modules that store results."""
     found: set[str] = set()
     left = list(names)
     while left:
@@ -114,7 +114,7 @@ def _imported_by(name: str) -> tuple[str, ...]:
 
 
 def _imported(path: Path, package: str) -> Iterator[str]:
-    """The modules of this program that a module of a package imports, wherever it does."""
+    """Return the modules of this program that a module imports, at the top or within functions."""
     for one in source(path).imports:
         base = _base(one, package)
         if base is not None:
@@ -123,7 +123,7 @@ def _imported(path: Path, package: str) -> Iterator[str]:
 
 
 def _base(one: Import, package: str) -> str | None:
-    """The module that names are imported from; None if it is none of this program."""
+    """Return the module that names are imported from; None if it is not part of this program."""
     if one.level:
         parts = package.split(".")
         base = ".".join([*parts[: len(parts) + 1 - one.level], *filter(None, [one.module])])
@@ -136,10 +136,10 @@ def _base(one: Import, package: str) -> str | None:
 
 @cache
 def _defining(base: str, name: str) -> str:
-    """The module that defines a name which is imported from a module or a package.
+    """Return the module that defines a name that is imported from a module or a package.
 
-    A package that imports the name only hands it on, as the interface of adapters does; then only
-    the module that defines it counts.
+    A package that itself imports the name, as the interface of adapters does, does not count; only
+    the module that defines the name does.
     """
     if _file(f"{base}.{name}").is_file():
         return f"{base}.{name}"
@@ -160,7 +160,7 @@ def _file(name: str) -> Path:
 
 @cache
 def _content(path: Path) -> str:
-    """The digest of a file; of Python, by its meaning."""
+    """Return the digest of a file, of a Python file by its meaning."""
     if path.suffix != ".py":
         return _digest([path.read_bytes().hex()])
     return source(path).digest

@@ -1,4 +1,4 @@
-"""The lock of a result file's only writer, and what SQLite keeps beside the file."""
+"""The lock of a result file's only writer, and the files that SQLite keeps beside it."""
 
 import errno
 import os
@@ -10,12 +10,12 @@ from pathlib import Path
 
 from ...scenarios import printable
 
-#: The last bytes of a journal that ends in the name of a super-journal.
+#: Last bytes of a journal that ends in the name of a super-journal.
 _NAMES_ANOTHER = bytes.fromhex("d9d505f920a163d7")
 
 
 def check_journals(path: Path) -> None:
-    """See that what SQLite keeps beside a file is its own, before SQLite acts on it.
+    """Check that the files that SQLite keeps beside a file are its own, before SQLite acts on them.
 
     SQLite writes to '-wal' and '-shm', waits for one that is a pipe, and undoes what '-journal'
     says was half written; if that ends in the name of a super-journal, SQLite deletes the file of
@@ -25,7 +25,7 @@ def check_journals(path: Path) -> None:
     for suffix in ("-wal", "-shm", "-journal"):
         beside = path.with_name(f"{path.name}{suffix}")
         name = printable(beside.name)
-        # Another run may remove it meanwhile.
+        # Another run may remove the file meanwhile.
         with suppress(FileNotFoundError):
             found = beside.lstat()
             if not stat.S_ISREG(found.st_mode) or found.st_nlink > 1:
@@ -45,12 +45,12 @@ def _last_bytes(path: Path, count: int) -> bytes:
 
 
 def log_of(path: Path) -> Path:
-    """Where SQLite keeps the log of a file."""
+    """Return where SQLite keeps the log of a file."""
     return path.with_name(f"{path.name}-wal")
 
 
 def has_log(path: Path) -> bool:
-    """Whether there is one with anything in it."""
+    """Whether a file has a log that is not empty."""
     with suppress(OSError):
         return log_of(path).stat().st_size > 0
     return False

@@ -1,4 +1,4 @@
-"""The records of what results were made by: computer, engines, and what else they rest on."""
+"""Records of where results come from: computer, engines, and what else they rest on."""
 
 from dataclasses import dataclass
 
@@ -16,7 +16,7 @@ class EnvironmentEntry(Record):
 
 @dataclass(frozen=True)
 class DeclaredEngine(Record):
-    """What an adapter declares, so that a report needs no engine; `Engine` says what it means."""
+    """What an adapter declares, so that a report needs no engine; `Engine` explains the fields."""
 
     name: Name
     methods: tuple[Method, ...]
@@ -24,13 +24,13 @@ class DeclaredEngine(Record):
 
     @staticmethod
     def of(engine: Engine) -> "DeclaredEngine":
-        """What an engine's adapter declares."""
+        """Return what an engine's adapter declares."""
         return DeclaredEngine(engine.name, tuple(engine.methods), engine.stock_timestep)
 
 
 @dataclass(frozen=True)
 class Fingerprint(Record):
-    """What results of a scene rest on (`fingerprints`); the engine is empty where all do."""
+    """The digest of what results of a scene rest on; the engine is empty if all rest on it."""
 
     scenario: SceneName
     engine: str

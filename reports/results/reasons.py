@@ -1,4 +1,4 @@
-"""The sentences of verdicts, made of the numbers of their evidence."""
+"""Writes the sentences of verdicts from the numbers of their evidence."""
 
 import math
 from collections.abc import Sequence
@@ -12,9 +12,9 @@ from .evidence import (
 )
 from .verdict_words import VerdictWord
 
-#: Digits printed of a number; more if they are needed to show a difference.
+#: Digits printed of a number; more if a difference needs them.
 DIGITS = 3
-#: What the rate of each quantity is called, with its unit.
+#: Name of the rate of each quantity, with its unit.
 RATES = {
     "attitude": "dR/dt, rad/s in body axes,",
     "angular momentum": "I dω/dt, N m in body axes,",
@@ -22,7 +22,7 @@ RATES = {
     "place": "the com or its rate, m or m/s in world axes,",
     "parts": "the angular momentum that turning parts keep",
 }
-#: Name and unit of what leaps, and how much of it an SI unit is.
+#: Name and unit of each quantity that can leap, and how many such units an SI unit is.
 LEAPING = {
     "attitude": ("attitude", "°", math.degrees(1.0)),
     "angular momentum": ("I ω", " N m s", 1.0),
@@ -39,7 +39,7 @@ def reason_in_words(
     own_steps: StepEvidence | None,
     replays: Sequence[ReplayEvidence],
 ) -> str:
-    """Why a verdict is what it is: what decides comes first."""
+    """Return the reason of a verdict; what decides it comes first."""
     parts: list[str] = []
     if word == "disagrees":
         parts += [fault_in_words(one.fault) for one in (steps, own_steps) if one and one.fault]
@@ -50,7 +50,7 @@ def reason_in_words(
     if word == "unresolved" and steps and not steps.is_known:
         parts.append(_open(steps))
     if quoted:
-        # A run's reason may have the fault of its steps already.
+        # A run's own reason may mention the fault of its steps already.
         parts = [*(one for one in parts if one not in quoted), quoted]
     if word == "converges" and steps:
         parts.append(_consistent(steps, replays))
@@ -58,7 +58,7 @@ def reason_in_words(
 
 
 def ground_in_words(steps: StepEvidence, replays: Sequence[ReplayEvidence]) -> str:
-    """What a verdict `converges` rests on."""
+    """Return what a verdict `converges` rests on, in words."""
     intervals = sum(one.intervals for one in replays)
     return f"in steps from {steps.states} states, and {intervals} intervals of runs"
 
@@ -107,13 +107,13 @@ def _open(steps: StepEvidence) -> str:
 
 
 def fault_in_words(fault: StepFault) -> str:
-    """How steps are not those of a method that converges, and what explains it."""
+    """Return how steps differ from those of a method that converges, and what explains it."""
     as_if = " and ".join(change.words for change in fault.changes)
     return f"behaves as if {as_if}: {_shown(fault)}" if as_if else _shown(fault)
 
 
 def _shown(fault: StepFault) -> str:
-    """How steps are not those of a method that converges."""
+    """Return how steps differ from those of a method that converges."""
     when = _when(fault)
     if fault.kind == "misread":
         omega, turn, spins = fault.got
@@ -148,7 +148,7 @@ def _when(fault: StepFault) -> str:
 
 
 def _gained(fault: StepFault) -> str:
-    """What a quantity of a gain is, and what it should be."""
+    """Return the rate of a quantity in words, and what it should be."""
     if fault.quantity == "parts":
         off = math.hypot(*fault.got)
         return f"{RATES['parts']} changes at a rate of {off:.{DIGITS}g} N m {_when(fault)}, not 0"

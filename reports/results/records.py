@@ -1,7 +1,7 @@
-"""The records of a result file: one row a run; what is judged of them is in `verdicts`.
+"""The records of a result file: one row for each run; `verdicts` has the verdicts on them.
 
-A record's fields are what is stored of it (`tables`), and what JSON and CSV show (`as_json`): a
-field is added by adding it here, with a default that says that it is absent.
+A record's fields are stored (`tables`) and shown as JSON and CSV (`as_json`): a field is added by
+adding it here, with a default that means that it is absent.
 """
 
 import json
@@ -27,30 +27,30 @@ from ...scenarios import (
 
 #: Names of an engine and of one of its methods.
 Pair = tuple[str, str]
-#: s; the timestep of the one row of a method on a scene whose reference could not be solved.
+#: Timestep, s, of the only row of a method on a scene whose exact motion could not be solved.
 UNSOLVED = 0.0
 #: Fields that hold a motion.
 MOTIONS = ("motion", "trajectory")
-#: Largest of a run's times and counts, SI.
+#: Largest time and count of a run, SI.
 LARGEST = 1e150
 
 
 def _size(value: float) -> float:
-    """The number, which must not be negative, nor so large that its square overflows."""
+    """Return the number, which must be neither negative nor so large that its square overflows."""
     if not 0 <= value <= LARGEST and value != math.inf:
         raise ValueError(f"must be from 0 to {LARGEST:g}")
     return value
 
 
 def _finite(value: float) -> float:
-    """The number, which must be one, and not so large that its square overflows."""
+    """Return the number, which must not be NaN, nor so large that its square overflows."""
     if not abs(value) <= LARGEST:
         raise ValueError(f"must be from -{LARGEST:g} to {LARGEST:g}")
     return value
 
 
 def _name_of_scene(name: str) -> str:
-    """The name, which must be one of a scene: pages are named after scenes."""
+    """Return the name, which must be a scene's: pages are named after scenes."""
     if not is_scene_name(name):
         raise ValueError(f"{printable(name)!r} is no scene's name")
     return name
@@ -63,23 +63,23 @@ def _name(name: str) -> str:
 
 
 def variation(varied: Mapping[str, Any]) -> str:
-    """Return what is varied of a run as the text that identifies it; empty if nothing is."""
+    """Return what is varied in a run as the text that identifies it; empty if nothing is."""
     return json.dumps(varied, sort_keys=True) if varied else ""
 
 
 def varied_in(text: str) -> dict[str, Any]:
-    """Return what `variation` wrote."""
+    """Return what `variation` made a text of."""
     return json.loads(text) if text else {}
 
 
 def _variation(text: str) -> str:
-    """The text, which must be as `variation` writes it."""
+    """Return the text, which must be as `variation` writes it."""
     if text and (not isinstance(varied := json.loads(text), dict) or variation(varied) != text):
         raise ValueError(f"{printable(text)!r} says of nothing that it is varied")
     return text
 
 
-#: Of numbers, and names, of a file that may come from anyone.
+#: Types of numbers and names in a file that may come from anyone.
 Size = Annotated[float, AfterValidator(_size)]
 Count = Annotated[int, AfterValidator(_size)]
 Signed = Annotated[float, AfterValidator(_finite)]
@@ -90,13 +90,13 @@ Variation = Annotated[str, AfterValidator(_variation)]
 
 @dataclass(frozen=True, eq=False)
 class Record:
-    """A dataclass that is stored; what is read is refused if it is not as declared."""
+    """Base of dataclasses that are stored; values that are not as declared are refused."""
 
     __pydantic_config__: ClassVar = ConfigDict(extra="forbid", arbitrary_types_allowed=True)
 
 
 class OfMethod:
-    """What belongs to a method of an engine."""
+    """Base of what belongs to a method of an engine."""
 
     engine: str
     method: str
@@ -108,13 +108,13 @@ class OfMethod:
 
     @property
     def label(self) -> str:
-        """The key in words, as users type it."""
+        """Engine and method as users type them."""
         return f"{self.engine} {self.method}"
 
 
 @dataclass(frozen=True)
 class Key(OfMethod):
-    """Which scene, engine and method."""
+    """The names of scene, engine and method that identify results."""
 
     scenario: SceneName
     engine: str
@@ -127,19 +127,19 @@ def _named(key: Key) -> Key:
     return key
 
 
-#: Of a result of one method.
+#: A `Key` that is stored with a result of one method.
 MethodKey = Annotated[Key, AfterValidator(_named)]
 
 
 @dataclass(frozen=True)
 class Defect:
-    """What a run does between two samples, beside the exact flow, in one signal.
+    """The defects of a run in one signal: its difference from the exact flow between two samples.
 
     Attributes
     ----------
     p50, p95, max : median, 95th percentile and largest over the intervals, in the norm of errors
-    at : s, the end of the interval of the largest
-    floor : the largest that round-off, or noise as small, may make
+    at : end of the interval with the largest defect, s
+    floor : the largest defect that round-off, or noise as small, may cause
     """
 
     p50: Size
@@ -151,7 +151,7 @@ class Defect:
 
 @dataclass(frozen=True, eq=False)
 class SolvedScene(Record):
-    """A scene's file and its exact motion at the sample times; the rest as in `Solution`."""
+    """A scene's file and its exact motion at the sample times; other fields as in `Solution`."""
 
     scenario: SceneName
     toml: str
@@ -164,7 +164,7 @@ class SolvedScene(Record):
 
     @staticmethod
     def of(scenario: Scenario, solution: Solution) -> "SolvedScene":
-        """A scene and its exact motion."""
+        """Return the record of a scene and its exact motion."""
         return SolvedScene(scenario.name, scenario.text, **vars(solution))
 
     def solved(self) -> tuple[Scenario, Solution]:
@@ -173,7 +173,7 @@ class SolvedScene(Record):
         Raises
         ------
         ValueError
-            If the file is no scene's, or the motion is missing.
+            If the file is not a valid scene, or the motion is missing.
         """
         if self.trajectory is None:
             raise ValueError("a scene without its exact motion")
@@ -184,36 +184,37 @@ class SolvedScene(Record):
 
 @dataclass(frozen=True, eq=False)
 class Row(Record):
-    """One run against the reference.
+    """One run, compared with the exact motion.
 
     Attributes
     ----------
-    variation : JSON of what is varied, such as the member of an ensemble; empty where nothing is
-    reason : why, where the outcome is not ok; of an engine as shipped, what differs from the scene
-    cause : the same in a word
+    variation : JSON of what is varied, such as the member of an ensemble; empty if nothing is
+    reason : why the outcome is not ok; for an engine as shipped, what differs from the scene
+    cause : the reason in a word
     without_skill : whether a run that is ok is no better than no motion
         (`harness/comparison.py`)
-    stopped_at : s, when it diverged or failed
-    errors : at the run's sample times; None unless it is ok
+    stopped_at : time at which it diverged or failed, s
+    errors : errors at the run's sample times; None unless it is ok
     drifts : largest change of each conserved quantity, relative, by name
-    reference_uncertainty : in ω, relative
-    seconds_per_step, seconds_spread : CPU seconds, least over the repeats, and (max − min) of them;
-        None where it was not timed
-    wall_seconds_per_step : the least wall time; None where it was not timed
+    reference_uncertainty : relative uncertainty of the exact motion, in ω
+    seconds_per_step, seconds_spread : CPU seconds, the least over the repeats, and max − min over
+        the repeats; None if it was not timed
+    wall_seconds_per_step : the least wall time, s; None if it was not timed
     motion : the samples; None if there are none, or only those of a finer run are kept
     printed : what the engine wrote to the terminal
     stock : whether the timestep is one at which an engine is run on every scene: its own stock
         timestep, and 1 ms
-    unasked : of an engine as shipped, what acted though the scene does not call for it, by the
+    unasked : for an engine as shipped, what acted although the scene does not call for it, by the
         engine's names
-    defects : by signal (`harness/defects.py`), at stock timesteps and those asked for; None where
-        the motion turns too far to be followed
-    turns : of the exact motion over the samples; 2π rad each
-    turns_within_1deg : likewise until the attitude is off by more than 1°; None if it never is
-    attitude_a_turn : rad; the median error that a turn of the run adds to the attitude, of its
-        defects while it moves; None if it never does
-    acts : of a run with one default or none, whether its steps, however short, are not those of
-        the equations of motion; None if unknown
+    defects : defects by signal (`harness/defects.py`), at stock timesteps and those that a user
+        asks for; None if the motion turns too far to be followed
+    turns : turns of the exact motion over the samples, 2π rad each
+    turns_within_1deg : turns until the attitude is off by more than 1°; None if it never is
+    attitude_a_turn : the median error that a turn of the run adds to the attitude, rad, from its
+        defects while it moves; None if it never moves
+    acts : for a run with one default or none, whether its steps, however short, do not obey the
+        equations of motion; None if unknown
+    beside : for a run with another description of the body, how it compares with the scene's own
     """
 
     key: MethodKey
@@ -268,7 +269,7 @@ class Row(Record):
 
     @property
     def ending_in_words(self) -> str:
-        """The reason, with the time at which the run ended and its timestep."""
+        """The reason, with the time at which the run ended, and its timestep."""
         when = f" at {self.stopped_at:.4g} s" if self.stopped_at is not None else ""
         ended = f"{self.reason}{when}, with a timestep of {self.timestep:.3g} s"
         return self.reason if self.cause == "effects" else ended

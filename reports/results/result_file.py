@@ -2,9 +2,9 @@
 
 SQLite's write-ahead log (WAL) is used, so that a report can be made while a study runs, and a
 process killed at any instruction leaves an intact file. `synchronous` is NORMAL: commits do not
-wait for the disk. A killed process loses nothing by that, since the operating system has what it
-wrote; a power cut may lose the last runs, which the next study makes again, but does not damage the
-file (https://www.sqlite.org/pragma.html, synchronous).
+wait for the disk. A killed process loses nothing by that, since the operating system has what
+it wrote; a power cut may lose the last runs, which the next study makes again, but does not damage
+the file (https://www.sqlite.org/pragma.html, synchronous).
 
 A result file may come from anyone. Before anything is read from it, the digest of its schema is
 compared with ours, so that no foreign view, trigger or expression is ever evaluated
@@ -59,7 +59,7 @@ class OpenFile(NamedTuple):
     Attributes
     ----------
     check : raises `ResultFileError` if the file was removed or replaced
-    log_missing : whether it is a copy without its log, made while a run was writing
+    log_missing : whether the file is a copy without its log, made while a run was writing
     """
 
     connection: sqlite3.Connection
@@ -88,7 +88,7 @@ def opened(path: Path, schema: str, *, writing: bool) -> Iterator[OpenFile]:
                 "no such result file; 'spincheck run fast-top' writes one of a scene, "
                 "'spincheck run' of the whole library"
             )
-        # SQLite has its journals beside the file itself, not beside a link to it.
+        # SQLite keeps its journals beside the file itself, not beside a link to it.
         place = path.resolve()
         check_journals(place)
         _check_log(place)
@@ -123,7 +123,7 @@ def _is_there(path: Path, purpose: str) -> bool:
 
 @contextmanager
 def _to_read(path: Path, schema: str) -> Iterator[OpenFile]:
-    # Before it is opened: opening creates an empty file.
+    # Checked before the file is opened, as opening creates an empty file.
     log_missing = not has_log(path)
     with _connected(path, "mode=ro") as connection:
         connection.execute("PRAGMA query_only = ON")
@@ -139,7 +139,7 @@ def _to_write(path: Path, schema: str) -> Iterator[OpenFile]:
             _check(connection, schema)
         else:
             _begin(connection, schema)
-        # Before there is a log, so that the file records that it has one, and which.
+        # Written before there is a log, so that the file records that it has one, and which.
         session = "UPDATE file SET session = ?, whole = 0"
         connection.execute("PRAGMA journal_mode = DELETE")
         with connection:
@@ -150,12 +150,12 @@ def _to_write(path: Path, schema: str) -> Iterator[OpenFile]:
             yield OpenFile(connection, check, log_missing=False)
             check()
         except sqlite3.DatabaseError:
-            # SQLite's own message does not tell that the file was removed.
+            # SQLite's own message does not say that the file was removed.
             check()
             raise
         finally:
-            # A file at rest is one file without gaps, which can be read where nothing may be
-            # written; while another program reads it, the log stays.
+            # Afterwards the file has no log, so that it can be read where nothing may be written;
+            # while another program reads it, the log stays.
             with suppress(sqlite3.DatabaseError):
                 connection.execute("PRAGMA busy_timeout = 0")
                 connection.executescript("PRAGMA incremental_vacuum")
@@ -175,7 +175,7 @@ def _connected(path: Path, options: str) -> Iterator[sqlite3.Connection]:
         try:
             connection.execute("SELECT count(*) FROM sqlite_master")
         except UnicodeDecodeError:
-            # SQLite quotes what it cannot read of a schema, in bytes that are no text.
+            # SQLite quotes the part of a schema that it cannot read, in bytes that may not be text.
             raise sqlite3.DatabaseError("its schema is not text") from None
         yield connection
 
@@ -197,12 +197,13 @@ def _check_log(path: Path) -> None:
 
 
 def _session(path: Path, options: str) -> str | None:
-    """The name of the run that wrote last; None if it cannot be read."""
+    """Return the name of the run that wrote last; None if it cannot be read."""
     try:
         with _connected(path, options) as connection:
             return str(connection.execute("SELECT max(session) FROM file").fetchone()[0])
     except sqlite3.OperationalError as error:
-        # That it is not a result file is reported later; other errors, such as a lock, at once.
+        # That the file is not a result file is reported later; other errors, such as a lock, at
+        # once.
         if getattr(error, "sqlite_errorcode", 0) & _KIND != sqlite3.SQLITE_ERROR:
             raise
     except sqlite3.DatabaseError:
@@ -211,8 +212,8 @@ def _session(path: Path, options: str) -> str | None:
 
 
 def _begin(connection: sqlite3.Connection, schema: str) -> None:
-    """Create the tables, in one transaction: if interrupted, the file stays empty."""
-    # Has an effect only while the file is empty.
+    """Create the tables in one transaction: if it is interrupted, the file stays empty."""
+    # This has an effect only while the file is empty.
     connection.execute("PRAGMA auto_vacuum = INCREMENTAL")
     connection.executescript(
         f"BEGIN; PRAGMA application_id = {APPLICATION_ID}; PRAGMA user_version = {FORMAT};"
@@ -236,21 +237,21 @@ def _check(connection: sqlite3.Connection, schema: str) -> None:
         )
     if _digest_of(connection) != _digest_of_tables(schema):
         raise ResultFileError(f"its schema is not that of a result file of format {version}")
-    # Damage is reported here, not in the middle of a report.
+    # Damage is reported here rather than in the middle of a report.
     first_damage = connection.execute("PRAGMA quick_check(1)").fetchone()[0]
     if first_damage != "ok":
         raise ResultFileError(f"damaged: {printable(first_damage)}")
 
 
 def _digest_of(connection: sqlite3.Connection) -> str:
-    """SHA-256 of type, name, table and text of everything that a schema holds."""
+    """Return the SHA-256 of type, name, table and text of everything in a schema."""
     query = "SELECT type, name, tbl_name, sql FROM sqlite_master"
     objects = sorted([*map(str, columns)] for columns in connection.execute(query))
     return sha256(json.dumps(objects).encode()).hexdigest()
 
 
 def _text(content: bytes) -> str:
-    """Text of the schema, decoded; it may not be valid UTF-8."""
+    """Return a text of the schema, even if its bytes are not valid UTF-8."""
     return content.decode(errors="backslashreplace")
 
 

@@ -1,4 +1,4 @@
-"""All that is in a result file, as reports are made from it."""
+"""All that a result file holds, in the form that reports are made from."""
 
 from dataclasses import dataclass, field, fields, replace
 from typing import Any, Self
@@ -24,14 +24,14 @@ class SceneResult:
 
 @dataclass(frozen=True, eq=False)
 class Results:
-    """Everything a report is made from.
+    """Everything that a report is made from.
 
     Attributes
     ----------
-    costs : of engines that are varied; those of engines as they are are in `rows`
-    varied : the runs in which something is varied, such as the points of ensembles
-    methods : what each engine's adapter declared of its methods, in the order it lists them
-    stock_timesteps : s, of the engines that have one
+    costs : costs of varied engines; those of engines as they are are in `rows`
+    varied : the runs in which something is varied, such as members of ensembles
+    methods : what each engine's adapter declares about its methods, in the adapter's order
+    stock_timesteps : stock timesteps, s, of the engines that have one
     """
 
     environment: dict[str, str]
@@ -48,7 +48,7 @@ class Results:
 
     @property
     def every_row(self) -> list[Row]:
-        """The runs in which nothing is varied, then all others, by method and what is varied."""
+        """The runs in which nothing is varied, then all others by method and by what is varied."""
         return [*self.rows, *sorted(self.varied, key=_place)]
 
     def of(self, scene: str) -> Self:
@@ -67,7 +67,7 @@ class Results:
 
 
 def _place(row: Row) -> tuple[object, ...]:
-    """Where a run stands in a list: numbers that are varied are in their order."""
+    """Return a sort key of a run in a list: numbers that are varied are ordered as numbers."""
     varied = row.varied
     values = [
         (one, "") if isinstance(one, int | float) else (0, str(one)) for one in varied.values()

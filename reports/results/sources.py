@@ -1,6 +1,6 @@
 """The meaning of Python sources, and what they import.
 
-Parsing all of the program takes a second, so what is found is kept in the user's cache, by the
+Parsing the whole program takes a second, so the findings are kept in the user's cache, by the
 content of files.
 """
 
@@ -17,18 +17,18 @@ from typing import Any, NamedTuple
 from ...engines.user_cache import user_cache
 from ...scenarios.regular_files import read_regular, write_new
 
-#: Bytes that are kept: of some twenty versions of the program.
+#: Largest size of what is kept, bytes: of some twenty versions of the program.
 LARGEST = 1 << 22
 
 
 class Import(NamedTuple):
-    """`from MODULE import NAMES`, where it stands.
+    """An import `from MODULE import NAMES`, and where it stands.
 
     Attributes
     ----------
-    level : how many dots stand before the module
-    names : (name, the name it is given here) of each
-    outside : whether it stands outside of functions and classes
+    level : number of dots before the module
+    names : pairs of a name and its name in the importing module
+    outside : whether it stands outside functions and classes
     """
 
     level: int
@@ -38,11 +38,11 @@ class Import(NamedTuple):
 
 
 class Source(NamedTuple):
-    """What a file says.
+    """The meaning of a file, and its imports.
 
     Attributes
     ----------
-    digest : of its meaning: without docstrings, comments and layout, which change no result
+    digest : digest of its meaning: without docstrings, comments and layout, which change no result
     imports : in any order
     """
 
@@ -52,7 +52,7 @@ class Source(NamedTuple):
 
 @cache
 def source(path: Path) -> Source:
-    """A Python file's meaning and imports."""
+    """Return a Python file's meaning and imports."""
     content = path.read_bytes()
     known, key = _known(), sha256(content).hexdigest()
     if key not in known:
@@ -64,7 +64,7 @@ def source(path: Path) -> Source:
 
 @cache
 def _known() -> dict[str, Source]:
-    """The sources by the digest of their content, kept when the process ends."""
+    """Return the known sources by the digest of their content, which are saved at exit."""
     known = {}
     with suppress(OSError, ValueError, TypeError, AttributeError):
         kept = json.loads(read_regular(_file(), LARGEST))
@@ -89,7 +89,7 @@ def _keep(known: dict[str, Source], before: int) -> None:
 
 
 def _file() -> Path:
-    """The file of what this module finds: another version of it may find something else."""
+    """Return the file of this module's findings; another version of it may find others."""
     own = sha256(Path(__file__).read_bytes()).hexdigest()[:16]
     return user_cache() / f"sources-{own}.json"
 
@@ -103,10 +103,10 @@ def _imports(tree: ast.Module) -> Iterator[Import]:
 
 
 def _meaning(node: object) -> object:
-    """Source without what changes no result: docstrings, comments, layout.
+    """Return a syntax tree without what changes no result: docstrings, comments, layout.
 
-    Other texts that stand alone, as docstrings do, are left out, too. Empty fields are left out:
-    Pythons differ in which they have.
+    Other texts that stand alone, as docstrings do, are left out, too. Empty fields are left out,
+    because versions of Python differ in which they have.
     """
     if isinstance(node, list):
         return [_meaning(one) for one in node if not _is_text_alone(one)]

@@ -1,7 +1,7 @@
-"""The contents of a result file. Each run is written as it ends, so that a study can be continued.
+"""The contents of a result file. Each run is stored as it ends, so that a study can be continued.
 
-Results of another scene of that name, another engine or another spincheck stay in the file, but do
-not count (`Store.rest_on`), until `Store.tidy` deletes them.
+Results of an earlier scene with the same name, of another engine or of another spincheck stay in
+the file, but do not count (`Store.rest_on`) and can be deleted by `Store.tidy`.
 """
 
 import json
@@ -31,11 +31,11 @@ from .verdicts import Verdict
 R = TypeVar("R", bound=Record)
 
 SCHEMA = "".join(table.sql for table in tables.TABLES)
-#: Of a digest of what a record rests on, which only tells them apart.
+#: Digits of the digest of what a record rests on, which only distinguishes them.
 DIGITS = 16
 _TABLE_OF: dict[type[Record], Table[Any]] = {table.record: table for table in tables.TABLES}
 _ONE_METHOD = "scenario = ? AND engine = ? AND method = ?"
-#: Its runs in which nothing is varied.
+#: Condition for a method's runs in which nothing is varied.
 _AS_IT_IS = f"{_ONE_METHOD} AND variation = ''"
 _SORTED = "scenario, engine, method"
 
@@ -45,7 +45,7 @@ class Store:
 
     Attributes
     ----------
-    log_missing : whether it is an incomplete copy, made while a run was writing
+    log_missing : whether the file is an incomplete copy, made while a run was writing
     """
 
     def __init__(self, file: OpenFile) -> None:
@@ -55,7 +55,7 @@ class Store:
         self._take_fingerprints(self.select(tables.FINGERPRINTS))
 
     def put(self, *records: Record) -> None:
-        """Store records, all or none; each replaces what is stored under its key."""
+        """Store records, all or none; each replaces the stored record with the same key."""
         with self._database.transaction() as connection:
             self._put(connection, *records)
 
@@ -70,7 +70,7 @@ class Store:
     def select(
         self, table: Table[R], where: str = "TRUE", values: Sequence[Any] = (), order: str = "rowid"
     ) -> list[R]:
-        """The stored records of a table, without those that rest on something else than now."""
+        """Return the stored records of a table, except those whose basis has changed."""
         found = self._database.select(table.name, where, values, order)
         return [table.read(one) for one in found if self._counts(table, one)]
 
@@ -78,7 +78,7 @@ class Store:
         return not table.rests_on or columns[DIGEST] == self._digest(table, columns)
 
     def _digest(self, table: Table[Any], columns: Mapping[str, Any] | sqlite3.Row) -> str:
-        """What a record in a row of a table must rest on to count; empty if that is unknown."""
+        """Return the digest that a record must have to count; empty if it is unknown."""
         engine = columns["engine"] if "engine" in table.key else ""
         parts = [
             self._fingerprints.get((columns["scenario"], engine if kind == "engine" else "", kind))
@@ -91,7 +91,7 @@ class Store:
         self._fingerprints |= {(f.scenario, f.engine, f.kind): f.digest for f in fingerprints}
 
     def rest_on(self, fingerprints: Sequence[Fingerprint]) -> int:
-        """How many verdicts on a scene no longer count, as only results of these do from now on."""
+        """Set what results must rest on to count; return how many verdicts no longer do."""
         scenario = fingerprints[0].scenario
         verdicts = self._database.select("verdicts", "scenario = ?", (scenario,))
         before = sum(self._counts(tables.VERDICTS, one) for one in verdicts)
@@ -100,7 +100,7 @@ class Store:
         return before - sum(self._counts(tables.VERDICTS, one) for one in verdicts)
 
     def tidy(self) -> int:
-        """Delete the results that no longer count; returns how many records there were."""
+        """Delete the results that no longer count; return the number of records."""
         deleted = 0
         with self._database.transaction() as connection:
             for table in (table for table in tables.TABLES if table.rests_on):
@@ -114,15 +114,15 @@ class Store:
         return deleted
 
     def put_environment(self, environment: dict[str, str]) -> None:
-        """Record machine and versions."""
+        """Store machine and versions."""
         self.put(*(EnvironmentEntry(name, value) for name, value in environment.items()))
 
     def put_methods(self, engines: Iterable[Engine]) -> None:
-        """Record what adapters declare of all their methods."""
+        """Store what adapters declare about all their methods."""
         self.put(*map(DeclaredEngine.of, engines))
 
     def forget(self, keys: Iterable[Key]) -> None:
-        """Delete the results of some methods on their scenes; points of ensembles are kept."""
+        """Delete the results of methods on their scenes; runs of ensembles are kept."""
         with self._database.transaction() as connection:
             for key in keys:
                 for table in tables.OF_STUDIES:
@@ -130,10 +130,10 @@ class Store:
                     connection.execute(f"DELETE FROM {table.name} WHERE {where}", _names(key))
 
     def put_scene(self, scenario: Scenario, solution: Solution) -> None:
-        """Record a scene and its exact motion."""
+        """Store a scene and its exact motion."""
         with self._database.transaction() as connection:
             self._put(connection, SolvedScene.of(scenario, solution))
-            # That row says that the scene could not be solved, which is now outdated.
+            # Such a row says that the scene could not be solved, which is now outdated.
             unsolved = "DELETE FROM rows WHERE scenario = ? AND timestep = ? AND variation = ''"
             connection.execute(unsolved, (scenario.name, UNSOLVED))
 
@@ -158,48 +158,48 @@ class Store:
             )
 
     def evidence(self, key: Key) -> Evidence | None:
-        """What a method on a scene was judged by; None if it was not."""
+        """Return the evidence that a method on a scene was judged by; None if it was not."""
         return next(iter(self.select(tables.EVIDENCE, _ONE_METHOD, _names(key))), None)
 
     def settled(self, scenario: str, timesteps: Sequence[float], step_limit: int) -> list[Verdict]:
-        """The stored verdicts on a scene; without those that a smaller step limit cut short.
+        """Return the stored verdicts on a scene, except those that a smaller step limit cut short.
 
         Parameters
         ----------
-        timesteps : s; none for verdicts on ladders
-        step_limit : of the ladders asked for
+        timesteps : the timesteps asked for, s; empty for verdicts on ladders
+        step_limit : step limit of the ladders asked for
         """
         where = "scenario = ? AND timesteps = ?"
         stored = self.select(tables.VERDICTS, where, (scenario, _as_stored(timesteps)))
         return [v for v in stored if v.step_limit is None or v.step_limit >= step_limit]
 
     def rows_of(self, key: Key) -> list[Row]:
-        """The stored runs of a method on a scene as it is."""
+        """Return the stored runs of a method on a scene in which nothing is varied."""
         return self.select(tables.ROWS, _AS_IT_IS, _names(key))
 
     def failed_rows(self, scenario: str) -> list[Row]:
-        """The runs of a scene as it is that failed."""
+        """Return the failed runs of a scene in which nothing is varied."""
         rows = self.select(tables.ROWS, "scenario = ? AND variation = ''", (scenario,))
         return [row for row in rows if row.outcome == "failed"]
 
     def forget_costs_of_other_processors(self, processor: str) -> None:
-        """Drop times that were measured on another processor."""
+        """Delete times that were measured on another processor."""
         others = [one.key for one in self.select(tables.COSTS) if one.processor != processor]
         with self._database.transaction() as connection:
             for key in others:
                 connection.execute(f"DELETE FROM costs WHERE {_ONE_METHOD}", _names(key))
 
     def timed(self) -> set[Key]:
-        """The methods whose steps were timed."""
+        """Return the methods whose steps were timed."""
         return {one.key for one in self.select(tables.COSTS, "variation = ''")}
 
     def read(self, timesteps: Sequence[float] = ()) -> Results:
-        """Everything in the file, with one verdict for each method and scene.
+        """Return everything in the file, with one verdict for each method and scene.
 
         Parameters
         ----------
-        timesteps : s, of the verdicts that are wanted; if empty, the verdict on the ladder, or the
-            latest of the others if there is none
+        timesteps : the timesteps of the verdicts that are wanted, s; if empty, the verdicts on
+            ladders, or if there is none the latest other verdict
 
         Raises
         ------
@@ -242,7 +242,7 @@ class Store:
         )
 
     def varied(self, scenario: str) -> list[Row]:
-        """The stored runs of a scene in which something is varied."""
+        """Return the stored runs of a scene in which something is varied."""
         return self.select(tables.ROWS, "scenario = ? AND variation != ''", (scenario,))
 
     def _ensembles(self) -> list[DefinedEnsemble]:
@@ -262,11 +262,11 @@ def _names(key: Key) -> tuple[str, str, str]:
 
 
 def _as_stored(timesteps: Sequence[float]) -> str:
-    """The timesteps asked for, s, as `Verdict.timesteps` are stored."""
+    """Return the timesteps asked for, s, in the form in which `Verdict.timesteps` is stored."""
     return json.dumps(sorted(timesteps))
 
 
-#: As they are stored of a ladder.
+#: The stored form of a ladder's timesteps.
 _LADDER = _as_stored(())
 
 
@@ -277,7 +277,7 @@ def open_store(path: Path, *, create: bool = False) -> Iterator[Store]:
     Raises
     ------
     ResultFileError
-        As `result_file.opened`.
+        As for `result_file.opened`.
     """
     with opened(path, SCHEMA, writing=create) as file:
         yield Store(file)

@@ -33,17 +33,17 @@ from .records import MOTIONS, Key, Record, Row, SolvedScene
 from .result_file import ResultFileError
 from .verdicts import Verdict
 
-#: Bytes of an array's header: magic, shape and type (numpy.lib.format).
+#: Size of an array's header, bytes: magic, shape and type (numpy.lib.format).
 HEADER = 1 << 10
 _NAMES = tuple(field.name for field in fields(Trajectory))
-#: Arrays that the motions of some scenes alone have.
+#: Arrays that only motions of some scenes have.
 _OPTIONAL = ("spins",)
-#: Components of the widest of the other arrays.
+#: Number of components of the widest of the other arrays.
 _WIDEST = 4
 
 
 def pack(motion: Trajectory) -> bytes:
-    """A motion as an archive in numpy's format .npz, not compressed.
+    """Return a motion as an archive in numpy's format .npz, not compressed.
 
     Compressing takes several times as long, and motions become only a fifth smaller.
     """
@@ -58,14 +58,14 @@ def pack(motion: Trajectory) -> bytes:
 
 
 def unpack(blob: bytes) -> Trajectory:
-    """The motion in an archive.
+    """Return the motion in an archive.
 
     Raises
     ------
     ValueError
         If it is not an archive of a motion, or larger than one can be.
     zipfile.BadZipFile
-        If it is damaged, by its checksums (CRC-32).
+        If it is damaged, according to its checksums (CRC-32).
     """
     with zipfile.ZipFile(io.BytesIO(blob)) as archive:
         members = archive.infolist()
@@ -85,7 +85,7 @@ def _array(archive: zipfile.ZipFile, member: zipfile.ZipInfo) -> FloatArray:
     if member.compress_type not in (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED):
         raise ValueError("the archive is compressed otherwise than a motion is")
     with archive.open(member) as packed:
-        # One byte more than declared is an error.
+        # It is an error if there is one byte more than declared.
         content = packed.read(member.file_size + 1)
     stream = io.BytesIO(content)
     if np.lib.format.read_magic(stream) != (1, 0):
@@ -101,19 +101,19 @@ T = TypeVar("T")
 R = TypeVar("R", bound=Record)
 P = ParamSpec("P")
 
-#: Characters of a record as JSON, a hundred times what evidence takes.
+#: Largest length of a record as JSON, characters: a hundred times what evidence takes.
 LONGEST_JSON = 1 << 20
-#: Characters of a complaint about a record.
+#: Largest length of a complaint about a record, characters.
 SHOWN = 200
-#: The column of the digest of what a record rests on.
+#: Name of the column with the digest of what a record rests on.
 DIGEST = "digest"
-#: Columns that are no text: a number, and lists as JSON.
+#: Columns that are not text: a number, and lists as JSON.
 _NUMBER, _AS_JSON = "timestep", ("timesteps", "ensemble")
 _NAMES_OF_KEY = tuple(field.name for field in fields(Key))
 
 
 def as_result_file_error(read: Callable[P, T]) -> Callable[P, T]:
-    """Turn what a damaged record raises into one kind of error."""
+    """Make a function raise `ResultFileError` for whatever a damaged record raises."""
 
     @wraps(read)
     def reading(*arguments: P.args, **named: P.kwargs) -> T:
@@ -123,7 +123,7 @@ def as_result_file_error(read: Callable[P, T]) -> Callable[P, T]:
             first = error.errors(include_url=False)[0]
             words = f"{'.'.join(map(str, first['loc']))}: {first['msg']}, got {first['input']!r}"
             raise ResultFileError(f"a record cannot be read: {printable(words, SHOWN)}") from error
-        # Damaged JSON, archives, arrays and scenes raise different errors of their parsers.
+        # Parsers of damaged JSON, archives, arrays and scenes raise different errors.
         except Exception as error:
             words = printable(str(error), SHOWN)
             raise ResultFileError(f"a record cannot be read: {words}") from error
@@ -133,13 +133,13 @@ def as_result_file_error(read: Callable[P, T]) -> Callable[P, T]:
 
 @dataclass(frozen=True)
 class Table(Generic[R]):
-    """The records of one dataclass.
+    """The table of one dataclass's records.
 
     Attributes
     ----------
-    key : the columns that identify a record: fields of it, or of its `Key`
-    rests_on : the kinds of fingerprints that a record rests on, if any; it has their digest beside
-        its key, so that records of several programs, scenes and engines can be kept
+    key : the columns that identify a record: fields of the record, or of its `Key`
+    rests_on : the kinds of fingerprints that a record rests on, if any; their digest is part of the
+        key, so that records of several programs, scenes and engines can be kept
     """
 
     name: str
@@ -149,7 +149,7 @@ class Table(Generic[R]):
 
     @property
     def sql(self) -> str:
-        """The statement that creates it."""
+        """The SQL statement that creates the table."""
         columns = [f"{name} {'REAL' if name == _NUMBER else 'TEXT'}" for name in self.key]
         columns += ["record TEXT NOT NULL", *(f"{name} BLOB" for name in self.motions)]
         digest = [DIGEST] * bool(self.rests_on)
@@ -159,11 +159,11 @@ class Table(Generic[R]):
 
     @cached_property
     def motions(self) -> tuple[str, ...]:
-        """The columns of blobs."""
+        """Names of the columns of blobs."""
         return tuple(field.name for field in fields(self.record) if field.name in MOTIONS)
 
     def columns(self, record: R) -> dict[str, Any]:
-        """A record as it is stored; a field that is None, as it is by default, is left out."""
+        """Return a record as it is stored, without fields that are None, as they are by default."""
         values = {field.name: getattr(record, field.name) for field in fields(self.record)}
         motions = {name: values.pop(name) for name in self.motions}
         plain = to_jsonable_python(values, inf_nan_mode="constants", fallback=np.ndarray.tolist)
@@ -181,7 +181,7 @@ class Table(Generic[R]):
 
     @as_result_file_error
     def read(self, columns: sqlite3.Row) -> R:
-        """The record in a row of the table.
+        """Return the record in a row of the table.
 
         Raises
         ------
@@ -210,12 +210,12 @@ class Table(Generic[R]):
 
 
 def from_json(text: Any) -> dict[str, Any]:
-    """The JSON object in a column, with control characters of its texts escaped.
+    """Return the JSON object in a column, with control characters in its texts escaped.
 
     Raises
     ------
     ValueError
-        If it is no JSON object, or too long.
+        If it is not a JSON object, or too long.
     """
     if not isinstance(text, str) or len(text) > LONGEST_JSON:
         raise ValueError(f"JSON must be a text of at most {LONGEST_JSON} characters")
@@ -227,12 +227,12 @@ def from_json(text: Any) -> dict[str, Any]:
 
 
 def _is_shown(text: str) -> bool:
-    """Whether JSON has no control characters: neither plain nor in escapes, which hide them."""
+    """Whether JSON has no control characters, neither plain nor hidden in escapes."""
     return text.isprintable() and "\\" not in text
 
 
 def _shown(value: Any) -> Any:
-    """The value with control characters of its texts escaped."""
+    """Return the value with control characters in its texts escaped."""
     if isinstance(value, str):
         return shown(value)
     if isinstance(value, dict):
@@ -250,7 +250,7 @@ ROWS = Table("rows", Row, (*_ONE_METHOD, "variation", "timestep"), _RUN)
 EVIDENCE = Table("evidence", Evidence, _ONE_METHOD, _RUN)
 VERDICTS = Table("verdicts", Verdict, (*_ONE_METHOD, "timesteps"), (*_RUN, "verdict"))
 COSTS = Table("costs", MethodCost, (*_ONE_METHOD, "variation"), _COST)
-#: Results of a method on a scene.
+#: Tables with results of a method on a scene.
 OF_STUDIES = (
     ROWS,
     EVIDENCE,

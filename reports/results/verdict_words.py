@@ -1,7 +1,7 @@
-"""The words of verdicts: what each means, how it looks, and what it does to an exit code, as data.
+"""The words of verdicts as data: what each means, how it looks, and its effect on an exit code.
 
 Everything that ranks, counts, colours or explains verdicts iterates over `VERDICTS`: another word
-is an entry there and in `VerdictWord`, besides what gives it.
+is an entry there and in `VerdictWord`, besides the code that gives it.
 """
 
 from dataclasses import dataclass
@@ -12,15 +12,15 @@ VerdictWord = Literal["converges", "unresolved", "unsupported", "diverges", "dis
 
 @dataclass(frozen=True)
 class VerdictKind:
-    """A verdict's word.
+    """A verdict's word, and all that depends on it.
 
     Attributes
     ----------
-    sign : beside the word, as colour is never the only difference
+    sign : sign beside the word, as colour is never the only difference
     phrases : what one pair of a scene and a method does, and what several do
     meaning : the rule, in words
-    light, dark : colours of ground and text, on light and on dark pages. Every pair has a contrast
-        of 4.5 or more, and the grounds differ in lightness too
+    light, dark : colours of background and text, on light and on dark pages. Every pair has a
+        contrast of 4.5 or more, and the backgrounds differ in lightness too
     fails : whether it fails a run
     is_unproven : whether it says neither that a method converges nor that it is wrong
     """
@@ -36,11 +36,11 @@ class VerdictKind:
 
     @property
     def needs_reason(self) -> bool:
-        """Whether lists of what is wrong or open have it, with its reason."""
+        """Whether lists of what is wrong or open contain it, with its reason."""
         return self.fails or self.is_unproven
 
 
-#: From good to bad.
+#: The kinds, from good to bad.
 VERDICTS = (
     VerdictKind(
         "converges",
@@ -101,10 +101,11 @@ VERDICTS = (
         fails=True,
     ),
 )
-#: The kinds by their words, and the words' ranks: a higher one is worse.
+#: The kinds by their words, and the ranks of the words: a higher rank is worse.
 VERDICT = {kind.word: kind for kind in VERDICTS}
 RANKS = {kind.word: rank for rank, kind in enumerate(VERDICTS)}
 assert tuple(VERDICT) == get_args(VerdictWord), "one entry a word, in one order"
-#: In the order in which verdicts are counted and listed: what converges, then from the worst on.
+#: The words in the order in which verdicts are counted and listed: what converges, then from the
+#: worst on.
 LISTED = (VERDICTS[0], *reversed(VERDICTS[1:]))
 UNPROVEN = " or ".join(f"'{kind.word}'" for kind in VERDICTS if kind.is_unproven)

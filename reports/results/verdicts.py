@@ -7,7 +7,7 @@ from .reasons import ground_in_words, reason_in_words
 from .records import Count, MethodKey, Record, Size
 from .verdict_words import VERDICT, VerdictWord
 
-#: What JSON and tables show of a verdict besides its fields.
+#: Properties that JSON and tables show of a verdict besides its fields.
 MADE = ("reason", "tail", "level", "order", "ground")
 
 
@@ -17,13 +17,13 @@ class Verdict(Record):
 
     Attributes
     ----------
-    quoted : what a run, the engine or the scene's file says of it, in their own words
-    steps, own_steps, replays : what it rests on, as in `Evidence`, without the curves
+    quoted : what a run, the engine or the scene's file says about it, in their own words
+    steps, own_steps, replays : the evidence that it rests on, as in `Evidence`, without the curves
     unmet : expectations in the scene's file that this method did not meet, in words
     as_shipped : whether the method is the engine with all its defaults
     expected_failure : whether it is an expected failure of the scene's file
-    timesteps : s, those asked for, increasing; empty for the verdict on a ladder
-    step_limit : of a ladder that this limit cut short; else None
+    timesteps : the timesteps asked for, s, increasing; empty for the verdict on a ladder
+    step_limit : step limit, if it cut a ladder short; else None
     """
 
     key: MethodKey
@@ -40,7 +40,7 @@ class Verdict(Record):
 
     @property
     def reason(self) -> str:
-        """Why, in words, made of the numbers."""
+        """The reason in words, made from the numbers."""
         return reason_in_words(self.verdict, self.quoted, self.steps, self.own_steps, self.replays)
 
     @property
@@ -51,18 +51,18 @@ class Verdict(Record):
 
     @property
     def tail(self) -> float | None:
-        """The probability of evidence as unlikely as this of a method that converges."""
+        """The probability that a method that converges has evidence as unlikely as this one's."""
         found = [one.tail for one in (self.steps, self.own_steps, *self.replays) if one]
         return min(1.0, min(found) * len(found)) if found else None
 
     @property
     def level(self) -> float:
-        """The level that the tail is held to."""
+        """The level that the probability `tail` must not fall below."""
         return LEVEL
 
     @property
     def order(self) -> int | None:
-        """The order at which what steps gain vanishes; None where no step was taken."""
+        """The order at which gains of steps vanish with the timestep; None without steps."""
         return self.steps.order if self.steps and not self.steps.fault else None
 
     @property
@@ -72,7 +72,7 @@ class Verdict(Record):
 
     @property
     def findings(self) -> list[str]:
-        """The verdict with its reason, and the unmet expectations: what fails the study first."""
+        """The verdict with its reason, and unmet expectations; what fails the study is first."""
         judged = f"{self.verdict}: {self.reason}"
         return [judged, *self.unmet] if self._is_wrong else [*self.unmet, judged]
 
@@ -82,6 +82,6 @@ class Verdict(Record):
 
     @property
     def is_unproven(self) -> bool:
-        """Whether a method, not as shipped, is shown neither to converge nor to be wrong."""
+        """Whether a method, if not as shipped, is shown neither to converge nor to be wrong."""
         expected = self.as_shipped or self.expected_failure
         return VERDICT[self.verdict].is_unproven and not expected

@@ -1,1 +1,1 @@
-"""Users' models inspected: what engines hold of them beside their files, in words and pages."""
+"""Inspection of users' models: what engines hold of a file, compared with the file."""

@@ -1,4 +1,4 @@
-"""What an inspection found, as lines: differences, faults of the file, and what to do."""
+"""Findings of an inspection as lines: differences, faults of the file, and what to do."""
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
@@ -11,17 +11,17 @@ from ...engines.users_models import (
 )
 from .inspection import InspectedLink, Inspection, LinkReading
 
-#: Links that a line names.
+#: Largest number of links that a line names.
 MOST_NAMES = 3
-#: Cells of the table where an engine holds what the file states, and where nothing is compared.
+#: Cells of the table if an engine holds what the file states, and if nothing is compared.
 FINE, NOTHING = "ok", "–"
-#: What the cells of `cell_text` mean.
+#: Meanings of the cells of `cell_text`.
 LEGEND = (
     "ok: as in the file. Other cells: the largest relative difference of mass, com and tensor, and "
     "how far the attitude is off after tumbling for 1 s. fused: part of the body, or of the world, "
     "that it is fixed to."
 )
-#: What mends a difference in any engine, by its word.
+#: By the word of a difference, what corrects it in any engine.
 IN_ANY_ENGINE = {
     "nothing stated": Advice(
         "state their inertia, or that they have no mass",
@@ -36,13 +36,13 @@ IN_ANY_ENGINE = {
 
 @dataclass(frozen=True)
 class Finding:
-    """One statement about some links, or what to do about them.
+    """A statement about some links, or what to do about them.
 
     Attributes
     ----------
-    who : engines and configurations; empty if it is about the file itself
-    names : of the links; empty if it is about the whole file
-    line : of XML to put into the file; empty where there is none
+    who : engines and configurations; empty if the statement is about the file itself
+    names : names of the links; empty if it is about the whole file
+    line : XML to put into the file; empty if there is none
     """
 
     who: tuple[str, ...]
@@ -52,7 +52,7 @@ class Finding:
 
     @property
     def about(self) -> str:
-        """Whom and which links it concerns, with a colon; empty if it is about the whole file."""
+        """The engines and links it concerns, with a colon; empty if it is about the whole file."""
         about = [part for part in (" and ".join(self.who), listed(self.names)) if part]
         return f"{', '.join(about)}: " if about else ""
 
@@ -61,13 +61,13 @@ class Finding:
 
 
 def listed(names: Sequence[str]) -> str:
-    """The first names, and how many more there are."""
+    """Return the first names, and how many more there are."""
     more = len(names) - MOST_NAMES
     return ", ".join(names[:MOST_NAMES]) + (f" and {more} more" if more > 0 else "")
 
 
 def grouped(entries: Iterable[tuple[str, str, str]]) -> list[Finding]:
-    """One finding for each pair of who and text, with all its links' names."""
+    """Return one finding for each pair of who and text, with the names of all its links."""
     alike: dict[tuple[str, str], list[str]] = {}
     for who, text, name in entries:
         alike.setdefault((who, text), []).append(name)
@@ -77,7 +77,7 @@ def grouped(entries: Iterable[tuple[str, str, str]]) -> list[Finding]:
 
 
 def wrong_readings(inspection: Inspection) -> list[tuple[LinkReading, str]]:
-    """Bodies that engines hold otherwise, and their links' names, in the file's order."""
+    """Return readings that differ from the file, and their links' names, in the file's order."""
     return [
         (reading, link.link.name)
         for link in inspection.links
@@ -87,7 +87,7 @@ def wrong_readings(inspection: Inspection) -> list[tuple[LinkReading, str]]:
 
 
 def sections(inspection: Inspection) -> list[tuple[str, list[Finding]]]:
-    """All findings by headings; none that nothing is found of."""
+    """Return all findings by headings, without headings that have none."""
     by_heading = {
         "Bodies that engines hold differently, the worst first": differences(inspection),
         "Impossible in the file": problems_of(inspection, impossible=True),
@@ -100,7 +100,7 @@ def sections(inspection: Inspection) -> list[tuple[str, list[Finding]]]:
 
 
 def differences(inspection: Inspection) -> list[Finding]:
-    """Findings about engines: refusals first, then the others by `badness`."""
+    """Return findings about engines: refusals first, then the others by `badness`."""
     wrong = sorted(wrong_readings(inspection), key=lambda one: badness(one[0]), reverse=True)
     return [
         *(Finding((" ".join(who),), (), reason) for who, reason in inspection.refusals.items()),
@@ -117,9 +117,9 @@ def _apart(reading: LinkReading) -> str:
 
 
 def badness(reading: LinkReading) -> tuple[float, float]:
-    """Attitude apart at the latest time, degrees, and the size of the difference.
+    """Return the angle between attitudes at the latest time, degrees, and the difference's size.
 
-    A body for which the file states nothing counts as worse than any that is held wrongly.
+    A body for which the file states nothing counts as worse than any wrong body.
     """
     if reading.agrees is not False:
         return (0.0, 0.0)
@@ -131,7 +131,7 @@ def badness(reading: LinkReading) -> tuple[float, float]:
 
 
 def problems_of(inspection: Inspection, *, impossible: bool) -> list[Finding]:
-    """Findings about the file: impossible or doubtful numbers."""
+    """Return findings about the file: impossible or doubtful numbers."""
     return grouped(
         ("", problem.text, f"{link.link.name} (line {link.link.where.rpartition(':')[2]})")
         for link in inspection.links
@@ -141,7 +141,7 @@ def problems_of(inspection: Inspection, *, impossible: bool) -> list[Finding]:
 
 
 def composed_bodies(inspection: Inspection) -> list[Finding]:
-    """The bodies of several links, with mass and moments of the whole."""
+    """Return findings about bodies of several links, with mass and moments of the whole."""
     lines = []
     for body in inspection.composed:
         assert body.stated is not None, "a part states an inertia"
@@ -152,13 +152,13 @@ def composed_bodies(inspection: Inspection) -> list[Finding]:
 
 
 def stated_mass(inspection: Inspection) -> float:
-    """Total mass of the file's links, kg."""
+    """Return the total mass of the file's links, kg."""
     stated = (link.link.stated for link in inspection.links)
     return sum(one.mass for one in stated if one is not None)
 
 
 def added_masses(inspection: Inspection) -> dict[str, float]:
-    """The total mass, kg, of bodies for which the file states nothing, by configuration."""
+    """Return by configuration the total mass, kg, of bodies for which the file states nothing."""
     added: dict[str, float] = {}
     for reading, _ in wrong_readings(inspection):
         if reading.kind == "nothing stated" and reading.body is not None and reading.body.mass:
@@ -167,7 +167,7 @@ def added_masses(inspection: Inspection) -> dict[str, float]:
 
 
 def weight_in_words(inspection: Inspection) -> str:
-    """The robot's mass, and the engines that give it more; empty if none does."""
+    """Return the robot's mass, and the engines that give it more; empty if none does."""
     stated = stated_mass(inspection)
     by_mass: dict[str, list[str]] = {}
     for who, added in added_masses(inspection).items():
@@ -177,7 +177,7 @@ def weight_in_words(inspection: Inspection) -> str:
 
 
 def remedies(inspection: Inspection) -> list[Finding]:
-    """All remedies, each once: of refusals first, then in the order of the table's columns."""
+    """Return all remedies, each once: those of refusals first, then in the order of the columns."""
     alike: dict[tuple[str, str, tuple[str, ...]], Finding] = {}
     for one in (*_of_refusals(inspection), *_of_differences(inspection)):
         key = (one.text, one.line, one.names)
@@ -187,12 +187,12 @@ def remedies(inspection: Inspection) -> list[Finding]:
 
 
 def configuration_of(engine: str, name: str) -> Configuration:
-    """A configuration of an engine's, at whichever version."""
+    """Return a configuration of an engine at any version."""
     configurations = model_readers()[engine.partition("@")[0]].configurations
     return next(one for one in configurations if one.name == name)
 
 
-#: Which links the advice about a refused file concerns.
+#: Words for the links that the advice about a refused file concerns.
 _CONCERNED: dict[str, Callable[[InspectedLink], bool]] = {
     "impossible": lambda one: not one.is_possible,
     "massless": lambda one: one.link.moves and not one.link.has_inertia,
@@ -200,7 +200,7 @@ _CONCERNED: dict[str, Callable[[InspectedLink], bool]] = {
 
 
 def _of_refusals(inspection: Inspection) -> Iterator[Finding]:
-    """What makes an engine accept a file that it refuses."""
+    """Yield what makes an engine accept a file that it refuses."""
     for (engine, configuration), reason in inspection.refusals.items():
         refusals = model_readers()[engine.partition("@")[0]].refusals
         advice = next((one for phrase, one in refusals.items() if phrase in reason), None)
@@ -211,7 +211,7 @@ def _of_refusals(inspection: Inspection) -> Iterator[Finding]:
 
 
 def _of_differences(inspection: Inspection) -> Iterator[Finding]:
-    """What mends it in any engine, with what the engine itself has to add."""
+    """Yield what corrects a difference in any engine, with what the engine itself adds to it."""
     wrong: dict[tuple[tuple[str, str], str], list[str]] = {}
     for reading, name in wrong_readings(inspection):
         wrong.setdefault((reading.column, reading.kind), []).append(name)
@@ -228,7 +228,7 @@ def _of_differences(inspection: Inspection) -> Iterator[Finding]:
 
 
 def cell_text(reading: LinkReading) -> str:
-    """The text of a cell: how one configuration holds one link."""
+    """Return the text of a cell: how one configuration holds one link."""
     if reading.kind == "refused":
         return "refused"
     if reading.agrees is None:

@@ -1,4 +1,4 @@
-"""Inspects a model: engines read it in a worker, their bodies are compared with the file's."""
+"""Inspects a model: engines read it in a worker, and their bodies are compared with the file's."""
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
@@ -30,12 +30,13 @@ from ...reference import IntegrationError, solve_ode
 from ...scenarios import FloatArray, did_you_mean, loads
 from ..harness.executors import CallFailed, Executor
 
-#: s after which two motions are compared.
+#: Times after which two motions are compared, s.
 TIMES = (1.0, 3.0)
-#: One turn a second about an axis that is none of the principal ones: ω along the file's principal
-#: axes, ascending, rad/s.
+#: Spin at the start, rad/s, along the file's principal axes, ascending: one turn a second about an
+#: axis that is none of them.
 START = 2 * np.pi * np.array([1.0, 2.0, 3.0]) / np.sqrt(14.0)
-#: A free body along its principal axes: in others the reference would look for them in 60 digits.
+#: A free body along its principal axes: with other axes the reference would search for them in 60
+#: digits.
 _SCENE = """spincheck = 1
 title = "Tumbling"
 source = "docs/how-to/models.md"
@@ -49,7 +50,8 @@ omega_body = {}
 duration = 3.0
 samples = 2
 """
-#: CPU s for one engine to read one file, meshes included; the largest take a few.
+#: CPU time for one engine to read one file with its meshes, s; the largest files take a few
+#: seconds.
 READ_LIMIT = 60.0
 
 
@@ -60,13 +62,13 @@ class LinkReading:
     Attributes
     ----------
     body : None if there is none: the engine refused the file, or fused the link with another
-    agrees : whether it is what the file states; None if there is nothing to compare
-    cause : in words, how it differs and why; empty if it agrees
-    kind : the cause in a word: of `cause`, or "refused", "nothing stated", or a wrong "sum"
+    agrees : whether the body is what the file states; None if there is nothing to compare
+    cause : in words, how the body differs and why; empty if it agrees
+    kind : the cause in a word: that of `cause`, or "refused", "nothing stated", or a wrong "sum"
     fused : links whose mass the engine has added to this one
-    expected : the link with these, which `difference` is taken from
-    attitude_apart_deg : by the time in s, between the file's body and the engine's, tumbling from
-        the same start; None where there is no such motion
+    expected : the link together with these, with which the body is compared
+    attitude_apart_deg : by time in s, the angle between the file's body and the engine's, tumbling
+        from the same start; None if there is no such motion
     """
 
     engine: str
@@ -102,7 +104,7 @@ class InspectedLink:
 
     @property
     def is_possible(self) -> bool:
-        """Whether a body can have the numbers in the file."""
+        """Whether the numbers in the file are physically possible."""
         return not any(problem.impossible for problem in self.problems)
 
     @property
@@ -113,7 +115,7 @@ class InspectedLink:
 
 @dataclass(frozen=True, eq=False)
 class Inspection:
-    """A whole file.
+    """The inspection of a whole file.
 
     Attributes
     ----------
@@ -131,17 +133,17 @@ class Inspection:
 
     @property
     def composed(self) -> list[RigidBody]:
-        """Bodies of several links, which move as one."""
+        """Bodies of several links that move as one."""
         return [body for body in rigid_bodies(self.model.links) if body.welded]
 
     @property
     def is_well(self) -> bool:
-        """Whether neither the file nor any engine's bodies have a fault."""
+        """Whether neither the file nor any engine's body has a fault."""
         return not self.refusals and all(link.is_well for link in self.links)
 
 
 class CannotInspectError(Exception):
-    """There is no such engine, or none that reads this kind of file."""
+    """There is no such engine, or no engine that reads this kind of file."""
 
 
 @dataclass(frozen=True)
@@ -163,9 +165,9 @@ class ReaderEngine:
 def reader_engines(
     names: Sequence[str] = (), say: Callable[[str], object] = len
 ) -> list[ReaderEngine]:
-    """The engines of those names; all that are installed if no name is given.
+    """Return the engines of some names; all that are installed if no name is given.
 
-    An engine@version is installed first if necessary; `say` is given a sentence before.
+    An engine@version is installed first if necessary; `say` is called with a sentence before.
 
     Raises
     ------
@@ -197,7 +199,7 @@ def inspect_model(
 
     Parameters
     ----------
-    executor : makes the engines' readings, each in a child that may crash or hang
+    executor : runs the engines' readings, each in a process that may crash or hang
 
     Raises
     ------
@@ -229,7 +231,7 @@ def inspect_model(
 
 
 def read_held(engine: str, model: ModelFile, configuration: str) -> dict[str, BodyReading] | str:
-    """Run in a worker: the bodies that an engine holds, or why it refuses the file."""
+    """Return the bodies that an engine holds, or why it refuses the file; called in a worker."""
     reader = model_readers().get(engine)
     if reader is None:
         return f"{engine} cannot be imported"
@@ -245,7 +247,7 @@ def _compared(
     who: tuple[str, str, str],
     configuration: Configuration,
 ) -> Iterator[LinkReading]:
-    """Compare every link of the file with the body that one configuration holds."""
+    """Yield for every link of the file the comparison with the body in one configuration."""
     wholes = rigid_bodies(model.links, {link.name for link in model.links} - set(bodies))
     hosts = {part.name: body for body in wholes for part, _ in body.parts}
     for link in model.links:
@@ -264,7 +266,7 @@ def _link_reading(
     who: tuple[str, str, str],
     configuration: Configuration,
 ) -> LinkReading:
-    """Compare a link, with those that the engine has fused into it, with the body held of it."""
+    """Compare a link, together with those that the engine fused into it, with the engine's body."""
     stated, others = whole.stated, tuple(link.name for link, _ in whole.parts[1:])
     if stated is None:
         empty = got.mass == 0 and not got.inertia_com.any()
@@ -290,16 +292,16 @@ def _link_reading(
 
 
 def attitude_apart(stated: FloatArray, got: FloatArray, times: FloatArray) -> FloatArray | None:
-    """The angle between two bodies that start alike and tumble freely, rad, (n,).
+    """Return the angle between two bodies that start alike and tumble freely, rad, (n,).
 
     Parameters
     ----------
     stated, got : tensors about the com in the link's axes, (3, 3); a common factor has no effect
-    times : s, (n,), at most the scene's 3
+    times : s, (n,), at most 3 s as in the scene
 
     Returns
     -------
-    None if one of them is a tensor that no body can have
+    None if no body can have one of the tensors
     """
     omega = np.linalg.eigh(stated)[1] @ START
     one, other = (_attitudes(tensor, omega, times) for tensor in (stated, got))
@@ -307,7 +309,7 @@ def attitude_apart(stated: FloatArray, got: FloatArray, times: FloatArray) -> Fl
 
 
 def _attitudes(tensor: FloatArray, omega: FloatArray, times: FloatArray) -> Rotation | None:
-    """The attitude at each time of a body that starts unturned."""
+    """Return the attitude of a body at each time, unturned at the start; None if impossible."""
     moments, axes = np.linalg.eigh(tensor)
     axes[:, 2] *= np.sign(np.linalg.det(axes))
     if not (total := float(moments.sum())) > 0:

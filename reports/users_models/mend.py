@@ -1,4 +1,4 @@
-"""Writes a model so that every engine holds the bodies that it states, and says what it changed."""
+"""Writes a model so that every engine holds the bodies that it states, and lists the changes."""
 
 from dataclasses import dataclass
 
@@ -25,28 +25,29 @@ from ...scenarios import FloatArray
 from .findings import Finding, grouped
 from .inspection import InspectedLink, Inspection
 
-#: A body that is made up has the density of water, kg/m³, and fills the box about its shapes, whose
-#: sides are at least so long, m; without any shapes, that of a cube of such sides.
+#: Density, kg/m³, of a body that is made up: that of water. It fills the box about its shapes,
+#: whose sides are at least `THIN`, m; a link without shapes is a cube of side `CUBE`, m.
 WATER, THIN, CUBE = 1000.0, 1e-3, 0.01
-#: The second moments of the nearest possible tensor are at least this part of the largest moment:
-#: rounding does not make it impossible again.
+#: Least second moment of the nearest possible tensor, relative to the largest moment: rounding does
+#: not make the tensor impossible again.
 LEAST_SPREAD = 1e-6
-#: Moments of inertia by the second moments along the principal axes: I1 = S2 + S3, and so on.
+#: Matrix from the second moments along the principal axes to the moments of inertia: I1 = S2 + S3,
+#: and so on.
 MOMENTS_BY_SPREAD = np.ones((3, 3)) - np.eye(3)
 NOTHING = BodyReading(0.0, np.zeros(3), np.zeros((3, 3)))
-#: A comment in the file, beside what its author did not state.
+#: Comment in the file, beside what its author did not state.
 REMARK = "made up by spincheck"
 
 
 @dataclass(frozen=True)
 class Wishes:
-    """What is done only where it is asked for.
+    """What is only done if a user asks for it.
 
     Attributes
     ----------
-    nearest : write the nearest possible tensor for one that no body has
+    nearest : write the nearest possible tensor for one that no body can have
     made_up : make up an inertia for links that move and have none
-    compose : write welded links as one body, and what is welded to it as nothing
+    compose : write welded links as one body, and the links welded to it as massless
     """
 
     nearest: bool = False
@@ -56,19 +57,20 @@ class Wishes:
 
 @dataclass(frozen=True)
 class Mended:
-    """A model as written: its bytes, what was changed, and what a file cannot mend."""
+    """A model as written: its bytes, what was changed, and what cannot be corrected in the file."""
 
     data: bytes
     changes: list[Finding]
     left: list[Finding]
 
 
-#: By link, the body to be written and what that changes; without a body, why it is left.
+#: By link, the body to be written and what that changes; without a body, why the link is left as it
+#: is.
 Plan = dict[str, tuple[BodyReading | None, str]]
 
 
 def mended(inspection: Inspection, wishes: Wishes) -> Mended:
-    """The model with the inertia of its links along their own axes, and all else as it is."""
+    """Return the model with the inertia of links along their own axes, and all else as it is."""
     model = inspection.model
     elements = elements_of(model)
     plan = _plan(inspection, wishes)
@@ -106,7 +108,7 @@ def _lacks_place(element: Element | None) -> bool:
 def _plan(inspection: Inspection, wishes: Wishes) -> Plan:
     links = inspection.model.links
     wholes = rigid_bodies(links)
-    # MuJoCo takes none of those that move.
+    # MuJoCo refuses links without mass or tensor that move.
     massless = {
         whole.host.name
         for whole in wholes
@@ -123,7 +125,7 @@ def _plan(inspection: Inspection, wishes: Wishes) -> Plan:
 
 
 def _compose(whole: RigidBody, plan: Plan) -> None:
-    """Have the host of welded links state them all as one body, and the others nothing."""
+    """Plan to let the host of welded links state the mass of all, and the others none."""
     parts = [
         (link.name, body.placed(pose.position, pose.R))
         for link, pose in whole.parts
@@ -147,7 +149,7 @@ def _compose(whole: RigidBody, plan: Plan) -> None:
 def _alone(
     inspected: InspectedLink, form: str, massless: bool, wishes: Wishes
 ) -> tuple[BodyReading | None, str]:
-    """What is written of a link by itself."""
+    """Return the body that is written for a link by itself, and what that changes."""
     link, stated = inspected.link, inspected.link.stated
     if link.by_shapes:
         of_shapes = next((one.body for one in inspected.readings if one.body is not None), None)
@@ -182,7 +184,7 @@ def _alone(
 
 
 def _without_inertia(link: Link, wishes: Wishes) -> tuple[BodyReading | None, str]:
-    """A link that needs a tensor, or a mass too: that of the box about its shapes, of water."""
+    """Return a body for a link without tensor or mass: the box about its shapes, of water."""
     if not wishes.made_up:
         return None, "it has no mass, or no tensor; '--made-up' makes one up from its shapes"
     box, words = shapes_box(link), "made up: that of the box about its shapes"
@@ -199,11 +201,11 @@ def _without_inertia(link: Link, wishes: Wishes) -> tuple[BodyReading | None, st
 
 
 def nearest_possible(inertia: FloatArray) -> FloatArray | None:
-    """The tensor of a body that is nearest by the sum of squares of all entries, kg m², (3, 3).
+    """Return the nearest possible tensor, by the squares of all entries, kg m², (3, 3).
 
-    It has the same axes, as the norm does not change with them; its moments are found as least
+    It has the same axes, as the norm does not depend on them; its moments are found by least
     squares with second moments that are not negative (Lawson & Hanson, Solving Least Squares
-    Problems, ch. 23). None where nothing but zero is near.
+    Problems, ch. 23). None if only zero is near.
     """
     moments, axes = np.linalg.eigh(inertia)
     scale = float(np.abs(moments).max())

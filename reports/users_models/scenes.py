@@ -1,7 +1,7 @@
-"""Scenes of a model's links, and what was left out.
+"""Makes scenes of a model's links, and says which links were left out.
 
-Each tumbles on its own, with the numbers that its file states; links that are welded together are
-one body and make one scene.
+Each link tumbles on its own, with the numbers that its file states; links that are welded together
+are one body and make one scene.
 """
 
 import math
@@ -19,10 +19,10 @@ from ...scenarios import ScenarioError, loads
 from ...scenarios.regular_files import file_name
 from ...scenarios.write import to_toml
 
-#: rad/s along the principal axes, ascending moments: a turn a second about the middle axis, which
-#: no body keeps, and a little about the others.
+#: Spin at the start, rad/s, along the principal axes, ascending moments: a turn a second about the
+#: middle axis, which is unstable, and a little about the others.
 START = 2 * math.pi * np.array([0.05, 1.0, 0.05])
-#: s, and looks at it.
+#: Duration of a scene, s, and number of samples.
 DURATION, SAMPLES = 3.0, 301
 
 
@@ -32,11 +32,11 @@ class LinkScene:
 
     Attributes
     ----------
-    link : that others may be welded to
+    link : name of the link, to which others may be welded
     welded : the links with an inertia that are welded to it: parts of the same body
-    name : of the scene: the link's, in characters that files may have
-    text : of the file; empty if the link is left out
-    left_out : why; empty if it is not
+    name : name of the scene: the link's, in characters that file names may have
+    text : text of the scene's file; empty if the link is left out
+    left_out : why the link is left out; empty if it is not
     """
 
     link: str
@@ -47,14 +47,14 @@ class LinkScene:
 
 
 def link_scenes(model: ModelFile, folder: Path) -> Iterator[LinkScene]:
-    """A scene of every link, with those welded to it, whose inertia a body can have.
+    """Yield a scene for every link, with those welded to it, whose inertia a body can have.
 
     Parameters
     ----------
-    folder : that the scenes will be in: they name the model relative to it
+    folder : folder that the scenes will be in: they name the model relative to it
     """
     taken: list[str] = []
-    # With `..` where needed; `Path.relative_to` does that from Python 3.12 on only.
+    # The relative path may need `..`, which `Path.relative_to` only writes from Python 3.12 on.
     file = Path(os.path.relpath(model.folders.own / model.path.name, folder)).as_posix()
     for body in rigid_bodies(model.links):
         name, stated = file_name(body.host.name, taken), body.stated

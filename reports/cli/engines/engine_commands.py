@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 app = typer.Typer()
 
-#: Columns of a line, and of a method's name in it.
+#: Width of a line, and of a method's name in it.
 WIDTH, NAMES = 80, 26
 
 
@@ -70,7 +70,7 @@ def list_engines(
 
 
 def _methods_of(engine: "Engine") -> Iterator[str]:
-    """An engine, and below it a line a method; what a method cannot simulate is named."""
+    """Yield a line for an engine and one for each method, with what the method cannot simulate."""
     from ....scenarios import EFFECTS
 
     optional = f" (optional: runs only with '--engine {engine.name}')" if engine.is_optional else ""

@@ -1,4 +1,4 @@
-"""Engines' derivatives beside the exact ones, as the command line shows them."""
+"""Judges and prints engines' derivatives, compared with the exact ones, for the command line."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict
@@ -35,7 +35,7 @@ def gradients(
 
 
 def print_gradients(rows: Sequence[GradientRow]) -> None:
-    """Print what was found, reasons below, then the gradients at the end of windows."""
+    """Print the verdicts, the reasons below, then the gradients at the end of windows."""
     table(list(map(_found, rows)))
     for row in rows:
         if row.judged.reason:
@@ -46,12 +46,12 @@ def print_gradients(rows: Sequence[GradientRow]) -> None:
 
 
 def gradients_as_json(rows: Sequence[GradientRow]) -> list[dict[str, Any]]:
-    """A record of each."""
+    """Return a record of each row."""
     return [asdict(row) for row in rows]
 
 
 def exit_code(rows: Sequence[GradientRow]) -> int:
-    """Whether a derivative is wrong, or none could be judged."""
+    """Return the exit code: whether a derivative is wrong, or none could be judged."""
     if any(row.judged.verdict == "disagrees" or row.judged.is_own is False for row in rows):
         return DISAGREES
     return AGREES if any(row.judged.verdict == "converges" for row in rows) else NOT_RUN

@@ -1,4 +1,4 @@
-"""What the command `reproduce` writes: one run as a file that needs no spincheck."""
+"""The command `reproduce`: writes one run as a file that does not need spincheck."""
 
 from dataclasses import dataclass
 from importlib.metadata import version
@@ -131,12 +131,12 @@ main();
 
 @dataclass(frozen=True)
 class Frame:
-    """What stands around an engine's script.
+    """The text around an engine's script.
 
     Attributes
     ----------
-    suffix : of the file
-    head, tail : templates; a title goes into the head
+    suffix : ending of the file's name
+    head, tail : templates of the text before and after it; the head contains a title
     row : template of a line of exact values: steps, q, omega
     """
 
@@ -152,12 +152,12 @@ FRAMES = {
 }
 
 
-#: Times at which the file compares.
+#: Number of times at which the file compares the run with exact values.
 MOST_SAMPLES = 21
 
 
 def reproduction(scenario: Scenario, engine: Engine, method: Method, timestep: float) -> str:
-    """The text of the file, in the language of the engine's script."""
+    """Return the text of the file, in the language of the engine's script."""
     if reason := engine.unsupported(scenario, method):
         raise Complaint(reason)
     with as_complaint(EngineError, before=f"{engine.name} {method.name}: ", exit_code=NOT_RUN):
@@ -181,13 +181,13 @@ def reproduction(scenario: Scenario, engine: Engine, method: Method, timestep: f
 
 
 def _without_script(scenario: Scenario, engine: Engine) -> str:
-    """The message that an engine has no script, with the names of those that have."""
+    """Return the complaint that an engine writes no scripts, with the engines that do."""
     able = [one.name for one in engines().values() if _writes(one, scenario)]
     return f"'--engine' must be one of {', '.join(able)}, which write scripts, got '{engine.name}'"
 
 
 def _writes(engine: Engine, scenario: Scenario) -> bool:
-    """Whether the engine writes scripts at all, though none of this scene."""
+    """Whether an engine writes scripts, even if not for this scene."""
     try:
         return bool(engine.script(scenario, engine.methods[0], 1.0))
     except EngineError:
@@ -201,7 +201,7 @@ def _tail(frame: Frame, solution: Solution, steps: NDArray[np.int64]) -> str:
     largest = float(np.linalg.norm(motion.omega_body, axis=1).max())
     rows = zip(*(column[kept].tolist() for column in columns), strict=True)
     return frame.tail.format(
-        # Of a body that does not turn errors are absolute.
+        # For a body that does not turn, errors are absolute.
         largest=largest or 1.0,
         solved=printable(solution.method),
         omega=solution.uncertainty.omega,

@@ -1,4 +1,4 @@
-"""What the command `judge` does, and prints."""
+"""The command `judge`: what it does, and what it prints."""
 
 import textwrap
 from collections.abc import Iterator, Sequence
@@ -22,19 +22,19 @@ from ..choosing import compile_first
 from ..grouped import angle, number
 from ..terminal import AGREES, DISAGREES, Complaint, as_complaint, table, written
 
-#: Columns that reasons are wrapped at.
+#: Width at which reasons are wrapped.
 WIDTH = 80
 
 
 @dataclass(frozen=True, eq=False)
 class Judgement:
-    """Recorded motions of a scene beside the exact one.
+    """Recorded motions of a scene, compared with the exact one.
 
     Attributes
     ----------
-    motions : by the name of their file
-    order : of accuracy, of the method that made them
-    beyond : what exceeds a bound that the user gave, one sentence each
+    motions : the motions, by the name of their file
+    order : order of accuracy of the method that made them
+    beyond : a sentence for each bound of the user's that is exceeded
     """
 
     scenario: Scenario
@@ -56,9 +56,9 @@ class Judgement:
 
     @property
     def exit_code(self) -> int:
-        """1 if a motion is another one, or beyond a bound."""
+        """1 if a motion is not the exact one, or exceeds a bound; else 0."""
         motions = self.motions.values()
-        # Of several files what a method makes is the verdict's to say.
+        # For several files the verdict judges the error of a method.
         alone = self.verdict is None
         explained = any(one.explained_by or (alone and one.is_beyond) for one in motions)
         wrong = self.verdict is not None and not self.verdict.agrees
@@ -82,12 +82,12 @@ def judged_files(
         )
     wanted = dict(_bound("--fail-above", bound) for bound in bounds)
     stated = _words(quaternion=quaternion, omega=omega) | _noise(noise)
-    # Before what takes half a minute the first time.
+    # Checked before anything that takes half a minute the first time.
     with as_complaint(RecordingError):
         recordings = [read_recording(file) for file in files]
     compile_first()
     motions = {}
-    # Of several files what a method makes is the verdict's to say.
+    # For several files the verdict judges the error of a method.
     claimed = order if len(files) == 1 else 1
     for file, recording, timestep in zip_longest(files, recordings, timesteps):
         made = {} if timestep is None else {"timestep": repr(timestep)}
@@ -102,11 +102,11 @@ def judged_files(
 
 
 def write_page(judgement: Judgement, folder: Path) -> Path:
-    """Write the scene's page, as of a report, with the files as the runs of one method.
+    """Write the scene's page, as in a report, with the files as the runs of one method.
 
     Returns
     -------
-    The page.
+    The path of the page.
     """
     from ...pages.render import render
 
@@ -117,7 +117,7 @@ def write_page(judgement: Judgement, folder: Path) -> Path:
 
 
 def _words(**options: str | None) -> dict[str, str]:
-    """Options that are words, as a file states them."""
+    """Return options that are words, in the form in which a file states them."""
     given = {name: value for name, value in options.items() if value is not None}
     for name, value in given.items():
         if value not in (known := SETTINGS[name] or ()):
@@ -126,7 +126,7 @@ def _words(**options: str | None) -> dict[str, str]:
 
 
 def _noise(stated: Sequence[str]) -> dict[str, str]:
-    """The noise of attitude, rad, and ω, rad/s, as a file states it."""
+    """Return the noise of attitude, rad, and ω, rad/s, in the form in which a file states it."""
     noise = dict(_bound("--noise", one) for one in stated)
     if others := noise.keys() - {"attitude", "omega"}:
         raise Complaint(f"'--noise' must be of attitude or omega, got '{others.pop()}'")
@@ -134,7 +134,7 @@ def _noise(stated: Sequence[str]) -> dict[str, str]:
 
 
 def _bound(option: str, text: str) -> tuple[str, float]:
-    """A signal, and how large an error or noise of it is, relative or in rad."""
+    """Return a signal, and the largest error or noise allowed in it, relative or in rad."""
     name, _, size = text.partition("=")
     if name not in SIGNAL:
         hint = did_you_mean(name, SIGNAL)
@@ -150,7 +150,7 @@ def _bound(option: str, text: str) -> tuple[str, float]:
 
 
 def judgement_as_json(judgement: Judgement) -> dict[str, Any]:
-    """Scene, and by file the errors and what explains them."""
+    """Return the scene, and by file the errors and what explains them."""
     return {
         "scenario": judgement.scenario.name,
         "files": [
@@ -201,7 +201,7 @@ def _lines(name: str, motion: JudgedMotion) -> Iterator[str]:
 
 
 def _rows(motion: JudgedMotion) -> list[dict[str, object]]:
-    """A row a signal: the largest error, and its defects from sample to sample."""
+    """Return a row for each signal: the largest error, and its defects from sample to sample."""
     rows: list[dict[str, object]] = []
     for name, error in motion.errors.items():
         signal, defect = SIGNAL[name], motion.defects.get(name)

@@ -1,4 +1,4 @@
-"""What the command `compare` does: what changed from one result to another."""
+"""The command `compare`: what changed from one result to another."""
 
 from collections.abc import Sequence
 from dataclasses import asdict, replace
@@ -27,7 +27,7 @@ def compare(old: str, new: str, stored: Path) -> list[Change]:
 
 
 def changes_between_versions(results: Results, older: str, newer: str) -> list[Change]:
-    """Return the changes; the engine of each is such as "mujoco@3.3.0 → 4.0.0"."""
+    """Return the changes; the engine of each is written as "mujoco@3.3.0 → 4.0.0"."""
     for name in (older, newer):
         if not any(verdict.key.engine == name for verdict in results.verdicts):
             raise Complaint(
@@ -39,7 +39,7 @@ def changes_between_versions(results: Results, older: str, newer: str) -> list[C
 
 
 def _alone(results: Results, engine: str, name: str) -> Results:
-    """The results of one engine, under a name that is shared with what they are compared with."""
+    """Return the results of one engine, under the name that both engines in the comparison get."""
     rows = [row for row in results.rows if row.key.engine == engine]
     verdicts = [verdict for verdict in results.verdicts if verdict.key.engine == engine]
     return replace(
@@ -50,12 +50,12 @@ def _alone(results: Results, engine: str, name: str) -> Results:
 
 
 def exit_code(changes: Sequence[Change]) -> int:
-    """1 if something changed for the worse, 0 if not."""
+    """Return 1 if something changed for the worse, else 0."""
     return DISAGREES if any(change.regression for change in changes) else AGREES
 
 
 def changes_as_json(changes: Sequence[Change]) -> dict[str, Any]:
-    """All changes, one by one, and the factors above which a number counts as changed."""
+    """Return all changes, one by one, and the factors above which a number counts as changed."""
     return {
         "regressions": sum(change.regression for change in changes),
         "error_factor": ERROR_FACTOR,
@@ -65,7 +65,7 @@ def changes_as_json(changes: Sequence[Change]) -> dict[str, Any]:
 
 
 def print_changes(changes: Sequence[Change]) -> None:
-    """Print the changes; of a method's errors on a scene only the one that changed most."""
+    """Print the changes; of a method's errors on a scene only the error that changed most."""
     if not changes:
         print("nothing changed")
         return
@@ -75,7 +75,7 @@ def print_changes(changes: Sequence[Change]) -> None:
 
 
 def _grouped(changes: Sequence[Change]) -> list[list[Change]]:
-    """Groups of changes: a method's errors on a scene that all grew or all shrank; others alone."""
+    """Return groups of changes: a method's errors on a scene, all grown or all shrunk; or one."""
     groups: dict[object, list[Change]] = {}
     for number, change in enumerate(changes):
         errors = (change.direction, change.scenario, change.engine, change.method)
@@ -103,7 +103,7 @@ def _line(group: Sequence[Change]) -> dict[str, object]:
 
 
 def _ratio(change: Change) -> float:
-    """The factor by which an error changed, at least 1; 0 for any other kind of change."""
+    """Return the factor by which an error changed, at least 1; 0 for any other kind of change."""
     if not isinstance(change.old, float) or not isinstance(change.new, float):
         return 0.0
     low, high = sorted((change.old, change.new))

@@ -10,12 +10,12 @@ import typer
 from ..options import RESULT_FILE, AsCsv, AsJson, Stored
 from ..terminal import Complaint, say, to_json
 
-#: What a formula begins with, or white space that spreadsheets pass over before one.
+#: Characters that a formula begins with, and white space that spreadsheets skip before one.
 FORMULA = ("=", "+", "-", "@", "\t", "\n")
 
 
 def csv_text(records: Sequence[Mapping[str, object]]) -> str:
-    """One line a record under one line of names; numbers read back to the last bit.
+    """Return a line of names and a line for each record; numbers read back to the last bit.
 
     A missing value is an empty cell. A table inside a record has a column for each of its entries,
     as in ``drifts.energy``; a list is joined by semicolons. A text that a spreadsheet would take
@@ -25,7 +25,7 @@ def csv_text(records: Sequence[Mapping[str, object]]) -> str:
     flat = [dict(_flattened(record)) for record in records]
     names = dict.fromkeys(name for record in flat for name in record)
     for name in [*names]:
-        # A table that some records do not have.
+        # Some records may not have this table.
         while name := name.rpartition(".")[0]:
             names.pop(name, None)
     text = io.StringIO()
@@ -46,7 +46,7 @@ def _flattened(record: Mapping[str, object]) -> Iterator[tuple[str, object]]:
 
 
 def _no_formula(value: object) -> object:
-    """The value, a text with an apostrophe before it where it begins like a formula."""
+    """Return the value; a text that begins like a formula gets an apostrophe before it."""
     return f"'{value}" if isinstance(value, str) and value.startswith(FORMULA) else value
 
 

@@ -1,4 +1,4 @@
-"""The option `--worlds`, and what it prints: worlds in batches beside the same world alone."""
+"""The option `--worlds`: compares worlds in batches with the same world alone, and prints it."""
 
 import textwrap
 from collections.abc import Iterator, Sequence
@@ -15,12 +15,12 @@ from ..named_scenes import scenes_to_run
 from ..terminal import AGREES, DISAGREES, NOT_RUN, Complaint, say, table
 from .summary import WIDTH
 
-#: Worlds of a batch, at most.
+#: Largest number of worlds in a batch.
 MOST = 1 << 20
 
 
 def named_worlds(text: str) -> list[int]:
-    """Numbers of worlds with commas between, in increasing order."""
+    """Return numbers of worlds, separated by commas in the text, in increasing order."""
     try:
         found = sorted({int(part) for part in text.split(",")})
     except ValueError:
@@ -41,7 +41,7 @@ def batches(
     device: str,
     time_limit: float | None,
 ) -> list[BatchRow]:
-    """A row for each scene, method and number of worlds; as shipped only if it is named."""
+    """Return a row for each scene, method and number of worlds; as shipped only if named."""
     if not scenes:
         raise Complaint("'--worlds' needs a scene, such as fast-top")
     scenarios = scenes_to_run(scenes)
@@ -77,7 +77,7 @@ def _check_batches(engine: Engine) -> None:
 
 
 def print_batches(rows: Sequence[BatchRow]) -> None:
-    """Print what was found of each method: a table, and what follows from it."""
+    """Print the results of each method: a table, and conclusions."""
     for (scene, engine, method, timestep), group in groupby(
         rows, key=lambda row: (row.scene, row.engine, row.method, row.timestep)
     ):
@@ -91,12 +91,12 @@ def print_batches(rows: Sequence[BatchRow]) -> None:
 
 
 def batches_as_json(rows: Sequence[BatchRow]) -> list[dict[str, Any]]:
-    """A record of each."""
+    """Return a record of each row."""
     return [asdict(row) for row in rows]
 
 
 def exit_code(rows: Sequence[BatchRow]) -> int:
-    """1 if a motion depends on its batch or a batch failed, 3 if none could be compared."""
+    """Return 1 if a motion depends on its batch or a batch failed, 3 if none could be compared."""
     if all(row.reason for row in rows):
         return NOT_RUN
     wrong = any(row.because or row.outcome == "failed" for row in rows)
@@ -121,7 +121,7 @@ def _words(apart: Apart | None) -> str:
 
 
 def _conclusions(rows: Sequence[BatchRow]) -> Iterator[str]:
-    """What the motion depends on, and from how many worlds on a batch is cheaper than MuJoCo."""
+    """Yield what the motion depends on, and how many worlds make a batch cheaper than MuJoCo."""
     if not rows:
         return
     if because := list(dict.fromkeys(word for row in rows for word in row.because)):

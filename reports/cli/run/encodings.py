@@ -1,4 +1,4 @@
-"""The option `--as`: the engines in the encodings that are named, and a list of encodings."""
+"""The option `--as`: which encodings it names, and what is printed of them."""
 
 from collections.abc import Iterator, Sequence
 
@@ -7,7 +7,7 @@ from ....engines.encodings import ENCODINGS, EncodedEngine
 from ....scenarios import EFFECTS, Scenario, did_you_mean
 from ..terminal import Complaint, say
 
-#: The word for all of them.
+#: Name for all encodings.
 ALL = "all"
 
 

@@ -1,4 +1,4 @@
-"""What `run --ensemble` and `show --member` do, and print."""
+"""The options `run --ensemble` and `show --member`: what they do, and what they print."""
 
 from collections import Counter
 from collections.abc import Iterable, Sequence
@@ -50,7 +50,7 @@ def print_ensemble(swept: EnsembleResult) -> None:
 
 
 def ensemble_as_json(swept: EnsembleResult) -> dict[str, Any]:
-    """What was asked for, and its points, with the names that scripts rely on."""
+    """Return the definition of an ensemble and its runs, with the names that scripts rely on."""
     return asdict(swept.ensemble) | {"points": [row_record(point) for point in swept.points]}
 
 
@@ -79,14 +79,14 @@ def _line(points: Sequence[Row]) -> dict[str, object]:
     }
 
 
-#: Lines of progress that an ensemble prints if there is no terminal to draw a bar on.
+#: Number of lines of progress that an ensemble prints if there is no terminal to draw a bar on.
 PROGRESS_LINES = 50
 
 
 def run_ensembles(
     scenes: Sequence[str], members: int, seed: int, choice: Choice, jobs: int, out: Path
 ) -> list[EnsembleResult]:
-    """Run the members that an ensemble of each scene still lacks, and read all of it.
+    """Run the missing members of an ensemble of each scene, and return all of its runs.
 
     Parameters
     ----------
@@ -111,7 +111,7 @@ def _check_members(members: int, seed: int) -> None:
 
 
 def member_of(scene: str, number: int | None, seed: int | None) -> Scenario:
-    """Return a scene, or the member of an ensemble of it that has a number and a seed."""
+    """Return a scene, or the member of its ensemble with a given number and seed."""
     base = one_scene(scene)
     if number is None:
         if seed is not None:
@@ -131,7 +131,7 @@ def choose_for_ensemble(
     again: bool = False,
     python: str = "",
 ) -> Choice:
-    """Engines, methods, at most one timestep, a time limit, s, and whether all is run again.
+    """Return the choice of engines, methods, at most one timestep, and a time limit, s.
 
     Parameters
     ----------
@@ -144,7 +144,7 @@ def choose_for_ensemble(
 
 
 def print_ensembles(swept: Sequence[EnsembleResult], out: Path, as_json: bool) -> None:
-    """Print ensembles, as JSON a single one or a list of them."""
+    """Print ensembles; as JSON, a single one or a list of them."""
     if as_json:
         records = [ensemble_as_json(one) for one in swept]
         print(to_json(records[0] if len(records) == 1 else records))
@@ -158,7 +158,7 @@ def print_ensembles(swept: Sequence[EnsembleResult], out: Path, as_json: bool) -
 
 
 def exit_code_of(swept: Iterable[EnsembleResult]) -> int:
-    """0 if every run came to an end of its own, 1 if one failed, 3 if all did."""
+    """Return 0 if every run finished or diverged, 1 if one failed, 3 if all did."""
     outcomes = {point.outcome for one in swept for point in one.points}
     if outcomes <= {"failed"}:
         return NOT_RUN
@@ -168,7 +168,7 @@ def exit_code_of(swept: Iterable[EnsembleResult]) -> int:
 def _carried_out(
     definitions: Sequence[tuple[Ensemble, Scenario]], choice: Choice, jobs: int, out: Path
 ) -> list[EnsembleResult]:
-    """Run what is missing of ensembles, and return them with the points of the methods chosen."""
+    """Run what is missing of ensembles, and return them with the runs of the chosen methods."""
     check_all_apply(choice, [base for _, base in definitions])
     results = []
     with (

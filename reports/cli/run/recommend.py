@@ -34,9 +34,9 @@ from ..stopping import saying
 from ..terminal import AGREES, DISAGREES, NOT_RUN, Complaint, say
 from . import running
 
-#: Timed runs of a method that stored results must have to be used.
+#: Least number of timed runs of a method for stored results to be used.
 LEAST_TIMED = 3
-#: Checks before it is given up.
+#: Number of checks after which the search is given up.
 CHECKS = 4
 
 
@@ -49,12 +49,12 @@ class Recommendation:
     candidates : every method, the cheapest first, those that cannot reach the bounds last
     checks : runs at exactly a recommended timestep; the last one is of the first candidate
     unchecked : why the choice was not checked; empty if it was
-    setup : what to type into the engine of the first candidate; empty if that is not known
-    command : runs the first candidate again; empty where nothing is recommended
+    setup : what users of the first candidate's engine write; empty if that is not known
+    command : the command that runs the first candidate again; empty if nothing is recommended
     nothing : why nothing is recommended; empty if something is
     source : the result file used; empty if the scene was run now
-    left_in : times of the first candidate's steps with what its adapter leaves out left in, as a
-        script has it; None where nothing is left out, or it was not timed
+    left_in : cost of the first candidate's steps with nothing left out, as in a user's script; None
+        if nothing is left out by default, or it was not timed
     """
 
     scenario: str
@@ -70,12 +70,12 @@ class Recommendation:
 
     @property
     def best(self) -> Candidate | None:
-        """The cheapest; None where nothing is recommended."""
+        """The cheapest candidate; None if nothing is recommended."""
         return None if self.nothing else self.candidates[0]
 
     @property
     def of_other_engines(self) -> list[Candidate]:
-        """The cheapest of each engine but the recommended one, of those that reach the bounds."""
+        """The cheapest candidate of each other engine that reaches the bounds."""
         first: dict[str, Candidate] = {}
         for candidate in self.candidates if self.best else ():
             if candidate.timestep is not None:
@@ -95,7 +95,7 @@ def recommend(
 
     Parameters
     ----------
-    stored : a result file; where it has no timed runs of the scene its ladders are run
+    stored : a result file; if it has no timed runs of the scene, its ladders are run
     """
     bounds = bounds or BOUNDS
     scenario = one_scene(scene)
@@ -114,14 +114,14 @@ def recommend(
 
 
 def within(row: Row, bounds: ErrorBounds) -> bool:
-    """Whether a run ended well and kept every bound."""
+    """Return whether a run ended well and kept every bound."""
     if row.errors is None:
         return False
     return all(row.errors[signal] <= bound for signal, bound in bounds.items())
 
 
 def exit_code(recommendation: Recommendation) -> int:
-    """0 if the recommended run was checked and keeps every bound, 1 if not."""
+    """Return 0 if the recommended run was checked and keeps every bound, else 1."""
     return AGREES if recommendation.verified else DISAGREES
 
 
@@ -134,7 +134,7 @@ def _check_bounds(bounds: ErrorBounds, scenario: Scenario) -> None:
 
 
 def _methods(scenario: Scenario, engine_names: Sequence[str]) -> list[str]:
-    """Names of the recommendable methods for a scene, of the engines named or those by default."""
+    """Return names of the recommendable methods for a scene, of named or default engines."""
     chosen = choose(engine_names, [], []).engines
     made_for_it = (method for engine in chosen for method in engine.methods_for(scenario))
     offered = [method.name for method in made_for_it if method.is_recommendable]
@@ -150,9 +150,9 @@ def _methods(scenario: Scenario, engine_names: Sequence[str]) -> list[str]:
 def _timed_runs(
     scene: str, bounds: ErrorBounds, engine_names: Sequence[str], stored: Path
 ) -> Results | None:
-    """The file's results of the scene, of engines installed here; None without a timed ladder.
+    """Return the file's results for the scene, of installed engines; None without a timed ladder.
 
-    Nor may an error that is bounded be missing: older files know no spins.
+    They also count as missing if an error with a bound is missing: older files have no spins.
     """
     if not stored.exists():
         return None
@@ -206,7 +206,7 @@ def _checked(scene: str, bounds: ErrorBounds, results: Results, folder: Path) ->
 
 
 def _as_typed(candidate: Candidate) -> Candidate:
-    """The candidate with a timestep of two digits, which is no longer, and its cost."""
+    """Return the candidate with its timestep rounded down to two digits, and the cost of that."""
     if candidate.timestep is None or candidate.cost is None:
         return candidate
     timestep = rounded_down(candidate.timestep)
@@ -225,7 +225,7 @@ def _setup(scene: SceneRuns, best: Candidate) -> str:
 
 
 def _too_long(best: Candidate, duration: float) -> str:
-    """Why a run cannot be checked; empty if it can."""
+    """Return why a run cannot be checked; empty if it can."""
     seconds = (best.cost or 0.0) * duration
     if seconds <= TIME_LIMIT:
         return ""
@@ -233,7 +233,7 @@ def _too_long(best: Candidate, duration: float) -> str:
 
 
 def _run_again(scenario: Scenario, key: Key, timestep: float, out: Path) -> Row:
-    """Run the method once, at exactly the timestep that is recommended."""
+    """Return one run at exactly that timestep."""
     say(f"Checking {key.label} at {timestep!r} s.")
     choice = Choice((engines()[key.engine],), (key.method,), (timestep,))
     with open_store(out, create=True) as store:
@@ -244,7 +244,7 @@ def _run_again(scenario: Scenario, key: Key, timestep: float, out: Path) -> Row:
 
 
 def _with_run(results: Results, run: Row) -> Results:
-    """The results with one more run; its cost a step is that of its method's other runs."""
+    """Return the results with one more run, with the cost per step of its method's other runs."""
     alike = next(row for row in reversed(results.rows) if row.key == run.key)
     priced = replace(
         run,
@@ -258,6 +258,6 @@ def _with_run(results: Results, run: Row) -> Results:
 
 def _command(scene: str, best: Candidate) -> str:
     parts = ["spincheck", "run", scene, "--engine", best.key.engine, "--method", best.key.method]
-    # In another file: running a scene replaces what a file holds of it.
+    # Into another file: running a scene replaces what a file holds about it.
     parts += ["--timestep", repr(best.timestep), "--out", "recommended.sqlite", "--json"]
     return shlex.join(parts)

@@ -1,4 +1,4 @@
-"""What `recommend` prints: the choice, that of other engines, and its checks."""
+"""What `recommend` prints: its choice, that of other engines, and its checks."""
 
 import math
 from dataclasses import asdict
@@ -12,7 +12,7 @@ from .recommend import Recommendation
 
 
 def recommendation_as_json(recommendation: Recommendation) -> dict[str, Any]:
-    """A recommendation as a JSON object; scripts rely on its names."""
+    """Return a recommendation as a JSON object; scripts rely on its names."""
     methods = [_method(candidate) for candidate in recommendation.candidates]
     return {
         "scenario": recommendation.scenario,
@@ -36,7 +36,7 @@ def recommendation_as_json(recommendation: Recommendation) -> dict[str, Any]:
 
 
 def _ratio(recommendation: Recommendation) -> float | None:
-    """The time of a step with what is left out left in, over that without."""
+    """Return the time of a step with nothing left out, over the time of the engine as it is."""
     whole = recommendation.left_in
     return whole.cost.ratio.median if whole and whole.cost and whole.cost.ratio else None
 

@@ -1,4 +1,4 @@
-"""What the command `run` does, and how its results are read back."""
+"""The command `run`: what it does, and how its results are read back."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -37,7 +37,7 @@ from .encodings import encoded
 
 
 def announcement(left: Plan) -> str:
-    """Engines, number of verdicts and timings to be made; empty for one verdict at most."""
+    """Return the engines and number of verdicts and timings to make; "" for one at most."""
     pairs = [pair for scene in left.scenes for pair in scene.to_run]
     if len(pairs) < 2:
         return ""
@@ -108,7 +108,7 @@ def run(
 
 
 def gone_on_with(out: Path) -> str:
-    """The message of a run that is stopped."""
+    """Return the message of a run that is stopped."""
     return f"finished results are in {printable(str(out))}; the same command continues from there"
 
 
@@ -123,13 +123,13 @@ def check_all_apply(choice: Choice, scenarios: Sequence[Scenario]) -> None:
 
 
 def scenes_of(names: Sequence[str], *, quick: bool) -> list[Scenario]:
-    """The scenes of a run; the hard ones of the library are in a quick run only if named."""
+    """Return the scenes of a run; hard ones of the library are in a quick run only if named."""
     scenarios = scenes_to_run(names)
     return [scenario for scenario in scenarios if names or not (quick and scenario.hard)]
 
 
 def _asked_for(results: Results, scenarios: Sequence[Scenario], choice: Choice) -> Results:
-    """The results of what was asked for: a result file may hold more."""
+    """Return the results of what was asked for, as a result file may hold more."""
     pairs = [(engine.name, method.name) for engine, method in choice.pairs()]
     scenes = {scenario.name: scenario for scenario in scenarios}
 
@@ -172,7 +172,7 @@ def read(path: Path, scene: str = "") -> Results:
 
 
 def tidied(path: Path) -> str:
-    """Delete results that do not count any more; returns how much that was, in words."""
+    """Delete results that no longer count; return in words how many they were."""
     with as_complaint(ResultFileError):
         with open_store(path):
             before = path.stat().st_size
@@ -190,14 +190,14 @@ def tell_untrue(results: Results) -> None:
 
 
 def say_where_motions_end(results: Results) -> None:
-    """Say of each scene whose motion ends before its window does that this is too long."""
+    """Print a warning for each scene whose motion ends before its window does."""
     for name, scene in results.scenes.items():
         if too_long := scene.solution.ends_before(scene.scenario.window.duration):
             say(f"{name}: {too_long}")
 
 
 def unproven_in_words(results: Results) -> str:
-    """How many verdicts are unproven; empty if none is."""
+    """Return in words how many verdicts are unproven; empty if none is."""
     count = sum(verdict.is_unproven for verdict in results.verdicts)
     if not count:
         return ""
@@ -208,7 +208,7 @@ def unproven_in_words(results: Results) -> str:
 
 
 def exit_code(results: Results, *, strict: bool = False) -> int:
-    """0 if everything agrees, 1 if something does not, 3 if nothing could be run.
+    """Return 0 if everything agrees, 1 if something does not, 3 if nothing could be run.
 
     Parameters
     ----------

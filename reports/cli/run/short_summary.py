@@ -18,21 +18,22 @@ from ...results.verdicts import Verdict
 from .summary import aligned, of_signals
 
 WIDTH = 80
-#: Lines that one reason may take, and scenes whose best choice is printed one by one.
+#: Largest number of lines for one reason, and of scenes whose best choice is printed one by one.
 REASON_LINES, SCENES_PRINTED = 3, 3
-#: Methods whose errors are printed, at most: engines as shipped, smallest errors first, then each
-#: engine's most accurate method, at least `OTHERS` of them.
+#: Largest number of methods whose errors are printed: engines as shipped, smallest errors first,
+#: then each engine's most accurate method, at least `OTHERS` of them.
 METHODS_SHOWN, OTHERS = 8, 3
-#: degrees; larger angles are printed as whole numbers.
+#: Larger angles, degrees, are printed as whole numbers.
 LEAST_WHOLE = 9.5
 
 
 def short_summary(results: Results, timesteps: Sequence[float] = ()) -> list[str]:
-    """The lines.
+    """Return the lines of the summary.
 
     Parameters
     ----------
-    timesteps : s, those asked for; their errors are printed instead of those at stock timesteps
+    timesteps : timesteps that were asked for, s; their errors are printed instead of those at stock
+        timesteps
     """
     report = report_data(results)
     lines = [*_counts(results.verdicts), *_first_failure(results.verdicts), *_lost(results.rows)]
@@ -42,7 +43,7 @@ def short_summary(results: Results, timesteps: Sequence[float] = ()) -> list[str
 
 
 def _counts(verdicts: Sequence[Verdict]) -> Iterator[str]:
-    """The number of verdicts, and how many of each word: of clean methods, and as shipped."""
+    """Yield the number of verdicts, and how many of each word, of methods and as shipped."""
     scenes = len({verdict.key.scenario for verdict in verdicts})
     yield f"{plural(scenes, 'scene')}, {plural(len(verdicts), 'verdict')}."
     for of_what, shipped in (
@@ -56,7 +57,7 @@ def _counts(verdicts: Sequence[Verdict]) -> Iterator[str]:
 
 
 def _first_failure(verdicts: Sequence[Verdict]) -> Iterator[str]:
-    """The first failing verdict with its reason, and how many more fail."""
+    """Yield the first failing verdict with its reason, and how many more fail."""
     wrong = [verdict for verdict in verdicts if not verdict.agrees]
     if not wrong:
         return
@@ -72,7 +73,7 @@ def _first_failure(verdicts: Sequence[Verdict]) -> Iterator[str]:
 
 
 def _lost(rows: Sequence[Row]) -> Iterator[str]:
-    """How many runs were lost to the machine, and why the first."""
+    """Yield how many runs were lost because of the machine, and why the first was."""
     lost = [row for row in rows if row.cause in ENVIRONMENTAL]
     if lost:
         text = f"{plural(len(lost), 'run')} lost by the machine's fault: {lost[0].reason}"
@@ -101,7 +102,7 @@ def _at_stock(report: ReportData) -> Iterator[str]:
 
 
 def _best(report: ReportData) -> Iterator[str]:
-    """The cheapest accurate run of each of few scenes; the methods most often best on many."""
+    """Yield the cheapest accurate run of each scene, or if many the methods most often best."""
     choices = {scene.name: best_choice(scene) for scene in report.scenes}
     best = {name: choice for name, choice in choices.items() if choice is not None}
     if not best:
@@ -120,7 +121,7 @@ def _best(report: ReportData) -> Iterator[str]:
 
 
 def _finest(report: ReportData) -> Iterator[str]:
-    """The timestep below which errors grow, of each method that shows it; the longest first."""
+    """Yield the timestep below which errors grow, for methods that show it, longest first."""
     found: dict[str, list[float]] = {}
     for scene in report.scenes:
         for runs in scene.methods:
@@ -150,7 +151,7 @@ def _brief(signal: Signal, error: float) -> str:
 
 
 def _named_run(row: Row, width: int) -> str:
-    """Scene, method and timestep in so many columns; of a long name the timestep is kept."""
+    """Return scene, method and timestep in a given width; long names are cut, not the timestep."""
     timestep = f" {duration(row.timestep)}"
     name, room = f"{row.key.scenario} {row.key.label}", width - len(timestep) - 1
     return f"{name if len(name) <= room else f'{name[: room - 1]}…'}{timestep}".ljust(width)

@@ -18,18 +18,19 @@ from ...results.verdict_words import VERDICT
 from ...results.verdicts import MADE, Verdict
 
 WIDTH = 80
-#: Columns of names in a line of a verdict.
+#: Width of names in a line of a verdict.
 SCENE, METHOD = 25, 25
-#: Lines that a reason takes at most.
+#: Largest number of lines of a reason.
 REASON_LINES = 3
-#: Columns of what is varied of a run.
+#: Width of what is varied in a run.
 VARIED = 24
 
 
 def run_lines(rows: Sequence[Row]) -> Iterator[str]:
     """Yield the runs of each method below its name; a star marks a stock timestep.
 
-    Runs of the scene as it is are listed by timestep, coarse to fine; others by what is varied.
+    Runs in which nothing is varied are listed by timestep, coarse to fine; others by what is
+    varied.
     """
     for (key, varied), runs in groupby(rows, key=lambda row: (row.key, tuple(row.varied))):
         yield cut(
@@ -52,7 +53,7 @@ def of_signals(
     errors: Iterable[Mapping[str, float]],
     words: Callable[[Signal, float], str] = lambda _, error: f"{error:.1e}",
 ) -> list[list[str]]:
-    """A column for each signal in which any run has an error: its label, and the errors."""
+    """Return a column for each signal in which any run has an error: its label, and the errors."""
     known = list(errors)
     shown = [signal for signal in SIGNALS if any(signal.name in one for one in known)]
     return [
@@ -61,7 +62,7 @@ def of_signals(
 
 
 def aligned(columns: Sequence[Sequence[str]]) -> list[str]:
-    """The lines of columns of texts, which end below each other."""
+    """Return the lines of columns of texts, which are aligned on the right."""
     widths = [max(map(len, column)) + 1 for column in columns]
     return [
         "".join(text.rjust(width) for text, width in zip(line, widths, strict=True))
@@ -70,7 +71,7 @@ def aligned(columns: Sequence[Sequence[str]]) -> list[str]:
 
 
 def verdict_lines(verdicts: Sequence[Verdict]) -> Iterator[str]:
-    """One line a verdict, and below each that needs one its reason."""
+    """Yield a line for each verdict, and below each that needs one its reason."""
     yield f"{'scene':{SCENE}} {'method':{METHOD}} {'verdict':11} {'order':>5} {'known to':>8}"
     for verdict in verdicts:
         key = verdict.key
@@ -96,7 +97,7 @@ def verdict_lines(verdicts: Sequence[Verdict]) -> Iterator[str]:
 
 
 def cut(text: str, width: int) -> str:
-    """A text of at most so many characters."""
+    """Return a text of at most a number of characters."""
     return text if len(text) <= width else f"{text[: width - 1]}…"
 
 
@@ -119,7 +120,7 @@ def _ended(row: Row) -> str:
 
 
 def results_as_json(results: Results) -> dict[str, Any]:
-    """Rows and verdicts with the names that scripts rely on."""
+    """Return rows and verdicts with the names that scripts rely on."""
     return {
         "rows": [row_record(row) for row in results.rows],
         "verdicts": verdict_records(results),
@@ -127,7 +128,7 @@ def results_as_json(results: Results) -> dict[str, Any]:
 
 
 def verdict_records(results: Results) -> list[dict[str, Any]]:
-    """Verdicts, each with the timesteps between which its method is of use."""
+    """Return verdicts, each with the timesteps between which its method is of use."""
     fastest_rates = {
         name: fastest_rate(scene.scenario, scene.solution.trajectory.omega_body)
         for name, scene in results.scenes.items()
@@ -164,10 +165,10 @@ def run_records(results: Results) -> list[dict[str, Any]]:
 
 
 def row_record(row: Row) -> dict[str, Any]:
-    """A run with the names that scripts rely on."""
+    """Return a run with the names that scripts rely on."""
     return as_json(row) | {"variation": row.varied, "survived": row.survived}
 
 
 def verdict_record(verdict: Verdict) -> dict[str, Any]:
-    """A verdict with the names that scripts rely on."""
+    """Return a verdict with the names that scripts rely on."""
     return as_json(verdict) | {name: getattr(verdict, name) for name in MADE}

@@ -1,4 +1,4 @@
-"""What the commands `reference` and `export --truth` do: the exact motion, printed and as files."""
+"""The commands `reference` and `export --truth`: the exact motion, printed and as files."""
 
 import json
 from collections.abc import Iterator, Sequence
@@ -23,7 +23,7 @@ from ..choosing import compile_first
 from ..terminal import NOT_RUN, Complaint, as_complaint, table
 from .sensitivities import derivatives, print_derivatives
 
-#: What each column is, with its unit and its axes.
+#: What each column holds, with its unit and its axes.
 COLUMNS = {
     "t": "time, s",
     "quaternion_wxyz": "attitude, unit quaternion w x y z, takes body to world components",
@@ -39,14 +39,14 @@ LETTERS = {1: [""], 3: ["_x", "_y", "_z"], 4: ["_w", "_x", "_y", "_z"]}
 
 
 def solved(scenario: Scenario, times: FloatArray) -> Solution:
-    """The exact motion at times, s; what solves it is compiled first."""
+    """Return the exact motion at times, s; the solver is compiled first."""
     compile_first()
     with as_complaint(IntegrationError, before=f"{scenario.name}: ", exit_code=NOT_RUN):
         return solve(scenario, times)
 
 
 def truth_files(scenario: Scenario, sensitivities: bool = False) -> dict[str, str]:
-    """The texts of truth.csv, and of sensitivities.json if wanted."""
+    """Return the texts of truth.csv, and of sensitivities.json if wanted."""
     solution = solved(scenario, scenario.times)
     motion = solution.trajectory
     columns = {
@@ -84,20 +84,20 @@ def _csv(scenario: Scenario, solution: Solution, columns: dict[str, FloatArray])
 
 
 def _ends(name: str, count: int) -> list[str]:
-    """What the components of a column have behind its name: rotors are numbered."""
+    """Return what the components of a column have behind its name: rotors are numbered."""
     return [f"_{k}" for k in range(1, count + 1)] if name == "rotors_spin" else LETTERS[count]
 
 
-#: Where a user names no times: the start, the end, and three between.
+#: Number of times if a user names none: the start, the end, and three between.
 QUARTERS = 5
 
 
 def describe(
     scenario: Scenario, at: Sequence[float], sensitivities: bool = False
 ) -> dict[str, Any]:
-    """States, uncertainty, conserved quantities and facts of a scene, SI units.
+    """Return states, uncertainty, conserved quantities and facts of a scene, SI units.
 
-    And its derivatives, if they are wanted.
+    The derivatives are included if they are wanted.
     """
     for time in at:
         if not 0 <= time < float("inf"):
@@ -114,7 +114,7 @@ def describe(
         "t": motion.t,
         "quaternion_wxyz": motion.q_world_body_wxyz,
         "euler_zyz_deg": np.degrees(angles),
-        # NaN (null in JSON) where β is 0 or π: α and γ have no rates of their own there.
+        # NaN (null in JSON) if β is 0 or π: α and γ have no rates of their own there.
         "euler_zyz_rates": rates_from_omega_body(angles, motion.omega_body),
         "omega_body": motion.omega_body,
         "omega_world": motion.to_world(motion.omega_body),
@@ -145,12 +145,12 @@ def describe(
 
 
 def _upright(q_world_body_wxyz: FloatArray, uncertainty: float) -> FloatArray:
-    """Attitudes, (n, 4), those whose tilt is 0 or π to within an uncertainty, rad, made exactly so.
+    """Return attitudes, (n, 4), in which a tilt of 0 or π within an uncertainty, rad, is exact.
 
-    Azimuth and turn of the others would be those of rounding.
+    Otherwise azimuth and turn of these attitudes would be those of rounding.
     """
     w_and_z = np.array([True, False, False, True])
-    # Sines of half the tilt, and of half of what it lacks to π.
+    # Sines of half the tilt, and of half the angle from the tilt to π.
     tilted = np.linalg.norm(q_world_body_wxyz[:, ~w_and_z], axis=1) > uncertainty / 2
     upright = np.linalg.norm(q_world_body_wxyz[:, w_and_z], axis=1) > uncertainty / 2
     kept = np.where(w_and_z, upright[:, None], tilted[:, None])
@@ -158,7 +158,7 @@ def _upright(q_world_body_wxyz: FloatArray, uncertainty: float) -> FloatArray:
 
 
 def print_truth(truth: dict[str, Any]) -> None:
-    """Print a description as tables."""
+    """Print a description, as `describe` returns it, as tables."""
     print(f"{truth['scenario']}: {truth['method']}")
     for state in truth["states"]:
         print("\n".join(_state(state)))
@@ -180,18 +180,18 @@ _ERRORS = ("uncertainty", "conditioning")
 
 
 def _state(state: dict[str, Any]) -> Iterator[str]:
-    """A line a quantity below the time; four components with exponents fit eighty columns."""
+    """Yield the time and a line for each quantity, whose four components fit eighty columns."""
     yield f"\nt = {state['t']:.10g} s"
     for name, value in state.items():
         if name != "t":
             numbers = value if isinstance(value, list) else [value]
             words = "  ".join(f"{number:.8g}" for number in numbers)
-            # Rates of Euler angles alone are ever NaN.
+            # Only rates of Euler angles are ever NaN.
             yield f" {name:16} {'undefined where β is 0° or 180°' if 'nan' in words else words}"
 
 
 def _shown(value: Any) -> str:
-    """Numbers rounded for reading; `--json` has all digits."""
+    """Return numbers rounded for reading; `--json` has all digits."""
     if isinstance(value, list | tuple):
         return "  ".join(_shown(item) for item in value)
     return f"{value:.10g}" if isinstance(value, float) else str(value)

@@ -1,4 +1,4 @@
-"""What the commands `show`, `export` and `new` do."""
+"""The commands `show`, `export` and `new`."""
 
 from pathlib import Path
 from typing import Any
@@ -33,12 +33,12 @@ samples = 201                      # including t = 0
 """
 
 
-#: Names of the tables that the scene begins with; the others are there as comments.
+#: Names of the tables that the scene begins with; the others are in the file as comments.
 BEGINS_WITH = ("gravity", "pivot")
 
 
 def _effects() -> str:
-    """The tables of all effects."""
+    """Return the tables of all effects as text."""
     texts = {e.table: f"{e.heading}\n{e.model.EXAMPLE}" for e in EFFECTS.values()}
     return "".join(
         line if name in BEGINS_WITH else f"# {line}"
@@ -64,16 +64,16 @@ def new_scene(name: str) -> Path:
     return path
 
 
-#: Default integrator of an exported MJCF, MuJoCo's most accurate, and the turn a step, rad, that it
-#: resolves to a few digits.
+#: Default integrator of an exported MJCF, MuJoCo's most accurate one, and the turn in a step, rad,
+#: that it resolves to a few digits.
 EXPORTED_INTEGRATOR = "RK4"
 EXPORTED_TURN = 0.05
-#: s; MuJoCo's own default, for a scene in which nothing moves.
+#: Timestep of a scene in which nothing moves, s: MuJoCo's own default.
 EXPORTED_TIMESTEP = 0.002
 
 
 def scene_as_json(scenario: Scenario) -> dict[str, Any]:
-    """A scene as it was read: SI units; names tell body and world axes."""
+    """Return a scene as it was read: SI units; names include body or world axes."""
     body, start = scenario.body, scenario.start
     written = scenario.document.model_dump(exclude_none=True)
     tables = written | written["effects"]
@@ -99,7 +99,7 @@ def scene_as_json(scenario: Scenario) -> dict[str, Any]:
 
 
 def model_files(scenario: Scenario) -> dict[str, str]:
-    """The texts of scene.xml (MJCF) and scene.urdf."""
+    """Return the texts of scene.xml (MJCF) and scene.urdf."""
     rate = fastest_rate(scenario, scenario.start.omega_body)
     timestep = EXPORTED_TURN / rate if rate else EXPORTED_TIMESTEP
     return {

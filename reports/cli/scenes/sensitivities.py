@@ -9,12 +9,12 @@ from ....reference import IntegrationError, sensitivity
 from ....scenarios import Scenario, Trajectory
 from ..terminal import NOT_RUN, as_complaint, table
 
-#: What the six rows of each array are, and those of the arrays in `translation`.
+#: Meanings of the six rows of each array, and of those of the arrays in `translation`.
 ROWS = ["attitude, rad, body axes", "omega, rad/s, body axes"]
 ROWS_OF_TRANSLATION = ["com, m, world axes", "velocity, m/s, world axes"]
 HEADS = ("θx", "θy", "θz", "ωx", "ωy", "ωz")
 HEADS_OF_TRANSLATION = ("x", "y", "z", "vx", "vy", "vz")
-#: What the columns of an array are derivatives by, where these are no numbers or vectors.
+#: Meanings of the columns of arrays whose columns are not the components of a vector or a number.
 COLUMNS = {
     "state_transition": [
         f"{what} {x}" for what in ("attitude", "ω", "com", "velocity") for x in "xyz"
@@ -25,7 +25,7 @@ COLUMNS = {
 
 
 def derivatives(scenario: Scenario, motion: Trajectory) -> dict[str, Any]:
-    """The `Sensitivity` at the times of a motion, its arrays as lists, with what rows are."""
+    """Return the `Sensitivity` at a motion's times, its arrays as lists, with rows' meanings."""
     with as_complaint(IntegrationError, before=f"{scenario.name}: ", exit_code=NOT_RUN):
         found = sensitivity(scenario, motion)
     record = {"rows": ROWS} | vars(found) | dict(found.parameters)
@@ -40,7 +40,7 @@ def _listed(record: Any) -> dict[str, Any]:
 
 
 def print_derivatives(record: dict[str, Any]) -> None:
-    """Print tables a time: a row for each number that the six of the heading are derived by."""
+    """Print tables for each time: each row is differentiated by the numbers in the heading."""
     for k, t in enumerate(record["t"]):
         print(f"Derivatives at t = {t:.10g} s by the start and by parameters, SI units:")
         table(list(_rows(record, HEADS, k, record["uncertainty"])))

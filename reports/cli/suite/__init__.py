@@ -1,1 +1,1 @@
-"""The options and hooks of pytest that `spincheck.suite` is run with."""
+"""The options and pytest hooks that `spincheck.suite` is run with."""

@@ -1,4 +1,4 @@
-"""The hooks of pytest of `spincheck.suite`, registered where an engine is named; what it tests."""
+"""Pytest hooks of `spincheck.suite`, which are registered if an engine is named; what it tests."""
 
 import tomllib
 from abc import ABC, abstractmethod
@@ -25,20 +25,20 @@ from ...results.verdicts import Verdict
 from ..choosing import choose
 from ..terminal import Complaint
 
-#: Steps of the longest run: of an engine that takes 15 µs a step, a quarter of a second.
+#: Number of steps of the longest run: for an engine that takes 15 µs a step, a quarter of a second.
 MOST_STEPS = 1 << 14
-#: Files at halved timesteps that a verdict takes.
+#: Number of files at halved timesteps that a verdict needs.
 FEWEST_FILES = 3
 
 
 class Subject(ABC):
-    """What a test is about.
+    """The subject of a test: a method of an engine, or recorded motions.
 
     Attributes
     ----------
     name : in the ids of tests
     about : the engine and its version, or the folder
-    method : of an engine; None of recorded motions
+    method : the engine's method; None for recorded motions
     """
 
     name: str
@@ -46,11 +46,11 @@ class Subject(ABC):
     method: Method | None = None
 
     def follows(self, name: str) -> None:
-        """Fail unless the motion on a scene converges to the exact one; skip if that is open.
+        """Fail unless the motion of a scene converges to the exact one; skip if that is not known.
 
         Parameters
         ----------
-        name : of one of the suite's scenes
+        name : name of one of the suite's scenes
         """
         verdict = self._verdict(name)
         word, reason = verdict.verdict, verdict.reason
@@ -61,7 +61,7 @@ class Subject(ABC):
 
     @abstractmethod
     def _verdict(self, name: str) -> Verdict:
-        """The verdict on a scene of that name."""
+        """Return the verdict on a scene."""
 
 
 @final
@@ -88,7 +88,7 @@ class EngineSubject(Subject):
 @final
 @dataclass(eq=False)
 class RecordedSubject(Subject):
-    """Motions recorded elsewhere: in the folder one for each scene, in that a file a timestep."""
+    """Motions recorded elsewhere: a folder for each scene, with a file for each timestep."""
 
     folder: Path
 
@@ -128,12 +128,12 @@ def _prepared(name: str) -> Prepared:
 
 
 def subjects(names: list[str]) -> Iterator[Subject]:
-    """What `--spincheck-engine` names.
+    """Yield the subjects that `--spincheck-engine` names.
 
     Raises
     ------
     pytest.UsageError
-        If there is no such engine, or it cannot be imported: with the reason.
+        If there is no such engine, or it cannot be imported; with the reason.
     """
     for name in names:
         if Path(name).is_dir():
@@ -155,14 +155,14 @@ TESTS = [name for name in [*vars(test_adapter), *vars(test_physics)] if name.sta
 
 
 def known_failures(path: Path) -> dict[str, str]:
-    """Return the reasons by the names of tests: ``test_heavy_top``, or with ``[engine-method]``.
+    """Return reasons of failures by test: ``test_heavy_top``, or with ``[engine-method]``.
 
     The file is TOML, a line ``"test_heavy_top[my-engine-RK4]" = "reason"`` for each.
 
     Raises
     ------
     pytest.UsageError
-        If it cannot be read, or names a test that there is not, or one without a reason.
+        If it cannot be read, names a test that does not exist, or gives no reason.
     """
     where = f"'--spincheck-xfails' {path}"
     try:
@@ -183,7 +183,7 @@ def known_failures(path: Path) -> dict[str, str]:
     return table
 
 
-#: What a test of the suite is parametrised by.
+#: Name of the argument by which tests of the suite are parametrised.
 SUBJECT = "spincheck_subject"
 _FOLDER = SCENES.parent.resolve()
 
@@ -224,7 +224,7 @@ class SuiteHooks:
     def pytest_runtest_makereport(
         self, item: pytest.Item
     ) -> Generator[None, pytest.TestReport, pytest.TestReport]:
-        """Say what a failure means, and which public issues the test would have caught."""
+        """Report what a failure means, and which public issues the test would have found."""
         report = yield
         if _is_of_suite(item) and report.failed:
             about = vars(item.function)
@@ -233,7 +233,7 @@ class SuiteHooks:
         return report
 
     def pytest_terminal_summary(self, terminalreporter: Any) -> None:
-        """Name what the suite was run on."""
+        """Print what the suite was run on."""
         names = ", ".join(dict.fromkeys(subject.about for subject in self._subjects))
         terminalreporter.write_line(f"spincheck suite on {names}")
 

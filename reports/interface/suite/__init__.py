@@ -9,5 +9,5 @@ from pathlib import Path
 
 __all__ = ["SCENES"]
 
-#: The folder of the scenes of `test_physics`.
+#: The folder with the scenes of `test_physics`.
 SCENES = Path(__file__).parent / "scenes"

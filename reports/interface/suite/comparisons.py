@@ -11,30 +11,31 @@ from spincheck.scenarios.rotation import norms, rotation_vectors
 from spincheck.suite.contract_scenes import SCENES
 
 TIMESTEP = 1e-3
-#: s, and steps over it at which a method of this order is in its asymptotic range.
+#: Span of time, s, and number of steps over it with which a method of a given order is in its
+#: asymptotic range.
 SPAN = 0.25
 COARSEST = {1: 1024, 2: 128, 3: 128, 4: 16, 5: 32}
-#: Differences that an order is computed from are at least this many roundings.
+#: Least size of differences that an order is computed from, in roundings.
 ABOVE_ROUND_OFF = 1000
-#: Number of steps that is no power of two.
+#: A number of steps that is not a power of two.
 ODD_STEPS = 115
-#: Steps after a restart: what it left out may show in the first alone.
+#: Number of steps after a restart: what the restart forgot may show in the first step alone.
 RESTART_STRIDES = (1, ODD_STEPS - 1)
-#: Samples of a run.
+#: Number of samples of a run.
 SAMPLES = 8
 
 
 def able_scenes(
     engine: Engine, method: Method, names: Iterable[str] = SCENES
 ) -> Iterator[Scenario]:
-    """The scenes that the method can simulate; at least one, or the contract is broken."""
+    """Yield the scenes that the method can simulate; fail the test if there is none."""
     able = [SCENES[name] for name in names if not engine.unsupported(SCENES[name], method)]
     require(bool(able), engine, method, None, "it can simulate none of the contract's scenes")
     yield from able
 
 
 def moves_as_opened(engine: Engine, method: Method, scene: Scenario, session: Session) -> None:
-    """Require that a restarted session steps like one that is opened."""
+    """Require that a restarted session steps like a newly opened one."""
     with engine.open(scene, method, TIMESTEP) as opened:
         for steps in RESTART_STRIDES:
             opened.advance(steps)
@@ -46,7 +47,7 @@ def moves_as_opened(engine: Engine, method: Method, scene: Scenario, session: Se
 
 
 def apart(first: Session, second: Session) -> float:
-    """The largest difference of two states: rad, of other quantities relative to their size."""
+    """Return the largest difference of two states: angles in rad, other quantities relative."""
     one, other = first.read_state(), second.read_state()
     turn = rotation_vectors(one.q_world_body_wxyz[None], other.q_world_body_wxyz[None])
     pairs = list(zip(vars(one).values(), vars(other).values(), strict=True))[1:]
@@ -55,7 +56,7 @@ def apart(first: Session, second: Session) -> float:
 
 
 def moves_apart(engine: Engine, method: Method, other: Method, scene: Scenario) -> bool:
-    """Whether two methods differ after a few steps."""
+    """Return whether two methods differ after a few steps."""
     with (
         engine.open(scene, method, TIMESTEP) as first,
         engine.open(scene, other, TIMESTEP) as second,
@@ -66,7 +67,7 @@ def moves_apart(engine: Engine, method: Method, other: Method, scene: Scenario) 
 
 
 def observed_orders(engine: Engine, method: Method, scene: Scenario) -> tuple[float, float] | None:
-    """Signed orders of ω and attitude, from three runs; None where round-off hides them."""
+    """Return signed orders of ω and attitude, from three runs; None if round-off hides them."""
     coarsest = COARSEST.get(method.order, SAMPLES)
     motions: list[Trajectory] = []
     for refinement in (1, 2, 4):
@@ -88,12 +89,12 @@ def observed_orders(engine: Engine, method: Method, scene: Scenario) -> tuple[fl
 
 
 def numbers(session: Session) -> FloatArray:
-    """All numbers of a state, (13,)."""
+    """Return all numbers of a state, (13,)."""
     return np.concatenate([np.ravel(column) for column in vars(session.read_state()).values()])
 
 
 def same(first: Session, second: Session) -> bool:
-    """Whether two sessions are in the same state, to the last bit."""
+    """Return whether two sessions are in the same state, to the last bit."""
     return np.array_equal(numbers(first), numbers(second))
 
 

@@ -1,17 +1,17 @@
-"""What the tests of the suite are given: the engines named on pytest's command line."""
+"""Fixtures of the suite's tests: the engines named on pytest's command line."""
 
 from typing import Any
 
 import pytest
 from spincheck.engines import Engine, Method
 
-#: Scenes are data of tests, and none themselves.
+#: Modules that hold scenes, which are data of tests and no tests themselves.
 collect_ignore_glob = ["scenes/*"]
 
 
 @pytest.fixture
 def spincheck_subject() -> Any:
-    """What is tested; parametrised by spincheck's plugin if an engine is named."""
+    """Return the subject of a test; spincheck's plugin parametrises it if an engine is named."""
     pytest.exit(
         "'--spincheck-engine' must name what is tested: my_package:MyEngine, an engine of "
         "'spincheck engines', 'child:COMMAND', or a folder of recorded motions.",

@@ -6,24 +6,26 @@
 from spincheck.scenarios import Scenario, loads
 from spincheck.scenarios.scenario import started_at
 
-#: Principal moments all different, the triangle inequality satisfied with room to spare.
+#: A body whose principal moments all differ and satisfy the triangle inequality with room to spare.
 ASYMMETRIC = """
 mass = 1.5
 inertia = [1.0, 2.0, 2.5]
 """
-#: Not aligned with its own frame, its com off the origin and off the axis of ω: mix-ups show.
+#: A body whose principal axes are not its frame's, with its com off the origin and off the axis of
+#: ω, so that mix-ups show.
 TILTED = """
 mass = 1.3
 inertia = [[1.4, 0.2, -0.1], [0.2, 1.1, 0.3], [-0.1, 0.3, 0.9]]
 com = [0.15, -0.1, 0.2]
 """
-#: The triangle equality: a plate, in a frame of its own; readers are known to refuse some of these.
+#: A body with triangle equality, a plate, in a frame of its own; readers are known to refuse some
+#: such bodies.
 TILTED_PLATE = """
 mass = 0.7
 inertia = [[1.5, 0.5, 0.0], [0.5, 1.5, 0.0], [0.0, 0.0, 3.0]]
 com = [0.0, 0.0, 0.0]
 """
-#: A toy top: moments about its com, the pivot 4 cm below it.
+#: A toy top: moments about its com, and a pivot 4 cm below it.
 TOP = """
 mass = 0.1
 inertia = [2.0e-4, 2.0e-4, 1.0e-4]
@@ -48,15 +50,15 @@ omega_body = [0.3, -0.2, 40.0]
 
 PIVOT = "[effects.pivot]\n"
 GRAVITY = "[effects.gravity]\nacceleration = [0.0, 0.0, -9.81]\n"
-#: Along no axis, so that a swapped or flipped component shows.
+#: A start with ω and attitude along no axis, so that a swapped or flipped component shows.
 SKEW_GRAVITY = "[effects.gravity]\nacceleration = [1.0, -2.0, -9.0]\n"
 TABLE = "[effects.table]\nheight = 0.1\ntip = [0.0, 0.0, -0.005]\nradius = 0.02\n"
 DRAG = "[effects.drag]\nrotational = 0.3\n"
 TORQUE_BODY = "[effects.torque]\nbody = [0.4, -0.3, 0.2]\n"
-#: For the toy top.
+#: A start for the toy top.
 FEEBLE = "[effects.torque]\nbody = [1e-4, -2e-4, 3e-4]\n"
 TORQUE_WORLD = "[effects.torque]\nworld = [0.4, -0.3, 0.2]\n"
-#: One on each kind of hinge, along no axes, of two directions of spin.
+#: Rotors on each kind of hinge, along no axes, with spins of both signs.
 ROTORS = """
 [[rotors]]
 axis = [1.0, 2.0, -1.0]
@@ -79,7 +81,7 @@ inertia = [0.1, 0.12]
 spin = -5.0
 hinge = "driven"
 """
-#: For the toy top.
+#: Effects for the toy top.
 SMALL_ROTORS = """
 [[rotors]]
 axis = [0.1, 0.0, 1.0]
@@ -106,12 +108,12 @@ def scene(
     duration: float = 1.0,
     samples: int = 11,
 ) -> Scenario:
-    """A scenario out of the contents of its tables; `effects` comes with its own headers.
+    """Return a scenario made of the contents of its tables; `effects` includes its own headings.
 
     Parameters
     ----------
     body, start : lines of these tables
-    effects : tables, headers included
+    effects : tables, headings included
     duration : s
     """
     return loads(
@@ -130,7 +132,7 @@ samples = {samples}
 
 
 def from_elsewhere(scenario: Scenario) -> Scenario:
-    """The scene from another attitude, ω, spins and, where it is free, position and velocity.
+    """Return the scene with another attitude, ω, spins and, if it is free, position and velocity.
 
     A body on a table leans a little the other way, so that the table still pushes.
     """

@@ -26,14 +26,14 @@ from spincheck.suite.comparisons import (
 from spincheck.suite.contract_scenes import from_elsewhere
 from spincheck.suite.failure_means import failure_means
 
-#: s; no power of two.
+#: Timestep, s; not a power of two.
 ODD_TIMESTEP = 1e-4
-#: How far an order may fall short of the declared one, as for the verdict of a ladder.
+#: How far an order may fall short of the declared one, as in the verdict on a ladder.
 ORDER_SLACK = 0.25
-#: For requirements that do not depend on the scene: free, on a pivot and on a table, with changing
-#: torques.
+#: Scenes for requirements that do not depend on the scene: free, on a pivot and on a table, with
+#: changing torques.
 FEW = ("free", "free-torque-body", "heavy-tilted", "table-torque-body", "everything")
-#: For restarts: also a body whose com is not its origin, free to move.
+#: Scenes for restarts: also a free body whose com is not its origin.
 RESTARTED = (*FEW, "free-falling", "pivot-drag", "free-rotors", "pivot-rotors")
 
 
@@ -159,7 +159,7 @@ def test_shares_no_memory_between_sessions(engine: Engine, method: Method) -> No
             kept = {name: np.array(column) for name, column in vars(before).items()}
             for _ in range(SAMPLES):
                 first.advance(1)
-                # More steps, so that the two differ on the same scene too.
+                # Another number of steps, so that the two sessions differ even on the same scene.
                 second.advance(2)
             is_kept = all(np.array_equal(getattr(before, name), kept[name]) for name in kept)
             require(is_kept, engine, method, one, "a state that was read changes with later steps")

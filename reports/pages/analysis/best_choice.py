@@ -1,4 +1,4 @@
-"""The cheapest that is accurate enough: of a scene's runs, and of the timesteps between them."""
+"""The cheapest choice that is accurate enough, among a scene's runs and timesteps between them."""
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
@@ -19,18 +19,18 @@ ErrorBounds = Mapping[str, float]
 
 @dataclass(frozen=True)
 class Candidate:
-    """One method, and the timestep and cost it needs to stay within every bound.
+    """A method, with the timestep and cost that it needs to stay within every bound.
 
     Attributes
     ----------
-    word, reason : how that is known, or why it is out of reach, for the deciding bound
+    word, reason : how timestep and cost are known, or why a bound is out of reach
     decided_by : the error whose bound needs the smallest timestep, or cannot be reached
-    largest_stable : s, the coarsest timestep from which all finer ones ended well
-    finest_useful : s, below which errors of some bound grow, as rounding makes them; None where
-        no run shows that
-    timestep : s; None where out of reach
-    cost : CPU seconds a simulated second at that timestep
-    spread : of the timings of a step, relative
+    largest_stable : the coarsest timestep from which on all finer runs ended well, s
+    finest_useful : timestep below which errors of some bound grow by rounding, s; None if no run
+        shows that
+    timestep : s; None if out of reach
+    cost : CPU seconds for a simulated second at that timestep
+    spread : relative spread of the timings of a step
     """
 
     key: Key
@@ -45,12 +45,12 @@ class Candidate:
 
     @property
     def label(self) -> str:
-        """As users type it."""
+        """Engine and method as users type them."""
         return self.key.label
 
 
 def candidates(scene: SceneRuns, bounds: ErrorBounds) -> list[Candidate]:
-    """Timestep and cost of each method for staying within all bounds, the cheapest first.
+    """Return timestep and cost of each method for staying within all bounds, the cheapest first.
 
     Engines as shipped are left out, since they may simulate something else than the scene, and so
     are other readers of models.
@@ -61,7 +61,7 @@ def candidates(scene: SceneRuns, bounds: ErrorBounds) -> list[Candidate]:
 
 
 def as_cheap(candidates: Sequence[Candidate]) -> list[Candidate]:
-    """The candidates whose cost differs from the first's by less than the spread of the timings."""
+    """Return the candidates that cost as much as the first, within the spread of the timings."""
     best, *others = candidates
     if best.cost is None:
         return []
@@ -70,7 +70,7 @@ def as_cheap(candidates: Sequence[Candidate]) -> list[Candidate]:
 
 
 def _candidate(scene: SceneRuns, runs: MethodRuns, bounds: ErrorBounds) -> Candidate:
-    """The smallest of the timesteps that the bounds ask for, or the first bound out of reach."""
+    """Return the smallest timestep that the bounds require, or the first bound out of reach."""
     curves = {signal: curve_of(scene, runs, signal) for signal in bounds}
     reached = {signal: reach(curves[signal], bound) for signal, bound in bounds.items()}
     timesteps = {
@@ -95,7 +95,7 @@ def _candidate(scene: SceneRuns, runs: MethodRuns, bounds: ErrorBounds) -> Candi
 
 
 def finest_useful(scene: SceneRuns, runs: MethodRuns) -> float | None:
-    """The timestep, s, below which errors of attitude or ω grow; None where no run shows that."""
+    """Return the timestep, s, below which errors of attitude or ω grow; None if not shown."""
     if scene.solved is None:
         return None
     return _finest(curve_of(scene, runs, signal) for signal in BOUNDS)
@@ -105,9 +105,9 @@ def _finest(curves: Iterable[Curve]) -> float | None:
     return max((one.least.timestep for one in curves if one.least), default=None)
 
 
-#: Bounds of a best choice: attitude in rad; ω, relative to its largest.
+#: Bounds of a best choice: attitude in rad; ω relative to its largest value.
 ATTITUDE_WITHIN, OMEGA_WITHIN = math.radians(0.1), 1e-3
-#: A motion tells methods apart if turning on at a constant rate misses a bound by this factor.
+#: A motion distinguishes methods if turning on at a constant rate misses a bound by this factor.
 TELLING = 10.0
 BOUNDS: ErrorBounds = {"attitude": ATTITUDE_WITHIN, "omega": OMEGA_WITHIN}
 
@@ -118,7 +118,7 @@ class BestChoice:
 
     Attributes
     ----------
-    cost : CPU seconds a simulated second; None where nothing was timed
+    cost : CPU seconds for a simulated second; None if nothing was timed
     within : whether it is accurate enough; if not, it is the most accurate run
     """
 
@@ -129,26 +129,26 @@ class BestChoice:
 
     @property
     def timestep(self) -> float:
-        """What to type, s: that of the run, or a little less; stock timesteps are as they are."""
+        """The timestep to type, s: the run's, rounded down; stock timesteps are unchanged."""
         return self.row.timestep if self.row.stock else rounded_down(self.row.timestep)
 
     @property
     def setup(self) -> str:
-        """As of `MethodRuns`."""
+        """What users write to use the method at that timestep; see `MethodRuns.setup`."""
         return self.runs.setup(self.timestep)
 
 
 def best_choice(scene: SceneRuns) -> BestChoice | None:
-    """The first of `best_choices`; None if there is none."""
+    """Return the first of `best_choices`; None if there is none."""
     return next(iter(best_choices(scene)), None)
 
 
 def best_choices(scene: SceneRuns) -> list[BestChoice]:
-    """The best choice of each engine, the best of all first; none where the motion is `steady`.
+    """Return the best choice of each engine, the best first; none if the motion is `steady`.
 
-    That is the cheapest run within `BOUNDS`, of methods that converge, or if there is none the most
-    accurate run. Engines as shipped, and other readers of models, are left out; so are untimed runs
-    if any run was timed.
+    It is the cheapest run within `BOUNDS`, among methods that converge, or if there is none the
+    most accurate run. Engines as shipped, and other readers of models, are left out; so are untimed
+    runs if any run was timed.
     """
     if scene.solved is None or steady(scene.solved, BOUNDS):
         return []
@@ -167,11 +167,11 @@ def best_choices(scene: SceneRuns) -> list[BestChoice]:
 
 
 def steady(solved: SceneResult, bounds: ErrorBounds) -> str:
-    """Why a scene tells nothing about methods; empty if it does.
+    """Return why a scene does not distinguish methods; empty if it does.
 
-    That is where a body that went on turning as at the start, at a constant rate about an axis that
-    stays, would be within `TELLING` times the bounds of attitude and ω, or `BOUNDS` if these have
-    none: a trivial forecast with little less skill (A. H. Murphy, Mon. Wea. Rev. 116 (1988) 2417).
+    It does not if a body that turned on as at the start, at a constant rate about a constant axis,
+    would be within `TELLING` times the bounds of attitude and ω, or `BOUNDS` if these have none: a
+    trivial forecast with little less skill (A. H. Murphy, Mon. Wea. Rev. 116 (1988) 2417).
     """
     errors = _errors_of_uniform_rotation(solved)
     if any(errors[name] > TELLING * bounds.get(name, bound) for name, bound in BOUNDS.items()):
@@ -184,13 +184,13 @@ def steady(solved: SceneResult, bounds: ErrorBounds) -> str:
 
 
 def nothing_because(scene: SceneRuns) -> str:
-    """Why nothing is recommended on a scene, in a sentence."""
+    """Return why nothing is recommended on a scene, in a sentence."""
     reason = steady(scene.solved, BOUNDS) if scene.solved else "its exact motion is not known"
     return f"Nothing is recommended: {reason or 'no method converges on this scene'}."
 
 
 def within_in_words(bounds: ErrorBounds) -> str:
-    """Bounds as users read them: 0.1° in attitude and 10⁻³ in ω."""
+    """Return bounds as users read them: 0.1° in attitude and 10⁻³ in ω."""
     parts = []
     for name, bound in bounds.items():
         size = f"{math.degrees(bound):.3g}°" if SIGNAL[name].unit else f"{bound:g}"
@@ -208,7 +208,7 @@ def _errors_of_uniform_rotation(solved: SceneResult) -> Errors:
 
 
 def _rank(one: BestChoice) -> tuple[bool, float, float]:
-    """The key to sort candidates by: those within the bounds by cost, then the others by error."""
+    """Return a sort key: choices within the bounds by cost and timestep, then others by error."""
     assert one.row.errors is not None, "only a run with errors is chosen"
     if one.within:
         return False, one.cost or 0.0, -one.row.timestep

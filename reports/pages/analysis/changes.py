@@ -16,15 +16,15 @@ from ...results.verdicts import Verdict
 from .observed_order import ASYMPTOTIC
 from .report_data import MethodRuns, SceneRuns, report_data
 
-#: An error has changed if it did by this factor: at the same timestep, an engine that computes the
-#: same makes the same error, to rounding.
+#: Factor by which an error must differ to count as changed: at the same timestep, an engine that
+#: computes the same makes the same error, up to rounding.
 ERROR_FACTOR = 1.1
-#: A cost has changed if it did by this factor, and by more than both spreads.
-#: Of 497 methods timed three times on one processor, busy with other work, no two times were more
-#: than 1.18 apart, though up to 12 % of them by more than both spreads; of steps that cost
-#: twice as much, 99 % are detected.
+#: Factor by which a cost must differ to count as changed, and by more than both spreads. Of 497
+#: methods timed three times on one processor, busy with other work, no two times were more than
+#: 1.18 apart, though up to 12 % of them by more than both spreads; of steps that cost twice as
+#: much, 99 % are detected.
 COST_FACTOR = 1.25
-#: From good to bad.
+#: Words from good to bad.
 OUTCOMES: tuple[Outcome, ...] = ("ok", "unsupported", "diverged", "failed")
 
 Kind = Literal[
@@ -41,9 +41,9 @@ class Change:
     ----------
     name : the entry of the environment, the signal of an error, or the expectation
     old, new : the values in the two files; None if missing
-    direction : for the worse or for the better, or neither
+    direction : whether the change is for the worse, for the better, or neither
     regression : whether it is for the worse, and due to the engine or program under test
-    scenario, engine, method, timestep : where; None where that does not apply; s
+    scenario, engine, method, timestep : where it is, timestep in s; None if one does not apply
     """
 
     kind: Kind
@@ -59,7 +59,7 @@ class Change:
 
 
 def changes(old: Results, new: Results) -> list[Change]:
-    """All changes: of the environment and scenes first, then of methods, then of runs."""
+    """Return all changes: of the environment and scenes first, then of methods, then of runs."""
     edited = {name for name in old.scenes.keys() & new.scenes.keys() if _edited(name, old, new)}
     differences = [*_environment(old.environment, new.environment), *_scenes(old, new, edited)]
     differences += _methods(old, new)
@@ -75,7 +75,7 @@ def changes(old: Results, new: Results) -> list[Change]:
     return differences
 
 
-#: The results of a method on a scene in one file, and the scene.
+#: In one file, the results of a method on a scene, and the scene.
 _OfKey = tuple[SceneRuns, MethodRuns]
 
 
@@ -91,7 +91,7 @@ def _environment(old: Mapping[str, str], new: Mapping[str, str]) -> Iterator[Cha
 
 
 def _edited(name: str, old: Results, new: Results) -> bool:
-    """Whether a scene's motion differs; its title and comments do not count."""
+    """Return whether a scene's motion differs; its title and comments do not count."""
     return old.scenes[name].scenario.digest != new.scenes[name].scenario.digest
 
 
@@ -122,7 +122,7 @@ def _verdict(key: Key, old: Verdict | None, new: Verdict | None) -> Iterator[Cha
 
 
 def _order(key: Key, old: Verdict | None, new: Verdict | None) -> Iterator[Change]:
-    """Orders at which what steps gain vanishes."""
+    """Yield a change of the order at which what steps gain vanishes."""
     before, after = (v.order if v and v.verdict == "converges" else None for v in (old, new))
     if before is None or after is None or before == after:
         return
@@ -130,7 +130,7 @@ def _order(key: Key, old: Verdict | None, new: Verdict | None) -> Iterator[Chang
 
 
 def _expectations(key: Key, old: Verdict | None, new: Verdict | None) -> Iterator[Change]:
-    """Expectations that became unmet or met; compared by what was expected, not by the error."""
+    """Yield expectations that became unmet or met, identified by what is expected."""
     if old is None or new is None:
         return
     unmet = [
@@ -143,7 +143,7 @@ def _expectations(key: Key, old: Verdict | None, new: Verdict | None) -> Iterato
 
 
 def _runs(key: Key, old: _OfKey, new: _OfKey) -> Iterator[Change]:
-    """Outcomes and errors of the timesteps that are in both files."""
+    """Yield changes of outcomes and errors at the timesteps that are in both files."""
     old_rows, new_rows = ({row.timestep: row for row in runs.rows} for _, runs in (old, new))
     for timestep in sorted(old_rows.keys() & new_rows.keys(), reverse=True):
         before, after = old_rows[timestep], new_rows[timestep]
@@ -158,7 +158,7 @@ def _errors(
 ) -> Iterator[Change]:
     if old.errors is None or new.errors is None:
         return
-    # Older files know no spins.
+    # Older files have no errors of spins.
     for signal in (name for name in old_noise if name in new_noise):
         sizes = old.errors[signal], new.errors[signal]
         if _has_changed(*sizes, old_noise[signal] + new_noise[signal]):
@@ -167,14 +167,14 @@ def _errors(
 
 
 def _noise(scene: SceneRuns, row: Row) -> dict[str, float]:
-    """The uncertainty of an error: the reference's, plus an ulp a step times its growth."""
+    """Return by signal the uncertainty of an error: the reference's, plus grown rounding."""
     growth, bound = scene.exact.solution.conditioning, scene.uncertainty(row)
     names = (signal.name for signal in scene.signals)
     return {name: bound[name] + row.steps * growth[name] for name in names}
 
 
 def _has_changed(old: float, new: float, noise: float) -> bool:
-    """Whether an error has changed; large ones, where the timestep is too coarse, do not count."""
+    """Return whether an error has changed; large errors at too coarse a timestep do not count."""
     low, high = sorted((old, new))
     return low != high and low < ASYMPTOTIC and high - low > noise and high > ERROR_FACTOR * low
 
@@ -191,7 +191,7 @@ def _cost(key: Key, old: _OfKey, new: _OfKey, same_machine: bool) -> Iterator[Ch
 
 
 def _seconds(rows: Iterable[Row]) -> tuple[float, float] | None:
-    """Seconds a step and their spread, alike in all rows of a method."""
+    """Return seconds a step and their spread, the same in all rows of a method, or None."""
     for row in rows:
         if row.seconds_per_step is not None and row.seconds_spread is not None:
             return row.seconds_per_step, row.seconds_spread
@@ -206,7 +206,7 @@ def _in_words(
     scale: Sequence[str],
     timestep: float | None = None,
 ) -> Change:
-    """A change of a word on a scale from good to bad; None is not there, and neither."""
+    """Return a change of a word on a scale from good to bad; None means that it is missing."""
     if old is None or new is None:
         return Change(kind, kind, old, new, **asdict(key), timestep=timestep)
     return _judged(key, kind, kind, old, new, scale.index(new) > scale.index(old), timestep)
@@ -221,6 +221,6 @@ def _judged(
     worse: bool,
     timestep: float | None = None,
 ) -> Change:
-    """A change for the worse, which is a regression, or for the better."""
+    """Return a change for the worse, which is a regression, or for the better."""
     direction: Direction = "worse" if worse else "better"
     return Change(kind, name, old, new, direction, worse, **asdict(key), timestep=timestep)

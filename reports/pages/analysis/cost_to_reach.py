@@ -1,7 +1,7 @@
-"""The cost for a method to stay within an error, on a scene and over all scenes.
+"""The cost at which a method stays within an error, on a scene and over all scenes.
 
-It is interpolated between two runs, or extrapolated below the finest; else there is a reason why it
-cannot be reached. The rules and their constants are in docs/explanation/cost.md.
+It is interpolated between two runs, or extrapolated below the finest; otherwise there is a reason
+why the error cannot be reached. docs/explanation/cost.md has the rules and their constants.
 """
 
 import math
@@ -16,17 +16,17 @@ from .work_precision import Curve, CurvePoint, slope
 
 #: Errors at which methods are compared, relative (attitude: rad): useful to excellent.
 LEVELS = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8)
-#: One scene's curves, in one error, one a method.
+#: One scene's curves in one error, one for each method.
 SceneCurves = Sequence[Curve]
 
-#: By engine, method and level: the number of scenes within reach, that of those by extrapolation
-#: only, and the median of CPU seconds a simulated second over the scenes that the method can
-#: simulate, infinite where it is out of reach.
+#: By engine, method and level: the number of scenes within reach, the number of those by
+#: extrapolation only, and the median of CPU seconds for a simulated second over the scenes that the
+#: method can simulate, infinite where it is out of reach.
 Tallies = dict[tuple[str, str, float], tuple[int, int, float | None]]
 
 
 def tallies(scenes: Sequence[SceneCurves], levels: Sequence[float] = LEVELS) -> Tallies:
-    """Return what each level costs each method over all scenes."""
+    """Return the cost of each level for each method over all scenes."""
     lines = (
         (*curve.pair, level, reached.word, reached.cost)
         for curves in scenes
@@ -41,9 +41,10 @@ def tallies(scenes: Sequence[SceneCurves], levels: Sequence[float] = LEVELS) -> 
     return {(engine, method, level): tuple(counts) for engine, method, level, *counts in found}
 
 
-#: How the cost of a level is known: between two runs, at the coarsest run, below the finest.
+#: Words for how the cost of a level is known: between two runs, at the coarsest run, below the
+#: finest.
 How = Literal["measured", "at most", "extrapolated"]
-#: Why a level is out of reach.
+#: Words for why a level is out of reach.
 Barrier = Literal[
     "round-off",
     "reference limit",
@@ -63,9 +64,9 @@ class Reach:
     ----------
     level : the error
     word : how its cost is known, or why it is out of reach
-    reason : the same in a sentence
-    timestep : s, and `cost`, CPU seconds a simulated second; None where out of reach
-    floor : the error that rounding may cause at that timestep; None if runs are within the error
+    reason : the word's meaning in a sentence
+    timestep, cost : s, and CPU seconds for a simulated second; None if out of reach
+    floor : the error that rounding may cause at that timestep; None if a run is within the error
     """
 
     level: float
@@ -77,10 +78,10 @@ class Reach:
 
 
 def reach(curve: Curve, level: float) -> Reach:
-    """The timestep and cost to stay within an error: interpolated, extrapolated, or why not.
+    """Return timestep and cost to stay within an error, interpolated or extrapolated, or why not.
 
-    The interpolated timestep is on the safe side: between two runs the error is taken to be that of
-    the finer one times (dt ratio)^p, p being the steeper of the slopes on either side of it.
+    The interpolated timestep is on the safe side: between two runs the error is assumed to be the
+    finer run's times (dt ratio)^p, where p is the steeper of the slopes on either side of it.
     """
     if curve.points and level < curve.uncertainty:
         reason = f"the reference itself is known to {curve.uncertainty:.1e}"
@@ -101,9 +102,9 @@ def reach(curve: Curve, level: float) -> Reach:
 
 
 def _first_within(curve: Curve, level: float) -> int | None:
-    """Index of the coarsest stable run within an error that no finer run exceeds.
+    """Return the index of the coarsest stable run within an error that no finer run exceeds.
 
-    A finer run may exceed it if rounding explains that: then only a coarser one can help.
+    A finer run may exceed it if rounding explains that, since only coarser runs can be better.
     """
     errors = [point.error for point in curve.stable]
     finest = curve.least.timestep if curve.least else 0.0
@@ -117,13 +118,13 @@ def _first_within(curve: Curve, level: float) -> int | None:
 
 
 def _below_finest(curve: Curve, level: float, order: float) -> float:
-    """The timestep of an error below all runs, extrapolated from the finest above round-off."""
+    """Return the timestep of an error below all runs, extrapolated from the finest usable."""
     finest = above_round_off(curve)[-1]
     return float(finest.timestep * (level / finest.error) ** (1 / order))
 
 
 def above_round_off(curve: Curve) -> list[CurvePoint]:
-    """The stable runs whose errors are larger than rounding explains."""
+    """Return the stable runs whose errors are larger than rounding explains."""
     return [point for point in curve.stable if point.error > curve.floor(point.timestep)]
 
 
@@ -148,7 +149,8 @@ def _below_the_ladder(curve: Curve, level: float) -> Reach:
     order = curve.observed_order
     if order is None or order < SETTLING_ORDER:
         return Reach(level, "no order", "no run is within it, and the errors show no order")
-    # The slope tends to a whole number as dt → 0; if from above, that number is the smaller.
+    # The slope tends to a whole number as dt → 0; if it tends to it from above, that number is
+    # smaller.
     timestep = _below_finest(curve, level, min(order, max(1, round(order))))
     floor = curve.floor(timestep)
     if floor >= level:

@@ -1,4 +1,4 @@
-"""Tables in memory, asked in SQL (https://sqlite.org/inmemorydb.html)."""
+"""Tables in memory that answer questions in SQL (https://sqlite.org/inmemorydb.html)."""
 
 import sqlite3
 from collections.abc import Callable, Iterable, Mapping
@@ -9,14 +9,15 @@ from weakref import finalize
 
 
 class Tables:
-    """Tables that are filled once, with the aggregates `median` and `median_high`.
+    """Tables that are filled once, and answer SQL with the aggregates `median` and `median_high`.
 
-    Of two middle numbers `median_high` is the larger: errors and costs may be infinite, 9e999.
+    `median_high` is the larger of two middle numbers, because errors and costs may be infinite
+    (9e999).
 
     Parameters
     ----------
-    lines : by the name of a table with its columns, as in ``run (scene, engine)``
-    views : statements that define views
+    lines : rows of a table, by its name with its columns, as in ``run (scene, engine)``
+    views : SQL statements that define views
     """
 
     def __init__(self, lines: Mapping[str, Iterable[tuple[Any, ...]]], views: str = "") -> None:
@@ -37,7 +38,7 @@ class Tables:
 
 
 class _Aggregate:
-    """A statistic of all numbers that are not NULL; NULL of none."""
+    """A statistic of all numbers that are not NULL; NULL if there is none."""
 
     def __init__(self, of: Callable[[list[float]], float]) -> None:
         self._of = of

@@ -1,4 +1,4 @@
-"""What is said of runs in numbers: measures, and their quantiles over an ensemble."""
+"""Measures of runs, and their quantiles over an ensemble."""
 
 import math
 from collections.abc import Callable, Iterable
@@ -9,7 +9,7 @@ import numpy as np
 from ....scenarios import SIGNAL, FloatArray
 from ...results.records import Pair, Row
 
-#: Degrees a rad.
+#: Degrees in a rad.
 DEGREES = SIGNAL["attitude"].shown
 
 
@@ -19,8 +19,9 @@ class Measure:
 
     Attributes
     ----------
-    of : the number; of a run that did not come to its end the worst there is; None if it has none
-    more_is_better : whether the largest number is of the best run
+    of : returns the number of a run, the worst possible if the run did not finish; None if it has
+        none
+    more_is_better : whether the best run has the largest number
     """
 
     title: str
@@ -52,7 +53,7 @@ def _a_turn(row: Row) -> float | None:
 ATTITUDE = Measure(SIGNAL["attitude"].error_title, _attitude)
 TURNS = Measure("turns until the attitude is 1° off", _turns, True)
 A_TURN = Measure("attitude error a turn, °", _a_turn)
-#: Quantiles that are shown, as order statistics: each is the error of some member.
+#: Quantiles that are shown, as order statistics: each is the number of some member.
 QUANTILES = {"p50": 0.5, "p95": 0.95, "p99": 0.99, "largest": 1.0}
 
 
@@ -62,7 +63,7 @@ class Members:
 
     Attributes
     ----------
-    points : in the members' order; members that it cannot simulate are left out
+    points : runs in the members' order; members that the method cannot simulate are left out
     """
 
     pair: Pair
@@ -74,13 +75,13 @@ class Members:
         return tuple(point for point in self.points if point.errors is not None)
 
     def errors(self, measure: Measure) -> FloatArray:
-        """A measure of the finished members, ascending."""
+        """Return a measure of the finished members, ascending."""
         return _known(measure, self.finished)
 
     def quantiles(self, measure: Measure) -> tuple[float | None, ...] | None:
-        """The values at `QUANTILES`, from the best member to the worst; None without any.
+        """Return the values at `QUANTILES`, from the best to the worst; None without members.
 
-        One is None where it would be the largest itself: p99 needs 100 members.
+        A quantile is None if it would be the largest value itself: p99 needs 100 members.
         """
         values = _known(measure, self.points)
         if not len(values):
@@ -98,6 +99,6 @@ def _known(measure: Measure, points: Iterable[Row]) -> FloatArray:
 
 
 def members_of(points: Iterable[Row], pairs: Iterable[Pair]) -> list[Members]:
-    """Sorted by method; members that an engine cannot simulate, or was not run on, are left out."""
+    """Return members by method, without those that an engine cannot simulate or was not run on."""
     run = [point for point in points if point.simulated]
     return [Members(pair, tuple(point for point in run if point.pair == pair)) for pair in pairs]

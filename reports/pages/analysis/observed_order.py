@@ -4,28 +4,28 @@ import numpy as np
 
 from ....scenarios import FloatArray
 
-#: Larger errors are not in the asymptotic range: on the unit sphere of directions they saturate.
+#: Larger errors are not in the asymptotic range: errors of directions on the unit sphere saturate.
 ASYMPTOTIC = 0.1
-#: Orders that differ by less than this are taken as equal.
+#: Orders that differ by less than this count as equal.
 ORDER_SLACK = 0.25
 #: An order is fitted to errors at least this many times the reference's uncertainty.
 ABOVE_UNCERTAINTY = 100.0
-#: Number of rungs that an order is fitted to.
+#: Number of rungs of the ladder that an order is fitted to.
 FITTED_RUNGS = 3
-#: Below this order errors are taken not to shrink.
+#: Below this order errors count as not shrinking.
 SETTLING_ORDER = 0.5
 
 
 def observed_order(
     timesteps: FloatArray, errors: FloatArray, roundoff_bounds: FloatArray, uncertainty: float
 ) -> float | None:
-    """Signed least-squares slope of log error against log dt over the best window of usable rungs.
+    """Return the signed least-squares slope of log error against log dt over the best usable rungs.
 
     Usable errors are in the asymptotic range and above round-off and the reference's uncertainty;
     fewer than two have no slope. Windows are `FITTED_RUNGS` neighbouring rungs. The finest window
-    is taken whose errors lie on a line to within `ORDER_SLACK`; windows with falling errors are
-    preferred to level ones. If none is so straight, the straightest is taken: rounding bends the
-    finest. All arrays are (n,), coarse to fine.
+    whose errors lie on a line to within `ORDER_SLACK` is used; windows with falling errors are
+    preferred to level ones. If no window is that straight, the straightest is used, since rounding
+    bends the finest. All arrays are (n,), coarse to fine.
     """
     usable = (
         (errors > ABOVE_UNCERTAINTY * uncertainty)

@@ -1,11 +1,11 @@
 """The results as tables in SQL, which pages and the terminal ask their questions to.
 
-``run`` has a line for each run, and ``usual`` those of them at the stock timestep that an engine's
-users get unasked; ``tried`` has a line for each method on a scene, ``unasked`` for each effect that
-acted in a run though the scene does not call for it, and ``altered`` for each default of an engine
-that alone alters the equations of motion of a scene. They are made in memory of what a result file
-holds: numbers in SI units, angles in rad, the error of a run without one infinite, and what is not
-known NULL.
+``run`` has a line for each run, and ``usual`` a line for each run at the stock timestep that an
+engine's users get by default; ``tried`` has a line for each method on a scene, ``unasked`` for each
+effect that acted in a run though the scene does not call for it, and ``altered`` for each default
+of an engine that alone alters the equations of motion of a scene. They are made in memory from a
+result file: numbers are in SI units, angles in rad, a missing error of a run is infinite, and what
+is not known is NULL.
 """
 
 import math
@@ -105,18 +105,18 @@ def _tried(scene: SceneRuns, runs: MethodRuns, place: int) -> tuple[Any, ...]:
 
 
 def _unasked(row: Row) -> Iterable[str]:
-    # Measured sizes differ between scenes; names do not, so only names are counted.
+    # Only names are counted, because measured sizes differ between scenes.
     names = [name for name in row.unasked if not any(map(str.isdigit, name))]
     return dict.fromkeys([*names, *["a velocity clamp"] * (row.cause == "clamp")])
 
 
 def own_timesteps(gathered: ReportData) -> dict[str, float]:
-    """Return the timestep of each engine, s, that its users get unasked; 1 ms where it has none."""
+    """Return each engine's stock timestep, s, that users get by default; 1 ms if it has none."""
     return dict(ask(gathered, "SELECT engine, timestep FROM own"))
 
 
 def verdict_counts(gathered: ReportData, *, as_shipped: bool) -> dict[str, int]:
-    """Return how many methods on scenes have each verdict: as shipped, or all others."""
+    """Return how many methods on scenes have each verdict, as shipped, or of all others."""
     where = "verdict IS NOT NULL AND judged_as_shipped = ?"
     question = f"SELECT verdict, count(*) FROM tried WHERE {where} GROUP BY verdict"
     return dict(ask(gathered, question, as_shipped))
@@ -136,12 +136,12 @@ class Usual(OfMethod):
     timestep : s
     shipped : whether it is the engine with all its defaults
     scenes, unfinished, blew_up, failed : how many runs there are, and how many did not end well
-    middle, largest : the median attitude error, degrees, and the largest; infinite where a run did
-        not end well
+    middle, largest : the median attitude error, degrees, and the largest; infinite if a run did not
+        end well
     worst, worst_finished : the scene of the largest error, and that of the largest finite one
     largest_finished : degrees; None if no run ended well
-    turns : the median of the turns until the attitude is off by 1°; it is independent of windows
-    a_turn : the median of the error that a turn adds, degrees
+    turns : the median number of turns until the attitude is off by 1°, independent of windows
+    a_turn : the median error that a turn adds, degrees
     """
 
     engine: str
@@ -177,12 +177,12 @@ FROM usual AS o GROUP BY engine, method ORDER BY place
 
 
 def at_stock(gathered: ReportData) -> list[Usual]:
-    """Return what each method gives at its engine's stock timestep, as far as it was run there."""
+    """Return the errors of each method at its engine's stock timestep, where it was run."""
     return [Usual(*line) for line in ask(gathered, _USUAL)]
 
 
 def leading(gathered: ReportData) -> list[Pair]:
-    """Return each engine's first method as shipped, and the most accurate, in median, of others."""
+    """Return each engine's first method as shipped, and the most accurate of its other methods."""
     first = {engine: (engine, method) for engine, method in reversed(as_shipped(gathered))}
     others = [one for one in at_stock(gathered) if not one.shipped]
     best: dict[str, Pair] = {}

@@ -1,4 +1,4 @@
-"""A result file sorted for the report: scenes, and in each its methods with their runs."""
+"""A result file sorted for the report: by scenes, and in each scene by methods with their runs."""
 
 import math
 from dataclasses import dataclass, replace
@@ -37,8 +37,8 @@ class MethodRuns(OfMethod):
     ----------
     rows : coarse to fine
     verdict : None if the study was stopped before there was one
-    declared : what the adapter declared of the method when it ran; None if not in the file
-    evidence : what the verdict rests on; None where there is none
+    declared : what the adapter declared about the method when it ran; None if not in the file
+    evidence : what the verdict rests on; None if there is none
     """
 
     engine: str
@@ -50,7 +50,7 @@ class MethodRuns(OfMethod):
     evidence: Evidence | None = None
 
     def setup(self, timestep: float) -> str:
-        """What users write to have it at a timestep, s; empty if its adapter does not say."""
+        """Return what users write to use it at a timestep, s; empty if its adapter does not say."""
         return self.declared.setup.replace("TIMESTEP", typed(timestep)) if self.declared else ""
 
     @property
@@ -60,7 +60,7 @@ class MethodRuns(OfMethod):
 
     @property
     def is_recommendable(self) -> bool:
-        """Whether users may be recommended it; older files do not have what was declared."""
+        """Whether it may be recommended to users; older files do not hold what was declared."""
         return self.declared is None or self.declared.is_recommendable
 
     @cached_property
@@ -81,7 +81,7 @@ class MethodRuns(OfMethod):
 
     @property
     def drawn(self) -> tuple[Row, ...]:
-        """The runs whose motions are drawn: at stock timesteps, or else the finest there is."""
+        """The runs whose motions are drawn: those at stock timesteps, or else the finest one."""
         at_stock = tuple(row for row in self.sampled if row.stock)
         return at_stock or tuple(row for row in [self.finest] if row)
 
@@ -93,7 +93,8 @@ class SceneRuns:
     Attributes
     ----------
     solved : the scene and its exact motion; None if it could not be solved
-    defaults : of engines as shipped, what each default does to the motion, where that was measured
+    defaults : effects of engines' defaults on the motion, where they were measured
+    encodings : runs in other encodings of the body
     """
 
     name: str
@@ -103,17 +104,17 @@ class SceneRuns:
 
     @property
     def title(self) -> str:
-        """The scene's own title, or its name where there is no scene."""
+        """The scene's own title, or its name if the scene is missing."""
         return self.solved.scenario.title if self.solved else self.name
 
     @cached_property
     def by_pair(self) -> dict[Pair, MethodRuns]:
-        """The methods by engine and name."""
+        """The methods by names of engine and method."""
         return {runs.pair: runs for runs in self.methods}
 
     @cached_property
     def signals(self) -> tuple[Signal, ...]:
-        """The signals in which all errors are known; none of a scene that could not be solved."""
+        """The signals in which all errors are known; none if the scene could not be solved."""
         solution = [self.solved.solution.uncertainty] if self.solved else []
         errors = [row.errors for runs in self.methods for row in runs.rows if row.errors]
         known = [dict(one).keys() for one in (*solution, *errors)]
@@ -121,7 +122,7 @@ class SceneRuns:
 
     @property
     def exact(self) -> SceneResult:
-        """The scene and its exact motion, of a scene that was solved."""
+        """The scene and its exact motion, which must have been solved."""
         assert self.solved is not None, "what is exact is known of a solved scene"
         return self.solved
 
@@ -137,11 +138,11 @@ class SceneRuns:
 
     @property
     def turns(self) -> float:
-        """Turns until then at the fastest rate."""
+        """Number of turns until the end, at the fastest rate."""
         return self.fastest_rate * self.end / (2 * math.pi)
 
     def outline(self, end: float, samples: int) -> Trajectory:
-        """The exact motion up to a time, s, at evenly spread ones."""
+        """Return the exact motion up to a time, s, at evenly spread times."""
         return ExactMotion(self.exact.scenario).outline(np.linspace(0.0, end, samples))
 
     @cached_property
@@ -159,7 +160,7 @@ class SceneRuns:
         )
 
     def _exact_at(self, motion: Trajectory) -> Trajectory:
-        """The exact motion at a run's samples: stored if they are the ladder's, else solved."""
+        """Return the exact motion at a run's samples, stored if they are the ladder's."""
         stored, n = self.exact.solution.trajectory, len(motion.t)
         if n <= len(stored.t) and np.array_equal(stored.t[:n], motion.t):
             return stored.until(n)
@@ -173,7 +174,7 @@ class SceneRuns:
         return {}
 
     def uncertainty(self, row: Row) -> Errors:
-        """Uncertainty of the reference of a run; that of ω is stored with the run."""
+        """Return the uncertainty of a run's reference; that of ω is stored with the run."""
         stored = row.reference_uncertainty
         if stored not in self._uncertainties:
             of_reference = self.exact.solution.uncertainty
@@ -183,13 +184,13 @@ class SceneRuns:
 
     @cached_property
     def _uncertainties(self) -> dict[float, Errors]:
-        """They are kept by what is stored with a run: figures ask for them thousands of times."""
+        """Uncertainties by that stored with a run, kept because figures need them often."""
         return {}
 
 
 @dataclass(frozen=True, eq=False)
 class Compared:
-    """A run, the exact motion, and the errors, sample by sample."""
+    """A run with the exact motion and the errors at each of its samples."""
 
     scenario: Scenario
     runs: MethodRuns
@@ -200,9 +201,9 @@ class Compared:
 
     @cached_property
     def defect(self) -> FloatArray:
-        """The largest over the signals of the defects that end at each sample, (n,).
+        """The largest defect of any signal in the interval that ends at each sample, (n,).
 
-        NaN at the start, and everywhere if the motion turns too far to be followed.
+        It is NaN at the start, and everywhere if the motion turns too far to be followed.
         """
         values = np.full(len(self.motion.t), np.nan)
         if found := defects(self.scenario, self.motion, self.exact):
@@ -220,12 +221,12 @@ class ReportData:
 
     @property
     def verdicts(self) -> list[Verdict]:
-        """The verdicts on all scenes, scene by scene."""
+        """All verdicts, scene by scene."""
         return [runs.verdict for scene in self.scenes for runs in scene.methods if runs.verdict]
 
     @cached_property
     def plain(self) -> "ReportData":
-        """The plain scenes; the hard ones if there are no others."""
+        """The report on plain scenes alone; on the hard ones if there are no others."""
         plain = tuple(s for s in self.scenes if not (s.solved and s.solved.scenario.hard))
         return replace(self, scenes=plain or self.scenes)
 
@@ -235,7 +236,8 @@ def report_data(results: Results) -> ReportData:
     keys = [row.key for row in results.rows] + [verdict.key for verdict in results.verdicts]
     listed = {pair: rank for rank, pair in enumerate(results.methods)}
     pairs = tuple(
-        # Engines by name; their methods as the adapter lists them, those not listed at the end.
+        # Engines are ordered by name, their methods as the adapter lists them, unlisted methods
+        # last.
         sorted(
             {key.pair for key in keys},
             key=lambda pair: (pair[0], listed.get(pair, len(listed)), pair[1]),

@@ -1,6 +1,6 @@
 """A method's runs at the timesteps that people use, and the largest timestep that it survives.
 
-A run survives if it comes to its end and is better than no motion (`Row.survived`).
+A run survives if it reaches its end and is better than no motion (`Row.survived`).
 """
 
 from collections.abc import Iterable
@@ -20,9 +20,9 @@ class Survival:
 
     Attributes
     ----------
-    timestep : s, the largest below which every run survived; None if the finest did not
-    turn : rad a step at that timestep where the motion is fastest; None if the finest did not
-    at_least : whether all runs survived, so that a larger timestep may too
+    timestep : the largest timestep below which every run survived, s; None if the finest did not
+    turn : turn in a step of that length where the motion is fastest, rad; None if there is none
+    at_least : whether all runs survived, so that it may survive a larger timestep, too
     """
 
     timestep: float | None
@@ -31,11 +31,11 @@ class Survival:
 
 
 def survival(rows: Iterable[Row], fastest_rate: float | None) -> Survival | None:
-    """The largest timestep that a method survives on a scene; None if it was not run there.
+    """Return the largest timestep that a method survives on a scene; None if it was not run there.
 
     Parameters
     ----------
-    fastest_rate : the scene's, rad/s; None where it could not be solved, and nothing was run
+    fastest_rate : fastest rate of the scene, rad/s; None if it could not be solved, and nothing ran
     """
     tried = sorted((row for row in rows if row.timestep and row.made), key=lambda row: row.timestep)
     if fastest_rate is None or all(row.outcome == "unsupported" for row in tried):
@@ -48,7 +48,7 @@ def survival(rows: Iterable[Row], fastest_rate: float | None) -> Survival | None
 
 
 def in_words(survived: Survival | None) -> tuple[str, str]:
-    """The timestep, s, and the turn, rad a step, for two columns of a table."""
+    """Return the timestep, s, and the turn, rad a step, as text for two columns of a table."""
     if survived is None:
         return NOTHING, NOTHING
     if survived.timestep is None:
@@ -57,13 +57,14 @@ def in_words(survived: Survival | None) -> tuple[str, str]:
     return f"{bound}{number(survived.timestep)}", f"{bound}{number(survived.turn)}"
 
 
-#: The engine's own stock timestep, the one that all engines share, and the finest that ended well.
+#: The engine's own stock timestep, the one common to all engines, and the finest run that ended
+#: well.
 At = Literal["stock", "common", "finest"]
 AT: tuple[At, ...] = ("stock", "common", "finest")
 
 
 def row_at(runs: MethodRuns, at: At, stock_timestep: float) -> Row | None:
-    """The run of a method at one of these timesteps; None where there is none."""
+    """Return the run of a method at one of these timesteps; None if there is none."""
     if at == "finest":
         return next((row for row in reversed(runs.rows) if row.outcome == "ok"), None)
     timestep = stock_timestep if at == "stock" else COMMON_TIMESTEP

@@ -1,4 +1,4 @@
-"""How each method is drawn: the same colour, dash and marker on every page.
+"""Assigns each method a colour, dash and marker, the same on every page.
 
 No two methods share both dash and marker, so colour is never the only difference.
 """
@@ -6,7 +6,7 @@ No two methods share both dash and marker, so colour is never the only differenc
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-#: Of middling lightness, so that all stand out by 3 : 1 on white and on near-black alike.
+#: Colours of medium lightness, so that all contrast by 3 : 1 with white and with near-black.
 COLOURS = (
     "#2f7ed8",
     "#d9660d",
@@ -34,7 +34,7 @@ SYMBOLS = (
 
 @dataclass(frozen=True)
 class TraceStyle:
-    """Colour by method; dash and marker by both; names as Plotly has them."""
+    """Colour by method's name; dash and marker by engine and method; names as in Plotly."""
 
     colour: str
     dash: str
@@ -42,10 +42,10 @@ class TraceStyle:
 
 
 def trace_styles(pairs: Iterable[tuple[str, str]]) -> dict[tuple[str, str], TraceStyle]:
-    """A style for every (engine, method); one method's name has one colour in every engine.
+    """Return a style for every (engine, method); a method's name has one colour in every engine.
 
-    Defaults have little in common but the name: each has a colour of its own. Dash and marker
-    together are of one pair alone, up to as many as there are of both.
+    Engines' defaults only share a name, so each has a colour of its own. Dash and marker together
+    belong to one pair alone, as long as there are enough of both.
     """
     pairs = list(pairs)
     named = {pair: pair if pair[1].startswith("default") else pair[1] for pair in pairs}

@@ -7,7 +7,7 @@ from decimal import ROUND_DOWN, Decimal
 from ....scenarios import SIGNAL, Errors
 from ...results.records import Row
 
-#: Printed where there is no number.
+#: Text that is printed if there is no number.
 NOTHING = "—"
 #: Numbers from 0.01 up to 1000 are printed without a power of ten.
 PLAIN_POWERS = range(-2, 3)
@@ -50,7 +50,7 @@ def readable(value: float | None) -> str:
 
 
 def power_of_ten(exponent: int) -> str:
-    """`10⁻⁶`."""
+    """Return a power of ten as text, such as `10⁻⁶`."""
     return f"10{str(exponent).translate(_SUPERSCRIPT)}"
 
 
@@ -77,7 +77,7 @@ def rounded_down(seconds: float) -> float:
 
 
 def typed(seconds: float) -> str:
-    """A timestep as people write it in a program: 0.002, 1/240."""
+    """Return a timestep as people write it in a program: 0.002, 1/240."""
     shown = duration(seconds)
     return shown.removesuffix(" s") if shown.startswith("1/") else repr(seconds)
 
@@ -93,20 +93,20 @@ def count(value: int) -> str:
 
 
 def limited(error: float | None, uncertainty: float) -> str:
-    """An error as printed: never below the uncertainty of the reference."""
+    """Return an error as text, never below the uncertainty of the reference."""
     if error is None or not error <= uncertainty:
         return number(error)
     return f"≤ {number(uncertainty)}"
 
 
 def limited_errors(errors: Errors, uncertainty: Errors, names: Sequence[str]) -> list[str]:
-    """The errors of a run in these signals, angles in degrees."""
+    """Return the errors of a run in some signals, angles in degrees."""
     shown = {name: SIGNAL[name].shown for name in names}
     return [limited(errors[name] * n, uncertainty[name] * n) for name, n in shown.items()]
 
 
 def ended(row: Row) -> str:
-    """How a run ended, and when: `ok`, `diverged at 1.25 s`."""
+    """Return how a run ended, and when: `ok`, `diverged at 1.25 s`."""
     return row.outcome + (f" at {number(row.stopped_at)} s" if row.stopped_at is not None else "")
 
 

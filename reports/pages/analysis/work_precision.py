@@ -1,8 +1,8 @@
 """Errors against CPU time: each method's runs on a scene, and the best of all methods.
 
 Engines are compared at equal error, never at equal timestep (work-precision diagrams: Hairer,
-Nørsett & Wanner, Solving Ordinary Differential Equations I, §II.10). The rules, and which constant
-sets each: docs/explanation/cost.md.
+Nørsett & Wanner, Solving Ordinary Differential Equations I, §II.10). docs/explanation/cost.md has
+the rules, and which constant sets each.
 """
 
 import math
@@ -18,16 +18,16 @@ from ...results.verdict_words import VerdictWord
 from .observed_order import observed_order
 from .report_data import MethodRuns, SceneRuns
 
-#: Factor by which errors have to grow at shorter timesteps: that of rounding grows by two or more,
-#: or by the root of two, when a timestep is halved.
+#: Factor by which errors must grow at shorter timesteps to count as rounding: rounding grows by two
+#: or more, or by the root of two, when a timestep is halved.
 GROWN = 2**0.5
-#: Two doubles are not known to differ by less, relative to their size.
+#: Relative difference below which two doubles are not known to differ.
 EPS = float(np.finfo(float).eps)
 
 
 @dataclass(frozen=True)
 class CurvePoint:
-    """One finished run: timestep, s; CPU seconds a simulated second, None where not timed; error.
+    """One finished run: timestep, s; CPU seconds for a simulated second, None if not timed; error.
 
     The error is at least the reference's uncertainty.
     """
@@ -44,12 +44,13 @@ class Curve(OfMethod):
     Attributes
     ----------
     points : every run that ended ok, coarse to fine
-    stable : those of the ladder and above it that are below the last run that did not end ok
+    stable : runs of the ladder, and above it, with shorter timesteps than any run that did not end
+        ok
     seconds_per_step : CPU time of a step, s, None where it was not timed
-    uncertainty : of the reference, in this error
+    uncertainty : uncertainty of the reference, in this error
     rounding : error that rounding may cause at a timestep of 1 s; proportional to 1/timestep
-    declared : the order of accuracy of ω that the adapter declares; None where it is not known
-    verdict, reason, order : on the method and scene; None where there is none
+    declared : the order of accuracy of ω that the adapter declares; None if not known
+    verdict, reason, order : of the verdict on the method and scene; None if there is none
     """
 
     engine: str
@@ -66,7 +67,7 @@ class Curve(OfMethod):
     order: float | None
 
     def floor(self, timestep: float) -> float:
-        """The error of a run due to rounding: one ulp a step, times its growth."""
+        """Return the error of a run by rounding: one ulp a step, times its growth."""
         return self.uncertainty + self.rounding / timestep
 
     @cached_property
@@ -85,9 +86,9 @@ class Curve(OfMethod):
 
     @cached_property
     def least(self) -> CurvePoint | None:
-        """The run of the least error, if errors grow with each shorter timestep of several.
+        """The run with the least error, if errors grow at each of several shorter timesteps.
 
-        Rounding makes them grow so. One larger error alone may be chance.
+        Rounding makes them grow in this way. A single larger error may be chance.
         """
         if not self.stable:
             return None
@@ -98,12 +99,12 @@ class Curve(OfMethod):
 
 
 def curves(scene: SceneRuns, signal: str) -> list[Curve]:
-    """Every method's curve on a scene; none where the scene could not be solved."""
+    """Return every method's curve on a scene; none if the scene could not be solved."""
     return [curve_of(scene, runs, signal) for runs in scene.methods] if scene.solved else []
 
 
 def curve_of(scene: SceneRuns, runs: MethodRuns, signal: str) -> Curve:
-    """One method's curve on a scene that was solved."""
+    """Return one method's curve on a scene that was solved."""
     solution = scene.exact.solution
     finished = [row for row in runs.rows if row.errors]
     unfinished = [row.timestep for row in runs.rows if row.made and row.outcome != "ok"]
@@ -117,7 +118,7 @@ def curve_of(scene: SceneRuns, runs: MethodRuns, signal: str) -> Curve:
         stable=tuple(
             point
             for point, row in zip(points, finished, strict=True)
-            # A stock timestep may be close to one of the ladder: such a pair gives no slope.
+            # A stock timestep may be close to one of the ladder: from such a pair no slope follows.
             if point.timestep < min(unfinished, default=math.inf) and not row.stock
         ),
         seconds_per_step=finished[-1].seconds_per_step if finished else None,
@@ -131,19 +132,19 @@ def curve_of(scene: SceneRuns, runs: MethodRuns, signal: str) -> Curve:
 
 
 def cost(row: Row) -> float | None:
-    """CPU seconds that one simulated second takes; None where steps were not timed."""
+    """Return the CPU seconds of a simulated second; None if steps were not timed."""
     if row.seconds_per_step is None or not row.timestep:
         return None
     return row.seconds_per_step / row.timestep
 
 
 def slope(coarse: CurvePoint, fine: CurvePoint) -> float:
-    """The order of accuracy between two runs."""
+    """Return the order of accuracy between two runs."""
     return math.log(coarse.error / fine.error) / math.log(coarse.timestep / fine.timestep)
 
 
 def front(drawn: Iterable[Curve]) -> list[tuple[Curve, CurvePoint]]:
-    """The Pareto front of the curves given: each point is more accurate than all cheaper ones."""
+    """Return the Pareto front of curves: each point is more accurate than all cheaper ones."""
     timed = [
         (point.cost, point.error, curve, point)
         for curve in drawn
