@@ -81,7 +81,7 @@ class PageData:
         return self.add({"headings": table.headings, "rows": rows})
 
     def encoded(self) -> str:
-        """Return all items as JSON, a NUL and bytes of arrays, deflated (zlib, RFC 1950), base64."""
+        """Return all items as JSON, a NUL and arrays, deflated (zlib, RFC 1950), base64."""
         arrays = bytearray()
 
         def placed(array: Differences) -> dict[str, Any]:

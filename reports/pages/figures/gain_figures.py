@@ -1,4 +1,4 @@
-"""Figures of what single steps gain against the timestep, with predictions of the verdict's model."""
+"""Figures of what single steps gain against the timestep, with predictions by the verdict model."""
 
 from collections.abc import Iterator
 from html import escape
