@@ -1,4 +1,4 @@
-"""A page as Markdown: its text, tables and code, without what only a browser draws."""
+"""Converts a page to Markdown: its text, tables and code, without what only a browser draws."""
 
 import re
 from collections.abc import Iterator, Sequence
@@ -6,16 +6,16 @@ from dataclasses import dataclass, field
 from html.parser import HTMLParser
 from typing import Any
 
-#: Of elements that only a browser draws: an attribute, and those that always are.
+#: How elements that only a browser draws are marked: an attribute, and tags that always are drawn.
 DRAWN = "data-drawn"
 ALWAYS_DRAWN = ("head", "script", "figure", "template", "svg", "button", "select", "label")
 #: Elements without an end tag.
 VOID = ("meta", "link", "input", "br", "hr")
-#: What a block begins with, by its element.
+#: What a block begins with, by its tag.
 BLOCKS = {"nav": "", "p": "", "summary": ""}
 BLOCKS |= {f"h{level}": f"{'#' * level} " for level in range(1, 5)}
 AROUND = {"strong": "**", "em": "*"}
-#: White space, but for the spaces inside numbers.
+#: Pattern of white space, except spaces inside numbers.
 _SPACES = re.compile(r"[^\S\xa0\u202f]+")
 _SPECIAL = re.compile(r"([\\`*_{}\[\]|#~])")
 
@@ -39,7 +39,7 @@ def as_markdown(html: str, items: Sequence[Any]) -> str:
 
     Parameters
     ----------
-    items : what the page carries for its script; folded tables are among it (`PageData`)
+    items : the data that the page carries for its script, which include folded tables (`PageData`)
     """
     parser = _Parser()
     parser.feed(html)
@@ -118,7 +118,7 @@ def _inline(element: _Element) -> str:
 
 
 def _spaced(text: str) -> str:
-    """Text escaped, with a space on either side where it has white space."""
+    """Return text escaped, with a space on either side where it has white space."""
     after = text[-1:].isspace() and not text.isspace()
     return f"{' ' * text[:1].isspace()}{escaped(text)}{' ' * after}"
 
@@ -146,7 +146,7 @@ def _text(element: _Element) -> str:
 
 
 def _table(element: _Element) -> str:
-    """A table, of one line of headings."""
+    """Return a table with one line of headings."""
     heads, bodies = element.all("thead"), element.all("tbody")
     return _lines([_cells(row) for part in (*heads, *bodies) for row in part.all("tr")])
 
@@ -156,7 +156,7 @@ def _cells(row: _Element) -> list[str]:
 
 
 def _packed_cell(cell: list[str]) -> str:
-    """A cell as the page carries it: its text, kind, detail and link, without what is empty."""
+    """Return the Markdown of a cell as the page carries it: text, kind, detail and link."""
     text, _, detail, link = [*cell, "", "", ""][:4]
     shown = f"[{escaped(text)}]({_target(link)})" if link else escaped(text)
     return f"{shown} ({escaped(detail)})" if detail else shown

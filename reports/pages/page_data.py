@@ -1,7 +1,7 @@
 """Data for a page's script: figures, motions and folded tables, compressed in one element.
 
-An array is carried as whole multiples of a step, of which the differences of some order are taken:
-of a smooth line these are small numbers, of which deflate needs about a byte.
+An array is carried as whole multiples of a step, of which differences of some order are taken: for
+a smooth line these are small numbers, each of which takes deflate about a byte.
 """
 
 import base64
@@ -16,22 +16,23 @@ from numpy.typing import NDArray
 from ...scenarios import FloatArray
 from .tables import Table
 
-#: Differences of a higher order grow with the rounding to a step, by a factor of two each.
+#: Highest order of differences: the rounding to a step grows by a factor of two with each order.
 HIGHEST_ORDER = 6
-#: Multiples of the step: nothing larger is drawn, and sums of differences stay exact in a double.
+#: Largest multiple of the step: nothing larger is drawn, and sums of differences stay exact in a
+#: double.
 LARGEST = 1 << 40
 
 
 @dataclass(frozen=True, eq=False)
 class Differences:
-    """An array, to half a step.
+    """An array, rounded to whole multiples of a step.
 
     Attributes
     ----------
     step : in the unit of the values
-    order : how many times differences were taken; the first number is each time left as it is
+    order : how many times differences were taken; each time the first number is kept as it is
     values : whole numbers, (n,)
-    gaps : indices of what was NaN
+    gaps : indices of NaN
     """
 
     step: float
@@ -40,7 +41,7 @@ class Differences:
     gaps: tuple[int, ...]
 
     def planes(self) -> bytes:
-        """Zigzag-coded (2v, or −2v − 1 where v < 0), the lowest byte of each, then the next, …."""
+        """Return zigzag-coded bytes (2v, or −2v − 1 if v < 0): lowest bytes, then the next, …."""
         zigzag = np.where(self.values < 0, -2 * self.values - 1, 2 * self.values)
         by_value = zigzag.astype("<u8").view(np.uint8).reshape(-1, 8)
         used = np.flatnonzero(by_value.max(axis=0, initial=0))
@@ -49,7 +50,7 @@ class Differences:
 
 
 def differenced(values: FloatArray, step: float) -> Differences:
-    """Round values, (n,), to multiples of a step > 0; what is NaN becomes a gap."""
+    """Return values, (n,), rounded to multiples of a step > 0; NaN becomes a gap."""
     gaps = tuple(np.flatnonzero(np.isnan(values)).tolist())
     drawable = np.clip(np.where(np.isnan(values), 0.0, values), -LARGEST * step, LARGEST * step)
     multiples = np.rint(drawable / step)
@@ -61,18 +62,18 @@ def differenced(values: FloatArray, step: float) -> Differences:
 
 
 class PageData:
-    """The items of one page, by number."""
+    """The data of one page for its script: items, by number."""
 
     def __init__(self) -> None:
         self.items: list[Any] = []
 
     def add(self, item: Any) -> int:
-        """Take an item that JSON can hold, with arrays as `Differences`; returns its number."""
+        """Add an item that JSON can hold, with arrays as `Differences`; return its number."""
         self.items.append(item)
         return len(self.items) - 1
 
     def add_table(self, table: Table) -> int:
-        """Take a table, its cells as text, kind, detail, link and note without what is empty."""
+        """Add a table, its cells without trailing empty parts; return its number."""
         rows = [
             [_trimmed([c.text, c.kind, c.detail, c.link, c.note]) for c in row]
             for row in table.rows
@@ -80,7 +81,7 @@ class PageData:
         return self.add({"headings": table.headings, "rows": rows})
 
     def encoded(self) -> str:
-        """The data as JSON, a NUL and the bytes of arrays: deflated (zlib, RFC 1950), in base64."""
+        """Return all items as JSON, a NUL and arrays, deflated (zlib, RFC 1950), base64."""
         arrays = bytearray()
 
         def placed(array: Differences) -> dict[str, Any]:

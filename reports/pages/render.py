@@ -1,4 +1,4 @@
-"""Writes the report: an overview, a page a scene, and the same as Markdown."""
+"""Writes the report: an overview and a page for each scene, both also as Markdown."""
 
 import base64
 import zlib
@@ -36,7 +36,7 @@ from .scene.scene_answer import gains_shown_at_first, scene_answer, shown_at_fir
 from .tables import table
 from .templating import ReportFolder, templates, write_assets
 
-#: The modules whose constants the text of the protocol quotes, and what it quotes besides.
+#: Modules whose constants the text of the protocol quotes, and other quoted numbers.
 RULES: dict[str, Any] = {
     "rates": " and ".join(e.rate_formula for e in EFFECTS.values() if e.rate_formula),
 } | {
@@ -46,9 +46,9 @@ RULES: dict[str, Any] = {
         *(intervals, memory, own_places, replay, solution, step_cost, worker_slot),
     )
 }
-#: Plotly, deflated: `figures.js` unpacks it.
+#: Plotly's file, deflated, which `figures.js` unpacks.
 PLOTLY = "plotly.js"
-#: Our own scripts, written as they are.
+#: Spincheck's own scripts, written as they are.
 ASSETS = (
     "style.css",
     "scene.css",
@@ -58,14 +58,15 @@ ASSETS = (
     "motion.js",
     "player.js",
 )
-#: Timestep, s, and integrator of the MJCF that a page shows; runs differ only in these.
+#: Timestep, s, and integrator of the MJCF that a page shows; the MJCF of runs differs only in
+#: these.
 SHOWN_TIMESTEP, SHOWN_INTEGRATOR = 0.002, "RK4"
 
 
 def render(results: Results, folder: Path) -> Path:
-    """Write index.html, report.md, assets/ and a page a scene; returns index.html.
+    """Write index.html, report.md, assets/ and a page for each scene; return index.html's path.
 
-    The same results give the same files, byte for byte; those of an earlier report go.
+    The same results give the same files, byte for byte; files of an earlier report are removed.
 
     Raises
     ------
@@ -130,7 +131,7 @@ def _overview(gathered: ReportData, results: Results) -> dict[str, Any]:
         "at_stock": overview.at_stock(plain),
         "methods": overview.methods_table(plain),
         "costs": median_table(plain),
-        # Complaints include hard scenes.
+        # The complaints include those on hard scenes.
         "complaints": [
             overview.complaints(gathered, lambda kind: kind.fails),
             overview.complaints(plain, lambda kind: kind.is_unproven),
@@ -153,7 +154,7 @@ def _hard_cases(gathered: ReportData, environment: Environment) -> dict[str, Any
 
 
 def _scene(scene: SceneRuns) -> dict[str, Any]:
-    """The contents of a scene, for its HTML page and its Markdown page."""
+    """Return the contents of a scene, for its HTML page and its Markdown page."""
     content: dict[str, Any] = {
         "scene": scene,
         "answer": scene_answer(scene),
@@ -176,7 +177,7 @@ def _scene(scene: SceneRuns) -> dict[str, Any]:
 
 
 def _models(scenario: Scenario) -> dict[str, str]:
-    """The scene's model files, by the names of the files beside its page."""
+    """Return the scene's model files, by the names of the files beside its page."""
     return {
         f"{scenario.name}.xml": mjcf(scenario, SHOWN_TIMESTEP, SHOWN_INTEGRATOR),
         f"{scenario.name}.urdf": urdf(scenario),

@@ -1,4 +1,4 @@
-"""Tables that HTML and Markdown share: headings with units, cells of text, and links."""
+"""Tables for HTML and Markdown: headings with units, cells of text, and links."""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
@@ -8,17 +8,17 @@ from ..results.verdict_words import VERDICT, VerdictWord
 
 
 def scene_page(name: str) -> str:
-    """A scene's page, relative to the report's folder."""
+    """Return the path of a scene's page, relative to the report's folder."""
     return f"scenes/{quote(name)}.html"
 
 
 def method_anchor(engine: str, method: str) -> str:
-    """The anchor of a method's verdict on a scene's page."""
+    """Return the anchor of a method's verdict on a scene's page."""
     return ":".join(("method", _plain(engine), _plain(method)))
 
 
 def _plain(text: str) -> str:
-    """ASCII letters, digits, - and _ unchanged; other characters as their code points."""
+    """Return ASCII letters, digits, - and _ as they are, other characters as code points."""
     return "".join(
         c if c.isascii() and (c.isalnum() or c in "-_") else f".{ord(c):x}." for c in text
     )
@@ -30,9 +30,9 @@ class Cell:
 
     Attributes
     ----------
-    kind : "number", a verdict, …: the class by which the style sheet colours or aligns it
+    kind : "number", a verdict, …: the CSS class by which the style sheet colours or aligns it
     detail : a second, smaller line
-    link : its target, relative to the page; HTML only
+    link : target of the cell's link, relative to the page; HTML only
     note : text that the HTML page shows on demand
     """
 
@@ -45,7 +45,7 @@ class Cell:
 
 @dataclass(frozen=True)
 class Table:
-    """Headings, and rows of as many cells. `anchors`, one a row, are what links lead to."""
+    """Headings, and rows of as many cells. `anchors`, one for each row, are targets of links."""
 
     headings: tuple[str, ...]
     rows: tuple[tuple[Cell, ...], ...]
@@ -54,7 +54,7 @@ class Table:
 
 @dataclass(frozen=True, eq=False)
 class Captioned:
-    """A table, what it is of, and in words what it shows; a folded one is shown on demand."""
+    """A table with its title, and what it shows in words; a folded one is shown on demand."""
 
     label: str
     sentence: str
@@ -63,7 +63,7 @@ class Captioned:
 
 
 def table(headings: Iterable[str], rows: Iterable[Iterable[Cell | str]]) -> Table:
-    """A table; plain strings become plain cells."""
+    """Return a table; plain strings become plain cells."""
     return Table(
         tuple(headings),
         tuple(
@@ -73,21 +73,21 @@ def table(headings: Iterable[str], rows: Iterable[Iterable[Cell | str]]) -> Tabl
 
 
 def records(rows: Iterable[Mapping[str, Cell | str]]) -> Table:
-    """A table of records with their keys as headings; without any where there are none."""
+    """Return a table of records with their keys as headings; empty without records."""
     rows = list(rows)
     return table(rows[0] if rows else (), (row.values() for row in rows))
 
 
 def figure(text: str) -> Cell:
-    """A cell with a number."""
+    """Return a cell with a number."""
     return Cell(text, "number")
 
 
 def named(pair: tuple[str, str]) -> dict[str, Cell]:
-    """Cells of an engine and a method."""
+    """Return cells of the names of an engine and a method."""
     return {"engine": Cell(pair[0], "name"), "method": Cell(pair[1], "name")}
 
 
 def verdict_cell(word: VerdictWord, detail: str = "", link: str = "") -> Cell:
-    """A verdict's word with its sign, in its colour."""
+    """Return a cell of a verdict's word with its sign, in its colour."""
     return Cell(f"{VERDICT[word].sign} {word}", word, detail, link)

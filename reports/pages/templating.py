@@ -18,7 +18,8 @@ from .analysis.wording import count, number
 from .markdown import escaped
 from .tables import scene_page
 
-#: Raw HTML is shown as text; images and links are shown as written, so that a report loads nothing.
+#: Raw HTML is shown as text, and images and links as they are written, so that a report loads
+#: nothing.
 _READER = (
     MarkdownIt("commonmark", {"html": False})
     .enable("table")
@@ -27,15 +28,15 @@ _READER = (
 
 
 def to_html(text: str) -> str:
-    """Markdown as HTML, without any HTML of the writer's."""
+    """Return Markdown as HTML, without any HTML of the writer's."""
     return str(_READER.render(text))
 
 
-#: The file that lists what was written, one relative path a line.
+#: Name of the file that lists what was written, one relative path a line.
 LIST = "assets/files.txt"
-#: Bytes of the list that are read; a report of 10⁵ scenes has fewer.
+#: Largest number of bytes of that list that are read; a report of 10⁵ scenes has fewer.
 LONGEST_LIST = 1 << 24
-#: What a report can have written: the files of its folders, named by scenes.
+#: Pattern of files that a report can have written: files of its folders, named after scenes.
 _OWN = re.compile(
     r"index\.html|report\.md|assets/(?P<asset>[a-z]+\.(js|css)|files\.txt)"
     r"|scenes/(?P<scene>[^/]+)\.(html|md|xml|urdf)"
@@ -43,19 +44,19 @@ _OWN = re.compile(
 
 
 class ReportFolder:
-    """A folder that pages are written to: a new one, an empty one, or one that has been before.
+    """A folder that pages are written to: a new or empty one, or that of an earlier report.
 
     Raises
     ------
     OSError
-        If it cannot be written, or holds what is not a report's.
+        If it cannot be written, or holds files that are not a report's.
     """
 
     def __init__(self, folder: Path) -> None:
         self._folder = folder
         self._written: list[str] = []
         folder.mkdir(parents=True, exist_ok=True)
-        # Hidden files are of whatever publishes the folder.
+        # Hidden files belong to whatever publishes the folder.
         others = [entry.name for entry in folder.iterdir() if not entry.name.startswith(".")]
         if others and not (folder / LIST).is_file():
             words = f"it holds '{min(others)}' and no report; give a new or an empty folder"
@@ -83,7 +84,7 @@ class ReportFolder:
         self.write(LIST, "\n".join(sorted(set(self._written))) + "\n")
 
     def _listed(self) -> set[str]:
-        """What an earlier report wrote: of the names in its list those that a report can have."""
+        """Return what an earlier report wrote: the names in its list that a report can have."""
         try:
             content = read_regular(self._folder / LIST, LONGEST_LIST)
         except FileNotFoundError:
@@ -94,13 +95,14 @@ class ReportFolder:
 
 
 _HERE = Path(str(files(__package__)))
-#: A folder a page, and `templates` for what pages share; no two templates have one name.
+#: Folders of templates, one for each page, and `templates` for what pages share; no two templates
+#: have the same name.
 FOLDERS = sorted(path for path in _HERE.iterdir() if path.is_dir())
 
 
 @cache
 def templates() -> Environment:
-    """The template environment; values in HTML are escaped."""
+    """Return the template environment; values in HTML are escaped."""
     environment = Environment(
         loader=FileSystemLoader(FOLDERS),
         autoescape=select_autoescape(["html"]),
@@ -122,7 +124,7 @@ def templates() -> Environment:
 
 
 def source(name: str) -> str:
-    """The text of a style sheet, which is a template, or of a script, which is none."""
+    """Return the text of a style sheet, which is a template, or of a script, which is not."""
     environment = templates()
     if name.endswith(".css"):
         return environment.get_template(name).render()

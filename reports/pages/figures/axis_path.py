@@ -23,19 +23,20 @@ from .plot import (
     start_dot,
 )
 
-#: Lines that show a surface: circles of latitude, half circles of longitude, points on each.
+#: Number of lines that show a surface: circles of latitude, half circles of longitude, and points
+#: on each.
 LATITUDES, LONGITUDES, POINTS = 5, 8, 25
 #: Length of the axes relative to the surface; distance of the eye, in sides of the scene.
 STICK_OUT = 1.18
 #: Half side of the scene, including the names of the axes.
 EDGE = 1.3
 EYE_DISTANCE = 1.25
-#: Smallest vertical part of the eye's direction: the curve is seen from above.
+#: Smallest vertical component of the eye's direction, so that the curve is seen from above.
 LEAST_HEIGHT = 0.45
 
 
 def _surface(semi_axes: FloatArray, names: tuple[str, str, str]) -> list[Trace]:
-    """A wire frame with its three axes named; semi-axes along x, y, z, (3,)."""
+    """Return a wire frame with its three axes named; semi-axes along x, y, z, (3,)."""
     wires = [*_latitudes(), *_longitudes()]
     gap = np.full((1, 3), np.nan)
     net = np.vstack([piece for wire in wires for piece in (wire, gap)]) * semi_axes
@@ -69,7 +70,7 @@ def _on_surface(
     height: int,
     overlay: dict[str, Any],
 ) -> Figure:
-    """A figure of a surface that points, (n, 3), are on: the script draws the line through them."""
+    """Return a figure of a surface with points, (n, 3), through which the script draws a line."""
     start = _trace(points[:1], mode="markers", marker={"color": INK, "size": 5})
     shown = {"height": height, "scene": _view(semi_axes, points.mean(axis=0))}
     traces = [*_surface(semi_axes, names), start]
@@ -77,14 +78,14 @@ def _on_surface(
 
 
 def _overlay(kind: str, matrix: FloatArray, **panel: int) -> dict[str, Any]:
-    """What the page's script draws of a motion: its beginning, seen in other axes."""
+    """Return what the page's script draws of a motion: its beginning, seen along other axes."""
     return {"kind": kind, "exact": "beginning"} | panel | {"matrix": matrix.tolist()}
 
 
 def _view(semi_axes: FloatArray, towards: FloatArray) -> dict[str, Any]:
-    """Plotly's 3-D scene without a box around it, the eye on the side where the curve is."""
+    """Return Plotly's 3-D scene without a box around it, with the eye on the curve's side."""
     direction = _unit(towards, np.ones(3))
-    # Askew, so that no axis points straight at the eye.
+    # At an angle, so that no axis points straight at the eye.
     direction = direction + np.array([0.35, 0.5, 0.0])
     direction[2] = max(direction[2], LEAST_HEIGHT)
     eye = EYE_DISTANCE * direction / np.linalg.norm(direction)
@@ -133,22 +134,24 @@ def _longitudes() -> list[FloatArray]:
 
 UP = np.array([0.0, 0.0, 1.0])
 HEIGHT = 400
-#: Degrees of azimuth shown at first; the rest can be dragged into view.
+#: Range of azimuth shown at first, degrees; the rest can be dragged into view.
 ONE_TURN = 360.0
-#: Room around the path as seen from above, as a factor.
+#: Factor of room around the path as seen from above.
 MARGIN = 1.1
-#: rad, or relative to the largest ω; a smaller path is drawn as a point.
+#: Size, rad, or relative to the largest ω, below which a path is drawn as a point.
 NARROWEST = 1e-6
-#: Degrees; a tilt that changes less counts as steady, with this margin on both sides.
+#: Range of tilt, degrees, below which the tilt counts as steady; the margin on both sides is as
+#: large.
 STEADY, STEADY_ROOM = 1e-6, 0.5
 
 
 def axis_path(scene: SceneRuns) -> list[Figure]:
-    """The path on the sphere, from above, and unrolled into azimuth and tilt."""
+    """Return figures of the path on the sphere, from above, and unrolled into azimuth and tilt."""
     scenario, motion = scene.exact.scenario, dense_motion(scene)
-    # World components to two level components and up; up is −g, or z without gravity, (3, 3).
+    # The matrix from world components to two level components and up, (3, 3); up is −g, or z
+    # without gravity.
     R_upright_world = _frame_about(_unit(-scenario.gravity_world, UP))
-    # Where the axis points, (n, 3): two level components and up.
+    # The direction of the axis, (n, 3): two level components and up.
     exact = np.asarray(motion.to_world(axis_body(scenario)) @ R_upright_world.T)
     overlay = _overlay("axis", R_upright_world)
     return [
@@ -171,7 +174,7 @@ def _unrolled_figure(exact: FloatArray, R_upright_world: FloatArray) -> Figure:
     if np.ptp(tilt) < STEADY:
         framed = tilt[:1] + np.array([-1.0, 1.0]) * STEADY_ROOM
     low, high = padded(framed)
-    # Upside down: where the axis is higher, its tilt is smaller.
+    # The axis of tilt is upside down: where the body's axis is higher, its tilt is smaller.
     panel = Panel(
         x_title="azimuth α, °",
         y_title="tilt β from the upward vertical, °",
@@ -184,7 +187,7 @@ def _unrolled_figure(exact: FloatArray, R_upright_world: FloatArray) -> Figure:
 
 
 def _first_turn(azimuth: FloatArray) -> Range:
-    """The range of azimuths that is drawn: all of them, or one turn from the start."""
+    """Return the range of all azimuths, or of one turn from the start on."""
     if np.ptp(azimuth) <= ONE_TURN:
         return padded(azimuth)
     onwards = np.sign(azimuth[-1] - azimuth[0]) or 1.0
@@ -192,27 +195,27 @@ def _first_turn(azimuth: FloatArray) -> Range:
 
 
 def _unit(vector: FloatArray, otherwise: FloatArray) -> FloatArray:
-    """The direction of a vector, (3,); another vector if it is zero."""
+    """Return the direction of a vector, (3,); another vector if it is zero."""
     size = float(np.linalg.norm(vector))
     return vector / size if size else otherwise
 
 
 def _unrolled(tips: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Azimuth and tilt, degrees."""
+    """Return azimuth and tilt, degrees, of directions."""
     azimuth = np.unwrap(np.arctan2(tips[:, 1], tips[:, 0]))
     tilt = np.arctan2(np.hypot(tips[:, 0], tips[:, 1]), tips[:, 2])
     return np.degrees(azimuth), np.degrees(tilt)
 
 
 POLHODE_HEIGHT = 460
-#: Room around the herpolhode, as a factor.
+#: Factor of room around the herpolhode.
 HERPOLHODE_MARGIN = 1.15
-#: A run is drawn up to this distance from the ellipsoid's centre, in longest semi-axes.
+#: Largest distance from the ellipsoid's centre up to which a run is drawn, in longest semi-axes.
 OFF_THE_ELLIPSOID = 1.5
 
 
 def polhode(scene: SceneRuns) -> list[Figure]:
-    """The polhode on its ellipsoid, and the herpolhode; none for a body that never turns.
+    """Return figures of polhode on its ellipsoid, and herpolhode; none for a body that never turns.
 
     The ellipsoid is Σ Iₖ ωₖ² = 2T in principal axes, T the largest rotational energy of the exact
     motion: ω/√2T is on one of semi-axes 1/√Iₖ. The herpolhode is seen along the exact L at the
@@ -239,7 +242,7 @@ def polhode(scene: SceneRuns) -> list[Figure]:
 
 
 def _herpolhode(exact: Trajectory, R_level_world: FloatArray) -> Figure:
-    """The tip of ω across L; the frame is of axes of which the third is along L."""
+    """Return a figure of the tip of ω in the plane across L, the third of the given axes."""
     flat = (exact.to_world(exact.omega_body) @ R_level_world.T)[:, :2]
     fastest = float(np.linalg.norm(exact.omega_body, axis=1).max())
     widest = HERPOLHODE_MARGIN * max(float(np.abs(flat).max()), NARROWEST * fastest)
@@ -250,7 +253,7 @@ def _herpolhode(exact: Trajectory, R_level_world: FloatArray) -> Figure:
 
 
 def _frame_about(third: FloatArray) -> FloatArray:
-    """Rows e1, e2, e3 of a right-handed frame with e3 given; x and y themselves for z, (3, 3)."""
+    """Return rows e1, e2, e3 of a right-handed frame with e3 given, (3, 3); x, y, z for z."""
     first = np.eye(3)[np.argmin(np.abs(third))]
     first = first - (first @ third) * third
     first /= np.linalg.norm(first)

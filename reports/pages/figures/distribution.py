@@ -1,4 +1,4 @@
-"""The errors of an ensemble as step curves, one a method."""
+"""The errors of an ensemble as step curves, one for each method."""
 
 from collections.abc import Mapping, Sequence
 from html import escape
@@ -14,7 +14,8 @@ from .plot import Figure, Panel, Trace, drawing, line, method_style
 HEIGHT = 250
 #: Margins: a factor beside the outermost errors, and percent beside 0 and 100.
 BESIDE_ERRORS, PERCENT_MARGIN = 2.0, 3.0
-#: Largest error drawn, relative or in degrees; a blow-up that finished would compress the axis.
+#: Largest error drawn, relative or in degrees; a run that blew up but finished would compress the
+#: axis.
 LARGEST = 180.0
 
 
@@ -23,7 +24,7 @@ def distribution(
     trace_styles: Mapping[Pair, TraceStyle],
     measure: Measure,
 ) -> Figure:
-    """Percentage of all members of which a measure is at most so much.
+    """Return a figure with the percentage of all members whose measure is at most a value.
 
     A curve ends at the percentage that finished; at least one member did.
     """
@@ -53,7 +54,7 @@ def distribution(
 
 
 def _steps(x: FloatArray, y: FloatArray, label: str, style: TraceStyle, said: str) -> Trace:
-    """A curve that rises by steps, at each of which a member is."""
+    """Return a curve with a step at each member."""
     drawn = method_style(label, style)
     drawn["line"] = drawn["line"] | {"shape": "hv"}
     return line(x, y, 1, **drawn, hovertemplate=f"{escape(label)}<br>{said}<extra></extra>")

@@ -1,4 +1,4 @@
-"""How a scene's body and its exact motion are drawn: a solid of its inertia, axis, what is up."""
+"""How a scene's body is drawn: a solid with its inertia, its axis, and the direction that is up."""
 
 from dataclasses import dataclass
 from functools import lru_cache
@@ -13,20 +13,21 @@ from ....scenarios.principal import principal_axes
 from ...results.results import SceneResult
 from ..analysis.report_data import SceneRuns
 
-#: Largest number of samples of a path; samples a turn at the fastest rate.
+#: Largest number of samples of a path; number of samples for each turn at the fastest rate.
 MOST, A_TURN = 500, 24
 
 
 @lru_cache(maxsize=1)
 def dense_motion(scene: SceneRuns) -> Trajectory:
-    """The exact motion of the window; if it has more than `MOST / A_TURN` turns, only that many."""
+    """Return the exact motion of the window, up to its first `MOST / A_TURN` turns."""
     shown = min(1.0, MOST / A_TURN / scene.turns) if scene.turns else 1.0
     return scene.outline(shown * scene.end, MOST)
 
 
-#: Moments of a box of half sides h: I₁ = m (h₂² + h₃²)/3; of an ellipsoid: I₁ = m (h₂² + h₃²)/5.
+#: Denominators for a box of half sides h, I₁ = m (h₂² + h₃²)/3, and an ellipsoid, I₁ = m (h₂² +
+#: h₃²)/5.
 BOX, ELLIPSOID = 3.0, 5.0
-#: A flat body is drawn at least this thick, as a fraction of its largest half side.
+#: Least thickness of a flat body in pictures, as a fraction of its largest half side.
 LEAST_THICKNESS = 0.03
 
 
@@ -36,11 +37,11 @@ class DrawnBody:
 
     Attributes
     ----------
-    shape : an ellipsoid where the body has an axis of symmetry, else a box
+    shape : an ellipsoid if the body has an axis of symmetry, else a box
     half_sides : m, along its principal axes, (3,); a solid of the body's mass and moments
     R_body_axes : principal axes about the com to body axes, (3, 3)
     axis_body : unit vector of the axis whose path is drawn, (3,)
-    up_world : the direction that the axis' tilt β is measured from, unit, (3,)
+    up_world : unit vector that the axis's tilt β is measured from, (3,)
     up_means : that direction in words
     """
 
@@ -53,7 +54,7 @@ class DrawnBody:
 
 
 def drawn_body(solved: SceneResult) -> DrawnBody:
-    """Choose what is drawn of a scene's body."""
+    """Return what is drawn of a scene's body."""
     scenario = solved.scenario
     exact_moments, exact_axes = principal_axes(scenario.body.inertia_com_exact)
     moments = np.array(exact_moments, dtype=float)
@@ -72,7 +73,7 @@ def drawn_body(solved: SceneResult) -> DrawnBody:
 
 
 def axis_body(scenario: Scenario) -> FloatArray:
-    """Unit vector from pivot to com; else of the symmetry axis, else of the largest part of L."""
+    """Return the unit vector from pivot to com, or of the symmetry axis, or L's largest part."""
     lever = scenario.constraint.lever
     length = float(np.linalg.norm(lever))
     if not scenario.constraint.is_free and length:
@@ -88,7 +89,7 @@ def axis_body(scenario: Scenario) -> FloatArray:
 
 
 def _up(solved: SceneResult) -> tuple[FloatArray, str]:
-    """Against gravity where it turns the body, along the initial L elsewhere; z at rest."""
+    """Return up and its meaning: −g if gravity turns the body, else the initial L; z at rest."""
     scenario = solved.scenario
     gravity = float(np.linalg.norm(scenario.gravity_world))
     if not scenario.constraint.is_free and gravity:
@@ -101,7 +102,7 @@ def _up(solved: SceneResult) -> tuple[FloatArray, str]:
 
 
 def _half_sides(mass: float, moments: FloatArray, shape: float) -> FloatArray:
-    """Half sides of the solid with these moments: h₁² = (shape / 2 m) (I₂ + I₃ − I₁), m, (3,)."""
+    """Return the half sides of the solid: h₁² = (shape / 2 m) (I₂ + I₃ − I₁), m, (3,)."""
     squares = shape / (2 * mass) * (moments.sum() - 2 * moments)
     half_sides = np.sqrt(np.maximum(squares, 0.0))
     return np.asarray(np.maximum(half_sides, LEAST_THICKNESS * half_sides.max()))

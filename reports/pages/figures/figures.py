@@ -1,4 +1,4 @@
-"""The figures of a scene, in reading order, and of a heavy top as a particle in a well."""
+"""The figures of a scene in reading order, and a heavy top's potential as a well."""
 
 import math
 from collections.abc import Iterator, Sequence
@@ -24,11 +24,11 @@ from .ladder_figures import convergence, work_precision
 from .plot import INK, REFERENCE_WIDTH, Figure, Panel, Range, drawing, line
 from .signal_figures import defect_figure, omega_figures, tilt_figure
 
-#: The well is drawn this far beyond the turning points, in its widths; smallest width drawn.
+#: How far beyond the turning points the well is drawn, in its widths; smallest width drawn.
 BEYOND, NARROWEST = 0.6, math.radians(1.0)
 POINTS = 160
-#: V_eff is drawn up to this many depths of the well above E′; the depth is taken to be at least
-#: this fraction of what is drawn, as steady precession has no depth.
+#: How far above E′ V_eff is drawn, in depths of the well; the depth is taken as at least this
+#: fraction of what is drawn, because steady precession has no depth.
 ABOVE, SHALLOW = 1.2, 0.05
 #: Margin below the bottom, as a fraction of the height.
 BELOW = 0.12
@@ -36,7 +36,7 @@ _ABOVE_LINE = {"yanchor": "bottom", "showarrow": False}
 
 
 def potential(scenario: Scenario) -> Figure | None:
-    """V_eff over the tilt with E′ and the turning points; None for any other motion."""
+    """Return a figure of V_eff over the tilt with E′ and turning points; None for other motions."""
     problem = rotational_problem(scenario)
     top = heavy_symmetric_top(problem)
     if top is None or not nutates(problem):
@@ -77,7 +77,7 @@ def _well(
 
 
 def _heights(heights: FloatArray, energy: float) -> Range:
-    """The heights from below the bottom to above E′; at its poles V_eff may be infinite."""
+    """Return the range of heights from below the bottom to above E′; V_eff may be infinite."""
     bottom, highest = float(heights.min()), float(heights[np.isfinite(heights)].max())
     depth = energy - bottom
     if depth > SHALLOW * (highest - bottom):
@@ -87,12 +87,12 @@ def _heights(heights: FloatArray, energy: float) -> Range:
 
 @dataclass(frozen=True, eq=False)
 class Titled:
-    """Figures that stand side by side if there is room, with the words around them.
+    """Figures that are placed side by side if there is room, with the words around them.
 
     Attributes
     ----------
     name : for links and tests
-    title : one line above
+    title : the line above the figures
     caption : what is drawn and what to look for
     """
 
@@ -106,7 +106,7 @@ Section = Literal["signals", "steps", "ladder", "geometry"]
 
 
 def figures(scene: SceneRuns) -> dict[Section, list[Titled]]:
-    """Every figure that the scene has data for, by the section of the page it stands in."""
+    """Return every figure that the scene has data for, by the section of the page."""
     if scene.solved is None:
         return {"signals": [], "steps": [], "ladder": [], "geometry": []}
     return {

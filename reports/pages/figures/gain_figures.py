@@ -1,4 +1,4 @@
-"""What single steps gain against the timestep, and what the model of verdicts predicts of it."""
+"""Figures of what single steps gain against the timestep, with predictions by the verdict model."""
 
 from collections.abc import Iterator
 from html import escape
@@ -11,23 +11,24 @@ from ...results.evidence import LEVEL, QUANTITIES, GainCurve, Quantity
 from ..analysis.report_data import MethodRuns, SceneRuns
 from .plot import OFF_THE_CHART, Figure, Panel, Trace, drawing, line, method_style
 
-#: Standard deviations of the band; and its opacity, as two hexadecimal digits after a colour.
+#: Number of standard deviations of the band; and its opacity, as two hexadecimal digits after a
+#: colour.
 BAND, OPACITY = 2.0, "30"
-#: Standard deviations that a gain, three numbers, is off its prediction by with the probability of
-#: the level of verdicts.
+#: Number of standard deviations by which a gain, three numbers, misses its prediction with the
+#: probability of the level of verdicts.
 OFF = float(np.sqrt(chdtri(3, LEVEL)))
-#: Gains that no prediction is made of: with the longest timesteps.
+#: Number of gains, at the longest timesteps, for which no prediction is made.
 NOT_PREDICTED = 2
-#: Room beside the outermost timesteps, and above the largest gain, as factors; below the noise, in
-#: parts of it.
+#: Room beside the outermost timesteps, and above the largest gain, as factors; below the noise, as
+#: a fraction of it.
 BESIDE, ABOVE, BELOW = 1.3, 3.0, 0.1
 HEIGHT, MARKER, RING = 360, 6, 15
-#: So few methods that a panel is of are named: the others have nothing but noise there.
+#: Largest number of methods in a panel that are named: the others have nothing but noise there.
 FEW = 3
 
 
 def gain_figures(scene: SceneRuns) -> list[Figure]:
-    """A figure for each quantity in which any method gains more than noise."""
+    """Return a figure for each quantity in which any method gains more than noise."""
     return [
         _figure(scene, quantity)
         for quantity in QUANTITIES
@@ -71,7 +72,7 @@ def _figure(scene: SceneRuns, quantity: Quantity) -> Figure:
 
 
 def _band(runs: MethodRuns, curve: GainCurve, low: float) -> Trace:
-    """What the gains with longer timesteps predict, as an outline that is filled."""
+    """Return the prediction from gains at longer timesteps, as an outline that is filled."""
     timesteps, predicted, known_to = (
         np.array(column[NOT_PREDICTED:])
         for column in (curve.timesteps, curve.predicted, curve.predicted_to)
@@ -93,7 +94,7 @@ def _band(runs: MethodRuns, curve: GainCurve, low: float) -> Trace:
 
 
 def _gains(runs: MethodRuns, curve: GainCurve, low: float) -> Iterator[Trace]:
-    """The gains joined by a line, those that are off their prediction with a ring."""
+    """Yield the gains joined by a line; those that miss their prediction have a ring."""
     timesteps, gains = np.array(curve.timesteps), np.array(curve.gains)
     drawn = np.where(gains > low, gains, np.nan)
     style = method_style(runs.label, runs.style)
@@ -109,7 +110,7 @@ def _gains(runs: MethodRuns, curve: GainCurve, low: float) -> Iterator[Trace]:
 
 
 def is_off(curve: GainCurve) -> NDArray[np.bool_]:
-    """Which gains are further off their prediction than chance makes them, (J,)."""
+    """Return which gains miss their prediction by more than chance explains, (J,)."""
     columns = (curve.gains, curve.predicted, curve.predicted_to)
     gains, predicted, known_to = map(np.array, columns)
     off = np.abs(gains - predicted) > OFF * known_to

@@ -1,4 +1,4 @@
-"""Error against timestep and against cost: every run of every method on one scene."""
+"""Figures of error against timestep and against cost: every run of every method on one scene."""
 
 from collections.abc import Callable, Iterator, Sequence
 from html import escape
@@ -25,20 +25,20 @@ from .plot import (
     method_style,
 )
 
-#: A guide line is drawn this factor below its curve, over this factor of timesteps.
+#: Factor by which a guide line is drawn below its curve, and by which its timesteps range.
 GUIDE_BELOW, GUIDE_SPAN = 4.0, 8.0
 #: Number of points of a guide line.
 GUIDE_POINTS = 25
-#: Room beside the outermost points of a log axis, as a factor.
+#: Factor of room beside the outermost points of a log axis.
 BESIDE = 1.5
 
-#: Line width of the Pareto front, visible behind the curves that touch it.
+#: Line width of the Pareto front, so that it is visible behind the curves that touch it.
 FRONT_WIDTH = 7.0
 
-#: The panel of errors, and below it the strip of the runs that have none.
+#: Vertical ranges of the panel of errors, and of the strip of runs without errors below it.
 ERRORS, STRIP = ((0.0, 1.0), (0.26, 1.0)), ((0.0, 1.0), (0.0, 0.12))
 HEIGHT = 520
-#: Markers of runs without an error, and of stock timesteps.
+#: Markers of runs without an error, and of runs at stock timesteps.
 ENDED = {"diverged": "x-thin-open", "failed": "triangle-down-open"}
 RING_SIZE, MARK_SIZE = 14, 9
 
@@ -46,7 +46,7 @@ Abscissa = Callable[[Row], float | None]
 
 
 def convergence(scene: SceneRuns) -> list[Figure]:
-    """Errors in each signal against the timestep, with the slopes of the declared orders."""
+    """Return figures of errors by signal against the timestep, with slopes of declared orders."""
     return [
         _with(figure, [], [*_guides(scene, signal)])
         for signal, figure in _against(scene, lambda row: row.timestep, "timestep, s")
@@ -54,7 +54,7 @@ def convergence(scene: SceneRuns) -> list[Figure]:
 
 
 def work_precision(scene: SceneRuns) -> list[Figure]:
-    """The same errors against CPU seconds a simulated second, over the best of all methods."""
+    """Return figures of errors against CPU seconds a simulated second, with the Pareto front."""
     return [
         _with(figure, [_front(scene, signal)], [])
         for signal, figure in _against(scene, cost, "CPU seconds a simulated second")
@@ -66,7 +66,7 @@ def _with(figure: Figure, below: list[Trace], above: list[Trace]) -> Figure:
 
 
 def _against(scene: SceneRuns, abscissa: Abscissa, x_title: str) -> Iterator[tuple[Signal, Figure]]:
-    """A figure for each signal."""
+    """Yield each signal with its figure of errors against an abscissa."""
     x_range = _x_range(scene, abscissa)
     ended = list(_ended(scene, abscissa))
     for signal in scene.signals:
@@ -108,7 +108,7 @@ def _finished(runs: MethodRuns) -> list[Row]:
 
 
 def _ended(scene: SceneRuns, abscissa: Abscissa) -> Iterator[Trace]:
-    """Runs without an error, each method on its own line of the strip."""
+    """Yield the runs without an error, each method on its own line of the strip."""
     for k, runs in enumerate(scene.methods):
         height = 1 - (k + 0.5) / len(scene.methods)
         for outcome, symbol in ENDED.items():
@@ -137,7 +137,7 @@ def _ended(scene: SceneRuns, abscissa: Abscissa) -> Iterator[Trace]:
 
 
 def _front(scene: SceneRuns, signal: Signal) -> Trace:
-    """The Pareto front as steps: the runs more accurate than all cheaper ones."""
+    """Return the Pareto front as steps: the runs more accurate than all cheaper ones."""
     best = [point for _, point in front(curves(scene, signal.name))]
     return line(
         np.array([point.cost for point in best], dtype=float),
@@ -152,7 +152,7 @@ def _front(scene: SceneRuns, signal: Signal) -> Trace:
 def _curves(
     runs: MethodRuns, scene: SceneRuns, signal: Signal, abscissa: Abscissa
 ) -> Iterator[Trace]:
-    """The runs that ended well joined by a line, those at stock timesteps with a ring."""
+    """Yield the runs that ended well joined by a line; those at stock timesteps have a ring."""
     rows = [row for row in _finished(runs) if abscissa(row) is not None]
     stock = [row for row in rows if row.stock]
     line_style = method_style(runs.label, runs.style)
@@ -207,7 +207,7 @@ def _x_range(scene: SceneRuns, abscissa: Abscissa) -> Range:
 
 
 def _guides(scene: SceneRuns, signal: Signal) -> Iterator[Trace]:
-    """One dotted line for each declared order, below the lowest curve of that order."""
+    """Yield a dotted line for each declared order, below the lowest curve of that order."""
     orders = {
         runs.label: signal.declared_order(runs.declared.order, runs.declared.attitude_order)
         for runs in scene.methods

@@ -26,24 +26,24 @@ Range = tuple[float, float]
 MOST_SAMPLES = 400
 #: Placeholders for the colours of text, of wire frames and of the page.
 INK, WIRE, GROUND = "ink", "wire", "ground"
-#: Axes of errors end here; larger errors are blow-ups.
+#: Upper end of axes of errors; larger errors are blow-ups.
 OFF_THE_CHART = 1e2
-#: Values of a blow-up are cut here: browsers fail to draw larger ones.
+#: Value at which blow-ups are cut off: browsers fail to draw larger numbers.
 BEYOND_DRAWING = 1e30
-#: A log axis has at most this many labels.
+#: Largest number of labels on a log axis.
 LOG_LABELS = 8
 REFERENCE_WIDTH, METHOD_WIDTH = 5.0, 1.6
 EPS = float(np.finfo(float).eps)
 #: Margin around values, as a fraction of their range.
 PADDING = 0.08
-#: Left and right, bottom and top of a panel that is alone.
+#: Left and right, bottom and top of a panel that is the only one of its figure.
 WHOLE = ((0.0, 1.0), (0.0, 1.0))
 FLOOR_COLOUR = "rgba(128,128,128,0.22)"
 
 
 @dataclass(frozen=True)
 class Panel:
-    """One pair of axes. `floor` is the reference's uncertainty, drawn as a shaded band."""
+    """One pair of axes. `floor` is the reference's uncertainty, which is drawn as a shaded band."""
 
     x_title: str
     y_title: str
@@ -60,19 +60,19 @@ class Panel:
 def drawing(
     traces: Sequence[Trace], panels: Sequence[Panel], height: int, *overlays: dict[str, Any]
 ) -> Figure:
-    """A figure of panels; `overlays` are what the page's script adds from the motions."""
+    """Return a figure of panels; `overlays` are what the page's script adds from the motions."""
     figure: Figure = {"data": traces, "layout": layout(panels, height)}
     return figure | {"overlays": list(overlays)} if overlays else figure
 
 
 def square(titles: tuple[str, str, str], widest: float) -> Panel:
-    """A panel with zero in its middle; titles of x, y and the panel."""
+    """Return a panel with zero in its middle; `titles` are those of x, y and the panel."""
     reach = (-widest, widest)
     return Panel(*titles, x_range=reach, y_range=reach, equal_scales=True)
 
 
 def layout(panels: Sequence[Panel], height: int) -> dict[str, Any]:
-    """Axes of panels; the k-th has axes x{k} and y{k}."""
+    """Return the layout of panels; the k-th has axes x{k} and y{k}."""
     made: dict[str, Any] = {"height": height, "shapes": [], "annotations": []}
     for k, panel in enumerate(panels, start=1):
         suffix, (across, down) = axis_suffix(k), panel.domain
@@ -97,12 +97,12 @@ def layout(panels: Sequence[Panel], height: int) -> dict[str, Any]:
 
 
 def axis_suffix(k: int) -> str:
-    """Plotly numbers axes x, x2, x3, …."""
+    """Return the number of an axis as Plotly writes it: x, x2, x3, …."""
     return "" if k == 1 else str(k)
 
 
 def line(x: FloatArray, y: FloatArray, k: int, **properties: Any) -> Trace:
-    """A line in panel k."""
+    """Return a line in panel k."""
     suffix = axis_suffix(k)
     return {
         "type": "scatter",
@@ -117,11 +117,11 @@ def line(x: FloatArray, y: FloatArray, k: int, **properties: Any) -> Trace:
 
 
 def method_style(label: str, style: TraceStyle) -> dict[str, Any]:
-    """Style of a method's path: a thin line; by its `legendgroup` the page switches it off."""
+    """Return the style of a method's thin line, which the page switches by `legendgroup`."""
     return {
         "mode": "lines",
         "line": {"color": style.colour, "width": METHOD_WIDTH, "dash": style.dash},
-        # Plotly interprets some HTML.
+        # Plotly interprets some HTML, so labels are escaped.
         "name": escape(label, quote=False),
         "legendgroup": label,
         "hoverinfo": "name",
@@ -129,13 +129,13 @@ def method_style(label: str, style: TraceStyle) -> dict[str, Any]:
 
 
 def start_dot(x: float, y: float, k: int) -> Trace:
-    """A dot in panel k where the motion starts."""
+    """Return a dot in panel k where the motion starts."""
     marker = {"color": INK, "size": 8}
     return line(np.array([x]), np.array([y]), k, mode="markers", marker=marker, hoverinfo="skip")
 
 
 def heading(text: str, x: float, y: float) -> dict[str, Any]:
-    """Words above a panel, in fractions of the figure."""
+    """Return words above a panel; x and y are fractions of the figure."""
     return {
         "text": f"<b>{text}</b>",
         "x": x,
@@ -150,25 +150,25 @@ def heading(text: str, x: float, y: float) -> dict[str, Any]:
 
 
 def packed(values: FloatArray) -> dict[str, str]:
-    """An array in base64 for Plotly: single precision, gaps for blow-ups."""
+    """Return an array in base64 for Plotly: single precision, with gaps for blow-ups."""
     drawable = np.where(np.abs(values) < BEYOND_DRAWING, values, np.nan)
     single = np.ascontiguousarray(drawable, dtype="<f4")
     return {"dtype": "f4", "bdata": base64.b64encode(single.tobytes()).decode("ascii")}
 
 
 def thinned(n: int, most: int = MOST_SAMPLES) -> NDArray[np.intp]:
-    """Indices of at most so many samples out of n, first and last among them."""
+    """Return indices of at most `most` samples out of n, with the first and last among them."""
     return np.unique(np.linspace(0, n - 1, min(n, most)).astype(np.intp))
 
 
 def claimed(errors: FloatArray, floor: float) -> FloatArray:
-    """Errors as drawn: at least the reference's uncertainty, gaps for inf."""
+    """Return errors as drawn: at least the reference's uncertainty, with gaps for inf."""
     raised = np.maximum(errors, floor)
     return np.where(np.isfinite(raised), raised, np.nan)
 
 
 def error_range(curves: Sequence[FloatArray], floor: float) -> Range:
-    """Range of an error axis: from half the floor to just above the largest error."""
+    """Return the range of an error axis: from half the floor to just above the largest error."""
     if not 0 < floor < math.inf:
         # A signal with a base of zero, such as L of a body at rest, has no relative error.
         return EPS, 1.0
@@ -178,7 +178,7 @@ def error_range(curves: Sequence[FloatArray], floor: float) -> Range:
 
 
 def padded(values: FloatArray) -> Range:
-    """The range of some values with a margin; a range of zero width is widened."""
+    """Return the range of values with a margin; a range of zero width is widened."""
     low, high = float(values.min()), float(values.max())
     margin = (high - low or abs(high) or 1.0) * PADDING
     return low - margin, high + margin

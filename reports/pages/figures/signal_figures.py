@@ -1,7 +1,7 @@
 """Tilt and angular velocity over time, and how far runs are from the exact ones.
 
-The page's script draws the lines, from the motions that the page carries: a figure has axes, and
-which line belongs in which panel (`overlays`).
+The page's script draws the lines from the motions that the page carries: a figure only has axes,
+and says which line belongs in which panel (`overlays`).
 """
 
 import math
@@ -23,7 +23,7 @@ from .plot import (
 )
 
 TILT, DIFFERENCE = ((0.0, 1.0), (0.52, 1.0)), ((0.0, 1.0), (0.0, 0.42))
-#: Degrees; a tilt that changes less is drawn with this margin.
+#: Range of tilt, degrees, below which it is drawn with a margin of this size.
 STEADY = 0.5
 #: Margin above and below a component of ω, as a fraction of the largest ω.
 STEADY_RATE = 0.05
@@ -31,7 +31,7 @@ AXES = ("₁", "₂", "₃")
 
 
 def tilt_figure(scene: SceneRuns) -> Figure:
-    """β(t), and below it the angle between each run's attitude and the exact one."""
+    """Return a figure of β(t), and below it the angle of each run's attitude from the exact one."""
     exact, body = scene.exact.solution.trajectory, drawn_body(scene.exact)
     cosine = np.clip(exact.to_world(body.axis_body) @ body.up_world, -1.0, 1.0)
     tilt = np.degrees(np.arccos(cosine))
@@ -61,7 +61,7 @@ def tilt_figure(scene: SceneRuns) -> Figure:
 
 
 def omega_figures(scene: SceneRuns) -> list[Figure]:
-    """The three components of ω in body axes, and how far the vector is from the exact one."""
+    """Return figures of ω's components, body axes, and of its distance from the exact ω."""
     solved, runs = scene.exact, scene.compared
     figures = [_component(solved, k) for k in range(3)]
     curves = [run.series["omega"] for run in runs]
@@ -71,7 +71,7 @@ def omega_figures(scene: SceneRuns) -> list[Figure]:
 
 
 def defect_figure(scene: SceneRuns) -> Figure:
-    """The largest defect of any signal, interval by interval."""
+    """Return a figure of the largest defect of any signal in each interval."""
     curves = [run.defect for run in scene.compared]
     return _over_time(scene.exact, "defect", ("relative, or rad", ""), curves, LEAST_ROUNDING)
 
@@ -79,7 +79,7 @@ def defect_figure(scene: SceneRuns) -> Figure:
 def _over_time(
     solved: SceneResult, kind: str, axes: tuple[str, str], curves: list[FloatArray], floor: float
 ) -> Figure:
-    """One panel of errors, with a title of its axis and a heading."""
+    """Return a figure with one panel of errors, with a title of its axis and a heading."""
     y_range, x_range = _errors(curves, floor), _window(solved)
     panel = Panel("t, s", *axes, y_range=y_range, x_range=x_range, log_y=True, floor=floor)
     return drawing([], [panel], HEIGHT, {"kind": kind, "panel": 1})

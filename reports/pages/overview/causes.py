@@ -1,7 +1,7 @@
-"""Why defaults are wrong: the timestep, settings that alter the motion, a term left out.
+"""Why defaults are wrong: the timestep, settings that alter the motion, or a term left out.
 
 Without ω × I ω the angular velocity of a free body keeps its direction in space, however the body
-tumbles. A damping shortens ω but does not turn it either.
+tumbles. Damping shortens ω but does not turn it either.
 """
 
 from collections.abc import Collection
@@ -15,16 +15,17 @@ from ..analysis.questions import Usual, ask
 from ..analysis.report_data import ReportData
 from ..analysis.wording import plural
 
-#: rad; a scene is used if its exact ω turns by more in space.
+#: Angle in space, rad, by which the exact ω must turn for a scene to be used.
 TELLING = 0.2
-#: A run lacks the torque if its ω turns by less than this fraction of that.
+#: Fraction of that angle: a run whose ω turns by less lacks the gyroscopic torque.
 STEADY = 0.02
 
 
 def without_gyroscopic_torque(gathered: ReportData) -> tuple[dict[str, dict[str, float]], int]:
-    """The engines as shipped that lack it on every scene used, and the number of engines.
+    """Return the engines as shipped that lack the torque on every scene used, and their number.
 
-    Of each the largest relative error of ω, by scene: ω keeps its direction, the exact ω does not.
+    Each comes with the largest relative error of ω by scene: its ω keeps its direction, the exact ω
+    does not.
     """
     lacking: dict[Pair, dict[str, float]] = {}
     has_it: set[Pair] = set()
@@ -44,22 +45,23 @@ def without_gyroscopic_torque(gathered: ReportData) -> tuple[dict[str, dict[str,
 
 
 def turned_in_space(motion: Trajectory) -> float:
-    """The largest angle between ω and ω at the start, in space, rad; 0 for a body at rest."""
+    """Return the largest angle, rad, between ω and its start, in space; 0 for a body at rest."""
     omega_world = motion.to_world(motion.omega_body)
     start = omega_world[0]
     across = np.linalg.norm(np.cross(omega_world, start), axis=1)
     return float(np.arctan2(across, omega_world @ start).max())
 
 
-#: A cause is given for a default if it holds on at least this fraction of the scenes it gets wrong.
+#: A cause is given for a default if it holds on at least this fraction of the scenes with large
+#: errors.
 COMMON = 0.1
 
 
 def why(gathered: ReportData, one: Usual, harmless: Collection[str]) -> str:
-    """The reason of the errors: the timestep, or defaults of the engine; empty if none is known.
+    """Return the reason of a default's errors: the timestep, or defaults; empty if none is known.
 
-    Defaults are a reason where the method disagrees with the equations of motion, and nowhere else:
-    a run that blows up may do so by its integrator alone.
+    Defaults are a reason only where the method disagrees with the equations of motion: a run that
+    blows up may do so by its integrator alone.
     """
     counts = dict(ask(gathered, f"SELECT verdict, count(*) {_OF_METHOD} GROUP BY 1", *one.pair))
     tried = sum(counts[kind.word] for kind in VERDICTS if kind.word in counts and _counts(kind))
@@ -92,7 +94,7 @@ def _counts(kind: VerdictKind) -> bool:
 
 
 def _by_each_default(gathered: ReportData, one: Usual) -> str:
-    """The number of scenes on which each default alone causes an error of ω, if measured."""
+    """Return on how many scenes each default alone causes an error of ω, in words, if measured."""
     counted = ask(
         gathered,
         "SELECT name, count(*) FROM altered JOIN tried USING (scene, engine, method) "
@@ -105,7 +107,7 @@ def _by_each_default(gathered: ReportData, one: Usual) -> str:
 
 
 def _acting(gathered: ReportData, one: Usual, wrong: int, harmless: Collection[str]) -> str:
-    """What acted though not called for, as reported by the engine, and on how many scenes."""
+    """Return what acted although not called for, as the engine reports, and on how many scenes."""
     counted = ask(
         gathered,
         "SELECT name, count(*) FROM unasked JOIN usual USING (scene, engine, method, timestep) "
@@ -122,7 +124,7 @@ def _acting(gathered: ReportData, one: Usual, wrong: int, harmless: Collection[s
 
 
 def no_gyroscopic_torque(gathered: ReportData) -> list[str]:
-    """The engines that leave out the gyroscopic torque, and the effect; empty if none does."""
+    """Return the engines that leave out the gyroscopic torque, and its effect, if any do."""
     lacking, tried = without_gyroscopic_torque(gathered)
     if not lacking:
         return []

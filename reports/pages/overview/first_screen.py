@@ -1,4 +1,4 @@
-"""The report's answer: how wrong the defaults are, what to use, what it costs, and why."""
+"""The report's answer: how wrong the defaults are, what to use instead, what it costs, and why."""
 
 import math
 from collections.abc import Collection, Mapping, Sequence
@@ -14,13 +14,14 @@ from ..analysis.wording import NOTHING, duration, plural, readable, span
 from ..tables import Cell, figure, table
 from .causes import no_gyroscopic_torque, why
 
-#: A method is recommended instead of a default if it can simulate this fraction of the scenes.
+#: Least fraction of the scenes that a method must be able to simulate to be recommended instead of
+#: a default.
 COVERING = 0.9
-#: A method is recommended if its median error is smaller by this factor.
+#: Factor by which the median error of a recommended method must be smaller.
 MUCH_SMALLER = 2.0
 #: Number of engines whose defaults are described one by one, smallest errors first.
 LISTED = 2
-#: What stands in the table, line by line.
+#: The lines of the table.
 MEASURES = (
     "timestep",
     "1° off after",
@@ -31,9 +32,9 @@ MEASURES = (
     "CPU time of a step",
     "pruned",
 )
-#: CPU time of the default as a multiple of its own.
+#: Text for the CPU time of the default as a multiple of itself.
 OWN_RATIO = "1"
-#: What is said of CPU times where there are any.
+#: Sentence about CPU times, if there are any.
 COST = (
     " CPU time: of a step, as a multiple of the default's, with quartiles; pruned: with everything "
     "switched off that the scenes do not call for."
@@ -41,18 +42,18 @@ COST = (
 
 
 def answer(gathered: ReportData, left_out: Collection[MethodCost] = ()) -> dict[str, Any] | None:
-    """The answer, from the plain scenes alone; None where no default was run.
+    """Return the answer, from the plain scenes alone; None if no default was run.
 
-    `lead` has the size of the defaults' errors, and of the methods' that are recommended instead;
-    `table` a column for each of them, `about` what its numbers are; `why` the errors' reasons.
+    `lead` has the size of errors of the defaults, and of the methods recommended instead; `table`
+    has a column for each of them, `about` what its numbers are, and `why` the errors' reasons.
 
     Parameters
     ----------
-    left_out : the cost of what changes no motion, and so is no reason for a wrong one
+    left_out : the cost of what engines leave out because it changes no motion
     """
     plain = gathered.plain
     tried = at_stock(plain)
-    # The first of each engine: further methods as shipped lack some of the defaults.
+    # Only the first of each engine: further methods as shipped lack some of the defaults.
     first = {one.engine: one for one in reversed(tried) if one.shipped}
     shipped = sorted(first.values(), key=_size)
     if not shipped:
@@ -69,7 +70,7 @@ def answer(gathered: ReportData, left_out: Collection[MethodCost] = ()) -> dict[
         for used in filter(None, (one, instead.get(one.pair))):
             headings.append(f"{'' if used is one else 'use '}{used.label}")
             columns.append(_column(plain, used, one, left_out))
-    # Without times a line has the default's own ratio alone.
+    # Without times, a line has only the default's own ratio.
     lines = [
         line
         for line in zip(*columns, strict=True)
@@ -90,7 +91,7 @@ def _size(one: Usual) -> tuple[float, float]:
 
 
 def _lead(shipped: Sequence[Usual], instead: Sequence[Usual]) -> str:
-    """The median errors of defaults, and of what is recommended, in two sentences."""
+    """Return the median errors of defaults, and of what is recommended, in two sentences."""
 
     def sizes(these: Sequence[Usual]) -> str:
         return ", ".join(f"{one.label} {_median(one)}" for one in these)
@@ -110,10 +111,10 @@ def _median(one: Usual) -> str:
 def _column(
     gathered: ReportData, one: Usual, default: Usual, left_out: Collection[MethodCost]
 ) -> list[Cell]:
-    """The measures of a method: its errors, and the CPU time of its steps beside the default's.
+    """Return a column for a method: its errors, and its steps' CPU time relative to the default's.
 
-    As most readers take it, with everything else as shipped, and with what is left besides where
-    nothing runs that the scene does not call for.
+    The time is given as most readers use the method, with everything else as shipped, and with what
+    runs in addition although the scene does not need it left out.
     """
     of_steps = "SELECT scene, seconds FROM usual WHERE engine = ? AND method = ?"
     base, pruned = (dict(ask(gathered, of_steps, *used.pair)) for used in (default, one))
@@ -146,7 +147,7 @@ def _column(
 
 
 def _others(shipped: Sequence[Usual]) -> list[str]:
-    """The other defaults in short: the range of their medians, and which mostly blow up."""
+    """Return the other defaults in short: the range of their medians, and which mostly blow up."""
     ended = [one for one in shipped if one.middle < math.inf]
     unfinished = ", ".join(one.engine for one in shipped if one not in ended)
     sentences = []
@@ -161,7 +162,7 @@ def _others(shipped: Sequence[Usual]) -> list[str]:
 
 
 def _instead(shipped: Usual, clean: Sequence[Usual]) -> Usual | None:
-    """The most accurate method of the same engine, if its median error is much smaller."""
+    """Return the most accurate method of the same engine, if its median error is much smaller."""
     own = [one for one in clean if one.engine == shipped.engine]
     most = max((one.scenes for one in own), default=0)
     offered = [one for one in own if one.scenes >= COVERING * most]
@@ -172,7 +173,7 @@ def _instead(shipped: Usual, clean: Sequence[Usual]) -> Usual | None:
 
 
 def _price(seconds: Mapping[str, float | None], base: Mapping[str, float | None]) -> str:
-    """The median ratio of the times of a step by scene, and its quartiles; empty without any."""
+    """Return the median ratio of a step's times over scenes, and its quartiles; "" without."""
     ratios = [dear / cheap for name, dear in seconds.items() if dear and (cheap := base.get(name))]
     if not ratios:
         return ""

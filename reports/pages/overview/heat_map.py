@@ -18,7 +18,7 @@ from .overview import GROUPS, group_of
 
 
 def stock_table(gathered: ReportData) -> Table:
-    """One line for each scene: attitude errors of all methods in degrees, as shipped first."""
+    """Return a table with a line for each scene: attitude errors, degrees, as shipped first."""
     steps, shipped = own_timesteps(gathered), as_shipped(gathered)
     pairs = [*shipped, *(pair for pair in gathered.pairs if pair not in shipped)]
     headings = [
@@ -57,24 +57,23 @@ def _best_in_words(scene: SceneRuns) -> str:
 
 
 def _attitude(scene: SceneRuns, row: Row) -> str:
-    """The attitude error in degrees, at least the uncertainty; without one, how the run ended."""
+    """Return the attitude error, degrees, at least the uncertainty; or how the run ended."""
     if row.errors is None:
         return ended(row) if row.made else "not run"
     return f"{limited_errors(row.errors, scene.uncertainty(row), ('attitude',))[0]}°"
 
 
-#: Significant digits that are carried; cells show two, their details three.
+#: Significant digits that the data have; cells show two, their details three.
 DIGITS = 3
 #: The signal whose errors are shown at first.
 FIRST_SIGNAL = "attitude"
 
 
 def heat_map(gathered: ReportData) -> dict[str, Any]:
-    """Columns, and for each scene a cell a column and the best choices, the best of all first.
+    """Return columns, and for each scene a cell for each column and the best choices, best first.
 
-    A cell is None where a method was not tried. Its runs are by the names in `AT`, None where there
-    is none. An error below the reference's uncertainty is given as that uncertainty with a minus
-    sign.
+    A cell is None if a method was not tried. It has a run for each name in `AT`, or None. An error
+    below the reference's uncertainty is given as that uncertainty with a minus sign.
     """
     steps = own_timesteps(gathered)
     shipped = as_shipped(gathered)
@@ -106,7 +105,7 @@ def heat_map(gathered: ReportData) -> dict[str, Any]:
         }
         for kind in LISTED
     }
-    # Without a scene that could be solved, the script still needs one that is shown at first.
+    # If no scene could be solved, the script still needs a signal to show at first.
     present = {*EVERYWHERE, *(one.name for scene in gathered.scenes for one in scene.signals)}
     signals = [
         {"name": s.name, "label": s.label, "unit": s.unit} for s in SIGNALS if s.name in present
@@ -121,7 +120,7 @@ def heat_map(gathered: ReportData) -> dict[str, Any]:
 
 
 def _label(pair: Pair, shipped: list[Pair]) -> str:
-    """Heading below the group's: a method's name, or the engine's if it is as shipped."""
+    """Return a heading below the group's: a method's name, or the engine's if it is as shipped."""
     engine, method = pair
     if pair not in shipped:
         return method
@@ -168,7 +167,7 @@ def _run(scene: SceneRuns, row: Row) -> dict[str, Any]:
 
 
 def _best(scene: SceneRuns, best: BestChoice, steps: dict[str, float]) -> dict[str, Any]:
-    """A best choice, and how many times the default costs: its engine's own, or the first."""
+    """Return a best choice, and the default's cost relative to it (its engine's or the first)."""
     defaults = {
         runs.engine: cost(row)
         for runs in scene.methods
@@ -190,5 +189,5 @@ def _best(scene: SceneRuns, best: BestChoice, steps: dict[str, float]) -> dict[s
 
 
 def _rounded(value: float | None) -> float | None:
-    """The number rounded to the digits carried; None for inf and NaN, which JSON lacks."""
+    """Return the number rounded to the digits carried; None for inf and NaN, which JSON lacks."""
     return float(f"{value:.{DIGITS}g}") if value is not None and np.isfinite(value) else None

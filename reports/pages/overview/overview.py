@@ -13,10 +13,10 @@ from ..analysis.report_data import MethodRuns, ReportData, SceneRuns
 from ..analysis.wording import NOTHING, number, plural
 from ..tables import Cell, Table, figure, method_anchor, named, records, scene_page, verdict_cell
 
-#: rad; a run is counted as close if it never is further off.
+#: Attitude error, rad, up to which a run counts as close.
 CLOSE = math.radians(1.0)
 WORDS = tuple(kind.word for kind in LISTED)
-#: Groups of scenes, in reading order: those that are held first.
+#: Groups of scenes in reading order: scenes that are held come first.
 FREE, NOT_SOLVED = "Free", "Not solved"
 _OF_HELD = [one.group for one in EFFECTS.values() if one.group and one.constraint]
 _OF_OTHERS = [one.group for one in EFFECTS.values() if one.group and not one.constraint]
@@ -24,7 +24,7 @@ GROUPS = tuple(dict.fromkeys([*_OF_HELD, FREE, *_OF_OTHERS, NOT_SOLVED]))
 
 
 def headline(gathered: ReportData) -> str:
-    """Counts of verdicts in words; hard scenes and engines as shipped are counted separately."""
+    """Return counts of verdicts in words; hard scenes and engines as shipped are separate."""
     plain = gathered.plain
     counts, shipped = (verdict_counts(plain, as_shipped=which) for which in (False, True))
     parts = [
@@ -52,7 +52,7 @@ def headline(gathered: ReportData) -> str:
 
 
 def at_stock(gathered: ReportData) -> str:
-    """What `converges` says nothing of: how wrong the methods are at stock timesteps, in words."""
+    """Return what `converges` says nothing about: errors at stock timesteps, in words."""
     ((runs, close),) = ask(
         gathered,
         "SELECT count(*), sum(attitude <= ?) FROM usual "
@@ -69,7 +69,7 @@ def at_stock(gathered: ReportData) -> str:
 
 
 def group_of(scene: SceneRuns) -> str:
-    """The one of `GROUPS` that a scene belongs to, by its effects."""
+    """Return the one of `GROUPS` that a scene belongs to, by its effects."""
     if scene.solved is None:
         return NOT_SOLVED
     groups = [effect.group for effect in scene.solved.scenario.acting if effect.group]
@@ -77,7 +77,7 @@ def group_of(scene: SceneRuns) -> str:
 
 
 def methods_table(gathered: ReportData) -> Table:
-    """Table of the methods, with their results over all scenes."""
+    """Return a table of the methods, with their results over all scenes."""
     declared = {runs.pair: runs.declared for scene in gathered.scenes for runs in scene.methods}
     versions: dict[Pair, list[str]] = {}
     for *pair, version in ask(
@@ -109,9 +109,9 @@ def methods_table(gathered: ReportData) -> Table:
 def complaints(
     gathered: ReportData, is_listed: Callable[[VerdictKind], bool], *, as_shipped: bool = False
 ) -> Table:
-    """Every verdict of the kinds listed, and every unmet expectation, with its reason.
+    """Return a table of listed verdicts, and of unmet expectations, with their reasons.
 
-    Either of engines as shipped or of the others.
+    They are those of engines as shipped, or of all other methods.
     """
     rows = []
     for kind in LISTED:
@@ -146,7 +146,7 @@ def _complaint(scene: SceneRuns, runs: MethodRuns, verdict: Verdict) -> dict[str
 
 
 def reason_of(verdict: Verdict) -> str:
-    """The reason of a verdict, and its unmet expectations."""
+    """Return the reason of a verdict, and its unmet expectations."""
     return "; ".join([verdict.reason, *(f"expectation unmet: {line}" for line in verdict.unmet)])
 
 
@@ -154,17 +154,17 @@ def _listed(parts: list[str]) -> str:
     return parts[0] if len(parts) == 1 else f"{', '.join(parts[:-1])} and {parts[-1]}"
 
 
-#: rad a step, at which methods are compared.
+#: Turn in a step, rad, at which methods are compared.
 TURNS = (0.01, 0.1, 1.0)
 
 
 def hard_scenes(gathered: ReportData) -> tuple[SceneRuns, ...]:
-    """The scenes that are tagged as hard."""
+    """Return the scenes that are tagged as hard."""
     return tuple(scene for scene in gathered.scenes if scene.solved and scene.solved.scenario.hard)
 
 
 def survivors_table(gathered: ReportData) -> Table:
-    """Table of how many hard scenes each method survives, and at which timestep."""
+    """Return a table of how many hard scenes each method survives, and at which timestep."""
     reached = ", ".join(f"count(*) FILTER (WHERE at_least OR turn >= {turn})" for turn in TURNS)
     question = f"""
         WITH can AS (SELECT * FROM tried WHERE hard AND at_least IS NOT NULL)

@@ -1,4 +1,4 @@
-"""How errors at stock timesteps are distributed over starts and bodies: a curve an engine."""
+"""The distribution of errors at stock timesteps over starts and bodies: a curve for each engine."""
 
 import math
 from collections.abc import Sequence
@@ -18,7 +18,7 @@ from ..tables import Cell, figure, scene_page, table
 
 
 def spread(results: Results) -> dict[str, Any] | None:
-    """The distributions at stock timesteps, a kind of motion each; None without any ensemble."""
+    """Return the distributions at stock timesteps by kind of motion; None without any ensemble."""
     ensembles = [one for one in results.ensembles if one.points and one.ensemble.timestep is None]
     declared = _declared([point for one in ensembles for point in one.points], results)
     styles = trace_styles(list(declared))
@@ -40,7 +40,7 @@ def spread(results: Results) -> dict[str, Any] | None:
 
 
 def _declared(points: Sequence[Row], results: Results) -> dict[Pair, Method | None]:
-    """What adapters declared of the methods that were run: engines by name, methods as listed."""
+    """Return what adapters declared about methods that were run, in the adapters' order."""
     listed = {pair: rank for rank, pair in enumerate(results.methods)}
     pairs = {point.pair for point in points}
     ordered = sorted(pairs, key=lambda p: (p[0], listed.get(p, len(listed)), p[1]))
@@ -53,8 +53,8 @@ def _of_kind(
     declared: dict[Pair, Method | None],
     styles: dict[Pair, TraceStyle],
 ) -> dict[str, Any] | None:
-    """The members of a kind: each engine's default and best method; None if all are exact."""
-    # Two ensembles of a scene may have members in common.
+    """Return members of a kind for each engine's default and best method; None if all exact."""
+    # Two ensembles of the same scene may have members in common.
     points = {(p.key.scenario, p.variation, p.pair): p for one in ensembles for p in one.points}
     shown = _shown(list(points.values()), declared)
     if not any((one.errors(ATTITUDE) > 0).any() for one in shown):
@@ -70,7 +70,7 @@ def _of_kind(
 
 
 def _shown(points: Sequence[Row], declared: dict[Pair, Method | None]) -> list[Members]:
-    """The members of each engine's first method as shipped, and of the best of the others."""
+    """Return members of each engine's first method as shipped, and of the best other method."""
     chosen: dict[tuple[str, bool], Members] = {}
     members = members_of(points, declared)
     for one in sorted(members, key=_from_best):
@@ -81,7 +81,7 @@ def _shown(points: Sequence[Row], declared: dict[Pair, Method | None]) -> list[M
 
 
 def _from_best(one: Members) -> tuple[float, float]:
-    """The median and the largest, infinite without members."""
+    """Return a sort key, the median and the largest error; infinite without members."""
     median, *_, largest = one.quantiles(ATTITUDE) or (math.inf, math.inf)
     assert median is not None, "a median there always is"
     assert largest is not None, "a largest there always is"

@@ -1,4 +1,4 @@
-"""Tables, on a scene's page, of each default's effect."""
+"""Tables on a scene's page: the effect of each default, and of other encodings of the body."""
 
 import math
 
@@ -13,7 +13,7 @@ NOTICED, NEGLIGIBLE = 1.5, 1e-6
 
 
 def default_tables(scene: SceneRuns) -> list[Captioned]:
-    """One table for each engine whose defaults were measured one by one."""
+    """Return a table for each engine whose defaults were measured one by one."""
     return [
         Captioned(
             f"{measured.key.label} at {duration(measured.timestep)}",
@@ -39,7 +39,7 @@ def _table(scene: SceneRuns, measured: DefaultEffects) -> Table:
 
 
 def _sentence(measured: DefaultEffects) -> str:
-    """The defaults that alone increase the error of ω, the largest first, in words."""
+    """Return in words the defaults that alone increase the error of ω, the largest effect first."""
     if measured.none is None:
         return "The run does not come to its end without any of them."
     least = max(NOTICED * measured.none.omega, NEGLIGIBLE)
@@ -61,7 +61,7 @@ def _size(errors: Errors | None) -> float:
 
 
 def _errors(scene: SceneRuns, errors: Errors | None) -> list[Cell]:
-    """Cells of the errors of attitude, ω and energy, at least the reference's uncertainty."""
+    """Return cells of errors of attitude, ω and energy, at least the reference's uncertainty."""
     if errors is None:
         return [Cell("diverged", "diverged"), figure(NOTHING), figure(NOTHING)]
     uncertainty = scene.exact.solution.uncertainty

@@ -1,7 +1,7 @@
 """The motions of a scene as its page carries them: compact, for the player and for β(t), ω(t).
 
-Attitudes and rates are rounded to what a picture shows. Errors are not read off those: they are
-computed here from the doubles of the result file, and carried as logarithms.
+Attitudes and rates are rounded to what a picture shows. Errors are not computed from these: they
+are computed here from the doubles of the result file, and carried as logarithms.
 """
 
 import math
@@ -20,31 +20,34 @@ from ..figures.drawn_body import drawn_body
 from ..figures.plot import claimed, thinned
 from ..page_data import Differences, differenced
 
-#: Of the exact motion on a page, and of a run; a page grows with every one.
+#: Largest number of samples on a page of the exact motion, and of a run; the page grows with each.
 EXACT_SAMPLES, RUN_SAMPLES = 600, 200
-#: Of all runs of a page together.
+#: Largest number of samples of all runs of a page together.
 PAGE_SAMPLES = 4400
-#: Samples a turn of the fastest rate, through which the page's script draws smooth lines.
+#: Number of samples for each turn at the fastest rate, through which the page's script draws smooth
+#: lines.
 EXACT_A_TURN, RUN_A_TURN = 16, 6
-#: A motion of a few turns is not drawn with fewer.
+#: Least number of samples of a motion of a few turns.
 LEAST_SAMPLES = 60
-#: Turns of a motion of more than `EXACT_SAMPLES` take that its geometry is drawn from.
+#: Number of turns that the geometry is drawn from, if the whole motion takes more than
+#: `EXACT_SAMPLES`.
 FIRST_TURNS = 20
-#: rad; a run that is never further off looks like the exact motion, and is drawn as that.
+#: Attitude error, rad, up to which a run looks like the exact motion, and is drawn as that.
 INVISIBLE = 1e-3
-#: rad; from where on a run is noticeably off.
+#: Attitude error, rad, from which on a run is noticeably off.
 NOTICEABLE = math.radians(1.0)
-#: Steps that components of quaternions are rounded to, of the exact motion and of runs: where a
+#: Steps to which components of quaternions are rounded, for the exact motion and for runs: if a
 #: window of one degree is drawn, half of the latter is a pixel.
 EXACT_STEP, RUN_STEP = 2.0**-16, 2.0**-13
-#: The same of ω, in parts of the exact motion's fastest.
+#: Steps to which components of ω are rounded, in units of the exact motion's fastest rate.
 EXACT_OMEGA_STEP, RUN_OMEGA_STEP = 2.0**-15, 2.0**-12
-#: The same of logarithms of errors, in decades (1.2 %); from where on they are carried.
+#: Step to which logarithms of errors are rounded, in decades (1.2 %); and the least that is
+#: carried.
 DECADES_STEP, LOWEST_DECADE = 0.01, -20.0
 
 
 def motion_data(scene: SceneRuns) -> dict[str, Any] | None:
-    """What the page's script draws motions from; None where the scene could not be solved."""
+    """Return what the page's script draws motions from; None if the scene could not be solved."""
     solved = scene.solved
     if solved is None:
         return None
@@ -67,7 +70,7 @@ def motion_data(scene: SceneRuns) -> dict[str, Any] | None:
 
 
 def _first(scene: SceneRuns) -> int:
-    """Which run is played first: of engines as shipped at their own timesteps the least wrong."""
+    """Return the index of the run played first: the least wrong default at its own timestep."""
     shipped = [
         (float(run.series["attitude"].max()), k)
         for k, run in enumerate(scene.compared)
@@ -77,13 +80,13 @@ def _first(scene: SceneRuns) -> int:
 
 
 def noticeable_from(run: Compared) -> float | None:
-    """When a run's attitude is first off by more than `NOTICEABLE`, s; None if it never is."""
+    """Return when a run's attitude is first off by more than `NOTICEABLE`, s; None if never."""
     beyond = np.flatnonzero(run.series["attitude"] > NOTICEABLE)
     return float(run.motion.t[beyond[0]]) if len(beyond) else None
 
 
 def run_name(row: Row) -> str:
-    """Engine, method and timestep, as one says them."""
+    """Return engine, method and timestep as people say them."""
     return f"{row.key.label} at {duration(row.timestep)}"
 
 
@@ -113,18 +116,18 @@ def _run(run: Compared, scene: SceneRuns, fastest: float) -> dict[str, Any]:
     data: dict[str, Any] = {
         "label": run.runs.label,
         "name": run_name(run.row),
-        # Plotly interprets some HTML.
+        # Plotly interprets some HTML, so names are escaped.
         "hover": escape(run_name(run.row), quote=False),
         "outcome": run.row.outcome,
         "stopped_at": run.row.stopped_at,
         "look": [style.colour, style.dash],
         "noticed": noticeable_from(run),
-        # Samples are taken after a whole number of steps.
+        # Samples are at whole numbers of steps, so that times follow from step counts.
         "t": differenced(run.motion.t[kept], run.row.timestep),
         "attitude": _decades(attitude[kept]),
         "omega": _decades(omega[kept]),
         "defect": _decades(claimed(_largest_since(run.defect, kept), 0.0)),
-        # Nothing smaller is claimed.
+        # Nothing smaller than the uncertainty is claimed.
         "uncertainty": uncertainty.attitude,
     }
     if run.series["attitude"].max() > INVISIBLE or run.row.outcome != "ok":
@@ -133,7 +136,7 @@ def _run(run: Compared, scene: SceneRuns, fastest: float) -> dict[str, Any]:
 
 
 def _kept(run: Compared, most: int, attitude: FloatArray, omega: FloatArray) -> NDArray[np.intp]:
-    """Evenly spread samples, the largest errors, and the first attitude that is noticeably off."""
+    """Return indices of spread samples, of the largest errors, and of the first noticeable."""
     kept = set(thinned(len(run.motion.t), most).tolist())
     kept |= {
         int(np.nanargmax(errors)) for errors in (attitude, omega) if not np.isnan(errors).all()
@@ -143,27 +146,27 @@ def _kept(run: Compared, most: int, attitude: FloatArray, omega: FloatArray) -> 
 
 
 def _largest_since(values: FloatArray, kept: NDArray[np.intp]) -> FloatArray:
-    """The largest value after each kept sample but the last, up to the next; NaN first."""
+    """Return the largest value after each kept sample up to the next; NaN first."""
     largest = np.fmax.reduceat(values, kept[:-1] + 1) if len(kept) > 1 else values[:0]
     return np.append(np.nan, largest)
 
 
 def _samples_for(scene: SceneRuns, most: int, a_turn: int) -> int:
-    """The number of samples that show every turn in the window."""
+    """Return as many samples as the turns in the window need."""
     return int(min(most, max(LEAST_SAMPLES, math.ceil(a_turn * scene.turns))))
 
 
 def _exact_states(motion: Trajectory, fastest: float) -> dict[str, Any]:
     samples = np.arange(len(motion.t))
     states = _states(motion, samples, EXACT_STEP, EXACT_OMEGA_STEP * fastest)
-    # Evenly spread.
+    # The times are evenly spread, and need not be carried.
     return states | {"t": differenced(motion.t, float(motion.t[-1]) / samples[-1])}
 
 
 def _states(
     motion: Trajectory, kept: NDArray[np.intp], step: float, omega_step: float
 ) -> dict[str, Any]:
-    """Components of quaternions, and of ω in body axes, rad/s."""
+    """Return components of quaternions, and of ω in body axes, rad/s, as differences."""
     q = _continuous(motion.q_world_body_wxyz[kept])
     return {
         "q": [differenced(component, step) for component in q.T],
@@ -172,12 +175,12 @@ def _states(
 
 
 def _continuous(q: FloatArray) -> FloatArray:
-    """Quaternions of the same rotations, with signs chosen so that components do not jump."""
+    """Return the same rotations as quaternions without jumps of sign."""
     flips = np.cumsum(np.einsum("ij,ij->i", q[1:], q[:-1]) < 0)
     return np.asarray(q * np.where(np.append(0, flips) % 2, -1.0, 1.0)[:, None])
 
 
 def _decades(errors: FloatArray) -> Differences:
-    """Logarithms of errors."""
+    """Return logarithms of errors as differences."""
     with np.errstate(divide="ignore"):
         return differenced(np.maximum(np.log10(errors), LOWEST_DECADE), DECADES_STEP)

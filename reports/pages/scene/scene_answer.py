@@ -1,4 +1,4 @@
-"""The top of a scene's page: what to use, and the errors of the engines' defaults."""
+"""The top of a scene's page: what to use, and the errors of engines' defaults."""
 
 import math
 import shlex
@@ -34,15 +34,16 @@ HEADINGS = (
 
 #: Number of engines whose defaults are described, and drawn at first.
 SHOWN_DEFAULTS = 2
-#: Number of methods that are wrong whose gains are drawn at first.
+#: Number of wrong methods whose gains are drawn at first.
 SHOWN_WRONG = 2
 
 
 def scene_answer(scene: SceneRuns) -> dict[str, Any] | None:
-    """The answer at the top of a scene's page; None if the scene could not be solved.
+    """Return the answer at the top of a scene's page; None if the scene could not be solved.
 
-    `uses` has the best choice of each engine, the best of all first; `defaults` engines as shipped
-    at their stock timesteps, and the best choice; `others` every other method at stock timesteps.
+    `uses` has the best choice of each engine, the best of all first; `defaults` has engines as
+    shipped at their stock timesteps, and the best choice; `others` has every other method at stock
+    timesteps.
     """
     if scene.solved is None:
         return None
@@ -64,19 +65,19 @@ def scene_answer(scene: SceneRuns) -> dict[str, Any] | None:
 
 
 def _is_of_files(scene: SceneRuns) -> bool:
-    """Whether the scene's runs are motions read from files, which need no advice on engines."""
+    """Return whether a scene's runs were read from files, so that no advice on engines applies."""
     return {runs.engine for runs in scene.methods} == {RecordedEngine.name}
 
 
 def shown_at_first(scene: SceneRuns) -> set[str]:
-    """Labels of the methods in figures of motions: the closest defaults and the best choice."""
+    """Return labels of the methods drawn in figures at first: closest defaults and best choice."""
     best = best_choice(scene)
     closest = [runs.label for runs, _ in closest_defaults(scene)[:SHOWN_DEFAULTS]]
     return {*closest, *([best.runs.label] if best else [])}
 
 
 def gains_shown_at_first(scene: SceneRuns) -> set[str]:
-    """Labels in the figures of gains: some that are wrong, and of the others the best choice."""
+    """Return labels of methods in figures of gains at first: some wrong, and the best choice."""
     examined = [one for one in scene.methods if one.verdict and one.evidence and one.evidence.steps]
     wrong = [one.label for one in examined if one.verdict and one.verdict.verdict == "disagrees"]
     right = [one.label for one in examined if one.label not in wrong]
@@ -86,14 +87,14 @@ def gains_shown_at_first(scene: SceneRuns) -> set[str]:
 
 
 def closest_defaults(scene: SceneRuns) -> list[tuple[MethodRuns, Row]]:
-    """Engines as shipped at their own stock timesteps, the least wrong first."""
+    """Return engines as shipped at their own stock timesteps, the least wrong first."""
     shipped = [runs for runs in scene.methods if runs.as_shipped]
     tried = [(runs, row) for runs in shipped for row in runs.stock[:1]]
     return sorted(tried, key=lambda one: one[1].errors.attitude if one[1].errors else math.inf)
 
 
 def attitude_in_degrees(scene: SceneRuns, row: Row) -> str:
-    """The attitude error of a run, at least the uncertainty; `NOTHING` if it has none."""
+    """Return a run's attitude error, degrees, at least the uncertainty; `NOTHING` if none."""
     if row.errors is None:
         return NOTHING
     return limited_errors(row.errors, scene.uncertainty(row), ("attitude",))[0]
@@ -134,7 +135,7 @@ def _run_in_words(scene: SceneRuns, label: str, row: Row) -> str:
 
 
 def _price(best: BestChoice, defaults: Sequence[tuple[MethodRuns, Row]]) -> str:
-    """The cost of the best choice relative to the default of the same engine, in words."""
+    """Return the cost of the best choice relative to the same engine's default, in words."""
     for runs, row in defaults:
         usual = cost(row)
         if runs.engine == best.runs.engine and row.outcome == "ok" and usual and best.cost:
@@ -144,7 +145,7 @@ def _price(best: BestChoice, defaults: Sequence[tuple[MethodRuns, Row]]) -> str:
 
 
 def _use(scene: SceneRuns, choice: BestChoice) -> dict[str, Any]:
-    """A choice as users take it: a line, the engine's own words, a command that checks it."""
+    """Return a choice as users use it: a line, what they write, and a command that checks it."""
     off, key = attitude_in_degrees(scene, choice.row), choice.row.key
     options = [scene.name, "--engine", key.engine, "--method", key.method]
     options += ["--timestep", repr(choice.timestep)]
