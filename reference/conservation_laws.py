@@ -91,7 +91,7 @@ class InvariantScales:
 
     @property
     def is_flying(self) -> FloatArray:
-        """For each world axis, 1 if the centre of mass moves freely along it, else 0, (3,)."""
+        """1 along each axis of the world along which nothing holds the body, else 0, (3,)."""
         return 1.0 - np.array(self.scenario.constraint.is_held)
 
     @cached_property

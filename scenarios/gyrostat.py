@@ -90,12 +90,12 @@ class Rotors:
 
     @cached_property
     def is_free(self) -> FloatArray:
-        """For each rotor, 1 if its hinge is free, else 0, (rotors,)."""
+        """1 for each rotor whose hinge is free, else 0, (rotors,)."""
         return read_only([float(rotor.hinge == "free") for rotor in self.each])
 
     @cached_property
     def is_turning(self) -> NDArray[np.bool_]:
-        """For each rotor, whether its hinge is not locked, (rotors,)."""
+        """Whether each rotor's hinge is not locked, (rotors,)."""
         return np.array([rotor.hinge != "locked" for rotor in self.each], dtype=bool)
 
     @cached_property
