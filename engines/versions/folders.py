@@ -43,7 +43,7 @@ class VersionError(Exception):
 
 
 def folder_of(name: str, python: str = _PYTHON) -> Path:
-    """Return the folder of an engine@version, installed or not, for a Python of such wheels."""
+    """Return the folder of an engine@version, installed or not, for a Python's wheel tag."""
     return _folders() / f"{name}-{python}"
 
 

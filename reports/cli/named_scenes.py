@@ -82,7 +82,7 @@ class Checked:
 
 
 def checked(names: Iterable[str]) -> Checked:
-    """Check scenes: files, folders, library scenes."""
+    """Return the result of checking scenes: files, folders, library scenes."""
     from ..harness.scene_checks.expectations import unknown_expectations
 
     result = Checked()

@@ -173,7 +173,7 @@ class _Study:
     session: Session
 
     def row(self) -> BatchRow:
-        """Compare batches without odd neighbours, with all kinds, and if these matter with each."""
+        """Return the row, from batches without odd neighbours, with all, or with each kind."""
         begun, odd = self.begun, neighbours_of(self.scenario)
         alike = self._batch(())
         alone = self._alone(alike.ends)

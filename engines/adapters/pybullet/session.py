@@ -70,7 +70,7 @@ class PyBulletSession(Session):
 
     @property
     def restarts_to_the_last_bit(self) -> bool:
-        """Whether the body is on a joint: any other pose is composed as it is loaded."""
+        """Whether the body is on a joint: PyBullet rounds any other pose as it loads it."""
         return bool(self.world.link != BASE)
 
     def restart(self, state: State, timestep: float | None = None) -> None:

@@ -175,7 +175,7 @@ def judged_motion(scenario: Scenario, recording: Recording, order: int = 1) -> J
 
 
 def _drifts(scenario: Scenario, recorded: RecordedMotion) -> dict[str, float]:
-    """Return drifts of a recording, without that of rotors' momenta if spins were not recorded."""
+    """Return drifts of a recording, without that of parts' momenta if spins were not recorded."""
     found = drifts(scenario, recorded.trajectory)
     if not recorded.has_spins:
         found.pop("rotors_momentum", None)

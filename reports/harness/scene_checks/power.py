@@ -34,7 +34,7 @@ def powerless(scenario: Scenario) -> Iterator[str]:
             continue
         until = min(len(other.t), len(exact.t))
         kept = exact.until(until)
-        # Without its rotors a scene has no spins that could change.
+        # Without its parts a scene has no spins that could change.
         without = replace(other.until(until), spins=np.zeros_like(kept.spins))
         moved = errors_between(scenario, without, kept)
         if _is_nothing(moved, solution.uncertainty, signals_of(without_it)):
