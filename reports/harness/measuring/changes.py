@@ -238,7 +238,7 @@ def _slowed(h: Hypothesis, c: float, a: float = 0.0, b: float = 0.0) -> Hypothes
 
 
 def resistance(scenario: Scenario, e: OtherEquations) -> Iterator[Change]:
-    """A torque that opposes ω, beside the scene's own drag; one number is fitted."""
+    """A torque that opposes ω, beside the scene's own torques; one number is fitted."""
     size = _size(e) * _fastest(scenario, e)
     yield _fitted("resistance", np.zeros(1), size, lambda h, n: _slowed(h, n[0]))
 

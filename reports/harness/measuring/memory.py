@@ -106,7 +106,7 @@ def _lost(
     before: NDArray[np.int64],
     parts: NDArray[np.int64],
 ) -> FloatArray:
-    """By how much restarts change where steps from K states end, as `apart` has it, (K, 5, 3).
+    """How much restarts change where steps from K states end, as `apart` has it, (K, 5, 3).
 
     Parameters
     ----------
