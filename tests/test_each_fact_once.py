@@ -225,5 +225,5 @@ def test_one_entry_more_in_the_tables_is_all_that_a_new_name_takes(with_one_more
     )
     assert 'value="upright"' in first
     assert "† hopeless" in first
-    assert "Lz, relative" in scene
+    assert "| Lz error, relative |" in scene
     assert "td.hopeless" in (pages / "assets" / "style.css").read_text(encoding="utf-8")

@@ -14,7 +14,7 @@ from spincheck.reports.results.verdicts import MADE, Verdict
 @final
 @dataclass(frozen=True, eq=False)
 class StoredResults:
-    """Runs and verdicts of a result file, as records or, with pandas installed, as `DataFrame`s.
+    """Runs and verdicts of a result file, as records or, with pandas, as a `DataFrame` each.
 
     Attributes
     ----------

@@ -94,7 +94,6 @@ class SceneRuns:
     ----------
     solved : the scene and its exact motion; None if it could not be solved
     defaults : effects of engines' defaults on the motion, where they were measured
-    encodings : runs in other encodings of the body
     """
 
     name: str
