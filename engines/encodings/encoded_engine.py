@@ -122,7 +122,7 @@ class EncodedSession(Session):
         self._session.advance(steps)
 
     def record(self, strides: Sequence[int], keep: Callable[[Any], object]) -> None:
-        """As the engine's own."""
+        """Take strides of steps, and keep the engine's own snapshot after each."""
         self._session.record(strides, keep)
 
     def snapshot(self) -> Any:
@@ -138,7 +138,7 @@ class EncodedSession(Session):
         snapshots: Sequence[Any],
         states: State,  # noqa: ARG002
     ) -> Fault | None:
-        """As the engine's own."""
+        """Return the first fault that the engine's own session finds."""
         return self._session.first_fault(snapshots, self._session.states(snapshots))
 
     def check(self) -> None:

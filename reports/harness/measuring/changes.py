@@ -30,6 +30,14 @@ from .other_tensors import (
 #: Axes of conventions of Euler angles, each turned with the body; where none comes twice, ω has the
 #: rate about x first, then those about y and z. Of zxz the rates are those of zyz.
 EULER_ANGLES = (*permutations(range(3)), (2, 1, 2))
+#: Components that may be taken for those of a vector: 1 to 3, negative where the sign is the other.
+#: The vector itself, and its negative, are none of them.
+OTHER_COMPONENTS = [
+    [sign * (axis + 1) for sign, axis in zip(signs, axes, strict=True)]
+    for axes in permutations(range(3))
+    for signs in product((1, -1), repeat=3)
+    if abs(sum(signs)) < 3 or axes != (0, 1, 2)
+]
 
 
 class Hypothesis(NamedTuple):
@@ -146,13 +154,9 @@ def _of_kinematics() -> Iterator[Change]:
     yield _set("wrong side, no ½", kinematics=WORLD, turning=2 * np.eye(3))
     yield _set("wrong side, reversed", kinematics=WORLD, turning=-np.eye(3))
     yield from _factor("turning", 2.0, 0.5, -1.0, turning=np.eye(3))
-    for axes in permutations(range(3)):
-        for signs in product((1, -1), repeat=3):
-            # ω itself, and −ω, are no other components.
-            if abs(sum(signs)) < 3 or axes != (0, 1, 2):
-                shown = [sign * (axis + 1) for sign, axis in zip(signs, axes, strict=True)]
-                turning = np.array(signs)[:, None] * np.eye(3)[list(axes)]
-                yield _set("other components", shown, turning=turning)
+    for shown in OTHER_COMPONENTS:
+        turning = np.sign(shown)[:, None] * np.eye(3)[np.abs(shown) - 1]
+        yield _set("other components", shown, turning=turning)
     for i, j, k in EULER_ANGLES:
         yield _set("Euler rates", (i, j, k), kinematics=FIRST_ANGLES + 9 * i + 3 * j + k)
     yield _fitted(

@@ -5,7 +5,6 @@ Only the beginning is compared, before errors of an integrator have grown.
 
 from collections.abc import Iterator
 from functools import cache
-from itertools import permutations, product
 from math import pi
 
 import numpy as np
@@ -14,7 +13,7 @@ from ....reference.following import follow
 from ....reference.other_equations import equations_of
 from ....scenarios import FloatArray, Scenario, Trajectory
 from ....scenarios.rotation import matrices, norms, rotation_vectors
-from ..measuring.changes import EULER_ANGLES
+from ..measuring.changes import EULER_ANGLES, OTHER_COMPONENTS
 from .intervals import apart, states_of
 from .motion import OmegaFrame, QuaternionOrder, Reading
 
@@ -168,16 +167,11 @@ def _of_other_spans(reading: Reading) -> Iterator[tuple[str, Reading]]:
     ratio = float(turned / wanted) if wanted else 0.0
     for factor in FACTORS:
         if abs(ratio / factor - 1) < ALIKE:
-            yield (
-                f"the times are {factor} times too short, as where one state in {factor} is kept",
-                reading._replace(t=factor * reading.t),
-            )
+            words = f"{factor} times too short, as where one state in {factor} is kept"
+            yield f"the times are {words}", reading._replace(t=factor * reading.t)
         if abs(ratio * factor - 1) < ALIKE:
-            yield (
-                f"the times are {factor} times too long, as of another timestep than that of the "
-                "steps",
-                reading._replace(t=reading.t / factor),
-            )
+            words = f"{factor} times too long, as of another timestep than that of the steps"
+            yield f"the times are {words}", reading._replace(t=reading.t / factor)
 
 
 def _of_spins(
@@ -201,18 +195,10 @@ def _of_omega(reading: Reading, omega: FloatArray) -> Iterator[tuple[str, Readin
     yield "ω has the opposite sign", reading._replace(omega=-omega)
     for words, factor in RATES.items():
         yield f"ω is {words}", reading._replace(omega=omega * factor)
-    for axes in permutations(range(3)):
-        for signs in product((1, -1), repeat=3):
-            # ω itself, and −ω, are no other components.
-            if abs(sum(signs)) < 3 or axes != (0, 1, 2):
-                columns = ", ".join(
-                    f"{'-' if sign < 0 else ''}w{'xyz'[axis]}"
-                    for sign, axis in zip(signs, axes, strict=True)
-                )
-                yield (
-                    f"ω is [{columns}] of its columns",
-                    reading._replace(omega=omega[:, axes] * signs),
-                )
+    for components in OTHER_COMPONENTS:
+        columns = ", ".join(f"{'-' * (one < 0)}w{' xyz'[abs(one)]}" for one in components)
+        picked = omega[:, np.abs(components) - 1] * np.sign(components)
+        yield f"ω is [{columns}] of its columns", reading._replace(omega=picked)
     for axes in EULER_ANGLES:
         of_angles = "".join("xyz"[axis] for axis in axes)
         omega_world = _of_rates(matrices(reading.q), omega, axes)

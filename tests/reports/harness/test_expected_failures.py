@@ -40,14 +40,15 @@ def test_an_unresolved_ladder_says_nothing_of_it_and_a_crash_is_no_known_disagre
     assert not held("failed").agrees
 
 
-def test_what_the_library_knows_of_engines_is_so():
-    knowing = [scene for scene in map(load, find(["hard"])) if scene.document.known]
-    assert knowing
-    for scene in knowing:
-        prepared = prepare(scene, [], MAX_STEPS)
-        for fault in scene.document.known:
-            if why_missing(fault.engine):
-                continue
-            engine = engines()[fault.engine]
-            study = convergence_study_of(scene, engine, engine.method(fault.method), prepared)
-            assert verdict_of(study).expected_failure
+KNOWN = [(scene, fault) for scene in map(load, find(["hard"])) for fault in scene.document.known]
+
+
+@pytest.mark.parametrize(
+    ("scene", "fault"), KNOWN, ids=[f"{scene.name}-{fault.engine}" for scene, fault in KNOWN]
+)
+def test_what_the_library_knows_of_engines_is_so(scene, fault):
+    if reason := why_missing(fault.engine):
+        pytest.skip(reason)
+    engine, prepared = engines()[fault.engine], prepare(scene, [], MAX_STEPS)
+    study = convergence_study_of(scene, engine, engine.method(fault.method), prepared)
+    assert verdict_of(study).expected_failure
