@@ -1,5 +1,6 @@
 """Examines a method by single steps from known states, with the model of `gain_series.py`."""
 
+from contextlib import suppress
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -10,14 +11,15 @@ from ....engines.checks.read_back import stacked
 from ....reference import ExactMotion
 from ....scenarios import FloatArray, Scenario
 from ....scenarios.rotation import norms
-from ...results.evidence import LEVEL, QUANTITIES, GainCurve, StepEvidence, StepFault
+from ...results.evidence import LEVEL, StepEvidence, StepFault
 from ...results.reasons import fault_in_words
 from ..stock import stock_timesteps
 from .look import Look
 from .noise import SIGMAS, SOLVED, ULPS, noise_of, noise_of_steps, rounding_of_body
 from .places import FINER, Places, places
 from .readings import misreading
-from .shapes import SURE, fault_of
+from .shapes import SURE
+from .step_evidence import evidence_of
 from .steps import (
     Open,
     Sessions,
@@ -51,11 +53,27 @@ def examine(
     engine: Engine, scenario: Scenario, method_name: str, at: Places
 ) -> StepEvidence | None:
     """Examine a method from exact states; None where it cannot be opened at them."""
-    method = engine.method(method_name)
+    try:
+        return _examined_where_supported(engine, scenario, engine.method(method_name), at)
+    except EngineError:
+        # What an engine refuses, its runs tell.
+        return None
+
+
+def _examined_where_supported(
+    engine: Engine, scenario: Scenario, method: Method, at: Places
+) -> StepEvidence | None:
+    """Examine a method from exact states; None where it does not support them.
+
+    Raises
+    ------
+    EngineError
+        If a session cannot be opened or stepped.
+    """
     if engine.unsupported(scenario, method):
         return None
     for tried in (at, at.milder()):
-        try:
+        with suppress(UnsupportedError):
             return examined(
                 lambda scene, timestep: engine.open(scene, method, timestep),
                 engine,
@@ -63,11 +81,6 @@ def examine(
                 tried,
                 method,
             )
-        except UnsupportedError:
-            continue
-        except EngineError:
-            break
-    # What an engine refuses, its runs tell.
     return None
 
 
@@ -79,7 +92,11 @@ def physics_in_words(engine: Engine, scenario: Scenario, method: Method) -> str:
     if method.as_shipped:
         return ""
     outline = ExactMotion(scenario).outline(scenario.times)
-    found = examine(engine, scenario, method.name, places(scenario, outline, None))
+    at = places(scenario, outline, None)
+    try:
+        found = _examined_where_supported(engine, scenario, method, at)
+    except EngineError as error:
+        return f"steps from states of the motion cannot be taken: {error}"
     return fault_in_words(found.fault) if found and found.fault else ""
 
 
@@ -249,64 +266,3 @@ def _misread(sessions: Sessions, engine: Engine, at: Places) -> StepFault | None
     return StepFault(
         "misread", "attitude", time, 0.0, (float(omega), float(turn), float(spins)), zero, changes
     )
-
-
-def evidence_of(look: Look, at: Places, order: int) -> StepEvidence:
-    """What steps and their series show, as it is stored; `order` is the declared one."""
-    known_to, of_an_effect = look.known_to
-    return StepEvidence(
-        len(at.times),
-        look.tail,
-        known_to,
-        of_an_effect,
-        _order_shown(look, order),
-        tuple(_curves(look)),
-        fault_of(look, at),
-        look.settled,
-        _changes_below(look),
-        _beyond_from(look),
-        order,
-    )
-
-
-def _order_shown(look: Look, declared: int) -> int:
-    """The least order of attitude and angular momentum, where gains are more than noise."""
-    shown = [
-        series.order
-        for q, series in enumerate(look.series[:2])
-        if (np.abs(look.gains[:, :, q]).max(axis=2) > 1e3 * look.noise[:, :, q]).any()
-    ]
-    return min(shown, default=declared)
-
-
-def _curves(look: Look) -> list[GainCurve]:
-    curves = []
-    for q, (quantity, series) in enumerate(zip(QUANTITIES, look.series, strict=False)):
-        if not look.gains[:, :, q].any():
-            continue
-        k = int(series.least_tails.argmin())
-        sizes = np.linalg.norm(look.gains[:, :, q], axis=2)
-        columns = (
-            *(sizes[:, k], norms(series.predicted[:, k]), series.predicted_to[:, k]),
-            sizes.max(axis=1),
-        )
-        relative = (tuple(map(float, column / look.sizes[q])) for column in columns)
-        timesteps = tuple(map(float, look.steps.timesteps))
-        curves.append(GainCurve(quantity, timesteps, *relative))
-    return curves
-
-
-def _beyond_from(look: Look) -> float:
-    """The shortest timestep, s, that is beyond the radius of convergence in a state; 0 if none."""
-    count = max(int(one.beyond.max()) for one in look.series)
-    return float(look.steps.timesteps[count - 1]) if count else 0.0
-
-
-def _changes_below(look: Look) -> float:
-    """The longest timestep, s, below which steps are computed otherwise; 0 where they are not."""
-    first = [
-        one.changes[one.changes > 0].min(initial=len(look.steps.timesteps)) for one in look.series
-    ]
-    longest = int(min(first))
-    is_none = longest == len(look.steps.timesteps)
-    return 0.0 if is_none else float(look.steps.timesteps[longest - 1])

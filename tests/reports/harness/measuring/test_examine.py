@@ -446,4 +446,7 @@ def test_steps_that_overflow_are_not_judged() -> None:
     """Jolt's on a body of 1e38 kg m²: their runs tell."""
     racket = library_scene("tennis-racket")
     places = prepare(racket, (), FEW).places
-    assert examine(SteppedEngine(planted.Overflows), racket, "Euler", places) is None
+    engine = SteppedEngine(planted.Overflows)
+    assert examine(engine, racket, "Euler", places) is None
+    # An engine's own tests have no runs that tell.
+    assert "cannot be taken" in physics_in_words(engine, racket, engine.method("Euler"))
