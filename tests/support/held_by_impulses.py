@@ -58,3 +58,14 @@ class ReadsOmegaOffWhereHeld(HeldByImpulses):
 
     def reading(self, state):
         return replace(state, omega_body=(1 + self.size) * state.omega_body)
+
+
+class HeldAtRandom(HeldByImpulses):
+    """Each step ends with a random torque, relative to ω²: what a poor solver leaves."""
+
+    def take(self, steps, push=0.0):
+        chance = np.random.default_rng([*self.y.tobytes()])
+        for _ in range(steps):
+            super().take(1)
+            speed = float(np.linalg.norm(self.y[4:7]))
+            self.y[4:7] += self.size * self.timestep * speed**2 * chance.standard_normal(3)

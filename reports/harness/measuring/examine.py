@@ -11,7 +11,7 @@ from ....engines.checks.read_back import stacked
 from ....reference import ExactMotion
 from ....scenarios import FloatArray, Scenario
 from ....scenarios.rotation import norms
-from ...results.evidence import LEVEL, StepEvidence, StepFault
+from ...results.evidence import CONSISTENT, LEVEL, StepEvidence, StepFault
 from ...results.reasons import fault_in_words
 from ..stock import stock_timesteps
 from .look import Look
@@ -168,6 +168,8 @@ class _Examination:
         left = np.sqrt(((further.gains - look.gains) ** 2).mean(axis=(1, 3)))
         around = np.pad(left, ((1, 1), (0, 0)), mode="edge")
         seen = SIGMAS * np.maximum(np.maximum(around[:-2], around[1:-1]), around[2:])
+        # What is larger is no residual of a solver.
+        seen = np.minimum(seen, CONSISTENT * look.sizes)
         noise = np.sqrt(look.noise**2 + seen[:, None] ** 2 + (SOLVED * look.sizes) ** 2)
         # What a solver leaves of one state it leaves of others alike.
         return replace(look, noise=noise, is_pooled=False)

@@ -11,7 +11,8 @@
 - Parts that turn: `ULPS` ulp of the forces that cancel between them, and of the torques that cancel
   about their axes (`Scenario.cancelling`); noise of I dω/dt turns them, too.
 - A turn that a solver leaves out in a step, as the adapter declares (`Engine.least_turn`).
-- A constraint's solver: measured, by settling further (`examine.py`), and `SOLVED`.
+- A constraint's solver: measured, by settling further, up to `CONSISTENT` of the largest terms
+  (`examine.py`), and `SOLVED`.
 - Noise of the engine that is no fault: measured, and `NOISE` a step at most (`examine.py`).
 """
 

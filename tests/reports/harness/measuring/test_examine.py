@@ -10,7 +10,7 @@ import stepped_faults as planted
 from box import BOX
 from case_loops import each_case
 from faulty_mujoco import FaultyMuJoCo, FaultySession, PlantedFault, applies
-from held_by_impulses import HeldByImpulses, ReadsOmegaOffWhereHeld
+from held_by_impulses import HeldAtRandom, HeldByImpulses, ReadsOmegaOffWhereHeld
 from kinds_of_engines import why_missing
 from library_scenes import library_scene
 from looked_at import FEW, in_single, in_words, is_consistent, looked_at
@@ -22,7 +22,7 @@ from spincheck.reports.harness.measuring import examine as examining
 from spincheck.reports.harness.measuring import steps
 from spincheck.reports.harness.measuring.examine import examine, physics_in_words
 from spincheck.reports.harness.prepared import prepare
-from spincheck.reports.results.evidence import CONSISTENT, SEEN
+from spincheck.reports.results.evidence import CONSISTENT, SEEN, StepEvidence
 from spincheck.scenarios import FloatArray, Scenario, loads
 from spincheck.scenarios.scenario import started_at
 from spincheck.suite.contract_scenes import SCENES
@@ -243,6 +243,17 @@ def test_a_body_that_a_constraint_holds_is_given_time_to_settle(method, monkeypa
     assert looked_at(engines()["pybullet"], "multibody", PLAIN).settled == 0
     monkeypatch.setattr(examining, "SETTLING", 1)
     assert not is_consistent(looked_at(engines()["pybullet"], method, PLAIN))
+
+
+def test_what_a_solver_leaves_is_noise_up_to_a_bound() -> None:
+    """Steps settled further show how large it is; what is too large for a verdict is a fault."""
+
+    def at_random(size: float) -> StepEvidence:
+        return looked_at(SteppedEngine(HeldAtRandom, size), "Euler", PLAIN)
+
+    assert is_consistent(at_random(0.0))
+    assert at_random(1e-4).fault is None
+    assert at_random(0.1).fault is not None
 
 
 def test_a_velocity_off_the_pivot_by_what_timesteps_make_it_shows_a_constraint() -> None:
