@@ -73,7 +73,7 @@ def judged(exact: Exact, found: FloatArray, noise: FloatArray) -> Judged:
         return Judged("disagrees", words)
     series = _series(exact, found - exact.jacobians, noise)
     limits = np.linalg.norm(_joined(series), axis=(1, 2)) / units.rate
-    known_to = max(float(one.known_to.max()) for one in series) / units.rate
+    known_to = max(float(one.limit_error.max()) for one in series) / units.rate
     one = Judged("converges", "", min(one.order for one in series), float(limits.max()), known_to)
     if _tail(series) < LEVEL:
         off = np.abs(_gains(exact, found - exact.jacobians))[-1].max()

@@ -24,9 +24,9 @@ from .steps import (
     Open,
     Sessions,
     Steps,
-    apart,
     off_the_constraint,
     sessions_of,
+    state_differences,
     step_gains,
     steps_from,
 )
@@ -38,14 +38,15 @@ SETTLING, FURTHER = 96, 16
 OPENED = 8
 #: Times that each state is repeated in single precision: no more than it takes.
 REPEATS = (4, 16, 64)
-#: Four times the repeats halve what chance leaves. Where more than this is left, it is no chance.
+#: Four times as many repeats halve a random error. Where more than this fraction of it is left, the
+#: error is not random, and further repeats are in vain.
 STILL_GAINING = 0.75
 #: Halved timesteps in single precision: shorter steps show rounding alone.
 HALVINGS_SINGLE = 7
-#: rad, and relative to the spin, by which the repeats of a state differ: of a step's change of
-#: state they alter many ulps in single precision, and little of the step's error.
+#: Size of the random changes, rad and relative, by which the repeats of a state differ: many ulp of
+#: what a step adds in single precision, and too little to change the error of the step.
 NUDGE = 2.0**-7
-#: Relative change of a state that draws an engine's noise anew: 64 ulp.
+#: Relative change of a state, 64 ulp, after which an engine's noise is another one.
 REDRAWN = 2.0**-46
 
 
@@ -56,7 +57,7 @@ def examine(
     try:
         return _examined_where_supported(engine, scenario, engine.method(method_name), at)
     except EngineError:
-        # What an engine refuses, its runs tell.
+        # The method's runs will tell why the engine refuses.
         return None
 
 
@@ -87,7 +88,7 @@ def _examined_where_supported(
 def physics_in_words(engine: Engine, scenario: Scenario, method: Method) -> str:
     """How single steps violate a scene's equations of motion, in words; empty if they do not.
 
-    It is empty, too, for an engine as shipped, which need not obey these equations.
+    An engine as shipped need not obey these equations: for it the words are empty, too.
     """
     if method.as_shipped:
         return ""
@@ -129,17 +130,19 @@ class _Examination:
 
     @property
     def look(self) -> Look:
-        """The steps and series by which the method is judged: taken anew until they suffice."""
+        """The steps and series by which the method is judged.
+
+        More steps are taken until a limit is known well enough for a verdict.
+        """
         is_single = self.engine.single_precision
         look = self._taken(0, REPEATS[0] if is_single else 1)
         settle = 0
         if self.at.gives_way or gives_way(look.equations, self.engine, look.steps):
             settle = SETTLING // (1 + is_single)
             look = self._settled(settle, look.steps.repeats)
-        elif look.tail < LEVEL and not is_single and not _is_plain(look):
-            return self._taken_again()
+        elif look.tail < LEVEL and not is_single and not _is_clear_fault(look):
+            return self._with_shorter_steps()
         for repeats in REPEATS[1:] if is_single else ():
-            # What explains a fault is known better with more of them, too.
             if look.is_known:
                 break
             more = self._settled(settle, repeats) if settle else self._taken(0, repeats)
@@ -151,15 +154,16 @@ class _Examination:
 
     def _taken(self, settle: int, repeats: int) -> Look:
         steps = self._steps(settle, repeats, self._timesteps(self.at.timesteps))
-        # Another look with shorter steps shows that.
+        # A second series is only looked for when shorter steps have been taken, too.
         return replace(self._look(steps, settle), may_split=False)
 
     def _settled(self, settle: int, repeats: int) -> Look:
-        """Steps after a constraint has settled; what further settling changes is their noise.
+        """Take steps after a constraint has settled for so many steps.
 
-        In double precision the longest timesteps are left out, with which the body turns by many
-        radians meanwhile. A difference may be small by accident, so that those with neighbouring
-        timesteps count as well.
+        What some more steps of settling change is the noise of the constraint's solver. As that
+        difference may be small by accident at one timestep, the largest of it and those at the
+        neighbouring timesteps is used. In double precision the longest timesteps are left out, as
+        the body turns by many radians while a constraint settles.
         """
         halved = self.at.timesteps[0 if self.engine.single_precision else FINER :]
         timesteps = self._timesteps(halved)
@@ -171,14 +175,14 @@ class _Examination:
         # What is larger is no residual of a solver.
         seen = np.minimum(seen, CONSISTENT * look.sizes)
         noise = np.sqrt(look.noise**2 + seen[:, None] ** 2 + (SOLVED * look.sizes) ** 2)
-        # What a solver leaves of one state it leaves of others alike.
+        # What a solver leaves is alike in all states, so that their limits are not independent.
         return replace(look, noise=noise, is_pooled=False)
 
-    def _taken_again(self) -> Look:
-        """Steps with shorter timesteps too, taken twice: again from states changed by 64 ulp.
+    def _with_shorter_steps(self) -> Look:
+        """Take steps with shorter timesteps, too, to see whether they follow a second series.
 
-        What that change makes of a gain is noise of the engine, and up to `NOISE` a step no fault.
-        The shorter steps show whether a method computes short steps otherwise.
+        All are taken twice, again from states that are changed by 64 ulp. By how much a gain
+        changes then is noise of the engine, which is no fault up to `NOISE` a step.
         """
         finer = self.at.timesteps[-1] / 2.0 ** np.arange(1, FINER + 1)
         timesteps = self._timesteps(np.concatenate([self.at.timesteps, finer]))
@@ -200,15 +204,15 @@ class _Examination:
         gains = step_gains(equations, steps).mean(axis=1)
         noise = noise_of(equations, steps, self.engine, self.at.condition, settled=bool(settle))
         is_single = self.engine.single_precision
-        # What short steps leave out of a turn is less than rounding of 24 bits.
+        # A formula for small angles differs by less than single precision shows.
         split = not is_single
         return Look(equations, steps, gains, noise, settle, is_single, split, self.at.are_apart)
 
     def _timesteps(self, halved: FloatArray) -> FloatArray:
         """The timesteps of steps, s, long to short.
 
-        They are the halved ones, one between two of these, and the engine's stock timesteps where
-        they lie among them.
+        They are the halved ones, one that is no power of two of them, and the engine's stock
+        timesteps in the same range.
         """
         if self.engine.single_precision:
             halved = halved[:HALVINGS_SINGLE]
@@ -218,10 +222,11 @@ class _Examination:
 
 
 def gives_way(equations: Equations, engine: Engine, steps: Steps) -> bool:
-    """Whether a constraint gives way: how far com or velocity are off it depends on the timestep.
+    """Whether a constraint gives way, so that it must settle before steps are judged.
 
-    Where the engine holds another body, or misreads it, they are off by as much at any timestep.
-    After a short step the com is off by rounding alone, and the velocity by what an impulse left.
+    Then the distance of com or velocity from where the constraint should hold them depends on the
+    timestep. If instead the engine holds another body, or misreads it, the distance is the same at
+    any timestep.
     """
     velocity, place = (
         steps.by_timestep(norms(off)) for off in off_the_constraint(equations, steps.after)
@@ -230,15 +235,15 @@ def gives_way(equations: Equations, engine: Engine, steps: Steps) -> bool:
     if np.ptp(place, axis=0).max() > within:
         return True
     fastest = max(float(norms(state.omega_body).max()) for state in (steps.before, steps.after))
-    # What a misreading makes of it changes by less than itself.
+    # A misread velocity is off by nearly the same at all timesteps.
     change = np.ptp(velocity, axis=0).max()
     return bool(change > max(within * fastest, velocity.max() / 2))
 
 
-def _is_plain(look: Look) -> bool:
-    """Whether most of what the shortest steps gain is a limit that is well above noise.
+def _is_clear_fault(look: Look) -> bool:
+    """Whether the shortest steps gain mostly a limit well above noise: a fault beyond doubt.
 
-    No other steps are needed then.
+    Then no further steps are needed.
     """
     noise = noise_of_steps(look.equations, look.steps)[-1]
     for q, series in enumerate(look.series):
@@ -249,15 +254,15 @@ def _is_plain(look: Look) -> bool:
 
 
 def _misread(sessions: Sessions, engine: Engine, at: Places) -> StepFault | None:
-    """The fault that a state reads back otherwise than it was set; None if none does."""
+    """The fault that a state is not read back as it was set; None if every state is."""
     starts = []
     for k in range(len(at.times)):
         with sessions.at(at.states.rows(k), float(at.timesteps[0])) as one:
             starts.append(one.read_state())
     reach = Equations(sessions.scenario).reach
-    # A contact or a joint puts the com where it belongs.
+    # Com and velocity are left out, as a contact or a joint may move them to where it holds them.
     read = stacked(starts)
-    off = apart(at.states, read, reach)[:, [0, 1, 4]]
+    off = state_differences(at.states, read, reach)[:, [0, 1, 4]]
     k = int(np.abs(off).max(axis=(1, 2)).argmax())
     if np.abs(off[k]).max() <= 2 * ULPS * max(engine.slack, rounding_of_body(at.condition)):
         return None

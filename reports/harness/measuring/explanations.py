@@ -20,9 +20,9 @@ from .changes import Change, Hypothesis, as_it_is, changes
 from .likelihood import Data, Search
 from .noise import NO_SIZE
 
-#: Quantities of `step_gains` that are the body's.
+#: Number of the quantities of `step_gains` that are not of parts.
 OF_THE_BODY = 4
-#: Fraction of the largest excess that differences of steps do not show.
+#: Fraction of the largest gain that is taken to be rounding.
 ROUNDED = 1e-6
 
 
@@ -33,8 +33,8 @@ class Gains(Data):
     Attributes
     ----------
     states : K of them, R times with small changes, (R K)
-    excess : of the four quantities of `step_gains`, the mean of repeats, (K, 4, 3)
-    noise : the largest that it makes of that, (K, 4)
+    excess : the limits, in the first four quantities of `step_gains`, means of repeats, (K, 4, 3)
+    noise : the largest error of these that noise may cause, (K, 4)
     """
 
     equations: Equations
@@ -49,17 +49,17 @@ class Gains(Data):
 
     @cached_property
     def scale(self) -> FloatArray:
-        """What noise and rounding may make of an excess, (K, 4)."""
+        """The largest error of an excess by noise and rounding, (K, 4)."""
         largest = np.linalg.norm(self.excess, axis=2).max(axis=0)
         return np.asarray(np.maximum(self.noise + ROUNDED * largest, NO_SIZE))
 
     @cached_property
     def exact(self) -> FloatArray:
-        """The gains that the exact motion has, (K, 4, 3)."""
+        """The rates of change by the scene's equations, (K, 4, 3)."""
         return self.made(self.base)
 
     def made(self, hypothesis: Hypothesis) -> FloatArray:
-        """The gains by a hypothesis, the mean of repeats, (K, 4, 3)."""
+        """The rates of change by a hypothesis, means of repeats, (K, 4, 3)."""
         e, scenario = hypothesis.equations, self.equations.scenario
         R_world_body = matrices(self.states.q_world_body_wxyz)
         omega = self.states.omega_body @ inverse(hypothesis.read).T
@@ -86,7 +86,7 @@ class Gains(Data):
     def _rates(self, hypothesis: Hypothesis, omega: FloatArray) -> FloatArray:
         """The angular velocity at which states turn, and ω', body axes, (R K, 6)."""
         e, usual = hypothesis.equations, self.base.equations.kept
-        # The parts of a state that is not on the scene's motion keep another momentum.
+        # The momentum of parts depends on the state, so that it is not that of the scene's start.
         factor = float(e.kept @ usual / (usual @ usual)) if usual.any() else 0.0
         kept = factor * self.equations.kept_body(self.states)
         return rates(e, np.hstack([self.states.q_world_body_wxyz, omega]), kept)

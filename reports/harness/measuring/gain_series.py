@@ -45,26 +45,28 @@ class GainSeries:
     order : of the series
     tails : the probability that a gain is as far off its prediction, (J, K); 1 where it has none
     limit_tails : likewise that the limit is as far from zero, (K,)
-    limit, known_to : of each state, at vanishing timesteps, (K, 3), and its standard error, (K,)
+    limit, limit_error : of each state, at vanishing timesteps, (K, 3), and its standard error, (K,)
     predicted, predicted_to : each gain as those with longer timesteps predict it, (J, K, 3), and
         its standard deviation, (J, K)
-    changes : the index of the timestep from which on steps are computed otherwise, (K,); 0 where
-        there is none
-    beyond : how many of the longest timesteps are beyond the radius of convergence for sure, (K,)
-    alone : the index of the timestep that would be off, if a single one is; None where more are
+    changes : the index of the first timestep that follows a second series, (K,); 0 where all
+        timesteps follow one
+    beyond : how many of the longest timesteps are certainly beyond the radius of convergence, (K,)
+    is_pooled : whether the limits of the states are independent, so that they are tested together
+    lone_timestep : the index of the only timestep whose gains are off; None if it is not a single
+        one
     """
 
     order: int
     tails: FloatArray
     limit_tails: FloatArray
     limit: FloatArray
-    known_to: FloatArray
+    limit_error: FloatArray
     predicted: FloatArray
     predicted_to: FloatArray
     changes: NDArray[np.intp]
     beyond: NDArray[np.intp]
     is_pooled: bool = True
-    alone: int | None = None
+    lone_timestep: int | None = None
 
     @property
     def least_tails(self) -> FloatArray:
@@ -78,13 +80,13 @@ class GainSeries:
 
     @property
     def pooled_tail(self) -> float:
-        """The probability that the limits of all states are as far from zero together.
+        """The probability that the limits of all states together are as far from zero.
 
-        A fault that moves all of them a little shows in none by itself.
+        This finds a fault that is too small to show in the limit of any single state.
         """
         if not self.is_pooled:
             return 1.0
-        squares = (self.limit**2).sum(axis=1) / self.known_to**2
+        squares = (self.limit**2).sum(axis=1) / self.limit_error**2
         return float(chdtrc(3 * len(squares), squares.sum()))
 
     @property
@@ -101,51 +103,54 @@ def fitted(
     level: float,
     *,
     turns: FloatArray | None = None,
-    seen: Sequence[NDArray[np.intp]] = (),
+    changes_elsewhere: Sequence[NDArray[np.intp]] = (),
     may_split: bool = True,
     is_pooled: bool = True,
 ) -> GainSeries:
     """Fit the model to what steps gain.
 
-    Where one series leaves a tail below the level, two are tried: of a method that computes shorter
-    steps otherwise, both of which must vanish with the timestep. Where steps change is not known:
-    a method is consistent if one of all changes leaves no tail below the level. Two series follow
-    many gains: where one with a single timestep that is off is likelier by the level, that is a
-    fault.
+    Where one series leaves a tail below the level, two are tried, for a method that computes short
+    steps by another formula than long ones: each of the two must vanish with the timestep. It is
+    not known at which timestep the formula changes, so the method counts as consistent if no tail
+    is below the level for one of the possible changes. As two series can follow almost any gains,
+    this does not hold where a single timestep that is off explains them better, by the level: that
+    is a fault.
 
     Parameters
     ----------
     timesteps : long to short, s, (J,)
     gains : a second, (J, K, 3)
     noise : its standard deviation in each component, (J, K)
-    level : tails below it, together, are a fault
-    turns : by how much each step turns the body, or its rank, (J, K); None where it is not known
-    seen : changes of the same steps that other quantities show, (K,) each, which are tried first
+    level : a smallest tail below it is a fault
+    turns : the angle by which each step turns the body, or the angle's rank, (J, K); None if it is
+        not known
+    changes_elsewhere : changes that other quantities of the same steps show, (K,) each; they are
+        tried first
     may_split : whether two series are tried
-    is_pooled : whether the limits of states are independent, and are judged together, too
+    is_pooled : whether the limits of the states are independent, so that they are tested together
     """
     measured = Measured.of(timesteps, gains, noise, turns)
     fit = _likeliest(lambda order: _Fit.of(measured, order))
     one = replace(_one_series(fit), is_pooled=is_pooled)
     if one.tail >= level:
         return one
-    alone, total = _off_alone(measured)
+    lone_timestep, total = _off_alone(measured)
     if may_split and len(timesteps) > LEAST:
         splits = _likeliest(lambda order: _Splits.of(measured, order))
         tried = [*splits.changes[splits.totals > total + np.log(level)]]
-        # Where one timestep that is off is likelier than one series, no other quantity excuses it.
-        for changes in tried if total > fit.total else [*seen, *tried]:
+        # A single timestep that is off is not excused by a change that another quantity shows.
+        for changes in tried if total > fit.total else [*changes_elsewhere, *tried]:
             two = _two_series(one, splits, changes)
             if two.tail >= level:
                 return two
     off = _likeliest(lambda order: _Fit.of(measured, order, constant=True))
-    limit, known_to, _ = off.limit
+    limit, limit_error, _ = off.limit
     units = measured.units
     return replace(
         one,
         limit=limit * units[:, None],
-        known_to=known_to * units,
-        alone=alone if total > max(off.total, fit.total - np.log(level)) else None,
+        limit_error=limit_error * units,
+        lone_timestep=lone_timestep if total > max(off.total, fit.total - np.log(level)) else None,
     )
 
 
@@ -165,7 +170,7 @@ class _Fit:
 
     Attributes
     ----------
-    each : the logarithm of how likely the gains of each state are, (K,)
+    each : the logarithm of the likelihood of the gains of each state, (K,)
     """
 
     order: int
@@ -183,7 +188,7 @@ class _Fit:
 
     @property
     def total(self) -> float:
-        """How likely the gains of all states are (logarithm)."""
+        """The logarithm of the likelihood of the gains of all states."""
         return float(self.each.sum())
 
     @cached_property
@@ -198,12 +203,12 @@ class _Fit:
 
     @cached_property
     def beyond(self) -> NDArray[np.intp]:
-        """How many of the longest timesteps are beyond the radius for certain, (K,)."""
+        """How many of the longest timesteps are certainly beyond the radius, (K,)."""
         return self.regression.beyond(self.prior)
 
 
 def _likeliest(fit: Callable[[int], T]) -> T:
-    """The fit of the likeliest order: up to it likelihoods rise, and fall beyond."""
+    """The fit of the likeliest order; the likelihood is taken to have a single maximum."""
     best = fit(ORDERS[0])
     for order in ORDERS[1:]:
         other = fit(order)
@@ -215,7 +220,7 @@ def _likeliest(fit: Callable[[int], T]) -> T:
 
 def _one_series(fit: _Fit) -> GainSeries:
     """Tails, limits and predictions where all timesteps follow one series."""
-    limit, known_to, limit_tails = fit.limit
+    limit, limit_error, limit_tails = fit.limit
     tails, predicted, error = fit.innovations
     units = fit.regression.measured.units
     return GainSeries(
@@ -223,7 +228,7 @@ def _one_series(fit: _Fit) -> GainSeries:
         tails,
         limit_tails,
         limit * units[:, None],
-        known_to * units,
+        limit_error * units,
         predicted * units[:, None],
         error * units,
         np.zeros(len(units), dtype=int),
@@ -232,24 +237,24 @@ def _one_series(fit: _Fit) -> GainSeries:
 
 
 def _two_series(one: GainSeries, splits: "_Splits", changes: NDArray[np.intp]) -> GainSeries:
-    """Tails and limits where shorter steps, or smaller turns, follow a series of their own.
+    """Tails and limits where the shorter steps of a state follow a second series.
 
     Parameters
     ----------
-    changes : where each state changes, (K,)
+    changes : the index of the first timestep that does, (K,); 0 where none does
     """
     tails, limit_tails = one.tails.copy(), one.limit_tails.copy()
-    limit, known_to = one.limit.copy(), one.known_to.copy()
+    limit, limit_error = one.limit.copy(), one.limit_error.copy()
     units, beyond = splits.parts[0][0].regression.measured.units, one.beyond.copy()
     for change in np.unique(changes):
         states, parts = changes == change, splits.parts[change]
         tails[:, states] = np.concatenate([part.innovations[0] for part in parts])[:, states]
         beyond[states] = parts[0].beyond[states]
-        # Fewer gains than that tell no limit from a series.
+        # With fewer gains a limit cannot be told from a series.
         found = [part.limit for part in parts if len(part.regression.measured.x) >= LEAST]
         finest, error, _ = found[-1]
         limit[states] = (finest * units[:, None])[states]
-        known_to[states] = (error * units)[states]
+        limit_error[states] = (error * units)[states]
         limit_tails[states] = np.min([of_limit for _, _, of_limit in found], axis=0)[states]
     return replace(
         one,
@@ -257,16 +262,20 @@ def _two_series(one: GainSeries, splits: "_Splits", changes: NDArray[np.intp]) -
         tails=tails,
         limit_tails=limit_tails,
         limit=limit,
-        known_to=known_to,
+        limit_error=limit_error,
         changes=changes,
         beyond=beyond,
     )
 
 
 def _off_alone(measured: Measured) -> tuple[int, float]:
-    """The timestep that is off, if a single one is, and how likely gains then are (logarithm).
+    """The timestep that explains the gains best if it alone is off.
 
-    What steps gain with that timestep may be anything of its size.
+    Its gains may then be anything: their noise is raised to their own size.
+
+    Returns
+    -------
+    Its index, and the logarithm of the likelihood of all gains
     """
 
     def total(j: int) -> float:
@@ -281,13 +290,14 @@ def _off_alone(measured: Measured) -> tuple[int, float]:
 
 @dataclass(frozen=True, eq=False)
 class _Splits:
-    """Gains as two series, of longer and shorter timesteps, in all ways that are tried.
+    """All ways that are tried to split the timesteps of each state into two series.
 
     Attributes
     ----------
-    parts : the series of the whole, then those of which the second begins at each timestep
-    changes : which of `parts` is that of each state, the most likely way first, (n, K)
-    totals : the logarithm of how likely the gains of all states are by each, (n,)
+    parts : the fits of the series, by the index of the timestep that begins the second one; first
+        the fit of one series to all timesteps
+    changes : that index for each state, in n ways, the likeliest first, (n, K)
+    totals : the logarithm of the likelihood of the gains of all states in each way, (n,)
     """
 
     order: int
@@ -297,7 +307,7 @@ class _Splits:
 
     @staticmethod
     def of(measured: Measured, order: int) -> "_Splits":
-        """The fits of all changes that are tried, with series of one order."""
+        """Fit series of one order in all ways."""
         count = len(measured.x)
         edges = [(0, count), *((0, change, count) for change in range(1, count))]
         parts = [
@@ -312,5 +322,5 @@ class _Splits:
 
     @property
     def total(self) -> float:
-        """How likely the gains of all states are at most (logarithm)."""
+        """The logarithm of the likelihood of the gains of all states in the likeliest way."""
         return float(self.totals[0])

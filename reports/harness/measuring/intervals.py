@@ -19,8 +19,8 @@ from .steps import Sessions
 
 #: Intervals of a run at most.
 INTERVALS = 64
-#: Steps of a run that are each read when it is run again, and of one that is made for that where
-#: there is none.
+#: States that are read at most when a run is run again; and the number of steps of a run that is
+#: made to be run again where there is no other.
 READ = 4096
 
 
@@ -39,7 +39,7 @@ class Intervals:
     Attributes
     ----------
     edges : the samples that intervals begin and end at, (n + 1,)
-    parts : steps after which an interval that is run again is restarted, (n,)
+    parts : steps of each interval after which it is restarted when it is run again, (n,)
     """
 
     sessions: Sessions
@@ -73,7 +73,7 @@ class Intervals:
     def some_again(self, kept: NDArray[np.intp], starts: State) -> State:
         """The states at the ends of K intervals that are run from K starts.
 
-        Each is restarted in its midst, so that nothing hides in the rhythm of samples or strides.
+        Each is restarted on the way, so that a fault cannot hide in the rhythm of the samples.
         """
         timestep, ends = self.run.rung.timestep, []
         for k, parts in enumerate(self.parts_of(kept)):
@@ -86,7 +86,10 @@ class Intervals:
         return np.stack([first, self.steps[kept] - first], axis=1)
 
     def all_again(self) -> "Passage":
-        """Run all from their own starts, in random order, and read after each step, or some."""
+        """Run all intervals from their own starts, in random order, and read states on the way.
+
+        Of a run of more than `READ` steps every n-th state is read.
+        """
         chance = np.random.default_rng(len(self.steps))
         each, order = -(-int(self.steps.sum()) // READ), chance.permutation(len(self.steps))
         made = {k: self._recorded(k, each) for k in map(int, order)}
@@ -119,7 +122,7 @@ class Intervals:
 
 @dataclass(frozen=True, eq=False)
 class Passage:
-    """The states that n intervals pass when they are run again, N of them in order of time.
+    """The states that n intervals pass through when they are run again, in order of time.
 
     Attributes
     ----------
@@ -141,9 +144,9 @@ class Replay:
 
     Attributes
     ----------
-    worst : the K intervals that differ the most
-    off : what these do otherwise, as `apart` has it, (K, 5, 3)
-    passage : what all go through
+    worst : the indices of the K intervals that differ the most
+    off : how far the ends of these are from those of the run, as `state_differences`, (K, 5, 3)
+    passage : the states that all intervals pass through
     """
 
     intervals: Intervals
@@ -168,7 +171,7 @@ def restarted(
 
 
 def beginning_of(sessions: Sessions, at: Places) -> MadeRun:
-    """A run of the first steps alone, where a run of the whole window would take too many."""
+    """A run of the first steps, for a scene whose window would take too many steps."""
     timestep, strides = float(at.timesteps[FINER]), [0, *[READ // INTERVALS] * INTERVALS]
     snapshots: list[object] = []
     with sessions.at(at.states.rows(0), timestep) as session:
@@ -179,7 +182,7 @@ def beginning_of(sessions: Sessions, at: Places) -> MadeRun:
 
 
 def _edges(samples: int, can_restart: bool) -> NDArray[np.intp]:
-    """The samples that intervals begin and end at: all of the run, in irregular lengths."""
+    """The samples at which intervals begin and end: they cover the run, with random lengths."""
     most = INTERVALS if can_restart else OPENED
     count = min(most, max(1, 2 * (samples - 1) // 3))
     chance = np.random.default_rng(samples)

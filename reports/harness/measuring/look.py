@@ -23,8 +23,10 @@ class Look:
     gains, noise : of Q quantities, (J, K, Q, 3) and (J, K, Q)
     settled : steps in which a constraint settled first
     is_single : whether the engine declares single precision
-    is_pooled : whether what states show is independent: neighbours of a recording share much
-    may_split : whether steps may be computed otherwise with other timesteps
+    may_split : whether steps may be computed by one formula with long timesteps and by another with
+        short ones
+    is_pooled : whether the gains of the states are independent of each other, which neighbouring
+        states of a run are not
     """
 
     equations: Equations
@@ -47,7 +49,7 @@ class Look:
                 self.noise[:, :, q],
                 self.level,
                 turns=self.turns,
-                seen=[one.changes for one in found if one.changes.any()],
+                changes_elsewhere=[one.changes for one in found if one.changes.any()],
                 may_split=self.may_split,
                 is_pooled=self.is_pooled,
             )
@@ -56,9 +58,9 @@ class Look:
 
     @property
     def turns(self) -> FloatArray:
-        """The rank of the angle by which each step turned the body, (J, K), from 0.
+        """The rank, from 0, of the angle by which each step turned the body, (J, K).
 
-        Angles that their noise does not tell apart have the same.
+        Angles whose difference is less than their noise have the same rank.
         """
         before, after = self.steps.before.q_world_body_wxyz, self.steps.after.q_world_body_wxyz
         angles = self.steps.by_timestep(norms(rotation_vectors(before, after))).mean(axis=1)
@@ -85,11 +87,13 @@ class Look:
 
     @property
     def known_to(self) -> tuple[float, float]:
-        """How well the limit is known to be zero: the larger of its size and standard error.
+        """How well the limit is known to be zero: the larger of its size and its standard error.
 
-        Relative to the largest terms, and relative to the weakest effect.
+        Returns
+        -------
+        That, relative to the largest terms, and relative to the weakest effect
         """
-        sizes = (np.maximum(one.known_to, norms(one.limit)) for one in self.series)
+        sizes = (np.maximum(one.limit_error, norms(one.limit)) for one in self.series)
         errors = np.array([size.max() for size in sizes])
         weakest = weakest_effects(self.equations, self.steps)
         return float((errors / self.sizes).max()), float((errors / weakest).max())

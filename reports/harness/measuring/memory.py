@@ -1,4 +1,9 @@
-"""Whether a memory that vanishes with the timestep explains a run that differs from its replays."""
+"""Whether a memory of a few steps explains why a run differs from its replays.
+
+A method may use results of earlier steps, such as the impulses with which an iterative solver
+begins. A session that is restarted has none. That is no fault if the difference vanishes with the
+timestep.
+"""
 
 from dataclasses import replace
 
@@ -15,26 +20,28 @@ from .intervals import Replay, restarted
 from .noise import NOISE, SIGMAS, SOLVED, ULPS
 from .places import HALVINGS, states_of
 from .regression import PREDICTED_FROM
-from .steps import Sessions, apart
+from .steps import Sessions, state_differences
 
-#: Steps that a method may remember.
+#: A method may remember so many steps.
 REMEMBERED = 8
-#: A memory of so few steps explains a difference if it leaves no more than this part of it.
+#: A memory explains a difference if it leaves no more than this fraction of it.
 UNEXPLAINED = 0.5
 
 
 def explained_by_memory(
     replay: Replay, engine: Engine, declared: int, settled: int
 ) -> ReplayEvidence:
-    """What a replay shows, where a memory that vanishes with the timestep may explain it.
+    """Return what a replay shows, without a fault if a memory that vanishes explains it.
 
-    The intervals in which the run differs the most are run again from its states some steps before
-    each: at once, and with the restarts of the replay. With the run's timestep, these two must
-    differ as the run and its replay do; in size alone, where that is no more than is left by an
-    iterative solver that begins with the step before. Over few steps, with shorter and shorter
-    timesteps, their difference is a gain like any other, which must vanish. Of a method whose steps
-    are those of a settled constraint, impulses of earlier steps are in what these gain, so that the
-    first suffices.
+    The intervals in which the run differs the most are run again, from a state of the run some
+    steps earlier: once without a restart, and once with the restarts of the replay. Two conditions
+    are checked:
+
+    - With the run's timestep these two differ as the run and its replay do. If the difference is no
+      larger than an iterative solver may leave, its size alone is compared.
+    - Over few steps, with shorter and shorter timesteps, their difference vanishes, as any gain
+      must. This is not needed where steps were judged after a constraint had settled: their gains
+      contain the impulses of earlier steps.
 
     Parameters
     ----------
@@ -64,11 +71,13 @@ def _largest(off: FloatArray) -> float:
 
 
 def _earlier(replay: Replay, steps: int) -> tuple[NDArray[np.int64], State]:
-    """The run's states at its last samples at least so many steps before the worst intervals.
+    """The states of the run at least so many steps before each of the worst intervals.
+
+    They are those of the run's samples.
 
     Returns
     -------
-    How many steps each is before its interval, (K,), and the states there.
+    How many steps each is before its interval, (K,), and the states
     """
     run, edges = replay.intervals.run, replay.intervals.edges[replay.worst]
     taken = run.rung.sample_steps
@@ -77,9 +86,10 @@ def _earlier(replay: Replay, steps: int) -> tuple[NDArray[np.int64], State]:
 
 
 def _vanishing(replay: Replay, engine: Engine, declared: int) -> tuple[int, float]:
-    """The order at which a memory of few steps vanishes, and the tail of its gains.
+    """The order with which the effect of a memory vanishes, and the tail of its gains.
 
-    The tail is 0 where there is none. Of the longest timesteps alone there is no order.
+    The tail is 0 if there is no effect. The order is the declared one if only the longest timesteps
+    show an effect, as two of them tell no order.
     """
     starts, sessions = replay.intervals.starts.rows(replay.worst), replay.intervals.sessions
     timesteps = np.array([replay.evidence.timestep / 2.0**j for j in range(HALVINGS)])
@@ -106,12 +116,14 @@ def _lost(
     before: NDArray[np.int64],
     parts: NDArray[np.int64],
 ) -> FloatArray:
-    """How much restarts change where steps from K states end, as `apart` has it, (K, 5, 3).
+    """How much a restart changes the states that K stretches of steps end in, (K, 5, 3).
+
+    The quantities are those of `state_differences`.
 
     Parameters
     ----------
     before : steps before the first restart, (K,)
-    parts : steps before and after the second, (K, 2)
+    parts : steps between the two restarts, and after the second one, (K, 2)
     """
     at_once, others = [], []
     for k, each in enumerate(parts):
@@ -123,4 +135,4 @@ def _lost(
             at_once.append(session.read_state())
         others.append(restarted(sessions, state, timestep, each)[-1])
     reach = Equations(sessions.scenario).reach
-    return apart(stacked(others), stacked(at_once), reach)
+    return state_differences(stacked(others), stacked(at_once), reach)

@@ -25,18 +25,18 @@ from ....scenarios import FloatArray, push
 from ....scenarios.rotation import norms
 from .steps import Steps
 
-#: Roundings of a step, in ulp of each number of a state.
+#: Rounding of a step, in ulp of each number of a state.
 ULPS = 4.0
-#: Relative noise of a state after a step that is no fault: where iterative solvers end.
+#: Relative noise of a state after a step up to which it is no fault: iterative solvers stop there.
 NOISE = 1e-12
-#: What an iterative solver of a constraint leaves of the largest terms, however far it settles:
+#: What an iterative solver of a constraint leaves of the largest terms, however long it settles:
 #: MuJoCo 4.0 was measured to leave up to 5e-10.
 SOLVED = 1e-9
-#: Fraction of the largest terms below which an effect is as good as absent.
+#: Effects below this fraction of the largest terms are ignored.
 NEGLIGIBLE = 2e-6
-#: Standard deviations of noise beyond which a difference is seen.
+#: A difference is significant beyond so many standard deviations of noise.
 SIGMAS = 3.0
-#: Smallest size that is divided by; its inverse can be squared.
+#: Smallest size that anything is divided by: the square of its inverse is finite.
 NO_SIZE = 1e-150
 
 
@@ -48,7 +48,9 @@ def rounding_of_body(condition: float, ulp: float = float(np.finfo(float).eps)) 
 def noise_of(
     equations: Equations, steps: Steps, engine: Engine, condition: float, *, settled: bool
 ) -> FloatArray:
-    """The noise of gains by the derived sources: the standard deviation of the repeats' mean.
+    """The noise of gains from all sources that are derived: the standard deviation of their mean.
+
+    The mean is that of the repeats of a state.
 
     Returns
     -------
@@ -113,10 +115,10 @@ def term_sizes(equations: Equations, states: State) -> FloatArray:
 
 
 def weakest_effects(equations: Equations, steps: Steps) -> FloatArray:
-    """The least that an effect adds at most to each term that gains are sums of, (Q,).
+    """The size of the weakest effect in each quantity, (Q,): infinite where no effect acts.
 
-    Infinite where no effect adds any. Effects that hold or push alike count as one, and those that
-    add less than `NEGLIGIBLE` of the largest terms do not count.
+    The size of an effect is the largest that its term has in any state. Torques of the same kind
+    count as one effect, and effects below `NEGLIGIBLE` of the largest terms are ignored.
     """
     nothing = NEGLIGIBLE * largest_terms(equations, steps)
     torques = _torques(equations, steps.before).max(axis=0)
@@ -149,7 +151,7 @@ def _roundings(equations: Equations, steps: Steps) -> FloatArray:
     far = norms(states.com_world) + equations.reach
     momentum = _largest_moment(equations) * speeds
     if states.spins.size:
-        # Bodies with velocities of their own exchange what a part keeps.
+        # Where parts are bodies of their own, their angular momentum is rounded, too.
         momentum = momentum + _kept(equations, states)
     sizes = [1 / spans, momentum / spans, fast, far]
     if not equations.scenario.constraint.is_pivot:

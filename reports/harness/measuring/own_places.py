@@ -1,9 +1,9 @@
-"""States of a method's own runs, that steps are taken from too.
+"""States of a method's own runs, from which single steps are taken, too.
 
-Some are taken at random, and those in which what a step gains beyond the exact flow differs the
-most from the steps before and after. So what acts in few states, or only on the motion that a
-method makes itself, is met as well. The shortest timesteps, as few as tell a limit, show whether a
-step gains what does not vanish.
+A fault may act in few states only, or only on the motion that the method itself makes. So steps are
+taken from random states of a run, and from those in which the gain of a step beyond the exact flow
+differs the most from that of its neighbours. The shortest timesteps suffice, as many as tell a
+limit.
 """
 
 from dataclasses import replace
@@ -21,21 +21,21 @@ from .places import Places
 from .regression import LEAST
 from .steps import Steps, flowed, step_gains
 
-#: States in which each quantity's gain changes the most.
+#: How many states are chosen for each quantity in which its gain changes the most.
 ABRUPT = 5
 
 
 def own_places(
     scenario: Scenario, at: Places, passage: Passage, *, is_single: bool
 ) -> Places | None:
-    """States of a run to take steps from; None where what holds the body can hold it in none.
+    """States of a run to take steps from; None if the body cannot be held in any of them.
 
     Parameters
     ----------
     at : exact states that steps were taken from
     passage : of the run
-    is_single : whether the engine computes in single precision: there, and where a constraint has
-        to settle first, few states with all timesteps tell a limit, and not few timesteps
+    is_single : whether the engine computes in single precision; then, and where a constraint has to
+        settle, few states are used with all timesteps, as few timesteps would tell no limit
     """
     is_few = is_single or at.gives_way
     count = len(passage.times)

@@ -12,14 +12,14 @@ from ....scenarios.fastest_rate import fastest_rate
 from ....scenarios.rotation import cross, matrices, matrix, norms, times, turned, turned_back
 from ..ladder import COARSEST_TURN
 
-#: States spread over the window, beside those where something is largest or least.
+#: States spread evenly over the window, beside those in which some quantity is largest or least.
 SPREAD = 12
-#: Directions of ω in the body, beside the scene's own: askew to every axis of a body that is drawn
-#: along its axes, so that no torque vanishes by symmetry.
+#: Directions of ω in the body of two further states: along no axis of a body whose principal axes
+#: are the coordinate axes, so that no torque vanishes by symmetry.
 ASKEW = ((0.62, 0.55, 0.56), (-0.48, 0.71, 0.52))
 #: Timesteps of single steps, each half of the one before.
 HALVINGS = 10
-#: Halvings of all timesteps where a method refuses the longest.
+#: By how many halvings all timesteps are shorter if a method refuses the longest.
 FINER = 3
 
 
@@ -34,8 +34,8 @@ class Places:
     timesteps : s, each half of the one before, (J,)
     condition : the factor by which relative rounding grows in the angular acceleration: of the
         tensor of inertia about the fixed point, of flight, and of parts that turn
-    are_apart : whether states are so far apart that what they show is independent
-    gives_way : whether a constraint is known to settle in steps from other states
+    are_apart : whether the states are so far apart that their gains are independent
+    gives_way : whether a constraint is known to have to settle before steps are judged
     """
 
     states: State
@@ -52,14 +52,14 @@ class Places:
         return stacked(copies)
 
     def thinned(self, most: int) -> "Places":
-        """These places with at most so many of the states, evenly chosen."""
+        """The same with at most so many of the states, evenly chosen."""
         kept = np.unique(np.linspace(0, len(self.times) - 1, most).astype(int))
         return replace(self, states=self.states.rows(kept), times=self.times[kept])
 
     def milder(self) -> "Places":
-        """Places with shorter timesteps and only the motion's own states.
+        """The same with shorter timesteps, and with states of the motion alone.
 
-        For a method that refuses some of these states or timesteps.
+        They are used if a method refuses some of these states or timesteps.
         """
         along = ~np.isnan(self.times)
         timesteps = self.timesteps / 2.0**FINER
@@ -119,7 +119,7 @@ def _askew(scenario: Scenario, along: Trajectory, omega_body: FloatArray) -> Sta
 
 
 def _changed(scenario: Scenario, states: State, size: float, chance: np.random.Generator) -> State:
-    """The states, each number a little otherwise, where what holds the body can hold it."""
+    """The states with each number changed at random, where the body can be held there."""
     turn, spin, thrown, put = size * chance.standard_normal((4, 3))
     q = states.q_world_body_wxyz @ times(np.append(1.0, turn / 2) / np.sqrt(1 + turn @ turn / 4))
     omega_body = _by(states.omega_body, spin)

@@ -1,4 +1,4 @@
-"""Mistakes in reading a state that explain why it is off by as much after any step."""
+"""Mistakes in reading a state: they make it off by the same after any step, however short."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -9,9 +9,9 @@ from ....engines import State
 from ....scenarios import FloatArray
 from ....scenarios.rotation import matrices, turned, turned_back
 from ...results.evidence import Explanation
-from .steps import apart
+from .steps import state_differences
 
-#: A mistake explains states if it leaves less than this of what they are off by.
+#: A mistake explains states if it leaves less than this fraction of their error.
 EXPLAINS = 1e-3
 
 
@@ -23,7 +23,7 @@ def misreading(
     Parameters
     ----------
     read, exact : states after a step, and what they should be
-    reach : m, as of `apart`
+    reach : m, as of `state_differences`
     is_single : whether the engine declares single precision
     """
     if not is_single and _is_in_24_bits(read) and not _is_in_24_bits(exact):
@@ -37,7 +37,7 @@ def misreading(
 
 def _off(read: State, exact: State, reach: float) -> float:
     """The largest difference of attitude and ω."""
-    return float(np.abs(apart(read, exact, reach)[:, :2]).max())
+    return float(np.abs(state_differences(read, exact, reach)[:, :2]).max())
 
 
 def _with_q(state: State, q_wxyz: FloatArray) -> State:
@@ -50,14 +50,14 @@ def _with_omega(state: State, as_read: Callable[[FloatArray, FloatArray], FloatA
 
 
 def _is_in_24_bits(state: State) -> bool:
-    """Whether all components of all attitudes, or of all ω, are numbers of single precision."""
+    """Whether all attitudes, or all ω, consist of numbers that single precision can represent."""
     return any(
         np.array_equal(column, column.astype(np.float32))
         for column in (state.q_world_body_wxyz, state.omega_body)
     )
 
 
-#: How a state that is right would be read.
+#: What each mistake makes of a state that is right.
 MISTAKES: dict[str, Callable[[State], State]] = {
     "scalar last": lambda s: _with_q(s, np.roll(s.q_world_body_wxyz, -1, axis=1)),
     "scalar first": lambda s: _with_q(s, np.roll(s.q_world_body_wxyz, 1, axis=1)),

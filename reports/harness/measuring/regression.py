@@ -15,30 +15,31 @@ from scipy.special import chdtrc
 
 from ....scenarios import FloatArray
 
-#: Terms of the series that are kept: more change no tail to twice as much, or half.
+#: Terms of the series that are kept: with more, no tail changes by a factor of two.
 TERMS = 16
 #: Ratios of neighbouring radii and amplitudes that are integrated over.
 RADIUS_RATIO, AMPLITUDE_RATIO = 2**0.5, 10**0.35
 #: Probability from which on a timestep is said to be beyond the radius.
 CERTAIN = 1 - 1e-6
-#: Probability of a pair below which it makes no difference to any tail.
+#: Pairs of the grid that are less probable than this are left out: no tail changes by that.
 IMPOSSIBLE = 1e-18
-#: Gains with longer timesteps that a prediction needs, and gains that tell a limit.
+#: How many gains with longer timesteps a prediction needs, and how many gains a limit needs.
 PREDICTED_FROM, LEAST = 2, 4
 
 
 @dataclass(frozen=True, eq=False)
 class Measured:
-    """Gains in units in which the noise of all states is alike.
+    """The gains of each state, in units that make the noise of all states the same.
 
     Attributes
     ----------
     x : timesteps, relative to the longest, (J,)
     gains, noise : (J, K, 3) and (J,)
-    units : what a gain of each state is to be multiplied by, (K,)
+    units : the size of each state's unit, by which its gains were divided, (K,)
     amplitudes : those that are integrated over, (A,)
-    turns : by how much each step turns the body, or its rank, (J, K)
-    radius : the least radius of convergence, which leaves two thirds of all timesteps within
+    turns : the angle by which each step turns the body, or the angle's rank, (J, K)
+    radius : the least radius of convergence that is considered; two thirds of all timesteps are
+        below it
     """
 
     x: FloatArray
@@ -53,9 +54,9 @@ class Measured:
     def of(
         timesteps: FloatArray, gains: FloatArray, noise: FloatArray, turns: FloatArray | None
     ) -> "Measured":
-        """Scale the gains of each state by its noise.
+        """Divide the gains of each state by its noise.
 
-        How noise depends on the timestep is taken from the state in which it is largest.
+        The noise of all states is taken to depend on the timestep alike: the largest is used.
         """
         units = np.median(noise / np.median(noise, axis=1, keepdims=True), axis=0)
         scaled, alike = gains / units[:, None], (noise / units).max(axis=1)
@@ -68,17 +69,23 @@ class Measured:
         return Measured(x, scaled, alike, units, amplitudes, turns, float(x[len(x) // 3]))
 
     def changes(self, last: int) -> NDArray[np.intp]:
-        """The index of the timestep from which on steps may be computed otherwise, (n, K).
+        """The n ways that are tried to split the timesteps of each state in two.
 
-        One row for each timestep up to `last`, the same for all states, and one for each turn that
-        some state changes at by then. 0 in states all of whose steps are on one side.
+        A method may compute steps otherwise below some timestep, or below some angle that the body
+        turns by in a step. So there is one way for each timestep up to the one with the index
+        `last`, the same in all states, and one for each angle that divides the timesteps of some
+        state there.
+
+        Returns
+        -------
+        The index of the first timestep on the far side, (n, K); 0 where all are on one side
         """
         count, states = self.turns.shape
         by_timestep = np.repeat(np.arange(1, last + 1)[:, None], states, axis=1)
         by_turn = (self.turns[:, :, None] > np.unique(self.turns)).sum(axis=0).T
         by_turn = np.where(by_turn < count, by_turn, 0)
         is_seen = ((by_turn > 0) & (by_turn <= last)).any(axis=1)
-        # One of the two series at least has as many steps as the shorter timesteps at `last`.
+        # One of the two series has enough timesteps to tell a limit.
         is_long = ((by_turn <= last) | (by_turn >= count - last)).all(axis=1)
         return np.unique(np.concatenate([by_timestep, by_turn[is_seen & is_long]]), axis=0)
 
@@ -103,7 +110,8 @@ class Regression:
     Attributes
     ----------
     radii : the inverse radii of convergence, in units of the longest timestep, (R,)
-    noise : what is added to the series at each timestep, (R, J): beyond the radius any gain
+    noise : standard deviation of what is added to the series at each timestep, (R, J); beyond the
+        radius of convergence as large as the largest gain
     basis : the powers of the timestep, zero beyond the radius, (R, J, TERMS)
     """
 
@@ -156,7 +164,7 @@ class Regression:
 
     @cached_property
     def evidence(self) -> FloatArray:
-        """The logarithm of the density of all gains of a state, (A, K)."""
+        """The logarithm of the density of all gains of each state, by each pair, (R A, K)."""
         _, _, _, turned = self._decomposed
         each = self._shrunk @ (turned**2).sum(axis=3)
         scale = np.log(self._shrunk).sum(axis=2) - 2 * np.log(self.noise).sum(axis=1)[:, None]
@@ -164,7 +172,7 @@ class Regression:
 
     @cached_property
     def constants(self) -> tuple[FloatArray, FloatArray]:
-        """The constant that fits best, (A, K, 3), and its standard error, (A,)."""
+        """The constant that fits best, (R A, K, 3), and its standard error, (R A,)."""
         left, _, _, turned = self._decomposed
         ones, (R, J, K, _) = left.sum(axis=2), turned.shape
         precision = (self._shrunk @ (ones**2)[:, :, None]).reshape(-1)
@@ -173,7 +181,7 @@ class Regression:
 
     @cached_property
     def evidence_with_constant(self) -> FloatArray:
-        """The evidence if a constant is added, which may be as large as any gain, (A, K)."""
+        """The evidence if a constant is added, which may be as large as any gain, (R A, K)."""
         constants, error = self.constants
         gained = ((constants / error[:, None, None]) ** 2).sum(axis=2) / 2
         return np.asarray(
@@ -191,14 +199,14 @@ class Regression:
         return limit, np.sqrt((weights * spread).sum(axis=0)), tails
 
     def beyond(self, prior: FloatArray) -> NDArray[np.intp]:
-        """How many of the longest timesteps are beyond the radius for certain, (K,)."""
+        """How many of the longest timesteps are certainly beyond the radius, (K,)."""
         weights = normalised(self.evidence + np.log(prior)[:, None])
         of_radius = weights.reshape(len(self.radii), -1, weights.shape[1]).sum(axis=1)
         is_beyond = self.radii[:, None] * self.measured.x >= 1
         return np.asarray((is_beyond.T @ of_radius >= CERTAIN).sum(axis=0))
 
     def innovations(self, prior: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """How far each gain is off what those before it predict.
+        """How far each gain is off its prediction from those with longer timesteps.
 
         Returns
         -------
@@ -218,7 +226,7 @@ class Regression:
         return tails, means, errors
 
     def _predicted(self, j: int, prior: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """A gain as those before it predict it, by the n pairs that are not all but impossible.
+        """Predict a gain from those with longer timesteps, by the n pairs that are not impossible.
 
         Returns
         -------
@@ -244,8 +252,8 @@ class Regression:
 def _inverse_radii(measured: Measured) -> FloatArray:
     """Inverse radii of convergence that are integrated over, (R,).
 
-    From a few times the longest timestep to the least, by which enough gains are within to show a
-    series.
+    The radii reach from four times the longest timestep down to the least one that leaves enough
+    timesteps below it to show a series.
     """
     count = np.arange(np.log(4 / measured.radius) / np.log(RADIUS_RATIO))
     radii = RADIUS_RATIO ** (count + 0.5) / 4

@@ -1,11 +1,11 @@
 """Whether a step depends on the state alone.
 
-Every interval of a run is run again from its own start in a session that remembers nothing. With
-consistent steps that is convergence on any window, also where the motion is chaotic (Hairer,
-Nørsett & Wanner I, theorem II.3.4). What a run does otherwise than its replays, a second, must
-vanish with the timestep, as every gain must. Intervals are of random length and are run again in
-random order, and each is restarted once more at a random step in its midst, so that nothing hides
-in the rhythm of the samples.
+Every interval of a run is run again from its own start in a session that remembers nothing. A
+method whose steps are consistent, and which comes to the same states again, converges on any
+window, also where the motion is chaotic (Hairer, Nørsett & Wanner I, theorem II.3.4). A difference
+is only admissible if it vanishes with the timestep, as every gain must (`memory.py`). Intervals are
+of random length and are run again in random order, and each is restarted once more after a random
+number of steps, so that a fault cannot hide in the rhythm of the samples.
 """
 
 from collections.abc import Sequence
@@ -28,13 +28,13 @@ from .memory import explained_by_memory
 from .noise import NOISE, ULPS, rounding_of_body
 from .own_places import own_places
 from .places import Places, states_of
-from .steps import Sessions, apart, sessions_of
+from .steps import Sessions, sessions_of, state_differences
 
-#: Intervals that are run from changed states too, to see what rounding grows to.
+#: Intervals that are run again from changed states, too, to see how much rounding errors grow.
 CHANGED = 5
-#: Quantities of `apart`.
+#: Number of quantities of `state_differences`.
 QUANTITIES = 5
-#: rad, or relative: changes that have grown to this are as large as the motion.
+#: rad, or relative: a change that has grown to this is as large as the motion itself.
 LOST = 0.1
 
 
@@ -56,8 +56,8 @@ def examine_runs(
 
     Returns
     -------
-    What each replay shows; what steps from states of these runs do, None where none were taken; and
-    why the engine refuses to be replayed, else empty.
+    What each replay shows; what steps from states of the first run show, None if none were taken;
+    and why the engine refuses to be replayed, else empty.
     """
     method, settled, shown = engine.method(method_name), found.settled, []
 
@@ -81,7 +81,7 @@ def examine_runs(
 
 
 def _replay(sessions: Sessions, engine: Engine, run: MadeRun, condition: float) -> Replay:
-    """Run all intervals of a run again, and hold what they do otherwise against its noise."""
+    """Run all intervals of a run again, and compare how they differ with the noise of that."""
     intervals = Intervals.of(sessions, run)
     states, reach = states_of(run.motion), Equations(sessions.scenario).reach
     passage = intervals.all_again()
@@ -89,14 +89,16 @@ def _replay(sessions: Sessions, engine: Engine, run: MadeRun, condition: float) 
     sizes = _sizes(off)
     worst = np.argsort(sizes)[-CHANGED:]
     starts, ends = intervals.starts.rows(worst), passage.ends.rows(worst)
-    # Once more, in long strides.
+    # The worst are run once more, without reading states on the way.
     twice = _off(intervals.some_again(worst, starts), ends, reach, intervals.ends)
     spread = _sizes(twice)
-    # So large a change is no noise of the engine, of which nothing may be excused by itself.
+    # So large a change is far above the engine's own noise, which must not enlarge `growth`.
     change = float(np.sqrt(max(NOISE, engine.ulp)))
     changed = _changed(starts, change * float(norms(states.omega_body).max()))
-    grown = np.abs(apart(intervals.some_again(worst, changed), ends, reach)).max(axis=(1, 2))
-    # Where a change has grown to the motion's own size no more can be said of an interval.
+    grown = np.abs(state_differences(intervals.some_again(worst, changed), ends, reach)).max(
+        axis=(1, 2)
+    )
+    # Nothing can be said of an interval in which the change has grown as large as the motion.
     is_lost = (grown > LOST) & (spread <= LOST * change)
     growth = float(max(1.0, np.nan_to_num(np.minimum(grown, LOST) / change, nan=1.0).max()))
     noise = growth * _noise(sessions.scenario, engine, run, states, condition, intervals.steps)
@@ -106,7 +108,7 @@ def _replay(sessions: Sessions, engine: Engine, run: MadeRun, condition: float) 
     sizes[worst] = np.maximum(sizes[worst], spread)
     is_chance = spread > noise[worst].max(axis=1)
     evidence = _evidence(intervals, squares, sizes, worst, np.where(is_chance, spread, 0.0))
-    of_worst = apart(ends, intervals.ends.rows(worst), reach)
+    of_worst = state_differences(ends, intervals.ends.rows(worst), reach)
     return Replay(intervals, evidence, worst, of_worst, passage)
 
 
@@ -121,10 +123,10 @@ def _evidence(
 
     Parameters
     ----------
-    squares : the sum of squares of what each does otherwise, in units of its noise, (n,)
-    sizes : how large that is, (n,)
-    worst : the K intervals that were run twice
-    spread : by how much two runs of these differ beyond noise, (K,)
+    squares : the sum of squares of the differences, in units of their noise, (n,)
+    sizes : the root of the sum of squares of the differences themselves, (n,)
+    worst : the indices of the K intervals that were run again twice
+    spread : by how much these two differ from each other; 0 if that is within noise, (K,)
     """
     run = intervals.run
     times = run.motion.t[intervals.edges]
@@ -140,8 +142,8 @@ def _evidence(
 
 
 def _off(states: State, others: State, reach: float, among: State | None = None) -> FloatArray:
-    """How far states are from others, as `apart`, but infinite where numbers are not finite."""
-    return np.nan_to_num(apart(states, others, reach, among), nan=np.inf)
+    """What `state_differences` returns, but infinite where numbers are not finite."""
+    return np.nan_to_num(state_differences(states, others, reach, among), nan=np.inf)
 
 
 def _sizes(off: FloatArray) -> FloatArray:
@@ -157,12 +159,12 @@ def _noise(
     condition: float,
     steps: NDArray[np.int64],
 ) -> FloatArray:
-    """The noise of n intervals in each quantity of `apart`, of the sources of `noise.py`, (n, 5).
+    """The noise of the differences of n intervals, from the sources of `noise.py`, (n, 5).
 
-    Rounding of steps adds up as a random walk; that of where a body is, which hardly changes, adds
-    up in one direction.
+    Most rounding errors add up as a random walk, and those of a torque or force that hardly changes
+    add up in one direction.
     """
-    # In double precision a body may be composed anew where it is restarted.
+    # In double precision a body may be composed of its parts anew at each restart.
     composed = 0.0 if engine.single_precision else rounding_of_body(condition)
     walk = max(NOISE, ULPS * engine.ulp, composed) * np.sqrt(steps)
     noise = np.repeat(walk[:, None], QUANTITIES, axis=1)
@@ -182,7 +184,7 @@ def _noise(
 
 
 def _changed(states: State, speed: float) -> State:
-    """States whose ω is changed by so much, rad/s, all in one direction."""
+    """The states with ω changed by so much, rad/s, in the same direction for all."""
     direction = np.random.default_rng(CHANGED).standard_normal(3)
     change = speed / np.linalg.norm(direction) * direction
     return replace(states, omega_body=states.omega_body + change)

@@ -1,4 +1,4 @@
-"""How the gains of steps are not those of a method that converges: when, and by how much."""
+"""Describes a fault that gains show: with which timesteps, in which state, and by how much."""
 
 import numpy as np
 
@@ -19,14 +19,15 @@ from .places import Places
 from .readings import misreading
 from .regression import LEAST
 
-#: Standard errors of a limit within which an explanation must come.
+#: An explanation must come within so many standard errors of a limit.
 SURE = 8.0
 
 
 def _worst(look: Look) -> tuple[int, int]:
     """The indices of the quantity and the state with the smallest tail.
 
-    Of several as small, one whose error does not depend on the timestep comes first.
+    Several tails may be zero: then a state whose error in a step is the same at all timesteps comes
+    first, as its gains in other quantities may follow from it.
     """
     tails = [one.tail for one in look.series]
     alike = [q for q, tail in enumerate(tails) if tail == min(tails)]
@@ -42,7 +43,7 @@ def fault_of(look: Look, at: Places) -> StepFault | None:
     series = look.series[q]
     kind, j = _shape(look, q, k)
     if kind == "limit":
-        k = int((norms(series.limit) / series.known_to).argmax())
+        k = int((norms(series.limit) / series.limit_error).argmax())
     wanted, changes = _explained(look, k, q, is_limit=kind == "limit")
     off = series.limit[k] if kind == "limit" else look.gains[j, k, q]
     if kind == "leap":
@@ -59,20 +60,20 @@ def fault_of(look: Look, at: Places) -> StepFault | None:
 
 
 def _shape(look: Look, q: int, k: int) -> tuple[FaultKind, int]:
-    """How the gains of state k are off, and the index of the timestep that shows it."""
+    """How the gains of state k in quantity q are off, and the index of a timestep that shows it."""
     series, timesteps = look.series[q], look.steps.timesteps
     gains, noise, count = look.gains[:, :, q], look.noise[:, :, q], len(timesteps)
     bad = np.flatnonzero(series.tails[:, k] * series.tests < look.level)
     leaps = norms(gains[-LEAST:, k]) * timesteps[-LEAST:]
     if len(bad) and np.ptp(leaps) < leaps.min() / 2:
         return "leap", count - 1
-    if series.alone is not None:
-        return "timestep", series.alone
+    if series.lone_timestep is not None:
+        return "timestep", series.lone_timestep
     if len(bad) and bad[0] >= LEAST:
         longer = slice(None, int(bad[0]))
         part = fitted(timesteps[longer], gains[longer], noise[longer], 0.0)
         off = float(norms(series.limit[k : k + 1])[0])
-        if SURE * part.known_to[k] < off and 2 * norms(part.limit[k : k + 1])[0] < off:
+        if SURE * part.limit_error[k] < off and 2 * norms(part.limit[k : k + 1])[0] < off:
             return "shorter", int(bad[0])
     return "limit", count - 1
 
@@ -80,12 +81,12 @@ def _shape(look: Look, q: int, k: int) -> tuple[FaultKind, int]:
 def _explained(
     look: Look, k: int, q: int, *, is_limit: bool
 ) -> tuple[FloatArray, tuple[Explanation, ...]]:
-    """What state k should gain in a quantity, (3,), and the changes that explain all limits."""
+    """What state k should gain in quantity q, (3,), and the changes that explain all limits."""
     if QUANTITIES[q] == "parts":
         return np.zeros(3), ()
     limits, errors = (
         np.stack([getattr(one, name) for one in look.series[:OF_THE_BODY]], axis=1)
-        for name in ("limit", "known_to")
+        for name in ("limit", "limit_error")
     )
     last = slice(-look.steps.repeats * look.gains.shape[1], None)
     gains = gains_of(look.equations, look.steps.before.rows(last), limits, SURE * errors)

@@ -28,7 +28,7 @@ def evidence_of(look: Look, at: Places, order: int) -> StepEvidence:
 
 
 def _order_shown(look: Look, declared: int) -> int:
-    """The least order of attitude and angular momentum, where gains are more than noise."""
+    """The lower of the orders of attitude and angular momentum, where gains are above noise."""
     shown = [
         series.order
         for q, series in enumerate(look.series[:2])
@@ -55,13 +55,13 @@ def _curves(look: Look) -> list[GainCurve]:
 
 
 def _beyond_from(look: Look) -> float:
-    """The shortest timestep, s, that is beyond the radius of convergence in a state; 0 if none."""
+    """The shortest timestep, s, beyond the radius of convergence of some state; 0 if none is."""
     count = max(int(one.beyond.max()) for one in look.series)
     return float(look.steps.timesteps[count - 1]) if count else 0.0
 
 
 def _changes_below(look: Look) -> float:
-    """The longest timestep, s, below which steps are computed otherwise; 0 where they are not."""
+    """The timestep, s, below which steps follow a second series; 0 where they follow one."""
     first = [
         one.changes[one.changes > 0].min(initial=len(look.steps.timesteps)) for one in look.series
     ]

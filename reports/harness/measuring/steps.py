@@ -124,11 +124,11 @@ def flowed(scenario: Scenario, states: State, spans: FloatArray) -> State:
 
 
 def _earlier(scenario: Scenario, states: State, span: float) -> State:
-    """Where the exact motion was a time before each of n states, so that a run gets there.
+    """The exact states so long before each of n states that a run from there leads to these.
 
-    Runs with all timesteps then end in states that differ by the error of their steps alone. A
-    motion that is slowed came from beyond all bounds, and is followed back for a time of decay at
-    most; from where nothing can hold the body a run does not start.
+    So runs with different timesteps lead to the same states, up to the error of their steps. As a
+    damped motion grows without bounds backwards in time, it is followed back for one time constant
+    at most. A state remains as it is if the body could not be held in the earlier one.
     """
     decay = decay_rate(scenario)
     span = min(span, 1 / decay) if decay else span
@@ -146,7 +146,7 @@ def step_gains(equations: Equations, steps: Steps) -> FloatArray:
     The quantities are: of the attitude rad/s and of I ω N m, body axes; of a free body's velocity
     m/s² and place m/s, world axes; of a body on a pivot how far velocity (m/s) and com (m) are from
     where ω and attitude put them; and of parts that turn in the body the momentum that they keep,
-    N m, of more than three in three directions.
+    N m (of more than three parts, in three directions).
     """
     spans, after, exact = steps.spans[:, None], steps.after, steps.exact
     attitude = rotation_vectors(exact.q_world_body_wxyz, after.q_world_body_wxyz) / spans
@@ -154,7 +154,7 @@ def step_gains(equations: Equations, steps: Steps) -> FloatArray:
     if equations.scenario.constraint.is_pivot:
         velocity, place = off_the_constraint(equations, after)
     else:
-        # A contact lets a body sink in: that is not a step's doing, and the exact motion has none.
+        # The body may have sunk into a contact before the step, which is no gain of the step.
         off_velocity, off_place = off_the_constraint(equations, steps.before)
         velocity = (after.velocity_world - exact.velocity_world - off_velocity) / spans
         place = (after.com_world - exact.com_world - off_place) / spans
@@ -170,9 +170,9 @@ def _turning(state: State) -> tuple[FloatArray, FloatArray]:
 
 
 def _directions(parts: int) -> FloatArray:
-    """Orthonormal directions, (parts, 3), in which the momenta of all parts are seen.
+    """Orthonormal directions, (parts, 3), onto which the momenta of all parts are projected.
 
-    Up to three parts have a direction each.
+    Each part has a direction of its own if there are three or fewer.
     """
     if parts <= 3:
         return np.eye(parts, 3)
@@ -180,7 +180,7 @@ def _directions(parts: int) -> FloatArray:
 
 
 def off_the_constraint(equations: Equations, states: State) -> tuple[FloatArray, FloatArray]:
-    """How far velocity, m/s, and com, m, are from where ω and attitude put them, (n, 3) each."""
+    """How far velocity, m/s, and com, m, are from what ω and attitude demand, (n, 3) each."""
     constraint = equations.scenario.constraint
     R_world_body = matrices(states.q_world_body_wxyz)
     swing_world = turned(R_world_body, np.cross(states.omega_body, constraint.lever))
@@ -191,7 +191,9 @@ def off_the_constraint(equations: Equations, states: State) -> tuple[FloatArray,
     )
 
 
-def apart(states: State, others: State, reach: float, among: State | None = None) -> FloatArray:
+def state_differences(
+    states: State, others: State, reach: float, among: State | None = None
+) -> FloatArray:
     """How far states are from others, (n, 5, 3).
 
     The quantities are attitude, rad; ω, the com's velocity and the com, relative to their sizes;

@@ -160,7 +160,7 @@ def test_a_limit_is_as_far_from_zero_as_its_standard_error_says(order: int, eps:
 
     def scores(noise: float) -> np.ndarray:
         found = [one.fitted(0.0, noise) for one in methods]
-        return np.ravel([one.limit / one.known_to[:, None] for one in found])
+        return np.ravel([one.limit / one.limit_error[:, None] for one in found])
 
     by_chance = 5 / np.sqrt(2 * len(scores(1.0)))
     assert scores(1.0).std() == pytest.approx(1.0, abs=by_chance + 2 * ESTIMATED)
@@ -188,14 +188,14 @@ def test_a_constant_is_detected_and_known(order: int, eps: float, size: float) -
     for one in sample(order, eps)[:FAULTY]:
         found = one.with_fault(size).fitted()
         assert is_accused(found)
-        surest = int(found.known_to.argmin())
+        surest = int(found.limit_error.argmin())
         limit = float(np.linalg.norm(found.limit[surest]))
-        assert limit == pytest.approx(size, abs=6 * found.known_to[surest])
+        assert limit == pytest.approx(size, abs=6 * found.limit_error[surest])
 
 
 def test_a_constant_that_no_state_shows_by_itself_is_detected_of_all_together() -> None:
     for one in sample(1)[:FAULTY]:
-        error = one.fitted(0.0).known_to
+        error = one.fitted(0.0).limit_error
         each = Drawn(one.timesteps, one.gains + 4 * error[:, None] * ASKEW, one.noise).fitted(0.0)
         assert each.least_tails.min() * each.tests > LEVEL
         assert each.tail < LEVEL
@@ -257,7 +257,7 @@ def test_a_change_that_another_quantity_shows_need_not_show_in_this_one(constant
         changed = Drawn(h, gains, one.noise).with_fault(sizes)
         alone.append(is_accused(changed.fitted()))
         seen = [np.full(STATES, first)]
-        found = fitted(h, changed.gains, changed.noise, LEVEL, seen=seen)
+        found = fitted(h, changed.gains, changed.noise, LEVEL, changes_elsewhere=seen)
         assert is_accused(found) == bool(constant)
     assert any(alone), "no need of what another quantity shows"
 
@@ -268,7 +268,9 @@ def test_a_change_that_another_quantity_shows_excuses_no_single_timestep() -> No
     for one in sample(1)[:FAULTY]:
         faulty = one.with_fault(1e3 * one.noise[first, 0] * (np.arange(DOUBLE) == first))
         seen = [np.full(STATES, first)]
-        assert is_accused(fitted(one.timesteps, faulty.gains, one.noise, LEVEL, seen=seen))
+        assert is_accused(
+            fitted(one.timesteps, faulty.gains, one.noise, LEVEL, changes_elsewhere=seen)
+        )
 
 
 def test_fewer_timesteps_than_a_change_needs_are_one_series() -> None:
