@@ -1,9 +1,6 @@
-"""Prints the errors of docs/explanation/sensitivities.md, over scenes of the library.
+"""Writes the errors of docs/explanation/sensitivities.md, over all scenes of the library."""
 
-PYTHONPATH=tests/support python tests/reference/measure_sensitivity.py [FOLDER]…
-"""
-
-import sys
+from pathlib import Path
 from time import process_time
 
 import numpy as np
@@ -13,6 +10,14 @@ from spincheck.scenarios import LIBRARY, Scenario, find, load
 from spincheck.scenarios.fastest_rate import fastest_rate
 
 FOLDERS = ("free", "heavy", "table")
+PAGE = Path(__file__).parents[2] / "docs/explanation/sensitivities.md"
+#: Names of figures, and how the page says them.
+FIGURES = {
+    "uncertainty": "uncertainty that is stated, over the largest value of the array",
+    "from differences": "distance from differences in 40 digits, likewise",
+    "conditioning": "conditioning",
+    "seconds": "CPU time, s",
+}
 #: rad, turned at most until derivatives are compared with differences, which take long.
 TURN = 2.0
 #: Samples over a window, for the uncertainty that is stated.
@@ -59,15 +64,44 @@ def measured(scenario: Scenario) -> dict[str, float]:
     }
 
 
-if __name__ == "__main__":
-    rows = {}
-    for path in find([str(LIBRARY / folder) for folder in sys.argv[1:] or FOLDERS]):
+def lines_of(rows: dict[str, dict[str, float]]) -> list[str]:
+    """The largest of each figure with its scene, and of those folders, and of all others."""
+    in_folders = {path.stem for path in find([str(LIBRARY / folder) for folder in FOLDERS])}
+    columns = [
+        {name: row for name, row in rows.items() if (name in in_folders) is wanted}
+        for wanted in (True, False)
+    ]
+    numbers = [len(column) for column in columns]
+    lines = [
+        f"| largest | free, heavy, table: {numbers[0]} scenes | all other: {numbers[1]} scenes |",
+        "|---|---|---|",
+    ]
+    for figure, words in FIGURES.items():
+        cells = []
+        for column in columns:
+            worst = max(column, key=lambda name: column[name][figure])
+            cells.append(f"{column[worst][figure]:.1e}, {worst}")
+        lines.append(f"| {words} | {cells[0]} | {cells[1]} |")
+    return lines
+
+
+def main() -> None:
+    """Measure all scenes, and write the table of the page."""
+    rows, refused = {}, []
+    for path in find([]):
         try:
             rows[path.stem] = measured(load(path))
         except IntegrationError as error:
-            print(f"{path.stem}: {error}")
+            refused.append(f"Refused is `{path.stem}`: {error}")
             continue
         print(path.stem, *(f"{name} {x:.1e}" for name, x in rows[path.stem].items()), flush=True)
-    for name in ("seconds", "conditioning", "uncertainty", "from differences"):
-        worst = max(rows, key=lambda scene: rows[scene][name])
-        print(f"largest {name}: {rows[worst][name]:.1e}, {worst}")
+    text = PAGE.read_text(encoding="utf-8")
+    begin, end = "<!-- measured -->\n", "<!-- end of measured -->"
+    before, _, rest = text.partition(begin)
+    _, _, after = rest.partition(end)
+    table = "\n".join([*lines_of(rows), "", *refused]) + "\n"
+    PAGE.write_text(before + begin + table + end + after, encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()

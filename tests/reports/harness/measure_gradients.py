@@ -64,7 +64,11 @@ def table(rows: Sequence[GradientRow]) -> Iterator[str]:
     """A line for each derivative of a method, over all scenes."""
     for key in dict.fromkeys((row.engine, row.method, row.derivative) for row in rows):
         alike = [row for row in rows if (row.engine, row.method, row.derivative) == key]
-        right = [row.judged for row in alike if row.judged.verdict == "converges"]
+        right = [
+            row.judged
+            for row in alike
+            if row.judged.verdict == "converges" and row.judged.is_own is not False
+        ]
         others = {
             f"{row.judged.verdict}: {row.judged.reason}" for row in alike if row.judged.reason
         }

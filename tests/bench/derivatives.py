@@ -1,0 +1,60 @@
+"""CPU time of derivatives: the exact ones over the exact motion, engines' over a plain step.
+
+Ratios are of CPU seconds, the two in turn in one process: their median over the rounds, with the
+distance of the quartiles. Engines are those that are installed, but for those that compile.
+"""
+
+from bench_timing import in_turn, ratio
+from rich.console import Console
+from rich.table import Table
+from spincheck.engines import engines
+from spincheck.reference import sensitivity, solve_cheaply
+from spincheck.scenarios import Scenario, find, load
+
+ROUNDS = 20
+#: Number of times of the exact motion, and of steps that an engine takes at once.
+SAMPLES, STEPS = 100, 1000
+SCENES = ("t-handle", "fast-top", "gliding-top")
+METHODS = {"mujoco": "Euler", "pin": "RK4", "drake": "discrete"}
+
+
+def of_the_motion(scenario: Scenario) -> tuple[float, float]:
+    """All derivatives at times of the window, over the motion there."""
+    times = scenario.times[:: max(1, len(scenario.times) // SAMPLES)]
+    (solution,) = solve_cheaply(scenario, [times])
+    seconds = in_turn(
+        ROUNDS,
+        [
+            lambda: solve_cheaply(scenario, [times]),
+            lambda: sensitivity(scenario, solution.trajectory),
+        ],
+    )
+    return ratio(seconds[:, 1] / seconds[:, 0])
+
+
+def of_a_step(scenario: Scenario, engine: str, method: str) -> dict[str, tuple[float, float]]:
+    """Each derivative that an engine gives, by name."""
+    timestep = 1e-3
+    with engines()[engine].open(scenario, engines()[engine].method(method), timestep) as session:
+        offered = {name: one.compute for name, one in session.derivatives().items()}
+        seconds = in_turn(ROUNDS, [lambda: session.advance(STEPS), *offered.values()])
+    return {name: ratio(STEPS * seconds[:, k] / seconds[:, 0]) for k, name in enumerate(offered, 1)}
+
+
+def main() -> None:
+    """Measure, and print a table."""
+    grid = Table("scene", "derivative", "cost", title="CPU time of derivatives")
+    for scene in map(load, find(list(SCENES))):
+        costs = {"exact, over the exact motion": of_the_motion(scene)}
+        for engine in METHODS.keys() & engines().keys():
+            method = METHODS[engine]
+            if not engines()[engine].unsupported(scene, engines()[engine].method(method)):
+                for name, cost in of_a_step(scene, engine, method).items():
+                    costs[f"{engine} {method} {name}, over a step"] = cost
+        for name, (middle, spread) in costs.items():
+            grid.add_row(scene.name, name, f"{middle:.1f} ± {spread:.1f}")
+    Console(width=120).print(grid)
+
+
+if __name__ == "__main__":
+    main()
