@@ -1,4 +1,4 @@
-"""Writes the errors of docs/explanation/sensitivities.md, over all scenes of the library."""
+"""Writes the errors of docs/explanation/sensitivities.md: free, heavy and table scenes."""
 
 from pathlib import Path
 from time import process_time
@@ -65,41 +65,29 @@ def measured(scenario: Scenario) -> dict[str, float]:
 
 
 def lines_of(rows: dict[str, dict[str, float]]) -> list[str]:
-    """The largest of each figure with its scene, and of those folders, and of all others."""
-    in_folders = {path.stem for path in find([str(LIBRARY / folder) for folder in FOLDERS])}
-    columns = [
-        {name: row for name, row in rows.items() if (name in in_folders) is wanted}
-        for wanted in (True, False)
-    ]
-    numbers = [len(column) for column in columns]
-    lines = [
-        f"| largest | free, heavy, table: {numbers[0]} scenes | all other: {numbers[1]} scenes |",
-        "|---|---|---|",
-    ]
+    """The largest of each figure, and on which scene."""
+    lines = ["| largest | | on |", "|---|---|---|"]
     for figure, words in FIGURES.items():
-        cells = []
-        for column in columns:
-            worst = max(column, key=lambda name: column[name][figure])
-            cells.append(f"{column[worst][figure]:.1e}, {worst}")
-        lines.append(f"| {words} | {cells[0]} | {cells[1]} |")
+        worst = max(rows, key=lambda name: rows[name][figure])
+        lines.append(f"| {words} | {rows[worst][figure]:.1e} | {worst} |")
     return lines
 
 
 def main() -> None:
-    """Measure all scenes, and write the table of the page."""
+    """Measure the scenes of all folders, and write the table of the page."""
     rows, refused = {}, []
-    for path in find([]):
+    for path in find([str(LIBRARY / folder) for folder in FOLDERS]):
         try:
             rows[path.stem] = measured(load(path))
         except IntegrationError as error:
-            refused.append(f"Refused is `{path.stem}`: {error}")
+            refused.append(f"Refused is `{path.stem}`: {error}.")
             continue
         print(path.stem, *(f"{name} {x:.1e}" for name, x in rows[path.stem].items()), flush=True)
-    text = PAGE.read_text(encoding="utf-8")
     begin, end = "<!-- measured -->\n", "<!-- end of measured -->"
-    before, _, rest = text.partition(begin)
+    before, _, rest = PAGE.read_text(encoding="utf-8").partition(begin)
     _, _, after = rest.partition(end)
-    table = "\n".join([*lines_of(rows), "", *refused]) + "\n"
+    count = f"{len(rows)} scenes."
+    table = "\n".join([*lines_of(rows), "", " ".join([count, *refused])]) + "\n"
     PAGE.write_text(before + begin + table + end + after, encoding="utf-8")
 
 

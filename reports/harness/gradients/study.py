@@ -273,7 +273,9 @@ class _Study:
         epsilon = self.sessions.first.derivatives()[name].epsilon
         noise = noise_of(self.units, target.timesteps, self.at.condition, epsilon)
         one = judged(target.exact, found, noise)
-        return beside_own(one, target.exact, found, target.own, noise) if is_step else one
+        if not is_step or not np.isfinite(found).all():
+            return one
+        return beside_own(one, target.exact, found, target.own, noise)
 
     def _own_row(self, target: _Target) -> GradientRow:
         exact, own = target.exact, target.own
