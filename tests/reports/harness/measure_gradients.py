@@ -18,6 +18,7 @@ from spincheck.reports.cli.engines.gradients import median_and_quartiles, useles
 from spincheck.reports.harness.executors import LocalWorkers
 from spincheck.reports.harness.gradients.study import (
     OURS,
+    THROUGH,
     GradientRow,
     gradient_by,
     gradients_of,
@@ -144,34 +145,42 @@ def picture_of_steered() -> None:
 
 
 def summary(lines: Sequence[str]) -> Iterator[str]:
-    """A line for each derivative of an engine, from the lines of its methods.
+    """A line for each engine, from the lines of its methods.
 
-    Differences by spincheck have none where the engine gives derivatives.
+    Of differences by spincheck it has only what they are alone with.
     """
     cells = [[cell.strip() for cell in line.split("|")[1:-1]] for line in lines]
-    with_own = {engine for engine, _, derivative, *_ in cells if derivative != OURS}
-    for engine, derivative in dict.fromkeys((row[0], row[2]) for row in cells):
-        if derivative == OURS and engine in with_own:
-            continue
-        alike = [row for row in cells if (row[0], row[2]) == (engine, derivative)]
+    for engine in dict.fromkeys(row[0] for row in cells):
+        own = [row for row in cells if row[0] == engine and row[2] != OURS]
+        rows = own or [row for row in cells if row[0] == engine]
+        derivatives = dict.fromkeys(row[2].removesuffix(THROUGH) for row in rows)
         right: dict[str, list[str]] = {}
-        for row in alike:
-            right.setdefault(row[3], []).append(row[1])
-        of_methods = "; ".join(f"{', '.join(names)}: {share}" for share, names in right.items())
+        for method in dict.fromkeys(row[1] for row in rows):
+            shares = [row[3] for row in rows if row[1] == method]
+            right.setdefault(min(shares, key=lambda share: int(share.split()[0])), []).append(
+                method
+            )
+        single = [row for row in rows if not row[2].endswith(THROUGH)]
+        off = max((row[5] for row in single if row[5] != "–"), key=float, default="–")
         # A method's own name is left out, so that methods say the same.
-        words = [row[8].replace(f"{engine} {row[1]} ", "") for row in alike if row[8] != "–"]
+        words = [row[8].replace(f"{engine} {row[1]} ", "") for row in rows if row[8] != "–"]
         told = dict.fromkeys(one for said in words for one in said.split("; "))
-        largest = [extent([row[k] for row in alike]) for k in (5, 6, 7)]
-        yield "| " + " | ".join([engine, derivative, of_methods, *largest, "; ".join(told)]) + " |"
+        line = [
+            engine,
+            "; ".join(derivatives),
+            "; ".join(f"{', '.join(methods)}: {share}" for share, methods in right.items()),
+            off,
+            extent([row[7] for row in single]),
+            "; ".join(told) or "–",
+        ]
+        yield "| " + " | ".join(line) + " |"
 
 
-def extent(cells: Sequence[str]) -> str:
-    """The least and the largest number of cells; quartiles, in brackets, are left out."""
-    words = [word for cell in cells for word in cell.split(" (")[0].split(" to ") if word != "–"]
-    if not words:
-        return "–"
-    ends = min(words, key=float), max(words, key=float)
-    return " to ".join(dict.fromkeys(ends))
+def extent(costs: Sequence[str]) -> str:
+    """The least and the largest of medians, which quartiles follow."""
+    medians = [int(cost.split()[0]) for cost in costs if cost != "–"]
+    ends = dict.fromkeys(f(medians) for f in (min, max)) if medians else ["–"]
+    return " to ".join(map(str, ends))
 
 
 def renewed(old: Sequence[str], lines: Sequence[str]) -> list[str]:
