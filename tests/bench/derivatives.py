@@ -4,6 +4,9 @@ Ratios are of CPU seconds, the two in turn in one process: their median over the
 distance of the quartiles. Engines are those that are installed, but for those that compile.
 """
 
+from collections.abc import Callable
+from functools import partial
+
 from bench_timing import in_turn, ratio
 from rich.console import Console
 from rich.table import Table
@@ -12,8 +15,8 @@ from spincheck.reference import sensitivity, solve_cheaply
 from spincheck.scenarios import Scenario, find, load
 
 ROUNDS = 20
-#: Number of times of the exact motion, and of steps that an engine takes at once.
-SAMPLES, STEPS = 100, 1000
+#: Number of times of the exact motion, of steps that an engine takes at once, and of derivatives.
+SAMPLES, STEPS, CALLS = 100, 1000, 20
 SCENES = ("t-handle", "fast-top", "gliding-top")
 #: Drake's ball joint turns to its singularity in so many steps.
 CASES = [
@@ -43,8 +46,16 @@ def of_a_step(scenario: Scenario, engine: str, method: str) -> dict[str, tuple[f
     timestep = 1e-3
     with engines()[engine].open(scenario, engines()[engine].method(method), timestep) as session:
         offered = {name: one.compute for name, one in session.derivatives().items()}
-        seconds = in_turn(ROUNDS, [lambda: session.advance(STEPS), *offered.values()])
-    return {name: ratio(STEPS * seconds[:, k] / seconds[:, 0]) for k, name in enumerate(offered, 1)}
+        many = [partial(repeated, one) for one in offered.values()]
+        seconds = in_turn(ROUNDS, [lambda: session.advance(STEPS), *many])
+    of_one = STEPS / CALLS * seconds[:, 1:] / seconds[:, :1]
+    return {name: ratio(of_one[:, k]) for k, name in enumerate(offered)}
+
+
+def repeated(compute: Callable[[], object]) -> None:
+    """Call so often that the first call's cold caches do not count."""
+    for _ in range(CALLS):
+        compute()
 
 
 def main() -> None:
