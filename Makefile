@@ -17,7 +17,7 @@ SPREAD := football-spiral book-middle-axis fast-top lopsided-body motor-driven-t
 	--method default --method RK4 --method multibody
 
 .PHONY: docs results report engines engines-2026 test quick pythons bench kills survey thresholds random suite power
-.PHONY: known-issues lines recorded-motions
+.PHONY: known-issues lines recorded-motions gradients sensitivities
 .PHONY: lint types contract check schema format-page engine-verdicts clean
 
 # The page is there to look at after the free and the heavy tops, on short ladders and without the
@@ -68,6 +68,14 @@ kills: $(READY)
 # The smallest planted fault that is detected, by kind, method class and scene; written to docs/measured/thresholds.md.
 thresholds: $(READY)
 	PYTHONPATH=tests/support $(BIN)/python tests/reports/harness/measure_thresholds.py
+
+# Derivatives that engines give of their steps, right or not, how far off, and their cost; docs/measured/gradients.md.
+gradients: $(READY)
+	PYTHONPATH=tests/support $(BIN)/python tests/reports/harness/measure_gradients.py
+
+# The exact derivatives beside differences in forty digits, over the library; docs/explanation/sensitivities.md.
+sensitivities: $(READY)
+	PYTHONPATH=tests/support $(BIN)/python tests/reference/measure_sensitivity.py
 
 # Faults planted at random, by somebody who did not write the checks; docs/measured/power.md.
 power: $(READY)

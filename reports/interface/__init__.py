@@ -75,7 +75,12 @@ def exact(scene: "Scene") -> "ExactMotion":
 
 
 def gradients(
-    scene: "Scene", *, engine: str, method: str, timestep: float | None = None
+    scene: "Scene",
+    *,
+    engine: str,
+    method: str,
+    timestep: float | None = None,
+    window: float | None = None,
 ) -> "list[GradientRow]":
     """Compare an engine's derivatives of its steps with those of the exact motion.
 
@@ -84,6 +89,7 @@ def gradients(
     Parameters
     ----------
     timestep : timestep of the window's steps, s; chosen by the motion's fastest rate if None
+    window : length of the window over which gradients are compared, s; of 512 steps if None
 
     Returns
     -------
@@ -93,7 +99,7 @@ def gradients(
     Raises
     ------
     ValueError
-        If there is no such engine or method, or the timestep is not above 0.
+        If there is no such engine or method, or the timestep or the window is not above 0.
     spincheck.scenarios.ScenarioError
         As for `load`.
     """
@@ -101,7 +107,7 @@ def gradients(
 
     scenario = load(scene)
     _compile_first()
-    return judged_gradients(scenario, engine, method, timestep)
+    return judged_gradients(scenario, engine, method, timestep, window)
 
 
 def judge(

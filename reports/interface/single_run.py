@@ -9,7 +9,7 @@ from tempfile import TemporaryDirectory
 from spincheck.engines import Engine, engines, missing
 from spincheck.reports.harness.choice import Choice
 from spincheck.reports.harness.executors import LocalWorkers
-from spincheck.reports.harness.gradients.study import GradientRow, gradients_by
+from spincheck.reports.harness.gradients.study import GradientRow, gradient_by, offered_by
 from spincheck.reports.harness.plan import plan
 from spincheck.reports.harness.study import run_study
 from spincheck.reports.results.records import Row
@@ -46,19 +46,20 @@ def single_run(scenario: Scenario, engine: str, method: str, timestep: float) ->
 
 
 def judged_gradients(
-    scenario: Scenario, engine: str, method: str, timestep: float | None
+    scenario: Scenario, engine: str, method: str, timestep: float | None, window: float | None
 ) -> list[GradientRow]:
     """Judge the derivatives of one method, in the same worker process.
 
     Raises
     ------
     ValueError
-        If there is no such engine or method, or the timestep is not above 0.
+        If there is no such engine or method, or the timestep or the window is not above 0.
     """
-    if timestep is not None and not 0 < timestep < float("inf"):
-        raise ValueError(f"'timestep' must be above 0, got {timestep}.")
-    chosen = _engine_of(engine, method)
-    return gradients_by(_workers(os.getpid()), scenario, chosen, method, timestep)
+    for name, given in {"timestep": timestep, "window": window}.items():
+        if given is not None and not 0 < given < float("inf"):
+            raise ValueError(f"'{name}' must be above 0, got {given}.")
+    of = _workers(os.getpid()), scenario, _engine_of(engine, method), method
+    return [gradient_by(*of, derivative, timestep, window) for derivative in offered_by(*of)]
 
 
 def _engine_of(engine: str, method: str) -> Engine:

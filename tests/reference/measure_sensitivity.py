@@ -1,9 +1,6 @@
-"""Prints the errors of docs/explanation/sensitivities.md, over scenes of the library.
+"""Writes the errors of docs/explanation/sensitivities.md: free, heavy and table scenes."""
 
-PYTHONPATH=tests/support python tests/reference/measure_sensitivity.py [FOLDER]…
-"""
-
-import sys
+from pathlib import Path
 from time import process_time
 
 import numpy as np
@@ -13,6 +10,14 @@ from spincheck.scenarios import LIBRARY, Scenario, find, load
 from spincheck.scenarios.fastest_rate import fastest_rate
 
 FOLDERS = ("free", "heavy", "table")
+PAGE = Path(__file__).parents[2] / "docs/explanation/sensitivities.md"
+#: Names of figures, and how the page says them.
+FIGURES = {
+    "uncertainty": "uncertainty that is stated, over the largest value of the array",
+    "from differences": "distance from differences in 40 digits, likewise",
+    "conditioning": "conditioning",
+    "seconds": "CPU time, s",
+}
 #: rad, turned at most until derivatives are compared with differences, which take long.
 TURN = 2.0
 #: Samples over a window, for the uncertainty that is stated.
@@ -59,15 +64,32 @@ def measured(scenario: Scenario) -> dict[str, float]:
     }
 
 
-if __name__ == "__main__":
-    rows = {}
-    for path in find([str(LIBRARY / folder) for folder in sys.argv[1:] or FOLDERS]):
+def lines_of(rows: dict[str, dict[str, float]]) -> list[str]:
+    """The largest of each figure, and on which scene."""
+    lines = ["| largest | | on |", "|---|---|---|"]
+    for figure, words in FIGURES.items():
+        worst = max(rows, key=lambda name: rows[name][figure])
+        lines.append(f"| {words} | {rows[worst][figure]:.1e} | {worst} |")
+    return lines
+
+
+def main() -> None:
+    """Measure the scenes of all folders, and write the table of the page."""
+    rows, refused = {}, []
+    for path in find([str(LIBRARY / folder) for folder in FOLDERS]):
         try:
             rows[path.stem] = measured(load(path))
         except IntegrationError as error:
-            print(f"{path.stem}: {error}")
+            refused.append(f"Refused is `{path.stem}`: {error}.")
             continue
         print(path.stem, *(f"{name} {x:.1e}" for name, x in rows[path.stem].items()), flush=True)
-    for name in ("seconds", "conditioning", "uncertainty", "from differences"):
-        worst = max(rows, key=lambda scene: rows[scene][name])
-        print(f"largest {name}: {rows[worst][name]:.1e}, {worst}")
+    begin, end = "<!-- measured -->\n", "<!-- end of measured -->"
+    before, _, rest = PAGE.read_text(encoding="utf-8").partition(begin)
+    _, _, after = rest.partition(end)
+    count = f"{len(rows)} scenes."
+    table = "\n".join([*lines_of(rows), "", " ".join([count, *refused])]) + "\n"
+    PAGE.write_text(before + begin + table + end + after, encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()

@@ -12,8 +12,9 @@ from functools import cache
 
 import numpy as np
 from scipy.spatial.transform import Rotation
+from spincheck.engine import Derivative
 from spincheck.engines import BodyReading, Engine, EngineError, Method, Session, State
-from spincheck.scenarios import EFFECTS, Scenario
+from spincheck.scenarios import EFFECTS, FloatArray, Scenario
 from stepped import Stepped, with_omega
 
 METHOD = Method("Heun", 2, 2, "Heun's method on quaternions", frozenset(EFFECTS) - {"pivot"})
@@ -72,6 +73,27 @@ class ChattySession(HeunSession):
 class HangSession(HeunSession):
     def advance(self, steps: int) -> None:
         time.sleep(600)
+
+
+def _without_end() -> FloatArray:
+    while True:
+        pass
+
+
+def _at_address_zero() -> FloatArray:
+    ctypes.string_at(0)
+    raise AssertionError
+
+
+class DerivativesSession(HeunSession):
+    """Two of its derivatives end what asks for them; one is wrong, but it is there."""
+
+    def derivatives(self) -> dict[str, Derivative]:
+        return {
+            "without end": Derivative(_without_end),
+            "crash": Derivative(_at_address_zero),
+            "identity": Derivative(lambda: np.eye(6)),
+        }
 
 
 class RaisingSession(HeunSession):

@@ -103,6 +103,10 @@ def gradients(
         float | None,
         typer.Option("--timestep", metavar="S", help="The timestep of a window of many steps, s."),
     ] = None,
+    window: Annotated[
+        float | None,
+        typer.Option("--window", metavar="S", help="The length of the window, s [512 steps]."),
+    ] = None,
     time_limit: TimeLimit = None,
     as_json: AsJson = False,
 ) -> None:
@@ -114,7 +118,7 @@ def gradients(
     from .gradients import exit_code, gradients_as_json, print_gradients
     from .gradients import gradients as judge_gradients
 
-    rows = judge_gradients(scenes, engine or [], method or [], timestep, time_limit)
+    rows = judge_gradients(scenes, engine or [], method or [], timestep, window, time_limit)
     if as_json:
         print(to_json(gradients_as_json(rows)))
     else:

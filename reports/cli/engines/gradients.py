@@ -4,7 +4,9 @@ from collections.abc import Iterator, Sequence
 from dataclasses import asdict
 from typing import Any
 
-from ...harness.gradients.study import GradientRow, gradients_by
+import numpy as np
+
+from ...harness.gradients.study import GradientRow, gradient_by, offered_by
 from ..choosing import choose, compile_first, executor_for
 from ..named_scenes import scenes_to_run
 from ..terminal import AGREES, DISAGREES, NOT_RUN, Complaint, say, table
@@ -15,11 +17,13 @@ def gradients(
     engine: Sequence[str],
     method: Sequence[str],
     timestep: float | None,
+    window: float | None,
     time_limit: float | None,
 ) -> list[GradientRow]:
     """Judge the derivatives of every method that is named, or of all but those as shipped."""
-    if timestep is not None and not 0 < timestep < float("inf"):
-        raise Complaint(f"'--timestep' must be above 0, got {timestep:g}")
+    for option, given in {"--timestep": timestep, "--window": window}.items():
+        if given is not None and not 0 < given < float("inf"):
+            raise Complaint(f"'{option}' must be above 0, got {given:g}")
     scenarios = scenes_to_run(scenes, expectations=False)
     choice = choose(engine, method, (), scenarios=scenarios, time_limit=time_limit)
     compile_first()
@@ -29,8 +33,10 @@ def gradients(
             for one, way in choice.methods_on(scenario).values():
                 if way.as_shipped and not method:
                     continue
-                say(f"{scenario.name}  {one.name} {way.name}")
-                rows += gradients_by(executor, scenario, one, way.name, timestep)
+                of = scenario, one, way.name
+                for derivative in offered_by(executor, *of):
+                    say(f"{scenario.name}  {one.name} {way.name}, {derivative}")
+                    rows.append(gradient_by(executor, *of, derivative, timestep, window))
     return rows
 
 
@@ -57,6 +63,14 @@ def exit_code(rows: Sequence[GradientRow]) -> int:
     return AGREES if any(row.judged.verdict == "converges" for row in rows) else NOT_RUN
 
 
+def median_and_quartiles(costs: Sequence[float]) -> str:
+    """Return a median with both quartiles in words; nothing of none."""
+    if not costs:
+        return ""
+    low, middle, high = np.quantile(costs, [0.25, 0.5, 0.75])
+    return f"{middle:.0f} ({low:.0f} to {high:.0f})"
+
+
 def _found(row: GradientRow) -> dict[str, object]:
     return {
         "scene": row.scene,
@@ -66,9 +80,15 @@ def _found(row: GradientRow) -> dict[str, object]:
         "verdict": row.judged.verdict,
         "order": row.judged.order or "",
         "off its own step": "" if row.judged.off_own is None else f"{row.judged.off_own:.1e}",
-        "cost, steps": "" if row.cost is None else f"{row.cost:.0f}",
+        "cost, steps": median_and_quartiles(row.costs),
         "s": f"{row.seconds:.1f}",
     }
+
+
+def useless(row: GradientRow) -> str:
+    """Return the time from which on gradients are as wrong as none, and the conditioning there."""
+    there = [one for one in row.window if one.t == row.useless_from]
+    return "".join(f"{one.t:.2g} ({one.conditioning:.0e})" for one in there)
 
 
 def _windows(rows: Sequence[GradientRow]) -> Iterator[dict[str, object]]:
@@ -85,5 +105,5 @@ def _windows(rows: Sequence[GradientRow]) -> Iterator[dict[str, object]]:
                 "error": f"{last.error:.1e}",
                 "cosine": f"{last.cosine:.4f}",
                 "conditioning": f"{last.conditioning:.1e}",
-                "useless from, s": "" if row.useless_from is None else f"{row.useless_from:.2g}",
+                "as wrong as none from, s (conditioning)": useless(row),
             }

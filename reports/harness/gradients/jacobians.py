@@ -17,7 +17,9 @@ from ....scenarios.scenario import started_at
 from ..measuring.noise import ULPS
 from ..measuring.steps import Sessions, flowed
 
-#: Offsets of a central difference of fourth order, in units of the change, and the weights of the
+#: Order of the central differences that are taken.
+ORDER = 4
+#: Offsets of such a difference, in units of the change, and the weights of the
 #: results (Fornberg, Math. Comp. 51 (1988) 699, table 1).
 CHANGES, WEIGHTS = np.array([-2.0, -1.0, 1.0, 2.0]), np.array([1.0, -8.0, 8.0, -1.0]) / 12
 #: Number of components of a state in the chart; the first three are the attitude's.
@@ -45,7 +47,7 @@ class Units:
     @property
     def change(self) -> float:
         """Best change, in units, for differences of order 4: rounding equals truncation error."""
-        return float(self.ulp**0.2)
+        return float(self.ulp ** (1 / (ORDER + 1)))
 
     def of(self, jacobians: FloatArray) -> FloatArray:
         """Return Jacobians, (..., 6, 6), in these units."""

@@ -34,7 +34,7 @@ class Judged:
     limit : difference from the motion's derivative in that limit, relative to the fastest rate
     known_to : uncertainty of the limit, relative to the fastest rate
     off_own : distance from finite differences of the engine's own steps, relative; None if it is a
-        derivative of no step, or these differences themselves
+        derivative of no step, or not finite, or these differences themselves
     is_own : whether that distance is explained by rounding and ε; None likewise
     """
 

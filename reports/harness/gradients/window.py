@@ -13,15 +13,14 @@ from scipy.spatial.transform import Rotation
 
 from ....engines import EngineError, Session, State
 from ....engines.checks.equations import Equations
-from ....reference import sensitivity, solve_cheaply
-from ....scenarios import FloatArray, Scenario
+from ....reference import Sensitivity, sensitivity, solve_cheaply
+from ....scenarios import FloatArray, Scenario, Trajectory
 from ....scenarios.rotation import rotation_vectors
 from ..measuring.noise import ULPS
-from .jacobians import CHART, Units
+from ..measuring.steps import Sessions
+from .jacobians import CHART, ORDER, Units, own_jacobian
 from .verdict import SURE
 
-#: Numbers of steps after which gradients are compared.
-STEPS = tuple(2**k for k in range(10))
 #: Turn from the exact attitude to the target, rad, body axes.
 TO_TARGET = np.ones(3) / np.sqrt(3.0)
 #: Size of a gradient beyond which squares leave the range of doubles.
@@ -50,6 +49,45 @@ class Gradient:
     conditioning: float
 
 
+def counts_to(last: int) -> list[int]:
+    """Return numbers of steps after which gradients are compared: powers of two, and the last."""
+    return [*(2**k for k in range(last.bit_length()) if 2**k < last), last]
+
+
+def exact_along(
+    scenario: Scenario, timestep: float, counts: Sequence[int]
+) -> tuple[Trajectory, Sensitivity]:
+    """Return the exact motion after numbers of steps, as far as it is known, and its derivatives.
+
+    Raises
+    ------
+    IntegrationError
+        If the motion or a derivative cannot be integrated as far.
+    """
+    (solution,) = solve_cheaply(scenario, [timestep * np.array(counts, dtype=float)])
+    return solution.trajectory, sensitivity(scenario, solution.trajectory)
+
+
+def own_over(
+    sessions: Sessions,
+    start: State,
+    timestep: float,
+    units: Units,
+    counts: Sequence[int],
+    conditioning: FloatArray,
+) -> list[FloatArray]:
+    """Return Jacobians, in units, of an engine's own runs of numbers of steps, by differences.
+
+    Each is by changes of the start that are as small as what the motion makes of them asks for:
+    rounding grows as 1/ε, the error of fourth order as (ε conditioning)⁴.
+    """
+    shares = conditioning ** (-ORDER / (ORDER + 1))
+    return [
+        units.of(own_jacobian(sessions, start, timestep, units, [count], float(share))[0])
+        for count, share in zip(counts, shares, strict=True)
+    ]
+
+
 def run_along(
     session: Session, counts: Sequence[int], jacobian: Callable[[Session], FloatArray] | None
 ) -> tuple[list[State], list[FloatArray]]:
@@ -74,29 +112,24 @@ def chained(each: Iterable[FloatArray]) -> list[FloatArray]:
 
 def gradients_along(
     scenario: Scenario,
-    timestep: float,
     units: Units,
-    counts: Sequence[int],
+    exact: Trajectory,
+    truth: Sensitivity,
     jacobians: Sequence[FloatArray],
     states: Sequence[State],
 ) -> tuple[Gradient, ...]:
-    """Return gradients from single steps' Jacobians, in units, and the states after some steps.
-
-    The steps begin at the start of the scene; gradients are given as far as the exact motion is
-    known.
+    """Return gradients from Jacobians from the start, in units, and the states where they end.
 
     Raises
     ------
     EngineError
         If numbers are not finite.
     """
-    (solution,) = solve_cheaply(scenario, [timestep * np.array(counts, dtype=float)])
-    exact = solution.trajectory
-    truth, equations = sensitivity(scenario, exact), Equations(scenario)
+    equations = Equations(scenario)
     along = []
-    for n, (by_start, state) in enumerate(zip(jacobians[: len(exact.t)], states, strict=False)):
+    for n, (by_start, state) in enumerate(zip(jacobians, states, strict=True)):
         if not (np.abs(by_start).max() < HUGE and np.isfinite(state.omega_body).all()):
-            raise EngineError(f"the gradient overflows after {counts[n]} steps", "not-finite")
+            raise EngineError(f"the gradient overflows before {exact.t[n]:.3g} s", "not-finite")
         there = State(exact.q_world_body_wxyz[n], exact.omega_body[n], *(np.zeros(3),) * 2)
         attitude = Rotation.from_quat(there.q_world_body_wxyz, scalar_first=True)
         target = (attitude * Rotation.from_rotvec(TO_TARGET)).as_quat(scalar_first=True)

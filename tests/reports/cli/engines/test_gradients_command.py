@@ -15,7 +15,7 @@ pytestmark = pytest.mark.slow
 
 
 def test_a_line_for_each_derivative_with_its_reason(capsys: pytest.CaptureFixture[str]) -> None:
-    rows = gradients(["fast-top"], ["mujoco"], ["Euler", "rk4"], None, None)
+    rows = gradients(["fast-top"], ["mujoco"], ["Euler", "rk4"], None, None, None)
     print_gradients(rows)
     printed = capsys.readouterr().out
     for words in ("mjd_transitionFD, centred", "RK4 integrator is not supported", "cosine"):
@@ -41,9 +41,30 @@ def test_the_exit_code_is_of_what_is_wrong(verdict: str, is_own: bool | None, co
     assert exit_code([row]) == code
 
 
-def test_a_timestep_that_is_none_is_refused() -> None:
-    with pytest.raises(Complaint, match="'--timestep' must be above 0, got 0"):
-        gradients(["fast-top"], ["mujoco"], [], 0.0, None)
+@each_case(
+    ("timestep", "window", "message"),
+    [
+        (0.0, None, "'--timestep' must be above 0, got 0"),
+        (None, -1.0, "'--window' must be above 0, got -1"),
+        (None, float("inf"), "'--window' must be above 0, got inf"),
+    ],
+)
+def test_a_timestep_or_a_window_that_is_none_is_refused(
+    timestep: float | None, window: float | None, message: str
+) -> None:
+    with pytest.raises(Complaint, match=message):
+        gradients(["fast-top"], ["mujoco"], [], timestep, window, None)
+
+
+def test_a_window_says_from_when_on_gradients_mean_nothing_and_the_conditioning_there(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    rows = gradients(["chaos-beyond-the-horizon"], ["mujoco"], ["Euler"], None, 20.0, None)
+    print_gradients(rows)
+    printed = capsys.readouterr().out
+    assert all(row.useless_from is not None and row.useless_from < 20.0 for row in rows)
+    there = next(one for one in rows[0].window if one.t == rows[0].useless_from)
+    assert f"{there.t:.2g} ({there.conditioning:.0e})" in printed
 
 
 @each_case(
@@ -52,6 +73,7 @@ def test_a_timestep_that_is_none_is_refused() -> None:
         ({"engine": "moon"}, "'engine' must be one of"),
         ({"method": "Moon"}, "'method' must be one of"),
         ({"timestep": float("nan")}, "'timestep' must be above 0, got nan"),
+        ({"window": 0.0}, "'window' must be above 0, got 0.0"),
     ],
 )
 def test_bad_input_in_python_is_a_value_error(named: dict[str, object], message: str) -> None:

@@ -19,12 +19,13 @@ import pytest
 from case_loops import each_case
 from kinds_of_engines import installed
 from library_scenes import library_scene
+from planted import METHOD, DerivativesSession, planted
 from scenes_of_derivatives import SCENES
-from spincheck.engine import Derivative, EngineError, FloatArray, State
+from spincheck.engine import Derivative, EngineError, FloatArray, State, UnsupportedError
 from spincheck.engines import engines
 from spincheck.engines.adapters.mujoco.session import MuJoCoSession
 from spincheck.reports.harness.executors import LocalWorkers
-from spincheck.reports.harness.gradients.study import OURS, gradients_by, gradients_of
+from spincheck.reports.harness.gradients.study import OURS, gradient_by, gradients_of, offered_by
 from spincheck.reports.harness.gradients.window import Gradient, useless_from
 from spincheck.scenarios import Scenario
 from spincheck.scenarios.rotation import matrix
@@ -32,9 +33,11 @@ from spincheck.scenarios.rotation import matrix
 pytestmark = pytest.mark.slow
 
 MUJOCO = engines()["mujoco"]
-PAGE = Path(__file__).parents[4] / "docs/how-to/gradients.md"
+PAGE = Path(__file__).parents[4] / "docs/measured/gradients.md"
 #: MuJoCo's own.
 HONEST = MuJoCoSession.derivatives
+#: CPU time that a call may take, s, which only one without end takes.
+LIMIT = 10.0
 #: What an engine or its adapter does not differentiate, by words of the reason.
 OUT_OF_REACH = ("RK4 integrator is not supported", "its caller's")
 
@@ -277,34 +280,75 @@ def test_newtons_tape_is_judged_by_its_solver(method: str, verdict: str, words: 
     assert row.judged.is_own in ((True,) if verdict == "converges" else (False, None))
 
 
+def raising(error: Exception) -> Callable[[], FloatArray]:
+    """A derivative that cannot be had."""
+
+    def compute() -> FloatArray:
+        raise error
+
+    return compute
+
+
+#: By what a derivative raises or returns: the verdict, and words of the reason.
+BAD: dict[str, tuple[Callable[[], object], str, str]] = {
+    "out of memory": (
+        raising(MemoryError("RESOURCE_EXHAUSTED: out of memory")),
+        "failed",
+        "MemoryError: RESOURCE_EXHAUSTED: out of memory",
+    ),
+    "out of memory, without a word": (raising(MemoryError()), "failed", "MemoryError"),
+    "an engine's error": (
+        raising(EngineError("its solver did not end")),
+        "failed",
+        "its solver did not end",
+    ),
+    "a bug": (raising(KeyError("qpos")), "failed", "KeyError: 'qpos'"),
+    "a long message": (raising(RuntimeError("a\n" * 999)), "failed", "RuntimeError: a a a"),
+    "not for this method": (
+        raising(UnsupportedError("no derivatives of RK4")),
+        "unsupported",
+        "no derivatives of RK4",
+    ),
+    "words": (lambda: "a Jacobian", "failed", "could not convert string to float: 'a Jacobian'"),
+    "nothing": (lambda: None, "disagrees", "its shape is ()"),
+    "twelve numbers": (lambda: np.eye(12), "disagrees", "its shape is (12, 12), not (6, 6)"),
+    "one number": (lambda: 1.0, "disagrees", "its shape is (), not (6, 6)"),
+    "infinite": (lambda: np.full((6, 6), np.inf), "disagrees", "not finite from 40 of 40 states"),
+    "huge": (lambda: np.full((6, 6), 1e30), "disagrees", "off by"),
+}
+
+
 def test_a_derivative_that_cannot_be_had_is_a_row_with_the_reason(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    def out_of_memory() -> FloatArray:
-        raise MemoryError("RESOURCE_EXHAUSTED: out of memory")
-
-    def refused() -> FloatArray:
-        raise EngineError("its solver did not end")
-
-    monkeypatch.setattr(
-        MuJoCoSession,
-        "derivatives",
-        lambda _: {"reverse": Derivative(out_of_memory), "other": Derivative(refused)},
-    )
-    rows = gradients_of(library_scene("fast-top"), MUJOCO, "Euler")
-    found = [(row.derivative, row.judged.verdict, row.judged.reason) for row in rows]
-    assert found == [
-        ("reverse", "failed", "RESOURCE_EXHAUSTED: out of memory"),
-        ("other", "failed", "its solver did not end"),
-        (OURS, "converges", ""),
-    ]
+    """One row of one line for each, and all others as they are."""
+    planted = {name: Derivative(compute) for name, (compute, _, _) in BAD.items()}  # type: ignore[arg-type]
+    monkeypatch.setattr(MuJoCoSession, "derivatives", lambda _: planted)
+    *rows, ours = gradients_of(library_scene("fast-top"), MUJOCO, "Euler")
+    assert [row.derivative for row in rows] == list(BAD)
+    wrong = {
+        row.derivative: f"{row.judged.verdict}: {row.judged.reason}"
+        for row, (_, verdict, words) in zip(rows, BAD.values(), strict=True)
+        if row.judged.verdict != verdict
+        or words not in row.judged.reason
+        or "\n" in row.judged.reason
+        or len(row.judged.reason) > 300
+    }
+    assert not wrong
+    assert (ours.derivative, ours.judged.verdict) == (OURS, "converges")
 
 
-def test_a_call_that_ends_with_its_process_is_a_row() -> None:
-    with LocalWorkers(1, time_limit=0.01) as executor:
-        (row,) = gradients_by(executor, library_scene("fast-top"), MUJOCO, "Euler", None)
-    assert row.judged.verdict == "failed"
-    assert row.judged.reason
+def test_a_derivative_that_hangs_or_crashes_is_a_row_and_the_others_are_judged() -> None:
+    of = library_scene("t-handle"), planted(DerivativesSession), METHOD.name
+    with LocalWorkers(1, time_limit=LIMIT) as executor:
+        rows = [gradient_by(executor, *of, name) for name in offered_by(executor, *of)]
+    found = {row.derivative: (row.judged.verdict, row.judged.reason) for row in rows}
+    assert found["without end"][0] == found["crash"][0] == "failed"
+    assert f"did not finish within {LIMIT:g} s" in found["without end"][1]
+    assert "SIGSEGV" in found["crash"][1]
+    assert found["identity"] == ("disagrees", "it is the identity: the step is detached")
+    assert found[OURS] == ("converges", "")
+    assert all(row.seconds > 0 for row in rows)
 
 
 def test_states_whose_derivative_is_not_finite_are_counted(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -318,6 +362,21 @@ def test_states_whose_derivative_is_not_finite_are_counted(monkeypatch: pytest.M
     monkeypatch.setattr(MuJoCoSession, "derivatives", mostly)
     one = gradients_of(library_scene("fast-top"), MUJOCO, "Euler")[0].judged
     assert (one.verdict, one.reason) == ("disagrees", "it is not finite from 1 of 40 states")
+
+
+def test_differences_of_whole_runs_are_the_derivative_of_the_engines_steps() -> None:
+    """Also where the motion multiplies a change of the start by ten thousand."""
+    rows = gradients_of(library_scene("middle-axis-exactly"), MUJOCO, "Euler")
+    (_, centred, ours) = (row.window[-1] for row in rows)
+    assert centred.conditioning > 1e3
+    assert abs(ours.error - centred.error) < 0.01 * centred.error
+
+
+def test_the_window_may_be_given() -> None:
+    """Its last gradient is after the nearest number of steps."""
+    of = library_scene("fast-top"), MUJOCO, "Euler"
+    (row,) = gradients_of(*of, timestep=1e-3, window=0.1, derivative=OURS)
+    assert [round(one.t / 1e-3) for one in row.window] == [1, 2, 4, 8, 16, 32, 64, 100]
 
 
 def test_a_windows_gradient_is_off_by_the_error_of_its_steps() -> None:
