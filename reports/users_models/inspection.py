@@ -7,6 +7,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from ...engines import BodyReading, EngineError
+from ...engines.model_readers import model_readers
 from ...engines.users_models import (
     AGREES,
     WORLD,
@@ -20,7 +21,6 @@ from ...engines.users_models import (
     Stated,
     cause,
     difference,
-    model_readers,
     problems,
     rigid_bodies,
     unstated_body,
@@ -165,7 +165,7 @@ class ReaderEngine:
 def reader_engines(
     names: Sequence[str] = (), say: Callable[[str], object] = len
 ) -> list[ReaderEngine]:
-    """Return the engines of some names; all that are installed if no name is given.
+    """Return the engines of some names; if no name is given, all but optional ones.
 
     An engine@version is installed first if necessary; `say` is called with a sentence before.
 
@@ -176,7 +176,8 @@ def reader_engines(
     """
     readers = model_readers()
     chosen = []
-    for name in dict.fromkeys(names or readers):
+    usual = [name for name, reader in readers.items() if not reader.is_optional]
+    for name in dict.fromkeys(names or usual):
         base, at, _ = name.partition("@")
         if base not in readers:
             raise CannotInspectError(

@@ -1,0 +1,117 @@
+"""Reads a user's URDF or MJCF with Newton's importers."""
+
+import tempfile
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any, final
+from xml.etree import ElementTree
+
+import numpy as np
+from spincheck.engine import BodyReading, EngineError
+
+from ...users_models import (
+    Advice,
+    Configuration,
+    ModelFile,
+    ModelReader,
+    Shape,
+    mesh_bytes,
+    unnamed,
+    with_meshes,
+)
+from ...warp_kernels import kernels_kept
+
+#: File endings of the meshes that Newton reads, by trimesh.
+MESHES = frozenset((".obj", ".stl", ".dae"))
+COLLAPSED = "collapsed"
+#: What keeps the tensor of every link, and so of the whole.
+KEPT = Advice("import it without collapse_fixed_joints: Newton then has a fixed joint for each")
+
+
+@final
+class NewtonModelReader(ModelReader):
+    """`ModelBuilder.add_urdf` and `add_mjcf`; the bodies are those of the finalized model.
+
+    Meshes are read only for links whose inertia comes from them.
+    """
+
+    name = "newton"
+    is_optional = True
+    formats = frozenset({"urdf", "mjcf"})
+    configurations = (
+        Configuration("as-is", "add_urdf or add_mjcf, with their defaults"),
+        Configuration(COLLAPSED, "collapse_fixed_joints = True", advice={"sum": KEPT}),
+    )
+
+    @property
+    def version(self) -> str:
+        """Version of the installed package."""
+        return version("newton")
+
+    def read(self, model: ModelFile, configuration: str) -> dict[str, BodyReading]:
+        """Return the bodies of a file after it was imported and finalized."""
+        with kernels_kept(), tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder:
+            import newton
+
+            builder = newton.ModelBuilder()
+            collapsed = configuration == COLLAPSED
+            try:
+                if model.format == "urdf":
+                    path = _urdf(model, Path(folder))
+                    builder.add_urdf(path, collapse_fixed_joints=collapsed)
+                else:
+                    path = _mjcf(model, Path(folder))
+                    builder.add_mjcf(path, collapse_fixed_joints=collapsed, parse_visuals=False)
+                held = builder.finalize(device="cpu")
+            # An importer may raise anything; the first line says what.
+            except Exception as error:
+                words = str(error).partition("\n")[0] or type(error).__name__
+                raise EngineError(f"Newton refuses the file: {words}") from None
+        return _bodies(held, model)
+
+
+def _urdf(model: ModelFile, folder: Path) -> str:
+    """Write the file, with only the meshes that an inertia comes from; return its path."""
+    stateless = {s.span for link in model.links if link.stated is None for s in link.shapes}
+
+    def usable(shape: Shape) -> bool:
+        return shape.span in stateless and Path(shape.mesh or "").suffix.lower() in MESHES
+
+    data, meshes = with_meshes(model, usable)
+    for name, mesh in meshes.items():
+        (folder / name).write_bytes(mesh)
+    path = folder / "model.urdf"
+    path.write_bytes(data)
+    return str(path)
+
+
+def _mjcf(model: ModelFile, folder: Path) -> str:
+    """Write the checked file and the files that it names; return its path.
+
+    Bodies without a name get one by their order, as in spincheck's own reader of the file.
+    """
+    for name, file in model.files.items():
+        data = file.encode() if isinstance(file, str) else mesh_bytes(model, str(file))
+        if data is not None:
+            (folder / name).write_bytes(data)
+    root = ElementTree.fromstring(model.checked)
+    nameless = [one for one in root.iter("body") if not one.get("name")]
+    for number, one in enumerate(nameless, 1):
+        one.set("name", unnamed(number))
+    path = folder / "model.xml"
+    path.write_text(ElementTree.tostring(root, encoding="unicode"), encoding="utf-8")
+    return str(path)
+
+
+def _bodies(held: Any, model: ModelFile) -> dict[str, BodyReading]:
+    """Return the bodies by the links' names: Newton's labels are paths that end with them."""
+    names = {link.name.replace("-", "_"): link.name for link in model.links}
+    names |= {link.name: link.name for link in model.links}
+    arrays = (held.body_mass, held.body_com, held.body_inertia)
+    numbers = zip(*(array.numpy().astype(float) for array in arrays), strict=True)
+    bodies = {}
+    for label, (mass, com, inertia) in zip(held.body_label, numbers, strict=True):
+        ends = [name for name in names if label == name or label.endswith(f"/{name}")]
+        if ends:
+            bodies[names[max(ends, key=len)]] = BodyReading(float(mass), com, np.array(inertia))
+    return bodies
