@@ -1,4 +1,4 @@
-"""Users' models, URDF and MJCF: what a file states of its links, and what engines hold of them."""
+"""Users' models (URDF, MJCF, USD): what a file states of its links, and what engines hold."""
 
 from .compare import AGREES, BodyDifference, cause, difference, unstated_body
 from .edit import elements_of, set_attributes, write_inertia

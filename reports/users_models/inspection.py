@@ -271,8 +271,9 @@ def _link_reading(
     stated, others = whole.stated, tuple(link.name for link, _ in whole.parts[1:])
     if stated is None:
         empty = got.mass == 0 and not got.inertia_com.any()
-        if model.format == "mjcf":
-            words = "" if empty else "taken from its shapes, as MJCF has it"
+        if model.format != "urdf":
+            form = model.format.upper()
+            words = "" if empty else f"taken from its shapes, as {form} has it"
             return LinkReading(*who, got, None, words)
         if empty:
             return LinkReading(*who, got, True, fused=others)

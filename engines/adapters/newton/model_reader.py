@@ -1,4 +1,4 @@
-"""Reads a user's URDF or MJCF with Newton's importers."""
+"""Reads a user's URDF, MJCF or USD with Newton's importers."""
 
 import tempfile
 from importlib.metadata import version
@@ -30,16 +30,16 @@ KEPT = Advice("import it without collapse_fixed_joints: Newton then has a fixed 
 
 @final
 class NewtonModelReader(ModelReader):
-    """`ModelBuilder.add_urdf` and `add_mjcf`; the bodies are those of the finalized model.
+    """`ModelBuilder.add_urdf`, `add_mjcf` and `add_usd`; the bodies are the finalized model's.
 
     Meshes are read only for links whose inertia comes from them.
     """
 
     name = "newton"
     is_optional = True
-    formats = frozenset({"urdf", "mjcf"})
+    formats = frozenset({"urdf", "mjcf", "usd"})
     configurations = (
-        Configuration("as-is", "add_urdf or add_mjcf, with their defaults"),
+        Configuration("as-is", "add_urdf, add_mjcf or add_usd, with their defaults"),
         Configuration(COLLAPSED, "collapse_fixed_joints = True", advice={"sum": KEPT}),
     )
 
@@ -53,15 +53,14 @@ class NewtonModelReader(ModelReader):
         with kernels_kept(), tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder:
             import newton
 
-            builder = newton.ModelBuilder()
+            builder, path = newton.ModelBuilder(), _written(model, Path(folder))
             collapsed = configuration == COLLAPSED
             try:
-                if model.format == "urdf":
-                    path = _urdf(model, Path(folder))
-                    builder.add_urdf(path, collapse_fixed_joints=collapsed)
-                else:
-                    path = _mjcf(model, Path(folder))
+                if model.format == "mjcf":
                     builder.add_mjcf(path, collapse_fixed_joints=collapsed, parse_visuals=False)
+                else:
+                    add = builder.add_urdf if model.format == "urdf" else builder.add_usd
+                    add(path, collapse_fixed_joints=collapsed)
                 held = builder.finalize(device="cpu")
             # An importer may raise anything; the first line says what.
             except Exception as error:
@@ -70,8 +69,21 @@ class NewtonModelReader(ModelReader):
         return _bodies(held, model)
 
 
-def _urdf(model: ModelFile, folder: Path) -> str:
-    """Write the file, with only the meshes that an inertia comes from; return its path."""
+def _written(model: ModelFile, folder: Path) -> str:
+    """Write the file, and of the files that it names those that an inertia may come from.
+
+    Returns
+    -------
+    its path
+    """
+    path = folder / {"urdf": "model.urdf", "mjcf": "model.xml", "usd": "model.usda"}[model.format]
+    content = {"urdf": _urdf, "mjcf": _mjcf}.get(model.format)
+    path.write_bytes(content(model, folder) if content else model.checked.encode())
+    return str(path)
+
+
+def _urdf(model: ModelFile, folder: Path) -> bytes:
+    """Write meshes, and return the file with their new names."""
     stateless = {s.span for link in model.links if link.stated is None for s in link.shapes}
 
     def usable(shape: Shape) -> bool:
@@ -80,13 +92,11 @@ def _urdf(model: ModelFile, folder: Path) -> str:
     data, meshes = with_meshes(model, usable)
     for name, mesh in meshes.items():
         (folder / name).write_bytes(mesh)
-    path = folder / "model.urdf"
-    path.write_bytes(data)
-    return str(path)
+    return data
 
 
-def _mjcf(model: ModelFile, folder: Path) -> str:
-    """Write the checked file and the files that it names; return its path.
+def _mjcf(model: ModelFile, folder: Path) -> bytes:
+    """Write the files that the checked file names, and return it.
 
     Bodies without a name get one by their order, as in spincheck's own reader of the file.
     """
@@ -98,9 +108,7 @@ def _mjcf(model: ModelFile, folder: Path) -> str:
     nameless = [one for one in root.iter("body") if not one.get("name")]
     for number, one in enumerate(nameless, 1):
         one.set("name", unnamed(number))
-    path = folder / "model.xml"
-    path.write_text(ElementTree.tostring(root, encoding="unicode"), encoding="utf-8")
-    return str(path)
+    return ElementTree.tostring(root, encoding="unicode").encode()
 
 
 def _bodies(held: Any, model: ModelFile) -> dict[str, BodyReading]:

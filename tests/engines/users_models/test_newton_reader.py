@@ -102,3 +102,88 @@ def test_what_mjcf_says_of_shells_and_copies_is_left_out(tmp_path):
     copies = '<replicate count="2"><body name="k"><geom size="1"/></body></replicate>'
     text = body(f'<freejoint/><geom size="1"/>{copies}')
     assert list(held(tmp_path, text, file="robot.xml")) == ["arm"]
+
+
+#: Two bodies welded together, Z up; `{}` makes them an articulation, or says other units.
+WELDED = """#usda 1.0
+(
+    upAxis = "{up}"
+    metersPerUnit = {metre}
+)
+def Xform "World" ({articulation})
+{{
+    def Xform "arm" (
+        prepend apiSchemas = ["PhysicsRigidBodyAPI", "PhysicsMassAPI"]
+    )
+    {{
+        {stated}
+    }}
+    def Xform "tool" (
+        prepend apiSchemas = ["PhysicsRigidBodyAPI", "PhysicsMassAPI"]
+    )
+    {{
+        {stated}
+        double3 xformOp:translate = (0, 0, 1)
+        quatf xformOp:orient = (0.8, 0.6, 0, 0)
+        uniform token[] xformOpOrder = ["xformOp:translate", "xformOp:orient"]
+    }}
+    def PhysicsFixedJoint "weld"
+    {{
+        rel physics:body0 = </World/arm>
+        rel physics:body1 = </World/tool>
+        point3f physics:localPos0 = (0, 0, 1)
+        quatf physics:localRot0 = (0.8, 0.6, 0, 0)
+    }}
+}}
+"""
+MASS = """float physics:mass = 2
+        point3f physics:centerOfMass = (0.1, 0, 0)
+        float3 physics:diagonalInertia = (0.03, 0.04, 0.05)
+        quatf physics:principalAxes = (0.9, 0.1, 0.3, 0.2)"""
+ARTICULATION = '\n    prepend apiSchemas = ["PhysicsArticulationRootAPI"]\n'
+
+
+def usd(up: str = "Z", articulation: str = ARTICULATION, metre: float = 1.0) -> str:
+    return WELDED.format(up=up, metre=metre, articulation=articulation, stated=MASS)
+
+
+@pytest.fixture
+def _openusd():
+    pytest.importorskip("pxr", reason="OpenUSD is not installed")
+    pytest.importorskip("newton_usd_schemas", reason="newton[importers] is not installed")
+
+
+@pytest.mark.usefixtures("_openusd")
+@pytest.mark.parametrize("up", ["Y", "Z"])
+def test_usds_bodies_are_held_as_the_file_states_them(tmp_path, up):
+    model = read_model(written(tmp_path, usd(up), "robot.usda"))
+    bodies = held(tmp_path, usd(up), file="robot.usda")
+    for link_read in model.links:
+        assert difference(link_read.stated, bodies[link_read.name]).worst <= AGREES
+    # Teeth: without the principal axes it would be another.
+    assert np.abs(link_read.stated.unturned - link_read.stated.inertia_com).max() > 1e-3
+
+
+@pytest.mark.usefixtures("_openusd")
+def test_units_of_a_usd_file_are_left_out(tmp_path):
+    """A fault of 1.8.0, which warns of it: a tensor in kg cm² is held as one in kg m²."""
+    model = read_model(written(tmp_path, usd(metre=0.01), "robot.usda"))
+    got = held(tmp_path, usd(metre=0.01), file="robot.usda")["/World/arm"]
+    assert np.trace(got.inertia_com) == pytest.approx(
+        1e4 * np.trace(model.links[0].stated.inertia_com)
+    )
+
+
+@pytest.mark.usefixtures("_openusd")
+def test_joints_of_a_usd_file_without_an_articulation_are_turned_with_the_world(tmp_path):
+    """A fault of 1.8.0: their frames in the body are turned as the stage is, if Y is up there."""
+    coms = {
+        (up, whole): held(
+            tmp_path, usd(up, ARTICULATION if whole else ""), "collapsed", "robot.usda"
+        )["/World/arm"].com
+        for up in "YZ"
+        for whole in (True, False)
+    }
+    right = [0.1, 0.0, 0.5]
+    assert all(np.allclose(coms[one], right, atol=1e-6) for one in coms if one != ("Y", False))
+    assert np.allclose(coms["Y", False], [0.1, -0.5, 0.0], atol=1e-6)
