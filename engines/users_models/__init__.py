@@ -4,6 +4,7 @@ from .compare import AGREES, BodyDifference, cause, difference, unstated_body
 from .edit import elements_of, set_attributes, write_inertia
 from .file_engine import Advice, Configuration, FileEngine, ModelReader
 from .file_problems import FileProblem, problems, shapes_box
+from .layout import laid_out
 from .mjcf import unnamed
 from .model_file import (
     WORLD,

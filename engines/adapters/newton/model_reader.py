@@ -4,25 +4,13 @@ import tempfile
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any, final
-from xml.etree import ElementTree
 
 import numpy as np
 from spincheck.engine import BodyReading, EngineError
 
-from ...users_models import (
-    Advice,
-    Configuration,
-    ModelFile,
-    ModelReader,
-    Shape,
-    mesh_bytes,
-    unnamed,
-    with_meshes,
-)
+from ...users_models import Advice, Configuration, ModelFile, ModelReader, laid_out
 from ...warp_kernels import kernels_kept
 
-#: File endings of the meshes that Newton reads, by trimesh.
-MESHES = frozenset((".obj", ".stl", ".dae"))
 COLLAPSED = "collapsed"
 #: What keeps the tensor of every link, and so of the whole.
 KEPT = Advice("import it without collapse_fixed_joints: Newton then has a fixed joint for each")
@@ -53,7 +41,7 @@ class NewtonModelReader(ModelReader):
         with kernels_kept(), tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder:
             import newton
 
-            builder, path = newton.ModelBuilder(), _written(model, Path(folder))
+            builder, path = newton.ModelBuilder(), laid_out(model, Path(folder))
             collapsed = configuration == COLLAPSED
             try:
                 if model.format == "mjcf":
@@ -67,48 +55,6 @@ class NewtonModelReader(ModelReader):
                 words = str(error).partition("\n")[0] or type(error).__name__
                 raise EngineError(f"Newton refuses the file: {words}") from None
         return _bodies(held, model)
-
-
-def _written(model: ModelFile, folder: Path) -> str:
-    """Write the file, and of the files that it names those that an inertia may come from.
-
-    Returns
-    -------
-    its path
-    """
-    path = folder / {"urdf": "model.urdf", "mjcf": "model.xml", "usd": "model.usda"}[model.format]
-    content = {"urdf": _urdf, "mjcf": _mjcf}.get(model.format)
-    path.write_bytes(content(model, folder) if content else model.checked.encode())
-    return str(path)
-
-
-def _urdf(model: ModelFile, folder: Path) -> bytes:
-    """Write meshes, and return the file with their new names."""
-    stateless = {s.span for link in model.links if link.stated is None for s in link.shapes}
-
-    def usable(shape: Shape) -> bool:
-        return shape.span in stateless and Path(shape.mesh or "").suffix.lower() in MESHES
-
-    data, meshes = with_meshes(model, usable)
-    for name, mesh in meshes.items():
-        (folder / name).write_bytes(mesh)
-    return data
-
-
-def _mjcf(model: ModelFile, folder: Path) -> bytes:
-    """Write the files that the checked file names, and return it.
-
-    Bodies without a name get one by their order, as in spincheck's own reader of the file.
-    """
-    for name, file in model.files.items():
-        data = file.encode() if isinstance(file, str) else mesh_bytes(model, str(file))
-        if data is not None:
-            (folder / name).write_bytes(data)
-    root = ElementTree.fromstring(model.checked)
-    nameless = [one for one in root.iter("body") if not one.get("name")]
-    for number, one in enumerate(nameless, 1):
-        one.set("name", unnamed(number))
-    return ElementTree.tostring(root, encoding="unicode").encode()
 
 
 def _bodies(held: Any, model: ModelFile) -> dict[str, BodyReading]:
