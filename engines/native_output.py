@@ -4,6 +4,7 @@ import ctypes
 import os
 import sys
 import tempfile
+import warnings
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
@@ -32,6 +33,14 @@ def native_output() -> Iterator[Printed]:
         finally:
             _flush()
             printed.text = "".join(_contents(stream) for stream in streams)
+
+
+@contextmanager
+def silent() -> Iterator[None]:
+    """Inside the block nothing is printed, and Python warns of nothing."""
+    with native_output(), warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        yield
 
 
 @contextmanager

@@ -1,6 +1,5 @@
 """What engines on NVIDIA's Warp share: kernels in the user's cache, and no printing."""
 
-import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
 from importlib import import_module
@@ -8,15 +7,14 @@ from typing import Any
 
 from spincheck.engine import UnsupportedError
 
-from .native_output import native_output
+from .native_output import silent
 from .user_cache import user_cache
 
 
 @contextmanager
 def kernels_kept() -> Iterator[None]:
     """Inside the block kernels are compiled once, for minutes, and Warp prints nothing."""
-    with native_output(), warnings.catch_warnings():
-        warnings.simplefilter("ignore")
+    with silent():
         import warp
 
         warp.config.kernel_cache_dir = str(user_cache() / "warp")

@@ -7,6 +7,7 @@ from typing import ClassVar
 
 from spincheck.engine import Engine, Method, Scenario, Session
 
+from .users_models import ModelReader
 from .world_session import WorldSession, world_script
 
 
@@ -18,10 +19,12 @@ class WorldEngine(Engine):
     Attributes
     ----------
     session : class of the session that reads a world
+    reader : how the engine reads users' model files, if it does
     """
 
     interface = 2
     session: ClassVar[type[WorldSession]]
+    reader: ClassVar[ModelReader | None] = None
 
     @property
     def version(self) -> str:

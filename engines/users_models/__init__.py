@@ -1,9 +1,10 @@
-"""Users' models, URDF and MJCF: what a file states of its links, and what engines hold of them."""
+"""Users' models (URDF, MJCF, USD): what a file states of its links, and what engines hold."""
 
 from .compare import AGREES, BodyDifference, cause, difference, unstated_body
 from .edit import elements_of, set_attributes, write_inertia
-from .file_engine import Advice, Configuration, FileEngine, ModelReader, model_readers
+from .file_engine import Advice, Configuration, FileEngine, ModelReader
 from .file_problems import FileProblem, problems, shapes_box
+from .layout import laid_out
 from .mjcf import unnamed
 from .model_file import (
     WORLD,

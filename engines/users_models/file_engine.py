@@ -3,12 +3,10 @@
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from functools import cache
 from typing import ClassVar, Literal
 
 from ...scenarios import Scenario
 from ..checks.read_back import BodyReading, Difference, EngineError, State
-from ..discovery import engines
 from ..engine import Engine
 from .compare import AGREES, cause, difference
 from .file_problems import problems
@@ -61,12 +59,14 @@ class ModelReader(ABC):
     Attributes
     ----------
     refusals : by words of the engine's reason for refusing a file, what makes it accept the file
+    is_optional : whether it reads files only if the user names it
     """
 
     name: ClassVar[str]
     formats: ClassVar[frozenset[Format]]
     configurations: ClassVar[tuple[Configuration, ...]]
     refusals: ClassVar[Mapping[str, Advice]] = {}
+    is_optional: ClassVar[bool] = False
 
     @property
     @abstractmethod
@@ -134,13 +134,6 @@ class FileEngine(Engine):
         _, words = cause(stated, body, apart, wrong, made_up)
         found = _OtherBody("body", stated.inertia_com, body.inertia_com, apart.worst, words)
         return [found, *others]
-
-
-@cache
-def model_readers() -> dict[str, ModelReader]:
-    """Return the readers of the engines that are installed, by name, sorted."""
-    readers = [engine.reader for engine in engines().values() if isinstance(engine, FileEngine)]
-    return {reader.name: reader for reader in readers}
 
 
 @dataclass(frozen=True, eq=False)

@@ -10,7 +10,7 @@ import numpy as np
 from ...scenarios import FloatArray
 from ..checks.read_back import BodyReading, composed
 
-Format = Literal["urdf", "mjcf"]
+Format = Literal["urdf", "mjcf", "usd"]
 #: Span of an element in a file: indices of its first byte and of the byte after its last.
 Span = tuple[int, int]
 #: Name of a URDF link that engines take for the world: links fixed to it do not belong to it.
@@ -66,7 +66,7 @@ class Shape:
 
 @dataclass(frozen=True, eq=False)
 class Link:
-    """A link of a URDF, or a body of an MJCF file.
+    """A link of a URDF, or a body of an MJCF or a USD file.
 
     Attributes
     ----------
@@ -146,7 +146,8 @@ class ModelFile:
     data : its bytes
     links : in the file's order
     notes : sentences on what is odd about the file, and on what of it was not read
-    checked : for an MJCF file, the text that engines may read, with included files inserted
+    checked : for an MJCF or a USD file, the text that engines may read, with included files
+        inserted
     files : files that the checked text names, by the names that it has for them: the text of a
         model, or the path of a mesh or a height field
     """

@@ -1,4 +1,4 @@
-"""Reads a model file of either format, and the link of one that a scene names."""
+"""Reads a model file of any format, and the link of one that a scene names."""
 
 from dataclasses import dataclass
 from functools import lru_cache
@@ -11,14 +11,15 @@ from .mjcf import read_mjcf
 from .mjcf_files import CheckedFiles
 from .model_file import Folders, Link, ModelFile, Pose, RigidBody, Stated, rigid_bodies
 from .urdf import urdf_links
-from .xml_tree import Element, ModelFileError, read_xml, shown
+from .usd import ENDINGS, usd_links
+from .xml_tree import Element, ModelFileError, read_bytes, read_xml, shown
 
 #: Number of files kept, because all runs of a ladder need the same one.
 KEPT = 16
 
 
 def read_model(path: str | Path, packages: tuple[tuple[str, Path], ...] = ()) -> ModelFile:
-    """Read a URDF or an MJCF file.
+    """Read a URDF, an MJCF or, where OpenUSD is installed, a USD file.
 
     Parameters
     ----------
@@ -32,6 +33,10 @@ def read_model(path: str | Path, packages: tuple[tuple[str, Path], ...] = ()) ->
     path = Path(path)
     named = tuple((name, folder.absolute()) for name, folder in packages)
     folders = Folders(path.absolute().parent, named)
+    if path.suffix.lower() in ENDINGS:
+        data = read_bytes(path)
+        bodies, unread = usd_links(path, data)
+        return ModelFile(path, data, "usd", bodies, unread, folders, data.decode(errors="replace"))
     data, root, notes = read_xml(path)
     if root.tag == "robot":
         for element in root.walk():

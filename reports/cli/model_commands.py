@@ -1,4 +1,4 @@
-"""The commands about users' own models: URDF and MJCF files."""
+"""The commands about users' own models: URDF, MJCF and USD files."""
 
 from pathlib import Path
 from typing import Annotated
@@ -20,7 +20,7 @@ Packages = Annotated[
 
 @app.command(epilog="Example: spincheck inspect robot.urdf --json")
 def inspect(
-    files: Annotated[list[Path], typer.Argument(metavar="FILE", help="URDF or MJCF.")],
+    files: Annotated[list[Path], typer.Argument(metavar="FILE", help="URDF, MJCF or USD.")],
     engine: Engines = None,
     package_path: Packages = None,
     mend: Annotated[
@@ -59,6 +59,8 @@ def inspect(
         raise Complaint("'--nearest', '--made-up' and '--compose' say how '--mend OUT' writes")
     if mend is not None and {mend.absolute().parent} != {one.absolute().parent for one in files}:
         raise Complaint("'--mend' writes into the folder of FILE: meshes are named relative to it")
+    if mend is not None and any(one.suffix.lower().startswith(".usd") for one in files):
+        raise Complaint("'--mend' writes URDF and MJCF, not USD")
     if mend is not None and len(files) > 1:
         raise Complaint(f"'--mend' writes one file, got {len(files)}")
     if mend is not None and mend.exists():
@@ -90,7 +92,7 @@ def inspect(
 
 @app.command("import", epilog="Example: spincheck import robot.urdf --out scenes")
 def import_links(
-    file: Annotated[Path, typer.Argument(metavar="FILE", help="URDF or MJCF.")],
+    file: Annotated[Path, typer.Argument(metavar="FILE", help="URDF, MJCF or USD.")],
     out: Annotated[Path, typer.Option(metavar="DIR", help="Made if it is not there.")],
     link: Annotated[
         list[str] | None,

@@ -3,10 +3,10 @@
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
+from ...engines.model_readers import model_readers
 from ...engines.users_models import (
     Advice,
     Configuration,
-    model_readers,
     principal_moments,
 )
 from .inspection import InspectedLink, Inspection, LinkReading

@@ -7,6 +7,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from ...engines import BodyReading, EngineError
+from ...engines.model_readers import model_readers
 from ...engines.users_models import (
     AGREES,
     WORLD,
@@ -20,7 +21,6 @@ from ...engines.users_models import (
     Stated,
     cause,
     difference,
-    model_readers,
     problems,
     rigid_bodies,
     unstated_body,
@@ -165,7 +165,7 @@ class ReaderEngine:
 def reader_engines(
     names: Sequence[str] = (), say: Callable[[str], object] = len
 ) -> list[ReaderEngine]:
-    """Return the engines of some names; all that are installed if no name is given.
+    """Return the engines of some names; if no name is given, all but optional ones.
 
     An engine@version is installed first if necessary; `say` is called with a sentence before.
 
@@ -176,7 +176,8 @@ def reader_engines(
     """
     readers = model_readers()
     chosen = []
-    for name in dict.fromkeys(names or readers):
+    usual = [name for name, reader in readers.items() if not reader.is_optional]
+    for name in dict.fromkeys(names or usual):
         base, at, _ = name.partition("@")
         if base not in readers:
             raise CannotInspectError(
@@ -270,8 +271,9 @@ def _link_reading(
     stated, others = whole.stated, tuple(link.name for link, _ in whole.parts[1:])
     if stated is None:
         empty = got.mass == 0 and not got.inertia_com.any()
-        if model.format == "mjcf":
-            words = "" if empty else "taken from its shapes, as MJCF has it"
+        if model.format != "urdf":
+            form = model.format.upper()
+            words = "" if empty else f"taken from its shapes, as {form} has it"
             return LinkReading(*who, got, None, words)
         if empty:
             return LinkReading(*who, got, True, fused=others)

@@ -3,9 +3,7 @@
 What it does to a top by default, and how each effect was measured: docs/measured/engines-more.md.
 """
 
-import warnings
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 from importlib import import_module
 from importlib.metadata import version
 from typing import final
@@ -20,24 +18,17 @@ from spincheck.engine import (
     Session,
 )
 
-from ...native_output import native_output
+from ...native_output import silent
 from ...scene_record import WorldBody, scene_record
 from ...world_engine import WorldEngine
 from ...world_parts import matrix, push
 from ...world_session import WorldBatch, WorldSession
+from .model_reader import GenesisModelReader
 
 SLACK = 8 * float(np.finfo(np.float32).eps)
 SETUP = """\
 rigid = gs.options.RigidOptions(integrator=gs.integrator.{}, disable_constraint=True)
 scene = gs.Scene(sim_options=gs.options.SimOptions(dt=TIMESTEP), rigid_options=rigid)"""
-
-
-@contextmanager
-def _silent() -> Iterator[None]:
-    """Inside the block Genesis compiles its kernels, and prints nothing."""
-    with native_output(), warnings.catch_warnings():
-        warnings.simplefilter("ignore")
-        yield
 
 
 @final
@@ -108,6 +99,7 @@ class Genesis(WorldEngine):
     """A body on a free or ball joint, stepped by each integrator of its rigid solver."""
 
     session = GenesisSession
+    reader = GenesisModelReader()
     name = "genesis"
     package = "genesis"
     single_precision = True
@@ -127,13 +119,13 @@ class Genesis(WorldEngine):
 
     def open(self, scenario: Scenario, method: Method, timestep: float) -> Session:
         """Build the scene; kernels are compiled once and kept in the user's cache."""
-        with _silent():
+        with silent():
             return super().open(scenario, method, timestep)
 
     def open_batch(self, scenarios: Sequence[Scenario], method: Method, timestep: float) -> Batch:
         """Open a batch with one world of a Genesis scene for each of the scenes."""
         records = {scenario: scene_record(scenario) for scenario in dict.fromkeys(scenarios)}
         first, *others = (records[scenario] for scenario in scenarios)
-        with _silent():
+        with silent():
             module = import_module(f"{__package__}.world")
             return WorldBatch(module.World(first, method.name, timestep, others))

@@ -28,6 +28,7 @@ from ...warp_kernels import kernels_kept, use_warp_device, warp_device
 from ...world_engine import WorldEngine
 from ...world_parts import matrix, push
 from ...world_session import WorldBatch, WorldSession
+from .model_reader import NewtonModelReader
 
 #: Effects that all solvers can simulate. A rotor is a link on a revolute or fixed joint; a driven
 #: rotor needs an armature, which only solvers in joint coordinates have.
@@ -164,6 +165,7 @@ class Newton(WorldEngine):
     """A body on a free or ball joint, stepped by each of Newton's solvers of rigid bodies."""
 
     session = NewtonSession
+    reader = NewtonModelReader()
     name = "newton"
     package = "newton"
     single_precision = True

@@ -9,6 +9,7 @@ from ....scenarios import SIGNALS, Signal
 from ....scenarios.fastest_rate import fastest_rate
 from ...pages.analysis.best_choice import finest_useful
 from ...pages.analysis.report_data import report_data
+from ...pages.analysis.rounding_bias import rounding_bias
 from ...pages.analysis.timesteps import Survival, survival
 from ...pages.analysis.work_precision import cost
 from ...results.as_json import as_json
@@ -133,8 +134,8 @@ def verdict_records(results: Results) -> list[dict[str, Any]]:
         name: fastest_rate(scene.scenario, scene.solution.trajectory.omega_body)
         for name, scene in results.scenes.items()
     }
-    finest = {
-        (scene.name, runs.pair): finest_useful(scene, runs)
+    floors = {
+        (scene.name, runs.pair): (finest_useful(scene, runs), rounding_bias(runs))
         for scene in report_data(results).scenes
         for runs in scene.methods
     }
@@ -143,12 +144,16 @@ def verdict_records(results: Results) -> list[dict[str, Any]]:
         rows.setdefault(row.key, []).append(row)
     return [
         verdict_record(verdict)
-        | {"finest_useful_timestep": finest.get((verdict.key.scenario, verdict.key.pair))}
+        | _floor_record(*floors.get((verdict.key.scenario, verdict.key.pair), (None, None)))
         | _survival_record(
             survival(rows.get(verdict.key, ()), fastest_rates.get(verdict.key.scenario))
         )
         for verdict in results.verdicts
     ]
+
+
+def _floor_record(finest: float | None, bias: float | None) -> dict[str, Any]:
+    return {"finest_useful_timestep": finest, "rounding_bias_ulp_a_step": bias}
 
 
 def _survival_record(survival: Survival | None) -> dict[str, Any]:

@@ -17,6 +17,7 @@ from ..analysis.best_choice import (
     within_in_words,
 )
 from ..analysis.report_data import Compared, MethodRuns, SceneRuns
+from ..analysis.rounding_bias import rounding_bias
 from ..analysis.wording import NOTHING, duration, ended, limited_errors, number, plural, typed
 from ..analysis.work_precision import cost
 from ..tables import Cell, figure, table
@@ -166,12 +167,13 @@ def _facts(scene: SceneRuns, best: BestChoice) -> list[tuple[str, str]]:
     run, timestep = best.row.timestep, f"{typed(best.timestep)} s"
     if run != best.timestep:
         timestep += f" (measured at {number(run, 4)} s)"
-    finest = finest_useful(scene, best.runs)
+    finest, bias = finest_useful(scene, best.runs), rounding_bias(best.runs)
     facts = [
         ("engine", f"{best.runs.engine} {best.row.engine_version}"),
         ("integrator", best.runs.method),
         ("timestep", timestep),
         *([("finer makes errors grow", f"below {duration(finest)}")] if finest else []),
+        *([("its rounding is biased", f"by {bias:.2g} ulp a step")] if finest and bias else []),
         ("attitude error", f"{attitude}°"),
         ("ω error", omega),
     ]

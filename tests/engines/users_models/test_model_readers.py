@@ -2,12 +2,13 @@
 
 import numpy as np
 import pytest
-from spincheck.engines.users_models import model_readers, read_model
+from spincheck.engines.model_readers import model_readers
+from spincheck.engines.users_models import read_model
 from users_models import arm, arm_with_a_tool, body, inertial, joint, link, robot, written
 
 pytest.importorskip("pybullet")
 EPS = float(np.finfo(float).eps)
-READERS = model_readers()
+READERS = {name: one for name, one in model_readers().items() if not one.is_optional}
 BOTH = [(name, c.name) for name, reader in READERS.items() for c in reader.configurations]
 FAITHFUL = [("pybullet", "inertia-from-file"), ("mujoco", "unfused")]
 MESH = '<collision><geometry><mesh filename="{}"/></geometry></collision>'

@@ -7,7 +7,7 @@ import pytest
 from spincheck.engines.users_models import Advice, read_model
 from spincheck.engines.users_models.edit import inertial_line
 from spincheck.reports.harness.executors import InProcess
-from spincheck.reports.users_models import findings
+from spincheck.reports.users_models import findings, inspection
 from spincheck.reports.users_models.findings import remedies
 from spincheck.reports.users_models.inspection import Inspection, inspect_model, reader_engines
 from users_models import TENSOR, arm, arm_with_a_tool, diagonal, inertial, link, written
@@ -90,6 +90,15 @@ def test_links_that_are_kept_apart_are_not_fused(tmp_path):
     option = '<mujoco><compiler fusestatic="false"/></mujoco>'
     after = inspected(tmp_path, text.replace('name="made-up">', f'name="made-up">{option}'))
     assert all(not held.fused for one in after.links for held in one.readings)
+
+
+def test_an_optional_reader_reads_only_if_it_is_named(monkeypatch):
+    rare, usual = (
+        SimpleNamespace(version="2.0", is_optional=optional) for optional in (True, False)
+    )
+    monkeypatch.setattr(inspection, "model_readers", lambda: {"rare": rare, "usual": usual})
+    assert [one.name for one in reader_engines()] == ["usual"]
+    assert [one.name for one in reader_engines(["rare"])] == ["rare"]
 
 
 def test_an_engine_of_any_name_brings_its_own_advice(tmp_path, monkeypatch):

@@ -1,0 +1,71 @@
+"""Reads a user's URDF, MJCF or USD with Newton's importers."""
+
+import tempfile
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any, final
+
+import numpy as np
+from spincheck.engine import BodyReading, EngineError
+
+from ...users_models import Advice, Configuration, ModelFile, ModelReader, laid_out
+from ...warp_kernels import kernels_kept
+
+COLLAPSED = "collapsed"
+#: What keeps the tensor of every link, and so of the whole.
+KEPT = Advice("import it without collapse_fixed_joints: Newton then has a fixed joint for each")
+
+
+@final
+class NewtonModelReader(ModelReader):
+    """`ModelBuilder.add_urdf`, `add_mjcf` and `add_usd`; the bodies are the finalized model's.
+
+    Meshes are read only for links whose inertia comes from them.
+    """
+
+    name = "newton"
+    is_optional = True
+    formats = frozenset({"urdf", "mjcf", "usd"})
+    configurations = (
+        Configuration("as-is", "add_urdf, add_mjcf or add_usd, with their defaults"),
+        Configuration(COLLAPSED, "collapse_fixed_joints = True", advice={"sum": KEPT}),
+    )
+
+    @property
+    def version(self) -> str:
+        """Version of the installed package."""
+        return version("newton")
+
+    def read(self, model: ModelFile, configuration: str) -> dict[str, BodyReading]:
+        """Return the bodies of a file after it was imported and finalized."""
+        with kernels_kept(), tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder:
+            import newton
+
+            builder, path = newton.ModelBuilder(), laid_out(model, Path(folder))
+            collapsed = configuration == COLLAPSED
+            try:
+                if model.format == "mjcf":
+                    builder.add_mjcf(path, collapse_fixed_joints=collapsed, parse_visuals=False)
+                else:
+                    add = builder.add_urdf if model.format == "urdf" else builder.add_usd
+                    add(path, collapse_fixed_joints=collapsed)
+                held = builder.finalize(device="cpu")
+            # An importer may raise anything; the first line says what.
+            except Exception as error:
+                words = str(error).partition("\n")[0] or type(error).__name__
+                raise EngineError(f"Newton refuses the file: {words}") from None
+        return _bodies(held, model)
+
+
+def _bodies(held: Any, model: ModelFile) -> dict[str, BodyReading]:
+    """Return the bodies by the links' names: Newton's labels are paths that end with them."""
+    names = {link.name.replace("-", "_"): link.name for link in model.links}
+    names |= {link.name: link.name for link in model.links}
+    arrays = (held.body_mass, held.body_com, held.body_inertia)
+    numbers = zip(*(array.numpy().astype(float) for array in arrays), strict=True)
+    bodies = {}
+    for label, (mass, com, inertia) in zip(held.body_label, numbers, strict=True):
+        ends = [name for name in names if label == name or label.endswith(f"/{name}")]
+        if ends:
+            bodies[names[max(ends, key=len)]] = BodyReading(float(mass), com, np.array(inertia))
+    return bodies

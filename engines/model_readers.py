@@ -1,0 +1,18 @@
+"""The readers of model files that the engines have which are installed."""
+
+from functools import cache
+
+from .discovery import engines
+from .users_models import FileEngine, ModelReader
+from .world_engine import WorldEngine
+
+
+@cache
+def model_readers() -> dict[str, ModelReader]:
+    """Return the readers by name, sorted."""
+    readers = [
+        engine.reader
+        for engine in engines().values()
+        if isinstance(engine, FileEngine | WorldEngine) and engine.reader
+    ]
+    return {reader.name: reader for reader in readers}
