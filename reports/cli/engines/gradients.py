@@ -11,6 +11,9 @@ from ..choosing import choose, compile_first, executor_for
 from ..named_scenes import scenes_to_run
 from ..terminal import AGREES, DISAGREES, NOT_RUN, Complaint, say, table
 
+#: Numbers of steps below which costs have a decimal.
+DIGIT = 10.0
+
 
 def gradients(
     scenes: Sequence[str],
@@ -67,8 +70,10 @@ def median_and_quartiles(costs: Sequence[float]) -> str:
     """Return a median with both quartiles in words; nothing of none."""
     if not costs:
         return ""
-    low, middle, high = np.quantile(costs, [0.25, 0.5, 0.75])
-    return f"{middle:.0f} ({low:.0f} to {high:.0f})"
+    low, middle, high = (
+        f"{cost:.{int(cost < DIGIT)}f}" for cost in np.quantile(costs, [0.25, 0.5, 0.75])
+    )
+    return f"{middle} ({low} to {high})"
 
 
 def _found(row: GradientRow) -> dict[str, object]:

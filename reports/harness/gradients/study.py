@@ -346,14 +346,21 @@ class _Study:
         return replace(row, judged=one, window=along, useless_from=useless_from(along))
 
     def _costs(self, name: str, steps: int) -> tuple[float, ...]:
-        """Return CPU times of a derivative over that of as many steps, the two taken in turns."""
+        """Return CPU times of a derivative over that of as many steps, the two taken in turns.
+
+        It is computed as often as takes no less than the steps, so that the first call's cold
+        caches do not count.
+        """
         with self.sessions.at(self.at.states.rows(0), float(self.at.timesteps[-1])) as session:
             session.advance(TIMED)
             compute, ratios = _by(session, name, steps), []
             for _ in range(TIMES):
-                a_step, began = session.timed(TIMED)[0] / TIMED, time.process_time()
-                compute()
-                ratios.append((time.process_time() - began) / max(a_step, 1e-9) / steps)
+                plain, calls = max(session.timed(TIMED)[0], 1e-9), 0
+                began = time.process_time()
+                while not calls or time.process_time() - began < plain:
+                    compute()
+                    calls += 1
+                ratios.append((time.process_time() - began) / calls / steps * TIMED / plain)
         return tuple(ratios)
 
 

@@ -178,9 +178,9 @@ def summary(lines: Sequence[str]) -> Iterator[str]:
 
 def extent(costs: Sequence[str]) -> str:
     """The least and the largest of medians, which quartiles follow."""
-    medians = [int(cost.split()[0]) for cost in costs if cost != "–"]
-    ends = dict.fromkeys(f(medians) for f in (min, max)) if medians else ["–"]
-    return " to ".join(map(str, ends))
+    medians = [cost.split()[0] for cost in costs if cost != "–"]
+    ends = dict.fromkeys(f(medians, key=float) for f in (min, max)) if medians else ["–"]
+    return " to ".join(ends)
 
 
 def renewed(old: Sequence[str], lines: Sequence[str]) -> list[str]:
