@@ -156,6 +156,7 @@ KINDS = {
         _GYROSCOPIC + "of the tensor about conjugated principal axes"
     ),
     "gyroscopic tensor": Kind(f"the gyroscopic torque ω × Gω were with G: {_ENTRIES}, not I", 6),
+    "sign of a rate": Kind("ω{}' had the other sign", 1, _axes),
     "inverse of the diagonal": Kind(
         "ω' were of the tensor's diagonal alone, though ω × Iω is of all of it"
     ),

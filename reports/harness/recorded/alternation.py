@@ -5,11 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ....reference.following import follow
 from ....scenarios import FloatArray, Scenario, Trajectory
 from ....scenarios.rotation import norms
-from ..measuring.changes import as_it_is
-from .intervals import apart, states_of
+from .intervals import NEAR, gained
 from .mistakes import FITS
 
 #: Least number of samples from which alternation can be found.
@@ -19,8 +17,8 @@ FEWEST = 12
 OF_DIFFERENCES = {1: 70.0, 2: 40.0}
 #: Least size of fourth differences over that of third ones in what alternates; noise alone has √3.5
 #: and √(10/3). In what is smooth the ratio is less than the angle between samples, and two samples
-#: are less than `NEAR` apart, rad.
-ALTERNATES, NEAR = 1.4, 0.7
+#: are less than `NEAR` apart.
+ALTERNATES = 1.4
 #: Size of the fourth differences of what alternates between ± 1.
 ALTERNATING = 16.0
 #: Noise that is not rounding of printed numbers is larger than that rounding by this factor.
@@ -56,15 +54,15 @@ class Alternation:
         return self._alternates(self.every, 1) & self._alternates(self.every_second, 2)
 
     @property
-    def of_omega(self) -> str:
-        """The sentence that ω alternates without noise; empty if it does not."""
+    def of_omega(self) -> list[str]:
+        """The sentence that ω alternates without noise, if it does."""
         if not self._alternates(self.every, 1)[1] or self.is_noise[1]:
-            return ""
+            return []
         size = np.sqrt(3) * self.every[1, 1] / ALTERNATING
-        return (
+        return [
             f"ω alternates from one sample to the next, by ± {size:.2g} rad/s, which is no noise: "
             "so it does by the trapezoidal rule from accelerations that are not the motion's"
-        )
+        ]
 
     def _alternates(self, differences: FloatArray, lag: int) -> NDArray[np.bool_]:
         third, fourth = differences
@@ -82,19 +80,17 @@ def alternation(scenario: Scenario, motion: Trajectory, floor: FloatArray) -> Al
     fastest = float(norms(motion.omega_body).max())
     if len(motion.t) < FEWEST or fastest * np.median(np.diff(motion.t)) >= NEAR:
         return None
-    states, equations = states_of(motion), as_it_is(scenario).equations
-    made = follow(equations, states[:-1], np.diff(motion.t)[:, None])[:, 0]
     # These are first differences already, with the noise of two samples.
-    gained = apart(made, states[1:])
+    first = gained(scenario, motion)
     least = np.maximum(PRINTED * floor, FITS * np.array([1.0, fastest]))
-    every, every_second = (_differences(gained, lag) for lag in OF_DIFFERENCES)
+    every, every_second = (_differences(first, lag) for lag in OF_DIFFERENCES)
     return Alternation(every, every_second, least)
 
 
-def _differences(gained: FloatArray, lag: int) -> FloatArray:
+def _differences(first: FloatArray, lag: int) -> FloatArray:
     """Return root mean squares of third and fourth differences, of attitude and ω, (2, 2)."""
-    squares = []
+    squares, differences = [], first
     for _ in range(3):
-        gained = gained[lag:] - gained[:-lag]
-        squares.append(np.mean(gained.reshape(-1, 2, 3) ** 2, axis=(0, 2)))
+        differences = differences[lag:] - differences[:-lag]
+        squares.append(np.mean(differences.reshape(-1, 2, 3) ** 2, axis=(0, 2)))
     return np.sqrt(squares[1:])

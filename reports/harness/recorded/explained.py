@@ -1,26 +1,26 @@
 """Explains a recorded motion, and says whether it is within the errors allowed to its method."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.stats import f
 
 from ....scenarios import FloatArray, Scenario, Trajectory
 from ....scenarios.rotation import norms
-from .alternation import alternation
+from ..measuring.likelihood import LEVEL
+from .alternation import Alternation, alternation
 from .hinges import spins_beyond
 from .interpolated import interpolated
-from .intervals import apart, states_of
+from .intervals import apart, gained, gained_before, intervals_of, states_of
+from .jumps import jumps
 from .measured import Measured, log_of, started_elsewhere
-from .mistakes import mistakes
+from .mistakes import FITS, mistakes
 from .motion import Reading, RecordedMotion
 from .other_physics import Physics, rounding
 from .recording import Recording
 
 #: Names of the settings by which a file states the noise of attitude, rad, and of ω, rad/s.
 NOISE = ("noise_attitude", "noise_omega")
-#: Distance of a first sample, rad, and relative for ω, from which on the start counts as another
-#: one.
-STARTS = 1e-3
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,37 +52,48 @@ def explained(
     timestep : the timestep that the motion was made with, s; None if unknown
     order : order of accuracy of the method that made it
     """
-    motion = recorded.trajectory
-    floor = _floor(scenario, motion, recording.resolution, recorded.has_omega)
-    settings = recording.settings
-    stated = [float(settings.get(name, 0.0)) for name in NOISE]
+    motion, has_omega = recorded.trajectory, recorded.has_omega
+    floor = _floor(scenario, motion, recording.resolution, has_omega)
+    stated = [float(recording.settings.get(name, 0.0)) for name in NOISE]
     noise = np.maximum(stated, floor) if any(stated) else None
-    in_recording = mistakes(scenario, exact, reading)
-    if not in_recording and recorded.has_omega:
-        in_recording = interpolated(motion, floor[1])
-    alternates = alternation(scenario, motion, floor)
-    if not in_recording:
-        is_stated = noise is not None
-        if noise is None and alternates and alternates.is_noise[: 1 + recorded.has_omega].all():
-            noise = np.maximum(alternates.noise, floor)
-        if noise is not None:
-            has = {"is_stated": is_stated, "has_omega": recorded.has_omega}
-            fit = Measured(scenario, log_of(scenario, motion, exact, noise, **has))
-            # An interval has the noise of two samples.
-            physics = Physics(scenario, motion, exact, timestep, order, np.sqrt(2) * noise)
+    # An interval has the noise of two samples.
+    of_intervals = floor if noise is None else np.sqrt(2) * noise
+    physics = Physics(scenario, motion, exact, timestep, order, of_intervals)
+    wrong = mistakes(scenario, exact, reading)
+    if not wrong and has_omega:
+        wrong = interpolated(motion, floor[1])
+    if wrong:
+        return Explanation(tuple(wrong), _verdict(physics), physics.is_beyond)
+    every = intervals_of(scenario, motion, timestep, order, of_intervals)
+    if every and not physics.clamps and (jump := jumps(every)):
+        return Explanation(tuple(jump), _verdict(physics, is_beyond=True), is_beyond=True)
+    alternates, is_stated = alternation(scenario, motion, floor), noise is not None
+    if noise is None and alternates and alternates.is_noise[: 1 + has_omega].all():
+        noise, alternates = np.maximum(alternates.noise, floor), None
+    if noise is not None:
+        has = {"is_stated": is_stated, "has_omega": has_omega}
+        fit = Measured(scenario, log_of(scenario, motion, exact, noise, **has))
+        physics = replace(physics, noise=np.sqrt(2) * noise)
+        # What a solver leaves is like noise, and its method has errors besides.
+        if is_stated or physics.is_beyond or not fit.is_beyond:
             return _of_measured(fit, physics)
-    physics = Physics(scenario, motion, exact, timestep, order, floor)
-    of_spins = spins_beyond(scenario, motion, timestep, order, floor)
+    return _of_computed(physics, alternates if has_omega else None, floor, has_omega=has_omega)
+
+
+def _of_computed(
+    physics: Physics, alternates: Alternation | None, floor: FloatArray, *, has_omega: bool
+) -> Explanation:
+    """Explain a motion that was computed."""
+    of_method = physics.scenario, physics.motion, physics.timestep, physics.order
+    of_spins = spins_beyond(*of_method, floor)
+    words = [] if physics.made_by else physics.explained()
+    if alternates and physics.is_beyond:
+        words = alternates.of_omega or words
+    words = [*words, *of_spins]
+    if not words and has_omega:
+        words = _elsewhere(physics)
     is_beyond = physics.is_beyond or bool(of_spins)
     verdict = _verdict(physics, is_beyond)
-    if in_recording:
-        return Explanation(tuple(in_recording), verdict, is_beyond)
-    words = [] if physics.made_by else physics.explained()
-    if alternates and recorded.has_omega and physics.is_beyond:
-        words = [*filter(None, [alternates.of_omega])] or words
-    words += filter(None, [of_spins])
-    if not words and recorded.has_omega:
-        words = _elsewhere(exact, motion)
     return Explanation(tuple(words), verdict, is_beyond, physics.made_by)
 
 
@@ -92,13 +103,23 @@ def _of_measured(fit: Measured, physics: Physics) -> Explanation:
     return Explanation(tuple(words), fit.verdict, fit.is_beyond, measured=fit)
 
 
-def _elsewhere(exact: Trajectory, motion: Trajectory) -> list[str]:
-    """Return the sentence that the first sample is off the scene's motion, if it is."""
-    start, first = (states_of(one.until(1)) for one in (exact, motion))
-    turned, faster = norms(apart(start, first).reshape(2, 3))
-    speed = float(norms(start[:, 4:])[0])
-    is_near = turned < STARTS and faster < STARTS * (speed or 1.0)
-    return [] if is_near else [started_elsewhere(float(exact.t[0]), (turned, faster))]
+def _elsewhere(physics: Physics) -> list[str]:
+    """Return the sentence that the first sample is off by more than what explains the others.
+
+    What is gained from sample to sample, by noise or a method, is known to so many numbers; a
+    method has errors since the scene's start.
+    """
+    scenario, exact, motion = physics.scenario, physics.exact, physics.motion
+    of_method = gained_before(scenario, motion.t, physics.timestep, physics.order)
+    off = apart(states_of(exact.until(1)), states_of(motion.until(1))).reshape(2, 3)
+    others = gained(scenario, motion)[1:].reshape(-1, 2, 3)
+    count = max(1, 3 * len(others))
+    least = FITS * np.array([1.0, norms(exact.omega_body).max()])
+    usual = np.sum(others**2, axis=(0, 2)) / count + least**2
+    by_chance = f.sf(np.mean(off**2, axis=1) / usual, 3, count)
+    if not ((by_chance < LEVEL / 2) & (norms(off) > of_method)).any():
+        return []
+    return [started_elsewhere(float(exact.t[0]), norms(off))]
 
 
 def _floor(
@@ -117,7 +138,9 @@ def _floor(
     return floor
 
 
-def _verdict(physics: Physics, is_beyond: bool) -> str:
+def _verdict(physics: Physics, is_beyond: bool | None = None) -> str:
+    """Return a sentence on whether a motion is beyond its method's error."""
+    is_beyond = physics.is_beyond if is_beyond is None else is_beyond
     if physics.search is None:
         return "its samples are too few, or too far apart, to say what a method made of them"
     what = f"what a method of order {physics.order} makes of the exact motion"

@@ -10,8 +10,8 @@ from ..measuring.likelihood import LEVEL
 
 def spins_beyond(
     scenario: Scenario, motion: Trajectory, timestep: float | None, order: int, noise: FloatArray
-) -> str:
-    """Return in words how fast spins change beyond the error of a method or rounding, if so.
+) -> list[str]:
+    """Return in words how fast spins change beyond the error of a method or rounding; often none.
 
     A step of order p changes a component along an axis that turns by some part of the p-th power of
     the angle of a step: of the rotor's angle, as engines may turn each body by itself.
@@ -24,7 +24,7 @@ def spins_beyond(
     noise : of attitude, rad, and ω, rad/s, (2,); the latter counts relative to the largest rate
     """
     if not motion.spins.size:
-        return ""
+        return []
     omega_body, spins, spans = motion.omega_body, motion.spins, np.diff(motion.t)[:, None]
     kept = scenario.kept(omega_body, spins)
     gained = spins[1:] - scenario.spins(omega_body[1:], kept[:-1])
@@ -34,9 +34,9 @@ def spins_beyond(
     of_method = np.minimum(1.0, turns) ** order * speed * spans * fastest / 2
     scale = np.hypot(of_method, noise[1] * fastest / speed)
     if np.abs(gained / scale).max() < norm.isf(LEVEL / gained.size / 2):
-        return ""
+        return []
     k, rotor = np.unravel_index(np.argmax(np.abs(gained / scale)), gained.shape)
-    return (
+    return [
         f"the spin of rotor {rotor + 1} changes at a rate of {gained[k, rotor] / spans[k, 0]:.3g} "
         f"rad/s² at t = {motion.t[k + 1]:.4g} s beyond what its hinge makes it"
-    )
+    ]

@@ -21,7 +21,8 @@ def interpolated(motion: Trajectory, rounding: float) -> list[str]:
     bends = np.diff(steps / distances, axis=0) * distances[1:]
     for how, changes in (("held", norms(steps)), ("interpolated linearly", norms(bends))):
         new = np.flatnonzero(changes > CHANGES * rounding)
-        if len(new) >= FEWEST and np.median(changes) <= rounding:
-            count = int(np.median(np.diff(new)))
+        count = int(np.median(np.diff(new))) if len(new) >= FEWEST else 1
+        # A motion that comes to rest is new at every sample, and then no more.
+        if count > 1 and np.median(changes) <= rounding:
             return [f"ω is {how}: it is new at one sample in {count} only; record those alone"]
     return []

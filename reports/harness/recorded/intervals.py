@@ -1,6 +1,6 @@
 """The intervals of a recorded motion from sample to sample, with the error allowed to a method."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -11,9 +11,12 @@ from ....scenarios import FloatArray, Scenario, Trajectory
 from ....scenarios.rotation import norms, rotation_vectors
 from ..measuring.changes import Hypothesis, as_it_is
 from ..measuring.likelihood import Data
+from .gyroscope import as_it_was, as_read
 
-#: Largest turn between two samples, rad; largest number of intervals that are used.
-NEAR, FEWEST_INTERVALS, MOST_INTERVALS = 0.7, 4, 60
+#: Largest turn between two samples, rad, and least number of intervals.
+NEAR, FEWEST_INTERVALS = 0.7, 4
+#: Number of intervals, at most, that the time before a recording is divided into.
+MOST_BEFORE = 1000
 #: Rates that are this small relative to the largest are not rates of a motion.
 RESTS = 1e-6
 
@@ -25,13 +28,14 @@ class Intervals(Data):
     Attributes
     ----------
     starts : q, scalar first, and ω, rad/s, body axes, (S, 7)
-    spans : lengths of the intervals, s, (S, 1)
+    t, spans : times at the ends of the intervals, and their lengths, s, (S,) and (S, 1)
     ends : recorded states at the ends of the intervals, (S, 7)
     noise : standard deviations of recorded attitude, rad, and ω, rad/s, (2,)
     method : bounds of a method's error in an interval, in attitude, rad, and ω, rad/s, (S, 2)
     """
 
     starts: FloatArray
+    t: FloatArray
     spans: FloatArray
     ends: FloatArray
     noise: FloatArray
@@ -43,13 +47,17 @@ class Intervals(Data):
         return np.repeat(np.hypot(self.noise, self.method), 3, axis=1)
 
     @cached_property
+    def of_method(self) -> FloatArray:
+        """The part of each interval's error that is a method's, in variances, (S,)."""
+        return np.asarray(np.mean(self.method**2 / (self.noise**2 + self.method**2), axis=1))
+
+    @cached_property
     def at_once(self) -> float:
         """How many of the numbers left count as one: all, if a method's error is larger than noise.
 
         A method's error is the same throughout, however many samples show it.
         """
-        of_method = float(np.mean(self.method**2 / (self.noise**2 + self.method**2)))
-        return 1 + (self.scale.size - 1) * of_method
+        return 1 + (self.scale.size - 1) * float(np.mean(self.of_method))
 
     def falls(self, before: FloatArray, after: FloatArray) -> float:
         """As in `Data`, but with correlated numbers counted once."""
@@ -57,7 +65,9 @@ class Intervals(Data):
 
     def off(self, hypothesis: Hypothesis, samples: int | None = None) -> FloatArray:
         """As in `Data`: what a hypothesis leaves of the ends, in units of `scale`, (S, 6)."""
-        return self.apart(hypothesis.equations)[:samples] / self.scale[:samples]
+        starts = as_it_was(hypothesis, self.starts)
+        made = follow(hypothesis.equations, starts, self.spans)[:, 0]
+        return (apart(as_read(hypothesis, made), self.ends) / self.scale)[:samples]
 
     def apart(
         self, equations: OtherEquations, integrator: Integrator = EXACT, timestep: float = 0.0
@@ -70,8 +80,8 @@ class Intervals(Data):
     def spread(self, most: int) -> "Intervals":
         """Return at most `most` of the intervals, spread over all."""
         kept = np.unique(np.linspace(0, len(self.spans) - 1, most).astype(int))
-        starts, spans, ends = self.starts[kept], self.spans[kept], self.ends[kept]
-        return Intervals(self.base, starts, spans, ends, self.noise, self.method[kept])
+        names = "starts", "t", "spans", "ends", "method"
+        return replace(self, **{name: getattr(self, name)[kept] for name in names})
 
 
 def apart(made: FloatArray, recorded: FloatArray) -> FloatArray:
@@ -80,13 +90,50 @@ def apart(made: FloatArray, recorded: FloatArray) -> FloatArray:
     return np.hstack([turned, recorded[:, 4:] - made[:, 4:]])
 
 
+def gained(scenario: Scenario, motion: Trajectory) -> FloatArray:
+    """Return how far each sample is from where the one before leads, rad and rad/s, (n - 1, 6)."""
+    states, spans = states_of(motion), np.diff(motion.t)[:, None]
+    return apart(follow(as_it_is(scenario).equations, states[:-1], spans)[:, 0], states[1:])
+
+
+def gained_before(
+    scenario: Scenario, t: FloatArray, timestep: float | None, order: int
+) -> FloatArray:
+    """Return bounds of a method's error at the first sample, in attitude, rad, and ω, rad/s, (2,).
+
+    Parameters
+    ----------
+    t : times of samples, s, (n,), from the scene's start
+    timestep, order : as in `intervals_of`
+    """
+    distance = float(np.median(np.diff(t)))
+    count = min(MOST_BEFORE, int(np.ceil(t[0] / distance)))
+    if not count:
+        return np.zeros(2)
+    equations, start = as_it_is(scenario).equations, scenario.start
+    first = np.concatenate([start.q_world_body_wxyz, start.omega_body])[None]
+    spans = np.full(count, t[0] / count)
+    states = np.vstack([first, follow(equations, first, spans[None, 1:])[0]])
+    rates = np.maximum(norms(states[:, 4:]), equations.rate)
+    rates = np.maximum(rates, RESTS * rates.max())
+    taken = min(timestep or distance, distance)
+    turned, faster = _of_method(equations, states, spans, rates, rates * taken, order).sum(axis=0)
+    # An error in ω turns the attitude ever after.
+    return np.array([turned + t[0] * faster, faster])
+
+
 def states_of(motion: Trajectory) -> FloatArray:
     """Return q, scalar first, and ω, rad/s, body axes, of each sample, (n, 7)."""
     return np.hstack([motion.q_world_body_wxyz, motion.omega_body])
 
 
 def intervals_of(
-    scenario: Scenario, motion: Trajectory, timestep: float | None, order: int, noise: FloatArray
+    scenario: Scenario,
+    motion: Trajectory,
+    timestep: float | None,
+    order: int,
+    noise: FloatArray,
+    most: int | None = None,
 ) -> Intervals | None:
     """Return the intervals of a motion that are short enough; None if they are too few.
 
@@ -96,20 +143,23 @@ def intervals_of(
         used
     order : of accuracy of the method that made it
     noise : standard deviations of attitude, rad, and ω, rad/s, (2,)
+    most : how many of them, spread over all; None for all
     """
     base = as_it_is(scenario)
     spans, equations = np.diff(motion.t), base.equations
     rates = np.maximum(norms(motion.omega_body), equations.rate)[:-1]
     # A body that starts from rest has rates only later.
     rates = np.maximum(rates, RESTS * rates.max())
-    near = np.flatnonzero(spans * rates <= NEAR)
-    if len(near) < FEWEST_INTERVALS or not motion.omega_body.any():
+    kept = np.flatnonzero(spans * rates <= NEAR)
+    if len(kept) < FEWEST_INTERVALS or not motion.omega_body.any():
         return None
-    kept = near[np.unique(np.linspace(0, len(near) - 1, MOST_INTERVALS).astype(int))]
+    if most is not None:
+        kept = kept[np.unique(np.linspace(0, len(kept) - 1, most).astype(int))]
     spans, rates, states = spans[kept], rates[kept], states_of(motion)
     taken = spans if timestep is None else np.minimum(timestep, spans)
     method = _of_method(equations, states[kept], spans, rates, rates * taken, order)
-    return Intervals(base, states[kept], spans[:, None], states[kept + 1], noise, method)
+    starts, ends = states[kept], states[kept + 1]
+    return Intervals(base, starts, motion.t[kept + 1], spans[:, None], ends, noise, method)
 
 
 def _of_method(

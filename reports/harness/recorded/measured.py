@@ -17,6 +17,7 @@ from ....scenarios import FloatArray, Scenario, Trajectory
 from ....scenarios.rotation import norms
 from ..measuring.changes import Change, Hypothesis, as_it_is, com, is_scaled, resistance, tensor
 from ..measuring.likelihood import LEVEL, Data, Fit, Search, Trial
+from .gyroscope import GYROSCOPE, of_gyroscope
 from .intervals import apart, states_of
 
 #: Turn of the body, rad, in the samples that are fitted first, and their least number; then twice
@@ -33,27 +34,6 @@ SPREAD = 0.387
 SHARED = 2.63
 
 START = Change("start", lambda h, n: h._replace(start=h.start + n), np.ones(6))
-#: Mistakes of a gyroscope, as changes of how states are read.
-GYROSCOPE = (
-    Change("bias", lambda h, n: h._replace(bias=n), np.ones(3)),
-    Change("scale", lambda h, n: h._replace(read=h.read @ np.diag(1 + n)), np.ones(3)),
-    Change(
-        "axes",
-        lambda h, n: h._replace(read=h.read @ Rotation.from_rotvec(-n).as_matrix()),
-        np.ones(3),
-    ),
-    Change("lag", lambda h, n: h._replace(lag=n[0]), np.ones(1)),
-)
-#: By mistake, its words, and what is added to its numbers, and the factor, before they are shown.
-WORDS = {
-    "bias": ("the gyroscope has a bias of {} rad/s", 0.0, 1.0),
-    "scale": ("the gyroscope's axes read {} times ω", 1.0, 1.0),
-    "axes": (
-        "the gyroscope's axes are turned against the body's by {}°",
-        *(0.0, 180 / np.pi),
-    ),
-    "lag": ("ω lags the attitude by {} s", 0.0, 1.0),
-}
 
 
 @dataclass(frozen=True, eq=False)
@@ -298,8 +278,9 @@ class Measured:
 
 def _of_gyroscope(change: Change, fit: Fit) -> str:
     """Return a mistake of a gyroscope in words, with its numbers in a fit."""
-    rows, (words, added, factor) = fit.rows(change), WORDS[change.kind]
-    return words.format(_plus_minus(added + factor * fit.numbers[rows], factor * fit.errors[rows]))
+    rows = fit.rows(change)
+    errors = fit.errors[rows]
+    return of_gyroscope(change, fit.numbers[rows], lambda n, unit: _plus_minus(n, unit * errors))
 
 
 def started_elsewhere(at: float, off: Sequence[float] | FloatArray) -> str:

@@ -3,19 +3,21 @@
 Only the beginning is compared, before errors of an integrator have grown.
 """
 
-from collections.abc import Iterator
-from functools import cache
+from collections.abc import Iterable, Iterator
 from math import pi
 
 import numpy as np
+from scipy.optimize import minimize_scalar
 
 from ....reference.following import follow
 from ....reference.other_equations import equations_of
 from ....scenarios import FloatArray, Scenario, Trajectory
 from ....scenarios.rotation import matrices, norms, rotation_vectors
 from ..measuring.changes import EULER_ANGLES, OTHER_COMPONENTS
+from ..measuring.likelihood import LEFT
 from .intervals import apart, states_of
 from .motion import OmegaFrame, QuaternionOrder, Reading
+from .other_readings import other_readings
 
 #: Turn of the exact motion, rad, in the beginning that is compared, and its least number of
 #: samples.
@@ -27,16 +29,11 @@ FEWEST_LEFT, LEFT_OUT = 2, 1
 #: Largest turn of the body in the beginning, rad, with the times as they are read: more is not a
 #: beginning.
 FURTHEST = 3e3
-#: A mistake explains the motion if undoing it makes the errors smaller by this factor.
-EXPLAINS = 10.0
-#: Largest error that may be left, rad, and relative for ω: an ω taken as zero is off by one.
-MOST_LEFT = 0.2
 #: Errors below this, relative or in rad, need no explanation.
 FITS = 1e-9
-#: Largest number of mistakes that are looked for in one file at the same time.
-MOST = 2
-#: By how many times too long or too short times may be, and how nearly so many, relative.
-FACTORS, ALIKE = range(2, 21), 2e-2
+#: How times may be wrong by a factor, in words.
+TOO_SHORT = "too short, as where one state in so many is kept"
+TOO_LONG = "too long, as of another timestep than that of the steps"
 EPS = float(np.finfo(float).eps)
 CONJUGATE = np.array([1.0, -1.0, -1.0, -1.0])
 #: Units of times by mistake, as a column's heading names them, and their length in seconds.
@@ -46,6 +43,9 @@ RATES = {
     "in degrees a second; wx [deg/s] says so": pi / 180,
     "in rad/s already, and was converted from deg/s": 180 / pi,
     "in turns a second": 2 * pi,
+    "in rpm; wx [rpm] says so": pi / 30,
+    "half of what it should be": 2.0,
+    "twice what it should be": 0.5,
 }
 #: What makes left-handed axes of right-handed ones, those of the world and of the body.
 LEFT_HANDED = {
@@ -64,57 +64,107 @@ def mistakes(scenario: Scenario, exact: Trajectory, reading: Reading) -> list[st
     ----------
     exact : the exact motion at the recording's times
     """
-    equations, start = equations_of(scenario), states_of(exact.until(1))
-    fastest = float(norms(exact.omega_body).max())
+    beginning, given = _Beginning(scenario, exact), reading.rows(slice(_beginning(exact)))
+    fewest = max(FEWEST_LEFT, len(given.t) - LEFT_OUT)
 
-    @cache
-    def exact_at(times: tuple[float, ...]) -> FloatArray:
-        spans = np.diff(times, prepend=exact.t[0])
-        return np.asarray(follow(equations, start, spans[None])[0])
+    def undone(words: list[str], one: Reading) -> Iterator[_Undone]:
+        for word, other in _undone(one, scenario) if len(one.t) >= fewest else ():
+            if len(other.t) >= fewest:
+                yield [*words, word], other
 
-    def error(reading: Reading) -> float:
+    best = beginning.better(undone([], given), ([], given))
+    if not best[0]:
+        rare = other_readings(given, scenario, matrices(beginning.start[:, :4])[0])
+        best = beginning.better((([word], one) for word, one in rare if len(one.t) >= FEWEST), best)
+    if best[0]:
+        return beginning.better(undone(*best), best)[0]
+    if beginning.error(given) > LEFT:
+        twice = (two for one in undone([], given) for two in undone(*one))
+        best = beginning.better(twice, best)
+    return best[0] or beginning.other_times(given)
+
+
+#: Mistakes, and the reading without them.
+_Undone = tuple[list[str], Reading]
+
+
+class _Beginning:
+    """The beginning of the exact motion, and how far recordings are from it.
+
+    Parameters
+    ----------
+    exact : the exact motion at the recording's times
+    """
+
+    def __init__(self, scenario: Scenario, exact: Trajectory) -> None:
+        self.scenario, self.begins_at = scenario, float(exact.t[0])
+        self.start = states_of(exact.until(1))
+        self.fastest = float(norms(exact.omega_body).max())
+        self._at: dict[tuple[float, ...], FloatArray] = {}
+
+    def at(self, t: FloatArray) -> FloatArray:
+        """Exact states, (n, 7), at times, s, (n,)."""
+        times = tuple(t)
+        if times not in self._at:
+            spans = np.diff(t, prepend=self.begins_at)[None]
+            self._at[times] = follow(equations_of(self.scenario), self.start, spans)[0]
+        return self._at[times]
+
+    def error(self, reading: Reading) -> float:
         """The largest error in attitude and ω; infinite if the times are too far to follow.
 
         That in attitude is relative to how far the body turns, which is taken to be 1 rad at most:
         by times that hardly pass it hardly turns, and so does what stands still.
         """
-        if (reading.t[-1] - exact.t[0]) * fastest > FURTHEST:
+        if (reading.t[-1] - self.begins_at) * self.fastest > FURTHEST:
             return np.inf
-        made, omega = exact_at(tuple(reading.t)), reading.omega_body
+        made, omega = self.at(reading.t), reading.omega_body
         omega = made[:, 4:] if omega is None else omega
         turned, faster = np.split(apart(made, np.hstack([reading.q, omega])), 2, axis=1)
         speed = norms(made[:, 4:]).max() or 1.0
         turns = float(norms(apart(np.repeat(made[:1], len(made), axis=0), made)[:, :3]).max())
-        turns = min(1.0, max(turns, EPS)) if fastest else 1.0
+        turns = min(1.0, max(turns, EPS)) if self.fastest else 1.0
         off = [norms(turned).max() / turns, norms(faster).max() / speed]
         if reading.spins is not None:
+            scenario = self.scenario
             spins = scenario.spins(made[:, 4:], scenario.kept_at_start)
             off.append(norms(reading.spins - spins).max() / max(speed, norms(spins).max()))
         return float(np.nan_to_num(max(off), nan=np.inf))
 
-    reading = reading.rows(slice(_beginning(exact)))
-    readings: list[tuple[list[str], Reading]] = [([], reading)]
-    best, least = [], error(reading)
-    for _ in range(MOST):
-        if least <= FITS:
-            break
-        readings = [
-            ([*words, word], other)
-            for words, one in readings
-            for word, other in _undone(one, scenario)
-            if len(other.t) >= max(FEWEST_LEFT, len(reading.t) - LEFT_OUT)
-        ]
-        errors = [error(other) for _, other in readings]
-        if min(errors) < min(least / EXPLAINS, MOST_LEFT):
-            best, least = readings[int(np.argmin(errors))][0], min(errors)
-    if not best and least > FITS:
-        for words, other in _of_other_spans(reading):
-            omega = exact_at(tuple(other.t))[:, 4:]
-            # Where ω does not change it is as well that the attitude does not follow it.
-            changes = norms(omega - omega[0]).max() / (norms(omega).max() or 1.0)
-            if error(other) < min(least, changes, MOST_LEFT) / EXPLAINS:
-                best = [words]
-    return best
+    def better(self, readings: Iterable[_Undone], best: _Undone) -> _Undone:
+        """Return the mistakes without which the error is smallest; the given ones if none explains.
+
+        Of those alike the first is named.
+        """
+        least = self.error(best[1])
+        # What stands still is off by one, whatever is recorded.
+        enough = LEFT * min(1.0, least)
+        for words, reading in readings if least > FITS else ():
+            if (left := self.error(reading)) < min(enough, least - FITS):
+                least, best = left, (words, reading)
+        return best
+
+    def other_times(self, reading: Reading) -> list[str]:
+        """Say how many times too short, or too long, times are, by how attitudes follow ω."""
+        least = self.error(reading)
+        if least <= FITS or (factor := _longer(reading)) is None:
+            return []
+        # By explicit Euler an oscillation by an angle θ a step is slower by a part of θ²/3.
+        nearly = float(norms(rotation_vectors(reading.q[:-1], reading.q[1:])).max()) ** 2 / 3
+        bounds = factor * (1 - nearly), factor * (1 + nearly)
+        fit = minimize_scalar(
+            lambda factor: self.error(reading._replace(t=factor * reading.t)),
+            bounds=bounds,
+            method="bounded",
+            options={"xatol": FITS * factor},
+        )
+        omega = self.at(fit.x * reading.t)[:, 4:]
+        # Where ω does not change it is as well that the attitude does not follow it.
+        changes = norms(omega - omega[0]).max() / (norms(omega).max() or 1.0)
+        if fit.fun >= LEFT * min(least, changes) or abs(fit.x - 1) < nearly:
+            return []
+        times, how = (fit.x, TOO_SHORT) if fit.x > 1 else (1 / fit.x, TOO_LONG)
+        return [f"the times are {times:.4g} times {how}"]
 
 
 def _beginning(exact: Trajectory) -> int:
@@ -158,20 +208,13 @@ def _undone(reading: Reading, scenario: Scenario) -> Iterator[tuple[str, Reading
         yield from _of_spins(reading, reading.spins, scenario)
 
 
-def _of_other_spans(reading: Reading) -> Iterator[tuple[str, Reading]]:
-    """Times that are a whole number of times too short, or too long, by how attitudes follow ω."""
+def _longer(reading: Reading) -> float | None:
+    """Return by how much longer times would have to be for attitudes to follow ω, nearly."""
     if (omega := reading.omega_body) is None:
-        return
+        return None
     turned = norms(rotation_vectors(reading.q[:-1], reading.q[1:])).sum()
     wanted = np.sum(norms(omega[1:] + omega[:-1]) / 2 * np.diff(reading.t))
-    ratio = float(turned / wanted) if wanted else 0.0
-    for factor in FACTORS:
-        if abs(ratio / factor - 1) < ALIKE:
-            words = f"{factor} times too short, as where one state in {factor} is kept"
-            yield f"the times are {words}", reading._replace(t=factor * reading.t)
-        if abs(ratio * factor - 1) < ALIKE:
-            words = f"{factor} times too long, as of another timestep than that of the steps"
-            yield f"the times are {words}", reading._replace(t=reading.t / factor)
+    return float(turned / wanted) if turned and wanted else None
 
 
 def _of_spins(

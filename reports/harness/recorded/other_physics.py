@@ -9,18 +9,31 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from scipy.stats import chi2
 
 from ....reference.following import KNOWN, follow
 from ....reference.other_equations import KEPT_IN_WORLD, OtherEquations
 from ....scenarios import FloatArray, Scenario, Trajectory
 from ....scenarios.rotation import matrices, norms, turned, turned_back
-from ...results.change_words import KINDS
-from ..measuring.changes import Change, as_it_is, changes
-from ..measuring.likelihood import LEFT, Fit, Search
+from ...results.change_words import KINDS, vector
+from ..measuring.changes import Change, Hypothesis, as_it_is, changes
+from ..measuring.likelihood import LEFT, LEVEL, Fit, Search
+from .gyroscope import GYROSCOPE, MOMENTUM, of_gyroscope
 from .intervals import Intervals, intervals_of, states_of
 
-#: Number of intervals that integrators, which take many steps in each, are tried on.
-FEW = 12
+
+def _with_other_sign(axis: int) -> Change:
+    sign = 1.0 - 2.0 * np.eye(3)[axis]
+
+    def reversed_(h: Hypothesis, _: FloatArray) -> Hypothesis:
+        return h.of(inverse=sign[:, None] * h.equations.inverse)
+
+    return Change("sign of a rate", reversed_, np.empty(0), lambda _: [axis])
+
+
+#: Number of intervals that changes are fitted to, and of those that integrators, which take many
+#: steps in each, are tried on.
+MOST, FEW = 60, 12
 #: Part of an integrator's error that may be left: its steps either are the motion's, or they are
 #: not.
 SAME = 1e-3
@@ -36,6 +49,10 @@ MULTIPLE = 1e-6
 IN_WORLD = Change(
     "wrong side in world axes", lambda h, _: h.of(kinematics=KEPT_IN_WORLD), np.empty(0)
 )
+#: What a com beyond the pivot does, too: the tensor about the pivot is the same.
+MIRRORED = "gravity's size", -2.0
+#: One of Euler's equations with I₁ − I₃ for I₃ − I₁, of a body without torques.
+OTHER_SIGNS = [_with_other_sign(axis) for axis in range(3)]
 KINEMATICS = "ω obeys Euler's equations, but the attitude does not follow ω"
 DYNAMICS = "the attitude follows ω, but ω does not obey Euler's equations"
 
@@ -63,18 +80,24 @@ class Physics:
     @cached_property
     def intervals(self) -> Intervals | None:
         """The motion from sample to sample; None if intervals are too few, or too long."""
-        return intervals_of(self.scenario, self.motion, self.timestep, self.order, self.noise)
+        of_method = self.timestep, self.order, self.noise
+        return intervals_of(self.scenario, self.motion, *of_method, most=MOST)
 
     @cached_property
     def search(self) -> Search | None:
         """The search for changes of the equations; None without intervals."""
         data = self.intervals
-        return None if data is None else Search(data, (IN_WORLD, *changes(self.scenario)))
+        of_motion = IN_WORLD, *changes(self.scenario), *OTHER_SIGNS
+        return None if data is None else Search(data, (*of_motion, MOMENTUM, *GYROSCOPE))
 
     @property
     def is_beyond(self) -> bool:
         """Whether the recording is beyond the error of a method of its order and timestep."""
-        return self.search is not None and self.search.is_called_for
+        if self.search is None or self.intervals is None:
+            return False
+        rest, at_once = self.search.unchanged.rest, self.intervals.at_once
+        level = LEVEL / len(self.search.changes)
+        return bool(np.sum(rest**2) / at_once > chi2.isf(level, rest.size / at_once))
 
     @cached_property
     def made_by(self) -> str:
@@ -100,12 +123,17 @@ class Physics:
 
     def explained(self) -> list[str]:
         """Return in words the clamp, or the changes, that explain the motion; often none."""
-        if words := [*self._clamps()][:1]:
-            return words
-        if self.intervals is None or self.search is None or not self.search.is_called_for:
+        if self.clamps:
+            return self.clamps[:1]
+        if self.intervals is None or self.search is None or not self.is_beyond:
             return []
         found = self.search.one_or_two()
         return self._in_words(self.intervals, found) if found else _where(self.intervals)
+
+    @cached_property
+    def clamps(self) -> list[str]:
+        """Clamps in words, the likeliest first; often none."""
+        return list(self._clamps())
 
     def _clamps(self) -> Iterator[str]:
         """Yield clamps of ω that lead from the exact start, and each sample, to the next one."""
@@ -127,11 +155,22 @@ class Physics:
     def _in_words(self, data: Intervals, found: Fit) -> list[str]:
         sentences = []
         for change in found.changes:
+            if change in (MOMENTUM, *GYROSCOPE):
+                numbers = found.numbers_of(change)
+                sentences.append(of_gyroscope(change, numbers, _without_errors))
+                continue
             before = f"{KINEMATICS}: " if KINDS[change.kind].is_kinematic else "it moves as if "
-            sentences.append(before + found.explanation(change).words)
+            words = found.explanation(change).words
+            if (change.kind, *found.explanation(change).numbers) == MIRRORED:
+                words += ", or the com were on the other side of the pivot"
+            sentences.append(before + words)
         if made := self._integrator(data, found.hypothesis.equations):
             sentences.append(f"what is left is {made}")
         return sentences
+
+
+def _without_errors(numbers: FloatArray, _: float) -> str:
+    return vector(numbers.tolist()) if len(numbers) > 1 else f"{numbers[0]:.4g}"
 
 
 def _where(data: Intervals) -> list[str]:

@@ -109,7 +109,7 @@ def exactly(one: Case, rates: Rates) -> dict[str, np.ndarray]:
 
 
 def stepped(
-    one: Case, rates: Rates, order: int, timestep: float, chance: np.random.Generator
+    scene: Scenario, rates: Rates, order: int, timestep: float, chance: np.random.Generator
 ) -> dict[str, np.ndarray]:
     """The same by an explicit Runge–Kutta method of order 1 to 4, drawn at random where it may be.
 
@@ -127,8 +127,8 @@ def stepped(
             [1 / 8, 3 / 8, 3 / 8, 1 / 8],
         ),
     }[order]
-    y = np.concatenate([one.scenario.start.q_world_body_wxyz, one.scenario.start.omega_body])
-    times, states = one.scenario.times, [y]
+    y = np.concatenate([scene.start.q_world_body_wxyz, scene.start.omega_body])
+    times, states = scene.times, [y]
     every = round(times[1] / timestep)
     for _ in times[1:]:
         for _ in range(every):

@@ -118,7 +118,7 @@ TUMBLING = [case(7), case(8, is_pivoted=True)]
 OF_TIMES = {
     "one state in ten": (
         lambda a: {name: a[name][::10] for name in ("q", "omega")} | {"t": a["t"][:21]},
-        ["the times are 10 times too short, as where one state in 10 is kept"],
+        ["the times are 10 times too short, as where one state in so many is kept"],
     ),
     "half the timestep": (
         lambda a: {"t": 2 * a["t"]},

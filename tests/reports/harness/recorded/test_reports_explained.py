@@ -256,7 +256,7 @@ def test_noise_that_is_stated_too_small_is_told() -> None:
 @pytest.mark.parametrize("order", [1, 2, 3, 4])
 def test_an_honest_method_is_not_accused(order: int) -> None:
     one = case(30 + order, is_pivoted=order % 2 == 0, duration=2.0, samples=101)
-    arrays = stepped(one, rates_of(one), order, 0.01, np.random.default_rng(order))
+    arrays = stepped(one.scenario, rates_of(one), order, 0.01, np.random.default_rng(order))
     found = judged(one.scenario, arrays, timestep=0.01)
     assert found.explained_by == ()
     assert not found.is_beyond
@@ -286,7 +286,7 @@ def test_one_change_among_a_hundred_must_be_a_hundred_times_less_likely_by_chanc
     spans = np.linspace(0.01, 0.2, 12)[:, None]
     ends = follow(drag.apply(base, np.array([1e-3])).equations, starts, spans)[:, 0]
     fall = chi2.isf(LEVEL / 10, 1)
-    exact = Intervals(base, starts, spans, ends, np.ones(2), np.zeros((12, 2)))
+    exact = Intervals(base, starts, spans[:, 0], spans, ends, np.ones(2), np.zeros((12, 2)))
     noise = np.full(2, np.linalg.norm(exact.apart(base.equations)) / np.sqrt(fall))
     others = [] if is_alone else [Change("sphere", lambda h, _: h, np.empty(0))] * 99
     found = Search(replace(exact, noise=noise), [drag, *others]).one_or_two()

@@ -1,0 +1,131 @@
+"""Ways to read a recording otherwise that are rare enough to be looked for one at a time."""
+
+import warnings
+from collections.abc import Iterator
+from itertools import permutations, product
+from typing import Any
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from ....scenarios import FloatArray, Scenario
+from ....scenarios.rotation import matrix
+from ..measuring.likelihood import LEFT
+from .motion import Reading
+
+#: By how many samples ω may be older or newer than the attitude, if by more than one.
+SAMPLES = range(2, 6)
+#: Largest number of digits after the point of times that are rounded.
+DIGITS = 6
+#: Orders and signs of three axes that are right-handed, as rotation matrices.
+AXES = [
+    R
+    for order in permutations(range(3))
+    for signs in product((1.0, -1.0), repeat=3)
+    if np.linalg.det(R := np.array(signs)[:, None] * np.eye(3)[list(order)]) > 0
+]
+COLUMNS = np.array(["qw", "qx", "qy", "qz"])
+
+
+def other_readings(
+    reading: Reading, scenario: Scenario, first: FloatArray
+) -> Iterator[tuple[str, Reading]]:
+    """Yield each way in words, and the recording read so.
+
+    Parameters
+    ----------
+    first : the exact attitude at the first sample, body to world, (3, 3)
+    """
+    yield from _of_times(reading)
+    yield from _of_columns(reading)
+    yield from _of_angles(reading)
+    if reading.omega is not None:
+        yield from _of_age(reading, reading.omega)
+    if reading.frame == "body":
+        yield from _of_axes(reading, scenario, first)
+
+
+def _of_times(reading: Reading) -> Iterator[tuple[str, Reading]]:
+    """Times at a whole number of samples a second, as they were before they were rounded."""
+    t = reading.t
+    rate = round((len(t) - 1) / (t[-1] - t[0]))
+    equal = t[0] + np.arange(len(t)) / max(rate, 1)
+    digits = next((n for n in range(DIGITS + 1) if np.array_equal(t, np.round(t, n))), None)
+    if digits is not None and np.array_equal(t, np.round(equal, digits)):
+        words = f"the times are rounded to {10.0**-digits:g} s: samples are 1/{rate} s apart"
+        yield words, reading._replace(t=equal)
+
+
+def _of_columns(reading: Reading) -> Iterator[tuple[str, Reading]]:
+    """The components of quaternions in other orders, with other signs."""
+    for order in map(list, permutations(range(4))):
+        for signs in product((1.0, -1.0), repeat=3):
+            picked = zip((1.0, *signs), COLUMNS[order], strict=True)
+            names = ", ".join(f"{'-' * int(sign < 0)}{name}" for sign, name in picked)
+            q = reading.q[:, order] * [1.0, *signs]
+            yield f"the quaternion is [{names}] of its columns", reading._replace(q=q)
+
+
+def _of_angles(reading: Reading) -> Iterator[tuple[str, Reading]]:
+    """Attitudes composed from Euler angles by another convention than they are of."""
+    R = Rotation.from_quat(reading.q, scalar_first=True)
+    # Of any type, as scipy lists the conventions that there are.
+    conventions: list[Any] = list(map("".join, permutations("XYZ")))
+    for taken in conventions:
+        with warnings.catch_warnings(action="ignore"):
+            angles = R.as_euler(taken)
+        for right in conventions:
+            by_axis = angles[:, [taken.index(axis) for axis in right]]
+            for given, how in ((by_axis, "composed in the order"), (angles, "taken for those of")):
+                q = Rotation.from_euler(right, given).as_quat(scalar_first=True)
+                words = f"the attitude's Euler angles {right} were {how} {taken}"
+                yield words, reading._replace(q=q)
+
+
+def _of_age(reading: Reading, omega: FloatArray) -> Iterator[tuple[str, Reading]]:
+    for samples in SAMPLES:
+        earlier, later = slice(None, -samples), slice(samples, None)
+        for age, mine, other in (("older", earlier, later), ("newer", later, earlier)):
+            words = f"ω is {samples} samples {age} than the attitude"
+            yield words, reading.rows(mine)._replace(omega=omega[other])
+
+
+def _of_axes(
+    reading: Reading, scenario: Scenario, first: FloatArray
+) -> Iterator[tuple[str, Reading]]:
+    """Attitudes between other axes of the world and of the body that the first one is between."""
+    R = matrix(reading.q[0])
+
+    def fits(world: FloatArray, body: FloatArray) -> bool:
+        return bool(np.abs(world @ R @ body - first).max() < LEFT)
+
+    for world, body in product(AXES, AXES):
+        if fits(world, body):
+            which = [
+                f"the {of}'s axes are {_named(R)} of the scene's"
+                for of, R in (("world", world), ("body", body))
+                if not np.array_equal(R, np.eye(3))
+            ]
+            words, other = " and ".join(which), _turned(reading, world, body)
+            yield words, other
+            yield f"{words}, except for ω", other._replace(omega=reading.omega)
+    axes = np.linalg.eigh(scenario.body.inertia_com)[1]
+    axes[:, 2] *= np.linalg.det(axes)
+    for body in AXES:
+        if fits(np.eye(3), body @ axes.T):
+            words = "attitude and ω are those of the tensor's principal axes, not of the body's"
+            yield words, _turned(reading, np.eye(3), body @ axes.T)
+
+
+def _turned(reading: Reading, world: FloatArray, body: FloatArray) -> Reading:
+    """Return a recording of other axes, (3, 3): R of the scene is world R body."""
+    R = Rotation.from_quat(reading.q, scalar_first=True)
+    q = Rotation.from_matrix(world) * R * Rotation.from_matrix(body)
+    omega = None if reading.omega is None else reading.omega @ body
+    return reading._replace(q=q.as_quat(scalar_first=True), omega=omega)
+
+
+def _named(R: FloatArray) -> str:
+    """Return the axes of which columns of a matrix are, such as [x, -z, y]."""
+    at = np.abs(R).argmax(axis=0)
+    return f"[{', '.join('-' * int(R[k, j] < 0) + 'xyz'[k] for j, k in enumerate(at))}]"

@@ -1,0 +1,59 @@
+"""Faults by somebody who did not write what explains them: named rightly, or not at all."""
+
+import numpy as np
+import pytest
+from invented_faults import INVENTED, free
+from planted_motions import exactly, rates_of
+from reported_faults import Fault, judged, named
+
+pytestmark = pytest.mark.slow
+
+#: What is not named: drag with ‖ω‖ ω is taken for drag that fits nearly as well.
+NOT_NAMED = {"ω through a filter of three samples": [], "drag with ‖ω‖ ω": ["slowed by"]}
+
+
+@pytest.mark.parametrize("fault", INVENTED, ids=lambda fault: fault.what)
+def test_an_invented_fault_is_named_and_no_other(fault: Fault) -> None:
+    found = judged(*fault.motion(), fault.timestep)
+    assert found.is_another
+    if (words := NOT_NAMED.get(fault.what)) is None:
+        assert fault.is_named(named(found))
+    else:
+        assert len(named(found)) == len(words)
+        assert all(map(str.__contains__, named(found), words))
+
+
+def test_a_sample_that_is_off_is_told_from_a_jump() -> None:
+    one = free(12)
+    arrays = exactly(one, rates_of(one))
+    arrays["omega"][90] += 0.1
+    (words,) = judged(one.scenario, arrays, 1e-4).explained_by
+    assert words.startswith("the sample at t = 1.8 s is off by ")
+    assert words.endswith("° and 0.173 rad/s: leave it out")
+    # From there on everything is turned.
+    arrays = exactly(one, rates_of(one))
+    arrays["q"][90:] = arrays["q"][90:, [1, 0, 3, 2]] * [-1, 1, 1, -1]
+    found = judged(one.scenario, arrays, 1e-4)
+    (words,) = found.explained_by
+    assert words.startswith("at t = 1.8 s it jumps, by 180° and ")
+    assert found.is_beyond
+
+
+def test_what_jumps_at_more_than_a_tenth_of_samples_does_not_jump() -> None:
+    one = free(12)
+    arrays = exactly(one, rates_of(one))
+    arrays["omega"][::9] += 0.1
+    assert not any(
+        "jumps" in words or "is off" in words
+        for words in judged(one.scenario, arrays, 1e-4).explained_by
+    )
+
+
+def test_the_largest_of_many_noises_is_no_jump() -> None:
+    """Noise as large as what a method may be off at some samples is beyond it."""
+    one = free(12)
+    arrays, chance = exactly(one, rates_of(one)), np.random.default_rng(5)
+    of_method = judged(one.scenario, arrays, None)
+    assert not of_method.is_another
+    arrays["omega"] += chance.normal(0, 2e-3, arrays["omega"].shape)
+    assert judged(one.scenario, arrays, None).explained_by == ()
