@@ -10,8 +10,8 @@ from ...reference import Solution
 from ...scenarios import Expect, Scenario
 from ..results.evidence import Evidence, ReplayEvidence, StepEvidence
 from ..results.records import Key, Row
-from .comparison import compared, unmet_expectations
-from .defects import with_defects
+from .comparison.defects import with_defects
+from .comparison.rows import compared, unmet_expectations
 from .executors import Answer
 from .judging import Records
 from .judging.ladder_end import cut_short, is_down

@@ -12,7 +12,8 @@ from ...engines.models.mjcf import mjcf
 from ...engines.models.urdf import urdf
 from ...reference import solution
 from ...scenarios import EFFECTS, Scenario
-from ..harness import comparison, ladder
+from ..harness import ladder
+from ..harness.comparison import rows
 from ..harness.costs import step_cost
 from ..harness.executors import worker_slot
 from ..harness.judging import ladder_end
@@ -42,7 +43,7 @@ RULES: dict[str, Any] = {
 } | {
     module.__name__.rpartition(".")[2]: module
     for module in (
-        *(comparison, evidence, ladder, ladder_end, noise, observed_order, places, read_back),
+        *(evidence, ladder, ladder_end, noise, observed_order, places, read_back, rows),
         *(intervals, memory, own_places, replay, solution, step_cost, worker_slot),
     )
 }

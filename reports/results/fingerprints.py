@@ -31,8 +31,8 @@ DECIDING = {
     "motion": ("reference.solve",),
     "run": (
         "engines.engine",
-        "reports.harness.comparison",
-        "reports.harness.defects",
+        "reports.harness.comparison.rows",
+        "reports.harness.comparison.defects",
         "reports.harness.ladder",
         "reports.harness.measuring.examine",
         "reports.harness.measuring.replay",

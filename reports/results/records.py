@@ -192,7 +192,7 @@ class Row(Record):
     reason : why the outcome is not ok; for an engine as shipped, what differs from the scene
     cause : the reason in a word
     without_skill : whether a run that is ok is no better than no motion
-        (`harness/comparison.py`)
+        (`harness/comparison/rows.py`)
     stopped_at : time at which it diverged or failed, s
     errors : errors at the run's sample times; None unless it is ok
     drifts : largest change of each conserved quantity, relative, by name
@@ -206,7 +206,7 @@ class Row(Record):
         timestep, and 1 ms
     unasked : for an engine as shipped, what acted although the scene does not call for it, by the
         engine's names
-    defects : defects by signal (`harness/defects.py`), at stock timesteps and those that a user
+    defects : defects by signal (`harness/comparison/defects.py`), at stock timesteps and those that a user
         asks for; None if the motion turns too far to be followed
     turns : turns of the exact motion over the samples, 2π rad each
     turns_within_1deg : turns until the attitude is off by more than 1°; None if it never is

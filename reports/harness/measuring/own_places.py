@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from ....engines.checks.equations import Equations
 from ....scenarios import Scenario
 from ....scenarios.fastest_rate import fastest_rate
-from ..defects import FARTHEST_TURN
+from ..comparison.defects import FARTHEST_TURN
 from .examine import OPENED
 from .intervals import INTERVALS, Passage
 from .places import Places

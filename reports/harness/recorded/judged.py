@@ -18,7 +18,7 @@ from ....scenarios import (
     error_series,
 )
 from ...results.records import Defect
-from ..defects import defects
+from ..comparison.defects import defects
 from .explained import explained
 from .measured import Measured
 from .motion import RecordedMotion, reading_of, recorded_motion

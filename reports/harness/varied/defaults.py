@@ -7,7 +7,7 @@ from ....engines.varied_engine import VariedEngine
 from ....reference import Solution
 from ....scenarios import Scenario
 from ...results.records import Key, Row, variation
-from ..comparison import row_of
+from ..comparison.rows import row_of
 from ..ladder import Rung
 from ..measuring.examine import examine
 from ..measuring.places import Places

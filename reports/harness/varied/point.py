@@ -11,8 +11,8 @@ from ....scenarios.scatter import member
 from ...results.ensemble_records import EnsemblePoint
 from ...results.records import Key, Row, variation
 from ..choice import EngineMethod
-from ..comparison import row_of
-from ..defects import with_defects
+from ..comparison.defects import with_defects
+from ..comparison.rows import row_of
 from ..executors import cause_of, is_environmental
 from ..ladder import Rung, single
 from ..stock import STEP_BUDGET, stock_rung, stock_timestep

@@ -19,7 +19,7 @@ from ....scenarios import (
     error_series,
 )
 from ....scenarios.fastest_rate import fastest_rate
-from ...harness.defects import defects
+from ...harness.comparison.defects import defects
 from ...results.default_records import DefaultEffects
 from ...results.evidence import Evidence
 from ...results.records import Key, OfMethod, Pair, Row

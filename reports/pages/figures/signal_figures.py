@@ -9,7 +9,7 @@ import math
 import numpy as np
 
 from ....scenarios import FloatArray
-from ...harness.defects import LEAST_ROUNDING
+from ...harness.comparison.defects import LEAST_ROUNDING
 from ...results.results import SceneResult
 from ..analysis.report_data import SceneRuns
 from .drawn_body import drawn_body

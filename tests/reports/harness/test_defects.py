@@ -8,7 +8,7 @@ from library_scenes import library_scene
 from planted import HALFWAY, METHOD, HeunSession, SpunUpFromHalfwaySession, planted
 from spincheck.engines import Engine
 from spincheck.reference import ExactMotion
-from spincheck.reports.harness.defects import LEAST_ROUNDING, NOISE, defects, turns_made
+from spincheck.reports.harness.comparison.defects import LEAST_ROUNDING, NOISE, defects, turns_made
 from spincheck.scenarios import Trajectory
 from spincheck.scenarios.scenario import started_at
 

@@ -16,7 +16,7 @@ from planted import (
 from spincheck.reference.solve import ExactMotion
 from spincheck.reports.harness import prepared as prepared_module
 from spincheck.reports.harness.choice import Choice
-from spincheck.reports.harness.comparison import unmet_expectations
+from spincheck.reports.harness.comparison.rows import unmet_expectations
 from spincheck.reports.harness.executors import LocalWorkers
 from spincheck.reports.results.records import Key, Row
 from spincheck.reports.results.results import Results

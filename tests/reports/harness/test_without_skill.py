@@ -12,7 +12,7 @@ from scipy.spatial.transform import Rotation
 from spincheck.engines import Run, engines
 from spincheck.reference import solve
 from spincheck.reports.harness import comparison
-from spincheck.reports.harness.comparison import row_of
+from spincheck.reports.harness.comparison.rows import row_of
 from spincheck.reports.harness.ladder import single
 from spincheck.reports.results.records import Key
 from spincheck.scenarios import Trajectory, error_series, loads

@@ -9,7 +9,7 @@ from kinds_of_engines import installed
 from spincheck.engines import engines
 from spincheck.reports.cli.run.batches import exit_code, print_batches
 from spincheck.reports.cli.terminal import AGREES, BAD_INPUT, DISAGREES, NOT_RUN
-from spincheck.reports.harness.batches import NUMBER, Apart, BatchRow
+from spincheck.reports.harness.varied.batches import NUMBER, Apart, BatchRow
 
 COST = {"seconds_per_step": 64e-6, "beside": 2e-6, "beside_by": "mujoco Euler"}
 SAME = BatchRow("top", "e", "m", 2e-3, 64, "CPU", until=5.0, has_neighbours=True, **COST)

@@ -10,7 +10,7 @@ from spincheck.engines.adapters.pybullet.engine import PyBullet
 from spincheck.engines.adapters.pybullet.world import CLAMP, DAMPING, INERTIA, JOINT_MOTOR
 from spincheck.reference import solve
 from spincheck.reports.harness.choice import Choice
-from spincheck.reports.harness.comparison import row_of
+from spincheck.reports.harness.comparison.rows import row_of
 from spincheck.reports.harness.ladder import single
 from spincheck.reports.harness.prepared import prepare
 from spincheck.reports.harness.varied.defaults import runs_with_defaults

@@ -15,7 +15,7 @@ import numpy as np
 from mpmath import mpf
 from scipy.spatial.transform import Rotation
 
-from ...engines import (
+from ....engines import (
     Batch,
     Engine,
     EngineError,
@@ -26,9 +26,9 @@ from ...engines import (
     UnsupportedError,
     engines,
 )
-from ...scenarios import Scenario
-from ...scenarios.scatter import member
-from .executors import CallFailed, Executor
+from ....scenarios import Scenario
+from ....scenarios.scatter import member
+from ..executors import CallFailed, Executor
 
 #: Time that the steps of a batch may take, about, s; if steps are expensive, less than the window
 #: is compared.

@@ -5,9 +5,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from ...engines import Engine, Run
-from ...reference import Solution, drifts
-from ...scenarios import (
+from ....engines import Engine, Run
+from ....reference import Solution, drifts
+from ....scenarios import (
     SIGNAL,
     ErrorSeries,
     Expect,
@@ -16,13 +16,13 @@ from ...scenarios import (
     Trajectory,
     error_series,
 )
-from ..results.evidence import StepEvidence
-from ..results.reasons import fault_in_words
-from ..results.records import Key, Row
+from ...results.evidence import StepEvidence
+from ...results.reasons import fault_in_words
+from ...results.records import Key, Row
+from ..executors import Answer, CallFailed
+from ..ladder import Rung
+from ..stock import stock_timesteps
 from .defects import turns_made
-from .executors import Answer, CallFailed
-from .ladder import Rung
-from .stock import stock_timesteps
 
 #: A run whose energy error exceeds this many times the base has blown up.
 ABSURD_ENERGY = 10.0

@@ -14,12 +14,12 @@ from functools import lru_cache
 
 import numpy as np
 
-from ...reference import IntegrationError, flow
-from ...scenarios import Errors, ErrorSeries, FloatArray, Scenario, Trajectory
-from ...scenarios.agreement import ErrorNorm, norm_of
-from ...scenarios.fastest_rate import fastest_rate
-from ...scenarios.mechanics import RECENT
-from ..results.records import Defect, Row
+from ....reference import IntegrationError, flow
+from ....scenarios import Errors, ErrorSeries, FloatArray, Scenario, Trajectory
+from ....scenarios.agreement import ErrorNorm, norm_of
+from ....scenarios.fastest_rate import fastest_rate
+from ....scenarios.mechanics import RECENT
+from ...results.records import Defect, Row
 
 #: Largest turn of a motion, rad, that is followed: more would take longer than a second.
 FARTHEST_TURN = 1e5

@@ -23,7 +23,7 @@ from spincheck.engine import (
     State,
     UnsupportedError,
 )
-from spincheck.reports.harness.batches import (
+from spincheck.reports.harness.varied.batches import (
     NUMBER,
     PLACE,
     TOGETHER,
