@@ -10,7 +10,6 @@ from spincheck.scenarios import EFFECTS, loads
 from spincheck.scenarios.effects import Effect, EffectTable
 from top_scenes import GRAVITY, scene
 
-
 #: An effect of every scene with gravity, of which nothing says that it is no force.
 SPRING = Effect("spring", table="gravity", model=EffectTable)
 TURNS_NOTHING = EffectTerms("constant", lambda *_: {}, lambda _: False, lambda *_: {})
