@@ -201,7 +201,9 @@ def _is_symmetric(scene: InvariantScales) -> bool:
 
 
 def _is_thrown(scene: InvariantScales) -> bool:
-    return not scene.scenario.constraint.is_pivot
+    """Whether no force but gravity acts on the com along the axes along which nothing holds it."""
+    forces = {effect.name for effect in scene.scenario.acting if effect.is_force}
+    return not scene.scenario.constraint.is_pivot and forces <= {"gravity"}
 
 
 def _of_held_point(effect: Effect) -> Law:

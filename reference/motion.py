@@ -10,6 +10,9 @@ from ..scenarios.rotation import matrices, matrix, norms, turned
 from ..scenarios.rotation import times as times_quaternion
 from .problem import Problem
 
+#: Names of the effects that `assembled` moves a free body's centre of mass by.
+FORCES_IN_FLIGHT = frozenset({"gravity"})
+
 
 class Flight(NamedTuple):
     """How long a free body had been flying at each sample, and the state its flight started from.

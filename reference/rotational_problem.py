@@ -8,6 +8,7 @@ from ..scenarios import Scenario
 from ..scenarios.exact import DIGITS, conjugate, product, rotate
 from ..scenarios.principal import from_matrix, principal_axes
 from .effect_terms import TERMS
+from .motion import FORCES_IN_FLIGHT
 from .problem import Problem
 
 
@@ -19,9 +20,10 @@ def rotational_problem(scenario: Scenario) -> Problem:
     Raises
     ------
     NotImplementedError
-        If `effect_terms` lacks an effect of the scene.
+        If `effect_terms` lacks an effect of the scene, or `motion` a force.
     """
-    if unknown := scenario.called_for - TERMS.keys() - {"pivot"}:
+    forces = {effect.name for effect in scenario.acting if effect.is_force} - FORCES_IN_FLIGHT
+    if unknown := scenario.called_for - TERMS.keys() - {"pivot"} | forces:
         raise NotImplementedError(f"the exact motion with {', '.join(sorted(unknown))} is unknown")
     start = scenario.start
     with mp.workdps(DIGITS):

@@ -1,7 +1,8 @@
 """The signals that motions are judged by, each with its error's norm, as data.
 
 Everything that computes, bounds, stores or shows errors iterates over `SIGNALS`: another signal is
-an entry there and a field of `Errors`.
+an entry at its end, and a field at the end of `Errors` that is None by default, as it is in results
+that were stored without it.
 """
 
 import math
@@ -259,7 +260,7 @@ def signals_of(scene: Scene) -> tuple[Signal, ...]:
 #: The signals by their names.
 SIGNAL = {signal.name: signal for signal in SIGNALS}
 assert tuple(SIGNAL) == tuple(field.name for field in fields(Errors)), "one field a signal"
-#: The names of the signals that every scene has.
+#: The names of the signals that every scene has, and every stored result.
 EVERYWHERE = tuple(field.name for field in fields(Errors) if field.default is MISSING)
 
 if TYPE_CHECKING:

@@ -22,6 +22,9 @@ OF_A_CONSTRAINT = "## A constraint: the table"
 OTHERS = ("markdown", "render", "templating", "overview/first_screen", "overview/spread")
 OTHER_TABLES = {f"reports/pages/{name}.py" for name in OTHERS}
 OTHER_TABLES.add("scenarios/format_page.py")
+#: The force of a scene that accelerates the com; the heading below which its files are listed.
+GRAVITY = re.compile(r"gravity_world")
+OF_A_FORCE = "## A force: gravity"
 #: Of a constraint with a force and an end of its own: measured.
 MOST_OF_A_CONSTRAINT = 12
 MOST, MOST_WITH_ADAPTERS = 12, 25
@@ -70,3 +73,11 @@ def test_the_page_lists_the_files_that_name_the_table() -> None:
     named = {path for path in files_with(TABLE, ROOT) if not path.startswith(ADAPTERS)}
     assert listed == named - OTHER_TABLES
     assert len(listed) <= MOST_OF_A_CONSTRAINT
+
+
+def test_the_page_lists_the_files_that_name_the_force_of_gravity() -> None:
+    section = PAGE.split(OF_A_FORCE)[1].split("\n## ")[0]
+    rows = "".join(re.findall(r"^\|.*$", section, re.MULTILINE))
+    listed = set(re.findall(r"`([\w/]+\.py)`", rows))
+    named = {path for path in files_with(GRAVITY, ROOT) if not path.startswith(ADAPTERS)}
+    assert listed == named

@@ -166,7 +166,7 @@ class Effect:
         scene would be a different one
     pushed : name and value, SI, of the torque parameter that `push` includes, from the table, or
         from None if the scene has no such table; None if `push` does not include the effect
-    check : raises `Misfit` if the scene's start does not go with the table
+    check : raises `Misfit` if the scene's start, or another effect, does not go with the table
     sizes, rates : its numbers that must be computable, each with where it is written
     rate : the fastest rate at which it changes a state, 1/s; `rate_formula` is its formula in words
     decay : the fastest rate at which it slows the body, 1/s
@@ -211,6 +211,11 @@ class Effect:
         kept_body = scenario.kept_body(scenario.kept(motion.omega_body, motion.spins))
         R_world_body = motion.R_world_body.as_matrix()
         return self.force(scenario, R_world_body, motion.omega_body, kept_body)
+
+    @property
+    def is_force(self) -> bool:
+        """Whether it may accelerate the com of a free body: it is no torque, constraint or part."""
+        return not (self.pushed or self.constraint or self.is_part)
 
     @property
     def heading(self) -> str:

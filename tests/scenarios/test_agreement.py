@@ -2,9 +2,16 @@
 
 import numpy as np
 import pytest
+from pydantic import TypeAdapter
 from scene_texts import scene
 from scipy.spatial.transform import Rotation
-from spincheck.scenarios import Trajectory, error_series, errors_between, radius_of_gyration
+from spincheck.scenarios import (
+    Errors,
+    Trajectory,
+    error_series,
+    errors_between,
+    radius_of_gyration,
+)
 
 EPS = np.finfo(float).eps
 ROUNDED = 32 * EPS
@@ -149,3 +156,9 @@ def test_a_com_that_should_stay_is_measured_against_the_radius_of_gyration(signa
     moved = spinning(**{f"{signal}_world": always(0.0, 0.1, 0.0)})
     base = {"com": k, "velocity": 4.0 * k}[signal]
     assert getattr(errors_between(scene_of, moved, EXACT), signal) == pytest.approx(0.1 / base)
+
+
+def test_errors_that_were_stored_before_a_signal_was_added_are_read():
+    at_first = ["omega", "attitude", "angular_momentum", "energy", "com", "velocity"]
+    read = TypeAdapter(Errors).validate_python(dict.fromkeys(at_first, 1e-3))
+    assert [name for name, _ in read] == at_first

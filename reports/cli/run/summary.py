@@ -47,7 +47,8 @@ def run_lines(rows: Sequence[Row]) -> Iterator[str]:
         headings, *numbers = aligned(columns) or [""]
         yield f"  {'at':{VARIED}}{headings}" if varied else f"  {'timestep, s':>11} {headings}"
         for row in group:
-            yield cut(_begun(row) + (numbers.pop(0) if row.errors else _ended(row)), WIDTH)
+            begun = _begun(row)
+            yield begun + numbers.pop(0) if row.errors else cut(begun + _ended(row), WIDTH)
 
 
 def of_signals(
