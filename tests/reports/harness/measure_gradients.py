@@ -18,6 +18,7 @@ from spincheck.reports.cli.engines.gradients import median_and_quartiles, useles
 from spincheck.reports.harness.executors import LocalWorkers
 from spincheck.reports.harness.gradients.study import (
     OURS,
+    TAPED,
     THROUGH,
     GradientRow,
     gradient_by,
@@ -229,7 +230,8 @@ def main(names: Sequence[str]) -> None:
                 for method in STEERED_BY.get(name, ())
                 if wanted in ("", method)
                 for row in rows_of(executor, f"{name}/{method}", [scene], whole=name == "mujoco")
-                if row.window and (row.derivative != OURS or (name == "mujoco" and method == "RK4"))
+                if len(row.window) > len(TAPED)
+                if row.derivative != OURS or (name == "mujoco" and method == "RK4")
             ]
             write({"measured": list(table(found)), "steered": list(steered(hard))})
     if "mujoco" in names:
