@@ -14,7 +14,7 @@ from reported_faults import FAULTS, Fault, judged, named
 
 PAGE = Path(__file__).parents[4] / "docs/measured/recorded-motions.md"
 #: Honest motions.
-HONEST = 240
+HONEST = 300
 HEAD = """# What `judge` says of motions with faults, and of honest ones
 
 Made by `make recorded-motions`. Each motion is computed with a fault, by code
