@@ -176,8 +176,9 @@ def print_judgement(judgement: Judgement) -> None:
 def _lines(name: str, motion: JudgedMotion) -> Iterator[str]:
     t = motion.recorded.trajectory.t
     yield f"{printable(name)}: {len(t)} samples from {t[0]:g} to {t[-1]:g} s"
-    sentences = [f"{motion.verdict[0].upper()}{motion.verdict[1:]}."]
-    sentences += [f"Explained by: {words}." for words in motion.explained_by]
+    # What to do comes first; the verdict holds from sample to sample, whatever is wrong with all.
+    sentences = [f"Explained by: {words}." for words in motion.explained_by]
+    sentences.append(f"{motion.verdict[0].upper()}{motion.verdict[1:]}.")
     if motion.made_by:
         sentences.append(f"It is {motion.made_by}.")
     if motion.measured:

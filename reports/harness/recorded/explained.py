@@ -147,6 +147,6 @@ def _verdict(physics: Physics, is_beyond: bool | None = None) -> str:
     where = (
         f"at a timestep of {physics.timestep:.4g} s"
         if physics.timestep
-        else "at a timestep as long as the samples are apart, as none is stated"
+        else "from sample to sample in one step, as no timestep is stated"
     )
     return f"{'beyond' if is_beyond else 'within'} {what} {where}"

@@ -4,6 +4,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
 from ....reference.following import EXACT, Integrator, follow
 from ....reference.other_equations import OtherEquations
@@ -17,6 +18,8 @@ from .gyroscope import as_it_was, as_read
 NEAR, FEWEST_INTERVALS = 0.7, 4
 #: Number of intervals, at most, that the time before a recording is divided into.
 MOST_BEFORE = 1000
+#: Difference of starts, rad and relative, by which the growth of errors is found.
+SMALL = 1e-6
 #: Rates that are this small relative to the largest are not rates of a motion.
 RESTS = 1e-6
 
@@ -117,9 +120,16 @@ def gained_before(
     rates = np.maximum(norms(states[:, 4:]), equations.rate)
     rates = np.maximum(rates, RESTS * rates.max())
     taken = min(timestep or distance, distance)
-    turned, faster = _of_method(equations, states, spans, rates, rates * taken, order).sum(axis=0)
-    # An error in ω turns the attitude ever after.
-    return np.array([turned + t[0] * faster, faster])
+    method = _of_method(equations, states, spans, rates, rates * taken, order).sum(axis=0)
+    # Errors grow along the motion as differences of its start do.
+    units = np.array([1.0, rates.max()])
+    off = SMALL * np.eye(6)
+    turned = Rotation.from_quat(first[0, :4], scalar_first=True) * Rotation.from_rotvec(off[:, :3])
+    q, omega = turned.as_quat(scalar_first=True), first[:, 4:] + off[:, 3:] * units[1]
+    others = follow(equations, np.hstack([q, omega]), np.full((6, 1), t[0]))[:, 0]
+    last = follow(equations, first, np.array([[t[0]]]))[0]
+    grown = apart(np.repeat(last, 6, axis=0), others) / np.repeat(units, 3) / SMALL
+    return np.asarray(np.linalg.norm(grown, 2) * np.sum(method / units) * units)
 
 
 def states_of(motion: Trajectory) -> FloatArray:

@@ -45,6 +45,11 @@ def jumps(data: Intervals) -> list[str]:
         if lost and _is_near(state, data.ends[k], data.scale[k]):
             samples = "1 sample is" if lost == 1 else f"{lost} samples are"
             return [f"{samples} lost before t = {data.t[k]:.6g} s, or its time is too early"]
+    if not k:
+        return [
+            f"the first sample is off what follows by {_size(off[0])}, as where a state is written "
+            "before an engine corrects it, or by a step that begins wrongly"
+        ]
     return [f"{at} it jumps, by {_size(off[k])}, as where a state is set, or something strikes it"]
 
 

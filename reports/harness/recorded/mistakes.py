@@ -136,11 +136,15 @@ class _Beginning:
 
         Of those alike the first is named.
         """
-        least = self.error(best[1])
-        # What stands still is off by one, whatever is recorded.
-        enough = LEFT * min(1.0, least)
+        given = best[1]
+        usual = least = self.error(given)
         for words, reading in readings if least > FITS else ():
-            if (left := self.error(reading)) < min(enough, least - FITS):
+            # A reading that has fewer samples must be better than one without the worst.
+            fewer = len(given.t) - len(reading.t)
+            parts = slice(fewer, None), slice(None, len(given.t) - fewer)
+            # What stands still is off by one, whatever is recorded.
+            of_given = min(1.0, usual, *(self.error(given.rows(part)) for part in parts if fewer))
+            if (left := self.error(reading)) < min(LEFT * of_given, least - FITS):
                 least, best = left, (words, reading)
         return best
 

@@ -32,7 +32,7 @@ def test_a_sample_that_is_off_is_told_from_a_jump() -> None:
     assert words.endswith("° and 0.173 rad/s: leave it out")
     # From there on everything is turned.
     arrays = exactly(one, rates_of(one))
-    arrays["q"][90:] = arrays["q"][90:, [1, 0, 3, 2]] * [-1, 1, 1, -1]
+    arrays["q"][90:] = arrays["q"][90:, [1, 0, 3, 2]] * [-1, 1, -1, 1]
     found = judged(one.scenario, arrays, 1e-4)
     (words,) = found.explained_by
     assert words.startswith("at t = 1.8 s it jumps, by 180° and ")

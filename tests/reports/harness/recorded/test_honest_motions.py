@@ -1,0 +1,76 @@
+"""Honest motions that were accused once, each by another cause, are not."""
+
+from itertools import chain
+
+import numpy as np
+import pytest
+from honest_motions import honest
+from planted_motions import case, exactly, rates_of, stepped
+from reported_faults import judged
+from scipy.spatial.transform import Rotation
+
+pytestmark = pytest.mark.slow
+
+#: Numbers of motions, by what was said of them.
+ACCUSED = {
+    "the times are 1 times too long": [27, 62, 73],
+    "one sample is off, of which noise is the largest": [47],
+    "it started elsewhere, of samples far apart with noise": [119, 135],
+    "it started elsewhere, of a method's errors before": [60, 160],
+    "it jumps, of a solver's first step": [86],
+    "ω is interpolated, of a body at rest": [260],
+}
+
+
+@pytest.mark.parametrize("number", [*chain(*ACCUSED.values())])
+def test_an_honest_motion_is_not_accused_any_more(number: int) -> None:
+    if (one := honest(number)) is None:
+        pytest.skip("its engine is missing")
+    found = one.judged()
+    assert found.explained_by == ()
+    assert not found.is_beyond
+
+
+def test_what_a_solver_leaves_is_no_measured_noise() -> None:
+    one = case(31, duration=2.0, samples=101)
+    chance = np.random.default_rng(1)
+    arrays = stepped(one.scenario, rates_of(one), 1, 0.02, chance)
+    arrays["omega"] += chance.normal(0, 1e-5, arrays["omega"].shape)
+    turned = Rotation.from_rotvec(chance.normal(0, 1e-5, arrays["omega"].shape))
+    q = Rotation.from_quat(arrays["q"], scalar_first=True) * turned
+    found = judged(one.scenario, arrays | {"q": q.as_quat(scalar_first=True)}, 0.02)
+    assert found.measured is None
+    assert not found.is_another
+
+
+@pytest.mark.parametrize("degrees", [0.0, 40.0])
+def test_a_recording_that_begins_late_is_off_by_its_methods_errors_and_no_more(
+    degrees: float,
+) -> None:
+    one = case(33)
+    arrays = stepped(one.scenario, rates_of(one), 1, 0.02, np.random.default_rng(1))
+    turn = Rotation.from_rotvec([np.radians(degrees), 0, 0])
+    q = (turn * Rotation.from_quat(arrays["q"], scalar_first=True)).as_quat(scalar_first=True)
+    late = {"t": arrays["t"][50:], "q": q[50:], "omega": arrays["omega"][50:]}
+    words = judged(one.scenario, late, 0.02).explained_by
+    assert [one.startswith("it started elsewhere: at t = 1 s") for one in words] == (
+        [True] if degrees else []
+    )
+
+
+def test_an_omega_that_lags_is_told_without_noise() -> None:
+    """By one and a half samples: no whole number of them."""
+    fine = case(34, samples=2001)
+    arrays, late = exactly(fine, rates_of(fine)), 15
+    at = np.arange(20, 2001, 10)
+    read = {"t": arrays["t"][at], "q": arrays["q"][at], "omega": arrays["omega"][at - late]}
+    (words,) = judged(fine.scenario, read, 1e-4).explained_by
+    assert words.startswith("ω lags the attitude by 0.03 s")
+
+
+def test_a_first_sample_before_an_engines_correction_is_told() -> None:
+    one = case(35)
+    arrays = exactly(one, rates_of(one))
+    arrays["omega"][0] += 0.1
+    (words,) = judged(one.scenario, arrays, 1e-4).explained_by
+    assert words.startswith("the first sample is off what follows by ")
