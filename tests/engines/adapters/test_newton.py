@@ -140,6 +140,25 @@ def test_turning_omega_to_body_axes_and_back_makes_it_grow_with_each_step(newton
     assert abs(grown) < newton.ulp / 4
 
 
+#: A torque of 100 N m, and drag that leaves a millionth of it.
+NEARLY_BALANCED = scene(
+    "nearly-balanced",
+    body="\nmass = 1.0\ninertia = [0.2, 0.3, 0.4]\n",
+    start="\nquaternion_wxyz = [1.0, 0.0, 0.0, 0.0]\nomega_body = [0.0, 0.0, 99.9999]\n",
+    effects="\n[effects.drag]\nrotational = 1.0\n[effects.torque]\nbody = [0.0, 0.0, 100.0]\n",
+)
+
+
+def test_drag_that_nearly_balances_a_torque_is_not_called_another_torque(newton: Engine) -> None:
+    """Each is rounded by its own size, which is more than what is left of both."""
+    with newton.open(NEARLY_BALANCED, newton.method("featherstone"), TIMESTEP) as session:
+        assert session.active() == {"drag", "torque_body"}
+        # Teeth: a part in ten thousand of the torque more is another.
+        session.scene["torque_body"] = [0.0, 0.0, 100.01]
+        session.world.scene = session.scene | {"torque_body": [0.0, 0.0, 100.0]}
+        assert any("a torque of" in name for name in session.active())
+
+
 def damped(world: Any) -> None:
     world.model.joint_damping.fill_(1e-3)
 
