@@ -28,7 +28,7 @@ NAMES = {"signal": set(SIGNAL) - {"com", "velocity", "spins"}, "word": set(RANKS
 TABLES = {"signal": "scenarios/signals.py", "word": "reports/results/verdict_words.py"}
 #: Files that spell names for a reason of their own: a new name leaves them as they are.
 REASONS = {
-    "reports/harness/comparison/rows.py": "turns until 1° of attitude, errors a turn, a blown-up energy",
+    "reports/harness/comparison/rows.py": "turns until 1°, errors a turn, a blown-up energy",
     "reports/pages/scene/default_tables.py": "three columns chosen for a narrow table",
     "reports/pages/scene/scene_answer.py": "three columns chosen for a narrow table",
     "reports/harness/judging/verdict.py": "gives verdicts, and reads outcomes of runs",

@@ -18,8 +18,10 @@ from pathlib import Path
 from statistics import median
 from typing import Any
 
-import spincheck
 from spincheck.engines import engines
+from spincheck.reports.cli.run.summary import verdict_records
+from spincheck.reports.pages.analysis import wording
+from spincheck.reports.results.store import open_store
 from spincheck.reports.results.verdict_words import RANKS
 from spincheck.scenarios import LIBRARY
 
@@ -34,18 +36,19 @@ VERSIONS = {
     "pybullet@3.2.6": "multibody",
 }
 TOPS = (LIBRARY / "free", LIBRARY / "heavy")
-COLUMNS = ("method", "scenes", *RANKS, "median error", "largest error", "on")
+COLUMNS = ("method", "scenes", *RANKS, "errors grow below", "median error", "largest error", "on")
 HEAD = """# Results by date and version
 
 Each page shows what one version of an engine did: its known issues with what to do about them, the
 verdicts and errors of each method, and each scene. The engines that are installed with spincheck
 are run on the whole library, as `spincheck run` does; optional engines on all of its scenes but the
 hard ones, and older versions on the free and the heavy tops, both with the fewer timesteps of
-`spincheck run --quick`.
+`spincheck run --quick`; where fewer scenes or methods are listed, the others were not run yet.
 
 *Error* is that of the attitude at the timestep that users of the engine get who set none. The
 method `default` is the engine as shipped; in the others everything that a scene does not call for
-is switched off. [How to object to a result](../project/neutrality.md).
+is switched off. *Errors grow below* that timestep, by rounding.
+[How to object to a result](../project/neutrality.md).
 
 `make results` makes these pages, and in `build/results` a report with a page for each scene.
 """
@@ -111,6 +114,11 @@ def record(stored: Any, engine: str, version: str, day: str) -> Record:
             else None
             for one in rows
         },
+        "errors_grow_below": {
+            f"{one['method']} {one['scenario']}": float(f"{finest:.3g}")
+            for one in verdict_records(stored)
+            if one["engine"] == engine and (finest := one["finest_useful_timestep"])
+        },
     }
 
 
@@ -137,7 +145,13 @@ def line(one: Record, method: str) -> list[str]:
     cells = [degrees(value) for value in shown]
     counts = [str(words.count(word) or "") for word in RANKS]
     worst_on = max(off, key=lambda name: off[name], default="–")
-    return [method, str(len(words)), *counts, *(cells or ["–", "–"]), worst_on]
+    floors = [
+        timestep
+        for key, timestep in one.get("errors_grow_below", {}).items()
+        if key.split()[0] == method
+    ]
+    grow = wording.span(floors) if floors else ""
+    return [method, str(len(words)), *counts, grow, *(cells or ["–", "–"]), worst_on]
 
 
 def faults(one: Record) -> list[str]:
@@ -283,7 +297,8 @@ def main() -> None:
         if command("run", *words, "--out", out) == 3:
             print(f"{' and '.join(names)} could not be run, and gets no page.")
         else:
-            publish(spincheck.results(out), names, day)
+            with open_store(out) as store:
+                publish(store.read(), names, day)
     command("report", out, "--out", BUILD / day)
 
 

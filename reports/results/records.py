@@ -206,8 +206,8 @@ class Row(Record):
         timestep, and 1 ms
     unasked : for an engine as shipped, what acted although the scene does not call for it, by the
         engine's names
-    defects : defects by signal (`harness/comparison/defects.py`), at stock timesteps and those that a user
-        asks for; None if the motion turns too far to be followed
+    defects : defects by signal (`harness/comparison/defects.py`), at stock timesteps and those that
+        a user asks for; None if the motion turns too far to be followed
     turns : turns of the exact motion over the samples, 2π rad each
     turns_within_1deg : turns until the attitude is off by more than 1°; None if it never is
     attitude_a_turn : the median error that a turn of the run adds to the attitude, rad, from its

@@ -18,11 +18,11 @@ from spincheck.engine import (
     Session,
 )
 
-from ...native_output import silent
 from ...scene_record import WorldBody, scene_record
 from ...world_engine import WorldEngine
 from ...world_parts import matrix, push
 from ...world_session import WorldBatch, WorldSession
+from .caches import kernels_kept
 from .model_reader import GenesisModelReader
 
 SLACK = 8 * float(np.finfo(np.float32).eps)
@@ -119,13 +119,13 @@ class Genesis(WorldEngine):
 
     def open(self, scenario: Scenario, method: Method, timestep: float) -> Session:
         """Build the scene; kernels are compiled once and kept in the user's cache."""
-        with silent():
+        with kernels_kept():
             return super().open(scenario, method, timestep)
 
     def open_batch(self, scenarios: Sequence[Scenario], method: Method, timestep: float) -> Batch:
         """Open a batch with one world of a Genesis scene for each of the scenes."""
         records = {scenario: scene_record(scenario) for scenario in dict.fromkeys(scenarios)}
         first, *others = (records[scenario] for scenario in scenarios)
-        with silent():
+        with kernels_kept():
             module = import_module(f"{__package__}.world")
             return WorldBatch(module.World(first, method.name, timestep, others))

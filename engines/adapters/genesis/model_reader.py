@@ -10,9 +10,9 @@ from typing import Any, final
 import numpy as np
 from spincheck.engine import BodyReading, EngineError
 
-from ...native_output import silent
 from ...users_models import Advice, Configuration, ModelFile, ModelReader, laid_out
 from ...world_parts import matrix
+from .caches import kernels_kept
 
 UNMERGED = "unmerged"
 #: Mass, kg, of links that have none: Genesis gives them the relative ulp of single precision.
@@ -43,7 +43,7 @@ class GenesisModelReader(ModelReader):
 
     def read(self, model: ModelFile, configuration: str) -> dict[str, BodyReading]:
         """Return the bodies of a file after a scene of it was built."""
-        with silent(), tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder:
+        with kernels_kept(), tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder:
             gs: Any = import_module(f"{__package__}.world").gs
             path = laid_out(model, Path(folder))
             there = gs.Scene(show_viewer=False)

@@ -1,0 +1,20 @@
+"""Where Genesis and its compiler keep what they make: in spincheck's folder of the user's cache."""
+
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+from ...native_output import silent
+from ...user_cache import user_cache
+
+#: Their environment variables, and the folder of each; what a user has set stays.
+FOLDERS = {"GS_CACHE_FILE_PATH": "genesis", "QD_OFFLINE_CACHE_FILE_PATH": "quadrants"}
+
+
+@contextmanager
+def kernels_kept() -> Iterator[None]:
+    """Inside the block Genesis compiles its kernels once, and prints nothing."""
+    for variable, name in FOLDERS.items():
+        os.environ.setdefault(variable, str(user_cache() / name))
+    with silent():
+        yield
