@@ -7,7 +7,7 @@ import numpy as np
 from mpmath import mp, mpf
 
 from ...scenarios import Body, FloatArray, Scenario
-from ...scenarios.effects import Effects
+from ...scenarios.effects import EFFECTS, Effects
 from ...scenarios.effects.effect import Unit
 from ...scenarios.exact import (
     DIGITS,
@@ -27,16 +27,16 @@ from ...scenarios.rotation import matrix, times
 from ...scenarios.scenario import with_tables
 from ...scenarios.start import Start
 from ..checks.read_back import BodyReading, State
-from ..method import COMMON_EFFECTS
 
 #: Signs of the components under the mirror: of vectors, of axial vectors, of quaternions.
 _POLAR, _AXIAL = np.array([-1.0, 1.0, 1.0]), np.array([1.0, -1.0, -1.0])
 _MIRRORED_Q = np.array([1.0, 1.0, -1.0, -1.0])
 
-#: Effects that a scene may have for a change of its body, of a body on a table, of one in free
-#: fall.
-OF_BODIES = COMMON_EFFECTS | {"rotors"}
-ON_A_TABLE = OF_BODIES | {"table"}
+#: Effects that a scene may have for a change of axes and units, of how the body is written, of one
+#: without parts, of one in free fall.
+ON_A_TABLE = frozenset(EFFECTS)
+OF_BODIES = ON_A_TABLE - {"table"}
+OF_ONE_BODY = OF_BODIES - {"rotors"}
 FREE_FALL = frozenset({"gravity", "rotors"})
 
 
