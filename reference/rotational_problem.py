@@ -24,7 +24,10 @@ def rotational_problem(scenario: Scenario) -> Problem:
     """
     forces = {effect.name for effect in scenario.acting if effect.is_force} - FORCES_IN_FLIGHT
     if unknown := scenario.called_for - TERMS.keys() - {"pivot"} | forces:
-        raise NotImplementedError(f"the exact motion with {', '.join(sorted(unknown))} is unknown")
+        names = ", ".join(sorted(unknown))
+        raise NotImplementedError(
+            f"the exact motion with {names} is unknown: see docs/how-to/add-an-effect.md"
+        )
     start = scenario.start
     with mp.workdps(DIGITS):
         moments, R_body_axes = principal_axes(scenario.inertia_exact)

@@ -108,8 +108,13 @@ def test_a_list_that_is_planted_is_found(kind, name, text):
 
 #: Where an entry is put, and the entry.
 NEW_SIGNAL = {
-    "    velocity: Distance\n": "    velocity: Distance\n    upright: float\n",
-    '    Signal(\n        name="spins",\n': """    Signal(
+    "    spins: Distance | None = None\n": """    spins: Distance | None = None
+    upright: Distance | None = None
+""",
+    "        exists=lambda scene: bool(scene.rotors),\n    ),\n": """\
+        exists=lambda scene: bool(scene.rotors),
+    ),
+    Signal(
         name="upright",
         label="Lz",
         quantity="vertical angular momentum",
@@ -118,8 +123,6 @@ NEW_SIGNAL = {
         values=lambda scene, motion: angular_momentum_world(scene, motion)[:, 2],
         base=energy_base,
     ),
-    Signal(
-        name="spins",
 """,
 }
 NEW_WORD = {

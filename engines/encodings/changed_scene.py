@@ -1,12 +1,14 @@
 """The same motion seen from other axes, another origin, and in other units."""
 
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from mpmath import mp, mpf
 
 from ...scenarios import Body, FloatArray, Scenario
-from ...scenarios.effects import Effects
+from ...scenarios.effects import EFFECTS, Effects
+from ...scenarios.effects.effect import Unit
 from ...scenarios.exact import (
     DIGITS,
     NO_TURN,
@@ -25,16 +27,16 @@ from ...scenarios.rotation import matrix, times
 from ...scenarios.scenario import with_tables
 from ...scenarios.start import Start
 from ..checks.read_back import BodyReading, State
-from ..method import COMMON_EFFECTS
 
 #: Signs of the components under the mirror: of vectors, of axial vectors, of quaternions.
 _POLAR, _AXIAL = np.array([-1.0, 1.0, 1.0]), np.array([1.0, -1.0, -1.0])
 _MIRRORED_Q = np.array([1.0, 1.0, -1.0, -1.0])
 
-#: Effects that a scene may have for a change of its body, of a body on a table, of one in free
-#: fall.
-OF_BODIES = COMMON_EFFECTS | {"rotors"}
-ON_A_TABLE = OF_BODIES | {"table"}
+#: Effects that a scene may have for a change of axes and units, of how the body is written, of one
+#: without parts, of one in free fall.
+ON_A_TABLE = frozenset(EFFECTS)
+OF_BODIES = ON_A_TABLE - {"table"}
+OF_ONE_BODY = OF_BODIES - {"rotors"}
 FREE_FALL = frozenset({"gravity", "rotors"})
 
 
@@ -114,27 +116,28 @@ class SceneChange:
         )
 
     def _effects(self, effects: Effects) -> Effects:
-        torque_unit = self.mass * self.length**2 / self.time**2
-        tables = effects.model_dump(exclude_none=True)
-        if gravity := tables.get("gravity"):
-            gravity["acceleration"] = self._polar(
-                tuple(g * self.length / self.time**2 for g in gravity["acceleration"])
-            )
-        if table := tables.get("table"):
-            tip = rotate(conjugate(self.q_body_new), vector(table["tip"]))
-            table["tip"] = self._polar(tuple(part * self.length for part in tip))
-            table["height"] *= self.length
-            table["radius"] *= self.length
-        if drag := tables.get("drag"):
-            drag["rotational"] *= self.mass * self.length**2 / self.time
-        for axes, torque in tables.get("torque", {}).items():
-            turned = [mpf(part) * torque_unit for part in torque]
-            if axes == "body":
-                turned = list(rotate(conjugate(self.q_body_new), (turned[0], turned[1], turned[2])))
-            tables["torque"][axes] = tuple(
-                map(float, self._axial((turned[0], turned[1], turned[2])))
-            )
-        return Effects.model_validate(tables)
+        return Effects.model_validate(
+            {
+                name: {
+                    key: self._number(number, table.UNITS[key])
+                    for key, number in table.model_dump(exclude_none=True).items()
+                }
+                for name, table in effects
+                if table is not None
+            }
+        )
+
+    def _number(self, number: Any, unit: Unit) -> float | tuple[float, ...]:
+        """Return a number or vector of an effect's table in the new units and axes."""
+        units = (self.mass, unit.mass), (self.length, unit.length), (self.time, unit.time)
+        scale = mp.fprod(mpf(one) ** power for one, power in units)
+        if unit.kind == "scalar":
+            return float(number * scale)
+        along = vector(number)
+        if unit.axes == "body":
+            along = rotate(conjugate(self.q_body_new), along)
+        mirrored = self._axial(along) if unit.kind == "axial" else self._polar(along)
+        return tuple(float(part * scale) for part in mirrored)
 
     def state_back(self, states: State) -> State:
         """States of the changed scene, n rows, as those of the scene."""
@@ -170,7 +173,7 @@ class SceneChange:
     def _sign(self) -> FloatArray:
         return _POLAR if self.is_mirrored else np.ones(3)
 
-    def _polar(self, vector: tuple[mpf, ...]) -> Vector:
+    def _polar(self, vector: Vector) -> Vector:
         x, y, z = vector
         return (-x, y, z) if self.is_mirrored else (x, y, z)
 

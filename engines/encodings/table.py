@@ -10,10 +10,9 @@ from ...scenarios import Scenario
 from ...scenarios.exact import normalised
 from ...scenarios.principal import from_matrix, principal_axes
 from ..engine import Engine
-from ..method import COMMON_EFFECTS
 from ..models.description import PLAIN, TURN, Description, away_from
 from ..models.shape import box_sides
-from .changed_scene import FREE_FALL, OF_BODIES, ON_A_TABLE, SceneChange
+from .changed_scene import FREE_FALL, OF_BODIES, OF_ONE_BODY, ON_A_TABLE, SceneChange
 
 #: Number of changed scenes kept: every method runs them, at several timesteps.
 KEPT = 64
@@ -130,7 +129,7 @@ ENCODINGS: dict[str, Encoding] = {
             "a frame as far off and turned, with a free joint aligned with the inertia",
             _principal,
             Description(joint="aligned"),
-            effects=COMMON_EFFECTS,
+            effects=OF_ONE_BODY,
             needs_free=True,
         ),
         Encoding(

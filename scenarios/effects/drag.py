@@ -8,7 +8,7 @@ from mpmath import mpf
 from pydantic import Field
 
 from ..values import Positive
-from .effect import DRIVEN, Effect, EffectTable, Extent, Rate, Scene, Size
+from .effect import DRIVEN, Effect, EffectTable, Extent, Rate, Scene, Size, Unit
 
 _WHERE = ("effects", "drag", "rotational")
 
@@ -17,6 +17,7 @@ class DragTable(EffectTable):
     """A torque against the angular velocity."""
 
     EXAMPLE: ClassVar[str] = "rotational = 1e-4                # N m s: torque −c ω\n"
+    UNITS: ClassVar[dict[str, Unit]] = {"rotational": Unit(mass=1, length=2, time=-1)}
 
     rotational: Positive = Field(description="N m s: torque −c ω")
 

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, ClassVar, Protocol, TypeVar
+from typing import Any, ClassVar, Literal, NamedTuple, Protocol, TypeVar
 
 from mpmath import mp, mpf
 
@@ -25,15 +25,35 @@ Size = tuple[tuple[str | int, ...], str, mpf, str]
 Rate = tuple[tuple[str | int, ...], str, mpf]
 
 
+class Unit(NamedTuple):
+    """The unit of a key's number or vector, kg^mass m^length s^time, and how the key transforms.
+
+    Attributes
+    ----------
+    kind : whether it is a scalar, a vector, or an axial vector, whose sign a mirror does not change
+        as it does a vector's
+    axes : those that a vector's components are along
+    """
+
+    mass: int = 0
+    length: int = 0
+    time: int = 0
+    kind: Literal["scalar", "vector", "axial"] = "scalar"
+    axes: Literal["world", "body"] = "world"
+
+
 class EffectTable(Table):
     """Base of the tables in `[effects]`, and of those that add parts to the body.
 
     Attributes
     ----------
     EXAMPLE : its keys in a scene, with their units
+    UNITS : the unit of each key of a table in `[effects]`, by which other descriptions of a scene
+        convert it
     """
 
     EXAMPLE: ClassVar[str] = ""
+    UNITS: ClassVar[dict[str, Unit]] = {}
 
 
 class Scene(Protocol):

@@ -11,13 +11,14 @@ from ..float_array import FloatArray
 from ..rotation import cross
 from ..trajectory import Trajectory
 from ..values import Vector
-from .effect import Effect, EffectTable, Extent, Rate, Scene, Size, length
+from .effect import Effect, EffectTable, Extent, Rate, Scene, Size, Unit, length
 
 
 class GravityTable(EffectTable):
     """A uniform gravitational field."""
 
     EXAMPLE: ClassVar[str] = "acceleration = [0.0, 0.0, -9.81]   # m/s², world axes\n"
+    UNITS: ClassVar[dict[str, Unit]] = {"acceleration": Unit(length=1, time=-2, kind="vector")}
 
     acceleration: Vector = Field(description="m/s², world axes")
 

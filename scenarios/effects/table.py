@@ -25,7 +25,7 @@ from ..float_array import FloatArray
 from ..rotation import cross, matrix
 from ..start import StartTable
 from ..values import NotNegative, Number, Vector
-from .effect import Effect, EffectTable, Extent, Scene, Size, length
+from .effect import Effect, EffectTable, Extent, Scene, Size, Unit, length
 from .pivot import EFFECT as PIVOT
 from .push import push
 
@@ -46,6 +46,11 @@ class TableTable(EffectTable):
         "tip = [0.0, 0.0, 0.0]            # m, from the body's origin, body axes\n"
         "radius = 0.0                     # m, of a sphere about the tip; 0: a point\n"
     )
+    UNITS: ClassVar[dict[str, Unit]] = {
+        "height": Unit(length=1),
+        "tip": Unit(length=1, kind="vector", axes="body"),
+        "radius": Unit(length=1),
+    }
 
     height: Number = Field(description="m, of the plane, along the world's z axis")
     tip: Vector = Field(description="m, of the tip's centre, from the body's origin, body axes")

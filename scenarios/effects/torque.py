@@ -9,7 +9,7 @@ from pydantic import Field, model_validator
 from ..exact import ZERO
 from ..float_array import read_only
 from ..values import Vector
-from .effect import DRIVEN, Effect, EffectTable, Extent, Rate, Size, length
+from .effect import DRIVEN, Effect, EffectTable, Extent, Rate, Size, Unit, length
 
 _WHERE = ("effects", "torque")
 
@@ -20,6 +20,10 @@ class TorqueTable(EffectTable):
     EXAMPLE: ClassVar[str] = (
         "body = [0.0, 0.0, 1e-3]          # N m, in body axes; or world = […]\n"
     )
+    UNITS: ClassVar[dict[str, Unit]] = {
+        "body": Unit(1, 2, -2, "axial", "body"),
+        "world": Unit(1, 2, -2, "axial", "world"),
+    }
 
     body: Vector | None = Field(None, description="N m, constant in body axes")
     world: Vector | None = Field(None, description="N m, constant in world axes")

@@ -26,6 +26,7 @@ TUMBLING = top_scenes.scene(
     "[effects.drag]\nrotational = 1e-4\n[effects.torque]\nbody = [1e-3, 2e-3, -1e-3]",
     "duration = 0.5\nsamples = 51",
 )
+OTHERS = SCENES["free-rotors"], SCENES["free-torque-world"]
 EPS = float(np.finfo(float).eps)
 
 
@@ -47,7 +48,7 @@ def bounds(solution):
     return {name: 2 * own + ulps[name] for name, own in solution.uncertainty}
 
 
-@each_case("scene", [TUMBLING, library_scene("lopsided-egg"), SCENES["free-rotors"]])
+@each_case("scene", [TUMBLING, library_scene("lopsided-egg"), *OTHERS])
 def test_the_exact_motion_of_a_changed_scene_is_that_of_the_scene(scene):
     solution = solve(scene, scene.times)
     exact, within = solution.trajectory, bounds(solution)

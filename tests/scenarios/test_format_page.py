@@ -7,7 +7,7 @@ from typing import Any
 
 from pydantic import BaseModel
 from spincheck.reports.harness.scene_checks.published import published_values
-from spincheck.scenarios import loads
+from spincheck.scenarios import EFFECTS, loads
 from spincheck.scenarios.document import Document, SomeComponents
 from spincheck.scenarios.format_page import EXAMPLES, format_page
 from spincheck.scenarios.schema import SCHEMA_FILE, schema_text
@@ -47,9 +47,16 @@ def test_every_key_says_what_it_means() -> None:
             assert field.description, f"{model.__name__}.{key}"
 
 
+def test_every_key_of_an_effect_has_a_unit() -> None:
+    for effect in EFFECTS.values():
+        keys = set() if effect.is_part else set(effect.model.model_fields)
+        assert set(effect.model.UNITS) == keys, effect.name
+
+
 def test_its_examples_make_a_scene_whose_published_value_holds() -> None:
     scenario = loads(EXAMPLE, "example")
-    assert scenario.called_for == {"gravity", "pivot", "drag", "torque_body", "rotors"}
+    # A body has a pivot or a table, and a torque constant in one of two frames.
+    assert scenario.called_for == EFFECTS.keys() - {"table", "torque_world"}
     assert [value.holds for value in published_values(scenario)] == [True]
 
 

@@ -7,6 +7,7 @@ from case_loops import each_case
 from library_scenes import library
 from spincheck.scenarios import EFFECTS, LIBRARY, Scenario
 from spincheck.scenarios.document import BodyTable
+from spincheck.scenarios.effects.effect import DRIVEN
 from spincheck.scenarios.start import StartTable
 
 SCENES = library()
@@ -54,7 +55,7 @@ def test_scene_says_what_to_look_at_and_where_it_comes_from(scenario: Scenario) 
 @every_scene
 def test_scene_lies_in_the_folder_of_its_kind(scenario: Scenario) -> None:
     called_for = scenario.called_for
-    if called_for & {"drag", "torque_body", "torque_world"}:
+    if any(effect.group == DRIVEN for effect in scenario.acting):
         kind = "driven"
     elif "table" in called_for:
         kind = "table"

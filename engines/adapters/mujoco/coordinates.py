@@ -92,8 +92,9 @@ class Coordinates:
     def states(self, qpos: FloatArray, qvel: FloatArray) -> State:
         """Return the states of n rows of coordinates, (n, nq), and velocities, (n, nv).
 
-        The com is the point that the first coordinates move plus the compiled arm, and its velocity
-        that of the point plus ω × arm; on a ball joint alone the point stands still.
+        The first coordinates are the place of a point of the body; on a ball joint, which has none,
+        the point stands still. The com is at this point plus R times the arm of the compiled model,
+        and its velocity is that of the point plus ω × arm.
         """
         if self._on_hinges:
             qpos, qvel = unhinged(qpos, qvel)

@@ -139,8 +139,8 @@ class World:
         """Tie the body's origin to the world's by a point-to-point constraint."""
         client, anchor = self.client, BASE
         if self.scene["maximal"]:
-            # Constraints with the world are between two rigid bodies: a massless, shapeless one
-            # stands for it.
+            # In maximal coordinates a constraint takes two bodies: one without mass or shape, which
+            # does not move, stands for the world.
             anchor = p.createMultiBody(
                 baseMass=0, useMaximalCoordinates=True, physicsClientId=client
             )
@@ -155,7 +155,7 @@ class World:
             childFramePosition=(0, 0, 0),
             physicsClientId=client,
         )
-        # The default is an impulse of 500 N s a step.
+        # By default the constraint's impulse in a step is limited to 500 N s.
         p.changeConstraint(constraint, maxForce=UNREACHED, physicsClientId=client)
 
     def lay_under(self):

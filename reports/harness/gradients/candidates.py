@@ -45,12 +45,12 @@ class Exact:
 
 
 def candidates(exact: Exact, limits: FloatArray) -> Iterator[tuple[str, FloatArray]]:
-    """Yield names of mistakes, and the Jacobians that they would make, (J, K, 6, 6).
+    """Yield each known mistake in words, and the Jacobians that it would give, (J, K, 6, 6).
 
     Parameters
     ----------
-    limits : gain of the engine's derivative over the exact one at vanishing timesteps, (K, 6, 6),
-        1/s
+    limits : difference of the engine's Jacobian from the exact one, divided by the time that it is
+        over, in the limit of short timesteps, (K, 6, 6), 1/s
     """
     P = exact.jacobians
     yield "it is zero: nothing is differentiated", 0 * P

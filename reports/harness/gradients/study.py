@@ -135,7 +135,7 @@ def gradients_of(
     window: float | None = None,
     derivative: str | None = None,
 ) -> list[GradientRow]:
-    """Judge derivatives of one method; one that cannot be judged has a row with the reason.
+    """Judge a method's derivatives, a row each; if none can be judged, one row has the reason.
 
     Parameters
     ----------
@@ -346,10 +346,10 @@ class _Study:
         return replace(row, judged=one, window=along, useless_from=useless_from(along))
 
     def _costs(self, name: str, steps: int) -> tuple[float, ...]:
-        """Return CPU times of a derivative over that of as many steps, the two taken in turns.
+        """Return ratios of the CPU time of a derivative to that of the steps it is over.
 
-        It is computed as often as takes no less than the steps, so that the first call's cold
-        caches do not count.
+        Plain steps and derivatives are timed in turns. In each turn the derivative is computed
+        until it has taken as long as the steps, so that a first call with cold caches is averaged.
         """
         with self.sessions.at(self.at.states.rows(0), float(self.at.timesteps[-1])) as session:
             session.advance(TIMED)

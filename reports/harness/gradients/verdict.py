@@ -94,7 +94,14 @@ def judged(exact: Exact, found: FloatArray, noise: FloatArray) -> Judged:
 
 
 def beside_own(one: Judged, exact: Exact, found: FloatArray, own: Own, noise: FloatArray) -> Judged:
-    """Return the verdict with the Jacobians' distance from those of the engine's own steps."""
+    """Return the verdict with what comparing the derivative with the engine's own steps adds.
+
+    Parameters
+    ----------
+    found : the Jacobians that the engine gives, (J, K, 6, 6)
+    own : those that finite differences of its steps give
+    noise : standard deviation of the gains, as `noise_of` returns it, 1/s, (J, 6)
+    """
     units = exact.units
     wanted = units.of(own.jacobians)
     apart = units.of(found) - wanted

@@ -103,9 +103,9 @@ class Log(Data):
         return float(3 * len(self.t) * np.sum(np.log(ratios)))
 
     def with_noise_of(self, fit: Fit) -> "Log":
-        """Return the samples with the noise that a fit leaves."""
+        """Return the samples, their noise the standard deviation of what a fit leaves of them."""
         squares = self.squares(fit.rest)
-        # Attitude and ω each lose half of the numbers that were fitted.
+        # Degrees of freedom: each fitted number takes one, half from attitude and half from ω.
         share = 3 * len(self.t) - len(fit.numbers) / len(squares)
         noise = self.noise.copy()
         noise[: len(squares)] *= np.sqrt(squares / share)

@@ -30,7 +30,7 @@ COLUMNS = np.array(["qw", "qx", "qy", "qz"])
 def other_readings(
     reading: Reading, scenario: Scenario, first: FloatArray
 ) -> Iterator[tuple[str, Reading]]:
-    """Yield each way in words, and the recording read so.
+    """Yield each other way to read a recording, in words, with the recording read in that way.
 
     Parameters
     ----------
@@ -46,7 +46,7 @@ def other_readings(
 
 
 def _of_times(reading: Reading) -> Iterator[tuple[str, Reading]]:
-    """Times at a whole number of samples a second, as they were before they were rounded."""
+    """Yield the recording with its times unrounded, if they are multiples of 1/n s, n whole."""
     t = reading.t
     rate = round((len(t) - 1) / (t[-1] - t[0]))
     equal = t[0] + np.arange(len(t)) / max(rate, 1)
@@ -93,7 +93,11 @@ def _of_age(reading: Reading, omega: FloatArray) -> Iterator[tuple[str, Reading]
 def _of_axes(
     reading: Reading, scenario: Scenario, first: FloatArray
 ) -> Iterator[tuple[str, Reading]]:
-    """Attitudes between other axes of the world and of the body that the first one is between."""
+    """Yield the recording with the axes of world and body exchanged, where the start then agrees.
+
+    Attitudes are taken to be between axes that are the scene's own in another order or with other
+    signs, or, of the body, the principal ones.
+    """
     R = matrix(reading.q[0])
 
     def fits(world: FloatArray, body: FloatArray) -> bool:

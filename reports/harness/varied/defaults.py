@@ -28,12 +28,13 @@ def runs_with_defaults(
     solution: Solution,
     at: Places | None = None,
 ) -> list[Row]:
-    """Return runs of a method as shipped with no default, with each alone, and with all but one.
+    """Return runs of a method as shipped with no default, each default alone, and all but each.
 
     Parameters
     ----------
-    rung, solution : the timestep and samples of all runs, and the exact motion there
-    at : exact states to step from, which show the defaults that act at any timestep
+    rung, solution : the timestep and samples of all runs, and the exact motion at the samples
+    at : exact states from which single steps are taken, to find which defaults change the limit of
+        short timesteps (`Row.acts`); None if that is not asked
     """
     method = engine.method(method_name)
     names = engine.defaults(scenario, method)
