@@ -59,10 +59,9 @@ def explained(
     # An interval has the noise of two samples.
     of_intervals = floor if noise is None else np.sqrt(2) * noise
     physics = Physics(scenario, motion, exact, timestep, order, of_intervals)
-    wrong = mistakes(scenario, exact, reading)
-    if not wrong and has_omega:
-        wrong = interpolated(motion, floor[1])
-    if wrong:
+    # An ω that is held is on average half as many samples old.
+    wrong = interpolated(motion, floor[1]) if has_omega else []
+    if wrong := wrong or mistakes(scenario, exact, reading):
         return Explanation(tuple(wrong), _verdict(physics), physics.is_beyond)
     every = intervals_of(scenario, motion, timestep, order, of_intervals)
     if every and not physics.clamps and (jump := jumps(every)):
