@@ -59,10 +59,9 @@ def explained(
     # An interval has the noise of two samples.
     of_intervals = floor if noise is None else np.sqrt(2) * noise
     physics = Physics(scenario, motion, exact, timestep, order, of_intervals)
-    wrong = mistakes(scenario, exact, reading)
-    if not wrong and has_omega:
-        wrong = interpolated(motion, floor[1])
-    if wrong:
+    # An ω that is held is on average half as many samples old.
+    wrong = interpolated(motion, floor[1]) if has_omega else []
+    if wrong := wrong or mistakes(scenario, exact, reading):
         return Explanation(tuple(wrong), _verdict(physics), physics.is_beyond)
     every = intervals_of(scenario, motion, timestep, order, of_intervals)
     if every and not physics.clamps and (jump := jumps(every)):
@@ -114,7 +113,8 @@ def _elsewhere(physics: Physics) -> list[str]:
     off = apart(states_of(exact.until(1)), states_of(motion.until(1))).reshape(2, 3)
     others = gained(scenario, motion)[1:].reshape(-1, 2, 3)
     count = max(1, 3 * len(others))
-    least = FITS * np.array([1.0, norms(exact.omega_body).max()])
+    fits = FITS * np.array([1.0, norms(exact.omega_body).max()])
+    least = np.maximum(physics.noise, fits)
     usual = np.sum(others**2, axis=(0, 2)) / count + least**2
     by_chance = f.sf(np.mean(off**2, axis=1) / usual, 3, count)
     if not ((by_chance < LEVEL / 2) & (norms(off) > of_method)).any():

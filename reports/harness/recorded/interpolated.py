@@ -23,6 +23,6 @@ def interpolated(motion: Trajectory, rounding: float) -> list[str]:
         new = np.flatnonzero(changes > CHANGES * rounding)
         count = int(np.median(np.diff(new))) if len(new) >= FEWEST else 1
         # A motion that comes to rest is new at every sample, and then no more.
-        if count > 1 and np.median(changes) <= rounding:
+        if count > 1 and np.sum(changes <= rounding) >= (count - 1) * (len(new) - 1):
             return [f"ω is {how}: it is new at one sample in {count} only; record those alone"]
     return []

@@ -194,8 +194,12 @@ class Recording:
     def resolution(self) -> float:
         """The relative distance of the numbers of attitude and ω, as they are printed."""
         eps = float(np.finfo(np.float32 if self.is_single else float).eps)
-        columns = [self.arrays[name] for name in ("q", "omega") if name in self.arrays]
-        digits = max(map(_digits, np.concatenate([column.ravel() for column in columns])))
+        columns = [self.arrays[name].ravel() for name in ("q", "omega") if name in self.arrays]
+        numbers = np.concatenate(columns)
+        if np.array_equal(numbers, np.rint(numbers)):
+            # Of whole numbers none was rounded.
+            return eps
+        digits = max(map(_digits, numbers))
         return max(eps, 10.0 ** (1 - digits))
 
 

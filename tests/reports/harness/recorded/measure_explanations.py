@@ -44,9 +44,9 @@ more.
 free, heavy, dragged, pushed and with rotors; turns of 0.2 to 50 rad with 0.01 to 0.4 rad between
 samples, 1 to 128 steps a sample; numbers in full, in single precision or of 5 to 9 digits, ω along
 world axes or left out, spins left out; two thirds state their timestep, and a fifth begin later
-than the scene. Measured motions have noise of 0.01° to 1°, which half of them state. {accused} are
-explained by other physics or by a mistake in recording, and {beyond} are said to be beyond what
-their method, or their noise, makes.
+than the scene. Measured motions have noise of 0.01° to 1°, which half of them state. Explained by
+other physics or by a mistake in recording: {accused}. Said to be beyond what their method, or their
+noise, makes: {beyond}.
 
 | made by | motions | explained | beyond |
 |---|---|---|---|
@@ -104,7 +104,7 @@ def main() -> None:
     page = HEAD.format(
         **tables,
         honest=HONEST,
-        accused=accused or "None",
+        accused=accused or "none",
         beyond=beyond or "none",
         by_source="\n".join(by_source),
     )

@@ -16,7 +16,8 @@ ACCUSED = {
     "the times are 1 times too long": [27, 62, 73],
     "one sample is off, of which noise is the largest": [47],
     "it started elsewhere, of samples far apart with noise": [119, 135],
-    "it started elsewhere, of a method's errors before": [60, 160],
+    "it started elsewhere, of a method's errors before": [60, 160, 230],
+    "it started elsewhere, of numbers rounded before it rests": [285],
     "it jumps, of a solver's first step": [86],
     "ω is interpolated, of a body at rest": [260],
 }

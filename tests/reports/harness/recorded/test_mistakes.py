@@ -149,15 +149,16 @@ def test_an_attitude_that_does_not_follow_omega_has_no_other_times(body, factor)
 
 @pytest.mark.parametrize("how", ["held", "interpolated linearly"])
 @pytest.mark.parametrize("body", TUMBLING)
-def test_an_omega_that_is_new_at_one_sample_in_ten_is_told(body, how):
+@pytest.mark.parametrize("count", [2, 10])
+def test_an_omega_that_is_new_at_one_sample_in_some_is_told(body, how, count):
     arrays = exactly(body, rates_of(body))
-    t, new = arrays["t"], arrays["t"][::10]
+    t, new = arrays["t"], arrays["t"][::count]
     if how == "held":
-        omega = np.repeat(arrays["omega"][::10], 10, axis=0)[: len(t)]
+        omega = np.repeat(arrays["omega"][::count], count, axis=0)[: len(t)]
     else:
-        omega = np.transpose([np.interp(t, new, rates[::10]) for rates in arrays["omega"].T])
+        omega = np.transpose([np.interp(t, new, rates[::count]) for rates in arrays["omega"].T])
     (words,) = judged(body.scenario, arrays | {"omega": omega}).explained_by
-    assert words == f"ω is {how}: it is new at one sample in 10 only; record those alone"
+    assert words == f"ω is {how}: it is new at one sample in {count} only; record those alone"
 
 
 def test_a_start_that_is_not_the_scenes_is_told_with_its_size():
