@@ -16,8 +16,8 @@ SPREAD := football-spiral book-middle-axis fast-top lopsided-body motor-driven-t
 	--engine mujoco --engine pybullet \
 	--method default --method RK4 --method multibody
 
-.PHONY: docs results report engines engines-2026 test quick pythons bench kills survey thresholds random suite power
-.PHONY: known-issues lines recorded-motions gradients sensitivities
+.PHONY: docs results report engines engines-2026 test quick pythons bench kills survey thresholds random
+.PHONY: random-single suite power known-issues methods lines recorded-motions gradients sensitivities
 .PHONY: lint types contract check schema format-page engine-verdicts clean
 
 # The page is there to look at after the free and the heavy tops, on short ladders and without the
@@ -85,6 +85,10 @@ power: $(READY)
 engine-verdicts: $(READY)
 	$(BIN)/python tests/reports/harness/measure_engines.py
 
+# Every engine and method: verdicts, floor, batch, size, seconds to the first step; docs/measured/methods.md.
+methods: $(READY)
+	$(BIN)/python tests/reports/harness/measure_methods.py
+
 # Dated pages of what each engine and version does on the library: docs/results.
 results: $(INSTALLED)
 	$(BIN)/python docs/results/publish.py
@@ -92,6 +96,10 @@ results: $(INSTALLED)
 # Faultless methods on a thousand random scenes: what is judged wrongly, counted.
 random: $(READY)
 	PYTHONPATH=tests/support $(BIN)/python tests/reports/harness/measure_random.py
+
+# The same of the engines of single precision that are installed.
+random-single: $(READY)
+	PYTHONPATH=tests/support $(BIN)/python tests/reports/harness/measure_random.py 100 0 single
 
 # The tests for engines' own continuous integration, on every engine there is.
 suite: $(READY)

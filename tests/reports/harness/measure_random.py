@@ -5,7 +5,9 @@ share the scenes, one part each:
 
     measure_random.py COUNT FIRST
 
-runs scenes FIRST to FIRST + COUNT - 1. The page is of all parts in build/random-scenes.
+runs scenes FIRST to FIRST + COUNT - 1. The page is of all parts in build/random-scenes. With
+`single` as a third word the methods are those of single precision, and the page
+random-scenes-single.md.
 """
 
 import json
@@ -31,7 +33,7 @@ from studies import verdict_of
 COUNT, SEED = 1000, 1
 #: Largest number of steps of a run: two or three halvings.
 MOST_STEPS = 1 << 8
-PAGE = Path(__file__).parents[3] / "docs/measured/random-scenes.md"
+PAGES = Path(__file__).parents[3] / "docs/measured"
 #: Those that are there are run.
 METHODS = (
     ("mujoco", "Euler"),
@@ -43,15 +45,27 @@ METHODS = (
     ("exudyn", "RK44"),
     ("pin", "RK4"),
 )
+#: Those of single precision, with a gyroscopic torque.
+SINGLE = (
+    ("newton", "mujoco-rk4"),
+    ("newton", "mujoco-implicitfast"),
+    ("newton", "featherstone"),
+    ("newton", "steel"),
+    ("newton", "semi-implicit"),
+    ("mujoco-warp", "RK4"),
+    ("mujoco-warp", "Euler"),
+    ("brax", "generalized"),
+    ("genesis", "Euler"),
+)
 SAMPLES = 41
 #: Verdicts that accuse an honest method.
 ACCUSING = ("disagrees", "failed")
 #: Smallest tails that are printed.
 SHOWN = 10
-KEPT = Path("build/random-scenes")
-HEAD = """# Verdicts on honest methods on random scenes
+KEPT = Path("build")
+HEAD = """# Verdicts on honest methods{kind} on random scenes
 
-Made by `make random` from {scenes} scenes, {pairs} pairs of a scene and a method, in
+Made by `make {name}` from {scenes} scenes, {pairs} pairs of a scene and a method, in
 {seconds:.2f} s of CPU time each. Bodies have skew tensors, of any shape down to rods whose moments
 differ by a factor of 1000, and spin with 0.1 to 1000 rad/s. Effects come in all combinations; drag
 is up to 100 times as fast as the body turns, and the com up to 1000 radii of gyration from the
@@ -121,19 +135,19 @@ def _direction(rng: np.random.Generator) -> np.ndarray:
     return np.asarray(vector / np.linalg.norm(vector))
 
 
-def methods() -> Iterator[tuple[Engine, Method]]:
+def methods(named: Sequence[tuple[str, str]]) -> Iterator[tuple[Engine, Method]]:
     """Of the engines that are there."""
-    for name, of_engine in METHODS:
+    for name, of_engine in named:
         if not why_missing(name):
             engine = engines()[name]
             yield engine, engine.method(of_engine)
 
 
-def verdicts(number: int) -> Iterator[Verdict]:
+def verdicts(number: int, named: Sequence[tuple[str, str]] = METHODS) -> Iterator[Verdict]:
     """Of every method that can simulate the scene."""
     scenario = random_scene(number)
     prepared = prepare(scenario, [], MOST_STEPS)
-    for engine, method in methods():
+    for engine, method in methods(named):
         if not engine.unsupported(scenario, method):
             with warnings.catch_warnings():
                 # What overflows in an engine's own process is a run that blows up.
@@ -195,15 +209,16 @@ class Counts:
         """As JSON."""
         return json.dumps(vars(self))
 
-    @property
-    def page(self) -> str:
-        """As Markdown."""
+    def page(self, name: str) -> str:
+        """As Markdown, as made by `make name`."""
         found = sorted({line.split(": ")[1] for line in self.words})
         pairs = sum(self.words.values())
         names = sorted({line.split(": ")[0] for line in self.words})
         rows = [[name, *(str(self.words[f"{name}: {one}"]) for one in found)] for name in names]
         smallest = [[scene, method, f"{tail:.1e}"] for tail, scene, method in self.tails]
         return HEAD.format(
+            name=name,
+            kind=" of single precision" if name.endswith("single") else "",
             scenes=self.scenes,
             pairs=pairs,
             seconds=self.seconds / max(1, pairs),
@@ -223,11 +238,11 @@ def _lines(rows: Sequence[Sequence[str]]) -> str:
     return "\n".join(f"| {' | '.join(row)} |" for row in rows)
 
 
-def measured(numbers: Sequence[int]) -> Counts:
+def measured(numbers: Sequence[int], named: Sequence[tuple[str, str]] = METHODS) -> Counts:
     """Of the scenes of these numbers."""
     counts, begun = Counts(), process_time()
     for number in numbers:
-        for verdict in verdicts(number):
+        for verdict in verdicts(number, named):
             counts.add(verdict)
             if is_wrong(verdict):
                 print(counts.wrong[-1], flush=True)
@@ -238,16 +253,20 @@ def measured(numbers: Sequence[int]) -> Counts:
 
 def main(arguments: Sequence[str]) -> int:
     """Run so many scenes, and write the page; 1 if a method is accused."""
-    count, first, *_ = [*map(int, arguments), *(COUNT, 0)[len(arguments) :]]
-    counts = measured(range(first, first + count))
-    KEPT.mkdir(parents=True, exist_ok=True)
-    (KEPT / f"{first}.json").write_text(counts.written, encoding="utf-8")
-    parts = [Counts.read(one.read_text(encoding="utf-8")) for one in sorted(KEPT.glob("*.json"))]
+    is_single = arguments[2:] == ["single"]
+    name = "random-single" if is_single else "random"
+    count, first, *_ = [*map(int, arguments[:2]), *(COUNT, 0)[len(arguments) :]]
+    counts = measured(range(first, first + count), SINGLE if is_single else METHODS)
+    kept = KEPT / name.replace("random", "random-scenes")
+    kept.mkdir(parents=True, exist_ok=True)
+    (kept / f"{first}.json").write_text(counts.written, encoding="utf-8")
+    parts = [Counts.read(one.read_text(encoding="utf-8")) for one in sorted(kept.glob("*.json"))]
     joined = Counts()
     for part in parts:
         joined = joined.joined(part)
-    PAGE.write_text(joined.page, encoding="utf-8")
-    print(joined.page)
+    page = joined.page(name)
+    (PAGES / f"{kept.name}.md").write_text(page, encoding="utf-8")
+    print(page)
     return int(bool(joined.wrong))
 
 

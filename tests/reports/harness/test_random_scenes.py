@@ -78,10 +78,10 @@ def test_parts_that_are_kept_are_joined(counts: Counts) -> None:
 
 def test_the_page_has_what_was_counted(tmp_path, monkeypatch) -> None:
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(measure_random, "PAGE", tmp_path / "page.md")
+    monkeypatch.setattr(measure_random, "PAGES", tmp_path)
     for first in ("0", "1"):
         assert measure_random.main(["1", first]) == 0
-    page = (tmp_path / "page.md").read_text(encoding="utf-8")
+    page = (tmp_path / "random-scenes.md").read_text(encoding="utf-8")
     assert "from 2 scenes" in page
     assert "False accusations (`disagrees` or `failed`): 0." in page
     assert "| mujoco RK4 | 2 |" in page
