@@ -27,7 +27,7 @@ GRAVITY = re.compile(r"gravity_world")
 OF_A_FORCE = "## A force: gravity"
 #: Of a constraint with a force and an end of its own: measured.
 MOST_OF_A_CONSTRAINT = 12
-MOST, MOST_WITH_ADAPTERS = 11, 24
+MOST, MOST_WITH_ADAPTERS = 11, 25
 #: Of a part, which adds states: measured.
 MOST_OF_A_PART = 21
 
