@@ -38,6 +38,8 @@ EFFECTS = COMMON_EFFECTS | {"rotors"}
 MUJOCO: dict[tuple[int, ...], str] = {(1, 8): "3.17.0", (1, 7): "3.15.0"}
 #: Relative rounding of numbers in single precision.
 SLACK = 8 * float(np.finfo(np.float32).eps)
+#: The smallest number that single precision rounds relatively; any unit.
+SMALLEST = float(np.finfo(np.float32).tiny)
 #: Lines that users write to make a solver.
 SETUP = """\
 solver = newton.solvers.Solver{}
@@ -110,7 +112,7 @@ class NewtonSession(WorldSession):
         # Drag and torques may nearly cancel: each is rounded by its own size.
         terms = self.scene["torque_body"], self.scene["torque_world"], drag * motion[4:7]
         size = sum(map(np.linalg.norm, terms))
-        pushed_right = np.linalg.norm(torque - wanted) <= SLACK * size
+        pushed_right = np.linalg.norm(torque - wanted) <= SLACK * size + SMALLEST
         right = np.allclose(gravity, scenario.gravity_world, rtol=SLACK, atol=0)
         kinds, rotors = model.joint_type.numpy(), self.scene.get("rotors", ())
         named = {
