@@ -72,6 +72,6 @@ def _bodies(solver: Any) -> dict[str, BodyReading]:
     bodies = {}
     for link, (mass, com, q, tensor) in zip(solver.links, rows, strict=True):
         R = matrix(q / np.linalg.norm(q))
-        held = float(mass) if mass > PLACEHOLDER else 0.0
-        bodies[link.name] = BodyReading(held, com, R @ tensor @ R.T)
+        total = float(mass) if mass > PLACEHOLDER else 0.0
+        bodies[link.name] = BodyReading(total, com, R @ tensor @ R.T)
     return bodies

@@ -49,22 +49,22 @@ class NewtonModelReader(ModelReader):
                 else:
                     add = builder.add_urdf if model.format == "urdf" else builder.add_usd
                     add(path, collapse_fixed_joints=collapsed)
-                held = builder.finalize(device="cpu")
+                built = builder.finalize(device="cpu")
             # An importer may raise anything; the first line says what.
             except Exception as error:
                 words = str(error).partition("\n")[0] or type(error).__name__
                 raise EngineError(f"Newton refuses the file: {words}") from None
-        return _bodies(held, model)
+        return _bodies(built, model)
 
 
-def _bodies(held: Any, model: ModelFile) -> dict[str, BodyReading]:
+def _bodies(built: Any, model: ModelFile) -> dict[str, BodyReading]:
     """Return the bodies by the links' names: Newton's labels are paths that end with them."""
     names = {link.name.replace("-", "_"): link.name for link in model.links}
     names |= {link.name: link.name for link in model.links}
-    arrays = (held.body_mass, held.body_com, held.body_inertia)
+    arrays = (built.body_mass, built.body_com, built.body_inertia)
     numbers = zip(*(array.numpy().astype(float) for array in arrays), strict=True)
     bodies = {}
-    for label, (mass, com, inertia) in zip(held.body_label, numbers, strict=True):
+    for label, (mass, com, inertia) in zip(built.body_label, numbers, strict=True):
         ends = [name for name in names if label == name or label.endswith(f"/{name}")]
         if ends:
             bodies[names[max(ends, key=len)]] = BodyReading(float(mass), com, np.array(inertia))
