@@ -64,8 +64,7 @@ def as_it_was(hypothesis: Hypothesis, read: FloatArray) -> FloatArray:
     h = hypothesis
     states = np.hstack([read[:, :4], (read[:, 4:] - h.bias) @ np.linalg.inv(h.read).T])
     if h.lag:
-        before = np.hstack([_later(h, states, -h.lag)[:, :4], states[:, 4:]])
-        states[:, 4:] = _later(h, before, h.lag)[:, 4:]
+        states[:, 4:] = _later(h, states, h.lag)[:, 4:]
     return states
 
 

@@ -42,7 +42,7 @@ def jumps(data: Intervals) -> list[str]:
         if _is_near(after, data.ends[k + 1], data.scale[k]):
             return [f"the sample {at} is off by {_size(off[k])}: leave it out"]
     for lost, state in enumerate(follow(data.base.equations, data.starts[[k]], spans)[0]):
-        if lost and _is_near(state, data.ends[k], data.scale[k]):
+        if _is_near(state, data.ends[k], data.scale[k]):
             samples = "1 sample is" if lost == 1 else f"{lost} samples are"
             return [f"{samples} lost before t = {data.t[k]:.6g} s, or its time is too early"]
     if not k:

@@ -220,8 +220,8 @@ def test_mistakes_of_a_gyroscope_that_a_log_does_not_tell_apart_are_both_named()
 
 def test_a_timestep_longer_than_samples_are_apart_is_refused() -> None:
     arrays = exactly(BODY, rates_of(BODY))
-    with pytest.raises(RecordingError, match=r"stated as 0\.05 s, but .* than 0\.02 s apart"):
-        judged(BODY.scenario, arrays, timestep=0.05)
+    with pytest.raises(RecordingError, match=r"stated as 0\.021 s, but .* than 0\.02 s apart"):
+        judged(BODY.scenario, arrays, timestep=0.021)
     assert not judged(BODY.scenario, arrays, timestep=0.02).is_another
 
 
