@@ -22,6 +22,7 @@ ALLOWED = {
     "engines/adapters/pybullet/load.py",
     "engines/adapters/pybullet/model_reader.py",
     "engines/adapters/node/__main__.py",
+    "engines/users_models/layout.py",
     "reports/cli/stopping.py",
     "reports/harness/executors/worker_main.py",
     "reports/results/only_writer.py",

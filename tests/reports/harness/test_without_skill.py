@@ -11,7 +11,7 @@ from scene_texts import FAST_TOP
 from scipy.spatial.transform import Rotation
 from spincheck.engines import Run, engines
 from spincheck.reference import solve
-from spincheck.reports.harness import comparison
+from spincheck.reports.harness.comparison import rows
 from spincheck.reports.harness.comparison.rows import row_of
 from spincheck.reports.harness.ladder import single
 from spincheck.reports.results.records import Key
@@ -27,7 +27,7 @@ def exact_motion_of(scenario) -> Trajectory:
 
 def no_better_than_rest(scenario, motion: Trajectory, exact: Trajectory) -> str:
     series = error_series(scenario, motion, exact)
-    return comparison.no_better_than_rest(scenario, motion, exact, series)
+    return rows.no_better_than_rest(scenario, motion, exact, series)
 
 
 def turned_aside(exact: Trajectory, angle: float) -> Trajectory:
