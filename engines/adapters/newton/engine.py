@@ -129,7 +129,9 @@ class NewtonSession(WorldSession):
         }
         acting = {name for name, acts in named.items() if acts}
         stated_effects = scenario.called_for & scenario.pushed.keys()
-        return frozenset(acting | stated_effects if torque.any() else acting)
+        # Drag of a spin that single precision rounds to zero is zero.
+        is_pushed = torque.any() or np.linalg.norm(wanted) <= SMALLEST
+        return frozenset(acting | stated_effects if is_pushed else acting)
 
     def _damping(self) -> float:
         """Return the rate at which the solver damps ω, 1/s."""
