@@ -90,7 +90,7 @@ def steps_from(
     Raises
     ------
     EngineError
-        If a state is not finite, as where an engine's numbers overflow.
+        If squares of a state are not finite, as where an engine's numbers overflow.
     """
     scenario, count = sessions.scenario, len(states.omega_body)
     before, after = [], []
@@ -104,8 +104,12 @@ def steps_from(
                 session.advance(1)
                 after.append(session.snapshot())
     befores, ends = sessions.first.states(before), sessions.first.states(after)
-    if not all(np.isfinite(column).all() for column in (*befores.columns, *ends.columns)):
-        raise EngineError("a step from an exact state ends in numbers that are not finite")
+    with np.errstate(over="ignore"):
+        are_finite = all(
+            np.isfinite(column**2).all() for column in (*befores.columns, *ends.columns)
+        )
+    if not are_finite:
+        raise EngineError("a step from an exact state ends in numbers whose squares overflow")
     spans = np.repeat(timesteps, count)
     return Steps(timesteps, spans, befores, ends, flowed(scenario, befores, spans), repeats)
 

@@ -461,3 +461,15 @@ def test_steps_that_overflow_are_not_judged() -> None:
     assert examine(engine, racket, "Euler", places) is None
     # An engine's own tests have no runs that tell.
     assert "cannot be taken" in physics_in_words(engine, racket, engine.method("Euler"))
+
+
+@pytest.mark.parametrize("size", [1e160, 1e300])
+def test_steps_whose_squares_overflow_are_not_judged(size: float) -> None:
+    """A tail that is no number would be no fault."""
+
+    class Jumps(Stepped):
+        def after_step(self):
+            self.omega[:] = size
+
+    racket, engine = library_scene("tennis-racket"), SteppedEngine(Jumps)
+    assert examine(engine, racket, "Euler", prepare(racket, (), FEW).places) is None
