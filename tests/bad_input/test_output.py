@@ -12,6 +12,7 @@ from io import StringIO
 
 import command_line
 import pytest
+from case_loops import each_case
 from default_signals import WITH_DEFAULT_SIGNALS
 from spincheck.engines import engines
 from spincheck.reports.cli import choosing, terminal
@@ -172,8 +173,13 @@ def test_no_temporary_folder_is_reported_before_anything_is_run(tmp_path, monkey
 UNSEEN = ("\u202e", "\u200e", "\ufeff", "\u2066", "\u061c")
 
 
-@pytest.mark.parametrize("words", [("show",), ("run", "--engine"), ("--",), ("report",)])
-@pytest.mark.parametrize("character", UNSEEN, ids=ascii)
+@each_case(
+    ("words", "character"),
+    [
+        *((words, UNSEEN[0]) for words in (("show",), ("run", "--engine"), ("--",), ("report",))),
+        *((("show",), character) for character in UNSEEN[1:]),
+    ],
+)
 def test_no_message_turns_text_about(words, character, tmp_path):
     """Nor those that the libraries of the command line print themselves."""
     name = f"evil{character}.toml"
