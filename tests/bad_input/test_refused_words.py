@@ -25,7 +25,10 @@ REFUSED = [
     ("run sphere --seed 0", "'--seed' is for an ensemble"),
     ("run sphere --ensemble 3 --timestep 60", "must be shorter than the window of sphere"),
     ("run sphere --ensemble 3 --quick", "'--quick' is for ladders"),
-    ("run sphere --ensemble 3 --timestep 0.1 --timestep 0.2", "given once with '--ensemble', got 2"),
+    (
+        "run sphere --ensemble 3 --timestep 0.1 --timestep 0.2",
+        "given once with '--ensemble', got 2",
+    ),
     ("run sphere --ensemble 3 --python python3", "'--python' is for versions"),
     ("run sphere --ensemble 3 --engine mujoco-file", "loads links of users'"),
     ("run --ensemble 3", "'--ensemble' takes scenes to scatter, got none"),
