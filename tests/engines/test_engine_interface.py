@@ -87,7 +87,7 @@ def test_the_first_is_short() -> None:
 
 
 def results_of(engine: Engine, scene: str, folder: Path) -> Results:
-    choice = Choice((engine,), (), (), timed=False, max_steps=1 << 12)
+    choice = Choice((engine,), (), (), timed=False, max_steps=1 << 9)
     with open_store(folder / "of_one.sqlite", create=True) as store:
         planned = plan([library_scene(scene)], choice, store)
         run_study(planned, choice, store, InProcess(), lambda _: None)
