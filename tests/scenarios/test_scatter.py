@@ -101,6 +101,14 @@ def test_spins_are_longer_and_shorter_by_the_factor_that_is_said(free):
     assert abs(longer.mean()) < SIGMAS * SCATTER / np.sqrt(MEMBERS)
 
 
+def test_spins_are_turned_as_is_said(free):
+    """Of a small rotation vector two components, those across the spin, turn it."""
+    directions = np.array([s.start.omega_body / np.linalg.norm(s.start.omega_body) for s in free])
+    aside = np.cross(directions, np.array([1.0, 2.0, 0.5]) / np.sqrt(5.25))
+    turn = np.sqrt((aside**2).sum(axis=1).mean() / 2)
+    assert abs(turn / SCATTER - 1) < SIGMAS / np.sqrt(4 * MEMBERS)
+
+
 def test_second_moments_of_mass_are_scattered_as_is_said(free):
     moments = np.array([np.diag(s.body.inertia_com) for s in free])
     second = moments.sum(axis=1, keepdims=True) / 2 - moments
