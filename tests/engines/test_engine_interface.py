@@ -82,10 +82,6 @@ def test_engines_of_version_1_keep_the_contract(installed: None, name: str, chec
     check(engine, engine.methods[0])
 
 
-def test_the_first_is_short() -> None:
-    assert len(TOY.read_text().splitlines()) <= 60
-
-
 def results_of(engine: Engine, scene: str, folder: Path) -> Results:
     choice = Choice((engine,), (), (), timed=False, max_steps=1 << 9)
     with open_store(folder / "of_one.sqlite", create=True) as store:

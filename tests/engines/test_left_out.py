@@ -9,9 +9,7 @@ import pybullet as p
 import pytest
 from kinds_of_engines import required_engines
 from spincheck.engines import Engine, Method, Session
-from spincheck.engines.adapters.mujoco.engine import MuJoCo
 from spincheck.engines.adapters.pybullet.engine import PyBullet
-from spincheck.engines.models.mjcf import switched_off
 from spincheck.scenarios import Scenario
 from spincheck.suite.contract_scenes import SCENES
 
@@ -93,13 +91,3 @@ def test_a_motor_that_is_left_in_is_solved_for() -> None:
 
     assert slowed(["idle joint motor"])
     assert not slowed([])
-
-
-def test_mujocos_passes_are_left_in_one_by_one() -> None:
-    engine = MuJoCo()
-    scene, method = SCENES["free"], engine.method("Euler")
-    flags = []
-    for left_in in ([], ["contact"], ["contact", "sensor"]):
-        with engine.open_with(scene, method, TIMESTEP, left_in=left_in) as session:
-            flags.append(int(session.model.opt.disableflags).bit_count())
-    assert flags == [len(switched_off(scene)) - k for k in range(3)]

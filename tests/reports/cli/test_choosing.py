@@ -81,8 +81,8 @@ def test_an_engine_of_ones_own_is_a_class_of_a_module_in_the_current_folder(
         engines().pop("mine", None)
 
 
-def test_a_malformed_version_and_a_wrong_python_are_bad_input() -> None:
-    """Others that are: see `engines/versions/test_versions`."""
+def test_a_wrong_python_is_reported_as_that() -> None:
+    """As a malformed version is; others are refused in `engines/versions/test_versions`."""
     assert refused("mujoco@1..2").exit_code == BAD_INPUT
     complaint = refused("mujoco@3.1.6", python="no-such-python")
     assert complaint.exit_code == BAD_INPUT
