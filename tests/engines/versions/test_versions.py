@@ -81,8 +81,6 @@ def test_without_a_network_one_message_says_so(
     [
         ("mujoco@../../etc", "", "a version must be like 3.1.6"),
         ("mujoco@", "", "a version must be like 3.1.6"),
-        (f"mujoco@{'9' * 5000}", "", "a version must be like 3.1.6"),
-        ("@1", "", "cannot be had in other versions"),
         ("nonesuch@1.0", "", "'nonesuch' cannot be had in other versions, only mujoco, "),
         ("havok@3.1.6", "", "cannot be had in other versions"),
         ("mujoco@3.1.6", "no-such-python", "'no-such-python' cannot be started"),

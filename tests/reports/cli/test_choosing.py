@@ -5,6 +5,7 @@ import time
 from pathlib import Path
 
 import pytest
+from case_loops import each_case
 from library_scenes import library_scene
 from spincheck.engines import Missing, engines
 from spincheck.engines.adapters.node.discovered import FAMILY
@@ -81,9 +82,12 @@ def test_an_engine_of_ones_own_is_a_class_of_a_module_in_the_current_folder(
         engines().pop("mine", None)
 
 
+@each_case("name", ["mujoco@", "mujoco@abc", "mujoco@1..2", f"mujoco@{'9' * 5000}", "@1"])
+def test_a_malformed_version_is_bad_input(name: str) -> None:
+    assert refused(name).exit_code == BAD_INPUT
+
+
 def test_a_wrong_python_is_reported_as_that() -> None:
-    """As a malformed version is; others are refused in `engines/versions/test_versions`."""
-    assert refused("mujoco@1..2").exit_code == BAD_INPUT
     complaint = refused("mujoco@3.1.6", python="no-such-python")
     assert complaint.exit_code == BAD_INPUT
     assert "'--python'" in str(complaint)
