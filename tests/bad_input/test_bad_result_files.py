@@ -11,6 +11,7 @@ from pathlib import Path
 
 import command_line
 import pytest
+from case_loops import each_case
 from forging import columns, forge
 from mutated_scenes import LEAST, written
 from spincheck.reports.cli import choosing
@@ -26,15 +27,13 @@ pytestmark = pytest.mark.slow
 #: Bytes of a file that fit on a full disk: an empty result file has less, a full one more.
 FULL = 100_000
 #: A file is cut at this many places, and damaged at as many.
-STRIDES = 20
+STRIDES = 8
 READERS = (["rows"], ["report", "--out", "pages"], ["compare"])
 #: Nothing that a record holds may be any of these.
 DAMAGE = {
     "half JSON": "{",
     "other JSON": "[1]",
-    "text": "x",
-    "bytes": b"\x00\xff",
-    "half an archive": b"PK\x03\x04",
+    "bytes": b"PK\x03\x04\x00\xff",
     "another folder": "../../evil",
     "markup": '\x1b[31m<b>&"',
     "huge": 1e308,
@@ -68,7 +67,7 @@ def test_a_whole_file_is_read(good, elsewhere, command):
     assert read_by(command, good) == ""
 
 
-@pytest.mark.parametrize("part", range(STRIDES))
+@each_case("part", range(STRIDES))
 def test_a_file_that_was_cut_is_reported(good, elsewhere, part):
     content = good.read_bytes()
     path = elsewhere / "cut.sqlite"
@@ -76,7 +75,7 @@ def test_a_file_that_was_cut_is_reported(good, elsewhere, part):
     assert read_by(["rows"], path)
 
 
-@pytest.mark.parametrize("part", range(STRIDES))
+@each_case("part", range(STRIDES))
 def test_a_page_overwritten_is_reported_or_holds_nothing(good, elsewhere, part):
     content = bytearray(good.read_bytes())
     page = 4096
@@ -193,7 +192,7 @@ def full_disk(size: int) -> Iterator[None]:
         resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
 
 
-@pytest.mark.parametrize("size", [4_000, FULL, 180_000], ids=["begun", "first rows", "later"])
+@pytest.mark.parametrize("size", [4_000, FULL], ids=["begun", "first rows"])
 def test_a_full_disk_costs_a_message_and_the_run_resumes(elsewhere, monkeypatch, size):
     monkeypatch.setattr(choosing, "LocalWorkers", lambda *_: InProcess())
     (elsewhere / "made.toml").write_text(written(LEAST))

@@ -12,6 +12,7 @@ from io import StringIO
 
 import command_line
 import pytest
+from case_loops import each_case
 from default_signals import WITH_DEFAULT_SIGNALS
 from spincheck.engines import engines
 from spincheck.reports.cli import choosing, terminal
@@ -102,11 +103,13 @@ def test_a_pipe_that_nobody_reads_is_no_traceback():
     assert done.stderr == ""
 
 
-@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
-@pytest.mark.parametrize("text", ENDLESS.values(), ids=ENDLESS)
-def test_a_signal_is_obeyed_whatever_never_ends(tmp_path, text, number):
+@pytest.mark.parametrize(
+    ("kind", "number"),
+    [*((kind, signal.SIGTERM) for kind in ENDLESS), ("what lets nothing through", signal.SIGINT)],
+)
+def test_a_signal_is_obeyed_whatever_never_ends(tmp_path, kind, number):
     run = subprocess.Popen(
-        [*WITH_DEFAULT_SIGNALS, sys.executable, "-c", text + PROGRAM],
+        [*WITH_DEFAULT_SIGNALS, sys.executable, "-c", ENDLESS[kind] + PROGRAM],
         cwd=tmp_path,
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
@@ -172,8 +175,13 @@ def test_no_temporary_folder_is_reported_before_anything_is_run(tmp_path, monkey
 UNSEEN = ("\u202e", "\u200e", "\ufeff", "\u2066", "\u061c")
 
 
-@pytest.mark.parametrize("words", [("show",), ("run", "--engine"), ("--",), ("report",)])
-@pytest.mark.parametrize("character", UNSEEN, ids=ascii)
+@each_case(
+    ("words", "character"),
+    [
+        *((words, UNSEEN[0]) for words in (("show",), ("run", "--engine"), ("--",), ("report",))),
+        *((("show",), character) for character in UNSEEN[1:]),
+    ],
+)
 def test_no_message_turns_text_about(words, character, tmp_path):
     """Nor those that the libraries of the command line print themselves."""
     name = f"evil{character}.toml"

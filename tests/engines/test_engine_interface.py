@@ -82,12 +82,8 @@ def test_engines_of_version_1_keep_the_contract(installed: None, name: str, chec
     check(engine, engine.methods[0])
 
 
-def test_the_first_is_short() -> None:
-    assert len(TOY.read_text().splitlines()) <= 60
-
-
 def results_of(engine: Engine, scene: str, folder: Path) -> Results:
-    choice = Choice((engine,), (), (), timed=False, max_steps=1 << 12)
+    choice = Choice((engine,), (), (), timed=False, max_steps=1 << 9)
     with open_store(folder / "of_one.sqlite", create=True) as store:
         planned = plan([library_scene(scene)], choice, store)
         run_study(planned, choice, store, InProcess(), lambda _: None)

@@ -1,14 +1,15 @@
-"""Only what a scene does not call for is left out: leaving it in does not change the motion."""
+"""Only what a scene does not call for is left out: leaving it in does not change the motion.
+
+That what a scene calls for acts, and nothing else, is verified by the contract and by the items of
+the library's scenes.
+"""
 
 import numpy as np
 import pybullet as p
 import pytest
 from kinds_of_engines import required_engines
-from library_scenes import library
 from spincheck.engines import Engine, Method, Session
-from spincheck.engines.adapters.mujoco.engine import MuJoCo
 from spincheck.engines.adapters.pybullet.engine import PyBullet
-from spincheck.engines.models.mjcf import switched_off
 from spincheck.scenarios import Scenario
 from spincheck.suite.contract_scenes import SCENES
 
@@ -24,8 +25,6 @@ METHODS = [
     # PyBullet's contacts need all that is there.
     and (engine.name, method.requires) != ("pybullet", {"table"})
 ]
-#: rad; far below what any method turns in a step without trouble.
-TURN = 0.01
 
 
 def numbers(session: Session | None, steps: int = STEPS) -> np.ndarray:
@@ -39,24 +38,6 @@ def numbers(session: Session | None, steps: int = STEPS) -> np.ndarray:
 
 def supported(engine: Engine, method: Method) -> list[Scenario]:
     return [scene for scene in SCENES.values() if not engine.unsupported(scene, method)]
-
-
-@pytest.mark.parametrize(("engine", "method"), METHODS)
-def test_in_every_scene_of_the_library_acts_what_it_calls_for(
-    engine: Engine, method: Method
-) -> None:
-    """At its strength too, which the audit compares."""
-    for scene in library():
-        if engine.unsupported(scene, method):
-            continue
-        omega = np.linalg.norm(scene.start.omega_body)
-        speed = float(np.abs(np.append(scene.rotors.start_spins, omega)).max()) or 1.0
-        run = engine.run(scene, method, TURN / speed, np.array([0, 10]))
-        if run.outcome == "unsupported" and run.cause in ("body", "clamp"):
-            # Too light, too slender or too heavy for it, in its own words.
-            continue
-        assert (scene.name, run.reason) == (scene.name, "")
-        assert run.active == scene.called_for
 
 
 @pytest.mark.parametrize(("engine", "method"), METHODS)
@@ -110,13 +91,3 @@ def test_a_motor_that_is_left_in_is_solved_for() -> None:
 
     assert slowed(["idle joint motor"])
     assert not slowed([])
-
-
-def test_mujocos_passes_are_left_in_one_by_one() -> None:
-    engine = MuJoCo()
-    scene, method = SCENES["free"], engine.method("Euler")
-    flags = []
-    for left_in in ([], ["contact"], ["contact", "sensor"]):
-        with engine.open_with(scene, method, TIMESTEP, left_in=left_in) as session:
-            flags.append(int(session.model.opt.disableflags).bit_count())
-    assert flags == [len(switched_off(scene)) - k for k in range(3)]

@@ -110,14 +110,11 @@ def test_sixty_digits_find_the_same(name):
 
 
 @every_scene
-def test_what_is_conserved_drifts_no_further_than_that_allows(name):
-    scenario, solution = solved(name)
-    assert list(drifting(scenario, solution)) == []
-
-
-@every_scene
 def test_a_drift_of_a_billionth_in_the_spin_is_noticed(name):
-    """Where anything that depends on ω is conserved, and the body turns."""
+    """Where anything that depends on ω is conserved, and the body turns.
+
+    That nothing drifts without a fault is verified by each scene's own item.
+    """
     scenario, solution = solved(name)
     exact_motion = solution.trajectory
     if not exact_motion.omega_body.any():

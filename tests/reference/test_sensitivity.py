@@ -4,13 +4,14 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
+import top_scenes
 from library_scenes import library_scene
 from scene_texts import scene
 from scipy.spatial.transform import Rotation
 from spincheck.reference import ExactMotion, IntegrationError, Sensitivity, sensitivity
 from spincheck.reference.parameter_changes import ENTRIES
 from spincheck.reference.solve import ROUNDING
-from spincheck.scenarios import Scenario, Trajectory, loads
+from spincheck.scenarios import Scenario, Trajectory
 from spincheck.scenarios.rotation import across
 from spincheck.scenarios.scenario import started_at
 
@@ -160,24 +161,12 @@ def test_a_free_symmetric_top_has_the_derivatives_of_its_closed_form() -> None:
 
 def test_a_body_at_rest_has_the_oscillation_of_its_derivatives() -> None:
     """A pendulum that hangs still: its series is a constant, that of its derivative a cosine."""
-    text = """spincheck = 1
-title = "t"
-source = "s"
-[body]
-mass = 1.0
-inertia = [1.0, 1.0, 1.0]
-com = [0.0, 0.0, -1.0]
-[start]
-euler_zyz_deg = [0.0, 0.0, 0.0]
-omega_body = [0.0, 0.0, 0.0]
-[effects.gravity]
-acceleration = [0.0, 0.0, -8.0]
-[effects.pivot]
-[window]
-duration = 4.0
-samples = 2
-"""
-    _, found = motion_of(loads(text, "still"))
+    still = top_scenes.scene(
+        "mass = 1.0\ninertia = [1.0, 1.0, 1.0]\ncom = [0.0, 0.0, -1.0]",
+        "euler_zyz_deg = [0.0, 0.0, 0.0]\nomega_body = [0.0, 0.0, 0.0]",
+        "[effects.pivot]\n[effects.gravity]\nacceleration = [0.0, 0.0, -8.0]",
+    )
+    _, found = motion_of(still)
     cosine = np.cos(2 * TIMES)
     for axis in range(2):
         assert found.state_transition[:, axis, axis] == pytest.approx(cosine, abs=SUMS * 8)

@@ -104,7 +104,7 @@ def reach(kind: str, unstable: dict[str, float], epsilon: float) -> float:
     return GROWTH * np.exp(unstable.get(kind, 0.0) * TIMES[-1]) * epsilon + GOAL
 
 
-@each_case("epsilon", [1e-3, 1e-6, 1e-9, 1e-12, 1e-14, 1e-30])
+@each_case("epsilon", [1e-6, 1e-12, 1e-30])
 @each_case(("disturbed", "kind", "unstable"), SPECIAL)
 def test_a_special_motion_is_the_limit_of_its_neighbours(disturbed, kind, unstable, epsilon):
     special, near = (states(disturbed, kind, e) for e in (0.0, epsilon))

@@ -1,4 +1,7 @@
-"""Every term of the equations, against the second derivation."""
+"""Every term of the equations, against the second derivation.
+
+All are compared at once, and none; that each counts shows where it is off by an ulp.
+"""
 
 from dataclasses import replace
 from functools import cache
@@ -22,19 +25,16 @@ BOUND = truncation(TRUTH_ORDERS)
 FREE = problem((1.0, 1.3, 0.7), (0.5, -1.0, 2.0))
 TERMS: dict[str, dict[str, object]] = {
     "free": {},
-    "gravity": {
+    "everything": {
         "lever_axes": (mpf(1) / 5, -mpf(1) / 8, mpf(1) / 2),
         "gravity_world": (mpf(2), -mpf(4), mpf(9)),
-    },
-    "torque in the body": {"torque_axes": (mpf(1) / 3, -mpf(1) / 2, mpf(2) / 3)},
-    "torque in the world": {"torque_world": (-mpf(1) / 7, mpf(2), mpf(1) / 2)},
-    "drag": {"drag": mpf(1) / 9},
-    "rotors": {
+        "torque_axes": (mpf(1) / 3, -mpf(1) / 2, mpf(2) / 3),
+        "torque_world": (-mpf(1) / 7, mpf(2), mpf(1) / 2),
+        "drag": mpf(1) / 9,
         "kept": (mpf(1) / 3, -mpf(2)),
         "kept_axes": ((mpf(3) / 5, mpf(0), mpf(4) / 5), (mpf(0), mpf(1), mpf(0))),
     },
 }
-TERMS["everything"] = {name: value for terms in TERMS.values() for name, value in terms.items()}
 
 
 @cache
@@ -44,7 +44,7 @@ def second_solution(name: str) -> State:
     return state
 
 
-@pytest.mark.parametrize("name", TERMS)
+@pytest.mark.parametrize("name", ["free", "everything"])
 def test_the_motion_is_that_of_a_second_derivation(name: str) -> None:
     p = replace(FREE, **TERMS[name])
     q, omega = q_and_omega(integrate_double_double(p, np.array([DURATION])), 0)

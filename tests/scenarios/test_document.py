@@ -62,8 +62,6 @@ def test_it_is_a_scene(text):
 
 REFUSED = {
     # numbers
-    "text for a number": ((MASS[0], 'mass = "2"'), r"made:5: \[body\] mass: .* number, got '2'"),
-    "infinite": ((MASS[0], "mass = inf"), r":5: \[body\] mass: .* finite number, got inf"),
     "negative": ((MASS[0], "mass = -2"), r":5: \[body\] mass: .* greater than 0, got -2"),
     "no duration": (("duration = 1.0", "duration = 0"), r"\[window\] duration: .* greater than 0"),
     "one sample": (
@@ -79,11 +77,6 @@ REFUSED = {
         r":9: \[start\] euler_zyz_deg: must have 3 entries, got 6: \[0, 0, 30, 0, 0, 0\]",
     ),
     # keys
-    "unheard-of": (
-        (MASS[0], f"{MASS[0]}\ncolour = 3"),
-        r":6: \[body\] colour: unknown key; known k",
-    ),
-    "no title": (('title = "t"\n', ""), r"made: title: is missing"),
     "another version": (("spincheck = 1", "spincheck = 2"), r":1: spincheck: .* be 1, got 2"),
     # the body
     "lopsided matrix": (
@@ -108,10 +101,6 @@ REFUSED = {
         r":5: \[body\] particles: principal moments about the com must be positive, got 0, 2, 2",
     ),
     # the start
-    "two attitudes": (
-        (ATTITUDE, f"{ATTITUDE}\nquaternion_wxyz = [1, 0, 0, 0]"),
-        r":8: \[start\]: attitude takes exactly one of .* got 'euler_zyz_deg', 'quaternion_wxyz'",
-    ),
     "no angular velocity": (
         (OMEGA, ""),
         r"\[start\]: angular velocity takes exactly one .* got none; an example: omega_body = \[",
@@ -119,10 +108,6 @@ REFUSED = {
     "rates without angles": (
         (f"{ATTITUDE}\n{OMEGA}", "rotation_vector_deg = [0, 0, 0]\neuler_zyz_rates = [1, 2, 3]"),
         r"'euler_zyz_rates' needs the attitude as 'euler_zyz_deg'",
-    ),
-    "no unit quaternion": (
-        (ATTITUDE, "quaternion_wxyz = [1, 1, 0, 0]"),
-        r":9: \[start\] quaternion_wxyz: must have norm 1, got norm 1\.41421",
     ),
 }
 

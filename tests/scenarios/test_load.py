@@ -26,16 +26,13 @@ def test_broken_toml_is_reported_with_its_line():
         loads("spincheck = 1\ntitle = \n", name="made")
 
 
-def test_toml_of_another_kind_is_no_scene():
-    with pytest.raises(
-        ScenarioError, match=r"not a scenario: the first key must be 'spincheck = 1"
-    ):
-        loads("[tool]\nname = 1\n", name="made")
+LATER = TEXT.replace("spincheck = 1\n", "").replace("\n[", "\nspincheck = 1\n[", 1)
 
 
-def test_a_file_whose_first_key_is_another_is_refused_as_no_folder_and_no_test_would_find_it():
-    with pytest.raises(ScenarioError, match="the first key must be 'spincheck = 1'"):
-        loads(TEXT.replace("spincheck = 1\n", "").replace("\n[", "\nspincheck = 1\n[", 1), "made")
+@each_case("text", ["[tool]\nname = 1\n", LATER])
+def test_a_file_whose_first_key_is_another_is_refused_as_no_folder_and_no_test_would_find_it(text):
+    with pytest.raises(ScenarioError, match="not a scenario: the first key must be 'spincheck = 1"):
+        loads(text, "made")
 
 
 @each_case(

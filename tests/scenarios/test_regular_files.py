@@ -48,27 +48,11 @@ def test_as_many_bytes_are_read_as_tell_whether_there_are_too_many(tmp_path, con
     assert read_regular(tmp_path / "file", 5) == content[:6]
 
 
-NOT_FILES = {
-    "a pipe": (os.mkfifo, "it is not a regular file"),
-    "a folder": (Path.mkdir, "it is a folder"),
-    "a device": (lambda path: path.symlink_to("/dev/zero"), "it is not a regular file"),
-    "nothing": (lambda path: None, "No such file"),
-    "a loop of links": (lambda path: path.symlink_to(path), "Too many levels"),
-}
-
-
-@pytest.mark.parametrize("kind", NOT_FILES)
-def test_what_is_no_file_is_not_read_and_not_waited_for(tmp_path, kind):
-    make, words = NOT_FILES[kind]
-    make(tmp_path / "file")
-    with pytest.raises(OSError, match=words) as refusal:
-        read_regular(tmp_path / "file", 5)
-    assert refusal.value.filename == str(tmp_path / "file")
-
-
-@pytest.mark.parametrize("kind", ["a pipe", "a folder"])
-def test_what_is_no_file_is_not_replaced(tmp_path, kind):
-    make, words = NOT_FILES[kind]
+@pytest.mark.parametrize(
+    ("make", "words"), [(os.mkfifo, "it is not a regular file"), (Path.mkdir, "it is a folder")]
+)
+def test_what_is_no_file_is_not_replaced(tmp_path, make, words):
+    """Nor read: see `bad_input/test_doors`."""
     make(tmp_path / "file")
     with pytest.raises(OSError, match=words):
         write_new(tmp_path / "file", "new")

@@ -83,13 +83,12 @@ def derivatives(
     """An array of a `Sensitivity` times a direction, (n, 6), and on a table com z and its rate."""
     with mp.workdps(DIGITS):
         by = NUDGE * size_of(scene, name)
-        motions = []
-        for sign in (-1, 0, 1):
-            bodies = changed(scene, name, sign * by * exact(direction))
-            motions.append([(bodies, state) for state in bodies.motion(times, rate)])
+        one, other = (changed(scene, name, sign * by * exact(direction)) for sign in (-1, 1))
+        motions = (bodies.motion(times, rate) for bodies in (one, other))
         rows = []
-        for (one, before), (_, middle), (other, after) in zip(*motions, strict=True):
-            turned = middle.R.T @ (after.R - before.R)
+        for before, after in zip(*motions, strict=True):
+            # The mean of both is the motion itself but for the square of the nudge.
+            turned = (before.R + after.R).T / 2 @ (after.R - before.R)
             turn = [(turned[j, i] - turned[i, j]) / 2 for i, j in ((1, 2), (2, 0), (0, 1))]
             heights = _height(other, after) - _height(one, before)
             rows.append([*turn, *(after.omega - before.omega), *heights])

@@ -1,7 +1,7 @@
-"""What is MuJoCo Warp's alone: what is read back, restarts; skipped if not installed."""
+"""What is MuJoCo Warp's alone: first steps, restarts; skipped if not installed.
 
-from collections.abc import Callable
-from typing import Any
+Faults are planted in its models in `test_optional_rotors`.
+"""
 
 import numpy as np
 import pytest
@@ -13,7 +13,6 @@ from spincheck.suite.contract_scenes import SCENES, from_elsewhere
 
 pytestmark = pytest.mark.slow
 
-STEPS = np.arange(3)
 HELD = ("free-tilted-plate", "free-torque-world", "everything", "pivot-rotors", "table-rotors")
 
 
@@ -40,47 +39,3 @@ def test_a_restart_is_the_scene_opened_there(name: str) -> None:
             session.read_state().columns, there.read_state().columns, strict=True
         ):
             assert np.allclose(first, second, rtol=64 * warp.ulp, atol=64 * warp.ulp), name
-
-
-def heavier(model: Any) -> None:
-    model.body_mass.fill_(2.0)
-
-
-def weightless(model: Any) -> None:
-    model.opt.gravity.zero_()
-
-
-def undriven(model: Any) -> None:
-    model.dof_armature.zero_()
-
-
-def damped(model: Any) -> None:
-    model.dof_damping.fill_(1e-3)
-    model.opt.disableflags = 0
-
-
-FAULTS: dict[Callable[[Any], None], str] = {
-    heavier: "'mass' must read back",
-    weightless: "called for but not active: gravity",
-    undriven: "rotor 3 with 0 kg m²",
-    damped: "drag",
-}
-
-
-@each_case(("plant", "words"), [*FAULTS.items()])
-def test_a_planted_fault_fails_the_run(
-    plant: Callable[[Any], None], words: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    warp = installed("mujoco-warp")
-    real = warp.open
-
-    def faulty(*arguments: Any) -> Any:
-        session: Any = real(*arguments)
-        plant(session._world.on_device)
-        return session
-
-    with monkeypatch.context() as patch:
-        patch.setattr(warp, "open", faulty, raising=False)
-        run = warp.run(SCENES["free-rotors"], warp.method("RK4"), 1e-3, STEPS)
-    assert run.outcome == "failed"
-    assert words in run.reason, run.reason

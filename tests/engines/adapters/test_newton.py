@@ -1,6 +1,8 @@
-"""What is Newton's alone: its solvers, recorded steps and defaults; skipped if not installed."""
+"""What is Newton's alone: its solvers, recorded steps and defaults; skipped if not installed.
 
-from collections.abc import Callable
+Faults are planted in its models in `test_optional_rotors`.
+"""
+
 from typing import Any
 
 import numpy as np
@@ -157,46 +159,3 @@ def test_drag_that_nearly_balances_a_torque_is_not_called_another_torque(newton:
         session.scene["torque_body"] = [0.0, 0.0, 100.01]
         session.world.scene = session.scene | {"torque_body": [0.0, 0.0, 100.0]}
         assert any("a torque of" in name for name in session.active())
-
-
-def damped(world: Any) -> None:
-    world.model.joint_damping.fill_(1e-3)
-
-
-def undriven(world: Any) -> None:
-    world.model.joint_armature.zero_()
-
-
-def heavier(world: Any) -> None:
-    world.solver.mjw_model.body_mass.fill_(2.0)
-
-
-def weightless(world: Any) -> None:
-    world.model.gravity.zero_()
-
-
-FAULTS: dict[Callable[[Any], None], str] = {
-    damped: "joint damping",
-    undriven: "rotor 3 with 0 kg m² on a driven hinge",
-    heavier: "'mass' must read back",
-    weightless: "called for but not active: gravity",
-}
-
-
-@each_case(("plant", "words"), [*FAULTS.items()])
-def test_a_planted_fault_fails_the_run(
-    plant: Callable[[Any], None], words: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    newton = installed("newton")
-    real = newton.open
-
-    def faulty(*arguments: Any) -> Any:
-        session: Any = real(*arguments)
-        plant(session.world)
-        return session
-
-    with monkeypatch.context() as patch:
-        patch.setattr(newton, "open", faulty, raising=False)
-        run = newton.run(SCENES["free-rotors"], newton.method("mujoco-rk4"), 1e-3, STEPS)
-    assert run.outcome == "failed"
-    assert words in run.reason, run.reason

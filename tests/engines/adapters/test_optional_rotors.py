@@ -77,6 +77,8 @@ def test_rotors_of_the_library_converge_with_the_declared_order(name: str) -> No
         assert (fine < largest)[known].all(), (scene.name, coarse, fine)
 
 
+#: Of engines of which faults alone are planted here.
+FAULTY = METHODS | {"mujoco-warp": "RK4", "newton": "mujoco-rk4"}
 #: By engine: what is typed at its session, on `free-rotors`, and how that is told.
 FAULTS = {
     "mujoco": {
@@ -87,6 +89,19 @@ FAULTS = {
         "session.model.jnt_pos[1] += 0.1, 0, 0": "rotor 1 on a hinge beside its centre of mass",
         "session.model.body_inertia[2] = 1, 2, 2": "'inertia_com' must read back",
         "session.data.qvel[6] += 0.1": "'spin of rotor 1' must read back as [9.0], got [9.1]",
+    },
+    "mujoco-warp": {
+        "session._world.on_device.body_mass.fill_(2.0)": "'mass' must read back",
+        "session._world.on_device.opt.gravity.zero_()": "called for but not active: gravity",
+        "session._world.on_device.dof_armature.zero_()": "rotor 3 with 0 kg m²",
+        "model = session._world.on_device; model.dof_damping.fill_(1e-3);"
+        "model.opt.disableflags = 0": "drag",
+    },
+    "newton": {
+        "world.model.joint_damping.fill_(1e-3)": "joint damping",
+        "world.model.joint_armature.zero_()": "rotor 3 with 0 kg m² on a driven hinge",
+        "world.solver.mjw_model.body_mass.fill_(2.0)": "'mass' must read back",
+        "world.model.gravity.zero_()": "called for but not active: gravity",
     },
     "pin": {
         "world.model.armature = np.zeros(world.model.nv)": "armature",
@@ -157,7 +172,7 @@ def test_a_hinge_with_a_planted_fault_fails_the_run(
 
     with monkeypatch.context() as patch:
         patch.setattr(one, "open", faulty, raising=False)
-        run = one.run(scene, one.method(METHODS[engine]), 1e-3, np.arange(0, 21, 10))
+        run = one.run(scene, one.method(FAULTY[engine]), 1e-3, np.arange(0, 21, 10))
     assert run.outcome == "failed"
     assert words in run.reason, run.reason
 

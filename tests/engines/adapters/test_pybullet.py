@@ -1,6 +1,5 @@
 """PyBullet, beyond the contract: reuse of worlds, its clock, no output."""
 
-import itertools
 import subprocess
 import sys
 
@@ -103,8 +102,7 @@ def in_new_worlds() -> dict[tuple[str, str], tuple[object, ...]]:
 
 @pytest.mark.slow
 def test_a_world_that_was_used_before_moves_a_body_as_a_new_one_does(in_new_worlds):
-    order = np.random.default_rng(0).permutation(len(PAIRS))
-    for k in itertools.chain(order, order[::-1]):
+    for k in np.random.default_rng(0).permutation(len(PAIRS)):
         assert bits(run_often(*PAIRS[k])) == in_new_worlds[PAIRS[k]]
     assert len(worlds._empty) == 1
 

@@ -79,10 +79,7 @@ FAULTS = {
     "no number": ("not-finite", ""),
     "refuses": ("warning", "the solver will not\\x1b[2J"),
     # Somebody else is to blame.
-    **{
-        f"killed by {name}": ("killed", f"was killed from outside by {name} instead of answering")
-        for name in ("SIGKILL", "SIGXCPU", "SIGUSR1")
-    },
+    "killed by SIGKILL": ("killed", "was killed from outside by SIGKILL instead of answering"),
     "killed by SIGSTOP": ("environment", "stopped from outside"),
 }
 

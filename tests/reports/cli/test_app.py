@@ -134,43 +134,6 @@ def test_run_judges_stores_and_prints_and_an_unmet_expectation_exits_with_1(
     assert "attitude error" in out
 
 
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        (["show", "no-such-scene"], "neither a file, a folder, nor a scene of the library"),
-        (["run", "sphere", "--engine", "bullet"], "'--engine' must be one of "),
-        (["run", "sphere", "--method", "RK5"], "'--method' must be one of"),
-        (["run", "sphere", "--timestep", "-1"], "'--timestep' must be positive"),
-        (["run", "sphere", "--time-limit", "0"], "'--time-limit' must be positive"),
-        (["run", "sphere", "--timestep", "1e9"], "'--timestep' must be shorter than the window"),
-        (
-            ["reproduce", "sphere", "--engine", "mujoco", "--method", "RK4", "--timestep", "2ms"],
-            "must be a number of seconds, such as 0.002, got '2ms'",
-        ),
-        (["recommend", "sphere", "--attitude", "5d"], "must be such as 1e-3 (rad) or 0.1deg"),
-        (["recommend", "sphere", "--omega", "3deg"], "must be a number, such as 1e-3, got '3deg'"),
-        (["run", "--no-such-flag"], "No such option: --no-such-flag"),
-        (["reference", "sphere", "--at", "-3"], "'--at' must be a time from 0 on"),
-        (["report", "none.sqlite"], "no such result file"),
-        (["recommend", "sphere", "--from", "none.sqlite"], "there is no file 'none.sqlite'"),
-        (
-            ["reproduce", "sphere", "--engine", "all", "--method", "default", "--timestep", "1e-3"],
-            "'--engine' must name one engine, got 'all'",
-        ),
-        (["check", "nowhere.toml"], "neither a file, a folder, nor a scene of the library"),
-        (["export", "sphere", "/proc/nowhere"], "cannot be written"),
-        (["export", "sphere", "out", "--sensitivities"], "'--sensitivities' goes with '--truth'"),
-        (["reference", "sphere", "--sensitivities", "--at", "-3"], "'--at' must be a time from 0"),
-    ],
-    ids=lambda value: " ".join(value) if isinstance(value, list) else "",
-)
-def test_bad_input_is_one_message_and_exit_code_2(spincheck, arguments, message):
-    code, _, err = spincheck(*arguments)
-    assert code == 2
-    assert message in err
-    assert "Traceback" not in err
-
-
 @pytest.mark.processes
 def test_an_engine_whose_package_is_missing_is_named_and_exits_with_3(tmp_path):
     program = (
@@ -201,13 +164,6 @@ def test_the_last_words_are_of_what_was_asked_for(monkeypatch, capfd):
         stopping.say_last_words(signal.SIGTERM)
     stopping._besides.clear()
     assert capfd.readouterr().err == "spincheck: stopped by SIGTERM; nothing is kept\n"
-
-
-def test_a_report_of_nothing_says_how_results_are_made(spincheck, tmp_path):
-    code, _, err = spincheck("report")
-    assert code == BAD_INPUT
-    assert "no such result file; 'spincheck run fast-top' writes one of a scene" in err
-    assert list(tmp_path.iterdir()) == []
 
 
 def test_a_report_of_one_scene_holds_what_there_is_of_it_alone(spincheck, tmp_path):

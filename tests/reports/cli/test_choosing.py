@@ -5,6 +5,7 @@ import time
 from pathlib import Path
 
 import pytest
+from case_loops import each_case
 from library_scenes import library_scene
 from spincheck.engines import Missing, engines
 from spincheck.engines.adapters.node.discovered import FAMILY
@@ -81,18 +82,13 @@ def test_an_engine_of_ones_own_is_a_class_of_a_module_in_the_current_folder(
         engines().pop("mine", None)
 
 
-MALFORMED = ("mujoco@", "mujoco@abc", "mujoco@1..2", f"mujoco@{'9' * 5000}", "sphere@1", "@1")
-
-
-@pytest.mark.parametrize("name", MALFORMED, ids=lambda name: name[:12])
+@each_case("name", ["mujoco@", "mujoco@abc", "mujoco@1..2", f"mujoco@{'9' * 5000}", "@1"])
 def test_a_malformed_version_is_bad_input(name: str) -> None:
     assert refused(name).exit_code == BAD_INPUT
 
 
-@pytest.mark.processes
-@pytest.mark.parametrize("python", ["no-such-python", "/bin/true"])
-def test_a_wrong_python_is_reported_as_that(python: str) -> None:
-    complaint = refused("mujoco@3.1.6", python=python)
+def test_a_wrong_python_is_reported_as_that() -> None:
+    complaint = refused("mujoco@3.1.6", python="no-such-python")
     assert complaint.exit_code == BAD_INPUT
     assert "'--python'" in str(complaint)
 

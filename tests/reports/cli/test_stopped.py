@@ -136,5 +136,7 @@ def test_what_is_to_survive_its_terminal_does(path: Path) -> None:
     )
     wait_for_rows(run, path, 1)
     run.send_signal(signal.SIGHUP)
+    wait_for_rows(run, path, 3)
+    run.terminate()
     run.communicate()
-    assert run.returncode == 0
+    assert run.returncode == 128 + signal.SIGTERM

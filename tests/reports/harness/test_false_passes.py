@@ -16,6 +16,7 @@ from spincheck.reports.results.verdicts import Verdict
 from spincheck.scenarios import Scenario, loads
 from stepped import METHODS, Stepped, SteppedEngine
 from studies import verdict_of
+from top_scenes import scene
 
 pytestmark = pytest.mark.slow
 
@@ -27,15 +28,12 @@ BOOK, TOP = "book-middle-axis", "nutation-loops"
 FAULTS = [
     (BOOK, planted.ButForTinySteps, 1e-3),
     (BOOK, planted.AtFineSteps, 1e-3),
-    (BOOK, planted.InShortSteps, 1e-3),
     (BOOK, planted.InShortSteps, 1e-5),
     (BOOK, planted.InStepsBelowTwiceThat, 1e-3),
     (BOOK, planted.InStepsBelowSevenTimesThat, 1e-3),
-    (BOOK, planted.InOneShortStep, 1e-5),
     (BOOK, planted.InOneShortStep, 1e-9),
     (BOOK, planted.InAnotherShortStep, 1e-9),
     (BOOK, planted.AtTwoMilliseconds, 1e-3),
-    (BOOK, planted.FromHalfway, 1e-3),
     (BOOK, planted.FromHalfway, 1e-5),
     (BOOK, planted.InOneInterval, 1e-3),
     (BOOK, planted.InTheLastTenth, 1e-4),
@@ -49,7 +47,6 @@ FAULTS = [
     (BOOK, planted.ByChanceARun, 1e-3),
     (BOOK, planted.WrongWhenOpenedTwice, 1e-3),
     (BOOK, planted.Slowed, 1e-5),
-    (BOOK, planted.SmoothlyLater, 1e-3),
     (BOOK, planted.SmoothlyLater, 1e-4),
     (BOOK, planted.LeavesOneGyroscopicTermOut, 1e-4),
     (BOOK, planted.Remembers, 1e-3),
@@ -59,10 +56,8 @@ FAULTS = [
     (BOOK, planted.JumpsOnceByChance, 1e-3),
     (BOOK, planted.Clamped, -0.05),
     (BOOK, planted.AnotherMoment, 1e-5),
-    (BOOK, planted.AMomentBySignOfTheRung, 1e-4),
     (BOOK, planted.AMomentBySignOfTheRung, 1e-5),
     (BOOK, planted.AMomentByChance, 1e-3),
-    (BOOK, planted.AMomentAtFineSteps, 1e-4),
     (BOOK, planted.AMomentAtFineSteps, 1e-5),
     (BOOK, planted.TurnsTooFar, 1e-5),
     (BOOK, planted.SkipsSteps, 1e-2),
@@ -70,8 +65,6 @@ FAULTS = [
     (BOOK, planted.HalfAnOrder, 1e-6),
     (BOOK, planted.ReadsConjugated, 1.0),
     (BOOK, planted.ReadsPermuted, 1.0),
-    (TOP, planted.ReadsConjugated, 1.0),
-    (TOP, planted.ReadsPermuted, 1.0),
     (BOOK, planted.ReadsScattered, 1e-4),
     (BOOK, planted.ReadsOmegaOff, 1e-5),
     (BOOK, planted.ReadsOmegaDrifting, 1e-4),
@@ -175,33 +168,19 @@ def test_no_honest_engine_is_called_wrong(
 
 
 #: Its drag stops it within a few of the coarsest steps.
-STIFF_DRAG = """
-spincheck = 1
-title = "A body in treacle, on a pivot"
-source = "made up"
-[body]
-mass = 1.78
-inertia = [0.504, 0.44, 0.0679]
-com = [0.173, -0.0106, 0.0754]
-[start]
-rotation_vector_deg = [-72.7, 6.02, -87.9]
-omega_body = [5.67, -5.79, 2.68]
-[effects.pivot]
-[effects.drag]
-rotational = 16.0
-[effects.torque]
-body = [0.91, 40.9, 10.7]
-[window]
-duration = 6.08
-samples = 41
-"""
+STIFF_DRAG = scene(
+    "mass = 1.78\ninertia = [0.504, 0.44, 0.0679]\ncom = [0.173, -0.0106, 0.0754]",
+    "rotation_vector_deg = [-72.7, 6.02, -87.9]\nomega_body = [5.67, -5.79, 2.68]",
+    "[effects.pivot]\n[effects.drag]\nrotational = 16.0\n"
+    "[effects.torque]\nbody = [0.91, 40.9, 10.7]",
+    "duration = 6.08\nsamples = 41",
+)
 
 
 def test_a_formula_for_small_turns_is_no_physics_that_depends_on_the_timestep() -> None:
-    scenario = loads(STIFF_DRAG, "stiff-drag")
     engine = SteppedEngine(planted.TruncatesSmallTurns, 1e-3)
-    solved = prepare(scenario, (), MOST_STEPS)
-    verdict = verdict_of(convergence_study_of(scenario, engine, engine.method("Euler"), solved))
+    solved = prepare(STIFF_DRAG, (), MOST_STEPS)
+    verdict = verdict_of(convergence_study_of(STIFF_DRAG, engine, engine.method("Euler"), solved))
     assert verdict.verdict == "converges", verdict.reason
 
 

@@ -11,8 +11,8 @@ from spincheck.reports.harness.ladder import QUICK_STEPS
 from spincheck.reports.harness.prepared import prepare
 from spincheck.reports.harness.study import convergence_study_of
 from spincheck.reports.results.verdicts import Verdict
-from spincheck.scenarios import loads
 from studies import verdict_of as judged
+from top_scenes import scene
 
 pytestmark = pytest.mark.slow
 
@@ -27,10 +27,10 @@ def verdict_of(
     most_steps: int = MOST_STEPS,
     **declared: int,
 ) -> Verdict:
-    engine, scene = FaultyMuJoCo(fault), library_scene(name)
+    engine, scenario = FaultyMuJoCo(fault), library_scene(name)
     used = replace(engine.method(method), **declared)
     engine.methods = (used,)
-    return judged(convergence_study_of(scene, engine, used, prepare(scene, [], most_steps)))
+    return judged(convergence_study_of(scenario, engine, used, prepare(scenario, [], most_steps)))
 
 
 TOP, BOOK = "nutation-loops", "book-middle-axis"
@@ -85,61 +85,34 @@ def test_no_reason_of_a_convergence_contradicts_it(fault):
 
 
 #: A wobble of 0.05 rad/s, which first-order methods damp away before the second of its samples.
-DISC = """
-spincheck = 1
-title = "A disc"
-source = "made up"
-[body]
-mass = 1.0
-inertia = [0.5, 0.5, 1.0]
-[start]
-quaternion_wxyz = [1.0, 0.0, 0.0, 0.0]
-omega_body = [0.05, 0.0, 50.0]
-[window]
-duration = 400.0
-samples = 11
-"""
+DISC = scene(
+    "mass = 1.0\ninertia = [0.5, 0.5, 1.0]",
+    "quaternion_wxyz = [1.0, 0.0, 0.0, 0.0]\nomega_body = [0.05, 0.0, 50.0]",
+    *("", "duration = 400.0\nsamples = 11"),
+)
 #: A spinning bead at the end of a light rod, whose swing coarse rungs damp away, and finer ones do
 #: not: what each commits from one sample to the next is larger where more is left. Its error in ω
 #: is small beside the spin.
-BEAD = """spincheck = 1
-title = "a bead on a rod"
-source = "none"
-[body]
-mass = 1.0
-inertia = [1e-6, 1e-6, 1e-6]
-com = [0.0, 0.0, 1.0]
-[start]
-euler_zyz_deg = [0.0, 30.0, 0.0]
-omega_body = [0.1, 0.0, 300.0]
-[effects.gravity]
-acceleration = [0.0, 0.0, -9.81]
-[effects.pivot]
-[window]
-duration = 2.0
-samples = 101
-"""
+BEAD = scene(
+    "mass = 1.0\ninertia = [1e-6, 1e-6, 1e-6]\ncom = [0.0, 0.0, 1.0]",
+    "euler_zyz_deg = [0.0, 30.0, 0.0]\nomega_body = [0.1, 0.0, 300.0]",
+    window="duration = 2.0\nsamples = 101",
+)
 LONG_LADDER = 1 << 17
 
 
 @pytest.mark.parametrize(
-    ("name", "method", "text"),
+    ("name", "method", "body"),
     [
         ("mujoco", "implicit", DISC),
         pytest.param("pybullet", "maximal", DISC, marks=pytest.mark.needs_pybullet),
         ("mujoco", "implicit", BEAD),
     ],
 )
-def test_a_wobble_that_rungs_have_damped_away_is_no_other_motion(name, method, text):
-    engine, scene = engines()[name], loads(text, "wobble")
-    prepared = prepare(scene, [], LONG_LADDER)
-    verdict = judged(convergence_study_of(scene, engine, engine.method(method), prepared))
+def test_a_wobble_that_rungs_have_damped_away_is_no_other_motion(name, method, body):
+    engine, prepared = engines()[name], prepare(body, [], LONG_LADDER)
+    verdict = judged(convergence_study_of(body, engine, engine.method(method), prepared))
     assert verdict.verdict == "converges", verdict.reason
-
-
-def test_a_step_that_is_a_little_too_long_is_named_with_its_length():
-    verdict = verdict_of("hammer", "RK4", PlantedFault("clock", 1e-3))
-    assert "as if a step took 1.001 timesteps" in verdict.reason
 
 
 def test_a_first_order_method_declared_of_fourth_order_disagrees():

@@ -4,9 +4,11 @@ import math
 
 import numpy as np
 import pytest
+from case_loops import each_case
 from spincheck.engines import engines
 from spincheck.reference.stability import body_cone_rate
-from spincheck.scenarios import Scenario, loads
+from spincheck.scenarios import Scenario
+from top_scenes import scene
 
 EPS = float(np.finfo(float).eps)
 STEPS = 12
@@ -16,7 +18,7 @@ NUDGE = 1e-6
 #: and damping makes it smaller still, up to 2⁻¹² of it here.
 ROUNDED = 4 * EPS / NUDGE * 2**STEPS / STEPS + NUDGE**2
 DISC, ROD = "[1.0, 1.0, 2.0]", "[1.0, 1.0, 0.1]"
-FREE, PIVOT = "", "[effects.pivot]"
+FREE, PIVOT, WINDOW = "", "[effects.pivot]", "duration = 1.0\nsamples = 2"
 EXPLICIT = [
     ("mujoco", "Euler", FREE),
     ("mujoco", "Euler", PIVOT),
@@ -53,57 +55,43 @@ def euler_log_amplification(y: float) -> float:
     return math.log1p(y**2) / 2
 
 
-def spinning(inertia: str, effects: str) -> Scenario:
-    return _scene(inertia, "[0.0, 0.0, 0.0]", "[0.0, 0.0, 0.0]", f"[{NUDGE}, 0.0, 1.0]", effects)
+def spinning(inertia: str, effects: str, omega: str = f"[{NUDGE}, 0.0, 1.0]") -> Scenario:
+    return scene(
+        f"mass = 1.0\ninertia = {inertia}\ncom = [0.0, 0.0, 0.0]",
+        f"euler_zyz_deg = [0.0, 0.0, 0.0]\nomega_body = {omega}",
+        *(effects, WINDOW),
+    )
 
 
 def hanging() -> Scenario:
     """I1 = 2 kg m², M g l = 20 N m."""
-    gravity = "[effects.gravity]\nacceleration = [0.0, 0.0, -20.0]\n[effects.pivot]"
-    return _scene("[1.0, 1.0, 1.0]", "[0.0, 0.0, 1.0]", "[0, 180, 0]", f"[{NUDGE}, 0, 0]", gravity)
-
-
-def _scene(inertia: str, com: str, euler: str, omega: str, effects: str) -> Scenario:
-    return loads(
-        f"""spincheck = 1
-title = "made for a test"
-source = "no book"
-[body]
-mass = 1.0
-inertia = {inertia}
-com = {com}
-[start]
-euler_zyz_deg = {euler}
-omega_body = {omega}
-{effects}
-[window]
-duration = 1.0
-samples = 2
-""",
-        "made",
+    return scene(
+        "mass = 1.0\ninertia = [1.0, 1.0, 1.0]\ncom = [0.0, 0.0, 1.0]",
+        f"euler_zyz_deg = [0, 180, 0]\nomega_body = [{NUDGE}, 0, 0]",
+        *("[effects.gravity]\nacceleration = [0.0, 0.0, -20.0]\n[effects.pivot]", WINDOW),
     )
 
 
-def across(scene: Scenario, engine: str, method: str, timestep: float, steps: int) -> np.ndarray:
+def across(body: Scenario, engine: str, method: str, timestep: float, steps: int) -> np.ndarray:
     """ω across the axis at every step, rad/s, up to where the run ended."""
     tested = engines()[engine]
-    run = tested.run(scene, tested.method(method), timestep, np.arange(steps + 1, dtype=np.int64))
+    run = tested.run(body, tested.method(method), timestep, np.arange(steps + 1, dtype=np.int64))
     assert run.trajectory is not None, run.reason
     return np.hypot(*run.trajectory.omega_body[:, :2].T)
 
 
-def log_amplification(scene: Scenario, engine: str, method: str, y: float) -> float:
+def log_amplification(body: Scenario, engine: str, method: str, y: float) -> float:
     """ln of what a step multiplies the nudge by, at λ h = y."""
-    across_axis, _, along_axis = np.diag(scene.body.inertia_com)
+    across_axis, _, along_axis = np.diag(body.body.inertia_com)
     timestep = y / abs(body_cone_rate(across_axis, along_axis, 1.0))
-    sweep = across(scene, engine, method, timestep, STEPS)
+    sweep = across(body, engine, method, timestep, STEPS)
     assert len(sweep) == STEPS + 1
     return math.log(sweep[-1] / sweep[0]) / STEPS
 
 
 @pytest.mark.needs_pybullet
-@pytest.mark.parametrize("y", COARSE)
-@pytest.mark.parametrize(("engine", "method", "effects"), [*EXPLICIT, *IMPLICIT])
+@each_case("y", COARSE)
+@each_case(("engine", "method", "effects"), [*EXPLICIT, *IMPLICIT])
 def test_these_are_explicit_or_implicit_euler_in_free_precession(engine, method, effects, y):
     measured = log_amplification(spinning(DISC, effects), engine, method, y)
     explicit = euler_log_amplification(y)
@@ -112,23 +100,16 @@ def test_these_are_explicit_or_implicit_euler_in_free_precession(engine, method,
     assert measured != pytest.approx(-wanted, abs=ROUNDED)
 
 
-@pytest.mark.parametrize("y", [0.5, 2.0, 2.7, 2.84, 3.2])
-@pytest.mark.parametrize("inertia", [DISC, ROD], ids=["disc", "rod"])
-@pytest.mark.parametrize("effects", [FREE, PIVOT], ids=["free", "pivot"])
+@each_case("y", [0.5, 2.0, 0.99 * RK4_LIMIT, 1.01 * RK4_LIMIT, 3.2])
+@each_case("inertia", [DISC, ROD])
+@each_case("effects", [FREE, PIVOT])
 def test_mujoco_s_runge_kutta_has_the_classical_stability_function(effects, inertia, y):
+    """Which divides decay from growth at its limit."""
+    assert (rk4_log_amplification(y) > ROUNDED) == (y > RK4_LIMIT)
     measured = log_amplification(spinning(inertia, effects), "mujoco", "RK4", y)
     assert measured == pytest.approx(rk4_log_amplification(y), abs=ROUNDED)
     # The rate is that of ω in the body: the rod's nutation in space is nine times slower.
     assert measured != pytest.approx(rk4_log_amplification(y / 9), abs=ROUNDED)
-
-
-@pytest.mark.parametrize("effects", [FREE, PIVOT], ids=["free", "pivot"])
-def test_runge_kutta_s_limit_divides_growth_from_decay(effects):
-    scene = spinning(ROD, effects)
-    beside = 0.01
-    below, above = (1 - beside) * RK4_LIMIT, (1 + beside) * RK4_LIMIT
-    assert log_amplification(scene, "mujoco", "RK4", below) < -ROUNDED
-    assert log_amplification(scene, "mujoco", "RK4", above) > ROUNDED
 
 
 @pytest.mark.needs_pybullet
@@ -143,10 +124,10 @@ def test_runge_kutta_s_limit_divides_growth_from_decay(effects):
     ],
 )
 def test_swings_stay_small_up_to_the_limit_and_grow_beyond(engine, method, limit):
-    scene, steps, beside = hanging(), 200, 0.005
+    body, steps, beside = hanging(), 200, 0.005
     rate = math.sqrt(20.0 / 2.0)
-    below = across(scene, engine, method, (1 - beside) * limit / rate, steps)
-    above = across(scene, engine, method, (1 + beside) * limit / rate, steps)
+    below = across(body, engine, method, (1 - beside) * limit / rate, steps)
+    above = across(body, engine, method, (1 + beside) * limit / rate, steps)
     # Semi-implicit Euler from θ = 0: ω_n = ω_0 cos((n − ½)φ)/cos ½φ with sin ½φ = ½ λh.
     bounded = (1 + NUDGE) / math.cos(math.asin(1 - beside))
     assert below.max() / NUDGE < bounded
@@ -155,7 +136,7 @@ def test_swings_stay_small_up_to_the_limit_and_grow_beyond(engine, method, limit
 
 def test_a_flipping_body_blows_up_within_a_fifth_of_runge_kutta_s_limit():
     """The rate is that of small deviations, and flips are large: measured at 0.80 of the limit."""
-    flipping = _scene("[1.0, 2.0, 3.0]", "[0, 0, 0]", "[0, 0, 0]", "[0.01, 10.0, 0.01]", FREE)
+    flipping = spinning("[1.0, 2.0, 3.0]", FREE, "[0.01, 10.0, 0.01]")
     # λ² = [(I3 − I2)(L² − 2 T I1) + (I2 − I1)(2 T I3 − L²)]/(I1 I2 I3) where ω crosses the plane of
     # the extreme axes (Landau & Lifshitz, Mechanics, §37).
     moments, omega = np.array([1.0, 2.0, 3.0]), np.array([0.01, 10.0, 0.01])

@@ -18,7 +18,7 @@ from studies import study
 pytest.importorskip("playwright", reason="playwright is not installed")
 from browser import chromium, launched
 from page import read_page
-from playwright.sync_api import Browser, Page, expect
+from playwright.sync_api import Browser, Locator, Page, expect
 from plotted import values_of
 
 CHROMIUM = chromium()
@@ -93,8 +93,13 @@ def draw_all(page: Page) -> None:
     """Come past every figure, as a reader does, and wait until it is drawn."""
     page.evaluate("for (const d of document.querySelectorAll('details')) d.open = true")
     for plot in page.locator(".plot").all():
-        plot.scroll_into_view_if_needed()
-        plot.locator(".main-svg").first.wait_for(state="attached")
+        draw(plot)
+
+
+def draw(plot: Locator) -> None:
+    """Come past a figure."""
+    plot.scroll_into_view_if_needed()
+    plot.locator(".main-svg").first.wait_for(state="attached")
 
 
 def widest(page: Page) -> int:
@@ -272,7 +277,7 @@ def test_the_script_restores_the_arrays_that_the_page_carries(visit, folder):
 
 def test_the_script_draws_the_exact_axis_on_the_sphere_from_where_the_dot_is(visit, folder):
     page = open_page(visit, folder, "scenes/fast-top.html")
-    draw_all(page)
+    draw(page.locator("#axis .plot").first)
     drawn = page.evaluate("document.querySelector('#axis .plot').data")
     (line,) = (trace for trace in drawn if trace.get("name") == "exact")
     (dot,) = (trace for trace in drawn if trace["mode"] == "markers")
@@ -309,9 +314,7 @@ def test_a_page_answers_first_and_draws_figures_and_tables_as_the_reader_comes_n
     page = open_page(visit, folder, "scenes/fast-top.html")
     page.locator("[data-clock]").filter(has_text="of 5").wait_for()
     assert page.evaluate("typeof Plotly") == "undefined"
-    first = page.locator(".plot").first
-    first.scroll_into_view_if_needed()
-    first.locator(".main-svg").first.wait_for(state="attached")
+    draw(page.locator(".plot").first)
     runs = page.locator("#runs details.method").first
     expect(runs.locator("td")).to_have_count(0)
     runs.locator("summary").first.click()

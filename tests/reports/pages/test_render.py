@@ -13,6 +13,7 @@ from contrast import contrast
 from made_up import METHODS, MISCHIEF, PRINTED, UNCERTAINTY, MadeUp, results
 from markdown_text import markdown_tables, outside_code, plain
 from page import Page, read_page, unsound
+from spincheck.reports.pages.analysis.cost_to_reach import LEVELS
 from spincheck.reports.pages.analysis.report_data import report_data
 from spincheck.reports.pages.analysis.wording import number
 from spincheck.reports.pages.overview.overview import complaints, headline
@@ -87,6 +88,15 @@ def test_the_headline_counts_what_is_there(pages: dict[str, Page]) -> None:
     assert f"{verdict_words.count('failed')} failed" in headline
 
 
+def test_the_first_page_has_a_table_of_costs(pages: dict[str, Page], folder: Path) -> None:
+    """That ends in a column for each level."""
+    assert {"costs"} <= {*pages["index"].attribute("id")}
+    for tables in (pages["index"].tables(), markdown_tables(folder / "report.md")):
+        heads = [table[0][-len(LEVELS) :] for table in tables if table and table[0]]
+        levels = [h for h in heads if len(h) == len(LEVELS) and all("to " in cell for cell in h)]
+        assert len(levels) == 1
+
+
 def test_pages_are_well_formed_and_every_link_leads_somewhere_in_the_report(folder: Path) -> None:
     assert unsound(folder) == {}
     assert "url(" not in (folder / "assets" / "style.css").read_text(encoding="utf-8")
@@ -114,6 +124,9 @@ def test_plotly_is_written_once_and_told_to_send_nothing(folder: Path) -> None:
     script = (folder / "assets" / "figures.js").read_text(encoding="utf-8")
     assert "showSendToCloud: false" in script
     assert 'plotlyServerURL: ""' in script
+    # The first page has no figure.
+    scripts = read_page(folder / "index.html").attribute("src")
+    assert [Path(src).name for src in scripts if "plotly" in src] == []
 
 
 def test_what_users_wrote_is_shown_and_stays_text(pages: dict[str, Page], folder: Path) -> None:
@@ -185,7 +198,10 @@ def test_markdown_s_tables_are_rectangular_and_its_links_lead_to_files(folder: P
             assert (path.parent / unquote(target)).is_file(), target
 
 
-def test_a_window_cut_by_chaos_is_reported(tmp_path: Path) -> None:
+def test_a_window_cut_by_chaos_and_the_code_s_own_numbers_are_reported(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("spincheck.reports.harness.ladder.MAX_STEPS", 7654321)
     stored = results()
     top = stored.scenes["made-up-top"]
     chaotic = SceneResult(top.scenario, replace(top.solution, horizon=1.234))
@@ -196,6 +212,9 @@ def test_a_window_cut_by_chaos_is_reported(tmp_path: Path) -> None:
         assert "1.23" in text
     brick = (tmp_path / "scenes" / "made-up-brick.html").read_text(encoding="utf-8")
     assert "chaotic" not in brick
+    for name in ("index.html", "report.md"):
+        text = (tmp_path / name).read_text(encoding="utf-8")
+        assert "7\N{NARROW NO-BREAK SPACE}654\N{NARROW NO-BREAK SPACE}321" in text
 
 
 def test_the_same_results_give_the_same_bytes(folder: Path, tmp_path: Path) -> None:
@@ -221,17 +240,6 @@ def test_verdicts_can_be_read_on_their_grounds() -> None:
             assert ground is not None
             assert text is not None
             assert contrast(ground[1], text[1]) >= AA, verdict
-
-
-def test_the_protocol_prints_the_code_s_own_numbers(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr("spincheck.reports.harness.ladder.MAX_STEPS", 7654321)
-    render(results(), tmp_path)
-    for name in ("index.html", "report.md"):
-        assert "7\N{NARROW NO-BREAK SPACE}654\N{NARROW NO-BREAK SPACE}321" in (
-            tmp_path / name
-        ).read_text(encoding="utf-8")
 
 
 def _errors_too_small(page: Page) -> list[str]:

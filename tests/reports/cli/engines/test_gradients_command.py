@@ -5,17 +5,22 @@ import json
 import pytest
 import spincheck
 from case_loops import each_case
+from library_scenes import library_scene
+from spincheck.engines import engines
 from spincheck.reports.cli.engines.gradients import exit_code, gradients, print_gradients
 from spincheck.reports.cli.engines.gradients import gradients_as_json as as_json
 from spincheck.reports.cli.terminal import AGREES, DISAGREES, NOT_RUN, Complaint, to_json
-from spincheck.reports.harness.gradients.study import GradientRow
+from spincheck.reports.harness.gradients.study import OURS, GradientRow, gradients_of
 from spincheck.reports.harness.gradients.verdict import Judged
 
 pytestmark = pytest.mark.slow
 
+#: s; as long as it takes.
+WINDOW = 0.05
+
 
 def test_a_line_for_each_derivative_with_its_reason(capsys: pytest.CaptureFixture[str]) -> None:
-    rows = gradients(["fast-top"], ["mujoco"], ["Euler", "rk4"], None, None, None)
+    rows = gradients(["fast-top"], ["mujoco"], ["Euler", "rk4"], None, WINDOW, None)
     print_gradients(rows)
     printed = capsys.readouterr().out
     for words in ("mjd_transitionFD, centred", "RK4 integrator is not supported", "cosine"):
@@ -59,7 +64,8 @@ def test_a_timestep_or_a_window_that_is_none_is_refused(
 def test_a_window_says_from_when_on_gradients_mean_nothing_and_the_conditioning_there(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
-    rows = gradients(["chaos-beyond-the-horizon"], ["mujoco"], ["Euler"], None, 20.0, None)
+    chaos, mujoco = library_scene("chaos-beyond-the-horizon"), engines()["mujoco"]
+    rows = gradients_of(chaos, mujoco, "Euler", window=20.0, derivative=OURS)
     print_gradients(rows)
     printed = capsys.readouterr().out
     assert all(row.useless_from is not None and row.useless_from < 20.0 for row in rows)
@@ -82,7 +88,8 @@ def test_bad_input_in_python_is_a_value_error(named: dict[str, object], message:
 
 
 def test_python_returns_the_same_rows() -> None:
-    (forward, centred, ours) = spincheck.gradients("fast-top", engine="mujoco", method="Euler")
+    of_mujoco = {"engine": "mujoco", "method": "Euler", "window": WINDOW}
+    (forward, centred, ours) = spincheck.gradients("fast-top", **of_mujoco)
     assert {row.judged.verdict for row in (forward, centred, ours)} == {"converges"}
     assert forward.window
     assert centred.judged.is_own

@@ -257,22 +257,3 @@ def test_a_bound_of_an_angle_may_be_in_degrees(
     monkeypatch.setattr(recommend_module, "recommend", refuse)
     assert spincheck("recommend", "box.toml", "--attitude", words)[0] == NOT_RUN
     assert found == [{"attitude": bound}]
-
-
-@pytest.mark.parametrize(
-    ("option", "bound", "words"),
-    [
-        ("--omega", "0", " must be positive, got 0"),
-        ("--angular-momentum", "-1", " must be positive, got -1"),
-        ("--energy", "nan", " must be positive, got nan"),
-        ("--spins", "1e-3", ": box has no spins of the rotors"),
-    ],
-)
-def test_bad_bounds_are_refused_in_one_message_before_anything_runs(
-    spincheck: Command, monkeypatch: pytest.MonkeyPatch, option: str, bound: str, words: str
-) -> None:
-    monkeypatch.setattr(running, "run", lambda *_: pytest.fail("it runs"))
-    code, out, err = spincheck("recommend", "box.toml", option, bound)
-    assert (code, out) == (2, "")
-    assert err.startswith(f"spincheck: '{option}'{words}")
-    assert len(err.splitlines()) == 1

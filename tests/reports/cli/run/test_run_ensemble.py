@@ -22,7 +22,7 @@ from spincheck.reports.cli.run.ensembles import (
     run_ensembles,
 )
 from spincheck.reports.cli.run.summary import run_lines
-from spincheck.reports.cli.terminal import AGREES, BAD_INPUT, DISAGREES, NOT_RUN, Complaint
+from spincheck.reports.cli.terminal import AGREES, DISAGREES, NOT_RUN, Complaint
 from spincheck.reports.harness.executors import InProcess
 from spincheck.reports.results.ensemble_records import Ensemble
 from spincheck.reports.results.store import open_store
@@ -127,39 +127,6 @@ def run(*arguments: object) -> tuple[int, str]:
     if isinstance(result.exception, Complaint):
         return result.exception.exit_code, str(result.exception)
     return result.exit_code, result.output
-
-
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        ([*ENSEMBLE, "3", "--timestep", "60"], "must be shorter than the window of fast-top"),
-        (["run", "no-such-scene", "--ensemble", "3"], "no-such-scene"),
-        ([*ENSEMBLE, "3", "--engine", "none"], "'--engine' must be one of"),
-        (["run", "--ensemble", "3"], "'--ensemble' takes scenes to scatter, got none"),
-        ([*ENSEMBLE, "3", "--quick"], "'--quick' is for ladders"),
-        (
-            [*ENSEMBLE, "3", "--timestep", "0.1", "--timestep", "0.2"],
-            "'--timestep' may be given once with '--ensemble', got 2",
-        ),
-        ([*ENSEMBLE, "0"], "'--ensemble'"),
-        (["run", SCENE, "--seed", "0"], "'--seed' is for an ensemble"),
-        ([*ENSEMBLE, "3", "--python", "python3"], "'--python' is for versions"),
-        ([*ENSEMBLE, "3", "--engine", "mujoco-file"], "loads links of users'"),
-        ([*ENSEMBLE, "3", "--time-limit", "0"], "'--time-limit' must be positive"),
-        (["show", SCENE, "--member", "-1"], "'--member'"),
-        (["show", SCENE, "--seed", "7"], "'--seed' is for a member of an ensemble"),
-        (["show", SCENE, "--toml", "--json"], "takes '--toml' or '--json', not both"),
-    ],
-    ids=lambda value: "" if isinstance(value, str) else " ".join(value[:1] + value[2:]),
-)
-def test_what_cannot_be_used_is_one_message_and_exit_code_2(
-    arguments, message, tmp_path, monkeypatch
-):
-    monkeypatch.chdir(tmp_path)
-    code, printed = run(*arguments)
-    assert code == BAD_INPUT
-    assert message in printed
-    assert not list(tmp_path.iterdir())
 
 
 @pytest.mark.processes

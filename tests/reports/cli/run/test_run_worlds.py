@@ -19,25 +19,6 @@ UNABLE = replace(LOST, outcome="unsupported", reason="e m cannot simulate pivot"
 
 
 @each_case(
-    ("arguments", "message"),
-    [
-        (["fast-top", "--worlds", "2"], "mujoco steps one world at a time"),
-        (["--worlds", "2"], "'--worlds' needs a scene"),
-        (["fast-top", "--worlds", "0"], "'--worlds' must be numbers from 1"),
-        (["fast-top", "--worlds", "2,x"], "got '2,x'"),
-        (["fast-top", "--device", "cuda:0"], "'--device' is for batches"),
-        (["fast-top", "--worlds", "2", "--quick"], "'--quick' is not for '--worlds'"),
-        (["fast-top", "--worlds", "2", "--ensemble", "3"], "'--ensemble' is not for '--worlds'"),
-    ],
-)
-def test_bad_input_is_one_line_and_exit_code_2(arguments: list[str], message: str) -> None:
-    code, out, err = ended("run", *arguments)
-    assert (code, out) == (BAD_INPUT, "")
-    assert message in err
-    assert len(err.splitlines()) == 1
-
-
-@each_case(
     ("name", "message"),
     [
         ("newton", "'--device': there is no device 'cuda:99' here"),

@@ -1,4 +1,7 @@
-"""What steps cost with what engines leave out is measured, and whether that changes the motion."""
+"""What steps cost with what engines leave out is measured, and whether that changes the motion.
+
+That it does not, of MuJoCo and PyBullet, is verified in `engines/test_left_out`.
+"""
 
 from collections.abc import Collection
 from dataclasses import replace
@@ -160,24 +163,6 @@ def test_every_distinct_set_of_what_is_left_out_is_timed_once(clock: Clock) -> N
         ("one", [contact]),
         ("both", [contact, sensor]),
     ]
-
-
-REAL = [
-    pytest.param(engine, method, id=f"{engine.name}-{method.name}")
-    for engine in required_engines()
-    for method in engine.methods
-]
-
-
-@pytest.mark.parametrize(("engine", "method"), REAL)
-def test_real_engines_move_alike_with_and_without_what_is_left_out(engine, method) -> None:
-    scenario = library_scene("tiring-top")
-    if engine.unsupported(scenario, method):
-        pytest.skip("cannot simulate the scene")
-    if method.as_shipped:
-        assert with_all_left_in(scenario, [(engine, method)]) == []
-        return
-    assert apart(engine, method, scenario) == (scenario.window.duration, 0.0)
 
 
 @pytest.mark.parametrize("engine", required_engines(), ids=lambda engine: engine.name)

@@ -22,8 +22,6 @@ pytestmark = pytest.mark.processes
 FOREVER = 600.0
 #: s; of CPU time for what uses it, of idleness for what hangs.
 TIME_LIMIT = 1.0
-#: A real-time signal, which Python has no name for.
-NAMELESS = 40
 
 
 @pytest.fixture(scope="module")
@@ -65,7 +63,6 @@ def test_what_cannot_be_pickled_fails_the_call_alone(worker, call):
         ((calls.leave_at_once, 7), "crash", "ended with exit code 7"),
         # Through no fault of its own, twice.
         ((calls.killed_by, signal.SIGKILL), "killed", "was killed from outside by SIGKILL"),
-        ((calls.killed_by, NAMELESS), "killed", f"was killed from outside by signal {NAMELESS}"),
     ],
 )
 def test_what_ended_a_worker_is_said_and_the_next_call_returns(worker, call, cause, end):

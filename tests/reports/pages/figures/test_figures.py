@@ -10,18 +10,20 @@ from typing import Any
 import numpy as np
 import plotly.graph_objects as go
 import pytest
+from case_loops import each_case
 from contrast import contrast
 from made_up import METHODS, STOCK, TIMESTEPS, UNCERTAINTY, at_stock, evidence, results
 from plotted import coloured, values_of
 from spincheck.reference import facts, solve
 from spincheck.reports.pages.analysis.report_data import SceneRuns, report_data
 from spincheck.reports.pages.analysis.trace_style import COLOURS, DASHES, SYMBOLS, trace_styles
+from spincheck.reports.pages.analysis.work_precision import curves, front
 from spincheck.reports.pages.figures import ladder_figures
 from spincheck.reports.pages.figures.drawn_body import MOST as MOST_DENSE
 from spincheck.reports.pages.figures.drawn_body import axis_body, dense_motion
 from spincheck.reports.pages.figures.figures import Titled, figures
 from spincheck.reports.pages.figures.gain_figures import is_off
-from spincheck.reports.pages.figures.ladder_figures import cost
+from spincheck.reports.pages.figures.ladder_figures import cost, work_precision
 from spincheck.reports.pages.figures.plot import (
     MOST_SAMPLES,
     Figure,
@@ -34,7 +36,7 @@ from spincheck.reports.pages.page_data import PageData
 from spincheck.reports.pages.scene.motion_data import motion_data
 from spincheck.reports.pages.templating import source
 from spincheck.reports.results.records import Key, Row
-from spincheck.scenarios import EVERYWHERE, FloatArray
+from spincheck.scenarios import EVERYWHERE, SIGNAL, FloatArray
 
 pytestmark = pytest.mark.slow
 
@@ -183,6 +185,16 @@ def test_cost_is_seconds_a_simulated_second_and_of_timed_runs(top: dict[str, Tit
     named = {name for scene in gathered.scenes for name in drawn(scene)}
     assert "convergence" in named
     assert "cost" not in named
+
+
+@each_case(("part", "signal"), [*enumerate(EVERYWHERE)])
+def test_the_front_is_drawn_behind_the_curves(part: int, signal: str) -> None:
+    first, *others = work_precision(scene(TOP))[part]["data"]
+    assert first["name"] == "Pareto front" not in [trace["name"] for trace in others]
+    best = [point for _, point in front(curves(scene(TOP), signal))]
+    errors = [point.error * SIGNAL[signal].shown for point in best]
+    np.testing.assert_array_equal(values_of(first["x"]), np.float32([p.cost for p in best]))
+    np.testing.assert_array_equal(values_of(first["y"]), np.float32(errors))
 
 
 def test_turning_points_of_the_well_are_the_bounds_of_nutation(top: dict[str, Titled]) -> None:
