@@ -1,7 +1,7 @@
 """The noise of what steps gain: every source, with its standard deviation, and the sizes beside it.
 
-- Reading: `ULPS` ulp of each number of a state; a step of an engine rounds a few times. It is less in a mean
-  of repeats, unless it goes one way (`noise_of_bias`).
+- Reading: `ULPS` ulp of each number of a state; a step of an engine rounds a few times. It is less
+  in a mean of repeats, unless it goes one way (`noise_of_bias`).
 - The body as it is held: what it may differ by when it is read back (`Engine.slack`); in single
   precision what rounding of its moments makes.
 - Moments that differ: `ULPS` ulp times the condition number of the tensor, or of the mass matrix
