@@ -21,11 +21,14 @@ class DeclaredEngine(Record):
     name: Name
     methods: tuple[Method, ...]
     stock_timestep: Size | None = None
+    single_precision: bool = False
 
     @staticmethod
     def of(engine: Engine) -> "DeclaredEngine":
         """Return what an engine's adapter declares."""
-        return DeclaredEngine(engine.name, tuple(engine.methods), engine.stock_timestep)
+        return DeclaredEngine(
+            engine.name, tuple(engine.methods), engine.stock_timestep, engine.single_precision
+        )
 
 
 @dataclass(frozen=True)

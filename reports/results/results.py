@@ -32,6 +32,7 @@ class Results:
     varied : the runs in which something is varied, such as members of ensembles
     methods : what each engine's adapter declares about its methods, in the adapter's order
     stock_timesteps : stock timesteps, s, of the engines that have one
+    single_precision : the engines that hold their state in floats of 24 bits
     """
 
     environment: dict[str, str]
@@ -43,6 +44,7 @@ class Results:
     evidence: list[Evidence] = field(default_factory=list)
     methods: dict[Pair, Method] = field(default_factory=dict)
     stock_timesteps: dict[str, float] = field(default_factory=dict)
+    single_precision: frozenset[str] = frozenset()
     ensembles: list[EnsembleResult] = field(default_factory=list)
     varied: list[Row] = field(default_factory=list)
 

@@ -239,6 +239,7 @@ class Store:
             ensembles=as_result_file_error(swept)(self._ensembles(), varied),
             methods={(e.name, method.name): method for e in engines for method in e.methods},
             stock_timesteps={e.name: e.stock_timestep for e in engines if e.stock_timestep},
+            single_precision=frozenset(e.name for e in engines if e.single_precision),
         )
 
     def varied(self, scenario: str) -> list[Row]:

@@ -34,6 +34,8 @@ def curve_of_law(
         seconds_per_step=seconds,
         uncertainty=EPS,
         rounding=0.0,
+        duration=1.0,
+        single_precision=False,
         declared=1,
         verdict="converges",
         reason="order as declared",

@@ -460,6 +460,14 @@ class HonestSingle(Stepped):
         self.y[:] = self.y.astype(np.float32)
 
 
+class BiasedSingle(HonestSingle):
+    """Rounding makes ω longer in each step, by `size` ulp, as in Rapier and Newton."""
+
+    def after_step(self):
+        self.omega[:] *= 1 + self.size * np.finfo(np.float32).eps
+        super().after_step()
+
+
 class ForgetsWithTheTimestep(Remembers):
     """A memory that vanishes with the timestep: of first order, as Euler's own error."""
 

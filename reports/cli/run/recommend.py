@@ -20,9 +20,15 @@ from ...harness.choice import Choice
 from ...harness.executors import TIME_LIMIT, LocalWorkers
 from ...harness.plan import plan
 from ...harness.study import run_study
-from ...pages.analysis.best_choice import BOUNDS, Candidate, ErrorBounds, candidates, steady
+from ...pages.analysis.best_choice import (
+    BOUNDS,
+    Candidate,
+    ErrorBounds,
+    candidates,
+    steady,
+    to_type,
+)
 from ...pages.analysis.report_data import SceneRuns, report_data
-from ...pages.analysis.wording import rounded_down
 from ...results.cost_records import MethodCost
 from ...results.records import Key, Row
 from ...results.results import Results
@@ -206,10 +212,10 @@ def _checked(scene: str, bounds: ErrorBounds, results: Results, folder: Path) ->
 
 
 def _as_typed(candidate: Candidate) -> Candidate:
-    """Return the candidate with its timestep rounded down to two digits, and the cost of that."""
+    """Return the candidate with its timestep as people type it, and the cost of that."""
     if candidate.timestep is None or candidate.cost is None:
         return candidate
-    timestep = rounded_down(candidate.timestep)
+    timestep = to_type(candidate.timestep, candidate.finest_useful)
     cost = candidate.cost * candidate.timestep / timestep
     return replace(candidate, timestep=timestep, cost=cost)
 

@@ -83,7 +83,7 @@ def print_recommendation(recommendation: Recommendation) -> None:
 
 def _priced(candidate: Candidate) -> str:
     finest = candidate.finest_useful
-    floor = f", below {finest:.3g} s errors grow" if finest is not None else ""
+    floor = f"; finer than {finest:.3g} s makes it worse" if finest is not None else ""
     return (
         f"{candidate.label} with a timestep of {candidate.timestep!r} s, {candidate.cost:.3g} CPU "
         f"seconds a simulated second ({candidate.word}{floor})"
@@ -100,6 +100,7 @@ def _method(candidate: Candidate) -> dict[str, Any]:
         "decided_by": candidate.decided_by,
         "largest_stable_timestep": candidate.largest_stable,
         "finest_useful_timestep": candidate.finest_useful,
+        "rounding_bias_ulp_a_step": candidate.bias,
     }
 
 

@@ -7,11 +7,11 @@ from collections.abc import Iterator, Sequence
 
 from ....engines.fault import ENVIRONMENTAL
 from ....scenarios import Signal
-from ...pages.analysis.best_choice import BOUNDS, best_choice, finest_useful, within_in_words
+from ...pages.analysis.best_choice import BOUNDS, best_choice, within_in_words
+from ...pages.analysis.finest_timesteps import finest_in_words, finest_timesteps
 from ...pages.analysis.questions import at_stock, leading
 from ...pages.analysis.report_data import ReportData, report_data
-from ...pages.analysis.rounding_bias import rounding_bias
-from ...pages.analysis.wording import duration, plural, span
+from ...pages.analysis.wording import duration, plural
 from ...results.records import Row
 from ...results.results import Results
 from ...results.verdict_words import LISTED
@@ -122,23 +122,9 @@ def _best(report: ReportData) -> Iterator[str]:
 
 
 def _finest(report: ReportData) -> Iterator[str]:
-    """Yield the timestep below which errors grow, for methods that show it, longest first."""
-    found: dict[str, list[float]] = {}
-    biases: dict[str, float] = {}
-    for scene in report.scenes:
-        for runs in scene.methods:
-            if (finest := finest_useful(scene, runs)) is not None:
-                found.setdefault(runs.label, []).append(finest)
-                if (bias := rounding_bias(runs)) is not None:
-                    biases[runs.label] = max(bias, biases.get(runs.label, 0.0))
-    if found:
-        coarsest = sorted(found.items(), key=lambda one: -max(one[1]))
-        words = {label: f", biased by {bias:.2g} ulp a step" for label, bias in biases.items()}
-        ranges = "; ".join(
-            f"{label} {span(sizes)}{words.get(label, '')}" for label, sizes in coarsest
-        )
-        text = f"Errors grow with timesteps below: {ranges}."
-        yield from textwrap.wrap(text, WIDTH, max_lines=REASON_LINES, placeholder=" …")
+    """Yield below which timestep rounding makes errors grow, and where it is biased."""
+    for sentence in finest_in_words(list(finest_timesteps(report).values())):
+        yield from textwrap.wrap(f"{sentence}.", WIDTH, max_lines=REASON_LINES, placeholder=" …")
 
 
 def _asked_for(rows: Sequence[Row], timesteps: Sequence[float]) -> Iterator[str]:

@@ -15,7 +15,15 @@ from ...results.evidence import CONSISTENT, LEVEL, StepEvidence, StepFault
 from ...results.reasons import fault_in_words
 from ..stock import stock_timesteps
 from .look import Look
-from .noise import SIGMAS, SOLVED, ULPS, noise_of, noise_of_steps, rounding_of_body
+from .noise import (
+    SIGMAS,
+    SOLVED,
+    ULPS,
+    noise_of,
+    noise_of_bias,
+    noise_of_steps,
+    rounding_of_body,
+)
 from .places import FINER, Places, places
 from .readings import misreading
 from .shapes import SURE
@@ -150,7 +158,12 @@ class _Examination:
             look = more
             if is_in_vain:
                 break
-        return look
+        return self._as_if_biased(look) if is_single and look.tail < LEVEL else look
+
+    def _as_if_biased(self, look: Look) -> Look:
+        """Judge the same steps as if rounding went one way in all repeats, and in all states."""
+        biased = noise_of_bias(look.equations, look.steps, self.engine)
+        return replace(look, noise=np.hypot(look.noise, biased), is_pooled=False)
 
     def _taken(self, settle: int, repeats: int) -> Look:
         steps = self._steps(settle, repeats, self._timesteps(self.at.timesteps))

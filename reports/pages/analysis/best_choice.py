@@ -1,7 +1,7 @@
 """The cheapest choice that is accurate enough, among a scene's runs and timesteps between them."""
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from scipy.spatial.transform import Rotation
@@ -11,8 +11,9 @@ from ...results.records import Key, Row
 from ...results.results import SceneResult
 from .cost_to_reach import Barrier, How, reach
 from .report_data import MethodRuns, SceneRuns
+from .rounding_bias import rounding_bias
 from .wording import number, rounded_down
-from .work_precision import Curve, cost, curve_of
+from .work_precision import cost, curve_of
 
 ErrorBounds = Mapping[str, float]
 
@@ -26,8 +27,9 @@ class Candidate:
     word, reason : how timestep and cost are known, or why a bound is out of reach
     decided_by : the error whose bound needs the smallest timestep, or cannot be reached
     largest_stable : the coarsest timestep from which on all finer runs ended well, s
-    finest_useful : timestep below which errors of some bound grow by rounding, s; None if no run
+    finest_useful : timestep below which the error that decides grows by rounding, s; None if no run
         shows that
+    bias : of the rounding, ulp of single precision a step; None if it is not shown to be biased
     timestep : s; None if out of reach
     cost : CPU seconds for a simulated second at that timestep
     spread : relative spread of the timings of a step
@@ -39,6 +41,7 @@ class Candidate:
     decided_by: str
     largest_stable: float | None
     finest_useful: float | None = None
+    bias: float | None = None
     timestep: float | None = None
     cost: float | None = None
     spread: float = 0.0
@@ -81,8 +84,10 @@ def _candidate(scene: SceneRuns, runs: MethodRuns, bounds: ErrorBounds) -> Candi
     curve, reach_there = curves[signal], reached[signal]
     key = Key(scene.name, runs.engine, runs.method)
     stable = curve.stable[0].timestep if curve.stable else None
-    finest = _finest(curves.values())
-    candidate = Candidate(key, reach_there.word, reach_there.reason, signal, stable, finest)
+    finest, bias, reason = curve.finest_useful, rounding_bias(runs), reach_there.reason
+    if reach_there.word == "round-off" and bias is not None:
+        reason += f"; its rounding is biased by {bias:.2g} ulp a step"
+    candidate = Candidate(key, reach_there.word, reason, signal, stable, finest, bias)
     if not timesteps[signal] or curve.seconds_per_step is None:
         return candidate
     spread = next((row.seconds_spread for row in reversed(runs.rows) if row.seconds_spread), 0.0)
@@ -98,11 +103,8 @@ def finest_useful(scene: SceneRuns, runs: MethodRuns) -> float | None:
     """Return the timestep, s, below which errors of attitude or ω grow; None if not shown."""
     if scene.solved is None:
         return None
-    return _finest(curve_of(scene, runs, signal) for signal in BOUNDS)
-
-
-def _finest(curves: Iterable[Curve]) -> float | None:
-    return max((one.least.timestep for one in curves if one.least), default=None)
+    found = (curve_of(scene, runs, signal).finest_useful for signal in BOUNDS)
+    return max(filter(None, found), default=None)
 
 
 #: Bounds of a best choice: attitude in rad; ω relative to its largest value.
@@ -120,17 +122,20 @@ class BestChoice:
     ----------
     cost : CPU seconds for a simulated second; None if nothing was timed
     within : whether it is accurate enough; if not, it is the most accurate run
+    finest_useful : timestep below which the method's errors grow, s; None if no run shows that
     """
 
     runs: MethodRuns
     row: Row
     cost: float | None
     within: bool
+    finest_useful: float | None = None
 
     @property
     def timestep(self) -> float:
         """The timestep to type, s: the run's, rounded down; stock timesteps are unchanged."""
-        return self.row.timestep if self.row.stock else rounded_down(self.row.timestep)
+        timestep = self.row.timestep
+        return timestep if self.row.stock else to_type(timestep, self.finest_useful)
 
     @property
     def setup(self) -> str:
@@ -163,7 +168,13 @@ def best_choices(scene: SceneRuns) -> list[BestChoice]:
     first: dict[str, BestChoice] = {}
     for one in sorted(tried, key=_rank):
         first.setdefault(one.runs.engine, one)
-    return list(first.values())
+    return [replace(one, finest_useful=finest_useful(scene, one.runs)) for one in first.values()]
+
+
+def to_type(timestep: float, finest: float | None) -> float:
+    """Return a timestep, s, rounded down to what people type, but not to where errors grow."""
+    shorter = rounded_down(timestep)
+    return finest if finest is not None and shorter < finest <= timestep else shorter
 
 
 def steady(solved: SceneResult, bounds: ErrorBounds) -> str:

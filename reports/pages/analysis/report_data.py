@@ -39,6 +39,7 @@ class MethodRuns(OfMethod):
     verdict : None if the study was stopped before there was one
     declared : what the adapter declared about the method when it ran; None if not in the file
     evidence : what the verdict rests on; None if there is none
+    single_precision : whether the engine holds its state in floats of 24 bits
     """
 
     engine: str
@@ -48,6 +49,7 @@ class MethodRuns(OfMethod):
     declared: Method | None
     style: TraceStyle
     evidence: Evidence | None = None
+    single_precision: bool = False
 
     def setup(self, timestep: float) -> str:
         """Return what users write to use it at a timestep, s; empty if its adapter does not say."""
@@ -253,7 +255,8 @@ def report_data(results: Results) -> ReportData:
     def method_runs(key: Key) -> MethodRuns:
         rows, declared = tuple(tried.get(key, ())), results.methods.get(key.pair)
         style, judged_by = drawn[key.pair], evidence.get(key)
-        return MethodRuns(*key.pair, rows, verdicts.get(key), declared, style, judged_by)
+        is_single = key.engine in results.single_precision
+        return MethodRuns(*key.pair, rows, verdicts.get(key), declared, style, judged_by, is_single)
 
     scenes = tuple(
         SceneRuns(

@@ -23,6 +23,8 @@ from .report_data import MethodRuns, SceneRuns
 GROWN = 2**0.5
 #: Relative difference below which two doubles are not known to differ.
 EPS = float(np.finfo(float).eps)
+#: The same of floats of 24 bits.
+SINGLE = float(np.finfo(np.float32).eps)
 
 
 @dataclass(frozen=True)
@@ -48,7 +50,9 @@ class Curve(OfMethod):
         ok
     seconds_per_step : CPU time of a step, s, None where it was not timed
     uncertainty : uncertainty of the reference, in this error
-    rounding : error that rounding may cause at a timestep of 1 s; proportional to 1/timestep
+    rounding : error that one ulp in the start may cause
+    duration : s, for which steps are taken
+    single_precision : whether the engine's ulp is that of floats of 24 bits
     declared : the order of accuracy of ω that the adapter declares; None if not known
     verdict, reason, order : of the verdict on the method and scene; None if there is none
     """
@@ -61,14 +65,22 @@ class Curve(OfMethod):
     seconds_per_step: float | None
     uncertainty: float
     rounding: float
+    duration: float
+    single_precision: bool
     declared: int | None
     verdict: VerdictWord | None
     reason: str
     order: float | None
 
     def floor(self, timestep: float) -> float:
-        """Return the error of a run by rounding: one ulp a step, times its growth."""
-        return self.uncertainty + self.rounding / timestep
+        """Return the error of a run by rounding: one ulp a step, times its growth.
+
+        In double precision all steps may round the same way, which is a bound. In single precision
+        that bound is above most errors, and it is what rounding at random comes to.
+        """
+        steps = self.duration / timestep
+        added_up = math.sqrt(steps) if self.single_precision else steps
+        return self.uncertainty + self.rounding * added_up
 
     @cached_property
     def observed_order(self) -> float | None:
@@ -97,6 +109,11 @@ class Curve(OfMethod):
         grows = len(finer) > 2 and all(a < b for a, b in pairwise(finer))
         return least if grows and finer[-1] > GROWN * least.error else None
 
+    @property
+    def finest_useful(self) -> float | None:
+        """The timestep of that run, s."""
+        return self.least.timestep if self.least else None
+
 
 def curves(scene: SceneRuns, signal: str) -> list[Curve]:
     """Return every method's curve on a scene; none if the scene could not be solved."""
@@ -109,7 +126,7 @@ def curve_of(scene: SceneRuns, runs: MethodRuns, signal: str) -> Curve:
     finished = [row for row in runs.rows if row.errors]
     unfinished = [row.timestep for row in runs.rows if row.made and row.outcome != "ok"]
     points = tuple(_point(scene, row, signal) for row in finished)
-    duration = float(solution.trajectory.t[-1])
+    ulp = SINGLE / EPS if runs.single_precision else 1.0
     return Curve(
         engine=runs.engine,
         method=runs.method,
@@ -123,7 +140,9 @@ def curve_of(scene: SceneRuns, runs: MethodRuns, signal: str) -> Curve:
         ),
         seconds_per_step=finished[-1].seconds_per_step if finished else None,
         uncertainty=max(solution.uncertainty[signal], EPS),
-        rounding=duration * solution.conditioning[signal],
+        rounding=ulp * solution.conditioning[signal],
+        duration=scene.end,
+        single_precision=runs.single_precision,
         declared=runs.declared.order if runs.declared else None,
         verdict=runs.verdict.verdict if runs.verdict else None,
         reason=runs.verdict.reason if runs.verdict else "the study was stopped before a verdict",

@@ -7,10 +7,10 @@ from typing import Any
 import numpy as np
 
 from ...results.cost_records import MethodCost
-from ..analysis.best_choice import finest_useful
+from ..analysis.finest_timesteps import Finest, finest_in_words, finest_timesteps
 from ..analysis.questions import Usual, ask, at_stock
 from ..analysis.report_data import ReportData
-from ..analysis.wording import NOTHING, duration, plural, readable, span
+from ..analysis.wording import NOTHING, duration, plural, readable
 from ..tables import Cell, figure, table
 from .causes import no_gyroscopic_torque, why
 
@@ -21,6 +21,8 @@ COVERING = 0.9
 MUCH_SMALLER = 2.0
 #: Number of engines whose defaults are described one by one, smallest errors first.
 LISTED = 2
+#: The line of the timestep below which rounding makes errors grow.
+FINEST = "finer than this makes it worse"
 #: The lines of the table.
 MEASURES = (
     "timestep",
@@ -28,7 +30,7 @@ MEASURES = (
     "error a turn",
     "off at the end",
     "at worst",
-    "errors grow below",
+    FINEST,
     "CPU time of a step",
     "pruned",
 )
@@ -65,11 +67,14 @@ def answer(gathered: ReportData, left_out: Collection[MethodCost] = ()) -> dict[
     measured = {one.key.engine for scene in plain.scenes for one in scene.defaults}
     explained = [one for one in shipped if one in listed or one.engine in measured]
     reasons = [why(plain, one, harmless) for one in explained]
+    finest = finest_timesteps(plain)
+    in_table = {used.pair for one in listed for used in (one, instead.get(one.pair, one))}
+    rounding = [f for pair, f in finest.items() if pair not in in_table or not f.timesteps]
     headings, columns = [""], [[Cell(measure, "name") for measure in MEASURES]]
     for one in listed:
         for used in filter(None, (one, instead.get(one.pair))):
             headings.append(f"{'' if used is one else 'use '}{used.label}")
-            columns.append(_column(plain, used, one, left_out))
+            columns.append(_column(plain, used, one, left_out, finest.get(used.pair)))
     # Without times, a line has only the default's own ratio.
     lines = [
         line
@@ -82,7 +87,14 @@ def answer(gathered: ReportData, left_out: Collection[MethodCost] = ()) -> dict[
         "table": table(headings, lines),
         "about": f"Attitude at stock timesteps, medians of {scenes}; the error a turn is taken "
         "while the body moves." + (COST if lines[-1][0].text in MEASURES[-2:] else ""),
-        "why": _sentences([*_others(others), *filter(None, reasons), *no_gyroscopic_torque(plain)]),
+        "why": _sentences(
+            [
+                *_others(others),
+                *filter(None, reasons),
+                *no_gyroscopic_torque(plain),
+                *finest_in_words(rounding),
+            ]
+        ),
     }
 
 
@@ -109,7 +121,11 @@ def _median(one: Usual) -> str:
 
 
 def _column(
-    gathered: ReportData, one: Usual, default: Usual, left_out: Collection[MethodCost]
+    gathered: ReportData,
+    one: Usual,
+    default: Usual,
+    left_out: Collection[MethodCost],
+    finest: Finest | None,
 ) -> list[Cell]:
     """Return a column for a method: its errors, and its steps' CPU time relative to the default's.
 
@@ -124,12 +140,6 @@ def _column(
         if cost.difference is not None and cost.cost and cost.key.pair == one.pair
     }
     ratios = (OWN_RATIO, "") if one is default else (_price(whole, base), _price(pruned, base))
-    finest = [
-        timestep
-        for scene in gathered.scenes
-        for runs in scene.methods
-        if runs.pair == one.pair and (timestep := finest_useful(scene, runs)) is not None
-    ]
     turns = NOTHING
     if one.turns is not None:
         turns = f"{readable(one.turns)} turns" if one.turns < math.inf else "never"
@@ -141,9 +151,16 @@ def _column(
     return [
         *map(figure, (duration(one.timestep), turns, a_turn, _median(one))),
         Cell(largest, "number", ", ".join(worst)),
-        figure(span(finest) if finest else ""),
+        Cell(*_worse_below(finest)),
         *map(figure, ratios),
     ]
+
+
+def _worse_below(finest: Finest | None) -> tuple[str, str, str]:
+    """Return text, kind and note of the cell of the timestep below which errors grow."""
+    if finest is None or not finest.timesteps:
+        return "", "number", ""
+    return finest.timestep_in_words, "number", finest.bias_in_words
 
 
 def _others(shipped: Sequence[Usual]) -> list[str]:

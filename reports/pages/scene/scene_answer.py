@@ -12,7 +12,6 @@ from ..analysis.best_choice import (
     BestChoice,
     best_choice,
     best_choices,
-    finest_useful,
     nothing_because,
     within_in_words,
 )
@@ -167,13 +166,13 @@ def _facts(scene: SceneRuns, best: BestChoice) -> list[tuple[str, str]]:
     run, timestep = best.row.timestep, f"{typed(best.timestep)} s"
     if run != best.timestep:
         timestep += f" (measured at {number(run, 4)} s)"
-    finest, bias = finest_useful(scene, best.runs), rounding_bias(best.runs)
+    finest, bias = best.finest_useful, rounding_bias(best.runs)
     facts = [
         ("engine", f"{best.runs.engine} {best.row.engine_version}"),
         ("integrator", best.runs.method),
         ("timestep", timestep),
-        *([("finer makes errors grow", f"below {duration(finest)}")] if finest else []),
-        *([("its rounding is biased", f"by {bias:.2g} ulp a step")] if finest and bias else []),
+        *([("finer makes it worse", f"below {duration(finest)}")] if finest else []),
+        *([("rounding", f"biased by {bias:.2g} ulp a step")] if bias else []),
         ("attitude error", f"{attitude}°"),
         ("ω error", omega),
     ]

@@ -12,12 +12,13 @@ from library_scenes import library_scene
 from same_results import same_arrays
 from spincheck.reference import Solution
 from spincheck.reports.results.cost_records import MethodCost, StepCost
-from spincheck.reports.results.provenance_records import Fingerprint
+from spincheck.reports.results.provenance_records import DeclaredEngine, Fingerprint
 from spincheck.reports.results.records import Defect, Key, Row, variation
 from spincheck.reports.results.result_file import ResultFileError
 from spincheck.reports.results.store import open_store
 from spincheck.reports.results.verdicts import Verdict
 from spincheck.scenarios import Errors, Trajectory
+from stepped import SteppedEngine
 
 KEY = Key("tennis-racket", "mujoco", "RK4")
 ERRORS = Errors(1e-9, 2e-9, 3e-9, 4e-9, 5e-9, 6e-9)
@@ -264,3 +265,13 @@ def test_a_varied_run_is_no_run_of_the_scene_as_it_is_and_is_not_forgotten_with_
         assert store.rows_of(KEY) == []
         (kept,) = store.varied(KEY.scenario)
         assert kept.varied == {"body.mass": 2.0}
+
+
+def test_which_engines_hold_their_state_in_24_bits_is_stored(tmp_path) -> None:
+    """A record of before that was asked is one of double precision."""
+    double, single = SteppedEngine(), SteppedEngine(single_precision=True)
+    for engine, names in ((double, set()), (single, {single.name})):
+        with open_store(tmp_path / f"{len(names)}.sqlite", create=True) as store:
+            store.put_methods([engine])
+            assert store.read().single_precision == names
+    assert DeclaredEngine("older", ()).single_precision is False

@@ -99,12 +99,33 @@ def test_a_cost_is_said_with_how_it_is_known_and_the_timestep_below_which_errors
 ) -> None:
     recommendation = recommended(monkeypatch, STRAIGHT, straight, omega=BELOW)
     best, *others = recommendation.candidates
-    floor = "(extrapolated, below 0.0002 s errors grow)."
+    floor = "(extrapolated; finer than 0.0002 s makes it worse)."
     for finest, words in ((None, "(extrapolated)."), (2e-4, floor)):
         known = (replace(best, finest_useful=finest), *others)
         print_recommendation(replace(recommendation, candidates=known))
         (line,) = (n for n in capsys.readouterr().out.splitlines() if n.startswith("Cheapest: "))
         assert line.endswith(words)
+
+
+@pytest.mark.parametrize(
+    ("found", "finest", "typed"),
+    [
+        (0.00838, 1 / 120, 1 / 120),  # 0.0083 is shorter
+        (1 / 120, 1 / 120, 1 / 120),
+        (0.00848, 1 / 120, 0.0084),
+        (0.00838, None, 0.0083),
+    ],
+)
+def test_what_is_typed_is_not_below_the_timestep_from_which_on_errors_grow(
+    monkeypatch: pytest.MonkeyPatch, found: float, finest: float | None, typed: float
+) -> None:
+    best = recommended(monkeypatch, STRAIGHT, straight, omega=BETWEEN).best
+    cost = best.cost * best.timestep / found
+    candidate = recommend_module._as_typed(
+        replace(best, timestep=found, finest_useful=finest, cost=cost)
+    )
+    assert candidate.timestep == typed
+    assert candidate.cost * typed == pytest.approx(best.cost * best.timestep)
 
 
 def test_a_check_that_misses_is_one_more_run_to_interpolate_between(

@@ -28,7 +28,7 @@ from spincheck.reports.pages.analysis.best_choice import Candidate, as_cheap, ca
 from spincheck.reports.pages.analysis.cost_to_reach import LEVELS, reach
 from spincheck.reports.pages.analysis.report_data import SceneRuns
 from spincheck.reports.pages.analysis.wording import duration
-from spincheck.reports.pages.analysis.work_precision import curve_of
+from spincheck.reports.pages.analysis.work_precision import EPS, curve_of
 from spincheck.reports.results.records import Key, Row
 from spincheck.reports.results.results import SceneResult
 from spincheck.scenarios import Errors
@@ -99,12 +99,30 @@ def test_no_timestep_is_recommended_below_which_errors_grow() -> None:
     assert chosen(with_law(straight), "Euler", omega=BELOW).finest_useful is None
 
 
+def test_in_single_precision_nothing_is_extrapolated_to_where_rounding_decides() -> None:
+    """At random it comes to the root of the number of steps, times what an ulp does."""
+    stored = with_law(straight)
+    single = replace(stored, single_precision=frozenset({"mujoco"}))
+    solution = stored.scenes[TOP].solution
+    ulp, order = float(np.finfo(np.float32).eps), 1.0
+    growth = solution.conditioning.omega / EPS
+    for bound in (1e-3, 1e-4, 1e-5, 1e-6):
+        assert chosen(stored, "Euler", omega=bound).timestep is not None
+        timestep = TIMESTEPS[-1] * (bound / straight(TIMESTEPS[-1])) ** (1 / order)
+        steps = solution.trajectory.t[-1] / timestep
+        is_above = ulp * growth * math.sqrt(steps) < bound
+        found = chosen(single, "Euler", omega=bound)
+        assert (found.word == "round-off") == (found.timestep is None) == (not is_above)
+    assert not is_above
+    assert chosen(single, "Euler", omega=BETWEEN).timestep is not None
+
+
 @pytest.mark.parametrize("grows", [True, False])
 def test_a_run_ends_with_the_timestep_below_which_errors_grow(grows: bool) -> None:
     rounding = 16 * straight(TIMESTEPS[-1]) * TIMESTEPS[-1] * grows
     stored = with_law(lambda timestep: straight(timestep) + rounding / timestep)
     least = min(TIMESTEPS, key=lambda timestep: straight(timestep) + rounding / timestep)
-    lines = [line for line in short_summary(stored) if "Errors grow with timesteps below" in line]
+    lines = [line for line in short_summary(stored) if "Finer than this makes it worse" in line]
     of_json = {one["method"]: one["finest_useful_timestep"] for one in verdict_records(stored)}
     assert of_json["Euler"] == (least if grows else None)
     assert [f"Euler {duration(least)}" in line for line in lines] == [True] * grows

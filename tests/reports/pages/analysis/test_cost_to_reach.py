@@ -56,7 +56,7 @@ def test_rounding_ends_extrapolation_and_errors_at_round_off_are_said_to_be() ->
     assert reached.floor >= level
     reached = reach(curve_of_errors(3e-14, 5e-14, 9e-14, rounding=1e-13), 1e-14)
     assert (reached.word, reached.cost) == ("round-off", None)
-    assert reached.floor == EPS + 1e-13 / COARSEST
+    assert reached.floor == EPS + 1e-13 * (1 / COARSEST)  # of one second
 
 
 def test_only_what_converges_is_extrapolated_but_what_is_measured_always_counts() -> None:

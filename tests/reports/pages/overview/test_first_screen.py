@@ -5,6 +5,7 @@ import math
 from collections.abc import Callable
 from dataclasses import replace
 
+import numpy as np
 import pytest
 from case_loops import each_case
 from made_up import SECONDS_PER_STEP, SIZE, TIMESTEPS, MadeUp, results
@@ -323,3 +324,25 @@ def test_signals_are_there_to_be_chosen_although_no_scene_could_be_solved() -> N
     unsolved = replace(stored, scenes={}, rows=rows, verdicts=[])
     names = [signal["name"] for signal in heat_map(report_data(unsolved))["signals"]]
     assert names == list(EVERYWHERE)
+
+
+def test_below_which_timestep_rounding_makes_it_worse_is_said_of_every_method() -> None:
+    """In the table of its methods, with the bias below; of others in a sentence."""
+    ulp, last = float(np.finfo(np.float32).eps), TIMESTEPS[-1]
+
+    def worse(row: Row) -> Row:
+        if not row.errors or row.key.engine != "mujoco":
+            return row
+        error = row.timestep + 16 * last * last / row.timestep
+        drifts = {"L_norm": 1.5 * row.steps * ulp}
+        return replace(row, errors=Errors(*[1e-3 * error] * 6), drifts=drifts, stock=False)
+
+    plain_rows = stocked()
+    stored = replace(plain_rows, rows=[worse(row) for row in plain_rows.rows])
+    at_stock = [row for row in plain_rows.rows if row.stock and row.errors]
+    again = [replace(row, timestep=1.01 * row.timestep) for row in at_stock]
+    found = answer(report_data(replace(stored, rows=[*stored.rows, *again])))
+    label = "finer than this makes it worse"
+    assert shown(found, "mujoco default")[label].endswith("biased by 1.5 ulp a step")
+    assert "Finer than this makes it worse: mujoco" in found["why"]
+    assert label not in shown(answer(report_data(plain_rows)), "mujoco default")
