@@ -19,7 +19,7 @@ from scipy.stats import chi2
 
 from ....scenarios import FloatArray
 from ...results.evidence import Explanation
-from .changes import Change, Hypothesis
+from .hypothesis import Change, Hypothesis
 
 #: The probability that a change is named where noise alone made the data other ones.
 LEVEL = 1e-6

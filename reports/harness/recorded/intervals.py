@@ -10,7 +10,7 @@ from ....reference.following import EXACT, Integrator, follow
 from ....reference.other_equations import OtherEquations
 from ....scenarios import FloatArray, Scenario, Trajectory
 from ....scenarios.rotation import norms, rotation_vectors
-from ..measuring.changes import Hypothesis, as_it_is
+from ..measuring.hypothesis import Hypothesis, as_it_is
 from ..measuring.likelihood import Data
 from .gyroscope import as_it_was, as_read
 

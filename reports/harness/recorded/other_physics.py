@@ -16,7 +16,8 @@ from ....reference.other_equations import KEPT_IN_WORLD, OtherEquations
 from ....scenarios import FloatArray, Scenario, Trajectory
 from ....scenarios.rotation import matrices, norms, turned, turned_back
 from ...results.change_words import KINDS, vector
-from ..measuring.changes import Change, Hypothesis, as_it_is, changes
+from ..measuring.changes import changes
+from ..measuring.hypothesis import Change, Hypothesis, as_it_is
 from ..measuring.likelihood import LEFT, LEVEL, Fit, Search
 from .gyroscope import GYROSCOPE, MOMENTUM, of_gyroscope
 from .intervals import Intervals, intervals_of, states_of
