@@ -15,7 +15,7 @@ from ....reference.other_equations import FIRST_ANGLES, WORLD, OtherEquations
 from ....scenarios import FloatArray, Scenario
 from ....scenarios.rotation import matrix
 from ...results.change_words import UP_TO_A_FACTOR
-from .effect_changes import com, mean_moment, of_effects
+from .effect_changes import com, lever, mean_moment, of_effects
 from .hypothesis import Change, Hypothesis, as_it_is, factors, fitted, set_to
 from .other_tensors import (
     about_conjugated_axes,
@@ -114,17 +114,22 @@ def _of_fitted_tensors(scenario: Scenario, e: OtherEquations) -> Iterator[Change
     moments, axes = np.linalg.eigh(e.inertia)
     size, how = mean_moment(e), "" if is_scaled(e) else UP_TO_A_FACTOR
     if is_scaled(e):
-        yield Change("tensor's size", lambda h, n: h.of_tensor((1 + n[0]) * e.inertia), np.ones(1))
+        yield Change("tensor's size", _enlarged, np.ones(1))
     yield from com(scenario, e)
+    yield from lever(e)
     yield fitted(f"moments{how}", moments, size, lambda h, n: h.of_tensor((axes * n) @ axes.T))
     yield fitted(f"box{how}", np.diag(e.inertia), size, lambda h, n: h.of_tensor(np.diag(n)))
-
-    def rotated(h: Hypothesis, turn: FloatArray) -> Hypothesis:
-        R = Rotation.from_rotvec(turn).as_matrix()
-        return h.of_tensor(R @ e.inertia @ R.T)
-
-    yield fitted("rotated tensor", np.zeros(3), 1.0, rotated)
+    yield fitted("rotated tensor", np.zeros(3), 1.0, _rotated)
     yield tensor(e)
+
+
+def _enlarged(h: Hypothesis, n: FloatArray) -> Hypothesis:
+    return h.of_tensor((1 + n[0]) * h.equations.inertia)
+
+
+def _rotated(h: Hypothesis, turn: FloatArray) -> Hypothesis:
+    R = Rotation.from_rotvec(turn).as_matrix()
+    return h.of_tensor(R @ h.equations.inertia @ R.T)
 
 
 def tensor(e: OtherEquations) -> Change:
