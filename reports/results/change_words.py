@@ -14,6 +14,8 @@ from ...scenarios import EFFECTS
 VISIBLE = 1e-5
 #: Numbers this small relative to others are zero up to rounding.
 ROUNDING = 1e-12
+#: Digits after the point of a power.
+DIGITS = 6
 #: For a body that turns freely a motion does not show how large its tensor is.
 UP_TO_A_FACTOR = ", up to a factor"
 _MOMENTUM = next(one.wrong_momentum for one in EFFECTS.values() if one.wrong_momentum)
@@ -50,7 +52,7 @@ def _decays(numbers: Sequence[float]) -> str:
 def _power(numbers: Sequence[float]) -> str:
     """Return a size, N m, for an ω in rad/s, and a power of ‖ω‖, against the direction of ω."""
     size, power = numbers
-    return f"{size:.4g} ‖ω‖^{power:.4g}"
+    return f"{size:.4g} ‖ω‖^{round(power, DIGITS) + 0.0:.4g}"
 
 
 def _rotors(numbers: Sequence[float]) -> str:
