@@ -11,6 +11,9 @@ from ....scenarios import FloatArray, Scenario
 from ....scenarios.scenario import with_tables
 from .hypothesis import Change, Hypothesis, factors, fitted, set_to
 
+#: Largest power of ‖ω‖ that the coefficient of a drag may grow or fall with.
+POWER = 4.0
+
 
 def of_effects(scenario: Scenario, e: OtherEquations) -> Iterator[Change]:
     """Changes of gravity, drag and torques."""
@@ -59,13 +62,14 @@ def _of_drag(e: OtherEquations, rate: float) -> Iterator[Change]:
 
     def friction(n: FloatArray) -> FloatArray:
         """Return f and p of a drag that is c + n[0] times ω where ‖ω‖ is the scene's rate."""
-        return np.array([(c + n[0]) * rate ** -n[1], n[1]])
+        power = float(np.clip(n[1], -POWER, POWER))
+        return np.array([(c + n[0]) * rate**-power, power])
 
     yield Change(
         "drag's law",
         lambda h, n: h.of(slowing=np.zeros(3), friction=friction(n)),
         np.array([size, 1.0]),
-        lambda n: [*friction(n)[:1], n[1] + 1],
+        lambda n: friction(n) + np.array([0.0, 1.0]),
     )
     yield fitted(
         "drag along each axis",

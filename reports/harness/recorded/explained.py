@@ -101,10 +101,9 @@ def _of_computed(
 
 
 def _of_omega(physics: Physics, has_omega: bool) -> list[str]:
-    """Return what was made of ω, unless simple mistakes of reading it explain the motion."""
-    is_other = not (physics.clamps or physics.is_of_reading)
-    is_asked = has_omega and physics.is_beyond and is_other
-    return omega_read(physics) if is_asked else []
+    """Return what was made of ω, if no simpler mistake of reading it explains the motion."""
+    is_asked = has_omega and physics.is_beyond and not physics.clamps
+    return omega_read(physics, is_explained=physics.is_of_reading) if is_asked else []
 
 
 def _of_measured(fit: Measured, physics: Physics) -> Explanation:

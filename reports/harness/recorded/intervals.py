@@ -72,6 +72,7 @@ class Intervals(Data):
         """As in `Data`: what a hypothesis leaves of the ends, in units of `scale`, (S, 6)."""
         starts = as_it_was(hypothesis, self.starts)
         made = follow(hypothesis.equations, starts, hypothesis.step * self.spans)[:, 0]
+        made = np.where(np.isfinite(made), made, np.nan)
         return (apart(as_read(hypothesis, made), self.ends) / self.scale)[:samples]
 
     def apart(

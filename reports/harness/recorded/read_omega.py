@@ -29,12 +29,14 @@ EQUAL = 1e-6
 OMEGA = "the attitudes obey the scene's equations, but the recorded ω is not that of the attitudes"
 
 
-def omega_read(physics: Physics) -> list[str]:
+def omega_read(physics: Physics, *, is_explained: bool) -> list[str]:
     """Return what was made of ω, in words; nothing if the attitudes are off the scene's equations.
 
     Parameters
     ----------
     physics : of the motion with the recorded ω
+    is_explained : whether other mistakes of reading ω explain the motion: then a clamp alone, which
+        has one number, is simpler
     """
     motion = physics.motion
     states = np.hstack([motion.q_world_body_wxyz, motion.omega_body])
@@ -56,7 +58,9 @@ def omega_read(physics: Physics) -> list[str]:
     if by_attitudes.search is None or by_attitudes.is_beyond or np.max(off) * LEFT < error:
         return []
     body = np.hstack([states[:-1, :4], of_body])
-    return next(_clamped(body, read, error), []) or _filtered(motion.t, of_body, read, error)
+    if (clamped := next(_clamped(body, read, error), [])) or is_explained:
+        return clamped
+    return _filtered(motion.t, of_body, read, error)
 
 
 def _omega_between(
