@@ -24,12 +24,10 @@ DRAGGED, PUSHED, WHEEL = map(library_scene, ("book-with-drag", "book-pushed", "w
 #: When a torque begins, s; drag of the scene, N m s.
 LATE, C = 2.0, DRAGGED.effects.drag.rotational
 LEVER = HEAVY.scenario.body.mass * np.add(HEAVY.com, [0.05, 0.0, 0.0])
-#: The wheel's axis and moment, kg m², and its spin, rad/s.
-AXIS, ALONG, SPIN = np.array([0.0, 0.0, 1.0]), 0.0007, 300.0
 
 
 def made(scene: Scenario, torque: Torque, **terms: np.ndarray) -> Arrays:
-    """A motion with a torque in place of the scene's; `terms` are its tensor and its rotors' h."""
+    """A motion with a torque in place of the scene's; `terms`: the rotors' h."""
     e = equations_of(scene)
     inertia, h = terms.get("inertia", e.inertia), terms.get("kept", e.kept)
 
@@ -113,15 +111,6 @@ PLANTED: dict[str, tuple[Scenario, Torque, dict[str, np.ndarray], str]] = {
         lambda t, R, omega: np.cross(LEVER, R.T @ HEAVY.gravity),
         {},
         "gravity's lever, mass times the com, were",
-    ),
-    "a free wheel that is driven": (
-        WHEEL,
-        none,
-        {
-            "inertia": equations_of(WHEEL).inertia + ALONG * np.outer(AXIS, AXIS),
-            "kept": ALONG * SPIN * AXIS,
-        },
-        "the rotors were driven",
     ),
     "a wheel along another axis": (
         WHEEL,
