@@ -12,7 +12,14 @@ from scipy.integrate import DOP853
 
 from ..scenarios import FloatArray
 from .kernel import called, kernel
-from .other_equations import FIRST_ANGLES, KEPT_IN_WORLD, WORLD, OtherEquations
+from .other_equations import (
+    FIRST_ANGLES,
+    KEPT_IN_WORLD,
+    TURNED_ON,
+    UNTURNED,
+    WORLD,
+    OtherEquations,
+)
 
 #: Largest turn in a step of `EXACT`, rad: its error is then an ulp.
 TURN = 0.2
@@ -173,15 +180,39 @@ def _by_tensor(e: OtherEquations, M: FloatArray, R: FloatArray, v: Vector) -> Ve
 
 
 @called
+def _of_world(e: OtherEquations, R: FloatArray, v: Vector) -> Vector:
+    """Return what the equations take for a vector of world axes, along body axes."""
+    if e.world_vectors == UNTURNED:
+        return v
+    return _times(R, v) if e.world_vectors == TURNED_ON else _to_body(R, v)
+
+
+@called
+def _resistance(e: OtherEquations, R: FloatArray, omega: Vector) -> Vector:
+    """Return the torque of drag, N m, body axes."""
+    c, f = e.slowing[0], e.friction[0]
+    speed = math.sqrt(_dot(omega, omega))
+    if f != 0.0 and speed > 0.0:
+        c += f * speed ** e.friction[1]
+    D = e.damping
+    torque = (-(c + D[0]) * omega[0], -(c + D[1]) * omega[1], -(c + D[2]) * omega[2])
+    if e.turned_drag[0] != 0.0:
+        torque = _plus(torque, _times(R, omega), -e.turned_drag[0])
+    if e.turned_drag[1] != 0.0:
+        torque = _plus(torque, _to_body(R, omega), -e.turned_drag[1])
+    return torque
+
+
+@called
 def _torque(e: OtherEquations, R: FloatArray, omega: Vector) -> Vector:
     """Return I ω', N m, body axes."""
     kept = _vector(e.kept)
     turned = _plus(_by_tensor(e, e.gyroscopic, R, omega), kept, 1.0)
     torque = _plus(_vector(e.torque), _cross(omega, turned), -1.0)
-    gravity = _to_body(R, _vector(e.gravity_world))
+    gravity = _of_world(e, R, _vector(e.gravity_world))
     torque = _plus(torque, _cross(_vector(e.pull), gravity), 1.0)
-    torque = _plus(torque, _to_body(R, _vector(e.torque_world)), 1.0)
-    torque = _plus(torque, omega, -e.slowing[0])
+    torque = _plus(torque, _of_world(e, R, _vector(e.torque_world)), 1.0)
+    torque = _plus(torque, _resistance(e, R, omega), 1.0)
     L = _plus(_by_tensor(e, e.inertia, R, omega), kept, 1.0)
     slowed = e.slowing[1] + e.slowing[2] * math.sqrt(_dot(omega, omega))
     torque = _plus(torque, L, -slowed)

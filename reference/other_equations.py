@@ -17,13 +17,16 @@ BODY, WORLD, KEPT_IN_WORLD = 0, 1, 2
 #: A kinematic number from here on is a convention of Euler angles, `FIRST_ANGLES` + 9 i + 3 j + k
 #: for R = R_i(a) R_j(b) R_k(c), whose rates ω is taken for.
 FIRST_ANGLES = 3
+#: How vectors along world axes are turned to the body's: by Rᵀ; by R; or not at all.
+TURNED_BACK, TURNED_ON, UNTURNED = 0, 1, 2
 
 
 class OtherEquations(NamedTuple):
     """Numbers of equations of motion, SI; `torque` is in body axes unless its name says otherwise.
 
     I ω' = τ − ω × (G ω + h) and q' = ½ q (A ω), τ = l × Rᵀg + torque + Rᵀ torque_world
-    − (c + (a + b ‖ω‖) I) ω − (a + b ‖ω‖) h, plus the torque of a table's normal force.
+    − (c + (a + b ‖ω‖) I) ω − (a + b ‖ω‖) h − (D + f ‖ω‖ᵖ + u R + v Rᵀ) ω, plus the torque of a
+    table's normal force. D is diagonal.
 
     Attributes
     ----------
@@ -32,6 +35,12 @@ class OtherEquations(NamedTuple):
     gravity_world, pull : g; and l, mass times the lever from a pivot, zero without a pivot; (3,)
     torque, torque_world : (3,)
     slowing : c, a, b
+    damping : the diagonal of D, N m s, (3,)
+    friction : f, N m sᵖ⁺¹, and p
+    turned_drag : u, v, N m s: resistance to ω turned from body to world axes, or from world to body
+        axes, once too often
+    world_vectors : how g and torque_world are turned to body axes, for Rᵀ: `TURNED_BACK`,
+        `TURNED_ON` or `UNTURNED`
     lever, mobility : from a table to the com, m, and 1/mass, which is 0 without a table
     in_world : whether I and G are along world axes
     kinematics : `BODY`, `WORLD`, `KEPT_IN_WORLD`, or the number of a convention of Euler angles
@@ -48,6 +57,10 @@ class OtherEquations(NamedTuple):
     torque: FloatArray
     torque_world: FloatArray
     slowing: FloatArray
+    damping: FloatArray
+    friction: FloatArray
+    turned_drag: FloatArray
+    world_vectors: int
     lever: FloatArray
     mobility: float
     in_world: bool
@@ -84,8 +97,12 @@ def equations_of(scenario: Scenario) -> OtherEquations:
         np.array(pushed["torque_body"], dtype=float),
         np.array(pushed["torque_world"], dtype=float),
         np.array([pushed["drag"], 0.0, 0.0], dtype=float),
-        lever,
-        1 / scenario.body.mass if is_on_table else 0.0,
+        damping=np.zeros(3),
+        friction=np.zeros(2),
+        turned_drag=np.zeros(2),
+        world_vectors=TURNED_BACK,
+        lever=lever,
+        mobility=1 / scenario.body.mass if is_on_table else 0.0,
         in_world=False,
         kinematics=BODY,
         rate=float(max((one.rate(scenario) for one in scenario.acting), default=0.0)),

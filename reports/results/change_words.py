@@ -14,6 +14,8 @@ from ...scenarios import EFFECTS
 VISIBLE = 1e-5
 #: Numbers this small relative to others are zero up to rounding.
 ROUNDING = 1e-12
+#: Digits after the point of a power.
+DIGITS = 6
 #: For a body that turns freely a motion does not show how large its tensor is.
 UP_TO_A_FACTOR = ", up to a factor"
 _MOMENTUM = next(one.wrong_momentum for one in EFFECTS.values() if one.wrong_momentum)
@@ -45,6 +47,17 @@ def _slowed(numbers: Sequence[float]) -> str:
 def _decays(numbers: Sequence[float]) -> str:
     a, b = numbers
     return f"{a:.3g} {'-' if b < 0 else '+'} {abs(b):.3g} ‖ω‖"
+
+
+def _power(numbers: Sequence[float]) -> str:
+    """Return a size, N m, for an ω in rad/s, and a power of ‖ω‖, against the direction of ω."""
+    size, power = numbers
+    return f"{size:.4g} ‖ω‖^{round(power, DIGITS) + 0.0:.4g}"
+
+
+def _rotors(numbers: Sequence[float]) -> str:
+    """Return which rotors, counted from one; 0 is all."""
+    return f"rotor {numbers[0]:.0f}" if numbers[0] else "the rotors"
 
 
 def _axes(numbers: Sequence[float]) -> str:
@@ -165,6 +178,15 @@ KINDS = {
         "there were no rotors' torque ω × h",
         "the rotors' torque ω × h had the other sign",
     ),
+    "rotors' momentum": Kind("the rotors had an angular momentum of {} N m s", 3),
+    **{
+        f"{hinge} rotors": Kind(f"{{}} {words}", 1, _rotors)
+        for hinge, words in (
+            ("free", "turned freely on their hinges"),
+            ("driven", "were driven, at a constant speed relative to the body"),
+            ("locked", "were fixed to the body"),
+        )
+    },
     # The tensor.
     "tensor as at the start": Kind(_AS_AT_THE_START),
     "tensor as at the start, not gyroscopic": Kind(f"{_NOT_GYROSCOPIC}, and {_AS_AT_THE_START}"),
@@ -197,6 +219,9 @@ KINDS = {
     },
     # Other effects.
     "com": Kind("the com were at {} m", 3),
+    "lever": Kind("gravity's lever, mass times the com, were {} kg m, the tensor as it is", 3),
+    "world vectors turned on": Kind("gravity and torques were turned by R for its transpose"),
+    "world vectors unturned": Kind("gravity and torques along world axes turned with the body"),
     "gravity": Kind("gravity were {} m/s²", 3),
     "gravity's size": _of_factor(
         "gravity were {} times as strong", "there were no gravity", "gravity were turned round"
@@ -206,6 +231,11 @@ KINDS = {
         "drag were {} times as strong", "there were no drag", "drag had the other sign"
     ),
     "decay": Kind("L were {} /s", 1, _slowed),
+    "decay for drag": Kind("L were {} /s, in place of the drag", 1, _slowed),
+    "drag's law": Kind("drag were {} N m", 2, _power),
+    "drag along each axis": Kind("the drag along the body's axes were {} N m s", 3),
+    "drag of ω in the world": Kind("the drag along body axes were against ω along world axes"),
+    "drag turned back": Kind("the drag along world axes were against ω along body axes"),
     "braking": Kind("the com's velocity were {} /s", 1, _slowed),
     "decay and braking": Kind("L and the com's velocity were {} /s", 1, _slowed),
     "decays": Kind("L were slowed by {} /s", 2, _decays),
@@ -217,7 +247,8 @@ KINDS = {
     "torque along other axes": Kind("the torque were constant along the other axes"),
     "torque along body axes": Kind(_BESIDES + "body axes", 3),
     "torque along world axes": Kind(_BESIDES + "world axes", 3),
-    # How states are set and read, of an engine.
+    # How states are set and read.
+    "times": _of_factor("samples were {} times as far apart as their times"),
     "step": _of_factor("a step took {} timesteps"),
     "omega": _of_factor("ω were read multiplied by {}"),
     "velocity": _of_factor("the velocity were read multiplied by {}"),

@@ -16,7 +16,8 @@ from ....reference.other_equations import inverse
 from ....scenarios import FloatArray
 from ....scenarios.rotation import matrices, turned
 from ...results.evidence import Explanation
-from .changes import Change, Hypothesis, as_it_is, changes
+from .changes import changes
+from .hypothesis import Change, Hypothesis, as_it_is
 from .likelihood import Data, Search
 from .noise import NO_SIZE
 

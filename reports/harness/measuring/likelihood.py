@@ -19,7 +19,7 @@ from scipy.stats import chi2
 
 from ....scenarios import FloatArray
 from ...results.evidence import Explanation
-from .changes import Change, Hypothesis
+from .hypothesis import Change, Hypothesis
 
 #: The probability that a change is named where noise alone made the data other ones.
 LEVEL = 1e-6
@@ -260,7 +260,7 @@ class Search:
         """
         trial = Trial(self.data, (*fit.changes, change))
         fits = [trial.fit(fit)]
-        if fit.left > _within_noise(fit.rest.size):
+        if fit.left > within_noise(fit.rest.size):
             fits.append(trial.fit())
         return max(fits, key=self.gain)
 
@@ -290,7 +290,7 @@ class Search:
     def _simplest(self, fits: Sequence[Fit]) -> Fit | None:
         """The simplest fit that leaves little, if none with more numbers leaves much less."""
         count = self.unchanged.rest.size
-        enough = max(_within_noise(count), LEFT**2 * self.unchanged.left)
+        enough = max(within_noise(count), LEFT**2 * self.unchanged.left)
         best = self.unchanged
         # Of those alike the first is named.
         for fit in sorted(fits, key=lambda fit: fit.count):
@@ -309,7 +309,7 @@ class Search:
         return float(chi2.isf(LEVEL / len(self.changes), max(1, numbers)))
 
 
-def _within_noise(count: int) -> float:
+def within_noise(count: int) -> float:
     """The mean square of so many numbers that noise makes seldom larger."""
     return float(chi2.isf(LEVEL, count)) / count
 

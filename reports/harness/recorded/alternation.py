@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from ....scenarios import FloatArray, Scenario, Trajectory
 from ....scenarios.rotation import norms
+from ..measuring.likelihood import LEFT
 from .intervals import NEAR, gained
 from .mistakes import FITS
 
@@ -36,11 +37,14 @@ class Alternation:
     ----------
     every, every_second : root mean squares of third and of fourth differences of attitude, rad, and
         ω, rad/s, of every sample or of every second one, (2, 2)
+    throughout : whether most samples have a share in the fourth differences, so that no single jump
+        makes them, of attitude and ω, (2,)
     least : least size of noise, beyond rounding and an integrator's interpolation, (2,)
     """
 
     every: FloatArray
     every_second: FloatArray
+    throughout: NDArray[np.bool_]
     least: FloatArray
 
     @property
@@ -51,12 +55,14 @@ class Alternation:
     @property
     def is_noise(self) -> NDArray[np.bool_]:
         """Whether what alternates is noise, for attitude and for ω, (2,)."""
-        return self._alternates(self.every, 1) & self._alternates(self.every_second, 2)
+        alternates = self._alternates(self.every, 1) & self._alternates(self.every_second, 2)
+        return np.asarray(alternates & self.throughout)
 
     @property
     def of_omega(self) -> list[str]:
         """The sentence that ω alternates without noise, if it does."""
-        if not self._alternates(self.every, 1)[1] or self.is_noise[1]:
+        alternates = self._alternates(self.every, 1)[1] and self.throughout[1]
+        if not alternates or self.is_noise[1]:
             return []
         size = np.sqrt(3) * self.every[1, 1] / ALTERNATING
         return [
@@ -83,14 +89,19 @@ def alternation(scenario: Scenario, motion: Trajectory, floor: FloatArray) -> Al
     # These are first differences already, with the noise of two samples.
     first = gained(scenario, motion)
     least = np.maximum(PRINTED * floor, FITS * np.array([1.0, fastest]))
-    every, every_second = (_differences(first, lag) for lag in OF_DIFFERENCES)
-    return Alternation(every, every_second, least)
+    squares = [_differences(first, lag) for lag in OF_DIFFERENCES]
+    every, every_second = (
+        np.sqrt(np.array([np.mean(one, axis=0) for one in two])) for two in squares
+    )
+    fourth = squares[0][1]
+    throughout = np.median(fourth, axis=0) > LEFT * np.mean(fourth, axis=0)
+    return Alternation(every, every_second, throughout, least)
 
 
-def _differences(first: FloatArray, lag: int) -> FloatArray:
-    """Return root mean squares of third and fourth differences, of attitude and ω, (2, 2)."""
+def _differences(first: FloatArray, lag: int) -> list[FloatArray]:
+    """Return mean squares of third and fourth differences, of attitude and ω, each (m, 2)."""
     squares, differences = [], first
     for _ in range(3):
         differences = differences[lag:] - differences[:-lag]
-        squares.append(np.mean(differences.reshape(-1, 2, 3) ** 2, axis=(0, 2)))
-    return np.sqrt(squares[1:])
+        squares.append(np.mean(differences.reshape(-1, 2, 3) ** 2, axis=2))
+    return squares[1:]

@@ -5,10 +5,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.stats import f
 
+from ....reference.following import follow
 from ....scenarios import FloatArray, Scenario, Trajectory
 from ....scenarios.rotation import norms
-from ..measuring.likelihood import LEVEL
+from ..measuring.hypothesis import as_it_is
+from ..measuring.likelihood import LEFT, LEVEL
 from .alternation import Alternation, alternation
+from .clamps import TINY
 from .hinges import spins_beyond
 from .interpolated import interpolated
 from .intervals import apart, gained, gained_before, intervals_of, states_of
@@ -16,7 +19,8 @@ from .jumps import jumps
 from .measured import Measured, log_of, started_elsewhere
 from .mistakes import FITS, mistakes
 from .motion import Reading, RecordedMotion
-from .other_physics import Physics, rounding
+from .other_physics import SAME, Physics, rounding
+from .read_omega import omega_read
 from .recording import Recording
 
 #: Names of the settings by which a file states the noise of attitude, rad, and of ω, rad/s.
@@ -85,7 +89,7 @@ def _of_computed(
     """Explain a motion that was computed."""
     of_method = physics.scenario, physics.motion, physics.timestep, physics.order
     of_spins = spins_beyond(*of_method, floor)
-    words = [] if physics.made_by else physics.explained()
+    words = [] if physics.made_by else _of_omega(physics, has_omega) or physics.explained()
     if alternates and physics.is_beyond:
         words = alternates.of_omega or words
     words = [*words, *of_spins]
@@ -94,6 +98,12 @@ def _of_computed(
     is_beyond = physics.is_beyond or bool(of_spins)
     verdict = _verdict(physics, is_beyond)
     return Explanation(tuple(words), verdict, is_beyond, physics.made_by)
+
+
+def _of_omega(physics: Physics, has_omega: bool) -> list[str]:
+    """Return what was made of ω, if no simpler mistake of reading it explains the motion."""
+    is_asked = has_omega and physics.is_beyond and not physics.clamps
+    return omega_read(physics, is_explained=physics.is_of_reading) if is_asked else []
 
 
 def _of_measured(fit: Measured, physics: Physics) -> Explanation:
@@ -119,7 +129,37 @@ def _elsewhere(physics: Physics) -> list[str]:
     by_chance = f.sf(np.mean(off**2, axis=1) / usual, 3, count)
     if not ((by_chance < LEVEL / 2) & (norms(off) > of_method)).any():
         return []
-    return [started_elsewhere(float(exact.t[0]), norms(off))]
+    start = states_of(exact.until(1))
+    elsewhere = started_elsewhere(float(exact.t[0]), norms(off))
+    return [_at_another_time(scenario, start, off) or elsewhere]
+
+
+def _at_another_time(scenario: Scenario, start: FloatArray, off: FloatArray) -> str:
+    """Return in words that ω at the first sample is that of another time, if that is so.
+
+    Parameters
+    ----------
+    start : the exact state at the first sample, (1, 7)
+    off : how far attitude, rad, and ω, rad/s, are off there, (2, 3)
+    """
+    equations = as_it_is(scenario).equations
+    rate = max(equations.rate, float(norms(start[:, 4:])[0]))
+    turned, faster = norms(off) * [rate, 1.0]
+    if not faster or turned > SAME * faster:
+        return ""
+
+    def later(time: float) -> FloatArray:
+        return apart(start, follow(equations, start, np.array([[time]]))[:, 0])[0, 3:]
+
+    # Nearly, ω is off in the direction of its rate of change.
+    small = SAME / rate
+    change = later(small) / small
+    time = float(off[1] @ change / max(change @ change, TINY))
+    left = float(norms((later(time) - off[1])[None])[0])
+    if abs(time) * rate > LEFT or left > max(SAME, abs(time) * rate) * faster:
+        return ""
+    when = "after" if time > 0 else "before"
+    return f"ω is that of {abs(time):.4g} s {when} its time; the attitude is that of its time"
 
 
 def _floor(

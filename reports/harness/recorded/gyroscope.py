@@ -7,7 +7,7 @@ from scipy.spatial.transform import Rotation
 
 from ....reference.following import follow
 from ....scenarios import FloatArray
-from ..measuring.changes import Change, Hypothesis
+from ..measuring.hypothesis import Change, Hypothesis
 
 #: Iω + h, by mistake.
 MOMENTUM = Change(

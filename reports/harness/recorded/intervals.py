@@ -1,16 +1,18 @@
 """The intervals of a recorded motion from sample to sample, with the error allowed to a method."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from ....reference.following import EXACT, Integrator, follow
 from ....reference.other_equations import OtherEquations
 from ....scenarios import FloatArray, Scenario, Trajectory
 from ....scenarios.rotation import norms, rotation_vectors
-from ..measuring.changes import Hypothesis, as_it_is
+from ..measuring.hypothesis import Hypothesis, as_it_is
 from ..measuring.likelihood import Data
 from .gyroscope import as_it_was, as_read
 
@@ -69,7 +71,8 @@ class Intervals(Data):
     def off(self, hypothesis: Hypothesis, samples: int | None = None) -> FloatArray:
         """As in `Data`: what a hypothesis leaves of the ends, in units of `scale`, (S, 6)."""
         starts = as_it_was(hypothesis, self.starts)
-        made = follow(hypothesis.equations, starts, self.spans)[:, 0]
+        made = follow(hypothesis.equations, starts, hypothesis.step * self.spans)[:, 0]
+        made = np.where(np.isfinite(made), made, np.nan)
         return (apart(as_read(hypothesis, made), self.ends) / self.scale)[:samples]
 
     def apart(
@@ -82,7 +85,10 @@ class Intervals(Data):
 
     def spread(self, most: int) -> "Intervals":
         """Return at most `most` of the intervals, spread over all."""
-        kept = np.unique(np.linspace(0, len(self.spans) - 1, most).astype(int))
+        return self.rows(np.unique(np.linspace(0, len(self.spans) - 1, most).astype(int)))
+
+    def rows(self, kept: Sequence[int] | NDArray[np.int_]) -> "Intervals":
+        """Return some of the intervals."""
         names = "starts", "t", "spans", "ends", "method"
         return replace(self, **{name: getattr(self, name)[kept] for name in names})
 

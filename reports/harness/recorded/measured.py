@@ -15,7 +15,9 @@ from scipy.stats import chi2, f
 from ....reference.following import follow
 from ....scenarios import FloatArray, Scenario, Trajectory
 from ....scenarios.rotation import norms
-from ..measuring.changes import Change, Hypothesis, as_it_is, com, is_scaled, resistance, tensor
+from ..measuring.changes import is_scaled, tensor
+from ..measuring.effect_changes import com, resistance
+from ..measuring.hypothesis import Change, Hypothesis, as_it_is
 from ..measuring.likelihood import LEVEL, Data, Fit, Search, Trial
 from .gyroscope import GYROSCOPE, of_gyroscope
 from .intervals import apart, states_of

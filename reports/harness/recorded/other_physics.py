@@ -14,12 +14,16 @@ from scipy.stats import chi2
 from ....reference.following import KNOWN, follow
 from ....reference.other_equations import KEPT_IN_WORLD, OtherEquations
 from ....scenarios import FloatArray, Scenario, Trajectory
-from ....scenarios.rotation import matrices, norms, turned, turned_back
+from ....scenarios.rotation import norms
 from ...results.change_words import KINDS, vector
-from ..measuring.changes import Change, Hypothesis, as_it_is, changes
+from ..measuring.changes import changes
+from ..measuring.effect_changes import of_rotors
+from ..measuring.hypothesis import Change, Hypothesis, as_it_is
 from ..measuring.likelihood import LEFT, LEVEL, Fit, Search
+from .clamps import CLAMPS
 from .gyroscope import GYROSCOPE, MOMENTUM, of_gyroscope
 from .intervals import Intervals, intervals_of, states_of
+from .varying import varying
 
 
 def _with_other_sign(axis: int) -> Change:
@@ -39,8 +43,6 @@ MOST, FEW = 60, 12
 SAME = 1e-3
 #: Relative tolerance of the fit of a clamp, and least number of samples.
 CLAMPED, FEWEST = 1e-2, 3
-#: Slowest turn of a body, rad/s.
-TINY = 1e-300
 #: Error of a short flow by rounding, in relative distances of the numbers.
 ROUNDINGS = 8.0
 #: Relative tolerance for a span that is a multiple of the timestep.
@@ -49,6 +51,8 @@ MULTIPLE = 1e-6
 IN_WORLD = Change(
     "wrong side in world axes", lambda h, _: h.of(kinematics=KEPT_IN_WORLD), np.empty(0)
 )
+#: Times between samples that are wrong by a factor.
+TIMES = Change("times", lambda h, n: h._replace(step=1 + n[0]), np.ones(1))
 #: What a com beyond the pivot does, too: the tensor about the pivot is the same.
 MIRRORED = "gravity's size", -2.0
 #: One of Euler's equations with I₁ − I₃ for I₃ − I₁, of a body without torques.
@@ -87,7 +91,8 @@ class Physics:
     def search(self) -> Search | None:
         """The search for changes of the equations; None without intervals."""
         data = self.intervals
-        of_motion = IN_WORLD, *changes(self.scenario), *OTHER_SIGNS
+        of_rotors_too = of_rotors(self.scenario, as_it_is(self.scenario).equations)
+        of_motion = IN_WORLD, *changes(self.scenario), *OTHER_SIGNS, *of_rotors_too
         return None if data is None else Search(data, (*of_motion, MOMENTUM, *GYROSCOPE))
 
     @property
@@ -127,8 +132,25 @@ class Physics:
             return self.clamps[:1]
         if self.intervals is None or self.search is None or not self.is_beyond:
             return []
-        found = self.search.one_or_two()
-        return self._in_words(self.intervals, found) if found else _where(self.intervals)
+        if self.found is not None:
+            return self._in_words(self.intervals, self.found)
+        search = self.search
+        others = (TIMES, *search.changes)
+        return varying(self.intervals, others, len(others)) or _where(self.intervals)
+
+    @cached_property
+    def found(self) -> Fit | None:
+        """The change, or two, of equations or reading that explain the motion; None if none do."""
+        return self.search.one_or_two() if self.search else None
+
+    @property
+    def is_of_reading(self) -> bool:
+        """Whether what explains the motion is how ω was read, or how the attitude follows it."""
+        changes = self.found.changes if self.found else ()
+        readings = MOMENTUM, *GYROSCOPE
+        return bool(changes) and all(
+            one in readings or KINDS[one.kind].is_kinematic for one in changes
+        )
 
     @cached_property
     def clamps(self) -> list[str]:
@@ -149,8 +171,16 @@ class Physics:
         for words, size_of, limited in CLAMPS:
             bound = float(size_of(ends).max())
             clamped = limited(follow(equations, limited(starts, bound), spans)[:, 0], bound)
-            if _fits(ends[:, 4:], clamped[:, 4:], wanted[:, 4:]):
+            is_reached = bool(size_of(states).min() < (1 - CLAMPED) * bound)
+            least = self._least_clamped if is_reached else np.inf
+            if _fits(ends[:, 4:], clamped[:, 4:], wanted[:, 4:], least):
                 yield f"{words} is clamped to {bound:.4g} rad/s"
+
+    @property
+    def _least_clamped(self) -> float:
+        """What a clamp must change of ω in an interval for it not to be a method's error, rad/s."""
+        data = self.intervals
+        return float(data.scale[:, 3:].max()) / LEFT if data else np.inf
 
     def _in_words(self, data: Intervals, found: Fit) -> list[str]:
         sentences = []
@@ -185,43 +215,17 @@ def _where(data: Intervals) -> list[str]:
     return []
 
 
-def _in_world(states: FloatArray) -> FloatArray:
-    """Return ω along world axes, rad/s, (S, 3)."""
-    return turned(matrices(states[:, :4]), states[:, 4:])
+def _fits(omega: FloatArray, clamped: FloatArray, wanted: FloatArray, least: float) -> bool:
+    """Whether ω is what a clamp makes of the correct ω, and differs from the correct one.
 
-
-def _with_omega(states: FloatArray, omega_body: FloatArray) -> FloatArray:
-    return np.hstack([states[:, :4], omega_body])
-
-
-def _by_component(states: FloatArray, bound: float) -> FloatArray:
-    return _with_omega(states, np.clip(states[:, 4:], -bound, bound))
-
-
-def _by_component_in_world(states: FloatArray, bound: float) -> FloatArray:
-    clamped = np.clip(_in_world(states), -bound, bound)
-    return _with_omega(states, turned_back(matrices(states[:, :4]), clamped))
-
-
-def _by_norm(states: FloatArray, bound: float) -> FloatArray:
-    speeds = np.maximum(norms(states[:, 4:]), TINY)[:, None]
-    return _with_omega(states, states[:, 4:] * np.minimum(1.0, bound / speeds))
-
-
-#: Clamps: in words, the size of states (S, 7) that is bounded, and the states with it clamped.
-CLAMPS = (
-    ("each component of ω in world axes", lambda s: np.abs(_in_world(s)), _by_component_in_world),
-    ("each component of ω in body axes", lambda s: np.abs(s[:, 4:]), _by_component),
-    ("‖ω‖", lambda s: norms(s[:, 4:]), _by_norm),
-)
-
-
-def _fits(omega: FloatArray, clamped: FloatArray, wanted: FloatArray) -> bool:
-    """Whether ω is what a clamp makes of the correct ω, and differs from the correct one."""
+    Parameters
+    ----------
+    least : change of ω, rad/s, by which it differs; a part of ω is enough, too
+    """
     size = float(norms(wanted).max())
     off, changed = (float(norms(one - clamped).max()) for one in (omega, wanted))
-    is_moving = bool(clamped.any())
-    return is_moving and off <= CLAMPED * size and changed > off / LEFT and changed > CLAMPED * size
+    is_changed = changed > min(least, CLAMPED * size)
+    return bool(clamped.any()) and off <= min(CLAMPED * size, LEFT * changed) and is_changed
 
 
 def rounding(motion: Trajectory, resolution: float) -> FloatArray:

@@ -203,7 +203,7 @@ INVENTED = tuple(
         (
             "firmware",
             "ω through a filter of three samples",
-            ("ω lags the attitude by",),
+            ("ω is filtered",),
             lambda: read(free(5), low_pass),
         ),
         (

@@ -9,7 +9,7 @@ from reported_faults import Fault, judged, named
 pytestmark = pytest.mark.slow
 
 #: What is not named: drag with ‖ω‖ ω is taken for drag that fits nearly as well.
-NOT_NAMED = {"ω through a filter of three samples": [], "drag with ‖ω‖ ω": ["slowed by"]}
+NOT_NAMED = {"drag with ‖ω‖ ω": ["slowed by"]}
 
 
 @pytest.mark.parametrize("fault", INVENTED, ids=lambda fault: fault.what)

@@ -1,0 +1,144 @@
+"""Changes of what acts on a body: gravity, drag, torques, rotors, the centre of mass."""
+
+from collections.abc import Iterator
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from ....reference.other_equations import TURNED_ON, UNTURNED, OtherEquations, equations_of
+from ....scenarios import FloatArray, Scenario
+from ....scenarios.scenario import with_tables
+from .hypothesis import Change, Hypothesis, factors, fitted, set_to
+
+#: Largest power of ‖ω‖ that the coefficient of a drag may grow or fall with.
+POWER = 4.0
+
+
+def of_effects(scenario: Scenario, e: OtherEquations) -> Iterator[Change]:
+    """Changes of gravity, drag and torques."""
+    # Of a free body a recording does not show gravity, and an engine's steps do.
+    if e.gravity_world.any():
+        yield from factors("gravity's size", 0.0, -1.0, gravity_world=e.gravity_world)
+    yield from resistance(scenario, e)
+    rate, none = _fastest(scenario, e), np.zeros(3)
+    yield from _of_decay(e, rate)
+    if e.torque.any() or e.torque_world.any():
+        pushes: dict[str, Any] = {"torque": e.torque, "torque_world": e.torque_world}
+        yield from factors("torque's size", 0.0, -1.0, **pushes)
+        along_other_axes: dict[str, Any] = {"torque": e.torque_world, "torque_world": e.torque}
+        yield set_to("torque along other axes", **along_other_axes)
+    if (e.pull.any() and e.gravity_world.any()) or e.torque_world.any():
+        yield set_to("world vectors turned on", world_vectors=TURNED_ON)
+        yield set_to("world vectors unturned", world_vectors=UNTURNED)
+    yield from _of_drag(e, rate)
+    if e.gravity_world.any():
+        size = float(np.linalg.norm(e.gravity_world))
+        yield fitted("gravity", e.gravity_world, size, lambda h, g: h.of(gravity_world=g))
+    size = mean_moment(e) * rate**2
+    for kind, name in (
+        ("torque along body axes", "torque"),
+        ("torque along world axes", "torque_world"),
+    ):
+        yield fitted(kind, none, size, partial(_pushed, name))
+
+
+def _of_decay(e: OtherEquations, rate: float) -> Iterator[Change]:
+    """Changes in which L is slowed at a rate, beside the scene's drag or in place of it."""
+    none = np.zeros(2)
+    yield fitted("decay", none[:1], rate, lambda h, n: _slowed(h, 0.0, n[0]))
+    if e.slowing[0]:
+        yield fitted(
+            "decay for drag",
+            *(none[:1], rate),
+            lambda h, n: h.of(slowing=np.array([0.0, n[0], 0.0])),
+        )
+    yield fitted("decays", none, np.array([rate, 1.0]), lambda h, n: _slowed(h, 0.0, *n))
+
+
+def _of_drag(e: OtherEquations, rate: float) -> Iterator[Change]:
+    """Changes of how drag depends on ω; where the scene has drag it is replaced."""
+    c, size = e.slowing[0], mean_moment(e) * rate
+
+    def friction(n: FloatArray) -> FloatArray:
+        """Return f and p of a drag that is c + n[0] times ω where ‖ω‖ is the scene's rate."""
+        power = float(np.clip(n[1], -POWER, POWER))
+        return np.array([(c + n[0]) * rate**-power, power])
+
+    yield Change(
+        "drag's law",
+        lambda h, n: h.of(slowing=np.zeros(3), friction=friction(n)),
+        np.array([size, 1.0]),
+        lambda n: friction(n) + np.array([0.0, 1.0]),
+    )
+    yield fitted(
+        "drag along each axis",
+        *(np.full(3, c), size),
+        lambda h, n: h.of(slowing=np.zeros(3), damping=n),
+    )
+    if c:
+        yield from factors("resistance's size", 0.0, -1.0, slowing=e.slowing)
+        for axes, turned in ("of ω in the world", np.eye(2)[0]), ("turned back", np.eye(2)[1]):
+            yield set_to(f"drag {axes}", slowing=np.zeros(3), turned_drag=c * turned)
+
+
+def _pushed(name: str, h: Hypothesis, torque: FloatArray) -> Hypothesis:
+    return h.of(**{name: getattr(h.equations, name) + torque})
+
+
+def _slowed(h: Hypothesis, c: float, a: float = 0.0, b: float = 0.0) -> Hypothesis:
+    return h.of(slowing=h.equations.slowing + np.array([c, a, b]))
+
+
+def resistance(scenario: Scenario, e: OtherEquations) -> Iterator[Change]:
+    """A torque that opposes ω, beside the scene's own torques; one number is fitted."""
+    size = mean_moment(e) * _fastest(scenario, e)
+    yield fitted("resistance", np.zeros(1), size, lambda h, n: _slowed(h, n[0]))
+
+
+def com(scenario: Scenario, e: OtherEquations) -> Iterator[Change]:
+    """The centre of mass, where a motion shows it: of a body on a pivot under gravity."""
+    if scenario.constraint.is_pivot and e.gravity_world.any():
+        place, mass = np.array(scenario.body.com), scenario.body.mass
+
+        def moved(h: Hypothesis, com: FloatArray) -> Hypothesis:
+            here, there = (mass * (r @ r * np.eye(3) - np.outer(r, r)) for r in (place, com))
+            return h.of_tensor(e.inertia - here + there).of(pull=mass * com)
+
+        yield fitted("com", place, float(np.linalg.norm(place)) or 1.0, moved)
+
+
+def lever(e: OtherEquations) -> Iterator[Change]:
+    """The lever of gravity, where the tensor is right; three numbers are fitted."""
+    if e.pull.any() and e.gravity_world.any():
+        size = float(np.linalg.norm(e.pull))
+        yield fitted("lever", e.pull, size, lambda h, n: h.of(pull=n))
+
+
+def of_rotors(scenario: Scenario, e: OtherEquations) -> Iterator[Change]:
+    """Changes of rotors that a motion shows whose spins were not recorded."""
+    tables = scenario.document.rotors or ()
+    for hinge in "free", "driven", "locked":
+        for which in range(len(tables) + 1):
+            held = [
+                one.model_copy(update={"hinge": hinge}) if which in (0, k + 1) else one
+                for k, one in enumerate(tables)
+            ]
+            if [one.hinge for one in held] != [one.hinge for one in tables]:
+                other = equations_of(with_tables(scenario, rotors=tuple(held)))
+                terms = ("inertia", "inverse", "gyroscopic", "kept")
+                changed = {name: getattr(other, name) for name in terms}
+                yield set_to(f"{hinge} rotors", (which,), **changed)
+    if e.kept.any():
+        size = float(np.linalg.norm(e.kept))
+        yield fitted("rotors' momentum", e.kept, size, lambda h, n: h.of(kept=n))
+
+
+def mean_moment(e: OtherEquations) -> float:
+    """The mean moment, kg m²."""
+    return float(np.trace(e.inertia)) / 3
+
+
+def _fastest(scenario: Scenario, e: OtherEquations) -> float:
+    """The rate at which the scene's state changes, or |ω| at its start, rad/s."""
+    return e.rate or float(np.linalg.norm(scenario.start.omega_body)) or 1.0

@@ -1,0 +1,104 @@
+"""What may have been computed instead of a scene's exact motion, and changes that make it."""
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ....reference.other_equations import OtherEquations, equations_of
+from ....scenarios import FloatArray, Scenario
+from ...results.evidence import Explanation
+
+
+class Hypothesis(NamedTuple):
+    """What may have been computed, and how states of it are read.
+
+    Attributes
+    ----------
+    equations : of motion
+    start : by how much the first attitude is turned, a rotation vector, rad, and ω differs, rad/s,
+        body axes, (6,)
+    read, bias, lag : of ω is read `read` @ ω + `bias` − `lag` ω', rad/s; (3, 3), (3,) and s
+    step : timesteps that a step takes
+    velocity : factor by which the com's velocity is read too large
+    braking : rate at which the com of a body without a pivot is slowed, 1/s
+    """
+
+    equations: OtherEquations
+    start: FloatArray
+    read: FloatArray
+    bias: FloatArray
+    lag: float = 0.0
+    step: float = 1.0
+    velocity: float = 1.0
+    braking: float = 0.0
+
+    def of(self, **numbers: Any) -> "Hypothesis":
+        """A hypothesis in which some numbers of the equations are replaced by these."""
+        return self._replace(equations=self.equations._replace(**numbers))
+
+    def of_tensor(self, inertia: FloatArray) -> "Hypothesis":
+        """A hypothesis in which the body has another tensor of inertia, kg m², (3, 3)."""
+        return self._replace(equations=self.equations.with_inertia(inertia))
+
+
+def as_it_is(scenario: Scenario) -> Hypothesis:
+    """The scene's equations, with states that are read as they are."""
+    return Hypothesis(equations_of(scenario), np.zeros(6), np.eye(3), np.zeros(3))
+
+
+@dataclass(frozen=True, eq=False)
+class Change:
+    """A change of what is computed or read.
+
+    Attributes
+    ----------
+    kind : of `KINDS`
+    apply : makes it in a hypothesis, with its k numbers
+    sizes : of its numbers where the change is neither small nor large, (k,)
+    shown : the numbers of its kind, of those that are fitted
+    """
+
+    kind: str
+    apply: Callable[[Hypothesis, FloatArray], Hypothesis]
+    sizes: FloatArray
+    shown: Callable[[FloatArray], Sequence[float] | FloatArray] = np.asarray
+
+    def explanation(self, numbers: FloatArray) -> Explanation:
+        """The change with fitted numbers, as it is stored and put in words."""
+        return Explanation(self.kind, tuple(map(float, self.shown(numbers))))
+
+
+def set_to(kind: str, shown: Sequence[float] = (), **numbers: Any) -> Change:
+    """A change that sets numbers of the equations to given values, with nothing to fit."""
+    return Change(kind, lambda h, _: h.of(**numbers), np.empty(0), lambda _: shown)
+
+
+def fitted(
+    kind: str,
+    usual: FloatArray,
+    size: float | FloatArray,
+    apply: Callable[[Hypothesis, FloatArray], Hypothesis],
+) -> Change:
+    """A change of k numbers from the usual ones; `apply` takes those that there are."""
+    sizes = np.broadcast_to(size, usual.shape).astype(float)
+    return Change(kind, lambda h, n: apply(h, usual + n), sizes, lambda n: usual + n)
+
+
+def factors(kind: str, *wholes: float, sign: float = 1.0, **terms: FloatArray) -> Iterator[Change]:
+    """Changes of terms by a factor: by whole factors, then by one that is fitted.
+
+    Parameters
+    ----------
+    sign : of the kind's number where the factor is larger than one
+    """
+    for whole in wholes:
+        numbers: Any = {name: whole * term for name, term in terms.items()}
+        yield set_to(kind, (sign * (whole - 1),), **numbers)
+    yield Change(
+        kind,
+        lambda h, n: h.of(**{name: (1 + n[0]) * term for name, term in terms.items()}),
+        np.ones(1),
+        lambda n: sign * n,
+    )

@@ -1,0 +1,170 @@
+"""What was made of the body's ω, where the attitudes alone obey the scene's equations.
+
+Between two attitudes the equations of motion lead by one ω: that of the body. The recorded ω may
+be it, clamped, or what a linear filter makes of it.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from itertools import product
+
+import numpy as np
+from scipy.stats import f
+
+from ....reference.following import follow
+from ....reference.other_equations import OtherEquations
+from ....scenarios import FloatArray
+from ....scenarios.rotation import norms, rotation_vectors
+from ..measuring.hypothesis import as_it_is
+from ..measuring.likelihood import LEFT, LEVEL
+from .clamps import CLAMPS
+from .other_physics import Physics
+
+#: Newton steps to the ω that leads to the next attitude, and the relative step of its slopes.
+STEPS, SMALL = 4, 1e-6
+#: Samples of earlier filtered ω, and of the body's ω, that a filter is made of at most.
+OUTPUTS, INPUTS = 2, 5
+#: Times of samples are equally far apart up to this, relative.
+EQUAL = 1e-6
+OMEGA = "the attitudes obey the scene's equations, but the recorded ω is not that of the attitudes"
+
+
+def omega_read(physics: Physics, *, is_explained: bool) -> list[str]:
+    """Return what was made of ω, in words; nothing if the attitudes are off the scene's equations.
+
+    Parameters
+    ----------
+    physics : of the motion with the recorded ω
+    is_explained : whether other mistakes of reading ω explain the motion: then a clamp alone, which
+        has one number, is simpler
+    """
+    motion = physics.motion
+    states = np.hstack([motion.q_world_body_wxyz, motion.omega_body])
+    of_body = _omega_between(as_it_is(physics.scenario).equations, states, np.diff(motion.t))
+    if of_body is None or physics.intervals is None:
+        return []
+    read = motion.omega_body[:-1]
+    # What an attitude is off by, ω is off by over the distance of two.
+    attitude = np.hypot(physics.noise[0], physics.intervals.method[:, 0].max())
+    error = physics.noise[1] + 2 * attitude / float(np.diff(motion.t).min())
+    cut = motion.until(len(read))
+    by_attitudes = replace(
+        physics,
+        motion=replace(cut, omega_body=of_body),
+        exact=physics.exact.until(len(read)),
+        noise=np.array([physics.noise[0], error]),
+    )
+    off = norms(read - of_body)
+    if by_attitudes.search is None or by_attitudes.is_beyond or np.max(off) * LEFT < error:
+        return []
+    body = np.hstack([states[:-1, :4], of_body])
+    if (clamped := next(_clamped(body, read, error), [])) or is_explained:
+        return clamped
+    return _filtered(motion.t, of_body, read, error)
+
+
+def _omega_between(
+    equations: OtherEquations, states: FloatArray, spans: FloatArray
+) -> FloatArray | None:
+    """Return ω, rad/s, body axes, (n - 1, 3), by which each attitude leads to the next one.
+
+    None if there is none near the mean of the turn.
+    """
+    q, ends = states[:-1, :4], states[1:, :4]
+    omega = rotation_vectors(q, ends) / spans[:, None]
+    size = float(norms(omega).max()) or 1.0
+
+    def off(omega: FloatArray) -> FloatArray:
+        made = follow(equations, np.hstack([q, omega]), spans[:, None])[:, 0, :4]
+        return np.nan_to_num(rotation_vectors(made, ends), nan=np.inf)
+
+    for _ in range(STEPS):
+        left = off(omega)
+        if not np.isfinite(left).all():
+            return None
+        step = SMALL * size
+        slopes = np.stack([(off(omega + step * one) - left) / step for one in np.eye(3)], axis=2)
+        if not np.isfinite(slopes).all() or (np.abs(np.linalg.det(slopes)) == 0).any():
+            return None
+        omega = omega - np.linalg.solve(slopes, left[..., None])[..., 0]
+    return omega if norms(off(omega)).max() < SMALL else None
+
+
+def _clamped(body: FloatArray, read: FloatArray, error: float) -> Iterator[list[str]]:
+    """Yield the clamp, in words, that makes the recorded ω of the body's.
+
+    Parameters
+    ----------
+    body : q and the body's ω, (n, 7)
+    read : the recorded ω, (n, 3)
+    error : of the body's ω, rad/s
+    """
+    for words, size_of, limited in CLAMPS:
+        bound = float(size_of(np.hstack([body[:, :4], read])).max())
+        made = limited(body, bound)[:, 4:]
+        off, changed = (float(norms(one - made).max()) for one in (read, body[:, 4:]))
+        if changed > error / LEFT and off <= max(error, LEFT**2 * changed):
+            yield [f"{words} is clamped to {bound:.4g} rad/s"]
+
+
+@dataclass(frozen=True, eq=False)
+class Filter:
+    """A linear filter: read(k) = Σ outputs[i] read(k - 1 - i) + Σ inputs[j] body(k - j).
+
+    Attributes
+    ----------
+    left : the mean square of what it leaves, (rad/s)²
+    """
+
+    outputs: FloatArray
+    inputs: FloatArray
+    left: float
+
+    @property
+    def delay(self) -> float:
+        """By how many samples a slow change is delayed: the slope of its phase at rest."""
+        ages = np.arange(len(self.inputs)) @ self.inputs / self.inputs.sum()
+        own = np.arange(1, len(self.outputs) + 1) @ self.outputs / (1 - self.outputs.sum())
+        return float(ages + own)
+
+    @property
+    def words(self) -> str:
+        """Its formula."""
+        before = ["", " a sample before", *(f" {j} samples before" for j in range(2, INPUTS))]
+        parts = [(a, f"of itself{when}") for a, when in zip(self.outputs, before[1:], strict=False)]
+        parts += [(b, f"of the body's{when}") for b, when in zip(self.inputs, before, strict=False)]
+        return ", ".join(f"{factor:.4g} {what}" for factor, what in parts)
+
+
+def _filtered(t: FloatArray, body: FloatArray, read: FloatArray, error: float) -> list[str]:
+    """Return the filter with the fewest numbers that makes the recorded ω, in words."""
+    spans = np.diff(t)
+    if np.ptp(spans) > EQUAL * spans.mean():
+        return [OMEGA]
+    off = float(np.mean((read - body) ** 2))
+    filters = (
+        _filter(body, read, outputs, inputs)
+        for outputs, inputs in sorted(
+            product(range(OUTPUTS + 1), range(1, INPUTS + 1)), key=lambda counts: sum(counts)
+        )
+    )
+    for one in filters:
+        count, numbers = 3 * len(read), len(one.outputs) + len(one.inputs)
+        fall = (off - one.left) / max(one.left, error**2) * (count - numbers) / numbers
+        explains = one.left <= max(error**2, LEFT**4 * off)
+        if explains and f.sf(fall, numbers, count - numbers) < LEVEL / (OUTPUTS + 1) / INPUTS:
+            delay = one.delay * spans.mean()
+            return [f"ω is filtered, which delays it by {delay:.4g} s: it is {one.words}"]
+    return [OMEGA]
+
+
+def _filter(body: FloatArray, read: FloatArray, outputs: int, inputs: int) -> Filter:
+    """Fit a filter with so many numbers to all samples that have as many before them."""
+    first = max(outputs, inputs - 1)
+    rows = np.arange(first, len(read))
+    columns = [read[rows - 1 - i].ravel() for i in range(outputs)]
+    columns += [body[rows - j].ravel() for j in range(inputs)]
+    A, wanted = np.array(columns).T, read[rows].ravel()
+    numbers: FloatArray = np.linalg.lstsq(A, wanted, rcond=None)[0].astype(float)
+    left = float(np.mean((wanted - A @ numbers) ** 2))
+    return Filter(numbers[:outputs], numbers[outputs:], left)

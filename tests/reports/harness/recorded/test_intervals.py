@@ -1,0 +1,64 @@
+"""How many numbers of intervals count as one, and when a motion is beyond its method's error."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from planted_motions import case, exactly, rates_of
+from scipy.stats import chi2
+from spincheck.reports.harness.measuring.likelihood import LEVEL
+from spincheck.reports.harness.recorded.intervals import Intervals
+from spincheck.reports.harness.recorded.other_physics import Physics
+from spincheck.scenarios import Trajectory
+
+pytestmark = pytest.mark.slow
+
+ONE = case(161)
+ARRAYS = exactly(ONE, rates_of(ONE))
+NOTHING = np.zeros((len(ARRAYS["t"]), 3))
+MOTION = Trajectory(ARRAYS["t"], ARRAYS["q"], ARRAYS["omega"], NOTHING, NOTHING, NOTHING[:, :0])
+#: Parts of variance that are a method's, and a size of errors, rad and rad/s.
+PARTS, SIZE = (0.0, 0.3, 1.0), 1e-3
+#: A sum of squares this little below, or above, a bound.
+BELOW, ABOVE = 0.999, 1.001
+
+
+def physics() -> Physics:
+    return Physics(ONE.scenario, MOTION, MOTION, None, 1, np.array([SIZE, SIZE]))
+
+
+def of_parts(part: float, off: float = 0.0) -> Intervals:
+    """Intervals whose errors have a size of `SIZE`, each number off by so many of it."""
+    data = physics().intervals
+    assert data is not None
+    noise, method = np.sqrt(1 - part) * SIZE, np.sqrt(part) * SIZE
+    made = data.ends.copy()
+    # The attitude keeps its error, as ω has a number for each of its own, times √2.
+    made[:, 4:] += np.sqrt(2) * off * SIZE
+    return replace(
+        data, ends=made, noise=np.full(2, noise), method=np.full_like(data.method, method)
+    )
+
+
+@pytest.mark.parametrize("part", PARTS)
+def test_numbers_count_as_one_as_far_as_they_are_a_methods_error(part: float) -> None:
+    data = of_parts(part)
+    count = data.scale.size
+    assert data.at_once == pytest.approx((1 - part) * 1 + part * count)
+    before = np.ones(data.scale.shape)
+    assert data.falls(before, 0 * before) == pytest.approx(count / data.at_once)
+
+
+@pytest.mark.parametrize("part", PARTS)
+def test_as_many_numbers_are_independent_as_do_not_count_as_one(part: float) -> None:
+    """Of noise all numbers are, and of a method's error one is."""
+    one = physics()
+    assert one.search is not None
+    level = LEVEL / len(one.search.changes)
+    count = of_parts(part).scale.size
+    independent = count / ((1 - part) + part * count)
+    bound = chi2.isf(level, independent) / independent
+    for factor, is_beyond in ((BELOW, False), (ABOVE, True)):
+        other = physics()
+        vars(other)["intervals"] = of_parts(part, off=np.sqrt(factor * bound))
+        assert other.is_beyond == is_beyond

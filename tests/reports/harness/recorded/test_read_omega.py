@@ -1,0 +1,58 @@
+"""What a filter or a clamp makes of ω is named where the attitudes obey the scene's equations."""
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+from planted_motions import case, exactly, rates_of
+from reported_faults import judged, named
+
+pytestmark = pytest.mark.slow
+
+ONE = case(151)
+ARRAYS = exactly(ONE, rates_of(ONE))
+DISTANCE = float(ARRAYS["t"][1])
+KEPT, BOUND = 0.75, 1.2
+
+
+def low_passed(omega: np.ndarray) -> np.ndarray:
+    out = omega.copy()
+    for k in range(1, len(omega)):
+        out[k] = KEPT * out[k - 1] + (1 - KEPT) * omega[k]
+    return out
+
+
+def mean_of_four(omega: np.ndarray) -> np.ndarray:
+    out = omega.copy()
+    for k in range(3, len(omega)):
+        out[k] = omega[k - 3 : k + 1].mean(axis=0)
+    return out
+
+
+#: How ω is read, and what is said: the delay of a mean is that of its middle.
+READ: dict[str, tuple[Callable[[np.ndarray], np.ndarray], str]] = {
+    "low pass": (
+        low_passed,
+        f"delays it by {KEPT / (1 - KEPT) * DISTANCE:.4g} s: it is 0.75 of itself a sample before, "
+        "0.25 of the body's",
+    ),
+    "mean of four": (mean_of_four, "0.25 of the body's 3 samples before"),
+    "saturation": (lambda omega: np.clip(omega, -BOUND, BOUND), f"is clamped to {BOUND} rad/s"),
+}
+
+
+@pytest.mark.parametrize("name", READ)
+def test_what_was_made_of_omega_is_named(name: str) -> None:
+    read, words = READ[name]
+    assert any(np.abs(ARRAYS["omega"]).max(axis=0) > BOUND)
+    found = judged(ONE.scenario, ARRAYS | {"omega": read(ARRAYS["omega"])}, 1e-5)
+    (said,) = named(found)
+    assert words in said
+
+
+def test_an_omega_of_other_equations_is_not_read_through_a_filter() -> None:
+    """Where attitudes are off the scene's equations, too, ω is not what is wrong."""
+    other = exactly(ONE, rates_of(ONE, gyroscopic=0.5 * ONE.inertia))
+    found = judged(ONE.scenario, other, 1e-5)
+    assert "gyroscopic" in found.explained_by[0]
+    assert not any("filtered" in words for words in found.explained_by)
