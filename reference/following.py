@@ -189,7 +189,7 @@ def _of_world(e: OtherEquations, R: FloatArray, v: Vector) -> Vector:
 
 @called
 def _resistance(e: OtherEquations, R: FloatArray, omega: Vector) -> Vector:
-    """Return the torque of drag, N m, body axes."""
+    """Return the torque that opposes ω, N m, body axes."""
     c, f = e.slowing[0], e.friction[0]
     speed = math.sqrt(_dot(omega, omega))
     if f != 0.0 and speed > 0.0:

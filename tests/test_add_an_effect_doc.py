@@ -27,9 +27,9 @@ GRAVITY = re.compile(r"gravity_world")
 OF_A_FORCE = "## A force: gravity"
 #: Of a constraint with a force and an end of its own: measured.
 MOST_OF_A_CONSTRAINT = 12
-MOST, MOST_WITH_ADAPTERS = 11, 25
+MOST, MOST_WITH_ADAPTERS = 12, 26
 #: Of a part, which adds states: measured.
-MOST_OF_A_PART = 21
+MOST_OF_A_PART = 22
 
 
 def files_with(word: re.Pattern[str], root: Path) -> set[str]:

@@ -36,7 +36,13 @@ def write(path: Path) -> Path:
     with open_store(path, create=True) as store:
         store.put_environment(stored.environment)
         methods = tuple(stored.methods.values())
-        store.put_methods([SimpleNamespace(name="mujoco", methods=methods, stock_timestep=0.002)])
+        store.put_methods(
+            [
+                SimpleNamespace(
+                    name="mujoco", methods=methods, stock_timestep=0.002, single_precision=False
+                )
+            ]
+        )
         store.rest_on(
             [
                 Fingerprint(SCENE, "mujoco" * (kind == "engine"), kind, f"a digest of {kind}")

@@ -120,12 +120,12 @@ def of_rotors(scenario: Scenario, e: OtherEquations) -> Iterator[Change]:
     tables = scenario.document.rotors or ()
     for hinge in "free", "driven", "locked":
         for which in range(len(tables) + 1):
-            held = [
+            hinged = [
                 one.model_copy(update={"hinge": hinge}) if which in (0, k + 1) else one
                 for k, one in enumerate(tables)
             ]
-            if [one.hinge for one in held] != [one.hinge for one in tables]:
-                other = equations_of(with_tables(scenario, rotors=tuple(held)))
+            if [one.hinge for one in hinged] != [one.hinge for one in tables]:
+                other = equations_of(with_tables(scenario, rotors=tuple(hinged)))
                 terms = ("inertia", "inverse", "gyroscopic", "kept")
                 changed = {name: getattr(other, name) for name in terms}
                 yield set_to(f"{hinge} rotors", (which,), **changed)

@@ -102,8 +102,11 @@ def _clamped(body: FloatArray, read: FloatArray, error: float) -> Iterator[list[
     for words, size_of, limited in CLAMPS:
         bound = float(size_of(np.hstack([body[:, :4], read])).max())
         made = limited(body, bound)[:, 4:]
-        off, changed = (float(norms(one - made).max()) for one in (read, body[:, 4:]))
-        if changed > error / LEFT and off <= max(error, LEFT**2 * changed):
+        off, changes = float(norms(read - made).max()), norms(body[:, 4:] - made)
+        changed = float(changes.max())
+        # Where all samples are changed it may as well be a factor.
+        is_reached = changes.min() <= error < LEFT * changed
+        if is_reached and off <= max(error, LEFT**2 * changed):
             yield [f"{words} is clamped to {bound:.4g} rad/s"]
 
 
@@ -122,7 +125,7 @@ class Filter:
 
     @property
     def delay(self) -> float:
-        """By how many samples a slow change is delayed: the slope of its phase at rest."""
+        """The delay of a slow change, in samples: the slope of the phase at rest."""
         ages = np.arange(len(self.inputs)) @ self.inputs / self.inputs.sum()
         own = np.arange(1, len(self.outputs) + 1) @ self.outputs / (1 - self.outputs.sum())
         return float(ages + own)

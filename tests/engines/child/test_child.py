@@ -25,7 +25,7 @@ TIMESTEP = 2.0**-6
 #: s; more than a child takes to answer on a busy machine, less than a test may take.
 LIMIT = 2.0
 #: s, that its worker gives the engine.
-LIMIT_OF_WORKER = 2.0
+LIMIT_OF_WORKER = 5.0
 #: s; a process that is still there by then is taken to be left behind.
 LONG = 20.0
 

@@ -288,7 +288,7 @@ INVENTED = tuple(
         (
             "student",
             "drag with ‖ω‖ ω",
-            ("‖ω‖",),
+            ("drag were 0.02 ‖ω‖^2",),
             lambda: computed(free(20), torque=lambda w: -0.02 * np.linalg.norm(w) * w),
         ),
         (
