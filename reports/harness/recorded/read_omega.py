@@ -102,11 +102,10 @@ def _clamped(body: FloatArray, read: FloatArray, error: float) -> Iterator[list[
     for words, size_of, limited in CLAMPS:
         bound = float(size_of(np.hstack([body[:, :4], read])).max())
         made = limited(body, bound)[:, 4:]
-        off, changes = float(norms(read - made).max()), norms(body[:, 4:] - made)
-        changed = float(changes.max())
-        # Where all samples are changed it may as well be a factor.
-        is_reached = changes.min() <= error < LEFT * changed
-        if is_reached and off <= max(error, LEFT**2 * changed):
+        off, changed = (float(norms(one - made).max()) for one in (read, body[:, 4:]))
+        # Where all of ω is beyond the bound it may as well be a factor.
+        is_clamp = size_of(body).min() < bound and changed > error / LEFT
+        if is_clamp and off <= max(error, LEFT**2 * changed):
             yield [f"{words} is clamped to {bound:.4g} rad/s"]
 
 
