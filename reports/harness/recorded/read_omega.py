@@ -146,9 +146,7 @@ def _filtered(t: FloatArray, body: FloatArray, read: FloatArray, error: float) -
     off = float(np.mean((read - body) ** 2))
     filters = (
         _filter(body, read, outputs, inputs)
-        for outputs, inputs in sorted(
-            product(range(OUTPUTS + 1), range(1, INPUTS + 1)), key=lambda counts: sum(counts)
-        )
+        for outputs, inputs in sorted(product(range(OUTPUTS + 1), range(1, INPUTS + 1)), key=sum)
     )
     for one in filters:
         count, numbers = 3 * len(read), len(one.outputs) + len(one.inputs)
