@@ -15,6 +15,8 @@ from .world import BASE, World
 
 #: Indices into what `getJointInfo` returns: axis, place and turn of a joint, and its parent link.
 AXIS, PLACE, TURN, PARENT = 13, 14, 15, 16
+#: Orders of a quaternion's components: PyBullet's of the scalar first, and back.
+XYZW, WXYZ = [1, 2, 3, 0], [3, 0, 1, 2]
 
 
 @dataclass(frozen=True, eq=False)
@@ -25,8 +27,7 @@ class Placed:
     ----------
     q_xyzw, omega : of the base, world axes; if the body hangs, of its joint, principal axes
     arm_world : to the com of the whole from the point that is set, m, (3,): the joint, or the com
-        of
-        the base alone
+        of the base alone
     swing_world : ω × `arm_world`, m/s, (3,)
     """
 
@@ -57,8 +58,7 @@ class Model:
         """Mass, com and tensor of the link with all that is welded to it, and its rotors.
 
         PyBullet keeps for each link its principal moments, the place of its joint in the axes of
-        the
-        link before it, and its rotation relative to that link: joints are at angle 0.
+        the link before it, and its rotation relative to that link: joints are at angle 0.
         """
         world, R_body_principal = self.world, self.body_from_principal.as_matrix()
         mass, _, moments, *_ = p.getDynamicsInfo(world.body, world.link, world.client)
@@ -124,8 +124,12 @@ class Model:
         return matrix(q_world_body / np.linalg.norm(q_world_body))
 
     @cached_property
+    def _q_body_principal(self) -> FloatArray:
+        return np.asarray(self.body_from_principal.as_quat(scalar_first=True))
+
+    @cached_property
     def _times_q_principal_body(self) -> FloatArray:
-        return times(self.body_from_principal.inv().as_quat(scalar_first=True))
+        return times(_conjugate(self._q_body_principal))
 
     def coordinates(self, states: State) -> FloatArray:
         """Return the velocity coordinates that PyBullet clamps, rad/s and m/s, a row a state."""
@@ -143,19 +147,20 @@ class Model:
 
         A joint's angle is counted along the principal axes.
         """
-        world, principal = self.world, self.body_from_principal
-        world_from_body = Rotation.from_quat(state.q_world_body_wxyz, scalar_first=True)
-        omega = world_from_body.apply(np.array(state.omega_body))
+        world, times_q_body_principal = self.world, times(self._q_body_principal)
+        q_world_body = state.q_world_body_wxyz / np.linalg.norm(state.q_world_body_wxyz)
+        R_world_body = matrix(q_world_body)
+        omega = R_world_body @ state.omega_body
         is_base = world.link == BASE
-        arm_world = world_from_body.apply(self._arm if is_base else self._lever)
+        arm_world = R_world_body @ (self._arm if is_base else self._lever)
         swing_world = cross(omega, arm_world)
         if is_base:
-            q_xyzw = (world_from_body * principal).as_quat()
+            q_xyzw = (q_world_body @ times_q_body_principal)[XYZW]
         else:
-            turned = (principal.inv() * world_from_body * principal).as_quat()
-            world.move(turned, np.zeros(3), np.zeros(3))
+            turned = _conjugate(self._q_body_principal) @ times(q_world_body)
+            world.move((turned @ times_q_body_principal)[XYZW], np.zeros(3), np.zeros(3))
             q_xyzw, *_ = p.getJointStateMultiDof(world.body, world.link, world.client)
-            omega = Rotation.from_quat(world.motion()[1]).inv().apply(omega)
+            omega = omega @ matrix(np.array(world.motion()[1])[WXYZ])
         return Placed(q_xyzw, omega, arm_world, swing_world)
 
     def place(self, placed: Placed, com_world: FloatArray, velocity_world: FloatArray) -> None:
@@ -196,3 +201,8 @@ class Model:
             "omega": placed.omega.tolist(),
             "torque_body": torque.tolist(),
         }
+
+
+def _conjugate(q_wxyz: FloatArray) -> FloatArray:
+    """The quaternion of the inverse rotation, (4,)."""
+    return np.asarray(q_wxyz * [1.0, -1.0, -1.0, -1.0])

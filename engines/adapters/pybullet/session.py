@@ -8,9 +8,9 @@ from typing import final
 
 import numpy as np
 import pybullet as p
-from scipy.spatial.transform import Rotation
 from spincheck.engine import BodyReading, EngineError, Fault, Scenario, Session, State
 
+from ....scenarios.rotation import matrix
 from ...native_output import native_output
 from .audit import what_acts
 from .load import BodyRepresentation, load
@@ -93,8 +93,7 @@ class PyBulletSession(Session):
         """Make PyBullet rotate a rigid body's inertia, which it only does at the end of a step."""
         rest = com_world = np.zeros(3)
         if self._scenario.constraint.is_pivot:
-            attitude = Rotation.from_quat(state.q_world_body_wxyz, scalar_first=True)
-            com_world = attitude.apply(self.model.body.com)
+            com_world = matrix(state.q_world_body_wxyz) @ self.model.body.com
         self.model.place(replace(placed, omega=rest, swing_world=rest), com_world, rest)
         self.world.set_timestep(IDLE)
         self.advance(1)

@@ -59,18 +59,25 @@ REDRAWN = 2.0**-46
 
 
 def examine(
-    engine: Engine, scenario: Scenario, method_name: str, at: Places
+    engine: Engine, scenario: Scenario, method_name: str, at: Places, *, explains: bool = True
 ) -> StepEvidence | None:
-    """Examine a method from exact states; None where it cannot be opened at them."""
+    """Examine a method from exact states; None where it cannot be opened at them.
+
+    Parameters
+    ----------
+    explains : whether changes of the equations of motion that explain a fault are looked for, which
+        takes longer than finding it
+    """
     try:
-        return _examined_where_supported(engine, scenario, engine.method(method_name), at)
+        method = engine.method(method_name)
+        return _examined_where_supported(engine, scenario, method, at, explains=explains)
     except EngineError:
         # The method's runs will tell why the engine refuses.
         return None
 
 
 def _examined_where_supported(
-    engine: Engine, scenario: Scenario, method: Method, at: Places
+    engine: Engine, scenario: Scenario, method: Method, at: Places, *, explains: bool = True
 ) -> StepEvidence | None:
     """Examine a method from exact states; None where it does not support them.
 
@@ -89,6 +96,7 @@ def _examined_where_supported(
                 scenario,
                 tried,
                 method,
+                explains=explains,
             )
     return None
 
@@ -110,7 +118,13 @@ def physics_in_words(engine: Engine, scenario: Scenario, method: Method) -> str:
 
 
 def examined(
-    open_at: Open, engine: Engine, scenario: Scenario, at: Places, method: Method
+    open_at: Open,
+    engine: Engine,
+    scenario: Scenario,
+    at: Places,
+    method: Method,
+    *,
+    explains: bool = True,
 ) -> StepEvidence:
     """What single steps show of a method whose sessions are opened by a function.
 
@@ -125,7 +139,8 @@ def examined(
         if fault := _misread(sessions, engine, at):
             return StepEvidence(len(at.times), 0.0, 0.0, 0.0, 0, fault=fault)
         order = 0 if engine.single_precision else method.order
-        return evidence_of(_Examination(sessions, engine, at).look, at, order)
+        look = _Examination(sessions, engine, at).look
+        return evidence_of(look, at, order, explains=explains)
 
 
 @dataclass(frozen=True, eq=False)

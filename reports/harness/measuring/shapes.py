@@ -35,8 +35,13 @@ def _worst(look: Look) -> tuple[int, int]:
     return next((pair for pair in pairs if _shape(look, *pair)[0] == "leap"), pairs[0])
 
 
-def fault_of(look: Look, at: Places) -> StepFault | None:
-    """The fault that gains show; None if they are those of a method that converges."""
+def fault_of(look: Look, at: Places, *, explains: bool) -> StepFault | None:
+    """The fault that gains show; None if they are those of a method that converges.
+
+    Parameters
+    ----------
+    explains : whether changes that explain a limit are looked for
+    """
     if look.tail >= LEVEL:
         return None
     q, k = _worst(look)
@@ -44,7 +49,7 @@ def fault_of(look: Look, at: Places) -> StepFault | None:
     kind, j = _shape(look, q, k)
     if kind == "limit":
         k = int((norms(series.limit) / series.limit_error).argmax())
-    wanted, changes = _explained(look, k, q, is_limit=kind == "limit")
+    wanted, changes = _explained(look, k, q, explains=explains and kind == "limit")
     off = series.limit[k] if kind == "limit" else look.gains[j, k, q]
     if kind == "leap":
         wanted, off = np.zeros(3), off * look.steps.timesteps[j]
@@ -79,9 +84,14 @@ def _shape(look: Look, q: int, k: int) -> tuple[FaultKind, int]:
 
 
 def _explained(
-    look: Look, k: int, q: int, *, is_limit: bool
+    look: Look, k: int, q: int, *, explains: bool
 ) -> tuple[FloatArray, tuple[Explanation, ...]]:
-    """What state k should gain in quantity q, (3,), and the changes that explain all limits."""
+    """What state k should gain in quantity q, (3,), and the changes that explain all limits.
+
+    Parameters
+    ----------
+    explains : whether such changes are looked for
+    """
     if QUANTITIES[q] == "parts":
         return np.zeros(3), ()
     limits, errors = (
@@ -90,7 +100,7 @@ def _explained(
     )
     last = slice(-look.steps.repeats * look.gains.shape[1], None)
     gains = gains_of(look.equations, look.steps.before.rows(last), limits, SURE * errors)
-    return gains.exact[k, q], explanations(gains) if is_limit else ()
+    return gains.exact[k, q], explanations(gains) if explains else ()
 
 
 def _vector(values: FloatArray) -> Vector:

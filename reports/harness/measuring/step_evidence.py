@@ -9,8 +9,14 @@ from .places import Places
 from .shapes import fault_of
 
 
-def evidence_of(look: Look, at: Places, order: int) -> StepEvidence:
-    """What steps and their series show, as it is stored; `order` is the declared one."""
+def evidence_of(look: Look, at: Places, order: int, *, explains: bool) -> StepEvidence:
+    """What steps and their series show, as it is stored.
+
+    Parameters
+    ----------
+    order : the declared one
+    explains : whether changes that explain a fault are looked for
+    """
     known_to, of_an_effect = look.known_to
     return StepEvidence(
         len(at.times),
@@ -19,7 +25,7 @@ def evidence_of(look: Look, at: Places, order: int) -> StepEvidence:
         of_an_effect,
         _order_shown(look, order),
         tuple(_curves(look)),
-        fault_of(look, at),
+        fault_of(look, at, explains=explains),
         look.settled,
         _changes_below(look),
         _beyond_from(look),

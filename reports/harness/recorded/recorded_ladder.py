@@ -135,7 +135,7 @@ def _steps(
         is_pooled=False,
     )
     at = Places(before.rows(slice(len(kept))), exact.t[kept], timesteps, condition)
-    return evidence_of(look, at, study.method.order)
+    return evidence_of(look, at, study.method.order, explains=True)
 
 
 def verdict_on_files(study: ConvergenceStudy) -> Verdict:
