@@ -18,7 +18,7 @@ SPREAD := football-spiral book-middle-axis fast-top lopsided-body motor-driven-t
 
 .PHONY: docs results report engines engines-2026 test quick pythons bench kills survey thresholds random
 .PHONY: random-single suite power known-issues methods lines recorded-motions gradients sensitivities
-.PHONY: lint types contract check schema format-page engine-verdicts clean
+.PHONY: lint types contract check schema format-page clean
 
 # The page is there to look at after the free and the heavy tops, on short ladders and without the
 # costs of steps, and once more when costs, longer ladders, all other scenes and the distribution are
@@ -81,11 +81,7 @@ sensitivities: $(READY)
 power: $(READY)
 	PYTHONPATH=tests/support $(BIN)/python tests/reports/harness/measure_power.py
 
-# Verdicts, survivors and the cost of accuracy of every engine there is; docs/measured/engine-verdicts.md.
-engine-verdicts: $(READY)
-	$(BIN)/python tests/reports/harness/measure_engines.py
-
-# Every engine and method: verdicts, floor, batch, size, seconds to the first step; docs/measured/methods.md.
+# Every engine and method: verdicts, error, floor, batch, size, cost of steps; docs/measured/methods.md.
 methods: $(READY)
 	$(BIN)/python tests/reports/harness/measure_methods.py
 

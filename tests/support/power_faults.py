@@ -376,6 +376,8 @@ FAULTS = (
       (last(s, "T", s.now()) - s.now())), vanishes=1),
     F("rate partly of the step before, undivided", "v", MORE, end=lambda s: add(s, W, s.e * (last(s,
       "w", s.y[W]) - s.y[W])), vanishes=0, nominal=1),
+    F("hinges that load in a few steps", "rn", "", lambda s, R, w: -s.e * 0.6**s.n * cross(s.K, w),
+      vanishes=1),
     F("not deterministic: torque", "", AGAIN, end=lambda s: add(s, W, s.h * s.e * s.inv @ (s.unit *
       s.rng.normal(size=3))), nominal=1),
     F("not deterministic: attitude", "", AGAIN, end=lambda s: spin(s, s.e * s.rng.normal(size=3)),

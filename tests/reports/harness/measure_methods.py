@@ -1,8 +1,8 @@
-"""Measures what every engine and method costs before its first step, and writes methods.md.
+"""Measures what the steps of every engine and method cost, and writes methods.md.
 
-Of all engines that are installed, or of those named. Verdicts are those of the newest page of
-results of the version. What was measured is kept in methods.json, and measured again for another
-version of the engine.
+Of all engines that are installed, or of those named. Verdicts and errors are those of the newest
+page of results of the version. What was measured is kept in methods.json, and measured again for
+another version of the engine.
 """
 
 import json
@@ -11,6 +11,7 @@ import subprocess
 import sys
 from importlib.metadata import PackageNotFoundError, distribution
 from pathlib import Path
+from statistics import median
 from tempfile import TemporaryDirectory
 from typing import Any
 
@@ -24,9 +25,9 @@ DOCS = Path(__file__).parents[3] / "docs"
 KEPT, PAGE = DOCS / "measured/methods.json", DOCS / "measured/methods.md"
 SCENE, WORLDS = "fast-top", "1,64"
 #: A process of its own, with its children's; CPU time, since other work on the machine would
-#: lengthen wall time.
-FIRST_STEP = f"""
-import os, sys
+#: lengthen wall time. It prints that to the first step, and of a step: the least of five times.
+STEPS = f"""
+import os, sys, time
 from spincheck.engines import engines
 from spincheck.scenarios import LIBRARY, load
 scenario = load(next(LIBRARY.rglob("{SCENE}.toml")))
@@ -35,18 +36,32 @@ method, begun = engine.method(sys.argv[2]), sum(os.times()[:4])
 session = engine.open(scenario, method, 2.0**-10)
 session.advance(1)
 session.read_state()
+first = sum(os.times()[:4]) - begun
+count, times = 64, []
+while len(times) < 5:
+    begun = time.process_time()
+    session.advance(count)
+    session.read_state()
+    spent = time.process_time() - begun
+    if spent < 0.02 and not times:
+        count *= 2
+    else:
+        times.append(spent / count)
 session.close()
-print(sum(os.times()[:4]) - begun)
+print(first, min(times))
 """
 HEAD = """# Every engine and method
 
 On the scenes of [the newest results](../results/index.md) of the version named: how many verdicts
-of each kind; the timesteps below which errors grow by rounding. *Batch*: whether a world among 64
+of each kind; the median error of the attitude at the timestep that users of the engine get who set
+none; the timesteps below which errors grow by rounding. *Batch*: whether a world among 64
 moves as the same world alone, to the bit or off at the end by so much (`spincheck run {scene}
 --worlds {worlds}`; blank: the engine has none, or it was not run). *MB*: the size of what `pip`
 installs for it beside spincheck's own parts. *First step*: CPU seconds to it of `{scene}` in a new
 process after spincheck has started, which imports MuJoCo and PyBullet, with compiled parts in the
-cache. `(shipped)`: as shipped, with what acts by default. Other blanks: not measured.
+cache. *Step*: CPU time of one, with many in a call where the engine can. What an accuracy costs is
+the error against the seconds in any report: `spincheck run {scene} --engine NAME`. `(shipped)`: as
+shipped, with what acts by default. Other blanks: not measured.
 
 Made by `make methods`, with the engines installed that have figures.
 
@@ -56,10 +71,12 @@ COLUMNS = (
     "method",
     "scenes",
     *RANKS,
+    "error, °",
     "errors grow below",
     "batch",
     "MB",
     "first step, s",
+    "step, µs",
 )
 
 
@@ -97,15 +114,18 @@ def installed_mb(engine: Engine) -> float | None:
     return round(added, 0 if added > 10 else 1) if extra else None
 
 
-def first_step(engine: str, method: str) -> float | None:
-    """CPU seconds to the first step; None if it does not come to that."""
+def steps(engine: str, method: str) -> dict[str, float]:
+    """CPU seconds to the first step, and µs of a step; nothing if it does not come to that."""
     done = subprocess.run(
-        [sys.executable, "-c", FIRST_STEP, engine, method],
+        [sys.executable, "-c", STEPS, engine, method],
         capture_output=True,
         text=True,
         check=False,
     )
-    return round(float(done.stdout.split()[-1]), 2) if done.returncode == 0 else None
+    if done.returncode:
+        return {}
+    first, of_one = map(float, done.stdout.split()[-2:])
+    return {"first_step": round(first, 2), "step": float(f"{1e6 * of_one:.2g}")}
 
 
 def batch(engine: str, method: str) -> str:
@@ -151,7 +171,7 @@ def measured(kept: dict[str, Any], names: list[str]) -> None:
                 continue
             # Of a process that the engine runs in, under node, the time is not known.
             is_child = isinstance(engine, ChildEngine)
-            one = {"first_step": None if is_child else first_step(engine.name, method.name)}
+            one: dict[str, Any] = {} if is_child else steps(engine.name, method.name)
             if engine.has_batches and not method.as_shipped:
                 one["batch"] = batch(engine.name, method.name)
             old["methods"][method.name] = one | {"as_shipped": method.as_shipped}
@@ -181,17 +201,25 @@ def lines(kept: dict[str, Any]) -> list[list[str]]:
                 for run, timestep in results.get("errors_grow_below", {}).items()
                 if run.split()[0] == method
             ]
-            first = known["first_step"]
+            off = [
+                degrees
+                for run, degrees in results.get("degrees_off", {}).items()
+                if run.split()[0] == method and degrees is not None
+            ]
             made.append(
                 [
                     f"{name} {one['version']}",
                     f"{method} (shipped)" if known["as_shipped"] else method,
                     str(len(words) or ""),
                     *(str(words.count(word) or "") for word in RANKS),
+                    f"{median(off):.2g}" if off else "",
                     span(floors) if floors else "",
                     known.get("batch", ""),
                     "" if one["mb"] is None else f"{one['mb']:g}",
-                    "" if first is None else f"{first:g}",
+                    *(
+                        f"{known[what]:g}" if what in known else ""
+                        for what in ("first_step", "step")
+                    ),
                 ]
             )
     return made
