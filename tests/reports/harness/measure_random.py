@@ -45,13 +45,12 @@ METHODS = (
     ("exudyn", "RK44"),
     ("pin", "RK4"),
 )
-#: Those of single precision, with a gyroscopic torque.
+#: Those of single precision, with a gyroscopic torque and pivots that are no springs.
 SINGLE = (
     ("newton", "mujoco-rk4"),
     ("newton", "mujoco-implicitfast"),
     ("newton", "featherstone"),
     ("newton", "steel"),
-    ("newton", "semi-implicit"),
     ("mujoco-warp", "RK4"),
     ("mujoco-warp", "Euler"),
     ("brax", "generalized"),
