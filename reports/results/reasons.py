@@ -67,13 +67,13 @@ def _consistent(steps: StepEvidence, replays: Sequence[ReplayEvidence]) -> str:
     known = f"to {steps.known_to:.1e} of the largest terms"
     if steps.of_an_effect > steps.known_to:
         known += f" and {steps.of_an_effect:.1e} of the weakest effect"
-    order = f", at order {steps.order}" if steps.order else ""
+    of_order = f", at order {steps.order}" if steps.order else ""
     settled = (
         f", after {steps.settled} steps in which a constraint settled" if steps.settled else ""
     )
     parts = [
         f"steps from {steps.states} states are consistent with the equations of motion {known}"
-        f"{order}{settled}"
+        f"{of_order}{settled}"
     ]
     if replays:
         runs = ", ".join(f"{one.timestep:.3g}" for one in replays)
