@@ -98,16 +98,22 @@ class Curve(OfMethod):
 
     @cached_property
     def least(self) -> CurvePoint | None:
-        """The run with the least error, if errors grow at each of several shorter timesteps.
+        """The run with the least error, if errors are larger at each of several shorter timesteps.
 
-        Rounding makes them grow in this way. A single larger error may be chance.
+        Rounding makes them so. A single larger error may be chance: at least two runs must show it,
+        stock ones included, by errors that grow from each to the next, or are all larger by
+        `GROWN` and do not fall again.
         """
         if not self.stable:
             return None
         least = min(self.stable, key=lambda point: point.error)
-        finer = [point.error for point in self.stable if point.timestep <= least.timestep]
-        grows = len(finer) > 2 and all(a < b for a, b in pairwise(finer))
-        return least if grows and finer[-1] > GROWN * least.error else None
+        points = sorted(self.points, key=lambda point: -point.timestep)
+        finer = [point.error for point in points if point.timestep < least.timestep]
+        if len(finer) < 2 or finer[-1] <= GROWN * least.error:
+            return None
+        grow = all(a < b for a, b in pairwise([least.error, *finer]))
+        stay = min(finer) > GROWN * least.error and finer[-1] * GROWN >= max(finer)
+        return least if grow or stay else None
 
     @property
     def finest_useful(self) -> float | None:

@@ -79,8 +79,14 @@ def test_rounding_takes_over_where_errors_grow_again() -> None:
     falling = (1e-2, 1e-3, 1e-4)
     bent = curve_of_errors(*falling, 2e-4, 4e-4)
     assert bent.least == bent.points[2]
-    for errors in (falling, (*falling, 1e-4), (*falling, 1.2e-4), ()):
+    for errors in (falling, (*falling, 1e-4), (*falling, 1.2e-4), (*falling, 4e-4), ()):
         assert curve_of_errors(*errors).least is None
+    # Where the ladder ends with one larger error, runs at stock timesteps may show it, too.
+    ended = curve_of_errors(*falling, 4e-4)
+    stock = replace(ended.points[-1], timestep=ended.points[-1].timestep / 10)
+    for error, is_shown in ((3e-4, True), (1.2e-4, False)):
+        with_stock = replace(ended, points=(*ended.points, replace(stock, error=error)))
+        assert (with_stock.least == ended.points[2]) == is_shown
 
 
 def test_every_point_of_the_front_is_better_than_all_cheaper_ones(top: SceneRuns) -> None:
