@@ -32,6 +32,7 @@ REASONS = {
     "reports/pages/scene/default_tables.py": "three columns chosen for a narrow table",
     "reports/pages/scene/scene_answer.py": "three columns chosen for a narrow table",
     "reports/harness/judging/verdict.py": "gives verdicts, and reads outcomes of runs",
+    "reports/harness/gradients/compared.py": "gives verdicts on derivatives",
     "reports/harness/gradients/study.py": "gives verdicts on derivatives",
     "reports/harness/gradients/verdict.py": "gives verdicts on derivatives",
     "reports/results/reasons.py": "the sentences of three words",

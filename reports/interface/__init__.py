@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
-    from spincheck.reports.harness.gradients.study import GradientRow
+    from spincheck.reports.harness.gradients.compared import GradientRow
     from spincheck.reports.harness.recorded.judged import JudgedMotion
     from spincheck.reports.results.records import Row
     from spincheck.reports.results.verdicts import Verdict

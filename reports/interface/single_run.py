@@ -9,7 +9,8 @@ from tempfile import TemporaryDirectory
 from spincheck.engines import Engine, engines, missing
 from spincheck.reports.harness.choice import Choice
 from spincheck.reports.harness.executors import LocalWorkers
-from spincheck.reports.harness.gradients.study import GradientRow, gradient_by, offered_by
+from spincheck.reports.harness.gradients.compared import GradientRow
+from spincheck.reports.harness.gradients.study import gradient_by, offered_by
 from spincheck.reports.harness.plan import plan
 from spincheck.reports.harness.study import run_study
 from spincheck.reports.results.records import Row

@@ -6,7 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from ...harness.gradients.study import GradientRow, gradient_by, offered_by
+from ...harness.gradients.compared import GradientRow
+from ...harness.gradients.study import gradient_by, offered_by
 from ..choosing import choose, compile_first, executor_for
 from ..named_scenes import scenes_to_run
 from ..terminal import AGREES, DISAGREES, NOT_RUN, Complaint, say, table

@@ -1,96 +1,27 @@
-"""Studies every derivative of a method on a scene: verdict, cost, and gradients over a window."""
+"""Judges the derivatives of a method on a scene, in this process or in another one."""
 
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
-from functools import cached_property, partial
-from textwrap import shorten
 
-import numpy as np
-
-from ....engines import Engine, EngineError, Method, Session, UnsupportedError
-from ....engines.checks.equations import Equations
-from ....reference import ExactMotion, IntegrationError
-from ....scenarios import FloatArray, Scenario
+from ....engines import Engine, EngineError, UnsupportedError
+from ....reference import ExactMotion
+from ....scenarios import Scenario
 from ....scenarios.fastest_rate import fastest_rate
 from ..executors import CallFailed, Executor
-from ..measuring.examine import FURTHER, SETTLING, gives_way
-from ..measuring.places import FINER, Places, places
-from ..measuring.steps import Sessions, sessions_of, steps_from
-from .candidates import Exact
-from .jacobians import (
-    CHART,
-    Own,
-    Units,
-    exact_jacobians,
-    own_jacobians,
-    settled_jacobians,
-    stepped_by_rate,
-    units_of,
-)
-from .verdict import Judged, beside_own, judged, noise_of
-from .window import (
-    Gradient,
-    chained,
-    counts_to,
-    cut_in_words,
-    exact_along,
-    gradients_along,
-    own_over,
-    run_along,
-    useless_from,
-)
+from ..measuring.places import places
+from ..measuring.steps import sessions_of
+from .compared import OURS, GradientRow, MethodStudy
+from .jacobians import units_of
+from .verdict import Judged
+from .window import counts_to
 
 #: Number of exact states that steps are taken from.
 STATES = 4
-#: The name of the derivative that spincheck itself computes, for engines without any.
-OURS = "central differences by spincheck"
-#: Number of steps of a derivative through many steps, and those numbers over windows.
-MANY = 8
-TAPED = (MANY, 64)
 #: Number of steps of a window, if its length is not given.
 STEPS = 512
-#: End of the name of a derivative through many steps.
-THROUGH = f", through {MANY} steps"
-#: Number of characters of what an engine's code raises that a reason has.
-SAID = 300
-#: The reason why an engine's derivative is not judged if a constraint or a contact gives way.
-UNSETTLED = (
-    "a constraint gives way: by attitude and ω with the com where it is, as the engine "
-    "differentiates, no motion is allowed; only differences of its runs are judged"
-)
-#: Number of plain steps that are timed before each derivative, and how often.
-TIMED, TIMES = 200, 5
 #: Index of the halved timestep that a window is stepped with: some 0.05 rad a step.
 FINE = 2
-
-
-@dataclass(frozen=True)
-class GradientRow:
-    """The result for one derivative of one method on one scene.
-
-    Attributes
-    ----------
-    derivative : the engine's name for it, or `OURS`
-    judged : the verdict; failed or unsupported if nothing was computed
-    costs : CPU time, in plain steps, each time that it was measured
-    seconds : wall time until the row was made, including compilation
-    timestep : timestep of the window's steps, s
-    window : gradients along a run
-    useless_from : time from which on gradients are as wrong as none, s; None if they are not
-    """
-
-    scene: str
-    engine: str
-    method: str
-    derivative: str
-    judged: Judged
-    costs: tuple[float, ...] = ()
-    seconds: float = 0.0
-    timestep: float = 0.0
-    window: tuple[Gradient, ...] = ()
-    useless_from: float | None = None
 
 
 def offered_by(executor: Executor, scenario: Scenario, engine: Engine, method: str) -> list[str]:
@@ -161,7 +92,7 @@ def _study(
     method_name: str,
     timestep: float | None,
     window: float | None,
-) -> Iterator["_Study"]:
+) -> Iterator["MethodStudy"]:
     """Open an engine at exact states of a scene.
 
     Raises
@@ -180,191 +111,4 @@ def _study(
     ) as sessions:
         h = timestep or float(at.timesteps[FINE])
         counts = counts_to(STEPS if window is None else max(1, round(window / h)))
-        yield _Study(sessions, engine, method, at, units_of(engine, rate), h, counts)
-
-
-@dataclass(frozen=True, eq=False)
-class _Target:
-    """What derivatives should be: the exact Jacobians, and those of the engine's own steps."""
-
-    exact: Exact
-    own: Own
-    timesteps: FloatArray
-
-
-@dataclass(frozen=True, eq=False)
-class _Study:
-    """A method whose derivatives are judged at exact states."""
-
-    sessions: Sessions
-    engine: Engine
-    method: Method
-    at: Places
-    units: Units
-    timestep: float
-    counts: list[int]
-
-    def names(self) -> list[str]:
-        """Return the names of all derivatives."""
-        own = self.sessions.first.derivatives()
-        return [*own, *(name + THROUGH for name, one in own.items() if one.through), OURS]
-
-    def row(self, called: str) -> GradientRow:
-        """Return the row of the derivative of a name."""
-        began, name = time.perf_counter(), called.removesuffix(THROUGH)
-        if called == OURS:
-            row = self._own_row(self._settled if self._gives_way else self._single)
-        elif self._gives_way:
-            row = self._row(called, Judged("unresolved", UNSETTLED))
-        else:
-            row = self._engines_row(self._single if name == called else self._many, name, called)
-        return replace(row, seconds=time.perf_counter() - began)
-
-    @cached_property
-    def _gives_way(self) -> bool:
-        steps = steps_from(self.sessions, self.at.states, self.at.timesteps)
-        return gives_way(Equations(self.sessions.scenario), self.engine, steps)
-
-    @cached_property
-    def _single(self) -> _Target:
-        return self._target(1)
-
-    @cached_property
-    def _many(self) -> _Target:
-        return self._target(MANY)
-
-    def _target(self, steps: int) -> _Target:
-        """Return the target over `steps` steps, which last as long as one longer timestep."""
-        scenario, at, units = self.sessions.scenario, self.at, self.units
-        timesteps = at.timesteps[at.timesteps <= at.timesteps[0] / steps]
-        spans = steps * timesteps
-        jacobians = exact_jacobians(scenario, at.states, spans)
-        own = own_jacobians(self.sessions, at.states, timesteps, units, steps)
-        exact = Exact(scenario, at.states, spans, jacobians, units, steps)
-        return _Target(exact, own, timesteps)
-
-    @cached_property
-    def _settled(self) -> _Target:
-        """Return the target of a step after others, without timesteps that turn the body far."""
-        scenario, at, units = self.sessions.scenario, self.at, self.units
-        settling, timesteps = (SETTLING, SETTLING + FURTHER), at.timesteps[FINER:]
-        own, jacobians = settled_jacobians(self.sessions, at.states, timesteps, units, settling)
-        return _Target(Exact(scenario, at.states, timesteps, jacobians, units), own, timesteps)
-
-    def _engines_row(self, target: _Target, name: str, called: str) -> GradientRow:
-        """Return the row of an engine's derivative, with what its code raises as the reason."""
-        steps = target.exact.steps
-        try:
-            found, is_step = self._found(name, target)
-            if isinstance(found, str):
-                return self._row(called, Judged("disagrees", found))
-            one = self._judged(target, found, is_step, name)
-            row = replace(self._row(called, one), costs=self._costs(name, steps))
-            return self._with_window(row, name, is_taped=steps > 1)
-        except UnsupportedError as error:
-            return self._row(called, Judged("unsupported", str(error)))
-        except EngineError as error:
-            return self._row(called, Judged("failed", str(error)))
-        except Exception as error:
-            said = shorten(f"{type(error).__name__}: {error}", SAID, placeholder=" …")
-            return self._row(called, Judged("failed", said.removesuffix(": ")))
-
-    def _judged(self, target: _Target, found: FloatArray, is_step: bool, name: str) -> Judged:
-        epsilon = self.sessions.first.derivatives()[name].epsilon
-        noise = noise_of(self.units, target.timesteps, self.at.condition, epsilon)
-        one = judged(target.exact, found, noise)
-        if not is_step or not np.isfinite(found).all():
-            return one
-        return beside_own(one, target.exact, found, target.own, noise)
-
-    def _own_row(self, target: _Target) -> GradientRow:
-        exact, own = target.exact, target.own
-        noise = noise_of(self.units, target.timesteps, self.at.condition, 0.0)
-        one = judged(exact, own.jacobians, noise + (own.known_to / exact.spans)[:, None])
-        if one.reason:
-            one = replace(one, reason=f"its steps themselves: {one.reason}")
-        row = self._row(OURS, one)
-        # If a scene must be opened anew for each difference, a window would take minutes.
-        if self.sessions.first.can_restart:
-            row = self._with_window(row)
-        return row
-
-    def _row(self, derivative: str, one: Judged) -> GradientRow:
-        names = self.sessions.scenario.name, self.engine.name, self.method.name, derivative
-        return GradientRow(*names, one, timestep=self.timestep)
-
-    def _found(self, name: str, target: _Target) -> tuple[FloatArray | str, bool]:
-        """Return Jacobians by a derivative, (J, K, 6, 6), and whether it is of steps or dω/dt.
-
-        If their shape is wrong, that is returned in words.
-        """
-        states, jacobians, is_step = self.at.states, np.empty_like(target.exact.jacobians), True
-        for j, k in np.ndindex(jacobians.shape[:2]):
-            h, state = float(target.timesteps[j]), states.rows(k)
-            with self.sessions.at(state, h) as session:
-                found = np.asarray(_by(session, name, target.exact.steps)(), dtype=float)
-            if found.shape not in ((CHART, CHART), (3, CHART)):
-                numbers = ": four numbers of a quaternion for the three of a turn?"
-                words = f"its shape is {found.shape}, not {(CHART, CHART)}"
-                return words + numbers * (CHART + 1 in found.shape), is_step
-            is_step = len(found) == CHART
-            jacobians[j, k] = found if is_step else stepped_by_rate(found, state.omega_body, h)
-        return jacobians, is_step
-
-    def _jacobian(self, session: Session, name: str) -> FloatArray:
-        """Return the Jacobian of the next step of a window, in units, (6, 6)."""
-        found = np.asarray(session.derivatives()[name].compute(), dtype=float)
-        if len(found) != CHART:
-            omega_body = session.read_state().omega_body
-            found = stepped_by_rate(found, omega_body, self.timestep)
-        return self.units.of(found)
-
-    def _with_window(self, row: GradientRow, name: str = "", is_taped: bool = False) -> GradientRow:
-        """Return a row with gradients along a run, by the derivative or by differences of runs."""
-        sessions, h, units, one = self.sessions, row.timestep, self.units, row.judged
-        of_step = partial(self._jacobian, name=name) if name else None
-        try:
-            counts = [*TAPED] if is_taped else self.counts
-            exact, truth = exact_along(sessions.scenario, h, counts)
-            counts = counts[: len(exact.t)]
-            with sessions.open_at(sessions.scenario, h) as session:
-                if is_taped:
-                    found = [units.of(_by(session, name, count)()) for count in counts]
-                elif not name:
-                    start = session.read_state()
-                    found = own_over(sessions, start, h, units, counts, truth.conditioning)
-                states, each = run_along(session, counts, of_step)
-            if name and not is_taped:
-                multiplied = chained(each)
-                found = [multiplied[count] for count in counts]
-            for count, taped in zip(counts, found, strict=True) if is_taped else ():
-                if cut := cut_in_words(each[:count], taped, units.ulp):
-                    one = replace(one, reason=one.reason or cut, is_own=False)
-            along = gradients_along(sessions.scenario, units, exact, truth, found, states)
-        except (EngineError, IntegrationError) as error:
-            return replace(row, judged=replace(one, reason=one.reason or f"no window: {error}"))
-        return replace(row, judged=one, window=along, useless_from=useless_from(along))
-
-    def _costs(self, name: str, steps: int) -> tuple[float, ...]:
-        """Return ratios of the CPU time of a derivative to that of the steps it is over.
-
-        Plain steps and derivatives are timed in turns. In each turn the derivative is computed
-        until it has taken as long as the steps, so that a first call with cold caches is averaged.
-        """
-        with self.sessions.at(self.at.states.rows(0), float(self.at.timesteps[-1])) as session:
-            session.advance(TIMED)
-            compute, ratios = _by(session, name, steps), []
-            for _ in range(TIMES):
-                plain, calls = max(session.timed(TIMED)[0], 1e-9), 0
-                began = time.process_time()
-                while not calls or time.process_time() - began < plain:
-                    compute()
-                    calls += 1
-                ratios.append((time.process_time() - began) / calls / steps * TIMED / plain)
-        return tuple(ratios)
-
-
-def _by(session: Session, name: str, steps: int) -> Callable[[], FloatArray]:
-    """Return a function that computes the derivative of steps, by a tape if they are many."""
-    one = session.derivatives()[name]
-    return one.compute if steps == 1 or one.through is None else partial(one.through, steps)
+        yield MethodStudy(sessions, engine, method, at, units_of(engine, rate), h, counts)

@@ -16,15 +16,8 @@ from scenes_of_derivatives import SCENES
 from spincheck.engines import engines
 from spincheck.reports.cli.engines.gradients import median_and_quartiles, useless
 from spincheck.reports.harness.executors import LocalWorkers
-from spincheck.reports.harness.gradients.study import (
-    OURS,
-    TAPED,
-    THROUGH,
-    GradientRow,
-    gradient_by,
-    gradients_of,
-    offered_by,
-)
+from spincheck.reports.harness.gradients.compared import OURS, TAPED, THROUGH, GradientRow
+from spincheck.reports.harness.gradients.study import gradient_by, gradients_of, offered_by
 
 #: The middle axis, the sleeping top at its threshold, and chaos.
 STEERED = ("middle-axis-exactly", "asleep-at-the-threshold", "chaos-beyond-the-horizon")

@@ -10,7 +10,8 @@ from spincheck.engines import engines
 from spincheck.reports.cli.engines.gradients import exit_code, gradients, print_gradients
 from spincheck.reports.cli.engines.gradients import gradients_as_json as as_json
 from spincheck.reports.cli.terminal import AGREES, DISAGREES, NOT_RUN, Complaint, to_json
-from spincheck.reports.harness.gradients.study import OURS, GradientRow, gradients_of
+from spincheck.reports.harness.gradients.compared import OURS, GradientRow
+from spincheck.reports.harness.gradients.study import gradients_of
 from spincheck.reports.harness.gradients.verdict import Judged
 
 pytestmark = pytest.mark.slow

@@ -26,7 +26,8 @@ from spincheck.engine import Derivative, EngineError, FloatArray, State, Unsuppo
 from spincheck.engines import engines
 from spincheck.engines.adapters.mujoco.session import MuJoCoSession
 from spincheck.reports.harness.executors import LocalWorkers
-from spincheck.reports.harness.gradients.study import OURS, gradient_by, gradients_of, offered_by
+from spincheck.reports.harness.gradients.compared import OURS
+from spincheck.reports.harness.gradients.study import gradient_by, gradients_of, offered_by
 from spincheck.reports.harness.gradients.window import Gradient, useless_from
 from spincheck.scenarios import Scenario
 from spincheck.scenarios.rotation import matrix
