@@ -24,9 +24,9 @@ from .noise import (
     noise_of_steps,
     rounding_of_body,
 )
-from .places import FINER, Places, places
+from .places import FINER, HALVINGS, Places, places
 from .readings import misreading
-from .shapes import SURE
+from .shapes import SURE, kind_of
 from .step_evidence import evidence_of
 from .steps import (
     Open,
@@ -160,13 +160,11 @@ class _Examination:
         is_single = self.engine.single_precision
         look = self._taken(0, REPEATS[0] if is_single else 1)
         settle = 0
-        settling, hinges = SETTLING // (1 + is_single), look.steps.before.spins.size
+        settling, repeats = SETTLING // (1 + is_single), look.steps.repeats
         if self.at.gives_way or gives_way(look.equations, self.engine, look.steps):
-            settle, look = settling, self._settled(settling, look.steps.repeats)
-        elif (
-            look.tail < LEVEL
-            and hinges
-            and gives_in(look, settled := self._settled(settling, look.steps.repeats))
+            settle, look = settling, self._settled(settling, repeats)
+        elif self._may_give_in(look) and gives_in(
+            look, settled := self._settled(settling, repeats)
         ):
             settle, look = settling, settled
         elif look.tail < LEVEL and not is_single and not _is_clear_fault(look):
@@ -180,6 +178,11 @@ class _Examination:
             if is_in_vain:
                 break
         return self._as_if_biased(look) if is_single and look.tail < LEVEL else look
+
+    def _may_give_in(self, look: Look) -> bool:
+        """Whether hinges may be what makes gains a fault: they have a limit, and are no leaps."""
+        has_hinges = look.steps.before.spins.size and len(self.at.timesteps) == HALVINGS
+        return bool(has_hinges and look.tail < LEVEL and kind_of(look) == "limit")
 
     def _as_if_biased(self, look: Look) -> Look:
         """Judge the same steps as if rounding went one way in all repeats, and in all states."""

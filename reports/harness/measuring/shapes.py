@@ -35,6 +35,11 @@ def _worst(look: Look) -> tuple[int, int]:
     return next((pair for pair in pairs if _shape(look, *pair)[0] == "leap"), pairs[0])
 
 
+def kind_of(look: Look) -> FaultKind:
+    """How the least likely gains are off."""
+    return _shape(look, *_worst(look))[0]
+
+
 def fault_of(look: Look, at: Places, *, explains: bool) -> StepFault | None:
     """The fault that gains show; None if they are those of a method that converges.
 

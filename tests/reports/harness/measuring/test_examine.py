@@ -163,6 +163,36 @@ def test_rotors_that_slow_by_themselves_are_told(name: str, method: str, rate: f
     assert found.startswith(told) if rate else not found
 
 
+class LoadsHinges(FaultyMuJoCo):
+    """After a restart a hinge loads: ω is off by what a torque does in one step, or by a leap."""
+
+    def __init__(self, rate: float, leap: float = 0.0) -> None:
+        super().__init__()
+        self.rate, self.leap = rate, leap
+
+    def open(self, scenario: Scenario, method: Method, timestep: float) -> Session:
+        honest, faulty = (MuJoCo.open(self, scenario, method, timestep) for _ in range(2))
+
+        def read(state, time):
+            off = self.rate * session.timestep + self.leap
+            return replace(state, omega_body=state.omega_body + off) if time else state
+
+        session = FaultySession(honest, faulty, scenario, read, 1.0)
+        session.timestep = timestep
+        return session
+
+
+@pytest.mark.parametrize("method", ["Euler", "RK4"])
+@pytest.mark.parametrize("name", ["gyroscope-in-its-frame", "quadrotor-body"])
+def test_hinges_that_load_are_let_settle_and_what_leaps_is_told(name: str, method: str) -> None:
+    """A torque that is missing in the first step alone vanishes with the timestep."""
+    found = looked_at(LoadsHinges(1e-2), method, name)
+    assert is_consistent(found)
+    assert found.settled
+    assert looked_at(LoadsHinges(0.0, leap=1e-3), method, name).fault
+    assert looked_at(FaultyMuJoCo(PlantedFault("moment", 1e-4)), method, name).fault
+
+
 def test_a_body_that_no_engine_holds_is_not_known_well_enough() -> None:
     """In double precision its moments are held to 9e-4 of its angular acceleration."""
     found = looked_at(MUJOCO, "RK4", "rod-1e-12")
