@@ -19,7 +19,9 @@ from scipy.stats import chi2
 
 from ....scenarios import FloatArray
 from ...results.evidence import Explanation
+from .changes import FITTED_TENSORS, GYROSCOPIC_TENSOR
 from .hypothesis import Change, Hypothesis
+from .other_tensors import is_of_a_body
 
 #: The probability that a change is named where noise alone made the data other ones.
 LEVEL = 1e-6
@@ -110,8 +112,17 @@ class Fit:
 
     @property
     def is_possible(self) -> bool:
-        """Whether a motion may have been computed with such a tensor: no body need have it."""
-        return bool(np.linalg.eigvalsh(self.hypothesis.equations.inertia)[0] > 0)
+        """Whether a motion may have been computed with such tensors.
+
+        A mistake may make a tensor that no body has; one that is fitted, and that no body has, is
+        numbers that fit.
+        """
+        equations, kinds = self.hypothesis.equations, {change.kind for change in self.changes}
+        possible = [np.linalg.eigvalsh(equations.inertia)[0] > 0]
+        possible += [is_of_a_body(equations.inertia)] * bool(kinds & FITTED_TENSORS)
+        # Of G, which is known up to a multiple of 1, the one nearest I was fitted.
+        possible += [is_of_a_body(equations.gyroscopic)] * (GYROSCOPIC_TENSOR in kinds)
+        return all(possible)
 
     def rows(self, change: Change) -> slice:
         """Where the numbers of one change are among those of all."""

@@ -130,6 +130,12 @@ class Filter:
         return float(ages + own)
 
     @property
+    def is_causal(self) -> bool:
+        """Whether it delays what it filters, and forgets it: else it is numbers that fit."""
+        poles = np.roots([1.0, *-self.outputs])
+        return bool(self.delay > 0 and self.outputs.sum() >= 0 and (np.abs(poles) < 1).all())
+
+    @property
     def words(self) -> str:
         """Its formula."""
         before = ["", " a sample before", *(f" {j} samples before" for j in range(2, INPUTS))]
@@ -151,7 +157,7 @@ def _filtered(t: FloatArray, body: FloatArray, read: FloatArray, error: float) -
     for one in filters:
         count, numbers = 3 * len(read), len(one.outputs) + len(one.inputs)
         fall = (off - one.left) / max(one.left, error**2) * (count - numbers) / numbers
-        explains = one.left <= max(error**2, LEFT**4 * off)
+        explains = one.left <= max(error**2, LEFT**4 * off) and one.is_causal
         if explains and f.sf(fall, numbers, count - numbers) < LEVEL / (OUTPUTS + 1) / INPUTS:
             delay = one.delay * spans.mean()
             return [f"ω is filtered, which delays it by {delay:.4g} s: it is {one.words}"]
