@@ -73,11 +73,11 @@ class OtherEquations(NamedTuple):
 
 
 def inverse(matrix: FloatArray) -> FloatArray:
-    """Return the inverse of a matrix, (3, 3); nan if it has none."""
+    """Return the inverse of a matrix, (n, n); nan if it has none."""
     try:
         return np.asarray(np.linalg.inv(matrix), dtype=float)
     except np.linalg.LinAlgError:
-        return np.full((3, 3), np.nan)
+        return np.full_like(matrix, np.nan)
 
 
 def equations_of(scenario: Scenario) -> OtherEquations:

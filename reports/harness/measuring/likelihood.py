@@ -67,13 +67,21 @@ class Data(ABC):
         return np.empty(0)
 
     @property
+    def at_once(self) -> float:
+        """How many of the numbers left count as one."""
+        return 1.0
+
+    @property
     def parts(self) -> Sequence[int | None]:
         """How many of the first samples numbers are fitted to, one after the other."""
         return (None,)
 
     def falls(self, before: FloatArray, after: FloatArray) -> float:
-        """The sum of squares of what is left before a change, less that of the rest after it."""
-        return float(np.sum(before**2) - np.sum(after**2))
+        """The sum of squares of what is left before a change, less that of the rest after it.
+
+        Numbers that are one count once.
+        """
+        return float(np.sum(before**2) - np.sum(after**2)) / self.at_once
 
     def left(self, hypothesis: Hypothesis, samples: int | None = None) -> FloatArray:
         """What a hypothesis leaves, in units of its scale, (m,)."""
@@ -203,7 +211,7 @@ class Trial:
         count = int(np.count_nonzero(seen > RANK * seen[0]))
         _, known, directions = np.linalg.svd(J, full_matrices=False)
         # What is neither seen nor known beforehand has a large error, not none.
-        one_error = directions / np.maximum(known, EPS * known[0])[:, None]
+        one_error = directions / np.maximum(known, EPS * (known[0] or 1.0))[:, None]
         covariance = one_error.T @ one_error
         return Fit(
             self.changes,
@@ -217,10 +225,17 @@ class Trial:
 
 @dataclass(frozen=True, eq=False)
 class Search:
-    """The search for the changes that data call for."""
+    """The search for the changes that data call for.
+
+    Attributes
+    ----------
+    most : how many numbers are fitted, at most, where more is left than noise and a method's error:
+        many numbers make little of anything; any number if None
+    """
 
     data: Data
     changes: Sequence[Change]
+    most: int | None = None
 
     @cached_property
     def unchanged(self) -> Fit:
@@ -232,6 +247,11 @@ class Search:
         """Whether the scene's own equations leave more than noise and a method's error."""
         rest = self.unchanged.rest
         return self.data.falls(rest, 0 * rest) > self._by_chance(1)
+
+    def is_beyond(self, rest: FloatArray) -> bool:
+        """Whether what is left, (m,), is more than noise and a method's error."""
+        numbers, level = rest.size / self.data.at_once, LEVEL / len(self.changes)
+        return self.data.falls(rest, 0 * rest) > float(chi2.isf(level, numbers))
 
     @cached_property
     def trials(self) -> list[Trial]:
@@ -306,9 +326,14 @@ class Search:
         # Of those alike the first is named.
         for fit in sorted(fits, key=lambda fit: fit.count):
             explains = fit.left <= enough and self._beyond(self.unchanged, fit) > 0
-            if explains and fit.is_possible and self._beyond(best, fit) > 0:
+            explains = explains and fit.is_possible and self._is_plain(fit)
+            if explains and self._beyond(best, fit) > 0:
                 best = fit
         return None if best is self.unchanged else best
+
+    def _is_plain(self, fit: Fit) -> bool:
+        """Whether a fit leaves no more than noise, or has few numbers."""
+        return self.most is None or fit.count <= self.most or not self.is_beyond(fit.rest)
 
     def _beyond(self, before: Fit, after: Fit) -> float:
         """How much less a fit leaves than chance makes of it."""

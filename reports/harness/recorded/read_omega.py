@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 from itertools import product
 
 import numpy as np
+from scipy.signal import lfilter
 from scipy.stats import f
 
 from ....reference.following import follow
@@ -24,6 +25,8 @@ from .other_physics import Physics
 STEPS, SMALL = 4, 1e-6
 #: Samples of earlier filtered ω, and of the body's ω, that a filter is made of at most.
 OUTPUTS, INPUTS = 2, 5
+#: How many weights of a filter are looked at.
+WEIGHTS = 200
 #: Times of samples are equally far apart up to this, relative.
 EQUAL = 1e-6
 OMEGA = "the attitudes obey the scene's equations, but the recorded ω is not that of the attitudes"
@@ -131,9 +134,15 @@ class Filter:
 
     @property
     def is_causal(self) -> bool:
-        """Whether it delays what it filters, and forgets it: else it is numbers that fit."""
+        """Whether it delays what it filters, forgets it, and is a mean; others are no filters.
+
+        Where a filter swings over, weights may be somewhat below zero.
+        """
         poles = np.roots([1.0, *-self.outputs])
-        return bool(self.delay > 0 and self.outputs.sum() >= 0 and (np.abs(poles) < 1).all())
+        if not (self.delay > 0 and self.outputs.sum() >= 0 and (np.abs(poles) < 1).all()):
+            return False
+        weights = lfilter(self.inputs, [1.0, *-self.outputs], np.eye(1, WEIGHTS)[0])
+        return bool(weights.min() >= -LEFT * weights.max())
 
     @property
     def words(self) -> str:
