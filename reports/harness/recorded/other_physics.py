@@ -16,12 +16,13 @@ from ....scenarios import FloatArray, Scenario, Trajectory
 from ....scenarios.rotation import norms
 from ...results.change_words import KINDS, vector
 from ..measuring.changes import changes
-from ..measuring.effect_changes import of_rotors
+from ..measuring.effect_changes import of_attitude, of_rotors
 from ..measuring.hypothesis import Change, Hypothesis, as_it_is
 from ..measuring.likelihood import LEFT, Fit, Search
 from .clamps import CLAMPS
 from .gyroscope import GYROSCOPE, MOMENTUM, of_gyroscope
 from .intervals import Intervals, intervals_of, states_of
+from .missing import missing_rate, missing_torque
 from .varying import varying
 
 
@@ -113,9 +114,9 @@ class Physics:
     def search(self) -> Search | None:
         """The search for changes of the equations; None without intervals."""
         data = self.intervals
-        of_rotors_too = of_rotors(self.scenario, as_it_is(self.scenario).equations)
-        of_motion = IN_WORLD, *changes(self.scenario), *OTHER_SIGNS, *HELD, *of_rotors_too
-        every = *of_motion, MOMENTUM, *GYROSCOPE
+        scene = self.scenario, as_it_is(self.scenario).equations
+        of_motion = IN_WORLD, *changes(self.scenario), *OTHER_SIGNS, *HELD
+        every = *of_motion, *of_rotors(*scene), *of_attitude(*scene), MOMENTUM, *GYROSCOPE
         return None if data is None else Search(data, every, most=MOST_NUMBERS)
 
     @property
@@ -240,9 +241,11 @@ def _where(data: Intervals) -> list[str]:
     turned, omega = (np.sqrt(np.mean(part**2, axis=1)) for part in np.split(off, 2, axis=1))
     left = np.mean((off / data.scale) ** 2, axis=0)
     if left[3:].mean() <= 1:
-        return [KINEMATICS]
-    if (turned <= np.hypot(data.spans[:, 0] * omega, data.scale[:, 0])).all():
-        return [DYNAMICS]
+        return [f"{KINEMATICS}: {missing_rate(data)}"]
+    # By a torque that reverses within an interval the attitude is off, and ω is not.
+    by_omega = np.hypot(data.spans[:, 0] * omega, data.scale[:, 0])
+    if np.mean(turned**2) <= np.mean(by_omega**2):
+        return [f"{DYNAMICS}: {missing_torque(data)}"]
     return []
 
 
