@@ -8,8 +8,8 @@ from ...results.change_words import vector
 from ..measuring.likelihood import LEFT
 from .intervals import Intervals
 
-#: Digits of what is missing: a mean over a span is known to few.
-DIGITS = 3
+#: Digits of what is missing, and of axes: a mean over a span is known to few.
+DIGITS, OF_AXES = 3, 2
 
 
 def missing_torque(data: Intervals) -> str:
@@ -53,10 +53,10 @@ def _largest(what: str, data: Intervals, missing: FloatArray, unit: str) -> str:
 
 def _along_axes(data: Intervals, missing: FloatArray, unit: str) -> str:
     """Return in words what a vector in the body's axes, (S, 3), is along, or across."""
-    half_turned = data.starts[:, :4] + data.ends[:, :4] * np.sign(
-        np.sum(data.starts[:, :4] * data.ends[:, :4], axis=1, keepdims=True)
-    )
-    in_world = turned(matrices(half_turned), missing)
+    signs = np.sign(np.sum(data.starts[:, :4] * data.ends[:, :4], axis=1, keepdims=True))
+    halfway = data.starts[:, :4] + signs * data.ends[:, :4]
+    halfway /= norms(halfway)[:, None]
+    in_world = turned(matrices(halfway), missing)
     every = {"body": missing, "world": in_world}
     whole = float(np.sum(missing**2))
     for axes, vectors in every.items():
@@ -66,10 +66,10 @@ def _along_axes(data: Intervals, missing: FloatArray, unit: str) -> str:
     parts = {axes: np.linalg.svd(vectors)[1:] for axes, vectors in every.items()}
     for axes, (sizes, directions) in parts.items():
         if sizes[0] ** 2 > (1 - LEFT**2) * whole:
-            return f"it changes along one axis of the {axes}, {_rounded(directions[0])}"
+            return f"it changes along one axis of the {axes}, {_axis(directions[0])}"
     for axes, (sizes, directions) in parts.items():
         if sizes[2] ** 2 < LEFT**3 * whole:
-            return f"it is across one axis of the {axes}, {_rounded(directions[2])}"
+            return f"it is across one axis of the {axes}, {_axis(directions[2])}"
     return "it is along no axes of the body or the world for long"
 
 
@@ -80,7 +80,12 @@ def _share(of: FloatArray, along: FloatArray) -> float:
     return float(np.sum(parts**2) / np.sum(of**2))
 
 
-def _rounded(numbers: FloatArray) -> str:
-    """Return a vector, an axis with its largest component positive, to few digits."""
-    least = np.abs(numbers).max() / 10**DIGITS
-    return vector([float(f"{n:.{DIGITS}g}") if abs(n) > least else 0.0 for n in numbers])
+def _rounded(numbers: FloatArray, digits: int = DIGITS) -> str:
+    """Return a vector to few digits."""
+    least = np.abs(numbers).max() / 10**digits
+    return vector([float(f"{n:.{digits}g}") if abs(n) > least else 0.0 for n in numbers])
+
+
+def _axis(numbers: FloatArray) -> str:
+    """Return an axis whose largest component is positive."""
+    return _rounded(numbers * np.sign(numbers[np.argmax(np.abs(numbers))]), OF_AXES)
