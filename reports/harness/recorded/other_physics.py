@@ -20,6 +20,7 @@ from ..measuring.effect_changes import of_attitude, of_rotors
 from ..measuring.hypothesis import Change, Hypothesis, as_it_is
 from ..measuring.likelihood import LEFT, Fit, Search
 from .clamps import CLAMPS
+from .gyroscope_first import after_gyroscope
 from .gyroscope import GYROSCOPE, MOMENTUM, of_gyroscope
 from .intervals import Intervals, intervals_of, states_of
 from .missing import missing_rate, missing_torque
@@ -163,7 +164,25 @@ class Physics:
     @cached_property
     def found(self) -> Fit | None:
         """The change, or two, of equations or reading that explain the motion; None if none do."""
-        return self.search.one_or_two() if self.search else None
+        if self.search is None or self.intervals is None:
+            return None
+        found = self.search.one_or_two()
+        if not self.is_beyond or (found is not None and not self._is_partial(found)):
+            return found
+        return after_gyroscope(self.intervals, self.search) or found
+
+    def _is_partial(self, found: Fit) -> bool:
+        """Whether changes leave more than a method makes, and no known integrator made that."""
+        assert self.search is not None and self.intervals is not None
+        is_beyond = self.search.is_beyond(found.rest)
+        return is_beyond and not self._integrator(self.intervals, found.hypothesis.equations)
+
+    @property
+    def is_open(self) -> bool:
+        """Whether something is left that no change explains."""
+        if not self.is_beyond or self.clamps or self.made_by:
+            return False
+        return self.found is None or self._is_partial(self.found)
 
     @property
     def is_of_reading(self) -> bool:
