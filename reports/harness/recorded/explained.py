@@ -94,9 +94,9 @@ def explained(
         # What a solver leaves is like noise, and its method has errors besides.
         if is_stated or physics.is_beyond or not fit.is_beyond:
             return _of_measured(fit, physics)
-    if is_first and has_omega and (physics.search is None or physics.is_open):
-        if both := _both(physics, recording, reading):
-            return both
+    is_asked = is_first and has_omega and (physics.search is None or physics.is_open)
+    if is_asked and (both := _both(physics, recording, reading)):
+        return both
     return _of_computed(physics, alternates if has_omega else None, floor, has_omega=has_omega)
 
 
@@ -124,30 +124,27 @@ def _both(physics: Physics, recording: Recording, reading: Reading) -> Explanati
     It is one without which the attitude follows ω, whatever torques act.
     """
     scenario, exact = physics.scenario, physics.exact
-    for word, undone in followed(reading, scenario)[:MOST_TRIED]:
-        words, at = word, _at(exact, undone.t)
-        if at is not None and (more := mistakes(scenario, at, undone)):
-            words, undone = [*word, *more], without(more, undone, scenario, _first(at))
-            at = undone and _at(exact, undone.t)
-        if (
-            undone is None
-            or at is None
-            or any(
-                len(recording.arrays.get(name, at.t)) != len(at.t) for name in ("com", "velocity")
-            )
-        ):
+    of_com = [one for name, one in recording.arrays.items() if name in ("com", "velocity")]
+    for words, one in followed(reading, scenario)[:MOST_TRIED]:
+        undone: Reading | None = one
+        more = mistakes(scenario, at, one) if (at := _at(exact, one.t)) else []
+        if more:
+            undone = without(more, one, scenario, _first(exact))
+        at = _at(exact, undone.t) if undone else None
+        if undone is None or at is None or any(len(one) != len(at.t) for one in of_com):
             continue
         motion = recorded_motion(scenario, recording, undone, at).trajectory
         rest = replace(physics, motion=motion, exact=at)
         if rest.search is not None and not rest.is_open:
-            more = rest.explained() if rest.is_beyond and not rest.made_by else []
-            return Explanation((*words, *more), _verdict(rest, is_beyond=True), is_beyond=True)
+            of_physics = rest.explained() if rest.is_beyond and not rest.made_by else []
+            every = *words, *more, *of_physics
+            return Explanation(every, _verdict(rest, is_beyond=True), is_beyond=True)
     return None
 
 
 def _first(exact: Trajectory) -> FloatArray:
     """Return the attitude at the first sample, body to world, (3, 3)."""
-    return matrices(exact.q_world_body_wxyz[:1])[0]
+    return np.asarray(matrices(exact.q_world_body_wxyz[:1])[0])
 
 
 def _at(motion: Trajectory, t: FloatArray) -> Trajectory | None:

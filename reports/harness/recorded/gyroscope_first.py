@@ -9,7 +9,7 @@ import numpy as np
 
 from ....scenarios import FloatArray
 from ....scenarios.rotation import rotation_vectors
-from ..measuring.hypothesis import Change, Hypothesis
+from ..measuring.hypothesis import Hypothesis
 from ..measuring.likelihood import LEFT, Data, Fit, Search, Trial
 from .gyroscope import GYROSCOPE, as_it_was
 from .intervals import Intervals
@@ -47,7 +47,15 @@ def after_gyroscope(data: Intervals, search: Search) -> Fit | None:
     others = Search(corrected, of_equations, most=search.most).one_or_two()
     if others is None:
         return None
-    changes: tuple[Change, ...] = (*others.changes, *first.changes)
-    numbers = np.concatenate([others.numbers, first.numbers])
-    both = Trial(data, changes).fit(replace(others, changes=changes, numbers=numbers))
-    return both if both.is_possible and not search.is_beyond(both.rest) else None
+    # What the first fit leaves may have been taken for another change.
+    either = [(one,) for one in others.changes] if len(others.changes) > 1 else []
+    for changes in (*either, others.changes):
+        every = *changes, *first.changes
+        numbers = [
+            fit.numbers_of(one) for fit in (others, first) for one in fit.changes if one in every
+        ]
+        begun = replace(others, changes=every, numbers=np.concatenate(numbers))
+        both = Trial(data, every).fit(begun)
+        if both.is_possible and not search.is_beyond(both.rest):
+            return both
+    return None

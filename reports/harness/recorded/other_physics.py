@@ -20,8 +20,8 @@ from ..measuring.effect_changes import of_attitude, of_rotors
 from ..measuring.hypothesis import Change, Hypothesis, as_it_is
 from ..measuring.likelihood import LEFT, Fit, Search
 from .clamps import CLAMPS
-from .gyroscope_first import after_gyroscope
 from .gyroscope import GYROSCOPE, MOMENTUM, of_gyroscope
+from .gyroscope_first import after_gyroscope
 from .intervals import Intervals, intervals_of, states_of
 from .missing import missing_rate, missing_torque
 from .varying import varying
@@ -173,7 +173,8 @@ class Physics:
 
     def _is_partial(self, found: Fit) -> bool:
         """Whether changes leave more than a method makes, and no known integrator made that."""
-        assert self.search is not None and self.intervals is not None
+        if self.search is None or self.intervals is None:
+            return False
         is_beyond = self.search.is_beyond(found.rest)
         return is_beyond and not self._integrator(self.intervals, found.hypothesis.equations)
 
