@@ -36,6 +36,9 @@ EPS = float(np.finfo(float).eps)
 EVALUATIONS, SMALL = 50, 1e-5
 #: Relative steps at which a fit ends, and one to a part of the data.
 NEAR, ROUGHLY = 1e-9, 1e-3
+#: How many numbers are fitted, at most, if `Search.most` bounds them: with more a smooth motion of
+#: some radians is matched by equations that are not its own.
+MOST_OF_ALL = 10
 #: Changes are fitted that leave no more than this fraction where they are taken as linear; pairs of
 #: changes, no more than this fraction of what either alone leaves, and so many of them at most with
 #: as many numbers.
@@ -332,8 +335,10 @@ class Search:
         return None if best is self.unchanged else best
 
     def _is_plain(self, fit: Fit) -> bool:
-        """Whether a fit leaves no more than noise, or has few numbers."""
-        return self.most is None or fit.count <= self.most or not self.is_beyond(fit.rest)
+        """Whether a fit has few numbers; or leaves no more than noise, and has not too many."""
+        if self.most is None or fit.count <= self.most:
+            return True
+        return fit.count <= MOST_OF_ALL and not self.is_beyond(fit.rest)
 
     def _beyond(self, before: Fit, after: Fit) -> float:
         """How much less a fit leaves than chance makes of it."""
