@@ -6,7 +6,7 @@ from planted_motions import case, exactly, rates_of
 from reported_faults import judged, named
 from spincheck.reports.harness.measuring.changes import changes
 from spincheck.reports.harness.measuring.hypothesis import as_it_is
-from spincheck.reports.harness.measuring.likelihood import Fit
+from spincheck.reports.harness.measuring.likelihood import MOST_OF_ALL, Fit, Search
 from spincheck.reports.harness.measuring.other_tensors import is_of_a_body
 from spincheck.reports.harness.recorded.gyroscope import as_it_was
 from spincheck.reports.harness.recorded.read_omega import Filter
@@ -37,6 +37,22 @@ def test_only_a_fitted_tensor_need_be_of_a_body(kind: str) -> None:
     fit = Fit((change,), of_it, empty, np.empty((0, 0)), empty, 0)
     assert not fit.is_possible
     assert Fit((), of_it, empty, np.empty((0, 0)), empty, 0).is_possible
+
+
+def test_many_numbers_that_leave_nothing_are_no_explanation() -> None:
+    class Kept(Search):
+        def is_beyond(self, rest: np.ndarray) -> bool:
+            return bool(rest.any())
+
+    search = Kept(None, (), most=3)
+    of = {
+        n: Fit((), as_it_is(ONE.scenario), *[np.empty(0)] * 2, np.zeros(6), n) for n in (3, 10, 11)
+    }
+    assert MOST_OF_ALL == 10
+    assert [search._is_plain(fit) for fit in of.values()] == [True, True, False]
+    left = Fit((), as_it_is(ONE.scenario), *[np.empty(0)] * 2, np.ones(6), 4)
+    assert not search._is_plain(left)
+    assert Kept(None, ()).most is None
 
 
 @pytest.mark.parametrize(
