@@ -203,6 +203,30 @@ def _resistance(e: OtherEquations, R: FloatArray, omega: Vector) -> Vector:
     return torque
 
 
+@kernel
+def _is_any(M: FloatArray) -> bool:
+    for i in range(3):
+        for j in range(3):
+            if M[i, j] != 0.0:
+                return True
+    return False
+
+
+@called
+def _of_attitude(e: OtherEquations, R: FloatArray) -> Vector:
+    """Return the torque that depends on the attitude besides gravity's, N m, body axes."""
+    torque = 0.0, 0.0, 0.0
+    if _is_any(e.attitude_torque):
+        for i in range(3):
+            torque = _plus(torque, _cross(_vector(e.attitude_torque[:, i]), _vector(R[i])), 1.0)
+    if _is_any(e.gravity_gradient):
+        for i in range(3):
+            unit = _vector(np.eye(3)[i])
+            pulled = _to_body(R, _times(e.gravity_gradient, _times(R, unit)))
+            torque = _plus(torque, _cross(unit, _by_tensor(e, e.inertia, R, pulled)), 1.0)
+    return torque
+
+
 @called
 def _torque(e: OtherEquations, R: FloatArray, omega: Vector) -> Vector:
     """Return I ω', N m, body axes."""
@@ -212,6 +236,7 @@ def _torque(e: OtherEquations, R: FloatArray, omega: Vector) -> Vector:
     gravity = _of_world(e, R, _vector(e.gravity_world))
     torque = _plus(torque, _cross(_vector(e.pull), gravity), 1.0)
     torque = _plus(torque, _of_world(e, R, _vector(e.torque_world)), 1.0)
+    torque = _plus(torque, _of_attitude(e, R), 1.0)
     torque = _plus(torque, _resistance(e, R, omega), 1.0)
     L = _plus(_by_tensor(e, e.inertia, R, omega), kept, 1.0)
     slowed = e.slowing[1] + e.slowing[2] * math.sqrt(_dot(omega, omega))
@@ -231,7 +256,8 @@ def _turning(e: OtherEquations, R: FloatArray, omega: Vector) -> Vector:
     """Return the angular velocity at which the attitude turns, body axes, rad/s."""
     omega = _times(e.turning, omega)
     if e.kinematics < WORLD:
-        return omega
+        omega = _plus(omega, _vector(e.body_turns), 1.0)
+        return _plus(omega, _to_body(R, _vector(e.world_turns)), -1.0)
     if e.kinematics == WORLD:
         return _to_body(R, omega)
     if e.kinematics == KEPT_IN_WORLD:

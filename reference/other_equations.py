@@ -25,8 +25,9 @@ class OtherEquations(NamedTuple):
     """Numbers of equations of motion, SI; `torque` is in body axes unless its name says otherwise.
 
     I ω' = τ − ω × (G ω + h) and q' = ½ q (A ω), τ = l × Rᵀg + torque + Rᵀ torque_world
-    − (c + (a + b ‖ω‖) I) ω − (a + b ‖ω‖) h − (D + f ‖ω‖ᵖ + u R + v Rᵀ) ω, plus the torque of a
-    table's normal force. D is diagonal.
+    − (c + (a + b ‖ω‖) I) ω − (a + b ‖ω‖) h − (D + f ‖ω‖ᵖ + u R + v Rᵀ) ω + Σᵢ P eᵢ × Rᵀ eᵢ
+    + Σᵢ eᵢ × I Rᵀ S R eᵢ, plus the torque of a table's normal force. D is diagonal. The attitude
+    turns at A ω + s − Rᵀ w.
 
     Attributes
     ----------
@@ -39,6 +40,11 @@ class OtherEquations(NamedTuple):
     friction : f, N m sᵖ⁺¹, and p
     turned_drag : u, v, N m s: resistance to ω turned from body to world axes, or from world to body
         axes, once too often
+    attitude_torque : P, N m: m bᵀ for a dipole m, body axes, in a field b, world axes; and k/2 R₀ᵀ
+        for a spring, k N m, to the attitude R₀; (3, 3)
+    gravity_gradient : S, symmetric, along world axes: κ z zᵀ for a torque κ z × I z; 1/s², (3, 3)
+    body_turns, world_turns : s, body axes, and w, world axes, at which a body turns besides, and
+        the world does; rad/s, (3,)
     world_vectors : how g and torque_world are turned to body axes, for Rᵀ: `TURNED_BACK`,
         `TURNED_ON` or `UNTURNED`
     lever, mobility : from a table to the com, m, and 1/mass, which is 0 without a table
@@ -60,6 +66,10 @@ class OtherEquations(NamedTuple):
     damping: FloatArray
     friction: FloatArray
     turned_drag: FloatArray
+    attitude_torque: FloatArray
+    gravity_gradient: FloatArray
+    body_turns: FloatArray
+    world_turns: FloatArray
     world_vectors: int
     lever: FloatArray
     mobility: float
@@ -73,11 +83,11 @@ class OtherEquations(NamedTuple):
 
 
 def inverse(matrix: FloatArray) -> FloatArray:
-    """Return the inverse of a matrix, (3, 3); nan if it has none."""
+    """Return the inverse of a matrix, (n, n); nan if it has none."""
     try:
         return np.asarray(np.linalg.inv(matrix), dtype=float)
     except np.linalg.LinAlgError:
-        return np.full((3, 3), np.nan)
+        return np.full_like(matrix, np.nan)
 
 
 def equations_of(scenario: Scenario) -> OtherEquations:
@@ -100,6 +110,10 @@ def equations_of(scenario: Scenario) -> OtherEquations:
         damping=np.zeros(3),
         friction=np.zeros(2),
         turned_drag=np.zeros(2),
+        attitude_torque=np.zeros((3, 3)),
+        gravity_gradient=np.zeros((3, 3)),
+        body_turns=np.zeros(3),
+        world_turns=np.zeros(3),
         world_vectors=TURNED_BACK,
         lever=lever,
         mobility=1 / scenario.body.mass if is_on_table else 0.0,

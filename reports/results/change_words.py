@@ -8,12 +8,17 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 
+import numpy as np
+from scipy.spatial.transform import Rotation
+
 from ...scenarios import EFFECTS
 
 #: Smallest change of a factor that seven digits show to a tenth.
 VISIBLE = 1e-5
 #: Numbers this small relative to others are zero up to rounding.
 ROUNDING = 1e-12
+#: Sizes that differ by less, relative, are alike, where numbers are fitted.
+ALIKE = 1e-2
 #: Digits after the point of a power.
 DIGITS = 6
 #: For a body that turns freely a motion does not show how large its tensor is.
@@ -25,6 +30,12 @@ def vector(numbers: Sequence[float]) -> str:
     """Return numbers in brackets."""
     least = ROUNDING * max(map(abs, numbers))
     return f"[{', '.join(f'{n if abs(n) > least else 0.0:.7g}' for n in numbers)}]"
+
+
+def _fitted_vector(numbers: Sequence[float]) -> str:
+    """Return numbers that are fitted: of some, only what differs from zero beyond rounding."""
+    least = 10.0**-DIGITS * max(map(abs, numbers))
+    return vector([n if abs(n) > least else 0.0 for n in numbers])
 
 
 def _factor(numbers: Sequence[float]) -> str:
@@ -78,6 +89,44 @@ def _products(numbers: Sequence[float]) -> str:
 
 def _permuted(numbers: Sequence[float]) -> str:
     return f"{vector(numbers[:3])} kg m² along the axes of {vector(numbers[3:])}"
+
+
+def _gradient(numbers: Sequence[float]) -> str:
+    """Return the size, 1/s², of a gravity gradient, and its axis."""
+    return f"{numbers[0]:.4g} /s² along {vector(numbers[1:])}"
+
+
+def _gradient_tensor(numbers: Sequence[float]) -> str:
+    """Return the size and axis of a gravity gradient, or its tensor up to a multiple of 1, 1/s²."""
+    xx, yy, xy, xz, yz = numbers
+    sizes, axes = np.linalg.eigh([[xx, xy, xz], [xy, yy, yz], [xz, yz, 0.0]])
+    below, above = np.diff(sizes)
+    if min(below, above) > ALIKE * max(below, above):
+        return f"{vector(numbers)} /s² along world axes, for xx − zz, yy − zz, xy, xz and yz,"
+    k = 2 if below < above else 0
+    return _gradient([sizes[k] - sizes[1], *axes[:, k]])
+
+
+def _by_attitude(numbers: Sequence[float]) -> str:
+    """Return the torque Σᵢ P eᵢ × Rᵀ eᵢ, N m, of nine entries of P, as a dipole's or a spring's."""
+    P = np.reshape(numbers, (3, 3))
+    of_body, sizes, of_world = np.linalg.svd(P)
+    first, size = float(sizes[0]), float(sizes.mean())
+    if sizes[1] < ALIKE * first:
+        # Which of both is reversed does not matter.
+        sign = 1.0 if of_body[np.argmax(np.abs(of_body[:, 0])), 0] > 0 else -1.0
+        m, b = (vector((sign * one).tolist()) for one in (of_body[:, 0], of_world[0]))
+        return (
+            f"{first:.4g} N m times m × b acted, m = {m} in the body and b = {b} in the world, as "
+            "of a dipole in a field,"
+        )
+    if sizes[2] > (1 - ALIKE) * first:
+        sign = float(np.sign(np.linalg.det(P)))
+        to = Rotation.from_matrix(sign * P.T / size).as_quat(scalar_first=True, canonical=True)
+        at = vector([round(one, DIGITS) + 0.0 for one in to])
+        way = "to" if sign > 0 else "away from"
+        return f"a spring of {2 * size:.4g} N m a radian turned it {way} the attitude {at}"
+    return f"Σ P eᵢ × Rᵀeᵢ acted, with P of the entries {vector(numbers)} N m,"
 
 
 @dataclass(frozen=True)
@@ -170,6 +219,8 @@ KINDS = {
     ),
     "gyroscopic tensor": Kind(f"the gyroscopic torque ω × Gω were with G: {_ENTRIES}, not I", 6),
     "sign of a rate": Kind("ω{}' had the other sign", 1, _axes),
+    "rate held": Kind("ω about its own {} axis were held as it is, as by a hinge", 1, _axes),
+    "rate set": Kind("ω about its own {} axis were set to what it was in each step", 1, _axes),
     "inverse of the diagonal": Kind(
         "ω' were of the tensor's diagonal alone, though ω × Iω is of all of it"
     ),
@@ -199,6 +250,7 @@ KINDS = {
     "without rotation": Kind(
         "the principal moments were along the body's axes, without the tensor's rotation"
     ),
+    "inverse for the tensor": Kind("the tensor's inverse were taken for the tensor"),
     "com as pivot": Kind("the tensor about the com were that about the pivot"),
     "pivot twice": Kind("the tensor about the pivot were the one about the com twice moved"),
     "com as origin": Kind("the tensor were about the origin instead of the com"),
@@ -247,6 +299,19 @@ KINDS = {
     "torque along other axes": Kind("the torque were constant along the other axes"),
     "torque along body axes": Kind(_BESIDES + "body axes", 3),
     "torque along world axes": Kind(_BESIDES + "world axes", 3),
+    "gravity gradient": Kind("a gravity gradient of {} acted besides", 4, _gradient),
+    "gravity gradient along other axes": Kind(
+        "a gravity gradient of {} acted besides", 5, _gradient_tensor
+    ),
+    "torque by attitude": Kind("a torque by the attitude, {} besides", 9, _by_attitude),
+    "turning besides": Kind(
+        "it turns as if ω were larger by {} rad/s, along body axes",
+        *(3, _fitted_vector),
+        is_kinematic=True,
+    ),
+    "world turning": Kind(
+        "it turns as if the world turned by {} rad/s", 3, _fitted_vector, is_kinematic=True
+    ),
     # How states are set and read.
     "times": _of_factor("samples were {} times as far apart as their times"),
     "step": _of_factor("a step took {} timesteps"),

@@ -29,6 +29,11 @@ from .other_tensors import (
 #: Axes of conventions of Euler angles, each turned with the body; where none comes twice, ω has the
 #: rate about x first, then those about y and z. Of zxz the rates are those of zyz.
 EULER_ANGLES = (*permutations(range(3)), (2, 1, 2))
+#: Kinds of changes that fit a tensor of inertia, and one that fits G of the torque ω × Gω.
+FITTED_TENSORS = {
+    f"{kind}{how}" for kind in ("moments", "box", "tensor") for how in ("", UP_TO_A_FACTOR)
+}
+GYROSCOPIC_TENSOR = "gyroscopic tensor"
 #: Components that may be taken for those of a vector: 1 to 3, negative where the sign is the other.
 #: The vector itself, and its negative, are none of them.
 OTHER_COMPONENTS = [
@@ -46,6 +51,7 @@ def changes(scenario: Scenario) -> Iterator[Change]:
     yield from _of_gyroscopic_torque(scenario, base.equations)
     for kind, numbers, tensor in other_tensors(scenario):
         yield set_to(kind, numbers, **_body(tensor))
+    yield set_to("inverse for the tensor", **_body(base.equations.inverse))
     yield from of_effects(scenario, base.equations)
     yield from _of_fitted_tensors(scenario, base.equations)
 
@@ -106,7 +112,7 @@ def _of_gyroscopic_torque(scenario: Scenario, e: OtherEquations) -> Iterator[Cha
         yield set_to(kind, **terms)
         yield set_to(f"{kind}, not gyroscopic", **{**terms, "gyroscopic": 0 * inertia})
     # ω × cω is zero: G is known up to a multiple of 1.
-    yield _with_trace("gyroscopic tensor", inertia, lambda h, G: h.of(gyroscopic=G))
+    yield _with_trace(GYROSCOPIC_TENSOR, inertia, lambda h, G: h.of(gyroscopic=G))
 
 
 def _of_fitted_tensors(scenario: Scenario, e: OtherEquations) -> Iterator[Change]:

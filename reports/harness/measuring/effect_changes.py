@@ -10,6 +10,7 @@ from ....reference.other_equations import TURNED_ON, UNTURNED, OtherEquations, e
 from ....scenarios import FloatArray, Scenario
 from ....scenarios.scenario import with_tables
 from .hypothesis import Change, Hypothesis, factors, fitted, set_to
+from .other_tensors import tensor_of_entries
 
 #: Largest power of ‖ω‖ that the coefficient of a drag may grow or fall with.
 POWER = 4.0
@@ -113,6 +114,36 @@ def lever(e: OtherEquations) -> Iterator[Change]:
     if e.pull.any() and e.gravity_world.any():
         size = float(np.linalg.norm(e.pull))
         yield fitted("lever", e.pull, size, lambda h, n: h.of(pull=n))
+
+
+def of_attitude(scenario: Scenario, e: OtherEquations) -> Iterator[Change]:
+    """Torques by the attitude, and turns of body or world besides ω, that a long motion shows."""
+    rate = _fastest(scenario, e)
+    size, gravity = mean_moment(e) * rate**2, e.gravity_world
+    up = -gravity / np.linalg.norm(gravity) if gravity.any() else np.eye(3)[2]
+    yield Change(
+        "gravity gradient",
+        lambda h, n: h.of(gravity_gradient=n[0] * np.outer(up, up)),
+        np.array([rate**2]),
+        lambda n: np.array([n[0], *up]),
+    )
+    for kind, name in ("turning besides", "body_turns"), ("world turning", "world_turns"):
+        yield fitted(kind, np.zeros(3), rate, partial(_turned, name))
+    yield fitted("gravity gradient along other axes", np.zeros(5), rate**2, _pulled)
+    yield fitted(
+        "torque by attitude",
+        *(np.zeros(9), size),
+        lambda h, n: h.of(attitude_torque=n.reshape(3, 3).copy()),
+    )
+
+
+def _turned(name: str, h: Hypothesis, rate: FloatArray) -> Hypothesis:
+    return h.of(**{name: rate})
+
+
+def _pulled(h: Hypothesis, n: FloatArray) -> Hypothesis:
+    """A gravity gradient; that of a multiple of 1 makes no torque."""
+    return h.of(gravity_gradient=tensor_of_entries([*n[:2], 0.0, *n[2:]]))
 
 
 def of_rotors(scenario: Scenario, e: OtherEquations) -> Iterator[Change]:

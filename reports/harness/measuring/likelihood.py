@@ -19,7 +19,9 @@ from scipy.stats import chi2
 
 from ....scenarios import FloatArray
 from ...results.evidence import Explanation
+from .changes import FITTED_TENSORS, GYROSCOPIC_TENSOR
 from .hypothesis import Change, Hypothesis
+from .other_tensors import is_of_a_body
 
 #: The probability that a change is named where noise alone made the data other ones.
 LEVEL = 1e-6
@@ -34,6 +36,9 @@ EPS = float(np.finfo(float).eps)
 EVALUATIONS, SMALL = 50, 1e-5
 #: Relative steps at which a fit ends, and one to a part of the data.
 NEAR, ROUGHLY = 1e-9, 1e-3
+#: How many numbers are fitted, at most, if `Search.most` bounds them: with more a smooth motion of
+#: some radians is matched by equations that are not its own.
+MOST_OF_ALL = 10
 #: Changes are fitted that leave no more than this fraction where they are taken as linear; pairs of
 #: changes, no more than this fraction of what either alone leaves, and so many of them at most with
 #: as many numbers.
@@ -65,13 +70,21 @@ class Data(ABC):
         return np.empty(0)
 
     @property
+    def at_once(self) -> float:
+        """How many of the numbers left count as one."""
+        return 1.0
+
+    @property
     def parts(self) -> Sequence[int | None]:
         """How many of the first samples numbers are fitted to, one after the other."""
         return (None,)
 
     def falls(self, before: FloatArray, after: FloatArray) -> float:
-        """The sum of squares of what is left before a change, less that of the rest after it."""
-        return float(np.sum(before**2) - np.sum(after**2))
+        """The sum of squares of what is left before a change, less that of the rest after it.
+
+        Numbers that are one count once.
+        """
+        return float(np.sum(before**2) - np.sum(after**2)) / self.at_once
 
     def left(self, hypothesis: Hypothesis, samples: int | None = None) -> FloatArray:
         """What a hypothesis leaves, in units of its scale, (m,)."""
@@ -110,8 +123,17 @@ class Fit:
 
     @property
     def is_possible(self) -> bool:
-        """Whether a motion may have been computed with such a tensor: no body need have it."""
-        return bool(np.linalg.eigvalsh(self.hypothesis.equations.inertia)[0] > 0)
+        """Whether a motion may have been computed with such tensors.
+
+        A mistake may make a tensor that no body has; one that is fitted, and that no body has, is
+        numbers that fit.
+        """
+        equations, kinds = self.hypothesis.equations, {change.kind for change in self.changes}
+        possible = [np.linalg.eigvalsh(equations.inertia)[0] > 0]
+        possible += [is_of_a_body(equations.inertia)] * bool(kinds & FITTED_TENSORS)
+        # Of G, which is known up to a multiple of 1, the one nearest I was fitted.
+        possible += [is_of_a_body(equations.gyroscopic)] * (GYROSCOPIC_TENSOR in kinds)
+        return all(possible)
 
     def rows(self, change: Change) -> slice:
         """Where the numbers of one change are among those of all."""
@@ -192,7 +214,7 @@ class Trial:
         count = int(np.count_nonzero(seen > RANK * seen[0]))
         _, known, directions = np.linalg.svd(J, full_matrices=False)
         # What is neither seen nor known beforehand has a large error, not none.
-        one_error = directions / np.maximum(known, EPS * known[0])[:, None]
+        one_error = directions / np.maximum(known, EPS * (known[0] or 1.0))[:, None]
         covariance = one_error.T @ one_error
         return Fit(
             self.changes,
@@ -206,10 +228,17 @@ class Trial:
 
 @dataclass(frozen=True, eq=False)
 class Search:
-    """The search for the changes that data call for."""
+    """The search for the changes that data call for.
+
+    Attributes
+    ----------
+    most : how many numbers are fitted, at most, where more is left than noise and a method's error:
+        many numbers make little of anything; any number if None
+    """
 
     data: Data
     changes: Sequence[Change]
+    most: int | None = None
 
     @cached_property
     def unchanged(self) -> Fit:
@@ -221,6 +250,11 @@ class Search:
         """Whether the scene's own equations leave more than noise and a method's error."""
         rest = self.unchanged.rest
         return self.data.falls(rest, 0 * rest) > self._by_chance(1)
+
+    def is_beyond(self, rest: FloatArray) -> bool:
+        """Whether what is left, (m,), is more than noise and a method's error."""
+        numbers, level = rest.size / self.data.at_once, LEVEL / len(self.changes)
+        return self.data.falls(rest, 0 * rest) > float(chi2.isf(level, numbers))
 
     @cached_property
     def trials(self) -> list[Trial]:
@@ -295,9 +329,16 @@ class Search:
         # Of those alike the first is named.
         for fit in sorted(fits, key=lambda fit: fit.count):
             explains = fit.left <= enough and self._beyond(self.unchanged, fit) > 0
-            if explains and fit.is_possible and self._beyond(best, fit) > 0:
+            explains = explains and fit.is_possible and self._is_plain(fit)
+            if explains and self._beyond(best, fit) > 0:
                 best = fit
         return None if best is self.unchanged else best
+
+    def _is_plain(self, fit: Fit) -> bool:
+        """Whether a fit has few numbers; or leaves no more than noise, and has not too many."""
+        if self.most is None or fit.count <= self.most:
+            return True
+        return fit.count <= MOST_OF_ALL and not self.is_beyond(fit.rest)
 
     def _beyond(self, before: Fit, after: Fit) -> float:
         """How much less a fit leaves than chance makes of it."""

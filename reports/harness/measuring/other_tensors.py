@@ -11,6 +11,9 @@ from ....scenarios import FloatArray, Scenario
 ENTRIES = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
 #: Two tensors are one if no entry differs by more, relative to the largest.
 SAME = 1e-9
+#: A principal moment may exceed the sum of the others by this, relative to the largest: so far a
+#: method's error may put the tensor of a flat body that is fitted.
+SLACK = 1e-2
 #: Rotations by half a turn, and none: which way a principal axis points is anyone's choice.
 HALF_TURNS = ((1, 1, 1), (1, -1, -1), (-1, 1, -1), (-1, -1, 1))
 #: A kind of change, its numbers, and the tensor, kg m², (3, 3).
@@ -54,6 +57,12 @@ def _of_mistakes(scenario: Scenario, of_com: FloatArray) -> Iterator[Tensor]:
         entries = tensor_entries(of_com) * [1, 1, 1, *signs]
         yield "signs of products", signs, tensor_of_entries(entries)
     yield "sphere", (), np.eye(3) * moments.mean()
+
+
+def is_of_a_body(tensor: FloatArray) -> bool:
+    """Whether a rigid body can have a tensor, (3, 3): no moment exceeds the sum of the others."""
+    least, middle, largest = np.linalg.eigvalsh(tensor)
+    return bool(least > 0 and largest <= least + middle + SLACK * largest)
 
 
 def with_products(tensor: FloatArray, factor: float) -> FloatArray:

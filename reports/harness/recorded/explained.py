@@ -1,13 +1,13 @@
 """Explains a recorded motion, and says whether it is within the errors allowed to its method."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 from scipy.stats import f
 
 from ....reference.following import follow
 from ....scenarios import FloatArray, Scenario, Trajectory
-from ....scenarios.rotation import norms
+from ....scenarios.rotation import matrices, norms
 from ..measuring.hypothesis import as_it_is
 from ..measuring.likelihood import LEFT, LEVEL
 from .alternation import Alternation, alternation
@@ -17,14 +17,16 @@ from .interpolated import interpolated
 from .intervals import apart, gained, gained_before, intervals_of, states_of
 from .jumps import jumps
 from .measured import Measured, log_of, started_elsewhere
-from .mistakes import FITS, mistakes
-from .motion import Reading, RecordedMotion
+from .mistakes import FITS, followed, mistakes, without
+from .motion import Reading, RecordedMotion, recorded_motion
 from .other_physics import SAME, Physics, rounding
 from .read_omega import omega_read
 from .recording import Recording
 
 #: Names of the settings by which a file states the noise of attitude, rad, and of ω, rad/s.
 NOISE = ("noise_attitude", "noise_omega")
+#: How many mistakes are tried with what may explain the rest.
+MOST_TRIED = 3
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,6 +48,8 @@ def explained(
     recorded: RecordedMotion,
     timestep: float | None,
     order: int,
+    *,
+    is_first: bool = True,
 ) -> Explanation:
     """Return what explains a recorded motion.
 
@@ -55,6 +59,7 @@ def explained(
     reading, recorded : the recording, read as it states itself
     timestep : the timestep that the motion was made with, s; None if unknown
     order : order of accuracy of the method that made it
+    is_first : whether no mistake has been undone in the reading
     """
     motion, has_omega = recorded.trajectory, recorded.has_omega
     floor = _floor(scenario, motion, recording.resolution, has_omega)
@@ -66,12 +71,21 @@ def explained(
     # An ω that is held is on average half as many samples old.
     wrong = interpolated(motion, floor[1]) if has_omega else []
     if wrong := wrong or mistakes(scenario, exact, reading):
-        return Explanation(tuple(wrong), _verdict(physics), physics.is_beyond)
+        of_all = scenario, exact, recording, reading, timestep, order
+        rest = _without(wrong, *of_all) if is_first else ()
+        return Explanation((*wrong, *rest), _verdict(physics), physics.is_beyond)
     every = intervals_of(scenario, motion, timestep, order, of_intervals)
     if every and not physics.clamps and (jump := jumps(every)):
         return Explanation(tuple(jump), _verdict(physics, is_beyond=True), is_beyond=True)
     alternates, is_stated = alternation(scenario, motion, floor), noise is not None
-    if noise is None and alternates and alternates.is_noise[: 1 + has_omega].all():
+    # Who states an order of more than one has computed the motion.
+    is_computed = timestep is not None and order > 1
+    if (
+        noise is None
+        and not is_computed
+        and alternates
+        and alternates.is_noise[: 1 + has_omega].all()
+    ):
         noise, alternates = np.maximum(alternates.noise, floor), None
     if noise is not None:
         has = {"is_stated": is_stated, "has_omega": has_omega}
@@ -80,7 +94,66 @@ def explained(
         # What a solver leaves is like noise, and its method has errors besides.
         if is_stated or physics.is_beyond or not fit.is_beyond:
             return _of_measured(fit, physics)
+    is_asked = is_first and has_omega and (physics.search is None or physics.is_open)
+    if is_asked and (both := _both(physics, recording, reading)):
+        return both
     return _of_computed(physics, alternates if has_omega else None, floor, has_omega=has_omega)
+
+
+def _without(
+    wrong: list[str],
+    scenario: Scenario,
+    exact: Trajectory,
+    recording: Recording,
+    reading: Reading,
+    timestep: float | None,
+    order: int,
+) -> tuple[str, ...]:
+    """Return what explains a recording once mistakes that were found in it are undone."""
+    undone = without(wrong, reading, scenario, _first(exact))
+    if undone is None or not np.array_equal(undone.t, reading.t):
+        return ()
+    motion = recorded_motion(scenario, recording, undone, exact)
+    of_it = scenario, exact, recording, undone, motion, timestep, order
+    return explained(*of_it, is_first=False).explained_by
+
+
+def _both(physics: Physics, recording: Recording, reading: Reading) -> Explanation | None:
+    """Return a mistake, and what explains all that it leaves; None if there is no such mistake.
+
+    It is one without which the attitude follows ω, whatever torques act.
+    """
+    scenario, exact = physics.scenario, physics.exact
+    of_com = [one for name, one in recording.arrays.items() if name in ("com", "velocity")]
+    for words, one in followed(reading, scenario)[:MOST_TRIED]:
+        undone: Reading | None = one
+        more = mistakes(scenario, at, one) if (at := _at(exact, one.t)) else []
+        if more:
+            undone = without(more, one, scenario, _first(exact))
+        at = _at(exact, undone.t) if undone else None
+        if undone is None or at is None or any(len(one) != len(at.t) for one in of_com):
+            continue
+        motion = recorded_motion(scenario, recording, undone, at).trajectory
+        rest = replace(physics, motion=motion, exact=at)
+        if rest.search is not None and not rest.is_open:
+            of_physics = rest.explained() if rest.is_beyond and not rest.made_by else []
+            every = *words, *more, *of_physics
+            return Explanation(every, _verdict(rest, is_beyond=True), is_beyond=True)
+    return None
+
+
+def _first(exact: Trajectory) -> FloatArray:
+    """Return the attitude at the first sample, body to world, (3, 3)."""
+    return np.asarray(matrices(exact.q_world_body_wxyz[:1])[0])
+
+
+def _at(motion: Trajectory, t: FloatArray) -> Trajectory | None:
+    """Return the samples of a motion at times, s, (n,); None if it has not all of them."""
+    kept = np.isin(motion.t, t)
+    if np.count_nonzero(kept) != len(t):
+        return None
+    arrays = {one.name: getattr(motion, one.name) for one in fields(motion)}
+    return Trajectory(**{name: array[kept] for name, array in arrays.items()})
 
 
 def _of_computed(

@@ -6,6 +6,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from ....reference.following import follow
+from ....reference.other_equations import inverse
 from ....scenarios import FloatArray
 from ..measuring.hypothesis import Change, Hypothesis
 
@@ -60,9 +61,9 @@ def as_read(hypothesis: Hypothesis, states: FloatArray) -> FloatArray:
 
 
 def as_it_was(hypothesis: Hypothesis, read: FloatArray) -> FloatArray:
-    """Return the states, q and ω, (S, 7), of which ω was read so."""
+    """Return the states, q and ω, (S, 7), of which ω was read so; nan if ω does not tell."""
     h = hypothesis
-    states = np.hstack([read[:, :4], (read[:, 4:] - h.bias) @ np.linalg.inv(h.read).T])
+    states = np.hstack([read[:, :4], (read[:, 4:] - h.bias) @ inverse(h.read).T])
     if h.lag:
         states[:, 4:] = _later(h, states, h.lag)[:, 4:]
     return states

@@ -58,15 +58,11 @@ class Intervals(Data):
 
     @cached_property
     def at_once(self) -> float:
-        """How many of the numbers left count as one: all, if a method's error is larger than noise.
+        """As in `Data`: all numbers count as one if a method's error is larger than noise.
 
         A method's error is the same throughout, however many samples show it.
         """
         return 1 + (self.scale.size - 1) * float(np.mean(self.of_method))
-
-    def falls(self, before: FloatArray, after: FloatArray) -> float:
-        """As in `Data`, but with correlated numbers counted once."""
-        return super().falls(before, after) / self.at_once
 
     def off(self, hypothesis: Hypothesis, samples: int | None = None) -> FloatArray:
         """As in `Data`: what a hypothesis leaves of the ends, in units of `scale`, (S, 6)."""

@@ -18,7 +18,7 @@ from ....scenarios.rotation import norms
 from ..measuring.changes import is_scaled, tensor
 from ..measuring.effect_changes import com, resistance
 from ..measuring.hypothesis import Change, Hypothesis, as_it_is
-from ..measuring.likelihood import LEVEL, Data, Fit, Search, Trial
+from ..measuring.likelihood import LEFT, LEVEL, Data, Fit, Search, Trial
 from .gyroscope import GYROSCOPE, of_gyroscope
 from .intervals import apart, states_of
 
@@ -214,6 +214,11 @@ class Measured:
         return float(f.sf(ratios.max(), each, 3 * len(self.given.t) / SHARED)) < LEVEL
 
     @property
+    def is_far(self) -> bool:
+        """Whether so much more than noise is left that its standard errors say nothing."""
+        return self.is_beyond and self.chi2 > self.freedom / LEFT
+
+    @property
     def verdict(self) -> str:
         """A sentence on whether what is left is noise."""
         of, in_omega = np.degrees(self.log.noise[0]), self.log.noise[1]
@@ -233,25 +238,29 @@ class Measured:
 
     def tensor_in_words(self) -> str:
         """Return a sentence with the tensor that fits best, and standard errors."""
+        if self.is_far:
+            return "No tensor is given: what is left is far beyond noise."
         free = "" if is_scaled(self.log.base.equations) else ", up to a factor"
         entries = _plus_minus(*self.tensor_entries())
         return f"The tensor Ixx, Iyy, Izz, Ixy, Ixz, Iyz that fits best is {entries} kg m²{free}."
 
     def as_record(self) -> dict[str, object]:
-        """Return noise, χ² and tensor for JSON."""
-        entries, errors = self.tensor_entries()
+        """Return noise, χ² and tensor for JSON, without a tensor if far more than noise is left."""
+        of_tensor = [None, None] if self.is_far else [one.tolist() for one in self.tensor_entries()]
         attitude, omega = map(float, self.log.noise)
         return {
             "noise": {"attitude": attitude, "omega": omega},
             "noise_is_stated": self.log.is_stated,
             "chi2": self.chi2,
             "degrees_of_freedom": self.freedom,
-            "tensor": entries.tolist(),
-            "tensor_standard_error": errors.tolist(),
+            "tensor": of_tensor[0],
+            "tensor_standard_error": of_tensor[1],
         }
 
     def explained(self) -> list[str]:
-        """Return in words what the samples require."""
+        """Return in words what the samples require; nothing if that leaves far more than noise."""
+        if self.is_far:
+            return []
         return [self._in_words(change) for change in self.fit.changes]
 
     def _in_words(self, change: Change) -> str:

@@ -3,7 +3,8 @@
 Only the beginning is compared, before errors of an integrator have grown.
 """
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
+from itertools import chain
 from math import pi
 
 import numpy as np
@@ -35,6 +36,8 @@ FITS = 1e-9
 TOO_SHORT = "too short, as where one state in so many is kept"
 TOO_LONG = "too long, as of another timestep than that of the steps"
 EPS = float(np.finfo(float).eps)
+#: Mistakes, and the reading without them.
+_Undone = tuple[list[str], Reading]
 CONJUGATE = np.array([1.0, -1.0, -1.0, -1.0])
 #: Units of times by mistake, as a column's heading names them, and their length in seconds.
 UNITS = {"ms": 1e-3, "us": 1e-6, "ns": 1e-9, "min": 60.0}
@@ -84,8 +87,44 @@ def mistakes(scenario: Scenario, exact: Trajectory, reading: Reading) -> list[st
     return best[0] or beginning.other_times(given)
 
 
-#: Mistakes, and the reading without them.
-_Undone = tuple[list[str], Reading]
+def without(
+    words: Sequence[str], reading: Reading, scenario: Scenario, first: FloatArray
+) -> Reading | None:
+    """Return a whole recording without mistakes; None if they do not show in all of it.
+
+    Parameters
+    ----------
+    words : of the mistakes, as `mistakes` returns them
+    first : the exact attitude at the first sample, body to world, (3, 3)
+    """
+    for one in words:
+        every = chain(_undone(reading, scenario), other_readings(reading, scenario, first))
+        undone = next((other for word, other in every if word == one), None)
+        if undone is None:
+            return None
+        reading = undone
+    return reading
+
+
+def followed(reading: Reading, scenario: Scenario) -> list[_Undone]:
+    """Return mistakes without which the attitude follows ω, whatever torques act; the best first.
+
+    The attitude of samples that are near turns by the mean of their ω, to third order.
+    """
+    usual = _astray(reading)
+    found = [(_astray(other), [words], other) for words, other in _undone(reading, scenario)]
+    kept = [one for one in found if one[0] < LEFT * min(1.0, usual)]
+    return [one[1:] for one in sorted(kept, key=lambda one: one[0])]
+
+
+def _astray(reading: Reading) -> float:
+    """How far rates at which the attitude turns are from ω, relative; inf without ω."""
+    if (omega := reading.omega_body) is None or len(omega) < FEWEST:
+        return np.inf
+    rates = rotation_vectors(reading.q[:-1], reading.q[1:]) / np.diff(reading.t)[:, None]
+    off = rates - (omega[1:] + omega[:-1]) / 2
+    size = np.sqrt(np.mean(rates**2))
+    return float(np.sqrt(np.mean(off**2)) / size) if size else np.inf
 
 
 class _Beginning:

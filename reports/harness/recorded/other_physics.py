@@ -9,20 +9,21 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from scipy.stats import chi2
 
 from ....reference.following import KNOWN, follow
-from ....reference.other_equations import KEPT_IN_WORLD, OtherEquations
+from ....reference.other_equations import KEPT_IN_WORLD, OtherEquations, inverse
 from ....scenarios import FloatArray, Scenario, Trajectory
 from ....scenarios.rotation import norms
 from ...results.change_words import KINDS, vector
 from ..measuring.changes import changes
-from ..measuring.effect_changes import of_rotors
+from ..measuring.effect_changes import of_attitude, of_rotors
 from ..measuring.hypothesis import Change, Hypothesis, as_it_is
-from ..measuring.likelihood import LEFT, LEVEL, Fit, Search
+from ..measuring.likelihood import LEFT, Fit, Search
 from .clamps import CLAMPS
 from .gyroscope import GYROSCOPE, MOMENTUM, of_gyroscope
+from .gyroscope_first import after_gyroscope
 from .intervals import Intervals, intervals_of, states_of
+from .missing import missing_rate, missing_torque
 from .varying import varying
 
 
@@ -33,6 +34,21 @@ def _with_other_sign(axis: int) -> Change:
         return h.of(inverse=sign[:, None] * h.equations.inverse)
 
     return Change("sign of a rate", reversed_, np.empty(0), lambda _: [axis])
+
+
+def _held(axis: int, *, is_set: bool) -> Change:
+    """ω about an axis of the body that stays as it is: by a hinge's torque, or set in each step."""
+    kept = [i for i in range(3) if i != axis]
+
+    def held(h: Hypothesis, _: FloatArray) -> Hypothesis:
+        within = h.equations.inverse.copy()
+        within[axis] = 0.0
+        if not is_set:
+            within = np.zeros((3, 3))
+            within[np.ix_(kept, kept)] = inverse(h.equations.inertia[np.ix_(kept, kept)])
+        return h.of(inverse=within)
+
+    return Change(f"rate {'set' if is_set else 'held'}", held, np.empty(0), lambda _: [axis])
 
 
 #: Number of intervals that changes are fitted to, and of those that integrators, which take many
@@ -57,6 +73,14 @@ TIMES = Change("times", lambda h, n: h._replace(step=1 + n[0]), np.ones(1))
 MIRRORED = "gravity's size", -2.0
 #: One of Euler's equations with I₁ − I₃ for I₃ − I₁, of a body without torques.
 OTHER_SIGNS = [_with_other_sign(axis) for axis in range(3)]
+#: How many numbers are fitted, at most, where more is left than a method makes.
+MOST_NUMBERS = 3
+UNEXPLAINED = (
+    "this is most of it: what is left, {:.2g} % of the difference, is beyond the method, and not "
+    "explained"
+)
+#: Rotation about an axis of the body that a constraint, or a flag of an engine, forbids.
+HELD = [_held(axis, is_set=is_set) for is_set in (False, True) for axis in range(3)]
 KINEMATICS = "ω obeys Euler's equations, but the attitude does not follow ω"
 DYNAMICS = "the attitude follows ω, but ω does not obey Euler's equations"
 
@@ -91,18 +115,15 @@ class Physics:
     def search(self) -> Search | None:
         """The search for changes of the equations; None without intervals."""
         data = self.intervals
-        of_rotors_too = of_rotors(self.scenario, as_it_is(self.scenario).equations)
-        of_motion = IN_WORLD, *changes(self.scenario), *OTHER_SIGNS, *of_rotors_too
-        return None if data is None else Search(data, (*of_motion, MOMENTUM, *GYROSCOPE))
+        scene = self.scenario, as_it_is(self.scenario).equations
+        of_motion = IN_WORLD, *changes(self.scenario), *OTHER_SIGNS, *HELD
+        every = *of_motion, *of_rotors(*scene), *of_attitude(*scene), MOMENTUM, *GYROSCOPE
+        return None if data is None else Search(data, every, most=MOST_NUMBERS)
 
     @property
     def is_beyond(self) -> bool:
         """Whether the recording is beyond the error of a method of its order and timestep."""
-        if self.search is None or self.intervals is None:
-            return False
-        rest, at_once = self.search.unchanged.rest, self.intervals.at_once
-        level = LEVEL / len(self.search.changes)
-        return bool(np.sum(rest**2) / at_once > chi2.isf(level, rest.size / at_once))
+        return self.search is not None and self.search.is_beyond(self.search.unchanged.rest)
 
     @cached_property
     def made_by(self) -> str:
@@ -136,12 +157,33 @@ class Physics:
             return self._in_words(self.intervals, self.found)
         search = self.search
         others = (TIMES, *search.changes)
-        return varying(self.intervals, others, len(others)) or _where(self.intervals)
+        if found := varying(self.intervals, others, len(others)):
+            return [found.words, *self._unexplained(found.rest)]
+        return _where(self.intervals)
 
     @cached_property
     def found(self) -> Fit | None:
         """The change, or two, of equations or reading that explain the motion; None if none do."""
-        return self.search.one_or_two() if self.search else None
+        if self.search is None or self.intervals is None:
+            return None
+        found = self.search.one_or_two()
+        if not self.is_beyond or (found is not None and not self._is_partial(found)):
+            return found
+        return after_gyroscope(self.intervals, self.search) or found
+
+    def _is_partial(self, found: Fit) -> bool:
+        """Whether changes leave more than a method makes, and no known integrator made that."""
+        if self.search is None or self.intervals is None:
+            return False
+        is_beyond = self.search.is_beyond(found.rest)
+        return is_beyond and not self._integrator(self.intervals, found.hypothesis.equations)
+
+    @property
+    def is_open(self) -> bool:
+        """Whether something is left that no change explains."""
+        if not self.is_beyond or self.clamps or self.made_by:
+            return False
+        return self.found is None or self._is_partial(self.found)
 
     @property
     def is_of_reading(self) -> bool:
@@ -195,8 +237,18 @@ class Physics:
                 words += ", or the com were on the other side of the pivot"
             sentences.append(before + words)
         if made := self._integrator(data, found.hypothesis.equations):
-            sentences.append(f"what is left is {made}")
-        return sentences
+            return [*sentences, f"what is left is {made}"]
+        return [*sentences, *self._unexplained(found.rest)]
+
+    def _unexplained(self, rest: FloatArray) -> list[str]:
+        """Return that what an explanation leaves, in units of its scale, is not explained.
+
+        Nothing if it is what noise and a method's error make.
+        """
+        if self.search is None or not self.search.is_beyond(rest):
+            return []
+        part = float(np.sqrt(np.mean(rest**2) / self.search.unchanged.left))
+        return [UNEXPLAINED.format(100 * part)]
 
 
 def _without_errors(numbers: FloatArray, _: float) -> str:
@@ -209,9 +261,11 @@ def _where(data: Intervals) -> list[str]:
     turned, omega = (np.sqrt(np.mean(part**2, axis=1)) for part in np.split(off, 2, axis=1))
     left = np.mean((off / data.scale) ** 2, axis=0)
     if left[3:].mean() <= 1:
-        return [KINEMATICS]
-    if (turned <= np.hypot(data.spans[:, 0] * omega, data.scale[:, 0])).all():
-        return [DYNAMICS]
+        return [f"{KINEMATICS}: {missing_rate(data)}"]
+    # By a torque that reverses within an interval the attitude is off, and ω is not.
+    by_omega = np.hypot(data.spans[:, 0] * omega, data.scale[:, 0])
+    if np.mean(turned**2) <= np.mean(by_omega**2):
+        return [f"{DYNAMICS}: {missing_torque(data)}"]
     return []
 
 

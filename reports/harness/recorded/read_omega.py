@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 from itertools import product
 
 import numpy as np
+from scipy.signal import lfilter
 from scipy.stats import f
 
 from ....reference.following import follow
@@ -24,6 +25,8 @@ from .other_physics import Physics
 STEPS, SMALL = 4, 1e-6
 #: Samples of earlier filtered ω, and of the body's ω, that a filter is made of at most.
 OUTPUTS, INPUTS = 2, 5
+#: How many weights of a filter are looked at.
+WEIGHTS = 200
 #: Times of samples are equally far apart up to this, relative.
 EQUAL = 1e-6
 OMEGA = "the attitudes obey the scene's equations, but the recorded ω is not that of the attitudes"
@@ -130,6 +133,18 @@ class Filter:
         return float(ages + own)
 
     @property
+    def is_causal(self) -> bool:
+        """Whether it delays what it filters, forgets it, and is a mean; others are no filters.
+
+        Where a filter swings over, weights may be somewhat below zero.
+        """
+        poles = np.roots([1.0, *-self.outputs])
+        if not (self.delay > 0 and self.outputs.sum() >= 0 and (np.abs(poles) < 1).all()):
+            return False
+        weights = lfilter(self.inputs, [1.0, *-self.outputs], np.eye(1, WEIGHTS)[0])
+        return bool(weights.min() >= -LEFT * weights.max())
+
+    @property
     def words(self) -> str:
         """Its formula."""
         before = ["", " a sample before", *(f" {j} samples before" for j in range(2, INPUTS))]
@@ -151,7 +166,7 @@ def _filtered(t: FloatArray, body: FloatArray, read: FloatArray, error: float) -
     for one in filters:
         count, numbers = 3 * len(read), len(one.outputs) + len(one.inputs)
         fall = (off - one.left) / max(one.left, error**2) * (count - numbers) / numbers
-        explains = one.left <= max(error**2, LEFT**4 * off)
+        explains = one.left <= max(error**2, LEFT**4 * off) and one.is_causal
         if explains and f.sf(fall, numbers, count - numbers) < LEVEL / (OUTPUTS + 1) / INPUTS:
             delay = one.delay * spans.mean()
             return [f"ω is filtered, which delays it by {delay:.4g} s: it is {one.words}"]

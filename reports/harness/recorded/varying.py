@@ -4,6 +4,7 @@ The number is fitted to each interval of a recording by itself.
 """
 
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 from scipy.stats import chi2, rankdata
@@ -25,8 +26,15 @@ ONE_WAY = 0.9
 OWN = 1e-3
 
 
-def varying(data: Intervals, changes: Sequence[Change], among: int) -> list[str]:
-    """Return in words the number that, changing in time, explains a motion; nothing if none does.
+class Varying(NamedTuple):
+    """A number that changes in time, in words, and what is left with it, (S, 6)."""
+
+    words: str
+    rest: FloatArray
+
+
+def varying(data: Intervals, changes: Sequence[Change], among: int) -> Varying | None:
+    """Return the number that, changing in time, explains a motion; None if none does.
 
     Parameters
     ----------
@@ -44,12 +52,13 @@ def varying(data: Intervals, changes: Sequence[Change], among: int) -> list[str]
         numbers, rest = _fit(data, parts, change, unchanged)
         left = float(np.mean(rest**2))
         if left <= enough and data.falls(unchanged, rest) > by_chance:
-            found.append((left, change, numbers))
+            found.append((left, change, numbers, rest))
     best = min((left for left, *_ in found), default=0.0)
     alike = [one for one in found if one[0] <= max(1.0, best / LEFT)]
     if not 0 < len(alike) <= MOST_ALIKE:
-        return []
-    return ["it moves as if " + ", or ".join(_in_words(data.t, *one[1:]) for one in alike)]
+        return None
+    words = ", or ".join(_in_words(data.t, *one[1:3]) for one in alike)
+    return Varying(f"it moves as if {words}", min(alike, key=lambda one: one[0])[3])
 
 
 def _fit(

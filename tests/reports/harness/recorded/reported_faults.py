@@ -378,7 +378,7 @@ FAULTS = (
         _of(FREE, euler(np.diag(MOMENTS))),
     ),
     Fault(
-        *("o3de/o3de#10342", "the inverse for the tensor", ("Ixx, Iyy, Izz, Ixy, Ixz, Iyz",)),
+        *("o3de/o3de#10342", "the inverse for the tensor", ("the tensor's inverse were taken",)),
         _of(PUSHED, euler(np.linalg.inv(TENSOR), pushed)),
     ),
     Fault(

@@ -1,0 +1,91 @@
+"""What torque, or rate of turning, is missing where no change explains a recorded motion."""
+
+import numpy as np
+
+from ....scenarios import FloatArray
+from ....scenarios.rotation import matrices, norms, turned
+from ...results.change_words import vector
+from ..measuring.likelihood import LEFT
+from .intervals import Intervals
+
+#: Digits of what is missing, and of axes: a mean over a span is known to few.
+DIGITS, OF_AXES = 3, 2
+
+
+def missing_torque(data: Intervals) -> str:
+    """Return in words the torque that is missing, its size and what it is along.
+
+    It is a mean over each interval, of I ω' in the body's axes.
+    """
+    base = data.base.equations
+    off = data.apart(base) / data.spans
+    torque = off[:, 3:] @ base.inertia.T
+    omega = (data.starts[:, 4:] + data.ends[:, 4:]) / 2
+    L = omega @ base.inertia.T + base.kept
+    words = [_along_axes(data, torque, "N m")]
+    of_omega = _share(torque, omega)
+    if of_omega > 1 - LEFT:
+        against = np.sum(torque * omega) < 0
+        words.append(f"it is {'against' if against else 'along'} ω")
+    if of_omega < LEFT**2:
+        words.append("it is across ω")
+    if base.kept.any() or _share(L, omega) < 1 - LEFT**2:
+        words += ["it is across L: ‖L‖ is kept"] if _share(torque, L) < LEFT**2 else []
+    return _largest("a torque", data, torque, "N m") + "; ".join(words)
+
+
+def missing_rate(data: Intervals) -> str:
+    """Return in words the angular velocity by which the attitude does not follow ω.
+
+    It is a mean over each interval, in the body's axes.
+    """
+    rate = data.apart(data.base.equations)[:, :3] / data.spans
+    return _largest("a rate", data, rate, "rad/s") + _along_axes(data, rate, "rad/s")
+
+
+def _largest(what: str, data: Intervals, missing: FloatArray, unit: str) -> str:
+    k = int(np.argmax(norms(missing)))
+    return (
+        f"{what} of {norms(missing)[k]:.{DIGITS}g} {unit} at most is missing, at t = "
+        f"{data.t[k]:.4g} s; "
+    )
+
+
+def _along_axes(data: Intervals, missing: FloatArray, unit: str) -> str:
+    """Return in words what a vector in the body's axes, (S, 3), is along, or across."""
+    signs = np.sign(np.sum(data.starts[:, :4] * data.ends[:, :4], axis=1, keepdims=True))
+    halfway = data.starts[:, :4] + signs * data.ends[:, :4]
+    halfway /= norms(halfway)[:, None]
+    in_world = turned(matrices(halfway), missing)
+    every = {"body": missing, "world": in_world}
+    whole = float(np.sum(missing**2))
+    for axes, vectors in every.items():
+        mean = vectors.mean(axis=0)
+        if np.sum((vectors - mean) ** 2) < LEFT * whole:
+            return f"along {axes} axes it is nearly constant, {_rounded(mean)} {unit}"
+    parts = {axes: np.linalg.svd(vectors)[1:] for axes, vectors in every.items()}
+    for axes, (sizes, directions) in parts.items():
+        if sizes[0] ** 2 > (1 - LEFT**2) * whole:
+            return f"it changes along one axis of the {axes}, {_axis(directions[0])}"
+    for axes, (sizes, directions) in parts.items():
+        if sizes[2] ** 2 < LEFT**3 * whole:
+            return f"it is across one axis of the {axes}, {_axis(directions[2])}"
+    return "it is along no axes of the body or the world for long"
+
+
+def _share(of: FloatArray, along: FloatArray) -> float:
+    """Return the part of squares of vectors, (S, 3), that is along others."""
+    lengths = np.maximum(norms(along), np.finfo(float).tiny)
+    parts = np.sum(of * along, axis=1) / lengths
+    return float(np.sum(parts**2) / np.sum(of**2))
+
+
+def _rounded(numbers: FloatArray, digits: int = DIGITS) -> str:
+    """Return a vector to few digits."""
+    least = np.abs(numbers).max() / 10**digits
+    return vector([float(f"{n:.{digits}g}") if abs(n) > least else 0.0 for n in numbers])
+
+
+def _axis(numbers: FloatArray) -> str:
+    """Return an axis whose largest component is positive."""
+    return _rounded(numbers * np.sign(numbers[np.argmax(np.abs(numbers))]), OF_AXES)
