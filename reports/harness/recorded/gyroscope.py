@@ -62,7 +62,12 @@ def as_read(hypothesis: Hypothesis, states: FloatArray) -> FloatArray:
 def as_it_was(hypothesis: Hypothesis, read: FloatArray) -> FloatArray:
     """Return the states, q and ω, (S, 7), of which ω was read so."""
     h = hypothesis
-    states = np.hstack([read[:, :4], (read[:, 4:] - h.bias) @ np.linalg.inv(h.read).T])
+    try:
+        inverse = np.linalg.inv(h.read)
+    except np.linalg.LinAlgError:
+        # Of an axis that reads nothing ω cannot be told.
+        inverse = np.full((3, 3), np.nan)
+    states = np.hstack([read[:, :4], (read[:, 4:] - h.bias) @ inverse.T])
     if h.lag:
         states[:, 4:] = _later(h, states, h.lag)[:, 4:]
     return states
