@@ -20,7 +20,7 @@ from .recording import RATES, Recording, digits_of
 
 #: By how many units of their last digit numbers should have changed where they are the same.
 CHANGES = 10.0
-#: Least number of samples for which one column is stuck.
+#: Least number of values that a column of rounded numbers has.
 FEWEST = 3
 #: Numbers that are multiples of a unit are coarse if the largest is fewer units than this: fewer
 #: than the three digits of any print.
@@ -281,49 +281,3 @@ def _rounded(numbers: Numbers, omega: FloatArray) -> Shown | None:
         if is_coarse and (np.abs(multiples - np.rint(multiples)) < MULTIPLE * largest).all():
             return Shown(f"ω is rounded to {unit:.6g} {name}", len(omega), unit * factor)
     return None
-
-
-def stuck(numbers: Numbers, omega: FloatArray) -> Shown | None:
-    """Say which column of ω stays the same for some samples, though the attitudes show it change.
-
-    A clamp keeps a component at the largest value that any has.
-    """
-    bound = float(np.abs(omega).max())
-    for axis in range(3):
-        column, exact = omega[:, axis], numbers.omega_exact[:, axis]
-        a, b = max(runs(column[1:] == column[:-1]), key=lambda run: run[1] - run[0], default=(0, 0))
-        if b + 1 - a < FEWEST or abs(column[a]) == bound:
-            continue
-        changes = float(np.ptp(exact[a : b + 1]))
-        off = float(np.abs(numbers.rates[a:b, axis] - column[a]).max())
-        # An ω that is right about a body of another tensor may stay the same.
-        if changes <= CHANGES * numbers.resolution_omega or off <= LEFT * changes:
-            continue
-        name, to_end = f"w{'xyz'[axis]}", b == len(omega) - 1
-        when = "in all" if to_end and not a else f"from t = {numbers.t[a]:.6g} s "
-        when += (
-            "" if to_end and not a else ("on, for" if to_end else f"to {numbers.t[b]:.6g} s, in")
-        )
-        return Shown(
-            f"{name} is {column[a]:.6g} rad/s, to the last digit, {when} {b + 1 - a} samples, though "
-            f"the attitudes show it change: its column is {'dead' if not column[a] else 'stuck'}",
-            a + 1 if a else 0,
-        )
-    return None
-
-
-def locked(numbers: Numbers) -> list[str]:
-    """Say that the body does not turn about an axis at all, though it should; else nothing."""
-    if numbers.omega is None:
-        return []
-    is_same = (numbers.omega == numbers.omega[0]).all(axis=0)
-    changes = np.ptp(numbers.omega_exact, axis=0) > CHANGES * numbers.resolution_omega
-    if is_same.sum() != 1 or not (is_same & changes).any():
-        return []
-    axis = int(np.argmax(is_same))
-    value, exact = float(numbers.omega[0, axis]), numbers.omega_exact[:, axis]
-    return [
-        f"w{'xyz'[axis]} is {value:.6g} rad/s in all {len(numbers.t)} samples, and so it is by the "
-        f"attitudes, though the exact one is {exact.min():.4g} to {exact.max():.4g} rad/s: it is "
-        "locked"
-    ]

@@ -12,7 +12,8 @@ from ..measuring.hypothesis import as_it_is
 from ..measuring.likelihood import LEFT, LEVEL
 from .alternation import Alternation, alternation
 from .clamps import TINY
-from .digits import Numbers, Shown, locked, numbers_of, shown_by_digits, stuck
+from .columns import locked, stuck
+from .digits import Numbers, Shown, numbers_of, shown_by_digits
 from .hinges import spins_beyond
 from .interpolated import interpolated
 from .intervals import apart, gained, gained_before, intervals_of, states_of
@@ -21,7 +22,7 @@ from .measured import Measured, log_of, started_elsewhere
 from .mistakes import FEWEST, FITS, LEFT_OUT, mistakes
 from .motion import Reading, RecordedMotion
 from .odd_samples import across_signs, exchanged, jitter, lost_sign, wrapped
-from .other_physics import DYNAMICS, KINEMATICS, SAME, Physics, rounding
+from .other_physics import SAME, Physics, rounding
 from .read_omega import omega_read
 from .recording import Recording
 
@@ -91,9 +92,10 @@ def explained(
         if is_stated or physics.is_beyond or not fit.is_beyond:
             return _of_measured(fit, physics)
     found = _of_computed(physics, alternates if has_omega else None, floor, has_omega=has_omega)
-    if not found.is_beyond or not set(found.explained_by) <= {DYNAMICS, KINEMATICS}:
-        return found
-    return replace(found, explained_by=(*locked(numbers),) or found.explained_by)
+    # What other tensor would keep an axis at rest is no better known.
+    if found.is_beyond and (of_axis := locked(numbers)):
+        return replace(found, explained_by=tuple(of_axis))
+    return found
 
 
 def _odd_samples(reading: Reading, numbers: Numbers, physics: Physics) -> Shown | None:

@@ -28,9 +28,10 @@ def lost_sign(reading: Reading, numbers: Numbers) -> Shown | None:
     wrong = np.flatnonzero(conjugated < LEFT * given)
     if not 0 < len(wrong) < len(q) or np.minimum(given, conjugated).max() > LEFT * given.max():
         return None
+    first, last = reading.t[wrong[[0, -1]]]
     return Shown(
-        "the sign of qw is lost, it is never negative: conjugating mends the attitude "
-        f"{where(reading.t, wrong)}, of {len(q)}",
+        f"the sign of qw is lost, it is never negative: conjugating {len(wrong)} of {len(q)} "
+        f"samples, the first at t = {first:.6g} s, the last at {last:.6g} s, mends all",
         int(wrong[0]),
     )
 
@@ -117,7 +118,8 @@ def exchanged(scenario: Scenario, motion: Trajectory) -> Shown | None:
         return Shown(f"the rows at {times} are exchanged", int(pairs[0]))
     last = f"at {t[pairs[-1]]:.6g} s and {t[pairs[-1] + 1]:.6g} s"
     return Shown(
-        f"{len(pairs)} pairs of successive rows are exchanged, the first at {times}, the last {last}",
+        f"{len(pairs)} pairs of successive rows are exchanged, the first at {times}, the last "
+        f"{last}",
         int(pairs[0]),
     )
 
