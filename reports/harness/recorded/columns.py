@@ -6,8 +6,9 @@ from ....scenarios import FloatArray
 from ..measuring.likelihood import LEFT
 from .digits import CHANGES, Numbers, Shown, runs
 
-#: Least number of samples for which a column is stuck.
-FEWEST = 3
+#: Least number of samples for which a column is stuck: more than are filled up with the last one
+#: where ω is up to five samples older or newer than the attitude.
+FEWEST = 7
 
 
 def stuck(numbers: Numbers, omega: FloatArray) -> Shown | None:

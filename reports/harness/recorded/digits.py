@@ -237,7 +237,9 @@ def _held(numbers: Numbers) -> Shown | None:
         return None
     flags = numbers.same_q & ~numbers.same_omega & numbers.turns
     found = [(a, b) for a, b in runs(flags) if a or b > 1]
-    if not found or (len(found) == 1 and found[0] == (0, len(numbers.t) - 1)):
+    # Where it is some samples older or newer than ω, one end is filled up.
+    is_end = len(found) == 1 and (not found[0][0] or found[0][1] == len(numbers.t) - 1)
+    if not found or is_end:
         return None
     held = np.concatenate([np.arange(a + 1, b + 1) for a, b in found])
     new = np.flatnonzero(~flags) + 1
@@ -270,14 +272,22 @@ def _rounded(numbers: Numbers, omega: FloatArray) -> Shown | None:
     """Say that ω is multiples of a unit so coarse that it has less than three digits."""
     if max(len(np.unique(column)) for column in omega.T) < FEWEST:
         return None
+    found = {}
     for name, factor in RATES.items():
         sizes = np.unique(np.round(np.abs(omega / factor), 9))
         if len(sizes) > COARSE + 1:
             continue
-        unit = float(np.diff(sizes, prepend=0.0)[sizes > 0].min())
+        unit = float(np.round(np.diff(sizes, prepend=0.0)[sizes > 0].min(), 8))
+        if not unit:
+            continue
         multiples = omega / factor / unit
         largest = float(np.abs(multiples).max())
         is_coarse = largest < COARSE and numbers.resolution_q < LEFT / largest
         if is_coarse and (np.abs(multiples - np.rint(multiples)) < MULTIPLE * largest).all():
-            return Shown(f"ω is rounded to {unit:.6g} {name}", len(omega), unit * factor)
-    return None
+            found[name] = unit
+    if not found:
+        return None
+    # Multiples of one unit are multiples of a less round number of another.
+    name = min(found, key=lambda name: digits_of(found[name]))
+    unit = found[name]
+    return Shown(f"ω is rounded to {unit:.6g} {name}", len(omega), unit * RATES[name])

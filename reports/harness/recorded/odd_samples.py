@@ -9,6 +9,7 @@ from ..measuring.hypothesis import as_it_is
 from ..measuring.likelihood import LEFT
 from .digits import CHANGES, Numbers, Shown, where
 from .intervals import NEAR, apart, gained, states_of
+from .mistakes import FITS
 from .motion import Reading
 
 #: Least number of samples, and of wrapped ones.
@@ -130,13 +131,13 @@ def jitter(motion: Trajectory) -> Shown | None:
     count = np.arange(len(t))
     slope, start = np.polyfit(count, t, 1)
     off = float(np.abs(t - start - slope * count).max())
-    if len(t) < FEWEST or not 0 < off < slope / 2 or _is_rounded(t, off):
+    if len(t) < FEWEST or not FITS * slope < off < slope / 2 or _is_rounded(t, off):
         return None
     q = motion.q_world_body_wxyz
     turned, rates = rotation_vectors(q[:-1], q[1:]), (omega[1:] + omega[:-1]) / 2
     given = norms(turned - rates * np.diff(t)[:, None])
     even = norms(turned - rates * slope)
-    if np.sum(even**2) > LEFT**2 * np.sum(given**2):
+    if np.sum(even**2) >= LEFT**2 * np.sum(given**2):
         return None
     return Shown(
         f"the times jitter, by up to {1e3 * off:.2g} ms: attitudes follow ω if the samples are "
