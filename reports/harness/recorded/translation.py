@@ -36,10 +36,10 @@ def mistakes_of_translation(
             continue
         right = getattr(exact, f"{name}_world")
         least = float(norms(getattr(motion, f"{name}_world") - right).max())
-        for word, other in which if least > FITS * scale else ():
-            if norms(other - right).max() < LEFT * least:
-                words.append(word)
-                break
+        left = {word: _largest(other - right) for word, other in which}
+        word = min(left, key=left.__getitem__)
+        if least > FITS * scale and left[word] < LEFT * least:
+            words.append(word)
     return words
 
 

@@ -1,4 +1,4 @@
-"""What the numbers of a motion show by themselves is named, with counts, and of honest ones nothing."""
+"""What the numbers of a motion show by themselves is named, with counts; of honest ones nothing."""
 
 import numpy as np
 import pytest

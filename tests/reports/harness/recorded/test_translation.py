@@ -76,7 +76,7 @@ def test_a_translation_that_is_another_is_named(fault):
 
 HONEST = {
     "in full": {},
-    "counted from elsewhere": {"com": MOTION.com_world + [3.0, -1.0, 0.5]},
+    "counted from elsewhere": {"com": MOTION.com_world + np.array([3.0, -1.0, 0.5])},
     "semi-implicit Euler": {
         "com": MOTION.com_world - 1e-3 * np.outer(MOTION.t, [0, 0, 9.81 / 2]),
         "velocity": V,
