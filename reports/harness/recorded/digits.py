@@ -270,7 +270,8 @@ def _zeros(numbers: Numbers, omega: FloatArray) -> Shown | None:
 
 def _rounded(numbers: Numbers, omega: FloatArray) -> Shown | None:
     """Say that ω is multiples of a unit so coarse that it has less than three digits."""
-    if max(len(np.unique(column)) for column in omega.T) < FEWEST:
+    # An ω that nothing changes but rounding is as round as it started.
+    if max(len(np.unique(np.round(column, 9))) for column in omega.T) < FEWEST:
         return None
     found = {}
     for name, factor in RATES.items():
