@@ -81,6 +81,9 @@ def wrapped(numbers: Numbers, omega: FloatArray) -> Shown | None:
     is_right = np.abs(off[~is_off]).max() < ALIKE * jump
     if not is_alike or not is_right or np.abs(omega).max() > (1 + ALIKE) * jump / 2:
         return None
+    # At either end ω is nearly that of the next sample.
+    nearly = np.vstack([by_attitude[:1], by_attitude, by_attitude[-1:]])
+    wrong = np.flatnonzero((np.abs(omega - nearly) > jump / 2).any(axis=1))
     return Shown(
         f"ω wraps around, off by {jump:.4g} rad/s as numbers do that leave ±{jump / 2:.4g} rad/s, "
         f"{where(t, wrong)}",
