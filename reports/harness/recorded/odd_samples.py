@@ -73,8 +73,9 @@ def wrapped(numbers: Numbers, omega: FloatArray) -> Shown | None:
     largest = float(np.abs(off).max())
     is_off = np.abs(off) > largest / 2
     wrong = np.flatnonzero(is_off.any(axis=1)) + 1
-    # A column that is wrong throughout has another sign, or is another.
-    if len(wrong) < FEWEST_WRAPPED or is_off.all(axis=0).any():
+    # Columns that are wrong throughout, and no others, have another sign, or a bias.
+    leaves = is_off.any(axis=0) & ~is_off.all(axis=0)
+    if len(wrong) < FEWEST_WRAPPED or not leaves.any():
         return None
     jump = float(np.median(np.abs(off[is_off])))
     is_alike = np.abs(np.abs(off[is_off]) - jump).max() < ALIKE * jump

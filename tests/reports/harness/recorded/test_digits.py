@@ -53,7 +53,8 @@ def dead(omega: np.ndarray) -> None:
 
 
 def overflown(omega: np.ndarray) -> None:
-    bound = 0.8 * np.abs(omega).max()
+    largest = np.abs(omega[:, np.abs(omega).max(axis=0).argmax()])
+    bound = (largest.min() + largest.max()) / 2
     omega[:] = (omega + bound) % (2 * bound) - bound
 
 
