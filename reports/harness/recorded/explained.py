@@ -12,17 +12,22 @@ from ..measuring.hypothesis import as_it_is
 from ..measuring.likelihood import LEFT, LEVEL
 from .alternation import Alternation, alternation
 from .clamps import TINY
+from .columns import locked, stuck
+from .digits import Numbers, Shown, numbers_of, shown_by_digits
 from .hinges import spins_beyond
 from .interpolated import interpolated
 from .intervals import apart, gained, gained_before, intervals_of, states_of
 from .jumps import jumps
 from .measured import Measured, log_of, started_elsewhere
-from .mistakes import FITS, followed, mistakes, without
+from .mistakes import FEWEST, FITS, LEFT_OUT, followed, mistakes, without
 from .motion import Reading, RecordedMotion, recorded_motion
+from .odd_samples import across_signs, exchanged, jitter, lost_sign, wrapped
 from .other_physics import SAME, Physics, rounding
 from .read_omega import omega_read
 from .recording import Recording
 
+#: Standard deviation of what rounding to a multiple of one makes.
+ROUNDED = 1 / np.sqrt(12)
 #: Names of the settings by which a file states the noise of attitude, rad, and of ω, rad/s.
 NOISE = ("noise_attitude", "noise_omega")
 #: How many mistakes are tried with what may explain the rest.
@@ -68,8 +73,14 @@ def explained(
     # An interval has the noise of two samples.
     of_intervals = floor if noise is None else np.sqrt(2) * noise
     physics = Physics(scenario, motion, exact, timestep, order, of_intervals)
+    # What is certain by the numbers themselves comes before what they may mean.
+    numbers = numbers_of(recording, reading, exact)
+    if shown := shown_by_digits(numbers):
+        return _of_numbers(shown, physics, reading)
     # An ω that is held is on average half as many samples old.
     wrong = interpolated(motion, floor[1]) if has_omega else []
+    if not wrong and (shown := _odd_samples(reading, numbers, physics)):
+        return _of_numbers(shown, physics, reading)
     if wrong := wrong or mistakes(scenario, exact, reading):
         of_all = scenario, exact, recording, reading, timestep, order
         rest = _without(wrong, *of_all) if is_first else ()
@@ -97,7 +108,39 @@ def explained(
     is_asked = is_first and has_omega and (physics.search is None or physics.is_open)
     if is_asked and (both := _both(physics, recording, reading)):
         return both
-    return _of_computed(physics, alternates if has_omega else None, floor, has_omega=has_omega)
+    found = _of_computed(physics, alternates if has_omega else None, floor, has_omega=has_omega)
+    # What other tensor would keep an axis at rest is no better known.
+    if found.is_beyond and (of_axis := locked(numbers)):
+        return replace(found, explained_by=tuple(of_axis))
+    return found
+
+
+def _odd_samples(reading: Reading, numbers: Numbers, physics: Physics) -> Shown | None:
+    """Return what samples show by themselves, beyond their digits; None if nothing."""
+    found = lost_sign(reading, numbers) or across_signs(numbers)
+    if found or numbers.omega is None:
+        return found
+    motion = physics.motion
+    return (
+        stuck(numbers, numbers.omega)
+        or wrapped(numbers, numbers.omega)
+        or exchanged(physics.scenario, motion)
+        or jitter(motion)
+    )
+
+
+def _of_numbers(shown: Shown, physics: Physics, reading: Reading) -> Explanation:
+    """Say what numbers show, and which mistakes explain what is recorded before the first of it."""
+    is_beyond = True
+    if shown.unit:
+        noise = np.maximum(physics.noise, [0.0, np.sqrt(2) * ROUNDED * shown.unit])
+        physics = replace(physics, noise=noise)
+        is_beyond = physics.is_beyond
+    before = reading.rows(slice(shown.first))
+    wrong = []
+    if shown.first > FEWEST + LEFT_OUT:
+        wrong = mistakes(physics.scenario, physics.exact.until(shown.first), before)
+    return Explanation((shown.words, *wrong), _verdict(physics, is_beyond), is_beyond)
 
 
 def _without(

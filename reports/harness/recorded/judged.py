@@ -1,7 +1,7 @@
 """Judges a recorded motion: its errors against the exact motion, and what explains them."""
 
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from math import pi
 from typing import Any
 
@@ -23,6 +23,7 @@ from .explained import explained
 from .measured import Measured
 from .motion import RecordedMotion, reading_of, recorded_motion
 from .recording import Recording, RecordingError
+from .translation import mistakes_of_translation, other_translation
 
 EPS = float(np.finfo(float).eps)
 #: Bound on the attitude, rad, that is reported if the user names none.
@@ -158,6 +159,11 @@ def judged_motion(scenario: Scenario, recording: Recording, order: int = 1) -> J
     errors = dict(series.worst()) | dict.fromkeys(absent)
     of_steps = defects(scenario, recorded.trajectory, exact)
     explanation = explained(scenario, exact, recording, reading, recorded, timestep, order)
+    of_places = mistakes_of_translation(scenario, exact, recording, recorded.trajectory)
+    if not (of_places or explanation.explained_by or explanation.is_beyond):
+        lever = float(np.linalg.norm(scenario.constraint.lever))
+        of_places = other_translation(exact, recording, recorded.trajectory, lever, timestep)
+    explanation = replace(explanation, explained_by=(*explanation.explained_by, *of_places))
     return JudgedMotion(
         recorded,
         solution,

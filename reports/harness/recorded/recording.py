@@ -199,11 +199,11 @@ class Recording:
         if np.array_equal(numbers, np.rint(numbers)):
             # Of whole numbers none was rounded.
             return eps
-        digits = max(map(_digits, numbers))
+        digits = max(map(digits_of, numbers))
         return max(eps, 10.0 ** (1 - digits))
 
 
-def _digits(value: float) -> int:
+def digits_of(value: float) -> int:
     """Return how many decimal digits it takes to print a number exactly."""
     mantissa = repr(float(abs(value))).partition("e")[0]
     return len(mantissa.replace(".", "").strip("0"))

@@ -1,0 +1,59 @@
+"""Columns of ω that stay the same to the last digit, though the exact motion has them change."""
+
+import numpy as np
+
+from ....scenarios import FloatArray
+from ..measuring.likelihood import LEFT
+from .digits import CHANGES, Numbers, Shown, runs
+
+#: Least number of samples for which a column is stuck: more than are filled up with the last one
+#: where ω is up to five samples older or newer than the attitude.
+FEWEST = 7
+
+
+def stuck(numbers: Numbers, omega: FloatArray) -> Shown | None:
+    """Say which column of ω stays the same for some samples, though the attitudes show it change.
+
+    A clamp keeps a component at the largest value that any has.
+    """
+    bound = float(np.abs(omega).max())
+    for axis in range(3):
+        column, exact = omega[:, axis], numbers.omega_exact[:, axis]
+        a, b = max(runs(column[1:] == column[:-1]), key=lambda run: run[1] - run[0], default=(0, 0))
+        if b + 1 - a < FEWEST or abs(column[a]) == bound:
+            continue
+        changes = float(np.ptp(exact[a : b + 1]))
+        off = float(np.abs(numbers.rates[a:b, axis] - column[a]).max())
+        # An ω that is right about a body of another tensor may stay the same.
+        if changes > CHANGES * numbers.resolution_omega and off > LEFT * changes:
+            how = "dead" if not column[a] else "stuck"
+            return Shown(
+                f"w{'xyz'[axis]} is {column[a]:.6g} rad/s, to the last digit, "
+                f"{_when(numbers.t, a, b)}, though the attitudes show it change: its column is "
+                f"{how}",
+                a + 1 if a else 0,
+            )
+    return None
+
+
+def _when(t: FloatArray, a: int, b: int) -> str:
+    """Return the times of samples a to b in words."""
+    count, is_to_end = b + 1 - a, b == len(t) - 1
+    if is_to_end:
+        return f"from t = {t[a]:.6g} s on, for {count} samples" if a else f"in all {count} samples"
+    return f"from t = {t[a]:.6g} s to {t[b]:.6g} s, for {count} samples"
+
+
+def locked(numbers: Numbers) -> list[str]:
+    """Say that the body does not turn about an axis at all, though it should; else nothing."""
+    if numbers.omega is None:
+        return []
+    is_zero = ~numbers.omega.any(axis=0)
+    largest = np.abs(numbers.omega_exact).max(axis=0)
+    if is_zero.sum() != 1 or not (is_zero & (largest > CHANGES * numbers.resolution_omega)).any():
+        return []
+    axis = int(np.argmax(is_zero))
+    return [
+        f"w{'xyz'[axis]} is exactly 0 in all {len(numbers.t)} samples, and so it is by the "
+        f"attitudes, though the exact one reaches {largest[axis]:.4g} rad/s: that axis is locked"
+    ]

@@ -1,0 +1,158 @@
+"""Samples of a recorded motion that are wrong by themselves: signs, wraps, order and times."""
+
+import numpy as np
+
+from ....reference.following import follow
+from ....scenarios import FloatArray, Scenario, Trajectory
+from ....scenarios.rotation import norms, rotation_vectors
+from ..measuring.hypothesis import as_it_is
+from ..measuring.likelihood import LEFT
+from .digits import CHANGES, Numbers, Shown, where
+from .intervals import NEAR, apart, gained, states_of
+from .mistakes import FITS
+from .motion import Reading
+
+#: Least number of samples, and of wrapped ones.
+FEWEST, FEWEST_WRAPPED = 6, 2
+#: Relative distance of jumps that are of one size.
+ALIKE = 0.02
+CONJUGATE = np.array([1.0, -1.0, -1.0, -1.0])
+
+
+def lost_sign(reading: Reading, numbers: Numbers) -> Shown | None:
+    """Say that qw is its absolute value: conjugating some of the samples mends all."""
+    q, exact = reading.q, numbers.q_exact
+    if (q[:, 0] < 0).any() or len(q) < FEWEST:
+        return None
+    given = norms(rotation_vectors(exact, q))
+    conjugated = norms(rotation_vectors(exact, q * CONJUGATE))
+    wrong = np.flatnonzero(conjugated < LEFT * given)
+    if not 0 < len(wrong) < len(q) or np.minimum(given, conjugated).max() > LEFT * given.max():
+        return None
+    first, last = reading.t[wrong[[0, -1]]]
+    return Shown(
+        f"the sign of qw is lost, it is never negative: conjugating {len(wrong)} of {len(q)} "
+        f"samples, the first at t = {first:.6g} s, the last at {last:.6g} s, mends all",
+        int(wrong[0]),
+    )
+
+
+def across_signs(numbers: Numbers) -> Shown | None:
+    """Say which samples are on the straight line between quaternions of opposite signs."""
+    t, q = numbers.t, numbers.q
+    before, after = q[:-2], q[2:]
+    part = ((t[1:-1] - t[:-2]) / (t[2:] - t[:-2]))[:, None]
+    chord = (1 - part) * before + part * after
+    lengths = np.maximum(norms(chord), np.finfo(float).tiny)
+    off = norms(q[1:-1] / norms(q[1:-1])[:, None] - chord / lengths[:, None])
+    speeds = norms(numbers.omega_exact)[1:-1]
+    # Of a body that turns by less than half a turn the signs are not opposite by themselves.
+    is_slow = speeds * (t[2:] - t[:-2]) < np.pi
+    is_opposite = np.einsum("ij,ij->i", before, after) < 0
+    is_on = off * lengths < CHANGES * numbers.resolution_q
+    wrong = np.flatnonzero(is_slow & is_opposite & is_on) + 1
+    if not len(wrong):
+        return None
+    return Shown(
+        f"attitudes are interpolated between quaternions of opposite signs, {where(t, wrong)}: "
+        "change the sign of one of the two before",
+        int(wrong[0]),
+    )
+
+
+def wrapped(numbers: Numbers, omega: FloatArray) -> Shown | None:
+    """Say that ω is off by one and the same number where it would leave a range, as by overflow."""
+    t, turns = numbers.t, norms(numbers.rates) * numbers.spans
+    if len(t) < FEWEST or turns.max() > NEAR:
+        return None
+    means = (
+        numbers.rates[1:] * numbers.spans[:-1, None] + numbers.rates[:-1] * numbers.spans[1:, None]
+    )
+    by_attitude = means / (t[2:] - t[:-2])[:, None]
+    off = omega[1:-1] - by_attitude
+    largest = float(np.abs(off).max())
+    is_off = np.abs(off) > largest / 2
+    wrong = np.flatnonzero(is_off.any(axis=1)) + 1
+    # Columns that are wrong throughout, and no others, have another sign, or a bias.
+    leaves = is_off.any(axis=0) & ~is_off.all(axis=0)
+    if len(wrong) < FEWEST_WRAPPED or not leaves.any():
+        return None
+    jump = float(np.median(np.abs(off[is_off])))
+    is_alike = np.abs(np.abs(off[is_off]) - jump).max() < ALIKE * jump
+    is_right = np.abs(off[~is_off]).max() < ALIKE * jump
+    if not is_alike or not is_right or np.abs(omega).max() > (1 + ALIKE) * jump / 2:
+        return None
+    # At either end ω is nearly that of the next sample.
+    nearly = np.vstack([by_attitude[:1], by_attitude, by_attitude[-1:]])
+    wrong = np.flatnonzero((np.abs(omega - nearly) > jump / 2).any(axis=1))
+    return Shown(
+        f"ω wraps around, off by {jump:.4g} rad/s as numbers do that leave ±{jump / 2:.4g} rad/s, "
+        f"{where(t, wrong)}",
+        int(wrong[0]),
+    )
+
+
+def exchanged(scenario: Scenario, motion: Trajectory) -> Shown | None:
+    """Say which rows are exchanged with the next: in the other order the motion is smooth."""
+    t, states = motion.t, states_of(motion)
+    if len(t) < FEWEST or not motion.omega_body.any():
+        return None
+    equations, speed = as_it_is(scenario).equations, float(norms(motion.omega_body).max())
+
+    def sizes(off: FloatArray) -> FloatArray:
+        return norms(off[:, :3]) + norms(off[:, 3:]) / speed
+
+    given = sizes(gained(scenario, motion))
+    usual = float(np.median(given))
+    before = given[:-2] + given[1:-1] + given[2:]
+    # The second and the third of four rows, by the index of the second.
+    second = 1 + np.flatnonzero(before > CHANGES * 3 * usual)
+    first, third, fourth = second - 1, second + 1, second + 2
+    left = np.zeros(len(second))
+    for start, end, at in (
+        (first, third, second),
+        (third, second, third),
+        (second, fourth, fourth),
+    ):
+        made = follow(equations, states[start], (t[at] - t[at - 1])[:, None])[:, 0]
+        left += np.nan_to_num(sizes(apart(made, states[end])), nan=np.inf)
+    pairs = second[left < LEFT * before[second - 1]]
+    if not len(pairs):
+        return None
+    times = f"t = {t[pairs[0]]:.6g} s and {t[pairs[0] + 1]:.6g} s"
+    if len(pairs) == 1:
+        return Shown(f"the rows at {times} are exchanged", int(pairs[0]))
+    last = f"at {t[pairs[-1]]:.6g} s and {t[pairs[-1] + 1]:.6g} s"
+    return Shown(
+        f"{len(pairs)} pairs of successive rows are exchanged, the first at {times}, the last "
+        f"{last}",
+        int(pairs[0]),
+    )
+
+
+def jitter(motion: Trajectory) -> Shown | None:
+    """Say that times jitter about even ones, by which attitudes follow ω far better."""
+    t, omega = motion.t, motion.omega_body
+    count = np.arange(len(t))
+    slope, start = np.polyfit(count, t, 1)
+    off = float(np.abs(t - start - slope * count).max())
+    if len(t) < FEWEST or not FITS * slope < off < slope / 2 or _is_rounded(t, off):
+        return None
+    q = motion.q_world_body_wxyz
+    turned, rates = rotation_vectors(q[:-1], q[1:]), (omega[1:] + omega[:-1]) / 2
+    given = norms(turned - rates * np.diff(t)[:, None])
+    even = norms(turned - rates * slope)
+    if np.sum(even**2) >= LEFT**2 * np.sum(given**2):
+        return None
+    return Shown(
+        f"the times jitter, by up to {1e3 * off:.2g} ms: attitudes follow ω if the samples are "
+        f"taken to be {slope:.6g} s apart",
+        1,
+    )
+
+
+def _is_rounded(t: FloatArray, off: float) -> bool:
+    """Return whether times are as far from even ones as by rounding to a decimal place at most."""
+    return any(
+        np.array_equal(t, np.round(t, digits)) and off < 10.0**-digits for digits in range(9)
+    )

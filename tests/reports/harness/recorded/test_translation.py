@@ -1,0 +1,94 @@
+"""What a recorded com and velocity are in place of those of the motion."""
+
+import numpy as np
+import pytest
+from reported_faults import judged
+from spincheck.reference import solve
+from spincheck.scenarios import from_tables
+from spincheck.scenarios.rotation import matrices, turned_back
+
+pytestmark = pytest.mark.slow
+
+COM, OMEGA = np.array([0.2, -0.15, 0.1]), np.array([1.5, -2.0, 1.0])
+THROWN = from_tables(
+    {
+        "title": "Thrown",
+        "source": "made up",
+        "body": {"mass": 2.0, "inertia": np.diag([0.2, 0.25, 0.3]).tolist(), "com": COM.tolist()},
+        "start": {
+            "quaternion_wxyz": [1.0, 0.0, 0.0, 0.0],
+            "omega_body": OMEGA.tolist(),
+            "position": [0.0, 0.0, 1.5],
+            "velocity": [1.2, -0.7, 4.0],
+        },
+        "effects": {"gravity": {"acceleration": [0.0, 0.0, -9.81]}},
+        "window": {"duration": 2.0, "samples": 101},
+    },
+    "thrown",
+)
+MOTION = solve(THROWN, THROWN.times).trajectory
+R = matrices(MOTION.q_world_body_wxyz)
+V, SWING = MOTION.velocity_world, np.einsum("nij,nj->ni", R, np.cross(MOTION.omega_body, COM))
+RIGHT = {
+    "t": MOTION.t,
+    "q": MOTION.q_world_body_wxyz,
+    "omega": MOTION.omega_body,
+    "com": MOTION.com_world,
+    "velocity": V,
+}
+PLANTED = {
+    "velocity in body axes": (
+        {"velocity": turned_back(R, V)},
+        "the velocity is in body axes; it is to be in world axes",
+    ),
+    "velocity of the origin": (
+        {"velocity": V - SWING},
+        "the velocity is that of the body's origin; it is to be that of the com",
+    ),
+    "velocity of the origin in body axes": (
+        {"velocity": turned_back(R, V - SWING)},
+        "the velocity is that of the body's origin, in body axes; it is to be that of the com, in "
+        "world axes",
+    ),
+    "the origin": (
+        {"com": MOTION.com_world - R @ COM},
+        "x y z are those of the body's origin; they are to be those of the com",
+    ),
+    "half of the gravity": (
+        {"com": MOTION.com_world + 0.5 * 9.81 / 2 * np.outer(MOTION.t**2, [0, 0, 1.0])},
+        "the com is not that of the motion: it is off by up to 9.81 m, ",
+    ),
+    "half of the velocity": (
+        {"velocity": V / 2},
+        "the velocity is not that of the motion: it is off by up to ",
+    ),
+}
+
+
+@pytest.mark.parametrize("fault", PLANTED)
+def test_a_translation_that_is_another_is_named(fault):
+    arrays, words = PLANTED[fault]
+    found = judged(THROWN, RIGHT | arrays, 1e-3)
+    (said,) = found.explained_by
+    assert said.startswith(words)
+    assert found.is_another
+
+
+HONEST = {
+    "in full": {},
+    "counted from elsewhere": {"com": MOTION.com_world + np.array([3.0, -1.0, 0.5])},
+    "semi-implicit Euler": {
+        "com": MOTION.com_world - 1e-3 * np.outer(MOTION.t, [0, 0, 9.81 / 2]),
+        "velocity": V,
+    },
+    "half a step later": {"velocity": V - 0.5e-3 * np.array([0, 0, 9.81])},
+    "noise": {"com": MOTION.com_world + np.random.default_rng(3).normal(0, 0.05, (101, 3))},
+    "three digits": {
+        name: np.vectorize(lambda x: float(f"{x:.3g}"))(RIGHT[name]) for name in ("com", "velocity")
+    },
+}
+
+
+@pytest.mark.parametrize("how", HONEST)
+def test_an_honest_translation_is_not_accused(how):
+    assert judged(THROWN, RIGHT | HONEST[how], 1e-3).explained_by == ()
