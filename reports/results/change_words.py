@@ -220,7 +220,7 @@ KINDS = {
     "gyroscopic tensor": Kind(f"the gyroscopic torque ω × Gω were with G: {_ENTRIES}, not I", 6),
     "sign of a rate": Kind("ω{}' had the other sign", 1, _axes),
     "rate held": Kind("ω about its own {} axis were held as it is, as by a hinge", 1, _axes),
-    "rate set": Kind("ω about its own {} axis were set to what it was in each step", 1, _axes),
+    "rate set": Kind("its {} axis were locked: ω about it stays what it was", 1, _axes),
     "inverse of the diagonal": Kind(
         "ω' were of the tensor's diagonal alone, though ω × Iω is of all of it"
     ),

@@ -42,18 +42,3 @@ def _when(t: FloatArray, a: int, b: int) -> str:
     if is_to_end:
         return f"from t = {t[a]:.6g} s on, for {count} samples" if a else f"in all {count} samples"
     return f"from t = {t[a]:.6g} s to {t[b]:.6g} s, for {count} samples"
-
-
-def locked(numbers: Numbers) -> list[str]:
-    """Say that the body does not turn about an axis at all, though it should; else nothing."""
-    if numbers.omega is None:
-        return []
-    is_zero = ~numbers.omega.any(axis=0)
-    largest = np.abs(numbers.omega_exact).max(axis=0)
-    if is_zero.sum() != 1 or not (is_zero & (largest > CHANGES * numbers.resolution_omega)).any():
-        return []
-    axis = int(np.argmax(is_zero))
-    return [
-        f"w{'xyz'[axis]} is exactly 0 in all {len(numbers.t)} samples, and so it is by the "
-        f"attitudes, though the exact one reaches {largest[axis]:.4g} rad/s: that axis is locked"
-    ]

@@ -12,7 +12,7 @@ from ..measuring.hypothesis import as_it_is
 from ..measuring.likelihood import LEFT, LEVEL
 from .alternation import Alternation, alternation
 from .clamps import TINY
-from .columns import locked, stuck
+from .columns import stuck
 from .digits import Numbers, Shown, numbers_of, shown_by_digits
 from .hinges import spins_beyond
 from .interpolated import interpolated
@@ -108,11 +108,7 @@ def explained(
     is_asked = is_first and has_omega and (physics.search is None or physics.is_open)
     if is_asked and (both := _both(physics, recording, reading)):
         return both
-    found = _of_computed(physics, alternates if has_omega else None, floor, has_omega=has_omega)
-    # What other tensor would keep an axis at rest is no better known.
-    if found.is_beyond and (of_axis := locked(numbers)):
-        return replace(found, explained_by=tuple(of_axis))
-    return found
+    return _of_computed(physics, alternates if has_omega else None, floor, has_omega=has_omega)
 
 
 def _odd_samples(reading: Reading, numbers: Numbers, physics: Physics) -> Shown | None:
