@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from ....scenarios import FloatArray, Trajectory
 from ....scenarios.rotation import matrices, norms, rotation_vectors, turned
-from ..measuring.likelihood import LEFT
+from ..explaining.search import LEFT
 from .motion import Reading
 from .recording import RATES, Recording, digits_of
 

@@ -8,8 +8,8 @@ from scipy.stats import f
 from ....reference.following import follow
 from ....scenarios import FloatArray, Scenario, Trajectory
 from ....scenarios.rotation import matrices, norms
-from ..measuring.hypothesis import as_it_is
-from ..measuring.likelihood import LEFT, LEVEL
+from ..explaining.hypothesis import as_it_is
+from ..explaining.search import LEFT, LEVEL
 from .alternation import Alternation, alternation
 from .clamps import TINY
 from .columns import stuck

@@ -15,10 +15,11 @@ from ....reference.other_equations import KEPT_IN_WORLD, OtherEquations, inverse
 from ....scenarios import FloatArray, Scenario, Trajectory
 from ....scenarios.rotation import norms
 from ...results.change_words import KINDS, vector
-from ..measuring.changes import changes
-from ..measuring.effect_changes import of_attitude, of_rotors
-from ..measuring.hypothesis import Change, Hypothesis, as_it_is
-from ..measuring.likelihood import LEFT, Fit, Search
+from ..explaining.changes import changes
+from ..explaining.effect_changes import of_attitude, of_rotors
+from ..explaining.fit import Fit
+from ..explaining.hypothesis import Change, Hypothesis, as_it_is
+from ..explaining.search import LEFT, Search
 from .clamps import CLAMPS
 from .gyroscope import GYROSCOPE, MOMENTUM, of_gyroscope
 from .gyroscope_first import after_gyroscope
