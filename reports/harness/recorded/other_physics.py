@@ -37,11 +37,11 @@ def _with_other_sign(axis: int) -> Change:
     return Change("sign of a rate", reversed_, np.empty(0), lambda _: [axis])
 
 
-def _held(axis: int, *, is_set: bool) -> Change:
+def _locked(axis: int, *, is_set: bool) -> Change:
     """ω about an axis of the body that stays as it is: by a hinge's torque, or set in each step."""
     kept = [i for i in range(3) if i != axis]
 
-    def held(h: Hypothesis, _: FloatArray) -> Hypothesis:
+    def locked(h: Hypothesis, _: FloatArray) -> Hypothesis:
         within = h.equations.inverse.copy()
         within[axis] = 0.0
         if not is_set:
@@ -49,7 +49,7 @@ def _held(axis: int, *, is_set: bool) -> Change:
             within[np.ix_(kept, kept)] = inverse(h.equations.inertia[np.ix_(kept, kept)])
         return h.of(inverse=within)
 
-    return Change(f"rate {'set' if is_set else 'held'}", held, np.empty(0), lambda _: [axis])
+    return Change(f"rate {'set' if is_set else 'held'}", locked, np.empty(0), lambda _: [axis])
 
 
 #: Number of intervals that changes are fitted to, and of those that integrators, which take many
@@ -81,7 +81,7 @@ UNEXPLAINED = (
     "explained"
 )
 #: Rotation about an axis of the body that a constraint, or a flag of an engine, forbids.
-HELD = [_held(axis, is_set=is_set) for is_set in (False, True) for axis in range(3)]
+LOCKED = [_locked(axis, is_set=is_set) for is_set in (False, True) for axis in range(3)]
 KINEMATICS = "ω obeys Euler's equations, but the attitude does not follow ω"
 DYNAMICS = "the attitude follows ω, but ω does not obey Euler's equations"
 
@@ -117,7 +117,7 @@ class Physics:
         """The search for changes of the equations; None without intervals."""
         data = self.intervals
         scene = self.scenario, as_it_is(self.scenario).equations
-        of_motion = IN_WORLD, *changes(self.scenario), *OTHER_SIGNS, *HELD
+        of_motion = IN_WORLD, *changes(self.scenario), *OTHER_SIGNS, *LOCKED
         every = *of_motion, *of_rotors(*scene), *of_attitude(*scene), MOMENTUM, *GYROSCOPE
         return None if data is None else Search(data, every, most=MOST_NUMBERS)
 
