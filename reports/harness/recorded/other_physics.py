@@ -17,7 +17,7 @@ from ....scenarios.rotation import norms
 from ...results.change_words import KINDS, vector
 from ..explaining.changes import changes
 from ..explaining.effect_changes import of_attitude, of_rotors
-from ..explaining.fit import Fit
+from ..explaining.fit import Fit, Trial
 from ..explaining.hypothesis import Change, Hypothesis, as_it_is
 from ..explaining.search import LEFT, Search
 from .clamps import CLAMPS
@@ -152,8 +152,10 @@ class Physics:
         """Return in words the clamp, or the changes, that explain the motion; often none."""
         if self.clamps:
             return self.clamps[:1]
-        if self.intervals is None or self.search is None or not self.is_beyond:
+        if self.intervals is None or self.search is None:
             return []
+        if not self.is_beyond:
+            return self._certain(self.intervals, self.search) if self.timestep is None else []
         if self.found is not None:
             return self._in_words(self.intervals, self.found)
         search = self.search
@@ -161,6 +163,23 @@ class Physics:
         if found := varying(self.intervals, others, len(others)):
             return [found.words, *self._unexplained(found.rest)]
         return _where(self.intervals)
+
+    def _certain(self, data: Intervals, search: Search) -> list[str]:
+        """Return in words a change without fitted numbers that explains nearly all of a motion.
+
+        Where no timestep is stated a difference may be a method's error; but no method's error is
+        that of other equations nearly to the last digit.
+        """
+        in_noise = data.scale / np.repeat(self.noise, 3)
+
+        def left(hypothesis: Hypothesis) -> float:
+            return float(np.sqrt(np.mean((data.off(hypothesis) * in_noise) ** 2)))
+
+        usual = left(data.base)
+        for change in search.changes if usual > 1 / SAME else ():
+            if not len(change.sizes) and left(change.apply(data.base, np.empty(0))) < SAME * usual:
+                return self._in_words(data, Trial(data, (change,)).fit())
+        return []
 
     @cached_property
     def found(self) -> Fit | None:
