@@ -1,4 +1,4 @@
-"""Without a timestep a difference may be a method's error: what is certain is named all the same."""
+"""Without a timestep a difference may be a method's error: what is certain is named."""
 
 import numpy as np
 import pytest
