@@ -16,9 +16,10 @@ from ....reference.other_equations import inverse
 from ....scenarios import FloatArray
 from ....scenarios.rotation import matrices, turned
 from ...results.evidence import Explanation
-from .changes import changes
-from .hypothesis import Change, Hypothesis, as_it_is
-from .likelihood import Data, Search
+from ..explaining.changes import changes
+from ..explaining.fit import Data
+from ..explaining.hypothesis import Change, Hypothesis, as_it_is
+from ..explaining.search import Search
 from .noise import NO_SIZE
 
 #: Number of the quantities of `step_gains` that are not of parts.

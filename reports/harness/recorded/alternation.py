@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from ....scenarios import FloatArray, Scenario, Trajectory
 from ....scenarios.rotation import norms
-from ..measuring.likelihood import LEFT
+from ..explaining.search import LEFT
 from .intervals import NEAR, gained
 from .mistakes import FITS
 

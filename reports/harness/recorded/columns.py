@@ -3,7 +3,7 @@
 import numpy as np
 
 from ....scenarios import FloatArray
-from ..measuring.likelihood import LEFT
+from ..explaining.search import LEFT
 from .digits import CHANGES, Numbers, Shown, runs
 
 #: Least number of samples for which a column is stuck: more than are filled up with the last one

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from ....scenarios import FloatArray, Trajectory
 from ....scenarios.rotation import matrices, norms, rotation_vectors, turned
-from ..measuring.likelihood import LEFT
+from ..explaining.search import LEFT
 from .motion import Reading
 from .recording import RATES, Recording, digits_of
 
@@ -144,7 +144,7 @@ def resolution(numbers: FloatArray, units: Iterable[float]) -> float:
 
 def shown_by_digits(numbers: Numbers) -> Shown | None:
     """Return what is certain by digits alone; None if nothing is."""
-    found = _still(numbers) or _held(numbers)
+    found = _still(numbers) or _stale(numbers)
     if found or numbers.omega is None:
         return found
     return _zeros(numbers, numbers.omega) or _rounded(numbers, numbers.omega)
@@ -231,7 +231,7 @@ def _one_run(numbers: Numbers, a: int, b: int) -> Shown:
     )
 
 
-def _held(numbers: Numbers) -> Shown | None:
+def _stale(numbers: Numbers) -> Shown | None:
     """Say where the attitude alone is that of the sample before, though ω goes on."""
     if numbers.omega is None:
         return None
@@ -241,7 +241,7 @@ def _held(numbers: Numbers) -> Shown | None:
     is_end = len(found) == 1 and (not found[0][0] or found[0][1] == len(numbers.t) - 1)
     if not found or is_end:
         return None
-    held = np.concatenate([np.arange(a + 1, b + 1) for a, b in found])
+    repeated = np.concatenate([np.arange(a + 1, b + 1) for a, b in found])
     new = np.flatnonzero(~flags) + 1
     lengths = np.unique(np.diff(new))
     if len(lengths) == 1 and lengths[0] > 1:
@@ -250,9 +250,9 @@ def _held(numbers: Numbers) -> Shown | None:
             "alone"
         )
     else:
-        which = where(numbers.t, held)
+        which = where(numbers.t, repeated)
         words = f"the attitude is that of the sample before, to the last digit, {which}"
-    return Shown(words, int(held[0]))
+    return Shown(words, int(repeated[0]))
 
 
 def _zeros(numbers: Numbers, omega: FloatArray) -> Shown | None:

@@ -8,8 +8,8 @@ from scipy.stats import f
 from ....reference.following import follow
 from ....scenarios import FloatArray, Scenario, Trajectory
 from ....scenarios.rotation import matrices, norms
-from ..measuring.hypothesis import as_it_is
-from ..measuring.likelihood import LEFT, LEVEL
+from ..explaining.hypothesis import as_it_is
+from ..explaining.search import LEFT, LEVEL
 from .alternation import Alternation, alternation
 from .clamps import TINY
 from .columns import stuck
@@ -23,7 +23,7 @@ from .mistakes import FEWEST, FITS, LEFT_OUT, followed, mistakes, without
 from .motion import Reading, RecordedMotion, recorded_motion
 from .odd_samples import across_signs, exchanged, jitter, lost_sign, wrapped
 from .other_physics import SAME, Physics, rounding
-from .read_omega import omega_read
+from .read_omega import OMEGA, omega_read
 from .recording import Recording
 
 #: Standard deviation of what rounding to a multiple of one makes.
@@ -241,6 +241,10 @@ def _elsewhere(physics: Physics) -> list[str]:
     by_chance = f.sf(np.mean(off**2, axis=1) / usual, 3, count)
     if not ((by_chance < LEVEL / 2) & (norms(off) > of_method)).any():
         return []
+    attitudes = apart(states_of(exact.until(2)), states_of(motion.until(2)))[:, :3]
+    if norms(off)[0] <= least[0] and norms(attitudes[1:])[0] <= least[0]:
+        # By where the attitude goes, ω was right at the start.
+        return [OMEGA]
     start = states_of(exact.until(1))
     elsewhere = started_elsewhere(float(exact.t[0]), norms(off))
     return [_at_another_time(scenario, start, off) or elsewhere]

@@ -8,7 +8,7 @@ from scipy.spatial.transform import Rotation
 from ....reference.following import follow
 from ....reference.other_equations import inverse
 from ....scenarios import FloatArray
-from ..measuring.hypothesis import Change, Hypothesis
+from ..explaining.hypothesis import Change, Hypothesis
 
 #: Iω + h, by mistake.
 MOMENTUM = Change(

@@ -9,8 +9,9 @@ import numpy as np
 
 from ....scenarios import FloatArray
 from ....scenarios.rotation import rotation_vectors
-from ..measuring.hypothesis import Hypothesis
-from ..measuring.likelihood import LEFT, Data, Fit, Search, Trial
+from ..explaining.fit import Data, Fit, Trial
+from ..explaining.hypothesis import Hypothesis
+from ..explaining.search import LEFT, Search
 from .gyroscope import GYROSCOPE, as_it_was
 from .intervals import Intervals
 

@@ -5,7 +5,7 @@ from scipy.stats import norm
 
 from ....scenarios import FloatArray, Scenario, Trajectory
 from ....scenarios.rotation import norms
-from ..measuring.likelihood import LEVEL
+from ..explaining.search import LEVEL
 
 
 def spins_beyond(

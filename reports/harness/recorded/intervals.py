@@ -12,8 +12,8 @@ from ....reference.following import EXACT, Integrator, follow
 from ....reference.other_equations import OtherEquations
 from ....scenarios import FloatArray, Scenario, Trajectory
 from ....scenarios.rotation import norms, rotation_vectors
-from ..measuring.hypothesis import Hypothesis, as_it_is
-from ..measuring.likelihood import Data
+from ..explaining.fit import Data
+from ..explaining.hypothesis import Hypothesis, as_it_is
 from .gyroscope import as_it_was, as_read
 
 #: Largest turn between two samples, rad, and least number of intervals.

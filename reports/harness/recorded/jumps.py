@@ -6,7 +6,7 @@ from scipy.stats import chi2, f
 from ....reference.following import follow
 from ....scenarios import FloatArray
 from ....scenarios.rotation import norms
-from ..measuring.likelihood import LEFT, LEVEL
+from ..explaining.search import LEFT, LEVEL
 from .intervals import Intervals, apart
 
 #: Largest number of rows that may have been lost at once.

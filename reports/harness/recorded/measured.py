@@ -15,10 +15,11 @@ from scipy.stats import chi2, f
 from ....reference.following import follow
 from ....scenarios import FloatArray, Scenario, Trajectory
 from ....scenarios.rotation import norms
-from ..measuring.changes import is_scaled, tensor
-from ..measuring.effect_changes import com, resistance
-from ..measuring.hypothesis import Change, Hypothesis, as_it_is
-from ..measuring.likelihood import LEFT, LEVEL, Data, Fit, Search, Trial
+from ..explaining.changes import is_scaled, tensor
+from ..explaining.effect_changes import com, resistance
+from ..explaining.fit import Data, Fit, Trial
+from ..explaining.hypothesis import Change, Hypothesis, as_it_is
+from ..explaining.search import LEFT, LEVEL, Search
 from .gyroscope import GYROSCOPE, of_gyroscope
 from .intervals import apart, states_of
 

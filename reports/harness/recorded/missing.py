@@ -5,7 +5,7 @@ import numpy as np
 from ....scenarios import FloatArray
 from ....scenarios.rotation import matrices, norms, turned
 from ...results.change_words import vector
-from ..measuring.likelihood import LEFT
+from ..explaining.search import LEFT
 from .intervals import Intervals
 
 #: Digits of what is missing, and of axes: a mean over a span is known to few.

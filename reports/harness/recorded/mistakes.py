@@ -14,8 +14,8 @@ from ....reference.following import follow
 from ....reference.other_equations import equations_of
 from ....scenarios import FloatArray, Scenario, Trajectory
 from ....scenarios.rotation import matrices, norms, rotation_vectors
-from ..measuring.changes import EULER_ANGLES, OTHER_COMPONENTS
-from ..measuring.likelihood import LEFT
+from ..explaining.changes import EULER_ANGLES, OTHER_COMPONENTS
+from ..explaining.search import LEFT
 from .intervals import apart, states_of
 from .motion import OmegaFrame, QuaternionOrder, Reading
 from .other_readings import other_readings

@@ -5,8 +5,8 @@ import numpy as np
 from ....reference.following import follow
 from ....scenarios import FloatArray, Scenario, Trajectory
 from ....scenarios.rotation import norms, rotation_vectors
-from ..measuring.hypothesis import as_it_is
-from ..measuring.likelihood import LEFT
+from ..explaining.hypothesis import as_it_is
+from ..explaining.search import LEFT
 from .digits import CHANGES, Numbers, Shown, where
 from .intervals import NEAR, apart, gained, states_of
 from .mistakes import FITS

@@ -15,10 +15,11 @@ from ....reference.other_equations import KEPT_IN_WORLD, OtherEquations, inverse
 from ....scenarios import FloatArray, Scenario, Trajectory
 from ....scenarios.rotation import norms
 from ...results.change_words import KINDS, vector
-from ..measuring.changes import changes
-from ..measuring.effect_changes import of_attitude, of_rotors
-from ..measuring.hypothesis import Change, Hypothesis, as_it_is
-from ..measuring.likelihood import LEFT, Fit, Search
+from ..explaining.changes import changes
+from ..explaining.effect_changes import of_attitude, of_rotors
+from ..explaining.fit import Fit, Trial
+from ..explaining.hypothesis import Change, Hypothesis, as_it_is
+from ..explaining.search import LEFT, Search
 from .clamps import CLAMPS
 from .gyroscope import GYROSCOPE, MOMENTUM, of_gyroscope
 from .gyroscope_first import after_gyroscope
@@ -36,11 +37,11 @@ def _with_other_sign(axis: int) -> Change:
     return Change("sign of a rate", reversed_, np.empty(0), lambda _: [axis])
 
 
-def _held(axis: int, *, is_set: bool) -> Change:
+def _locked(axis: int, *, is_set: bool) -> Change:
     """ω about an axis of the body that stays as it is: by a hinge's torque, or set in each step."""
     kept = [i for i in range(3) if i != axis]
 
-    def held(h: Hypothesis, _: FloatArray) -> Hypothesis:
+    def locked(h: Hypothesis, _: FloatArray) -> Hypothesis:
         within = h.equations.inverse.copy()
         within[axis] = 0.0
         if not is_set:
@@ -48,7 +49,7 @@ def _held(axis: int, *, is_set: bool) -> Change:
             within[np.ix_(kept, kept)] = inverse(h.equations.inertia[np.ix_(kept, kept)])
         return h.of(inverse=within)
 
-    return Change(f"rate {'set' if is_set else 'held'}", held, np.empty(0), lambda _: [axis])
+    return Change(f"rate {'set' if is_set else 'held'}", locked, np.empty(0), lambda _: [axis])
 
 
 #: Number of intervals that changes are fitted to, and of those that integrators, which take many
@@ -80,7 +81,7 @@ UNEXPLAINED = (
     "explained"
 )
 #: Rotation about an axis of the body that a constraint, or a flag of an engine, forbids.
-HELD = [_held(axis, is_set=is_set) for is_set in (False, True) for axis in range(3)]
+LOCKED = [_locked(axis, is_set=is_set) for is_set in (False, True) for axis in range(3)]
 KINEMATICS = "ω obeys Euler's equations, but the attitude does not follow ω"
 DYNAMICS = "the attitude follows ω, but ω does not obey Euler's equations"
 
@@ -116,7 +117,7 @@ class Physics:
         """The search for changes of the equations; None without intervals."""
         data = self.intervals
         scene = self.scenario, as_it_is(self.scenario).equations
-        of_motion = IN_WORLD, *changes(self.scenario), *OTHER_SIGNS, *HELD
+        of_motion = IN_WORLD, *changes(self.scenario), *OTHER_SIGNS, *LOCKED
         every = *of_motion, *of_rotors(*scene), *of_attitude(*scene), MOMENTUM, *GYROSCOPE
         return None if data is None else Search(data, every, most=MOST_NUMBERS)
 
@@ -151,8 +152,10 @@ class Physics:
         """Return in words the clamp, or the changes, that explain the motion; often none."""
         if self.clamps:
             return self.clamps[:1]
-        if self.intervals is None or self.search is None or not self.is_beyond:
+        if self.intervals is None or self.search is None:
             return []
+        if not self.is_beyond:
+            return self._certain(self.intervals, self.search) if self.timestep is None else []
         if self.found is not None:
             return self._in_words(self.intervals, self.found)
         search = self.search
@@ -160,6 +163,23 @@ class Physics:
         if found := varying(self.intervals, others, len(others)):
             return [found.words, *self._unexplained(found.rest)]
         return _where(self.intervals)
+
+    def _certain(self, data: Intervals, search: Search) -> list[str]:
+        """Return in words a change without fitted numbers that explains nearly all of a motion.
+
+        Where no timestep is stated a difference may be a method's error; but no method's error is
+        that of other equations nearly to the last digit.
+        """
+        in_noise = data.scale / np.repeat(self.noise, 3)
+
+        def left(hypothesis: Hypothesis) -> float:
+            return float(np.sqrt(np.mean((data.off(hypothesis) * in_noise) ** 2)))
+
+        usual = left(data.base)
+        for change in search.changes if usual > 1 / SAME else ():
+            if not len(change.sizes) and left(change.apply(data.base, np.empty(0))) < SAME * usual:
+                return self._in_words(data, Trial(data, (change,)).fit())
+        return []
 
     @cached_property
     def found(self) -> Fit | None:

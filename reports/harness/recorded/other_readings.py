@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 
 from ....scenarios import FloatArray, Scenario
 from ....scenarios.rotation import matrix
-from ..measuring.likelihood import LEFT
+from ..explaining.search import LEFT
 from .motion import Reading
 
 #: By how many samples ω may be older or newer than the attitude, if by more than one.

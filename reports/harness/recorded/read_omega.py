@@ -16,8 +16,8 @@ from ....reference.following import follow
 from ....reference.other_equations import OtherEquations
 from ....scenarios import FloatArray
 from ....scenarios.rotation import norms, rotation_vectors
-from ..measuring.hypothesis import as_it_is
-from ..measuring.likelihood import LEFT, LEVEL
+from ..explaining.hypothesis import as_it_is
+from ..explaining.search import LEFT, LEVEL
 from .clamps import CLAMPS
 from .other_physics import Physics
 

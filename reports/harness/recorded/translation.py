@@ -6,7 +6,7 @@ import numpy as np
 
 from ....scenarios import FloatArray, Scenario, Trajectory
 from ....scenarios.rotation import matrices, norms, rotation_vectors, turned
-from ..measuring.likelihood import LEFT
+from ..explaining.search import LEFT
 from .digits import resolution
 from .mistakes import FITS
 from .recording import LENGTHS, SPEEDS, Recording

@@ -11,8 +11,9 @@ from scipy.stats import chi2, rankdata
 
 from ....scenarios import FloatArray
 from ...results.change_words import KINDS
-from ..measuring.hypothesis import Change
-from ..measuring.likelihood import LEFT, LEVEL, NOWHERE, within_noise
+from ..explaining.fit import NOWHERE
+from ..explaining.hypothesis import Change
+from ..explaining.search import LEFT, LEVEL, within_noise
 from .intervals import Intervals
 
 #: Steps of a fit, and the step of a scaled number from which a slope is taken.

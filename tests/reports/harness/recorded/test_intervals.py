@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from planted_motions import case, exactly, rates_of
 from scipy.stats import chi2
-from spincheck.reports.harness.measuring.likelihood import LEVEL
+from spincheck.reports.harness.explaining.search import LEVEL
 from spincheck.reports.harness.recorded.intervals import Intervals
 from spincheck.reports.harness.recorded.other_physics import Physics
 from spincheck.scenarios import Trajectory

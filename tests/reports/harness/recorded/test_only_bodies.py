@@ -4,10 +4,11 @@ import numpy as np
 import pytest
 from planted_motions import case, exactly, rates_of
 from reported_faults import judged, named
-from spincheck.reports.harness.measuring.changes import changes
-from spincheck.reports.harness.measuring.hypothesis import as_it_is
-from spincheck.reports.harness.measuring.likelihood import MOST_OF_ALL, Fit, Search
-from spincheck.reports.harness.measuring.other_tensors import is_of_a_body
+from spincheck.reports.harness.explaining.changes import changes
+from spincheck.reports.harness.explaining.fit import Fit
+from spincheck.reports.harness.explaining.hypothesis import as_it_is
+from spincheck.reports.harness.explaining.other_tensors import is_of_a_body
+from spincheck.reports.harness.explaining.search import MOST_OF_ALL, Search
 from spincheck.reports.harness.recorded.gyroscope import as_it_was
 from spincheck.reports.harness.recorded.read_omega import Filter
 

@@ -21,9 +21,9 @@ from scipy.stats import chi2
 from spincheck.reference import compiled, following, solve
 from spincheck.reference.following import follow
 from spincheck.reference.other_equations import equations_of
-from spincheck.reports.harness.measuring.effect_changes import resistance
-from spincheck.reports.harness.measuring.hypothesis import Change, as_it_is
-from spincheck.reports.harness.measuring.likelihood import LEVEL, Search
+from spincheck.reports.harness.explaining.effect_changes import resistance
+from spincheck.reports.harness.explaining.hypothesis import Change, as_it_is
+from spincheck.reports.harness.explaining.search import LEVEL, Search
 from spincheck.reports.harness.recorded.intervals import Intervals
 from spincheck.reports.harness.recorded.judged import JudgedMotion, judged_motion
 from spincheck.reports.harness.recorded.measured import SHARED

@@ -1,0 +1,1 @@
+"""Changes of what is computed, and how it is read, that explain steps and recorded motions."""

@@ -1,0 +1,171 @@
+"""The changes of a scene's equations, or of how states are read, that data call for.
+
+What a hypothesis leaves of the data, in units of what noise and a method's error make of it, is
+squared and summed. A change is preferred to a simpler one if the sum falls by more than chance
+makes it fall with so many more numbers, among so many changes (S. S. Wilks, Ann. Math. Statist. 9
+(1938) 60).
+"""
+
+from collections import defaultdict
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import combinations
+
+import numpy as np
+from scipy.stats import chi2
+
+from ....scenarios import FloatArray
+from .fit import RANK, Data, Fit, Trial
+from .hypothesis import Change
+
+#: The probability that a change is named where noise alone made the data other ones.
+LEVEL = 1e-6
+#: A change explains what noise and a method's error do not if no more than this fraction is left.
+LEFT = 0.1
+#: How many numbers are fitted, at most, if `Search.most` bounds them: with more a smooth motion of
+#: some radians is matched by equations that are not its own.
+MOST_OF_ALL = 10
+#: Changes are fitted that leave no more than this fraction where they are taken as linear; pairs of
+#: changes, no more than this fraction of what either alone leaves, and so many of them at most with
+#: as many numbers.
+PROMISING, PAIRS = 0.5, 3
+
+
+@dataclass(frozen=True, eq=False)
+class Search:
+    """The search for the changes that data call for.
+
+    Attributes
+    ----------
+    most : how many numbers are fitted, at most, where more is left than noise and a method's error:
+        many numbers make little of anything; any number if None
+    """
+
+    data: Data
+    changes: Sequence[Change]
+    most: int | None = None
+
+    @cached_property
+    def unchanged(self) -> Fit:
+        """What the scene's own equations leave."""
+        return Trial(self.data, ()).fit()
+
+    @property
+    def is_called_for(self) -> bool:
+        """Whether the scene's own equations leave more than noise and a method's error."""
+        rest = self.unchanged.rest
+        return self.data.falls(rest, 0 * rest) > self._by_chance(1)
+
+    def is_beyond(self, rest: FloatArray) -> bool:
+        """Whether what is left, (m,), is more than noise and a method's error."""
+        numbers, level = rest.size / self.data.at_once, LEVEL / len(self.changes)
+        return self.data.falls(rest, 0 * rest) > float(chi2.isf(level, numbers))
+
+    @cached_property
+    def trials(self) -> list[Trial]:
+        """Each change by itself, its numbers to be fitted."""
+        return [Trial(self.data, (change,)) for change in self.changes]
+
+    def one_or_two(self) -> Fit | None:
+        """The change, or pair of changes, that explains the data; None if none does, or need be."""
+        if not self.is_called_for:
+            return None
+        enough = PROMISING**2 * self.unchanged.left
+        single = [trial.fit() for trial in self.trials if _left_if_linear(trial) <= enough]
+        best = self._simplest(single)
+        if best is not None and best.left <= 1:
+            return best
+        return self._simplest([*single, *self._pairs()])
+
+    def stepwise(self, first: tuple[Change, ...], most: int) -> Fit:
+        """The changes, so many of them at most, that explain more than chance does.
+
+        From the first ones on one is added, or left out, as long as that gains anything.
+        """
+        best, fit = None, Trial(self.data, first).fit()
+        while best is None or self.gain(fit) > self.gain(best):
+            best = fit
+            fewer = [tuple(c for c in best.changes if c is not one) for one in best.changes]
+            more = [one for one in self.changes if one not in best.changes]
+            fits = [Trial(self.data, one).fit(best) for one in fewer]
+            fits += [self._more(best, one) for one in more if len(best.changes) < most]
+            fit = max(fits, key=self.gain)
+        return best
+
+    def _more(self, fit: Fit, change: Change) -> Fit:
+        """A fit with one more change; begun anew, too, where the one before leaves more than noise.
+
+        From numbers that are wrong a search may end at others that noise hides.
+        """
+        trial = Trial(self.data, (*fit.changes, change))
+        fits = [trial.fit(fit)]
+        if fit.left > within_noise(fit.rest.size):
+            fits.append(trial.fit())
+        return max(fits, key=self.gain)
+
+    def gain(self, fit: Fit) -> float:
+        """How much more its changes explain than chance makes each of them explain."""
+        chance = sum(self._by_chance(len(change.sizes)) for change in fit.changes)
+        chance += float(np.sum(self.data.unlikely(fit.hypothesis) ** 2))
+        return self.data.falls(self.unchanged.rest, fit.rest) - chance
+
+    def _pairs(self) -> list[Fit]:
+        """Two changes at once, of which both are needed.
+
+        Of those with as many numbers those are fitted that leave least where they are linear.
+        """
+        alone = [_left_if_linear(trial) for trial in self.trials]
+        by_count: dict[int, list[tuple[float, int, int]]] = defaultdict(list)
+        for i, j in combinations(range(len(self.trials)), 2):
+            one, other = self.trials[i], self.trials[j]
+            slopes = np.hstack([one.slopes, other.slopes])
+            left = _least(one.at_none + other.at_none - self.unchanged.rest, slopes)
+            if left <= PROMISING**2 * min(alone[i], alone[j]):
+                by_count[slopes.shape[1]].append((left, i, j))
+        best = {(i, j) for pairs in by_count.values() for _, i, j in sorted(pairs)[:PAIRS]}
+        # Of those alike the first is named.
+        return [Trial(self.data, (self.changes[i], self.changes[j])).fit() for i, j in sorted(best)]
+
+    def _simplest(self, fits: Sequence[Fit]) -> Fit | None:
+        """The simplest fit that leaves little, if none with more numbers leaves much less."""
+        count = self.unchanged.rest.size
+        enough = max(within_noise(count), LEFT**2 * self.unchanged.left)
+        best = self.unchanged
+        # Of those alike the first is named.
+        for fit in sorted(fits, key=lambda fit: fit.count):
+            explains = fit.left <= enough and self._beyond(self.unchanged, fit) > 0
+            explains = explains and fit.is_possible and self._is_plain(fit)
+            if explains and self._beyond(best, fit) > 0:
+                best = fit
+        return None if best is self.unchanged else best
+
+    def _is_plain(self, fit: Fit) -> bool:
+        """Whether a fit has few numbers; or leaves no more than noise, and has not too many."""
+        if self.most is None or fit.count <= self.most:
+            return True
+        return fit.count <= MOST_OF_ALL and not self.is_beyond(fit.rest)
+
+    def _beyond(self, before: Fit, after: Fit) -> float:
+        """How much less a fit leaves than chance makes of it."""
+        return self.data.falls(before.rest, after.rest) - self._by_chance(
+            after.count - before.count
+        )
+
+    def _by_chance(self, numbers: int) -> float:
+        return float(chi2.isf(LEVEL / len(self.changes), max(1, numbers)))
+
+
+def within_noise(count: int) -> float:
+    """The mean square of so many numbers that noise makes seldom larger."""
+    return float(chi2.isf(LEVEL, count)) / count
+
+
+def _left_if_linear(trial: Trial) -> float:
+    return _least(trial.at_none, trial.slopes)
+
+
+def _least(at_none: FloatArray, slopes: FloatArray) -> float:
+    """The mean square of what the best numbers leave, if it is linear in them."""
+    best = np.linalg.lstsq(slopes, at_none, rcond=RANK)[0] if slopes.shape[1] else np.empty(0)
+    return float(np.mean((at_none - slopes @ best) ** 2))

@@ -1,0 +1,37 @@
+"""Without a timestep a difference may be a method's error: what is certain is named."""
+
+import numpy as np
+import pytest
+from planted_motions import case, exactly, rates_of
+from reported_faults import judged
+
+pytestmark = pytest.mark.slow
+
+#: So few samples that a method of order 1 may be far off from one to the next.
+ONE = case(151, samples=41)
+OTHER = ONE.inertia * (2 * np.eye(3) - 1)
+
+
+def test_a_change_that_explains_all_is_named_within_a_methods_error() -> None:
+    arrays = exactly(ONE, rates_of(ONE, inertia=OTHER))
+    found = judged(ONE.scenario, arrays, None)
+    assert not found.is_beyond
+    assert found.explained_by == ("it moves as if the products of inertia had the other sign",)
+
+
+def test_a_methods_error_is_explained_by_no_change() -> None:
+    """Of explicit Euler, whose steps are those between the samples."""
+    rates, arrays = rates_of(ONE), exactly(ONE, rates_of(ONE))
+    q, omega = arrays["q"].copy(), arrays["omega"].copy()
+    for k, span in enumerate(np.diff(arrays["t"])):
+        turning, faster = rates(q[k], omega[k])
+        q[k + 1], omega[k + 1] = q[k] + span * turning, omega[k] + span * faster
+        q[k + 1] /= np.linalg.norm(q[k + 1])
+    assert not judged(ONE.scenario, arrays | {"q": q, "omega": omega}, None).explained_by
+
+
+def test_an_omega_that_is_off_at_the_start_alone_of_right_attitudes_is_no_other_start() -> None:
+    arrays = exactly(ONE, rates_of(ONE))
+    clipped = np.minimum(arrays["omega"], 0.5 * arrays["omega"].max())
+    found = judged(ONE.scenario, arrays | {"omega": clipped}, None)
+    assert not any("started elsewhere" in one for one in found.explained_by)
