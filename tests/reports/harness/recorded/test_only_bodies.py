@@ -99,4 +99,4 @@ def test_a_rotation_that_is_held_is_named(is_set: bool) -> None:
         inverse = np.zeros((3, 3))
         inverse[:2, :2] = np.linalg.inv(ONE.inertia[:2, :2])
     (said,) = named(judged(ONE.scenario, exactly(ONE, rates_of(ONE, inverse=inverse)), 1e-5))
-    assert ("were set" if is_set else "its own z axis were held as it is") in said
+    assert ("its z axis were locked" if is_set else "its own z axis were held as it is") in said
