@@ -25,6 +25,7 @@ from .gyroscope import GYROSCOPE, MOMENTUM, of_gyroscope
 from .gyroscope_first import after_gyroscope
 from .intervals import Intervals, intervals_of, states_of
 from .missing import missing_rate, missing_torque
+from .mistakes import FITS
 from .varying import varying
 
 
@@ -170,7 +171,8 @@ class Physics:
         Where no timestep is stated a difference may be a method's error; but no method's error is
         that of other equations nearly to the last digit.
         """
-        in_noise = data.scale / np.repeat(self.noise, 3)
+        # Smaller differences need no explanation.
+        in_noise = data.scale / np.repeat(np.maximum(self.noise, SAME * FITS), 3)
 
         def left(hypothesis: Hypothesis) -> float:
             return float(np.sqrt(np.mean((data.off(hypothesis) * in_noise) ** 2)))
