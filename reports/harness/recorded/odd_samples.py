@@ -9,14 +9,13 @@ from ..explaining.hypothesis import as_it_is
 from ..explaining.search import LEFT
 from .digits import CHANGES, Numbers, Shown, where
 from .intervals import NEAR, apart, gained, states_of
-from .mistakes import FITS
+from .mistakes import CONJUGATE, FITS
 from .motion import Reading
 
 #: Least number of samples, and of wrapped ones.
 FEWEST, FEWEST_WRAPPED = 6, 2
 #: Relative distance of jumps that are of one size.
 ALIKE = 0.02
-CONJUGATE = np.array([1.0, -1.0, -1.0, -1.0])
 
 
 def lost_sign(reading: Reading, numbers: Numbers) -> Shown | None:
