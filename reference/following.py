@@ -73,6 +73,7 @@ def follow(
     spans: FloatArray,
     integrator: Integrator = EXACT,
     timestep: float = 0.0,
+    fastest: float = math.inf,
 ) -> FloatArray:
     """Return the states reached from each given state after each of L successive spans.
 
@@ -81,13 +82,14 @@ def follow(
     states : q, scalar first, body to world, and ω, rad/s, body axes, (S, 7)
     spans : s, (S, L)
     timestep : s; each span is a multiple of it; 0 with `EXACT`, which chooses its own timestep
+    fastest : largest rate that is followed, rad/s: to follow one takes time in proportion
 
     Returns
     -------
-    (S, L, 7); nan from the first number on that leaves the range of doubles
+    (S, L, 7); nan from the first number on that leaves the range of doubles, or of rates
     """
     ends = np.empty((*spans.shape, 7))
-    _follow(equations, states, spans, *integrator[1:], timestep, ends)
+    _follow(equations, states, spans, *integrator[1:], timestep, fastest, ends)
     return ends
 
 
@@ -380,6 +382,7 @@ def _follow(
     is_exponential: bool,
     keeps_length: bool,
     timestep: float,
+    fastest: float,
     ends: FloatArray,
 ) -> None:
     k, R, y, at = np.empty((b.size, STAGE)), np.empty((3, 3)), np.empty(7), np.empty(7)
@@ -387,12 +390,15 @@ def _follow(
         y[:] = states[s]
         for j in range(spans.shape[1]):
             span = spans[s, j]
+            omega = _vector(y, 4)
+            speed = math.sqrt(_dot(omega, omega))
+            if speed > fastest:
+                y[:] = speed = math.nan
             if timestep > 0.0:
                 steps = max(1, round(span / timestep))
             else:
-                omega = _vector(y, 4)
-                turn = math.sqrt(_dot(omega, omega)) + e.rate
-                # A state that is no longer finite is not integrated further.
+                turn = speed + e.rate
+                # A state that is not finite is not integrated further.
                 steps = 1 + int(min(turn * abs(span) / TURN, 1e5)) if turn < 1e300 else 1
             h = span / steps
             for _ in range(steps):

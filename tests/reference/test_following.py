@@ -5,8 +5,9 @@ import pytest
 from case_loops import each_case
 from library_scenes import library_scene
 from spincheck.reference import solve
-from spincheck.reference.following import KNOWN, TURN, follow, rates
+from spincheck.reference.following import EXACT, KNOWN, TURN, Integrator, follow, rates
 from spincheck.reference.other_equations import equations_of
+from spincheck.scenarios.rotation import norms
 
 #: Every term of the equations: none, gravity and a pivot, drag, torques, rotors, a table.
 SCENES = [
@@ -76,3 +77,20 @@ def test_a_known_integrator_has_its_order(integrator) -> None:
     ]
     order = np.log2(off[0] / off[1])
     assert abs(order - (0 if integrator.keeps_length else ORDERS.get(integrator.name, 1))) < 0.25
+
+
+@pytest.mark.parametrize("integrator", [EXACT, *KNOWN[:1]])
+def test_a_motion_is_not_followed_once_it_is_too_fast(integrator: Integrator) -> None:
+    scene = library_scene("motor-driven-top")
+    equations, start = equations_of(scene), solve(scene, np.zeros(1)).trajectory
+    states_at_start = np.hstack([start.q_world_body_wxyz, start.omega_body])
+    spans, h = np.full((1, 50), scene.window.duration / 50), scene.window.duration / 5000
+    motion = equations, states_at_start, spans, integrator
+    (every,) = follow(*motion, h * (integrator is not EXACT))
+    speeds = norms(every[:, 4:])
+    bound = (speeds[9] + speeds[10]) / 2
+    (made,) = follow(*motion, h * (integrator is not EXACT), bound)
+    # The state that is too fast is still returned, and none after it.
+    first = int(np.argmax(speeds > bound))
+    np.testing.assert_array_equal(made[: first + 1], every[: first + 1])
+    assert np.isnan(made[first + 1 :]).all()

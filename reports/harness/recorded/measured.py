@@ -36,6 +36,9 @@ SPREAD = 0.387
 #: numbers, Σ (8 over 4+k)² / (8 over 4)².
 SHARED = 2.63
 
+#: Largest rate of a motion that is tried, relative to the fastest that was recorded.
+FASTER = 30.0
+
 START = Change("start", lambda h, n: h._replace(start=h.start + n), np.ones(6))
 
 
@@ -62,6 +65,12 @@ class Log(Data):
     has_omega: bool
 
     @cached_property
+    def fastest(self) -> float:
+        """The largest rate of a motion that is tried, rad/s."""
+        speeds = norms(np.vstack([self.states[:, 4:], self.scene_start[None, 4:]]))
+        return FASTER * float(max(speeds.max(), self.base.equations.rate, self.noise[1]))
+
+    @cached_property
     def parts(self) -> Sequence[int | None]:
         """As in `Data`: from samples in which the motion is nearly linear in its start to all."""
         turned = np.cumsum(norms(self.states[1:, 4:]) * np.diff(self.t))
@@ -82,7 +91,8 @@ class Log(Data):
         q = Rotation.from_quat(self.scene_start[:4], scalar_first=True) * turn
         omega = self.scene_start[4:] + hypothesis.start[3:]
         start = np.concatenate([q.as_quat(scalar_first=True), omega])[None]
-        made = follow(hypothesis.equations, start, np.diff(t, prepend=t[0])[None])[0]
+        spans = np.diff(t, prepend=t[0])[None]
+        made = follow(hypothesis.equations, start, spans, fastest=self.fastest)[0]
         rates = np.gradient(made[:, 4:], t, axis=0) if hypothesis.lag else 0.0
         made[:, 4:] = made[:, 4:] @ hypothesis.read.T + hypothesis.bias - hypothesis.lag * rates
         off = apart(made, self.states[:samples]) / np.repeat(self.noise, 3)
