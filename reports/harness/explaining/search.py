@@ -23,6 +23,8 @@ from .hypothesis import Change
 LEVEL = 1e-6
 #: A change explains what noise and a method's error do not if no more than this fraction is left.
 LEFT = 0.1
+#: Changes that leave no more than this fraction are the same, but for rounding.
+SAME = 1e-3
 #: How many numbers are fitted, at most, if `Search.most` bounds them: with more a smooth motion of
 #: some radians is matched by equations that are not its own.
 MOST_OF_ALL = 10
@@ -71,12 +73,19 @@ class Search:
         """The change, or pair of changes, that explains the data; None if none does, or need be."""
         if not self.is_called_for:
             return None
-        enough = PROMISING**2 * self.unchanged.left
-        single = [trial.fit() for trial in self.trials if _left_if_linear(trial) <= enough]
-        best = self._simplest(single)
+        best = self.one()
         if best is not None and best.left <= 1:
             return best
-        return self._simplest([*single, *self._pairs()])
+        return self._simplest([*self._single, *self._pairs()])
+
+    def one(self) -> Fit | None:
+        """The change that explains the data by itself; None if none does."""
+        return self._simplest(self._single)
+
+    @cached_property
+    def _single(self) -> list[Fit]:
+        enough = PROMISING**2 * self.unchanged.left
+        return [trial.fit() for trial in self.trials if _left_if_linear(trial) <= enough]
 
     def stepwise(self, first: tuple[Change, ...], most: int) -> Fit:
         """The changes, so many of them at most, that explain more than chance does.
@@ -136,9 +145,14 @@ class Search:
         for fit in sorted(fits, key=lambda fit: fit.count):
             explains = fit.left <= enough and self._beyond(self.unchanged, fit) > 0
             explains = explains and fit.is_possible and self._is_plain(fit)
-            if explains and self._beyond(best, fit) > 0:
+            if explains and (self._beyond(best, fit) > 0 or self._is_closer(fit, best)):
                 best = fit
         return None if best is self.unchanged else best
+
+    def _is_closer(self, fit: Fit, best: Fit) -> bool:
+        """Whether a fit of as few numbers leaves far less, of what is more than rounding."""
+        is_more = best.left > SAME**2 * self.unchanged.left
+        return fit.count == best.count and is_more and fit.left < LEFT**2 * best.left
 
     def _is_plain(self, fit: Fit) -> bool:
         """Whether a fit has few numbers; or leaves no more than noise, and has not too many."""

@@ -16,7 +16,7 @@ from ....scenarios import FloatArray, Trajectory
 from ....scenarios.rotation import matrices, norms, rotation_vectors, turned
 from ..explaining.search import LEFT
 from .motion import Reading
-from .recording import RATES, Recording, digits_of
+from .recording import RATES, Recording, digits_of, unit_of
 
 #: By how many units of their last digit numbers should have changed where they are the same.
 CHANGES = 10.0
@@ -25,8 +25,8 @@ FEWEST = 3
 #: Numbers that are multiples of a unit are coarse if the largest is fewer units than this: fewer
 #: than the three digits of any print.
 COARSE = 100
-#: Relative error of multiples, of numbers converted from another unit.
-MULTIPLE = 1e-6
+#: Standard deviation of what rounding to a multiple of one makes.
+ROUNDED = 1 / np.sqrt(12)
 #: Most numbers of which digits are counted, spread over all.
 COUNTED = 1000
 Flags = NDArray[np.bool_]
@@ -103,12 +103,13 @@ class Shown:
     ----------
     words : a sentence
     first : index of the first sample that it is about; what comes before may be explained
-    unit : of which all components of ω are multiples, rad/s; 0 if they are not rounded so coarsely
+    rounding : standard deviations of attitude, rad, and ω, rad/s, if the numbers are rounded
+        coarsely
     """
 
     words: str
     first: int
-    unit: float = 0.0
+    rounding: tuple[float, float] = (0.0, 0.0)
 
 
 def numbers_of(recording: Recording, reading: Reading, exact: Trajectory) -> Numbers:
@@ -142,12 +143,12 @@ def resolution(numbers: FloatArray, units: Iterable[float]) -> float:
     return float(np.abs(flat).max()) * max(eps, 10.0 ** (1 - digits))
 
 
-def shown_by_digits(numbers: Numbers) -> Shown | None:
-    """Return what is certain by digits alone; None if nothing is."""
-    found = _still(numbers) or _stale(numbers)
-    if found or numbers.omega is None:
-        return found
-    return _zeros(numbers, numbers.omega) or _rounded(numbers, numbers.omega)
+def shown_by_digits(numbers: Numbers) -> list[Shown]:
+    """Return all that is certain by digits alone."""
+    found = [_still(numbers) or _stale(numbers), _rounded_attitude(numbers)]
+    if numbers.omega is not None:
+        found += [_zeros(numbers, numbers.omega), _rounded(numbers, numbers.omega)]
+    return [one for one in found if one]
 
 
 def where(t: FloatArray, samples: NDArray[np.int_]) -> str:
@@ -268,6 +269,20 @@ def _zeros(numbers: Numbers, omega: FloatArray) -> Shown | None:
     return Shown(f"{words}: leave {'it' if len(zeros) == 1 else 'them'} out", int(zeros[0]))
 
 
+def _rounded_attitude(numbers: Numbers) -> Shown | None:
+    """Say that quaternions are multiples of a unit so coarse that they have two digits at most."""
+    unit, values = unit_of(numbers.q), len(np.unique(numbers.q))
+    if values < FEWEST or unit * COARSE < 1.0:
+        return None
+    # A body that hardly turns has few values.
+    turns = rotation_vectors(np.broadcast_to(numbers.q_exact[0], numbers.q.shape), numbers.q_exact)
+    if norms(turns).max() < CHANGES * unit:
+        return None
+    return Shown(
+        f"the quaternions are rounded to {unit:g}", len(numbers.q), (2 * ROUNDED * unit, 0.0)
+    )
+
+
 def _rounded(numbers: Numbers, omega: FloatArray) -> Shown | None:
     """Say that ω is multiples of a unit so coarse that it has less than three digits."""
     # An ω that nothing changes but rounding is as round as it started.
@@ -275,20 +290,14 @@ def _rounded(numbers: Numbers, omega: FloatArray) -> Shown | None:
         return None
     found = {}
     for name, factor in RATES.items():
-        sizes = np.unique(np.round(np.abs(omega / factor), 9))
-        if len(sizes) > COARSE + 1:
-            continue
-        unit = float(np.round(np.diff(sizes, prepend=0.0)[sizes > 0].min(), 8))
-        if not unit:
-            continue
-        multiples = omega / factor / unit
-        largest = float(np.abs(multiples).max())
-        is_coarse = largest < COARSE and numbers.resolution_q < LEFT / largest
-        if is_coarse and (np.abs(multiples - np.rint(multiples)) < MULTIPLE * largest).all():
+        unit = unit_of(omega / factor)
+        largest = float(np.abs(omega).max()) / factor
+        if unit and largest < COARSE * unit and numbers.resolution_q < LEFT * unit / largest:
             found[name] = unit
     if not found:
         return None
     # Multiples of one unit are multiples of a less round number of another.
     name = min(found, key=lambda name: digits_of(found[name]))
     unit = found[name]
-    return Shown(f"ω is rounded to {unit:.6g} {name}", len(omega), unit * RATES[name])
+    rounding = 0.0, ROUNDED * unit * RATES[name]
+    return Shown(f"ω is rounded to {unit:.6g} {name}", len(omega), rounding)

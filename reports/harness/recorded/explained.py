@@ -1,5 +1,6 @@
 """Explains a recorded motion, and says whether it is within the errors allowed to its method."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
 
 import numpy as np
@@ -9,7 +10,7 @@ from ....reference.following import follow
 from ....scenarios import FloatArray, Scenario, Trajectory
 from ....scenarios.rotation import matrices, norms
 from ..explaining.hypothesis import as_it_is
-from ..explaining.search import LEFT, LEVEL
+from ..explaining.search import LEFT, LEVEL, SAME
 from .alternation import Alternation, alternation
 from .clamps import TINY
 from .columns import stuck
@@ -22,12 +23,10 @@ from .measured import Measured, log_of, started_elsewhere
 from .mistakes import FEWEST, FITS, LEFT_OUT, followed, mistakes, without
 from .motion import Reading, RecordedMotion, recorded_motion
 from .odd_samples import across_signs, exchanged, jitter, lost_sign, wrapped
-from .other_physics import SAME, Physics, rounding
+from .other_physics import Physics, rounding
 from .read_omega import OMEGA, omega_read
 from .recording import Recording
 
-#: Standard deviation of what rounding to a multiple of one makes.
-ROUNDED = 1 / np.sqrt(12)
 #: Names of the settings by which a file states the noise of attitude, rad, and of ω, rad/s.
 NOISE = ("noise_attitude", "noise_omega")
 #: How many mistakes are tried with what may explain the rest.
@@ -79,8 +78,8 @@ def explained(
         return _of_numbers(shown, physics, reading)
     # An ω that is held is on average half as many samples old.
     wrong = interpolated(motion, floor[1]) if has_omega else []
-    if not wrong and (shown := _odd_samples(reading, numbers, physics)):
-        return _of_numbers(shown, physics, reading)
+    if not wrong and (odd := _odd_samples(reading, numbers, physics)):
+        return _of_numbers([odd], physics, reading)
     if wrong := wrong or mistakes(scenario, exact, reading):
         of_all = scenario, exact, recording, reading, timestep, order
         rest = _without(wrong, *of_all) if is_first else ()
@@ -125,18 +124,19 @@ def _odd_samples(reading: Reading, numbers: Numbers, physics: Physics) -> Shown 
     )
 
 
-def _of_numbers(shown: Shown, physics: Physics, reading: Reading) -> Explanation:
+def _of_numbers(shown: Sequence[Shown], physics: Physics, reading: Reading) -> Explanation:
     """Say what numbers show, and which mistakes explain what is recorded before the first of it."""
-    is_beyond = True
-    if shown.unit:
-        noise = np.maximum(physics.noise, [0.0, np.sqrt(2) * ROUNDED * shown.unit])
-        physics = replace(physics, noise=noise)
-        is_beyond = physics.is_beyond
-    before = reading.rows(slice(shown.first))
+    rounding = np.max([one.rounding for one in shown], axis=0)
+    physics = replace(physics, noise=np.maximum(physics.noise, np.sqrt(2) * rounding))
+    # Only what is rounded may be within a method's error.
+    is_beyond = physics.is_beyond or not all(any(one.rounding) for one in shown)
+    first = min(one.first for one in shown)
     wrong = []
-    if shown.first > FEWEST + LEFT_OUT:
-        wrong = mistakes(physics.scenario, physics.exact.until(shown.first), before)
-    return Explanation((shown.words, *wrong), _verdict(physics, is_beyond), is_beyond)
+    if first > FEWEST + LEFT_OUT:
+        before = reading.rows(slice(first))
+        wrong = mistakes(physics.scenario, physics.exact.until(first), before)
+    words = *(one.words for one in shown), *wrong
+    return Explanation(words, _verdict(physics, is_beyond), is_beyond)
 
 
 def _without(
@@ -305,4 +305,7 @@ def _verdict(physics: Physics, is_beyond: bool | None = None) -> str:
         if physics.timestep
         else "from sample to sample in one step, as no timestep is stated"
     )
-    return f"{'beyond' if is_beyond else 'within'} {what} {where}"
+    if is_beyond:
+        return f"beyond {what} {where}"
+    more = "" if physics.timestep else "; state the timestep to see smaller differences"
+    return f"within {what} {where}{more}"

@@ -37,6 +37,7 @@ class Intervals(Data):
     ends : recorded states at the ends of the intervals, (S, 7)
     noise : standard deviations of recorded attitude, rad, and ω, rad/s, (2,)
     method : bounds of a method's error in an interval, in attitude, rad, and ω, rad/s, (S, 2)
+    integrator, timestep : by which hypotheses are followed, s
     """
 
     starts: FloatArray
@@ -45,6 +46,8 @@ class Intervals(Data):
     ends: FloatArray
     noise: FloatArray
     method: FloatArray
+    integrator: Integrator = EXACT
+    timestep: float = 0.0
 
     @cached_property
     def scale(self) -> FloatArray:
@@ -67,17 +70,19 @@ class Intervals(Data):
     def off(self, hypothesis: Hypothesis, samples: int | None = None) -> FloatArray:
         """As in `Data`: what a hypothesis leaves of the ends, in units of `scale`, (S, 6)."""
         starts = as_it_was(hypothesis, self.starts)
-        made = follow(hypothesis.equations, starts, hypothesis.step * self.spans)[:, 0]
+        spans, timestep = hypothesis.step * self.spans, hypothesis.step * self.timestep
+        made = follow(hypothesis.equations, starts, spans, self.integrator, timestep)[:, 0]
         made = np.where(np.isfinite(made), made, np.nan)
         return (apart(as_read(hypothesis, made), self.ends) / self.scale)[:samples]
 
-    def apart(
-        self, equations: OtherEquations, integrator: Integrator = EXACT, timestep: float = 0.0
-    ) -> FloatArray:
-        """Return how far the ends are from where equations lead, rad and rad/s, (S, 6)."""
-        return apart(
-            follow(equations, self.starts, self.spans, integrator, timestep)[:, 0], self.ends
-        )
+    def apart(self, equations: OtherEquations) -> FloatArray:
+        """Return how far the ends are from where equations lead exactly, (S, 6), rad and rad/s."""
+        return apart(follow(equations, self.starts, self.spans)[:, 0], self.ends)
+
+    def made_by(self, integrator: Integrator, timestep: float) -> "Intervals":
+        """Return the intervals as steps of an integrator, with a timestep in s, and of no error."""
+        without = np.zeros_like(self.method)
+        return replace(self, method=without, integrator=integrator, timestep=timestep)
 
     def spread(self, most: int) -> "Intervals":
         """Return at most `most` of the intervals, spread over all."""

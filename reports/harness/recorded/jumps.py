@@ -46,6 +46,9 @@ def jumps(data: Intervals) -> list[str]:
             samples = "1 sample is" if lost == 1 else f"{lost} samples are"
             return [f"{samples} lost before t = {data.t[k]:.6g} s, or its time is too early"]
     if not k:
+        # What a filter makes of a start goes on in the samples after it.
+        if left[1] > LEFT * left[0]:
+            return []
         return [
             f"the first sample is off what follows by {_size(off[0])}, as where a state is written "
             "before an engine corrects it, or by a step that begins wrongly"

@@ -11,6 +11,7 @@ from .digits import CHANGES, Numbers, Shown, where
 from .intervals import NEAR, apart, gained, states_of
 from .mistakes import CONJUGATE, FITS
 from .motion import Reading
+from .recording import unit_of
 
 #: Least number of samples, and of wrapped ones.
 FEWEST, FEWEST_WRAPPED = 6, 2
@@ -135,7 +136,7 @@ def jitter(motion: Trajectory) -> Shown | None:
     count = np.arange(len(t))
     slope, start = np.polyfit(count, t, 1)
     off = float(np.abs(t - start - slope * count).max())
-    if len(t) < FEWEST or not FITS * slope < off < slope / 2 or _is_rounded(t, off):
+    if len(t) < FEWEST or not FITS * slope < off < slope / 2 or off < unit_of(np.diff(t)):
         return None
     q = motion.q_world_body_wxyz
     turned, rates = rotation_vectors(q[:-1], q[1:]), (omega[1:] + omega[:-1]) / 2
@@ -147,11 +148,4 @@ def jitter(motion: Trajectory) -> Shown | None:
         f"the times jitter, by up to {1e3 * off:.2g} ms: attitudes follow ω if the samples are "
         f"taken to be {slope:.6g} s apart",
         1,
-    )
-
-
-def _is_rounded(t: FloatArray, off: float) -> bool:
-    """Return whether times are as far from even ones as by rounding to a decimal place at most."""
-    return any(
-        np.array_equal(t, np.round(t, digits)) and off < 10.0**-digits for digits in range(9)
     )

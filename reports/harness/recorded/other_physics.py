@@ -10,8 +10,8 @@ from functools import cached_property
 
 import numpy as np
 
-from ....reference.following import KNOWN, follow
-from ....reference.other_equations import KEPT_IN_WORLD, OtherEquations, inverse
+from ....reference.following import EXACT, KNOWN, follow
+from ....reference.other_equations import KEPT_IN_WORLD, inverse
 from ....scenarios import FloatArray, Scenario, Trajectory
 from ....scenarios.rotation import norms
 from ...results.change_words import KINDS, vector
@@ -19,11 +19,11 @@ from ..explaining.changes import changes
 from ..explaining.effect_changes import of_attitude, of_rotors
 from ..explaining.fit import Fit, Trial
 from ..explaining.hypothesis import Change, Hypothesis, as_it_is
-from ..explaining.search import LEFT, Search
+from ..explaining.search import LEFT, SAME, Search
 from .clamps import CLAMPS
 from .gyroscope import GYROSCOPE, MOMENTUM, of_gyroscope
 from .gyroscope_first import after_gyroscope
-from .intervals import Intervals, intervals_of, states_of
+from .intervals import Intervals, apart, intervals_of, states_of
 from .missing import missing_rate, missing_torque
 from .mistakes import FITS
 from .varying import varying
@@ -56,9 +56,6 @@ def _locked(axis: int, *, is_set: bool) -> Change:
 #: Number of intervals that changes are fitted to, and of those that integrators, which take many
 #: steps in each, are tried on.
 MOST, FEW = 60, 12
-#: Part of an integrator's error that may be left: its steps either are the motion's, or they are
-#: not.
-SAME = 1e-3
 #: Relative tolerance of the fit of a clamp, and least number of samples.
 CLAMPED, FEWEST = 1e-2, 3
 #: Error of a short flow by rounding, in relative distances of the numbers.
@@ -130,24 +127,47 @@ class Physics:
     @cached_property
     def made_by(self) -> str:
         """The known integrator that made the motion by the scene's equations; empty if none did."""
-        data = self.intervals
-        return self._integrator(data, data.base.equations) if data else ""
+        return self._integrator(self.intervals.base) if self.intervals else ""
 
-    def _integrator(self, data: Intervals, equations: OtherEquations) -> str:
-        """Return the integrator that made the motion by given equations; empty if none did."""
-        h = self.timestep
-        if h is None:
-            return ""
-        intervals, scale = data.spread(FEW), np.repeat(self.noise, 3)
-        multiples = intervals.spans / h
+    @cached_property
+    def by_known(self) -> tuple[Intervals, ...]:
+        """Few of the intervals, as steps of each known integrator; of none if they cannot be.
+
+        A timestep that is not stated is taken to be the distance of the samples.
+        """
+        if self.intervals is None:
+            return ()
+        few = self.intervals.spread(FEW)
+        h = self.timestep or float(np.median(few.spans))
+        multiples = few.spans / h
         if (np.abs(multiples - np.rint(multiples)) > MULTIPLE * multiples).any():
+            return ()
+        return tuple(few.made_by(one, h) for one in KNOWN)
+
+    def _integrator(self, hypothesis: Hypothesis) -> str:
+        """Return the integrator that made the motion of a hypothesis; empty if none did."""
+        if not self.by_known:
             return ""
-        exactly = float(np.mean((intervals.apart(equations) / scale) ** 2))
-        left = [float(np.mean((intervals.apart(equations, one, h) / scale) ** 2)) for one in KNOWN]
-        best = int(np.argmin(left))
-        if exactly <= 1 or not left[best] <= max(1.0, SAME**2 * exactly):
-            return ""
-        return f"what {KNOWN[best].name} at {h:.4g} s makes"
+        left = [_mean_square(data.off(hypothesis)) for data in self.by_known]
+        best = self.by_known[int(np.argmin(left))]
+        exactly = _mean_square(best.made_by(EXACT, 0.0).off(hypothesis))
+        is_it = exactly > 1 and min(left) <= max(1.0, SAME**2 * exactly)
+        return _named(best) if is_it else ""
+
+    @cached_property
+    def by_other_equations(self) -> Fit | None:
+        """The change by which a known integrator made the motion, to rounding; None if none did.
+
+        Numbers are fitted only where the motion is beyond a method's error with a timestep that is
+        stated: implicit drag, in a method that is not known, is that of another tensor.
+        """
+        if self.search is None or self.made_by:
+            return None
+        is_fitted = self.timestep is not None and self.is_beyond
+        changes = [one for one in self.search.changes if is_fitted or not len(one.sizes)]
+        found = [Search(data, changes, most=MOST_NUMBERS).one() for data in self.by_known]
+        fits = [fit for fit in found if fit is not None and self._integrator(fit.hypothesis)]
+        return min(fits, key=lambda fit: (fit.count, fit.left), default=None)
 
     def explained(self) -> list[str]:
         """Return in words the clamp, or the changes, that explain the motion; often none."""
@@ -156,14 +176,40 @@ class Physics:
         if self.intervals is None or self.search is None:
             return []
         if not self.is_beyond:
+            if self.by_other_equations:
+                return self._in_words(self.by_other_equations)
             return self._certain(self.intervals, self.search) if self.timestep is None else []
         if self.found is not None:
-            return self._in_words(self.intervals, self.found)
+            return self._in_words(self.found)
         search = self.search
         others = (TIMES, *search.changes)
         if found := varying(self.intervals, others, len(others)):
             return [found.words, *self._unexplained(found.rest)]
-        return _where(self.intervals)
+        return self._lags or _where(self.intervals)
+
+    @cached_property
+    def _off(self) -> FloatArray:
+        """The turn from each recorded attitude to the exact one, rad, body axes, (n, 3)."""
+        return apart(states_of(self.motion), states_of(self.exact))[:, :3]
+
+    @property
+    def is_attitude_off(self) -> bool:
+        """Whether ω is nearly that of the exact motion at its times, and the attitude is not."""
+        off, fastest = self.motion.omega_body - self.exact.omega_body, norms(self.exact.omega_body)
+        return bool(norms(off).max() < LEFT * norms(self._off).max() * fastest.max())
+
+    @property
+    def _lags(self) -> list[str]:
+        """Return in words by how much the attitude lags an ω that is right, as by a filter."""
+        if not self.is_attitude_off:
+            return []
+        second_half = slice(len(self.motion.t) // 2, None)
+        off, omega = self._off[second_half], self.exact.omega_body[second_half]
+        late = float(np.sum(off * omega) / np.sum(omega**2))
+        if norms(off - late * omega).max() > LEFT * norms(off).max():
+            return []
+        how = "lags" if late > 0 else "is ahead of"
+        return [f"the attitude {how} ω by {abs(late):.3g} s, as through a filter"]
 
     def _certain(self, data: Intervals, search: Search) -> list[str]:
         """Return in words a change without fitted numbers that explains nearly all of a motion.
@@ -180,7 +226,7 @@ class Physics:
         usual = left(data.base)
         for change in search.changes if usual > 1 / SAME else ():
             if not len(change.sizes) and left(change.apply(data.base, np.empty(0))) < SAME * usual:
-                return self._in_words(data, Trial(data, (change,)).fit())
+                return self._in_words(Trial(data, (change,)).fit())
         return []
 
     @cached_property
@@ -189,6 +235,8 @@ class Physics:
         if self.search is None or self.intervals is None:
             return None
         found = self.search.one_or_two()
+        if found is None or not self._integrator(found.hypothesis):
+            found = self.by_other_equations or found
         if not self.is_beyond or (found is not None and not self._is_partial(found)):
             return found
         return after_gyroscope(self.intervals, self.search) or found
@@ -198,7 +246,7 @@ class Physics:
         if self.search is None or self.intervals is None:
             return False
         is_beyond = self.search.is_beyond(found.rest)
-        return is_beyond and not self._integrator(self.intervals, found.hypothesis.equations)
+        return is_beyond and not self._integrator(found.hypothesis)
 
     @property
     def is_open(self) -> bool:
@@ -246,7 +294,7 @@ class Physics:
         data = self.intervals
         return float(data.scale[:, 3:].max()) / LEFT if data else np.inf
 
-    def _in_words(self, data: Intervals, found: Fit) -> list[str]:
+    def _in_words(self, found: Fit) -> list[str]:
         sentences = []
         for change in found.changes:
             if change in (MOMENTUM, *GYROSCOPE):
@@ -258,7 +306,7 @@ class Physics:
             if (change.kind, *found.explanation(change).numbers) == MIRRORED:
                 words += ", or the com were on the other side of the pivot"
             sentences.append(before + words)
-        if made := self._integrator(data, found.hypothesis.equations):
+        if made := self._integrator(found.hypothesis):
             return [*sentences, f"what is left is {made}"]
         return [*sentences, *self._unexplained(found.rest)]
 
@@ -271,6 +319,14 @@ class Physics:
             return []
         part = float(np.sqrt(np.mean(rest**2) / self.search.unchanged.left))
         return [UNEXPLAINED.format(100 * part)]
+
+
+def _named(data: Intervals) -> str:
+    return f"what {data.integrator.name} at {data.timestep:.4g} s makes"
+
+
+def _mean_square(numbers: FloatArray) -> float:
+    return float(np.mean(numbers**2))
 
 
 def _without_errors(numbers: FloatArray, _: float) -> str:

@@ -12,18 +12,19 @@ from ....scenarios import FloatArray, Scenario
 from ....scenarios.rotation import matrix
 from ..explaining.search import LEFT
 from .motion import Reading
+from .recording import unit_of
 
 #: By how many samples ω may be older or newer than the attitude, if by more than one.
 SAMPLES = range(2, 6)
-#: Largest number of digits after the point of times that are rounded.
-DIGITS = 6
-#: Orders and signs of three axes that are right-handed, as rotation matrices.
-AXES = [
-    R
+#: Relative error of a time that is rounded.
+ALIKE = 1e-6
+#: Orders and signs of three axes, as matrices; and those that are right-handed.
+EVERY_AXES = [
+    np.array(signs)[:, None] * np.eye(3)[list(order)]
     for order in permutations(range(3))
     for signs in product((1.0, -1.0), repeat=3)
-    if np.linalg.det(R := np.array(signs)[:, None] * np.eye(3)[list(order)]) > 0
 ]
+AXES = [R for R in EVERY_AXES if np.linalg.det(R) > 0]
 COLUMNS = np.array(["qw", "qx", "qy", "qz"])
 
 
@@ -46,14 +47,19 @@ def other_readings(
 
 
 def _of_times(reading: Reading) -> Iterator[tuple[str, Reading]]:
-    """Yield the recording with its times unrounded, if they are multiples of 1/n s, n whole."""
-    t = reading.t
-    rate = round((len(t) - 1) / (t[-1] - t[0]))
-    equal = t[0] + np.arange(len(t)) / max(rate, 1)
-    digits = next((n for n in range(DIGITS + 1) if np.array_equal(t, np.round(t, n))), None)
-    if digits is not None and np.array_equal(t, np.round(equal, digits)):
-        words = f"the times are rounded to {10.0**-digits:g} s: samples are 1/{rate} s apart"
-        yield words, reading._replace(t=equal)
+    """Yield the recording with its times unrounded, samples equally far apart, by 1/n s perhaps."""
+    t, count = reading.t, np.arange(len(reading.t))
+    unit = unit_of(np.diff(t))
+    slope, start = np.polyfit(count, t, 1)
+    rate = max(1, round(1 / slope))
+    for first, distance, words in (
+        (t[0], 1 / rate, f"1/{rate} s"),
+        (start, slope, f"{slope:.6g} s"),
+    ):
+        equal = first + distance * count
+        if unit and np.abs(t - equal).max() < (1 + ALIKE) * unit / 2:
+            words = f"the times are rounded to {unit:.6g} s: samples are {words} apart"
+            yield words, reading._replace(t=equal)
 
 
 def _of_columns(reading: Reading) -> Iterator[tuple[str, Reading]]:
@@ -99,6 +105,11 @@ def _of_axes(
     signs, or, of the body, the principal ones.
     """
     R = matrix(reading.q[0])
+    if np.abs(R - np.eye(3)).max() < ALIKE:
+        words = "the attitude is relative to that of the first sample, as where it was set to zero"
+        yield f"{words}, along body axes", _turned(reading, first, np.eye(3))
+        q = _turned(reading, np.eye(3), first).q
+        yield f"{words}, along world axes", reading._replace(q=q)
 
     def fits(world: FloatArray, body: FloatArray) -> bool:
         return bool(np.abs(world @ R @ body - first).max() < LEFT)
@@ -106,7 +117,7 @@ def _of_axes(
     for world, body in product(AXES, AXES):
         if fits(world, body):
             which = [
-                f"the {of}'s axes are {_named(R)} of the scene's"
+                f"the {of}'s axes are {named(R)} of the scene's"
                 for of, R in (("world", world), ("body", body))
                 if not np.array_equal(R, np.eye(3))
             ]
@@ -129,7 +140,7 @@ def _turned(reading: Reading, world: FloatArray, body: FloatArray) -> Reading:
     return reading._replace(q=q.as_quat(scalar_first=True), omega=omega)
 
 
-def _named(R: FloatArray) -> str:
+def named(R: FloatArray) -> str:
     """Return the axes of which columns of a matrix are, such as [x, -z, y]."""
     at = np.abs(R).argmax(axis=0)
     return f"[{', '.join('-' * int(R[k, j] < 0) + 'xyz'[k] for j, k in enumerate(at))}]"

@@ -42,6 +42,9 @@ def omega_read(physics: Physics, *, is_explained: bool) -> list[str]:
         has one number, is simpler
     """
     motion = physics.motion
+    if physics.is_attitude_off:
+        # Attitudes that are late obey the equations, too.
+        return []
     states = np.hstack([motion.q_world_body_wxyz, motion.omega_body])
     of_body = _omega_between(as_it_is(physics.scenario).equations, states, np.diff(motion.t))
     if of_body is None or physics.intervals is None:

@@ -145,6 +145,9 @@ def _names(quantity: Quantity) -> str:
 
 #: Tolerance of a quaternion's norm: numbers printed with four digits pass.
 UNIT_SLACK = 1e-3
+#: Relative error of multiples, of numbers converted from another unit; and of numbers that are
+#: the same, to the largest.
+MULTIPLE, EQUAL = 1e-6, 1e-9
 #: Factor by which the norm may change from one sample to the next, if no step normalises it.
 NORM_GROWS = 1.5
 
@@ -182,7 +185,7 @@ class Recording:
     def drift_off_the_sphere(self) -> str:
         """A sentence on how the quaternions' norm drifts; empty if it does not."""
         t, norms = self.arrays["t"], np.linalg.norm(self.arrays["q"], axis=1)
-        if (np.abs(norms - 1) <= UNIT_SLACK).all():
+        if (np.abs(norms - 1) <= slack_of(self.arrays["q"])).all():
             return ""
         rate = np.log(norms[-1] / norms[0]) / (t[-1] - t[0])
         return (
@@ -207,6 +210,24 @@ def digits_of(value: float) -> int:
     """Return how many decimal digits it takes to print a number exactly."""
     mantissa = repr(float(abs(value))).partition("e")[0]
     return len(mantissa.replace(".", "").strip("0"))
+
+
+def unit_of(numbers: FloatArray) -> float:
+    """Return the unit of which all numbers are multiples, to six digits; 0 if there is none."""
+    sizes = np.unique(np.abs(numbers))
+    distances = np.diff(sizes, prepend=0.0)
+    distances = distances[distances > EQUAL * sizes[-1]]
+    if not len(distances):
+        return 0.0
+    unit = float(distances.min())
+    multiples = sizes / unit
+    is_multiple = np.abs(multiples - np.rint(multiples)) < MULTIPLE * multiples[-1]
+    return float(f"{unit:.6g}") if is_multiple.all() else 0.0
+
+
+def slack_of(q: FloatArray) -> float:
+    """Return by how much norms of quaternions, (n, 4), may differ from 1 as they are rounded."""
+    return max(UNIT_SLACK, unit_of(q))
 
 
 def check_motion(arrays: dict[str, FloatArray]) -> None:
@@ -234,7 +255,7 @@ def check_motion(arrays: dict[str, FloatArray]) -> None:
         )
     norms = np.linalg.norm(arrays["q"], axis=1)
     before = np.concatenate([[1.0], norms[:-1]])
-    slack = np.where(np.arange(len(norms)) > 0, NORM_GROWS, 1 + UNIT_SLACK)
+    slack = np.where(np.arange(len(norms)) > 0, NORM_GROWS, 1 + slack_of(arrays["q"]))
     if (off := (norms * slack < before) | (norms > before * slack)).any():
         k = _first(off) - 1
         raise RecordingError(

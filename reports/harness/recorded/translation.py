@@ -9,6 +9,7 @@ from ....scenarios.rotation import matrices, norms, rotation_vectors, turned
 from ..explaining.search import LEFT
 from .digits import resolution
 from .mistakes import FITS
+from .other_readings import EVERY_AXES, named
 from .recording import LENGTHS, SPEEDS, Recording
 
 #: Factor by which a com or a velocity is further off than a method and the attitude make it, and
@@ -101,6 +102,10 @@ def _coms(scenario: Scenario, motion: Trajectory) -> Iterator[tuple[str, FloatAr
         motion.com_world + R @ scenario.constraint.lever,
     )
     yield "x y z are along body axes", turned(R, motion.com_world)
+    for name, factor in LENGTHS.items():
+        yield f"x y z are in {name}; x [{name}] says so", factor * motion.com_world
+    for axes in EVERY_AXES:
+        yield f"x y z are along the world's axes {named(axes)}", motion.com_world @ axes.T
 
 
 def _velocities(scenario: Scenario, motion: Trajectory) -> Iterator[tuple[str, FloatArray]]:
@@ -117,6 +122,10 @@ def _velocities(scenario: Scenario, motion: Trajectory) -> Iterator[tuple[str, F
         "world axes",
         turned(R, v) + swing_world,
     )
+    for name, factor in SPEEDS.items():
+        yield f"the velocity is in {name}; vx [{name}] says so", factor * v
+    for axes in EVERY_AXES:
+        yield f"the velocity is along the world's axes {named(axes)}", v @ axes.T
 
 
 def _largest(vectors: FloatArray) -> float:

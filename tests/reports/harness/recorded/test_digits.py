@@ -34,6 +34,13 @@ def repeated(first: int, times: int) -> np.ndarray:
     return at[:101]
 
 
+def coarse() -> np.ndarray:
+    """Quaternions of two digits, whose norms are off by up to 2 %."""
+    q = 0.02 * np.rint(RIGHT["q"] / 0.02)
+    assert np.abs(np.linalg.norm(q, axis=1) - 1).max() > 0.01
+    return q
+
+
 def asleep() -> Arrays:
     q, omega = RIGHT["q"].copy(), RIGHT["omega"].copy()
     q[60:], omega[60:] = q[60], 0.0
@@ -144,6 +151,11 @@ PLANTED = {
         RIGHT | {"omega": np.radians(5 * np.round(np.degrees(RIGHT["omega"]) / 5))},
         "ω is rounded to 5 deg/s",
     ),
+    "a coarse quaternion": (RIGHT | {"q": coarse()}, "the quaternions are rounded to 0.02"),
+    "times of a coarse clock": (
+        RIGHT | {"t": np.rint(512 * T) / 512},
+        "the times are rounded to 0.00195312 s: samples are 1/25 s apart",
+    ),
     "wrapped": (of_omega(overflown), "ω wraps around, off by "),
     "a lost sign": (without_sign(), "the sign of qw is lost, it is never negative: conjugating "),
     "across signs": (across_signs(), "attitudes are interpolated between quaternions of opposite "),
@@ -167,6 +179,13 @@ def test_mistakes_before_what_the_numbers_show_are_named_too() -> None:
     still, world = judged(ONE.scenario, arrays, 1e-4).explained_by
     assert still.startswith("it stands still")
     assert world == "ω is in world axes (state 'omega = world')"
+
+
+def test_two_faults_of_the_numbers_are_both_named() -> None:
+    arrays = of_omega(zeroed) | {"q": STALE["q"]}
+    stale, zeros = judged(ONE.scenario, arrays, 1e-4).explained_by
+    assert stale.startswith("the attitude is that of the sample before, to the last digit, at 2")
+    assert zeros.startswith("ω is exactly 0, though the attitude goes on turning, at 4")
 
 
 def test_every_wrong_sample_is_counted() -> None:

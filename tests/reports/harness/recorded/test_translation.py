@@ -36,6 +36,8 @@ RIGHT = {
     "com": MOTION.com_world,
     "velocity": V,
 }
+#: North, east and down of axes that are east, north and up.
+NED = np.array([[0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, -1.0]])
 PLANTED = {
     "velocity in body axes": (
         {"velocity": turned_back(R, V)},
@@ -54,6 +56,20 @@ PLANTED = {
         {"com": MOTION.com_world - R @ COM},
         "x y z are those of the body's origin; they are to be those of the com",
     ),
+    "north, east and down": (
+        {"com": MOTION.com_world @ NED.T, "velocity": V @ NED.T},
+        "x y z are along the world's axes [y, x, -z]",
+        "the velocity is along the world's axes [y, x, -z]",
+    ),
+    "downwards": (
+        {"velocity": V * [1, 1, -1]},
+        "the velocity is along the world's axes [x, y, -z]",
+    ),
+    "millimetres": (
+        {"com": 1e3 * MOTION.com_world, "velocity": 1e3 * V},
+        "x y z are in mm; x [mm] says so",
+        "the velocity is in mm/s; vx [mm/s] says so",
+    ),
     "half of the gravity": (
         {"com": MOTION.com_world + 0.5 * 9.81 / 2 * np.outer(MOTION.t**2, [0, 0, 1.0])},
         "the com is not that of the motion: it is off by up to 9.81 m, ",
@@ -67,10 +83,11 @@ PLANTED = {
 
 @pytest.mark.parametrize("fault", PLANTED)
 def test_a_translation_that_is_another_is_named(fault):
-    arrays, words = PLANTED[fault]
+    arrays, *words = PLANTED[fault]
     found = judged(THROWN, RIGHT | arrays, 1e-3)
-    (said,) = found.explained_by
-    assert said.startswith(words)
+    assert len(found.explained_by) == len(words)
+    for said, one in zip(found.explained_by, words, strict=True):
+        assert said.startswith(one)
     assert found.is_another
 
 

@@ -28,7 +28,10 @@ def test_a_methods_error_is_explained_by_no_change() -> None:
         turning, faster = rates(q[k], omega[k])
         q[k + 1], omega[k + 1] = q[k] + span * turning, omega[k] + span * faster
         q[k + 1] /= np.linalg.norm(q[k + 1])
-    assert not judged(ONE.scenario, arrays | {"q": q, "omega": omega}, None).explained_by
+    found = judged(ONE.scenario, arrays | {"q": q, "omega": omega}, None)
+    assert not found.explained_by
+    assert found.made_by == "what explicit Euler at 0.1 s makes"
+    assert found.verdict.endswith("; state the timestep to see smaller differences")
 
 
 def test_an_omega_that_is_wrong_beside_right_attitudes_is_no_other_start() -> None:

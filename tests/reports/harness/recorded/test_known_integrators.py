@@ -1,0 +1,105 @@
+"""Other equations and the known integrator that solved them are named, and attitudes that lag."""
+
+import numpy as np
+import pytest
+from planted_motions import Case, case, exactly, product, rates_of
+from reported_faults import Arrays, judged
+from scipy.spatial.transform import Rotation
+from spincheck.scenarios import from_tables
+
+pytestmark = pytest.mark.slow
+
+FREE, HEAVY = case(324, samples=101), case(321, is_pivoted=True, samples=101)
+
+
+def semi_implicit(one: Case, timestep: float, **changes: object) -> Arrays:
+    """The motion by semi-implicit Euler, of equations with some of them changed."""
+    rates, states = rates_of(one, **changes), []
+    q, omega = one.scenario.start.q_world_body_wxyz, one.scenario.start.omega_body
+    times = one.scenario.times
+    for _ in times:
+        states.append(np.concatenate([q, omega]))
+        for _ in range(round(times[1] / timestep)):
+            omega = omega + timestep * rates(q, omega)[1]
+            q = q + timestep * product(q, np.array([0, *omega])) / 2
+            q = q / np.linalg.norm(q)
+    table = np.array(states)
+    return {"t": times, "q": table[:, :4], "omega": table[:, 4:]}
+
+
+OTHER_SIGN = {"inertia": FREE.inertia * (2 * np.eye(3) - 1)}
+PRODUCTS = "it moves as if the products of inertia had the other sign"
+
+
+@pytest.mark.parametrize(
+    ("one", "h", "changes", "words"),
+    [
+        # Here the errors of order 1 are as large as the difference of two changes.
+        (FREE, 0.02, OTHER_SIGN, PRODUCTS),
+        (HEAVY, 0.002, {"scale": 1.1}, "it moves as if gravity were 1.1 times as strong"),
+    ],
+)
+def test_equations_and_integrator_are_both_named(one, h, changes, words) -> None:
+    found = judged(one.scenario, semi_implicit(one, h, **changes), h)
+    assert list(found.explained_by) == [
+        words,
+        f"what is left is what semi-implicit Euler at {h} s makes",
+    ]
+
+
+def test_without_a_timestep_samples_may_be_its_steps() -> None:
+    h = FREE.scenario.times[1]
+    found = judged(FREE.scenario, semi_implicit(FREE, h, **OTHER_SIGN), None)
+    assert found.explained_by == (
+        PRODUCTS,
+        "what is left is what semi-implicit Euler at 0.04 s makes",
+    )
+    right = judged(FREE.scenario, semi_implicit(FREE, h), None)
+    assert right.explained_by == ()
+    assert right.made_by == "what semi-implicit Euler at 0.04 s makes"
+
+
+def test_numbers_that_an_unknown_method_makes_are_not_fitted() -> None:
+    """Implicit drag, (I + h D) ω' = …, is drag about a body with another tensor."""
+    h, slowing = 0.02, 0.05
+    document = FREE.scenario.document.model_dump(mode="json", exclude_none=True)
+    document["effects"] = {"drag": {"rotational": slowing}}
+    one = Case(from_tables(document, "planted"), FREE.inertia, FREE.com, FREE.gravity)
+    implicit = np.linalg.inv(FREE.inertia + h * slowing * np.eye(3))
+    arrays = semi_implicit(one, h, torque=lambda omega: -slowing * omega, inverse=implicit)
+    found = judged(one.scenario, arrays, h)
+    assert found.explained_by == ()
+    assert not found.is_another
+
+
+def late(q: np.ndarray, samples: float) -> np.ndarray:
+    """Attitudes through a filter of first order."""
+    out, part = q.copy(), 1 - np.exp(-1 / samples)
+    for k in range(1, len(q)):
+        out[k] = out[k - 1] + part * (q[k] - out[k - 1])
+    return out / np.linalg.norm(out, axis=1)[:, None]
+
+
+@pytest.mark.parametrize("timestep", [None, 1e-3])
+def test_attitudes_that_lag_are_named_and_not_the_first_of_them(timestep: float | None) -> None:
+    one = case(301)
+    right = exactly(one, rates_of(one))
+    found = judged(one.scenario, right | {"q": late(right["q"], 3.0)}, timestep)
+    (words,) = found.explained_by
+    before, _, after = words.partition(" by ")
+    assert before == "the attitude lags ω"
+    # A filter whose time constant is n samples delays what is slow by 1/(e^(1/n) - 1) of them.
+    assert float(after.split()[0]) == pytest.approx(0.02 / (np.exp(1 / 3) - 1), rel=0.05)
+
+
+@pytest.mark.parametrize("axes", ["body", "world"])
+def test_attitudes_since_the_first_sample_are_named(axes: str) -> None:
+    right = exactly(FREE, rates_of(FREE))
+    turns = Rotation.from_quat(right["q"], scalar_first=True)
+    since = turns[0].inv() * turns if axes == "body" else turns * turns[0].inv()
+    arrays = right | {"q": since.as_quat(scalar_first=True)}
+    (words,) = judged(FREE.scenario, arrays, 1e-3).explained_by
+    assert words == (
+        "the attitude is relative to that of the first sample, as where it was set to zero, along "
+        f"{axes} axes"
+    )
