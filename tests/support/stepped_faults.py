@@ -460,6 +460,18 @@ class HonestSingle(Stepped):
         self.y[:] = self.y.astype(np.float32)
 
 
+class HeldByImpulses(HonestSingle):
+    """A restart rounds the pivot's place, by `size` ulp, and a constraint turns the body back.
+
+    It does so within a step, as in Rapier.
+    """
+
+    def restart(self, state, timestep=None):
+        super().restart(state, timestep)
+        ulp = self.size * np.finfo(np.float32).eps
+        self.omega[:] += ulp / self.timestep * CHANCE.normal(size=3)
+
+
 class BiasedSingle(HonestSingle):
     """Rounding makes ω longer in each step, by `size` ulp, as in Rapier and Newton."""
 

@@ -11,6 +11,7 @@
   (measured in MuJoCo 4.0), with v that of the body's origin, which engines move.
 - Parts that turn: `ULPS` ulp of the forces that cancel between them, and of the torques that cancel
   about their axes (`Scenario.cancelling`); noise of I dω/dt turns them, too.
+- Places that are held: `ULPS` ulp of the com's place, which a constraint corrects within a step.
 - A turn that a solver leaves out in a step, as the adapter declares (`Engine.least_turn`).
 - A constraint's solver: measured, by settling further, up to `CONSISTENT` of the largest terms
   (`examine.py`), and `SOLVED`.
@@ -73,6 +74,9 @@ def noise_of(
         variance[..., 1] += torques**2
         # An angular acceleration that is off turns the body by half of what it adds to ω.
         variance[..., 0] += (torques * np.linalg.norm(equations.inverse, 2) * spans / 2) ** 2
+        if not scenario.constraint.is_free:
+            far = steps.by_timestep(norms(before.com_world) + equations.reach).max(axis=1)
+            variance[..., 2] += (rounding * far / spans**2) ** 2
     variance[..., 0] += (of_body * sizes[0] * np.minimum(1.0, spans * sizes[0] / 2)) ** 2
     if steps.before.spins.size:
         force, torque = scenario.cancelling(np.abs(steps.before.spins))

@@ -168,9 +168,15 @@ def _noise(
     composed = 0.0 if engine.single_precision else rounding_of_body(condition)
     walk = max(NOISE, ULPS * engine.ulp, composed) * np.sqrt(steps)
     noise = np.repeat(walk[:, None], QUANTITIES, axis=1)
-    if scenario.constraint.is_pivot:
-        return noise
     speed = float(norms(states.omega_body).max())
+    if scenario.constraint.is_pivot:
+        # The pivot's place is rounded, and a constraint that holds it turns the body back by that
+        # in a step.
+        turned_back = ULPS * engine.ulp / (speed * run.rung.timestep) if speed else 0.0
+        noise[:, 1:3] += turned_back * np.sqrt(steps)[:, None]
+        # An ω that is off turns the body throughout the interval.
+        noise[:, [0, 3]] += ULPS * engine.ulp * steps[:, None]
+        return noise
     body, rounding = scenario.body, ULPS * engine.ulp * run.rung.timestep * steps[:, None]
     equations, fast = Equations(scenario), float(norms(states.velocity_world).max())
     if speed:

@@ -90,6 +90,18 @@ def test_rounding_to_24_bits_is_none_either() -> None:
 
 
 @pytest.mark.parametrize(
+    ("kind", "size", "is_wrong"),
+    [
+        (planted.HeldByImpulses, 1.0, False),
+        (planted.in_single(planted.FromHalfway), 1e-3, True),
+    ],
+)
+def test_a_pivot_that_is_rounded_is_no_memory(kind: type[Stepped], size: float, is_wrong: bool):
+    found = replayed(kind, size, "Euler", "spherical-pendulum", single_precision=True)
+    assert found.is_wrong == is_wrong
+
+
+@pytest.mark.parametrize(
     ("kind", "size", "share"),
     [
         (planted.FromHalfway, 1e-6, 0.5),
