@@ -61,6 +61,11 @@ def norms(vectors: FloatArray) -> FloatArray:
     return np.asarray(np.sqrt(np.einsum("ij,ij->i", vectors, vectors)))
 
 
+def conjugate(q_wxyz: FloatArray) -> FloatArray:
+    """Return the quaternions of the inverse rotations, scalar first, (..., 4)."""
+    return np.asarray(q_wxyz * [1.0, -1.0, -1.0, -1.0])
+
+
 def times(q_wxyz: FloatArray) -> FloatArray:
     """Return the matrix M, (4, 4), with p q = p M for rows p of quaternions, scalar first."""
     w, x, y, z = q_wxyz

@@ -10,7 +10,16 @@ import pybullet as p
 from scipy.spatial.transform import Rotation
 from spincheck.engine import BodyReading, FloatArray, Scenario, State, composed
 
-from ....scenarios.rotation import across, cross, matrices, matrix, times, turned, turned_back
+from ....scenarios.rotation import (
+    across,
+    conjugate,
+    cross,
+    matrices,
+    matrix,
+    times,
+    turned,
+    turned_back,
+)
 from .world import BASE, World
 
 #: Indices into what `getJointInfo` returns: axis, place and turn of a joint, and its parent link.
@@ -129,7 +138,7 @@ class Model:
 
     @cached_property
     def _times_q_principal_body(self) -> FloatArray:
-        return times(_conjugate(self._q_body_principal))
+        return times(conjugate(self._q_body_principal))
 
     def coordinates(self, states: State) -> FloatArray:
         """Return the velocity coordinates that PyBullet clamps, rad/s and m/s, a row a state."""
@@ -157,7 +166,7 @@ class Model:
         if is_base:
             q_xyzw = (q_world_body @ times_q_body_principal)[XYZW]
         else:
-            turned = _conjugate(self._q_body_principal) @ times(q_world_body)
+            turned = conjugate(self._q_body_principal) @ times(q_world_body)
             world.move((turned @ times_q_body_principal)[XYZW], np.zeros(3), np.zeros(3))
             q_xyzw, *_ = p.getJointStateMultiDof(world.body, world.link, world.client)
             omega = omega @ matrix(np.array(world.motion()[1])[WXYZ])
@@ -201,8 +210,3 @@ class Model:
             "omega": placed.omega.tolist(),
             "torque_body": torque.tolist(),
         }
-
-
-def _conjugate(q_wxyz: FloatArray) -> FloatArray:
-    """The quaternion of the inverse rotation, (4,)."""
-    return np.asarray(q_wxyz * [1.0, -1.0, -1.0, -1.0])

@@ -13,7 +13,7 @@ from scipy.optimize import minimize_scalar
 from ....reference.following import follow
 from ....reference.other_equations import equations_of
 from ....scenarios import FloatArray, Scenario, Trajectory
-from ....scenarios.rotation import matrices, norms, rotation_vectors
+from ....scenarios.rotation import conjugate, matrices, norms, rotation_vectors
 from ..explaining.changes import EULER_ANGLES, OTHER_COMPONENTS
 from ..explaining.search import LEFT
 from .intervals import apart, states_of
@@ -38,7 +38,6 @@ TOO_LONG = "too long, as of another timestep than that of the steps"
 EPS = float(np.finfo(float).eps)
 #: Mistakes, and the reading without them.
 _Undone = tuple[list[str], Reading]
-CONJUGATE = np.array([1.0, -1.0, -1.0, -1.0])
 #: Units of times by mistake, as a column's heading names them, and their length in seconds.
 UNITS = {"ms": 1e-3, "us": 1e-6, "ns": 1e-9, "min": 60.0}
 #: What may be wrong with ω, in words, and the factor that corrects it.
@@ -227,11 +226,11 @@ def _undone(reading: Reading, scenario: Scenario) -> Iterator[tuple[str, Reading
     )
     yield (
         "the quaternion takes world to body components (it is conjugated)",
-        reading._replace(q=reading.q * CONJUGATE),
+        reading._replace(q=conjugate(reading.q)),
     )
     yield (
         f"the quaternion's order is {letters}, and it takes world to body components",
-        reading._replace(order=other, q=swapped * CONJUGATE),
+        reading._replace(order=other, q=conjugate(swapped)),
     )
     for name, unit in UNITS.items():
         yield f"the times are in {name}; t [{name}] says so", reading._replace(t=unit * reading.t)

@@ -4,12 +4,12 @@ import numpy as np
 
 from ....reference.following import follow
 from ....scenarios import FloatArray, Scenario, Trajectory
-from ....scenarios.rotation import norms, rotation_vectors
+from ....scenarios.rotation import conjugate, norms, rotation_vectors
 from ..explaining.hypothesis import as_it_is
 from ..explaining.search import LEFT
 from .digits import CHANGES, Numbers, Shown, where
 from .intervals import NEAR, apart, gained, states_of
-from .mistakes import CONJUGATE, FITS
+from .mistakes import FITS
 from .motion import Reading
 from .recording import unit_of
 
@@ -25,7 +25,7 @@ def lost_sign(reading: Reading, numbers: Numbers) -> Shown | None:
     if (q[:, 0] < 0).any() or len(q) < FEWEST:
         return None
     given = norms(rotation_vectors(exact, q))
-    conjugated = norms(rotation_vectors(exact, q * CONJUGATE))
+    conjugated = norms(rotation_vectors(exact, conjugate(q)))
     wrong = np.flatnonzero(conjugated < LEFT * given)
     if not 0 < len(wrong) < len(q) or np.minimum(given, conjugated).max() > LEFT * given.max():
         return None
