@@ -1,10 +1,19 @@
-"""Clamps of ω: what they bound, and what they leave of it."""
+"""Clamps of ω: what they bound, what they leave of it, and which of them made a motion."""
+
+from collections.abc import Iterator
 
 import numpy as np
 
-from ....scenarios import FloatArray
+from ....reference.following import follow
+from ....scenarios import FloatArray, Scenario, Trajectory
 from ....scenarios.rotation import matrices, norms, turned, turned_back
+from ..explaining.hypothesis import as_it_is
+from ..explaining.search import LEFT
+from .intervals import states_of
 
+#: Relative tolerance of the fit of a clamp, and least number of samples; and number of intervals
+#: that clamps are tried on, at most.
+CLAMPED, FEWEST, FEW = 1e-2, 3, 12
 #: Slowest turn of a body, rad/s.
 TINY = 1e-300
 
@@ -38,3 +47,44 @@ CLAMPS = (
     ("each component of ω in body axes", lambda s: np.abs(s[:, 4:]), _by_component),
     ("‖ω‖", lambda s: norms(s[:, 4:]), _by_norm),
 )
+
+
+def clamps(
+    scenario: Scenario, motion: Trajectory, exact: Trajectory, of_method: float
+) -> Iterator[str]:
+    """Yield clamps of ω, in words, that lead from the exact start, and each sample, to the next.
+
+    Parameters
+    ----------
+    motion, exact : the recorded motion, and the exact one at the same times
+    of_method : bound of a method's error of ω in an interval, rad/s
+    """
+    states = states_of(motion)
+    if len(states) <= FEWEST:
+        return
+    kept = np.unique(np.linspace(0, len(states) - 2, FEW).astype(int))
+    spans, starts, ends = np.diff(motion.t)[kept, None], states[kept], states[kept + 1]
+    # The first sample may be recorded before or after it was clamped.
+    starts[0] = states_of(exact.until(1))[0]
+    equations = as_it_is(scenario).equations
+    wanted = follow(equations, starts, spans)[:, 0]
+    for words, size_of, limited in CLAMPS:
+        bound = float(size_of(ends).max())
+        clamped = limited(follow(equations, limited(starts, bound), spans)[:, 0], bound)
+        is_reached = bool(size_of(states).min() < (1 - CLAMPED) * bound)
+        least = of_method / LEFT if is_reached else np.inf
+        if _fits(ends[:, 4:], clamped[:, 4:], wanted[:, 4:], least):
+            yield f"{words} is clamped to {bound:.4g} rad/s"
+
+
+def _fits(omega: FloatArray, clamped: FloatArray, wanted: FloatArray, least: float) -> bool:
+    """Whether ω is what a clamp makes of the correct ω, and differs from the correct one.
+
+    Parameters
+    ----------
+    least : change of ω, rad/s, by which it differs; a part of ω is enough, too
+    """
+    size = float(norms(wanted).max())
+    off, changed = (float(norms(one - clamped).max()) for one in (omega, wanted))
+    is_changed = changed > min(least, CLAMPED * size)
+    return bool(clamped.any()) and off <= min(CLAMPED * size, LEFT * changed) and is_changed

@@ -1,18 +1,61 @@
-"""What torque, or rate of turning, is missing where no change explains a recorded motion."""
+"""What is missing where no change explains a recorded motion: a torque, a rate, or time."""
 
 import numpy as np
 
-from ....scenarios import FloatArray
-from ....scenarios.rotation import matrices, norms, turned
+from ....scenarios import FloatArray, Trajectory
+from ....scenarios.rotation import matrices, norms, rotation_vectors, turned
 from ...results.change_words import vector
 from ..explaining.search import LEFT
 from .intervals import Intervals
 
 #: Digits of what is missing, and of axes: a mean over a span is known to few.
 DIGITS, OF_AXES = 3, 2
+KINEMATICS = "ω obeys Euler's equations, but the attitude does not follow ω"
+DYNAMICS = "the attitude follows ω, but ω does not obey Euler's equations"
 
 
-def missing_torque(data: Intervals) -> str:
+def missing(data: Intervals) -> list[str]:
+    """Return in words what is missing, if kinematics or dynamics alone differ; else nothing."""
+    off = data.apart(data.base.equations)
+    turned, omega = (np.sqrt(np.mean(part**2, axis=1)) for part in np.split(off, 2, axis=1))
+    left = np.mean((off / data.scale) ** 2, axis=0)
+    if left[3:].mean() <= 1:
+        return [f"{KINEMATICS}: {_rate(data)}"]
+    # By a torque that reverses within an interval the attitude is off, and ω is not.
+    by_omega = np.hypot(data.spans[:, 0] * omega, data.scale[:, 0])
+    if np.mean(turned**2) <= np.mean(by_omega**2):
+        return [f"{DYNAMICS}: {_torque(data)}"]
+    return []
+
+
+def is_attitude_off(motion: Trajectory, exact: Trajectory) -> bool:
+    """Whether ω is nearly that of the exact motion at its times, and the attitude is not."""
+    faster, fastest = motion.omega_body - exact.omega_body, norms(exact.omega_body)
+    return bool(
+        norms(faster).max() < LEFT * norms(_turned_off(motion, exact)).max() * fastest.max()
+    )
+
+
+def lag(motion: Trajectory, exact: Trajectory) -> list[str]:
+    """Return in words by how much the attitude lags an ω that is right; nothing if it does not."""
+    if not is_attitude_off(motion, exact):
+        return []
+    # A filter delays what it is given after its own beginning.
+    second_half = slice(len(motion.t) // 2, None)
+    off, omega = _turned_off(motion, exact)[second_half], exact.omega_body[second_half]
+    late = float(np.sum(off * omega) / np.sum(omega**2))
+    if norms(off - late * omega).max() > LEFT * norms(off).max():
+        return []
+    how = "lags" if late > 0 else "is ahead of"
+    return [f"the attitude {how} ω by {abs(late):.3g} s, as through a filter"]
+
+
+def _turned_off(motion: Trajectory, exact: Trajectory) -> FloatArray:
+    """The turn from each recorded attitude to the exact one, rad, body axes, (n, 3)."""
+    return rotation_vectors(motion.q_world_body_wxyz, exact.q_world_body_wxyz)
+
+
+def _torque(data: Intervals) -> str:
     """Return in words the torque that is missing, its size and what it is along.
 
     It is a mean over each interval, of I ω' in the body's axes.
@@ -34,7 +77,7 @@ def missing_torque(data: Intervals) -> str:
     return _largest("a torque", data, torque, "N m") + "; ".join(words)
 
 
-def missing_rate(data: Intervals) -> str:
+def _rate(data: Intervals) -> str:
     """Return in words the angular velocity by which the attitude does not follow ω.
 
     It is a mean over each interval, in the body's axes.

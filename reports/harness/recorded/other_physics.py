@@ -4,13 +4,12 @@ From each sample to the next, the gain of the recording over the exact flow is c
 such changes. So they show at any time, however far the motion is from the exact one by then.
 """
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
-from ....reference.following import EXACT, KNOWN, follow
+from ....reference.following import EXACT, KNOWN
 from ....reference.other_equations import KEPT_IN_WORLD, inverse
 from ....scenarios import FloatArray, Scenario, Trajectory
 from ....scenarios.rotation import norms
@@ -19,12 +18,12 @@ from ..explaining.changes import changes
 from ..explaining.effect_changes import of_attitude, of_rotors
 from ..explaining.fit import Fit, Trial
 from ..explaining.hypothesis import Change, Hypothesis, as_it_is
-from ..explaining.search import LEFT, SAME, Search
-from .clamps import CLAMPS
+from ..explaining.search import SAME, Search
+from .clamps import clamps
 from .gyroscope import GYROSCOPE, MOMENTUM, of_gyroscope
 from .gyroscope_first import after_gyroscope
-from .intervals import Intervals, apart, intervals_of, states_of
-from .missing import missing_rate, missing_torque
+from .intervals import Intervals, intervals_of
+from .missing import KINEMATICS, lag, missing
 from .mistakes import FITS
 from .varying import varying
 
@@ -56,8 +55,6 @@ def _locked(axis: int, *, is_set: bool) -> Change:
 #: Number of intervals that changes are fitted to, and of those that integrators, which take many
 #: steps in each, are tried on.
 MOST, FEW = 60, 12
-#: Relative tolerance of the fit of a clamp, and least number of samples.
-CLAMPED, FEWEST = 1e-2, 3
 #: Error of a short flow by rounding, in relative distances of the numbers.
 ROUNDINGS = 8.0
 #: Relative tolerance for a span that is a multiple of the timestep.
@@ -80,8 +77,6 @@ UNEXPLAINED = (
 )
 #: Rotation about an axis of the body that a constraint, or a flag of an engine, forbids.
 LOCKED = [_locked(axis, is_set=is_set) for is_set in (False, True) for axis in range(3)]
-KINEMATICS = "ω obeys Euler's equations, but the attitude does not follow ω"
-DYNAMICS = "the attitude follows ω, but ω does not obey Euler's equations"
 
 
 @dataclass(frozen=True, eq=False)
@@ -185,31 +180,7 @@ class Physics:
         others = (TIMES, *search.changes)
         if found := varying(self.intervals, others, len(others)):
             return [found.words, *self._unexplained(found.rest)]
-        return self._lags or _where(self.intervals)
-
-    @cached_property
-    def _off(self) -> FloatArray:
-        """The turn from each recorded attitude to the exact one, rad, body axes, (n, 3)."""
-        return apart(states_of(self.motion), states_of(self.exact))[:, :3]
-
-    @property
-    def is_attitude_off(self) -> bool:
-        """Whether ω is nearly that of the exact motion at its times, and the attitude is not."""
-        off, fastest = self.motion.omega_body - self.exact.omega_body, norms(self.exact.omega_body)
-        return bool(norms(off).max() < LEFT * norms(self._off).max() * fastest.max())
-
-    @property
-    def _lags(self) -> list[str]:
-        """Return in words by how much the attitude lags an ω that is right, as by a filter."""
-        if not self.is_attitude_off:
-            return []
-        second_half = slice(len(self.motion.t) // 2, None)
-        off, omega = self._off[second_half], self.exact.omega_body[second_half]
-        late = float(np.sum(off * omega) / np.sum(omega**2))
-        if norms(off - late * omega).max() > LEFT * norms(off).max():
-            return []
-        how = "lags" if late > 0 else "is ahead of"
-        return [f"the attitude {how} ω by {abs(late):.3g} s, as through a filter"]
+        return lag(self.motion, self.exact) or missing(self.intervals)
 
     def _certain(self, data: Intervals, search: Search) -> list[str]:
         """Return in words a change without fitted numbers that explains nearly all of a motion.
@@ -267,32 +238,8 @@ class Physics:
     @cached_property
     def clamps(self) -> list[str]:
         """Clamps in words, the likeliest first; often none."""
-        return list(self._clamps())
-
-    def _clamps(self) -> Iterator[str]:
-        """Yield clamps of ω that lead from the exact start, and each sample, to the next one."""
-        states = states_of(self.motion)
-        if len(states) <= FEWEST:
-            return
-        kept = np.unique(np.linspace(0, len(states) - 2, FEW).astype(int))
-        spans, starts, ends = np.diff(self.motion.t)[kept, None], states[kept], states[kept + 1]
-        # The first sample may be recorded before or after it was clamped.
-        starts[0] = states_of(self.exact.until(1))[0]
-        equations = as_it_is(self.scenario).equations
-        wanted = follow(equations, starts, spans)[:, 0]
-        for words, size_of, limited in CLAMPS:
-            bound = float(size_of(ends).max())
-            clamped = limited(follow(equations, limited(starts, bound), spans)[:, 0], bound)
-            is_reached = bool(size_of(states).min() < (1 - CLAMPED) * bound)
-            least = self._least_clamped if is_reached else np.inf
-            if _fits(ends[:, 4:], clamped[:, 4:], wanted[:, 4:], least):
-                yield f"{words} is clamped to {bound:.4g} rad/s"
-
-    @property
-    def _least_clamped(self) -> float:
-        """What a clamp must change of ω in an interval for it not to be a method's error, rad/s."""
-        data = self.intervals
-        return float(data.scale[:, 3:].max()) / LEFT if data else np.inf
+        of_method = float(self.intervals.scale[:, 3:].max()) if self.intervals else np.inf
+        return list(clamps(self.scenario, self.motion, self.exact, of_method))
 
     def _in_words(self, found: Fit) -> list[str]:
         sentences = []
@@ -331,33 +278,6 @@ def _mean_square(numbers: FloatArray) -> float:
 
 def _without_errors(numbers: FloatArray, _: float) -> str:
     return vector(numbers.tolist()) if len(numbers) > 1 else f"{numbers[0]:.4g}"
-
-
-def _where(data: Intervals) -> list[str]:
-    """Return whether kinematics or dynamics alone differ, if no change explains the motion."""
-    off = data.apart(data.base.equations)
-    turned, omega = (np.sqrt(np.mean(part**2, axis=1)) for part in np.split(off, 2, axis=1))
-    left = np.mean((off / data.scale) ** 2, axis=0)
-    if left[3:].mean() <= 1:
-        return [f"{KINEMATICS}: {missing_rate(data)}"]
-    # By a torque that reverses within an interval the attitude is off, and ω is not.
-    by_omega = np.hypot(data.spans[:, 0] * omega, data.scale[:, 0])
-    if np.mean(turned**2) <= np.mean(by_omega**2):
-        return [f"{DYNAMICS}: {missing_torque(data)}"]
-    return []
-
-
-def _fits(omega: FloatArray, clamped: FloatArray, wanted: FloatArray, least: float) -> bool:
-    """Whether ω is what a clamp makes of the correct ω, and differs from the correct one.
-
-    Parameters
-    ----------
-    least : change of ω, rad/s, by which it differs; a part of ω is enough, too
-    """
-    size = float(norms(wanted).max())
-    off, changed = (float(norms(one - clamped).max()) for one in (omega, wanted))
-    is_changed = changed > min(least, CLAMPED * size)
-    return bool(clamped.any()) and off <= min(CLAMPED * size, LEFT * changed) and is_changed
 
 
 def rounding(motion: Trajectory, resolution: float) -> FloatArray:

@@ -19,6 +19,7 @@ from ....scenarios.rotation import norms, rotation_vectors
 from ..explaining.hypothesis import as_it_is
 from ..explaining.search import LEFT, LEVEL
 from .clamps import CLAMPS
+from .missing import is_attitude_off
 from .other_physics import Physics
 
 #: Newton steps to the ω that leads to the next attitude, and the relative step of its slopes.
@@ -42,7 +43,7 @@ def omega_read(physics: Physics, *, is_explained: bool) -> list[str]:
         has one number, is simpler
     """
     motion = physics.motion
-    if physics.is_attitude_off:
+    if is_attitude_off(motion, physics.exact):
         # Attitudes that are late obey the equations, too.
         return []
     states = np.hstack([motion.q_world_body_wxyz, motion.omega_body])
