@@ -78,7 +78,6 @@ def _of_drag(e: OtherEquations, rate: float) -> Iterator[Change]:
         lambda h, n: h.of(slowing=np.zeros(3), damping=n),
     )
     if c:
-        yield from factors("resistance's size", 0.0, -1.0, slowing=e.slowing)
         for axes, turned in ("of ω in the world", np.eye(2)[0]), ("turned back", np.eye(2)[1]):
             yield set_to(f"drag {axes}", slowing=np.zeros(3), turned_drag=c * turned)
 
@@ -92,7 +91,10 @@ def _slowed(h: Hypothesis, c: float, a: float = 0.0, b: float = 0.0) -> Hypothes
 
 
 def resistance(scenario: Scenario, e: OtherEquations) -> Iterator[Change]:
-    """A torque that opposes ω, beside the scene's own torques; one number is fitted."""
+    """Drag by another factor, or where the scene has none, one number that is fitted."""
+    if e.slowing[0]:
+        yield from factors("resistance's size", 0.0, -1.0, slowing=e.slowing)
+        return
     size = mean_moment(e) * _fastest(scenario, e)
     yield fitted("resistance", np.zeros(1), size, lambda h, n: _slowed(h, n[0]))
 

@@ -18,8 +18,9 @@ from .digits import Numbers, Shown, numbers_of, shown_by_digits
 from .hinges import spins_beyond
 from .interpolated import interpolated
 from .intervals import apart, gained, gained_before, intervals_of, states_of
-from .jumps import jumps
+from .jumps import FAR, jumps
 from .measured import Measured, log_of, started_elsewhere
+from .missing import is_omega_off
 from .mistakes import FEWEST, FITS, LEFT_OUT, followed, mistakes, without
 from .motion import Reading, RecordedMotion, recorded_motion
 from .odd_samples import across_signs, exchanged, jitter, lost_sign, wrapped
@@ -84,7 +85,7 @@ def explained(
         of_all = scenario, exact, recording, reading, timestep, order
         rest = _without(wrong, *of_all) if is_first else ()
         return Explanation((*wrong, *rest), _verdict(physics), physics.is_beyond)
-    every = intervals_of(scenario, motion, timestep, order, of_intervals)
+    every = intervals_of(scenario, motion, timestep, order, of_intervals, near=FAR)
     if every and not physics.clamps and (jump := jumps(every)):
         return Explanation(tuple(jump), _verdict(physics, is_beyond=True), is_beyond=True)
     alternates, is_stated = alternation(scenario, motion, floor), noise is not None
@@ -175,7 +176,7 @@ def _both(physics: Physics, recording: Recording, reading: Reading) -> Explanati
         motion = recorded_motion(scenario, recording, undone, at).trajectory
         rest = replace(physics, motion=motion, exact=at)
         if rest.search is not None and not rest.is_open:
-            of_physics = rest.explained() if rest.is_beyond and not rest.made_by else []
+            of_physics = [] if rest.made_by else rest.explained()
             every = *words, *more, *of_physics
             return Explanation(every, _verdict(rest, is_beyond=True), is_beyond=True)
     return None
@@ -208,13 +209,14 @@ def _of_computed(
     if not words and has_omega:
         words = _elsewhere(physics)
     is_beyond = physics.is_beyond or bool(of_spins)
-    verdict = _verdict(physics, is_beyond)
+    verdict = _verdict(physics, is_beyond, is_explained=bool(words))
     return Explanation(tuple(words), verdict, is_beyond, physics.made_by)
 
 
 def _of_omega(physics: Physics, has_omega: bool) -> list[str]:
     """Return what was made of ω, if no simpler mistake of reading it explains the motion."""
-    is_asked = has_omega and physics.is_beyond and not physics.clamps
+    is_asked = physics.is_beyond or is_omega_off(physics.motion, physics.exact)
+    is_asked = has_omega and is_asked and not physics.clamps
     return omega_read(physics, is_explained=physics.is_of_reading) if is_asked else []
 
 
@@ -294,7 +296,7 @@ def _floor(
     return floor
 
 
-def _verdict(physics: Physics, is_beyond: bool | None = None) -> str:
+def _verdict(physics: Physics, is_beyond: bool | None = None, *, is_explained: bool = False) -> str:
     """Return a sentence on whether a motion is beyond its method's error."""
     is_beyond = physics.is_beyond if is_beyond is None else is_beyond
     if physics.search is None:
@@ -308,4 +310,6 @@ def _verdict(physics: Physics, is_beyond: bool | None = None) -> str:
     if is_beyond:
         return f"beyond {what} {where}"
     more = "" if physics.timestep else "; state the timestep to see smaller differences"
+    if is_explained:
+        more = "; but what explains it is no method's error"
     return f"within {what} {where}{more}"

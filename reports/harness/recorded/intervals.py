@@ -151,29 +151,31 @@ def intervals_of(
     order: int,
     noise: FloatArray,
     most: int | None = None,
+    near: float = NEAR,
 ) -> Intervals | None:
     """Return the intervals of a motion that are short enough; None if they are too few.
 
     Parameters
     ----------
-    timestep : the timestep that it was made with, s; None if unknown: then the samples' distance is
-        used
+    timestep : the timestep that it was made with, s; None if unknown: then the median distance of
+        samples is used
     order : of accuracy of the method that made it
     noise : standard deviations of attitude, rad, and ω, rad/s, (2,)
     most : how many of them, spread over all; None for all
+    near : how far the body may turn in them, rad
     """
     base = as_it_is(scenario)
     spans, equations = np.diff(motion.t), base.equations
     rates = np.maximum(norms(motion.omega_body), equations.rate)[:-1]
     # A body that starts from rest has rates only later.
     rates = np.maximum(rates, RESTS * rates.max())
-    kept = np.flatnonzero(spans * rates <= NEAR)
+    kept = np.flatnonzero(spans * rates <= near)
     if len(kept) < FEWEST_INTERVALS or not motion.omega_body.any():
         return None
     if most is not None:
         kept = kept[np.unique(np.linspace(0, len(kept) - 1, most).astype(int))]
     spans, rates, states = spans[kept], rates[kept], states_of(motion)
-    taken = spans if timestep is None else np.minimum(timestep, spans)
+    taken = np.minimum(timestep or float(np.median(spans)), spans)
     method = _of_method(equations, states[kept], spans, rates, rates * taken, order)
     starts, ends = states[kept], states[kept + 1]
     return Intervals(base, starts, motion.t[kept + 1], spans[:, None], ends, noise, method)

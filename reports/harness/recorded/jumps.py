@@ -1,59 +1,189 @@
 """Says where a recorded motion jumps, though it is the exact one from nearly every sample on."""
 
+from collections.abc import Sequence
+from dataclasses import dataclass
+
 import numpy as np
 from scipy.stats import chi2, f
 
 from ....reference.following import follow
 from ....scenarios import FloatArray
-from ....scenarios.rotation import norms
-from ..explaining.search import LEFT, LEVEL
+from ....scenarios.rotation import norms, rotation_vectors
+from ..explaining.search import LEFT, LEVEL, SAME
 from .intervals import Intervals, apart
 
 #: Largest number of rows that may have been lost at once.
 MOST_LOST = 20
+#: Largest turn, rad, of an interval that is looked at.
+FAR = 2.5
+#: How many later jumps one may be undone by, at most, and how many kinds of jumps are told.
+UNDONE_BY, KINDS_TOLD = 4, 2
+#: Neighbours, on each side, that an interval is compared with; two may be jumps, too.
+AROUND = 4
+#: Newton steps to the time in which a motion comes to a state, and relative error of a time.
+STEPS, ALIKE = 6, 1e-3
+
+
+@dataclass(frozen=True)
+class Jump:
+    """Where a motion jumps.
+
+    Attributes
+    ----------
+    kind : jumps of one kind are counted together
+    at : s, at the end of the interval
+    words : a sentence
+    """
+
+    kind: str
+    at: float
+    words: str
 
 
 def jumps(data: Intervals) -> list[str]:
-    """Return the first jump in words; none if there is none, or more than a tenth of all are some.
+    """Return the jumps of a motion in words, the first of each kind.
+
+    None if there is none, or more than a tenth of all intervals are some.
 
     Parameters
     ----------
-    data : all intervals, with the noise of recorded numbers
+    data : all intervals that turn by less than `FAR`, with the noise of recorded numbers
     """
     off = data.apart(data.base.equations)
+    left = np.sum((off / data.scale) ** 2, axis=1)
+    places, found = _places(data, off, left), list[Jump]()
+    while places:
+        k, *later = places
+        last = next((j for j in later[:UNDONE_BY] if _goes_on(data, k, j, left[k])), None)
+        if last is None and not k and left[1] > LEFT * left[0]:
+            # What a filter makes of a start goes on in the samples after it.
+            return []
+        end = k
+        while last is None and end + 1 in later:
+            end += 1
+        if last is not None:
+            found.append(_off(data, off, k, last))
+        else:
+            found.append(_stretch(data, off, k, end) if end > k else _jump(data, off, k))
+        places = [j for j in later if j > (last or end)]
+    kinds = dict.fromkeys(one.kind for one in found)
+    return [_told([one for one in found if one.kind == kind]) for kind in kinds][:KINDS_TOLD]
+
+
+def _places(data: Intervals, off: FloatArray, left: FloatArray) -> list[int]:
+    """Return the intervals whose gain, (n, 6), is far beyond that of the others.
+
+    Parameters
+    ----------
+    left : sum of squares of each gain, in units of its scale, (n,)
+    """
     level = LEVEL / len(off)
     at_once = 1 + 5 * data.of_method
-    left = np.sum((off / data.scale) ** 2, axis=1) / at_once
-    is_beyond = left > chi2.isf(level, 6 / at_once)
+    is_beyond = left / at_once > chi2.isf(level, 6 / at_once)
+    # A method's error changes little from one interval to the next.
+    in_noise = np.sqrt(np.sum((off / np.repeat(data.noise, 3)) ** 2, axis=1))
+    around = np.lib.stride_tricks.sliding_window_view(np.pad(in_noise, AROUND), 2 * AROUND + 1)
+    others = np.sort(around, axis=1)[:, -3]
+    is_beyond |= in_noise > np.maximum(others, 1.0) / SAME
     if np.sum(is_beyond) > LEFT * len(off):
         return []
     squares = np.mean(off.reshape(-1, 2, 3) ** 2, axis=2)
     # Noise that a method's error nearly hides is larger at some of many samples.
     usual = np.mean(squares[~is_beyond], axis=0)
     is_beyond &= np.any(squares > f.isf(level, 3, 3 * np.sum(~is_beyond)) * usual, axis=1)
-    if not is_beyond.any():
-        return []
-    k = int(np.argmax(is_beyond))
-    at = f"at t = {data.t[k]:.6g} s"
-    spans = np.full((1, MOST_LOST), data.spans[k])
-    if k + 1 < len(off) and np.array_equal(data.starts[k + 1], data.ends[k]):
-        both = data.spans[k : k + 2].T
-        after = follow(data.base.equations, data.starts[[k]], both)[0, 1]
-        if _is_near(after, data.ends[k + 1], data.scale[k]):
-            return [f"the sample {at} is off by {_size(off[k])}: leave it out"]
-    for lost, state in enumerate(follow(data.base.equations, data.starts[[k]], spans)[0]):
-        if _is_near(state, data.ends[k], data.scale[k]):
+    return [*map(int, np.flatnonzero(is_beyond))]
+
+
+def _goes_on(data: Intervals, k: int, last: int, left: float) -> bool:
+    """Whether the motion is after one interval, (last), where it was to be since another, (k).
+
+    Parameters
+    ----------
+    left : sum of squares of the gain of that, in units of its scale
+    """
+    if not np.array_equal(data.starts[k + 1 : last + 1], data.ends[k:last]):
+        return False
+    spans = data.spans[k : last + 1].T
+    after = follow(data.base.equations, data.starts[[k]], spans)[0, -1]
+    off = apart(after[None], data.ends[[last]])[0] / data.scale[k]
+    return bool(np.sum(off**2) < max(chi2.isf(LEVEL, 6), LEFT**4 * left))
+
+
+def _off(data: Intervals, off: FloatArray, k: int, last: int) -> Jump:
+    """Return the samples that are off the motion before and after them."""
+    first, count = data.t[k], last - k
+    if count == 1:
+        words = f"the sample at t = {first:.6g} s is off by {_size(off[k])}: leave it out"
+    else:
+        words = (
+            f"{count} samples, from t = {first:.6g} s to {data.t[last - 1]:.6g} s, are off, the "
+            f"first by {_size(off[k])}; after them the motion goes on as before: leave them out"
+        )
+    return Jump("off", first, words)
+
+
+def _stretch(data: Intervals, off: FloatArray, k: int, end: int) -> Jump:
+    """Return the intervals, one after the other, in which the motion goes on otherwise."""
+    worst = off[k + int(np.argmax(norms(off[k : end + 1])))]
+    right = worst[3:] / data.scale[k, 3:]
+    how = "the attitude does not follow ω" if np.sum(right**2) < 1 else "it goes on otherwise"
+    words = (
+        f"from t = {data.t[k] - data.spans[k, 0]:.6g} s to {data.t[end]:.6g} s {how}, by up to "
+        f"{_size(worst)} from one sample to the next"
+    )
+    return Jump("stretch", data.t[k], words)
+
+
+def _jump(data: Intervals, off: FloatArray, k: int) -> Jump:
+    """Return what a jump that lasts may come from."""
+    at, span = data.t[k], float(data.spans[k, 0])
+    moved = _moved(data, k)
+    if moved is not None:
+        lost = round(moved / span) - 1
+        if 0 < lost <= MOST_LOST and abs(moved - (lost + 1) * span) < ALIKE * span:
             samples = "1 sample is" if lost == 1 else f"{lost} samples are"
-            return [f"{samples} lost before t = {data.t[k]:.6g} s, or its time is too early"]
+            words = f"{samples} lost before t = {at:.6g} s, or its time is too early"
+            return Jump("lost", at, words)
+        return Jump(
+            "clock",
+            at,
+            f"from t = {at - span:.6g} s to {at:.6g} s the motion goes on by {moved:.4g} s, and "
+            f"the times by {span:.4g} s",
+        )
     if not k:
-        # What a filter makes of a start goes on in the samples after it.
-        if left[1] > LEFT * left[0]:
-            return []
-        return [
+        words = (
             f"the first sample is off what follows by {_size(off[0])}, as where a state is written "
             "before an engine corrects it, or by a step that begins wrongly"
-        ]
-    return [f"{at} it jumps, by {_size(off[k])}, as where a state is set, or something strikes it"]
+        )
+        return Jump("first", at, words)
+    words = (
+        f"at t = {at:.6g} s it jumps, by {_size(off[k])}, as where a state is set, or something "
+        "strikes it"
+    )
+    return Jump("jump", at, words)
+
+
+def _moved(data: Intervals, k: int) -> float | None:
+    """Return the time in which the motion comes from the start of an interval to its end, s."""
+    start, end, equations = data.starts[[k]], data.ends[[k]], data.base.equations
+    speeds = norms(np.vstack([start, end])[:, 4:])
+    if not speeds.all():
+        return None
+    moved = float(norms(rotation_vectors(start[:, :4], end[:, :4]))[0] / speeds.mean())
+    for _ in range(STEPS):
+        made = follow(equations, start, np.array([[moved]]))[:, 0]
+        omega = made[0, 4:]
+        moved += float(rotation_vectors(made[:, :4], end[:, :4])[0] @ omega / (omega @ omega))
+    made = follow(equations, start, np.array([[moved]]))[0, 0]
+    is_later = moved > 0 and np.isfinite(made).all()
+    return moved if is_later and _is_near(made, end[0], data.scale[k]) else None
+
+
+def _told(alike: Sequence[Jump]) -> str:
+    """Return the first of jumps of one kind in words, and how many there are."""
+    if len(alike) == 1:
+        return alike[0].words
+    return f"{alike[0].words} (one of {len(alike)} such places, the last at {alike[-1].at:.6g} s)"
 
 
 def _is_near(made: FloatArray, recorded: FloatArray, scale: FloatArray) -> bool:

@@ -39,6 +39,10 @@ SHARED = 2.63
 #: Largest rate of a motion that is tried, relative to the fastest that was recorded.
 FASTER = 30.0
 
+#: That attitudes, or ω, alone are the scene's.
+OMEGA = "the attitudes are those of the scene, but the recorded ω is not"
+ATTITUDE = "ω is that of the scene, but the attitudes are not"
+
 START = Change("start", lambda h, n: h._replace(start=h.start + n), np.ones(6))
 
 
@@ -157,6 +161,19 @@ class Measured:
         return tensor(self.given.base.equations)
 
     @cached_property
+    def axes(self) -> Change:
+        """The change in which attitude and ω are those of axes that are turned in the body."""
+        omega = self.given.scene_start[4:]
+
+        def turned(h: Hypothesis, turn: FloatArray) -> Hypothesis:
+            R, e = Rotation.from_rotvec(turn).as_matrix(), h.equations
+            of_body = {name: R.T @ getattr(e, name) for name in ("pull", "torque", "kept")}
+            start = np.concatenate([turn, R.T @ omega - omega])
+            return h.of_tensor(R.T @ e.inertia @ R).of(**of_body)._replace(start=start)
+
+        return Change("axes of the body", turned, np.ones(3))
+
+    @cached_property
     def search(self) -> Search:
         """The search for changes that the samples require, given the noise before any fit."""
         equations = self.given.base.equations
@@ -172,7 +189,10 @@ class Measured:
         search, both = self.search, (START, self.tensor)
         found = search.stepwise(both, MOST)
         if set(both) <= set(found.changes):
-            return found
+            others = [one for one in found.changes if one not in both]
+            # Along other axes the same body starts elsewhere, and has another tensor.
+            turned = Trial(self.given, (self.axes, *others)).fit()
+            return max(found, turned, key=search.gain)
         # Start or tensor may have been fitted in place of a change with fewer numbers.
         return max(found, search.stepwise((), MOST), key=search.gain)
 
@@ -269,22 +289,55 @@ class Measured:
         }
 
     def explained(self) -> list[str]:
-        """Return in words what the samples require; nothing if that leaves far more than noise."""
+        """Return in words what the samples require.
+
+        If that leaves far more than noise: whether attitudes, or ω, are those of the scene.
+        """
         if self.is_far:
+            return self._right_by_itself()
+        required = [change for change in self.fit.changes if self._is_required(change)]
+        return [self._in_words(change) for change in required]
+
+    def _right_by_itself(self) -> list[str]:
+        """Return in words that either attitude or ω is the scene's, within noise."""
+        log, unchanged = self.given, self.search.unchanged.rest
+        if not log.has_omega:
             return []
-        return [self._in_words(change) for change in self.fit.changes]
+        squares = log.squares(unchanged)
+        is_right = chi2.sf(squares, 3 * len(log.t)) > LEVEL
+        if is_right.all() or not is_right.any():
+            return []
+        return [OMEGA if is_right[0] else ATTITUDE]
+
+    @property
+    def inflation(self) -> float:
+        """Factor of standard errors by what is left beyond noise, √(χ² / degrees of freedom).
+
+        So do the Particle Data Group where measurements differ by more than their errors (R. L.
+        Workman et al., Prog. Theor. Exp. Phys. 2022, 083C01, §5.2.2).
+        """
+        return float(np.sqrt(self.chi2 / self.freedom)) if self.is_beyond else 1.0
+
+    def _is_required(self, change: Change) -> bool:
+        """Whether a change is significant beside what is left."""
+        rows, numbers = self.fit.rows(change), self.fit.numbers_of(change)
+        covariance = self.fit.covariance[rows, rows] * self.inflation**2
+        return bool(numbers @ np.linalg.solve(covariance, numbers) > chi2.isf(LEVEL, len(numbers)))
 
     def _in_words(self, change: Change) -> str:
         rows = self.fit.rows(change)
-        numbers, errors = self.fit.numbers[rows], self.fit.errors[rows]
+        numbers, errors = self.fit.numbers[rows], self.fit.errors[rows] * self.inflation
         if change in GYROSCOPE:
             others = (
-                f", or {_of_gyroscope(other, fit)} ({likely:.2g} times as likely)"
+                f", or {self._of_gyroscope(other, fit)} ({likely:.2g} times as likely)"
                 for likely, other, fit in self.alternatives(change)
             )
-            return _of_gyroscope(change, self.fit) + "".join(others)
+            return self._of_gyroscope(change, self.fit) + "".join(others)
         if change is START:
             return started_elsewhere(self.log.t[0], norms(numbers.reshape(2, 3)))
+        if change is self.axes:
+            turn = _plus_minus(np.degrees(numbers), np.degrees(errors))
+            return f"attitude and ω are those of axes that are turned by {turn}° in the body"
         listed = ", ".join(f"{error:.2g}" for error in errors)
         return f"it moves as if {self.fit.explanation(change).words} (± {listed})"
 
@@ -295,14 +348,14 @@ class Measured:
         usual = np.asarray(entries(np.zeros(count)))
         slopes = np.array([entries(unit) for unit in np.eye(count)]) - usual
         covariance = slopes.T @ fit.covariance[rows, rows] @ slopes
-        return np.asarray(entries(fit.numbers[rows])), np.sqrt(np.diag(covariance))
+        errors = np.sqrt(np.diag(covariance)) * self.inflation
+        return np.asarray(entries(fit.numbers[rows])), errors
 
-
-def _of_gyroscope(change: Change, fit: Fit) -> str:
-    """Return a mistake of a gyroscope in words, with its numbers in a fit."""
-    rows = fit.rows(change)
-    errors = fit.errors[rows]
-    return of_gyroscope(change, fit.numbers[rows], lambda n, unit: _plus_minus(n, unit * errors))
+    def _of_gyroscope(self, change: Change, fit: Fit) -> str:
+        """Return a mistake of a gyroscope in words, with its numbers in a fit."""
+        rows = fit.rows(change)
+        numbers, errors = fit.numbers[rows], fit.errors[rows] * self.inflation
+        return of_gyroscope(change, numbers, lambda n, unit: _plus_minus(n, unit * errors))
 
 
 def started_elsewhere(at: float, off: Sequence[float] | FloatArray) -> str:

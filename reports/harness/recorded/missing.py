@@ -5,11 +5,15 @@ import numpy as np
 from ....scenarios import FloatArray, Trajectory
 from ....scenarios.rotation import matrices, norms, rotation_vectors, turned
 from ...results.change_words import vector
-from ..explaining.search import LEFT
+from ..explaining.search import LEFT, SAME
 from .intervals import Intervals
 
 #: Digits of what is missing, and of axes: a mean over a span is known to few.
 DIGITS, OF_AXES = 3, 2
+#: Part of a lag that may be more than a delay: a filter makes attitudes smoother, too.
+NEARLY = 0.3
+#: Least lag, in timesteps.
+STEPS = 2
 KINEMATICS = "ω obeys Euler's equations, but the attitude does not follow ω"
 DYNAMICS = "the attitude follows ω, but ω does not obey Euler's equations"
 
@@ -31,23 +35,39 @@ def missing(data: Intervals) -> list[str]:
 def is_attitude_off(motion: Trajectory, exact: Trajectory) -> bool:
     """Whether ω is nearly that of the exact motion at its times, and the attitude is not."""
     faster, fastest = motion.omega_body - exact.omega_body, norms(exact.omega_body)
-    return bool(
-        norms(faster).max() < LEFT * norms(_turned_off(motion, exact)).max() * fastest.max()
-    )
+    return bool(norms(faster).max() < LEFT * turned_off(motion, exact) * fastest.max())
 
 
-def lag(motion: Trajectory, exact: Trajectory) -> list[str]:
-    """Return in words by how much the attitude lags an ω that is right; nothing if it does not."""
+def lag(motion: Trajectory, exact: Trajectory, timestep: float | None) -> list[str]:
+    """Return in words by how much the attitude lags an ω that is right; nothing if it does not.
+
+    Parameters
+    ----------
+    timestep : the timestep that the motion was made with, s; None if unknown
+    """
     if not is_attitude_off(motion, exact):
         return []
     # A filter delays what it is given after its own beginning.
     second_half = slice(len(motion.t) // 2, None)
     off, omega = _turned_off(motion, exact)[second_half], exact.omega_body[second_half]
     late = float(np.sum(off * omega) / np.sum(omega**2))
-    if norms(off - late * omega).max() > LEFT * norms(off).max():
+    step = timestep or float(np.median(np.diff(motion.t)))
+    # A method may be half a step early or late.
+    if abs(late) < STEPS * step or norms(off - late * omega).max() > NEARLY * norms(off).max():
         return []
     how = "lags" if late > 0 else "is ahead of"
     return [f"the attitude {how} ω by {abs(late):.3g} s, as through a filter"]
+
+
+def turned_off(motion: Trajectory, exact: Trajectory) -> float:
+    """Return the largest turn between the attitudes of two motions, rad."""
+    return float(norms(_turned_off(motion, exact)).max())
+
+
+def is_omega_off(motion: Trajectory, exact: Trajectory) -> bool:
+    """Whether attitudes are those of the exact motion at their times, and ω is far from it."""
+    faster, fastest = motion.omega_body - exact.omega_body, norms(exact.omega_body)
+    return bool(turned_off(motion, exact) * fastest.max() < SAME * norms(faster).max())
 
 
 def _turned_off(motion: Trajectory, exact: Trajectory) -> FloatArray:

@@ -136,7 +136,7 @@ def jitter(motion: Trajectory) -> Shown | None:
     count = np.arange(len(t))
     slope, start = np.polyfit(count, t, 1)
     off = float(np.abs(t - start - slope * count).max())
-    if len(t) < FEWEST or not FITS * slope < off < slope / 2 or off < unit_of(np.diff(t)):
+    if len(t) < FEWEST or off <= FITS * slope or off < unit_of(np.diff(t)):
         return None
     q = motion.q_world_body_wxyz
     turned, rates = rotation_vectors(q[:-1], q[1:]), (omega[1:] + omega[:-1]) / 2

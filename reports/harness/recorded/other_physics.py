@@ -4,7 +4,7 @@ From each sample to the next, the gain of the recording over the exact flow is c
 such changes. So they show at any time, however far the motion is from the exact one by then.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -16,7 +16,7 @@ from ....scenarios.rotation import norms
 from ...results.change_words import KINDS, vector
 from ..explaining.changes import changes
 from ..explaining.effect_changes import of_attitude, of_rotors
-from ..explaining.fit import Fit, Trial
+from ..explaining.fit import Fit
 from ..explaining.hypothesis import Change, Hypothesis, as_it_is
 from ..explaining.search import SAME, Search
 from .clamps import clamps
@@ -52,6 +52,8 @@ def _locked(axis: int, *, is_set: bool) -> Change:
     return Change(f"rate {'set' if is_set else 'held'}", locked, np.empty(0), lambda _: [axis])
 
 
+#: Changes are certain where they leave no more than this fraction.
+CERTAIN = 1e-5
 #: Number of intervals that changes are fitted to, and of those that integrators, which take many
 #: steps in each, are tried on.
 MOST, FEW = 60, 12
@@ -173,32 +175,40 @@ class Physics:
         if not self.is_beyond:
             if self.by_other_equations:
                 return self._in_words(self.by_other_equations)
-            return self._certain(self.intervals, self.search) if self.timestep is None else []
+            if self.certain:
+                return self._sentences(self.certain)
+            return lag(self.motion, self.exact, self.timestep)
         if self.found is not None:
             return self._in_words(self.found)
         search = self.search
         others = (TIMES, *search.changes)
         if found := varying(self.intervals, others, len(others)):
             return [found.words, *self._unexplained(found.rest)]
-        return lag(self.motion, self.exact) or missing(self.intervals)
+        return lag(self.motion, self.exact, self.timestep) or missing(self.intervals)
 
-    def _certain(self, data: Intervals, search: Search) -> list[str]:
-        """Return in words a change without fitted numbers that explains nearly all of a motion.
+    @cached_property
+    def certain(self) -> Fit | None:
+        """The change, or two, that explain a motion within a method's error nearly to rounding.
 
-        Where no timestep is stated a difference may be a method's error; but no method's error is
-        that of other equations nearly to the last digit.
+        No method's error is that of other equations to so many digits, but along a steady motion:
+        there a method turns the body too fast, or reads another ω, and nothing else.
         """
+        if self.intervals is None or self.search is None:
+            return None
+        data = self.intervals
+        off = np.sqrt(np.mean(data.apart(data.base.equations).reshape(-1, 2, 3) ** 2, axis=(0, 2)))
         # Smaller differences need no explanation.
-        in_noise = data.scale / np.repeat(np.maximum(self.noise, SAME * FITS), 3)
+        if (SAME * off <= np.maximum(self.noise, SAME * FITS)).all():
+            return None
+        nearly = replace(data, method=np.tile(CERTAIN * off, (len(data.spans), 1)))
+        changes = [one for one in self.search.changes if not self._is_of_turning(one)]
+        found = Search(nearly, changes, most=MOST_NUMBERS).one_or_two()
+        return found if found is not None and found.left < 1 else None
 
-        def left(hypothesis: Hypothesis) -> float:
-            return float(np.sqrt(np.mean((data.off(hypothesis) * in_noise) ** 2)))
-
-        usual = left(data.base)
-        for change in search.changes if usual > 1 / SAME else ():
-            if not len(change.sizes) and left(change.apply(data.base, np.empty(0))) < SAME * usual:
-                return self._in_words(Trial(data, (change,)).fit())
-        return []
+    def _is_of_turning(self, change: Change) -> bool:
+        """Whether a change with numbers to fit is of reading ω, or of how the attitude follows."""
+        is_reading = change in (MOMENTUM, *GYROSCOPE) or KINDS[change.kind].is_kinematic
+        return bool(len(change.sizes)) and is_reading
 
     @cached_property
     def found(self) -> Fit | None:
@@ -242,6 +252,12 @@ class Physics:
         return list(clamps(self.scenario, self.motion, self.exact, of_method))
 
     def _in_words(self, found: Fit) -> list[str]:
+        if made := self._integrator(found.hypothesis):
+            return [*self._sentences(found), f"what is left is {made}"]
+        return [*self._sentences(found), *self._unexplained(found.rest)]
+
+    def _sentences(self, found: Fit) -> list[str]:
+        """Return each change in words."""
         sentences = []
         for change in found.changes:
             if change in (MOMENTUM, *GYROSCOPE):
@@ -253,9 +269,7 @@ class Physics:
             if (change.kind, *found.explanation(change).numbers) == MIRRORED:
                 words += ", or the com were on the other side of the pivot"
             sentences.append(before + words)
-        if made := self._integrator(found.hypothesis):
-            return [*sentences, f"what is left is {made}"]
-        return [*sentences, *self._unexplained(found.rest)]
+        return sentences
 
     def _unexplained(self, rest: FloatArray) -> list[str]:
         """Return that what an explanation leaves, in units of its scale, is not explained.

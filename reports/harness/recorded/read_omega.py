@@ -18,8 +18,8 @@ from ....scenarios import FloatArray
 from ....scenarios.rotation import norms, rotation_vectors
 from ..explaining.hypothesis import as_it_is
 from ..explaining.search import LEFT, LEVEL
-from .clamps import CLAMPS
-from .missing import is_attitude_off
+from .clamps import CLAMPS, TINY
+from .missing import is_attitude_off, turned_off
 from .other_physics import Physics
 
 #: Newton steps to the ω that leads to the next attitude, and the relative step of its slopes.
@@ -28,6 +28,8 @@ STEPS, SMALL = 4, 1e-6
 OUTPUTS, INPUTS = 2, 5
 #: How many weights of a filter are looked at.
 WEIGHTS = 200
+#: Most samples that a mean is taken over.
+MOST_SMOOTHED = 60
 #: Times of samples are equally far apart up to this, relative.
 EQUAL = 1e-6
 OMEGA = "the attitudes obey the scene's equations, but the recorded ω is not that of the attitudes"
@@ -53,6 +55,8 @@ def omega_read(physics: Physics, *, is_explained: bool) -> list[str]:
     read = motion.omega_body[:-1]
     # What an attitude is off by, ω is off by over the distance of two.
     attitude = np.hypot(physics.noise[0], physics.intervals.method[:, 0].max())
+    # Attitudes that are the exact motion's at their times are no further off than that.
+    attitude = min(attitude, max(physics.noise[0], turned_off(motion, physics.exact)))
     error = physics.noise[1] + 2 * attitude / float(np.diff(motion.t).min())
     cut = motion.until(len(read))
     by_attitudes = replace(
@@ -67,7 +71,11 @@ def omega_read(physics: Physics, *, is_explained: bool) -> list[str]:
     body = np.hstack([states[:-1, :4], of_body])
     if (clamped := next(_clamped(body, read, error), [])) or is_explained:
         return clamped
-    return _filtered(motion.t, of_body, read, error)
+    return (
+        _scaled(of_body, read, error)
+        or _smoothed(motion.t, of_body, read, error)
+        or _filtered(motion.t, of_body, read, error)
+    )
 
 
 def _omega_between(
@@ -114,6 +122,30 @@ def _clamped(body: FloatArray, read: FloatArray, error: float) -> Iterator[list[
         is_clamp = size_of(body).min() < bound and changed > error / LEFT
         if is_clamp and off <= max(error, LEFT**2 * changed):
             yield [f"{words} is clamped to {bound:.4g} rad/s"]
+
+
+def _scaled(body: FloatArray, read: FloatArray, error: float) -> list[str]:
+    """Return the factors of the columns of the recorded ω, where some are not one, in words."""
+    factors = np.sum(read * body, axis=0) / np.maximum(np.sum(body**2, axis=0), TINY)
+    largest = np.abs(factors).max()
+    if np.abs(read - factors * body).max() > max(error * largest, LEFT**2 * np.abs(read).max()):
+        return []
+    wrong = np.flatnonzero(np.abs(factors - 1) > LEFT**2)
+    columns = ", ".join(f"w{'xyz'[k]} is {factors[k]:.6g} times that of the body" for k in wrong)
+    in_degrees = np.abs(factors[wrong] * np.pi / 180 - 1) < LEFT**2
+    return [columns + ", as in degrees" * bool(in_degrees.all())] if columns else []
+
+
+def _smoothed(t: FloatArray, body: FloatArray, read: FloatArray, error: float) -> list[str]:
+    """Return over how many samples the recorded ω is the mean of the body's, in words."""
+    off = float(np.mean((read - body) ** 2))
+    for samples in range(3, min(MOST_SMOOTHED, len(read) // 2), 2):
+        means = np.apply_along_axis(np.convolve, 0, body, np.ones(samples) / samples, "valid")
+        within = read[samples // 2 : -(samples // 2)]
+        if np.mean((within - means) ** 2) <= max(error**2, LEFT**4 * off):
+            over = (samples - 1) * (t[-1] - t[0]) / (len(t) - 1)
+            return [f"ω is the mean over {samples} samples, {over:.4g} s, around each"]
+    return []
 
 
 @dataclass(frozen=True, eq=False)
@@ -185,5 +217,11 @@ def _filter(body: FloatArray, read: FloatArray, outputs: int, inputs: int) -> Fi
     columns += [body[rows - j].ravel() for j in range(inputs)]
     A, wanted = np.array(columns).T, read[rows].ravel()
     numbers: FloatArray = np.linalg.lstsq(A, wanted, rcond=None)[0].astype(float)
-    left = float(np.mean((wanted - A @ numbers) ** 2))
-    return Filter(numbers[:outputs], numbers[outputs:], left)
+    a, b = numbers[:outputs], numbers[outputs:]
+    # By what was read before, anything smooth is found; a filter makes it of the body's ω alone.
+    made = [*read[:first]]
+    for k in rows:
+        before = sum((w * made[k - 1 - i] for i, w in enumerate(a)), np.zeros(3))
+        made.append(before + b @ body[k - np.arange(inputs)])
+    left = float(np.mean((read - np.array(made))[first:] ** 2))
+    return Filter(a, b, left)
