@@ -51,11 +51,9 @@ REPEATS = (4, 16, 64)
 STILL_GAINING = 0.75
 #: Halved timesteps in single precision: shorter steps show rounding alone.
 HALVINGS_SINGLE = 7
-#: Size of the random changes, rad and relative, by which the repeats of a state differ: many ulp of
-#: what a step adds in single precision, and too little to change the error of the step.
-NUDGE = 2.0**-7
-#: Relative change of a state, 64 ulp, after which an engine's noise is another one.
-REDRAWN = 2.0**-46
+#: Size of the random changes, in ulp, by which the repeats of a state differ: many ulp of what a
+#: step adds, so that its rounding is another one, and too little to change the error of the step.
+NUDGE = 2.0**16
 
 
 def examine(
@@ -218,13 +216,13 @@ class _Examination:
     def _with_shorter_steps(self) -> Look:
         """Take steps with shorter timesteps, too, to see whether they follow a second series.
 
-        All are taken twice, again from states that are changed by 64 ulp. By how much a gain
+        All are taken twice, again from states that are changed a little. By how much a gain
         changes then is noise of the engine, which is no fault up to `NOISE` a step.
         """
         finer = self.at.timesteps[-1] / 2.0 ** np.arange(1, FINER + 1)
         timesteps = self._timesteps(np.concatenate([self.at.timesteps, finer]))
         look = self._look(self._steps(0, 1, timesteps), 0)
-        changed = self.at.changed(self.sessions.scenario, REDRAWN)
+        changed = self.at.changed(self.sessions.scenario, NUDGE * self.engine.ulp)
         again = self._look(steps_from(self.sessions, changed, timesteps), 0)
         drawn = np.sqrt(((again.gains - look.gains) ** 2).mean(axis=(1, 3)))[:, None]
         seen = np.minimum(drawn, noise_of_steps(look.equations, look.steps))
@@ -233,7 +231,7 @@ class _Examination:
     def _steps(self, settle: int, repeats: int, timesteps: FloatArray) -> Steps:
         states = self.at.states
         if repeats > 1:
-            states = self.at.changed(self.sessions.scenario, NUDGE, repeats)
+            states = self.at.changed(self.sessions.scenario, NUDGE * self.engine.ulp, repeats)
         return steps_from(self.sessions, states, timesteps, settle, repeats)
 
     def _look(self, steps: Steps, settle: int) -> Look:

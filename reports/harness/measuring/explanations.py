@@ -22,11 +22,6 @@ from ..explaining.hypothesis import Change, Hypothesis, as_it_is
 from ..explaining.search import Search
 from .noise import NO_SIZE
 
-#: Number of the quantities of `step_gains` that are not of parts.
-OF_THE_BODY = 4
-#: Fraction of the largest gain that is taken to be rounding.
-ROUNDED = 1e-6
-
 
 @dataclass(frozen=True, eq=False)
 class Gains(Data):
@@ -51,9 +46,8 @@ class Gains(Data):
 
     @cached_property
     def scale(self) -> FloatArray:
-        """The largest error of an excess by noise and rounding, (K, 4)."""
-        largest = np.linalg.norm(self.excess, axis=2).max(axis=0)
-        return np.asarray(np.maximum(self.noise + ROUNDED * largest, NO_SIZE))
+        """The largest error of an excess by noise, (K, 4)."""
+        return np.asarray(np.maximum(self.noise, NO_SIZE))
 
     @cached_property
     def exact(self) -> FloatArray:

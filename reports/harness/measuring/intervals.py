@@ -12,16 +12,13 @@ from ....engines import State
 from ....engines.checks.read_back import stacked
 from ....scenarios import FloatArray, Trajectory
 from ...results.evidence import ReplayEvidence
-from ..ladder import Rung
+from ..ladder import DECIDED_STEPS, Rung
 from .examine import OPENED
 from .places import FINER, Places, states_of
 from .steps import Sessions
 
-#: Intervals of a run at most.
-INTERVALS = 64
-#: States that are read at most when a run is run again; and the number of steps of a run that is
-#: made to be run again where there is no other.
-READ = 4096
+#: Intervals of a run at most, and how many of them are examined further: those that are off most.
+INTERVALS, WORST = 64, 5
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,10 +85,13 @@ class Intervals:
     def all_again(self) -> "Passage":
         """Run all intervals from their own starts, in random order, and read states on the way.
 
-        Of a run of more than `READ` steps every n-th state is read.
+        Of a run of more than `DECIDED_STEPS` steps every n-th state is read.
         """
         chance = np.random.default_rng(len(self.steps))
-        each, order = -(-int(self.steps.sum()) // READ), chance.permutation(len(self.steps))
+        each, order = (
+            -(-int(self.steps.sum()) // DECIDED_STEPS),
+            chance.permutation(len(self.steps)),
+        )
         made = {k: self._recorded(k, each) for k in map(int, order)}
         parts = [part for k in sorted(made) for part in made[k]]
         strides = np.concatenate([strides for strides, _ in parts])
@@ -172,7 +172,7 @@ def restarted(
 
 def beginning_of(sessions: Sessions, at: Places) -> MadeRun:
     """A run of the first steps, for a scene whose window would take too many steps."""
-    timestep, strides = float(at.timesteps[FINER]), [0, *[READ // INTERVALS] * INTERVALS]
+    timestep, strides = float(at.timesteps[FINER]), [0, *[DECIDED_STEPS // INTERVALS] * INTERVALS]
     snapshots: list[object] = []
     with sessions.at(at.states.rows(0), timestep) as session:
         session.record(strides, snapshots.append)

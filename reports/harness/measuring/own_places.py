@@ -16,13 +16,10 @@ from ....scenarios import Scenario
 from ....scenarios.fastest_rate import fastest_rate
 from ..comparison.defects import FARTHEST_TURN
 from .examine import OPENED
-from .intervals import INTERVALS, Passage
+from .intervals import INTERVALS, WORST, Passage
 from .places import Places
 from .regression import LEAST
 from .steps import Steps, flowed, step_gains
-
-#: How many states are chosen for each quantity in which its gain changes the most.
-ABRUPT = 5
 
 
 def own_places(
@@ -41,7 +38,7 @@ def own_places(
     count = len(passage.times)
     chance = np.random.default_rng(count)
     some = chance.permutation(count)[: OPENED // 2 if is_few else INTERVALS]
-    kept = np.union1d(some, _abrupt(scenario, passage, 1 if is_few else ABRUPT))
+    kept = np.union1d(some, _abrupt(scenario, passage, 1 if is_few else WORST))
     kept = kept[Equations(scenario).bears(passage.before.rows(kept))]
     if not len(kept):
         return None

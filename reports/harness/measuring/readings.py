@@ -8,11 +8,8 @@ import numpy as np
 from ....engines import State
 from ....scenarios import FloatArray
 from ....scenarios.rotation import matrices, turned, turned_back
-from ...results.evidence import Explanation
+from ...results.evidence import CONSISTENT, Explanation
 from .steps import state_differences
-
-#: A mistake explains states if it leaves less than this fraction of their error.
-EXPLAINS = 1e-3
 
 
 def misreading(
@@ -30,7 +27,7 @@ def misreading(
         return (Explanation("24 bits", ()),)
     off = _off(read, exact, reach)
     for kind, mistaken in MISTAKES.items():
-        if _off(read, mistaken(exact), reach) < EXPLAINS * off:
+        if _off(read, mistaken(exact), reach) < CONSISTENT * off:
             return (Explanation(kind, ()),)
     return ()
 

@@ -14,15 +14,12 @@ from numpy.typing import NDArray
 from scipy.special import chdtrc
 
 from ....scenarios import FloatArray
+from ...results.evidence import LEVEL
 
 #: Terms of the series that are kept: with more, no tail changes by a factor of two.
 TERMS = 16
 #: Ratios of neighbouring radii and amplitudes that are integrated over.
 RADIUS_RATIO, AMPLITUDE_RATIO = 2**0.5, 10**0.35
-#: Probability from which on a timestep is said to be beyond the radius.
-CERTAIN = 1 - 1e-6
-#: Pairs of the grid that are less probable than this are left out: no tail changes by that.
-IMPOSSIBLE = 1e-18
 #: How many gains with longer timesteps a prediction needs, and how many gains a limit needs.
 PREDICTED_FROM, LEAST = 2, 4
 
@@ -203,7 +200,7 @@ class Regression:
         weights = normalised(self.evidence + np.log(prior)[:, None])
         of_radius = weights.reshape(len(self.radii), -1, weights.shape[1]).sum(axis=1)
         is_beyond = self.radii[:, None] * self.measured.x >= 1
-        return np.asarray((is_beyond.T @ of_radius >= CERTAIN).sum(axis=0))
+        return np.asarray((is_beyond.T @ of_radius >= 1 - LEVEL).sum(axis=0))
 
     def innovations(self, prior: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
         """How far each gain is off its prediction from those with longer timesteps.
@@ -236,7 +233,8 @@ class Regression:
         known, row, K = self.before(j), self.basis[:, j], self.measured.gains.shape[1]
         weights = normalised(known.evidence + np.log(prior)[:, None])
         _, squares, right, turned = known._decomposed
-        pairs = np.flatnonzero((weights > IMPOSSIBLE).any(axis=1))
+        # Pairs that are less probable change no tail that is compared with the level.
+        pairs = np.flatnonzero((weights > LEVEL**2).any(axis=1))
         of_radius, of_amplitude = np.divmod(pairs, len(self.measured.amplitudes))
         amplitudes = self.measured.amplitudes[of_amplitude, None] ** 2
         seen, squares = (right @ row[:, :, None])[of_radius, :, 0], squares[of_radius, :TERMS]

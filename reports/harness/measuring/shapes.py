@@ -12,7 +12,7 @@ from ...results.evidence import (
     StepFault,
     Vector,
 )
-from .explanations import OF_THE_BODY, explanations, gains_of
+from .explanations import explanations, gains_of
 from .gain_series import fitted
 from .look import Look
 from .places import Places
@@ -100,7 +100,7 @@ def _explained(
     if QUANTITIES[q] == "parts":
         return np.zeros(3), ()
     limits, errors = (
-        np.stack([getattr(one, name) for one in look.series[:OF_THE_BODY]], axis=1)
+        np.stack([getattr(one, name) for one in look.series[: QUANTITIES.index("parts")]], axis=1)
         for name in ("limit", "limit_error")
     )
     last = slice(-look.steps.repeats * look.gains.shape[1], None)
