@@ -18,8 +18,8 @@ from ...results.evidence import LEVEL
 
 #: Terms of the series that are kept: with more, no tail changes by a factor of two.
 TERMS = 16
-#: Ratios of neighbouring radii and amplitudes that are integrated over.
-RADIUS_RATIO, AMPLITUDE_RATIO = 2**0.5, 10**0.35
+#: Ratio of neighbouring radii that are integrated over, and root of that of amplitudes.
+RATIO = 2**0.5
 #: How many gains with longer timesteps a prediction needs, and how many gains a limit needs.
 PREDICTED_FROM, LEAST = 2, 4
 
@@ -58,8 +58,8 @@ class Measured:
         units = np.median(noise / np.median(noise, axis=1, keepdims=True), axis=0)
         scaled, alike = gains / units[:, None], (noise / units).max(axis=1)
         least, largest = 0.1 * alike.min(), 1e3 * (np.abs(scaled).max() + alike.max())
-        count = int(np.ceil(np.log(largest / least) / np.log(AMPLITUDE_RATIO)))
-        amplitudes = least * AMPLITUDE_RATIO ** np.arange(count + 1)
+        count = int(np.ceil(np.log(largest / least) / np.log(RATIO**2)))
+        amplitudes = least * RATIO ** (2 * np.arange(count + 1))
         x = timesteps / timesteps[0]
         if turns is None:
             turns = np.repeat(x[:, None], len(units), axis=1)
@@ -253,8 +253,8 @@ def _inverse_radii(measured: Measured) -> FloatArray:
     The radii reach from four times the longest timestep down to the least one that leaves enough
     timesteps below it to show a series.
     """
-    count = np.arange(np.log(4 / measured.radius) / np.log(RADIUS_RATIO))
-    radii = RADIUS_RATIO ** (count + 0.5) / 4
+    count = np.arange(np.log(4 / measured.radius) / np.log(RATIO))
+    radii = RATIO ** (count + 0.5) / 4
     within = (radii[:, None] * measured.x < 1).sum(axis=1)
     return np.asarray(radii[within >= min(LEAST, len(measured.x))])
 
