@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ....engines import Engine, EngineError, Method, UnsupportedError
+from ....engines import Engine, EngineError, Method, Session, UnsupportedError
 from ....engines.checks.equations import Equations
 from ....engines.checks.read_back import stacked
 from ....reference import ExactMotion
@@ -13,11 +13,12 @@ from ....scenarios import FloatArray, Scenario
 from ....scenarios.rotation import norms
 from ...results.evidence import CONSISTENT, LEVEL, StepEvidence, StepFault
 from ...results.reasons import fault_in_words
+from ..explaining.readings import misreading
 from ..stock import stock_timesteps
 from .look import Look
 from .noise import (
-    SIGMAS,
     SOLVED,
+    SURE,
     ULPS,
     noise_of,
     noise_of_bias,
@@ -25,11 +26,9 @@ from .noise import (
     rounding_of_body,
 )
 from .places import FINER, HALVINGS, Places, places
-from .readings import misreading
-from .shapes import SURE, kind_of
-from .step_evidence import evidence_of
+from .step_evidence import evidence_of, kind_of
 from .steps import (
-    Open,
+    OPENED,
     Sessions,
     Steps,
     off_the_constraint,
@@ -42,8 +41,6 @@ from .steps import (
 #: Steps until a constraint has settled, and more steps that show what was left. Bullet removes a
 #: fifth of its error in a step: 0.8^96 = 5e-10 of it is left. Half as many in single precision.
 SETTLING, FURTHER = 96, 16
-#: States or intervals at most where a scene is opened anew for each, which takes long.
-OPENED = 8
 #: Times that each state is repeated in single precision: no more than it takes.
 REPEATS = (4, 16, 64)
 #: Four times as many repeats halve a random error. Where more than this fraction of it is left, the
@@ -66,36 +63,9 @@ def examine(
     explains : whether changes of the equations of motion that explain a fault are looked for, which
         takes longer than finding it
     """
-    try:
-        method = engine.method(method_name)
-        return _examined_where_supported(engine, scenario, method, at, explains=explains)
-    except EngineError:
-        # The method's runs will tell why the engine refuses.
-        return None
-
-
-def _examined_where_supported(
-    engine: Engine, scenario: Scenario, method: Method, at: Places, *, explains: bool = True
-) -> StepEvidence | None:
-    """Examine a method from exact states; None where it does not support them.
-
-    Raises
-    ------
-    EngineError
-        If a session cannot be opened or stepped.
-    """
-    if engine.unsupported(scenario, method):
-        return None
-    for tried in (at, at.milder()):
-        with suppress(UnsupportedError):
-            return examined(
-                lambda scene, timestep: engine.open(scene, method, timestep),
-                engine,
-                scenario,
-                tried,
-                method,
-                explains=explains,
-            )
+    with suppress(EngineError):
+        return _examined(engine, scenario, engine.method(method_name), at, explains=explains)
+    # The method's runs will tell why the engine refuses.
     return None
 
 
@@ -107,38 +77,39 @@ def physics_in_words(engine: Engine, scenario: Scenario, method: Method) -> str:
     if method.as_shipped:
         return ""
     outline = ExactMotion(scenario).outline(scenario.times)
-    at = places(scenario, outline, None)
     try:
-        found = _examined_where_supported(engine, scenario, method, at)
+        found = _examined(engine, scenario, method, places(scenario, outline, None))
     except EngineError as error:
         return f"steps from states of the motion cannot be taken: {error}"
     return fault_in_words(found.fault) if found and found.fault else ""
 
 
-def examined(
-    open_at: Open,
-    engine: Engine,
-    scenario: Scenario,
-    at: Places,
-    method: Method,
-    *,
-    explains: bool = True,
-) -> StepEvidence:
-    """What single steps show of a method whose sessions are opened by a function.
+def _examined(
+    engine: Engine, scenario: Scenario, method: Method, at: Places, *, explains: bool = True
+) -> StepEvidence | None:
+    """Examine a method from exact states; None where it does not support them.
 
     Raises
     ------
     EngineError
         If a session cannot be opened or stepped.
     """
-    with sessions_of(open_at, scenario, float(at.timesteps[0])) as sessions:
-        if not sessions.first.can_restart:
-            at = at.thinned(OPENED)
-        if fault := _misread(sessions, engine, at):
-            return StepEvidence(len(at.times), 0.0, 0.0, 0.0, 0, fault=fault)
-        order = 0 if engine.single_precision else method.order
-        look = _Examination(sessions, engine, at).look
-        return evidence_of(look, at, order, explains=explains)
+    if engine.unsupported(scenario, method):
+        return None
+
+    def open_at(scene: Scenario, timestep: float) -> Session:
+        return engine.open(scene, method, timestep)
+
+    for tried in (at, at.milder()):
+        longest = float(tried.timesteps[0])
+        with suppress(UnsupportedError), sessions_of(open_at, scenario, longest) as sessions:
+            states = tried if sessions.first.can_restart else tried.thinned(OPENED)
+            if fault := _misread(sessions, engine, states):
+                return StepEvidence(len(states.times), 0.0, 0.0, 0.0, 0, fault=fault)
+            look = _Examination(sessions, engine, states).look
+            order = 0 if engine.single_precision else method.order
+            return evidence_of(look, states, order, explains=explains)
+    return None
 
 
 @dataclass(frozen=True, eq=False)
@@ -206,7 +177,7 @@ class _Examination:
         further = self._look(self._steps(settle + FURTHER, repeats, timesteps), settle)
         left = np.sqrt(((further.gains - look.gains) ** 2).mean(axis=(1, 3)))
         around = np.pad(left, ((1, 1), (0, 0)), mode="edge")
-        seen = SIGMAS * np.maximum(np.maximum(around[:-2], around[1:-1]), around[2:])
+        seen = np.maximum(np.maximum(around[:-2], around[1:-1]), around[2:])
         # What is larger is no residual of a solver.
         seen = np.minimum(seen, CONSISTENT * look.sizes)
         noise = np.sqrt(look.noise**2 + seen[:, None] ** 2 + (SOLVED * look.sizes) ** 2)
@@ -314,7 +285,7 @@ def _misread(sessions: Sessions, engine: Engine, at: Places) -> StepFault | None
         return None
     turn, omega, spins = norms(off[k])
     is_single = engine.single_precision
-    zero, changes = (0.0, 0.0, 0.0), misreading(read, at.states, reach, is_single=is_single)
+    zero, changes = (0.0, 0.0, 0.0), misreading(read, at.states, is_single=is_single)
     time = None if np.isnan(at.times[k]) else float(at.times[k])
     return StepFault(
         "misread", "attitude", time, 0.0, (float(omega), float(turn), float(spins)), zero, changes

@@ -17,7 +17,7 @@ from ....scenarios import FloatArray
 from ...results.evidence import LEVEL, ReplayEvidence
 from .gain_series import fitted
 from .intervals import Replay, restarted
-from .noise import NOISE, SIGMAS, SOLVED, ULPS
+from .noise import NOISE, SOLVED, SURE, ULPS
 from .places import HALVINGS, states_of
 from .regression import PREDICTED_FROM
 from .steps import Sessions, state_differences
@@ -100,7 +100,7 @@ def _vanishing(replay: Replay, engine: Engine, declared: int) -> tuple[int, floa
     gains, table = lost / timesteps[:, None, None, None], np.empty(lost.shape[:2])
     table[:] = noise / timesteps[:, None]
     series = [fitted(timesteps, gains[:, :, q], table, LEVEL) for q in range(lost.shape[2])]
-    seen = np.abs(lost).max(axis=(1, 3)) > SIGMAS * noise
+    seen = np.abs(lost).max(axis=(1, 3)) > SURE * noise
     if not seen.any():
         return 0, 0.0
     of_order = seen[PREDICTED_FROM:].any(axis=0)

@@ -36,7 +36,7 @@ SOLVED = 1e-9
 #: Effects below this fraction of the largest terms are ignored.
 NEGLIGIBLE = 2e-6
 #: A difference is significant beyond so many standard deviations of noise.
-SIGMAS = 3.0
+SURE = 8.0
 #: Smallest size that anything is divided by: the square of its inverse is finite.
 NO_SIZE = 1e-150
 

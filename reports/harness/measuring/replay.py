@@ -26,7 +26,6 @@ from .examine import examine
 from .intervals import WORST, Intervals, MadeRun, Replay, beginning_of
 from .memory import explained_by_memory
 from .noise import NOISE, ULPS, rounding_of_body
-from .own_places import own_places
 from .places import Places, states_of
 from .steps import Sessions, sessions_of, state_differences
 
@@ -69,7 +68,7 @@ def examine_runs(
             shown = [one.evidence for one in replays]
             shown = [explained_by_memory(one, engine, method.order, settled) for one in replays]
             exact, is_single = replace(at, gives_way=bool(settled)), engine.single_precision
-            own = own_places(scenario, exact, replays[0].passage, is_single=is_single)
+            own = replays[0].passage.places(scenario, exact, is_single=is_single)
     except (EngineError, IntegrationError) as error:
         return tuple(shown), None, "" if shown else str(error)
     own_steps = examine(engine, scenario, method_name, own) if own else None

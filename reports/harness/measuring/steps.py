@@ -15,6 +15,9 @@ from ....scenarios.rotation import matrices, norms, rotation_vectors, turned
 from ....scenarios.scenario import started_at
 from .places import states_of
 
+#: States or intervals at most where a scene is opened anew for each, which takes long.
+OPENED = 8
+
 Open = Callable[[Scenario, float], Session]
 
 

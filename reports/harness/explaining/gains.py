@@ -16,11 +16,11 @@ from ....reference.other_equations import inverse
 from ....scenarios import FloatArray
 from ....scenarios.rotation import matrices, turned
 from ...results.evidence import Explanation
-from ..explaining.changes import changes
-from ..explaining.fit import Data
-from ..explaining.hypothesis import Change, Hypothesis, as_it_is
-from ..explaining.search import Search
-from .noise import NO_SIZE
+from ..measuring.noise import NO_SIZE
+from .changes import changes
+from .fit import Data
+from .hypothesis import Change, Hypothesis
+from .search import Search
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,11 +86,6 @@ class Gains(Data):
         factor = float(e.kept @ usual / (usual @ usual)) if usual.any() else 0.0
         kept = factor * self.equations.kept_body(self.states)
         return rates(e, np.hstack([self.states.q_world_body_wxyz, omega]), kept)
-
-
-def gains_of(equations: Equations, states: State, excess: FloatArray, noise: FloatArray) -> Gains:
-    """The limits of what states gain, to be explained; arguments as the attributes of `Gains`."""
-    return Gains(as_it_is(equations.scenario), equations, states, excess, noise)
 
 
 def explanations(gains: Gains) -> tuple[Explanation, ...]:
