@@ -18,7 +18,7 @@ from ....scenarios.rotation import matrices, turned
 from ...results.evidence import Explanation
 from ..measuring.noise import NO_SIZE
 from .changes import changes
-from .fit import Data
+from .fit import RANK, Data
 from .hypothesis import Change, Hypothesis
 from .search import Search
 
@@ -46,8 +46,9 @@ class Gains(Data):
 
     @cached_property
     def scale(self) -> FloatArray:
-        """The largest error of an excess by noise, (K, 4)."""
-        return np.asarray(np.maximum(self.noise, NO_SIZE))
+        """The largest error of an excess: by noise, and what is too little to count, (K, 4)."""
+        largest = np.linalg.norm(self.excess, axis=2).max(axis=0)
+        return np.asarray(np.maximum(self.noise + RANK * largest, NO_SIZE))
 
     @cached_property
     def exact(self) -> FloatArray:
