@@ -43,11 +43,6 @@ from .steps import (
 SETTLING, FURTHER = 96, 16
 #: Times that each state is repeated in single precision: no more than it takes.
 REPEATS = (4, 16, 64)
-#: Four times as many repeats halve a random error. Where more than this fraction of it is left, the
-#: error is not random, and further repeats are in vain.
-STILL_GAINING = 0.75
-#: Halved timesteps in single precision: shorter steps show rounding alone.
-HALVINGS_SINGLE = 7
 #: Size of the random changes, in ulp, by which the repeats of a state differ: many ulp of what a
 #: step adds, so that its rounding is another one, and too little to change the error of the step.
 NUDGE = 2.0**16
@@ -142,7 +137,8 @@ class _Examination:
             if look.is_known:
                 break
             more = self._settled(settle, repeats) if settle else self._taken(0, repeats)
-            is_in_vain = max(more.known_to) > STILL_GAINING * max(look.known_to)
+            # Four times as many repeats halve an error that is random.
+            is_in_vain = max(more.known_to) ** 2 > max(look.known_to) ** 2 / 2
             look = more
             if is_in_vain:
                 break
@@ -221,7 +217,8 @@ class _Examination:
         timesteps in the same range.
         """
         if self.engine.single_precision:
-            halved = halved[:HALVINGS_SINGLE]
+            # Still shorter steps would show rounding alone.
+            halved = halved[:-FINER]
         between = float(halved[3]) / 2**0.5
         stock = [h for h in stock_timesteps(self.engine) if halved[-1] < h < halved[0]]
         return np.array(sorted({*map(float, halved), between, *stock}, reverse=True))
