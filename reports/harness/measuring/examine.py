@@ -28,7 +28,7 @@ from .noise import (
 from .places import FINER, HALVINGS, Places, places
 from .step_evidence import evidence_of, kind_of
 from .steps import (
-    OPENED,
+    FEW,
     Sessions,
     Steps,
     off_the_constraint,
@@ -38,9 +38,9 @@ from .steps import (
     steps_from,
 )
 
-#: Steps until a constraint has settled, and more steps that show what was left. Bullet removes a
-#: fifth of its error in a step: 0.8^96 = 5e-10 of it is left. Half as many in single precision.
-SETTLING, FURTHER = 96, 16
+#: Steps until a constraint has settled. Bullet removes a fifth of its error in a step: 5e-10 of it
+#: is left after so many. Half as many in single precision.
+SETTLING = 96
 #: Times that each state is repeated in single precision: no more than it takes.
 REPEATS = (4, 16, 64)
 #: Size of the random changes, in ulp, by which the repeats of a state differ: many ulp of what a
@@ -98,7 +98,7 @@ def _examined(
     for tried in (at, at.milder()):
         longest = float(tried.timesteps[0])
         with suppress(UnsupportedError), sessions_of(open_at, scenario, longest) as sessions:
-            states = tried if sessions.first.can_restart else tried.thinned(OPENED)
+            states = tried if sessions.first.can_restart else tried.thinned(FEW)
             if fault := _misread(sessions, engine, states):
                 return StepEvidence(len(states.times), 0.0, 0.0, 0.0, 0, fault=fault)
             look = _Examination(sessions, engine, states).look
@@ -170,7 +170,7 @@ class _Examination:
         halved = self.at.timesteps[0 if self.engine.single_precision else FINER :]
         timesteps = self._timesteps(halved)
         look = self._look(self._steps(settle, repeats, timesteps), settle)
-        further = self._look(self._steps(settle + FURTHER, repeats, timesteps), settle)
+        further = self._look(self._steps(settle + FEW, repeats, timesteps), settle)
         left = np.sqrt(((further.gains - look.gains) ** 2).mean(axis=(1, 3)))
         around = np.pad(left, ((1, 1), (0, 0)), mode="edge")
         seen = np.maximum(np.maximum(around[:-2], around[1:-1]), around[2:])

@@ -18,10 +18,10 @@ from ..comparison.defects import FARTHEST_TURN
 from ..ladder import DECIDED_STEPS, Rung
 from .places import FINER, Places, states_of
 from .regression import LEAST
-from .steps import OPENED, Sessions, Steps, flowed, step_gains
+from .steps import FEW, Sessions, Steps, flowed, step_gains
 
-#: Intervals of a run at most, and how many of them are examined further: those that are off most.
-INTERVALS, WORST = 64, 5
+#: Intervals of a run at most.
+INTERVALS = 64
 
 
 @dataclass(frozen=True, eq=False)
@@ -156,8 +156,8 @@ class Passage:
         """
         is_few, count = is_single or at.gives_way, len(self.times)
         some = np.random.default_rng(count).permutation(count)
-        some = some[: OPENED // 2 if is_few else INTERVALS]
-        kept = np.union1d(some, self._abrupt(scenario, 1 if is_few else WORST))
+        some = some[: FEW // 2 if is_few else INTERVALS]
+        kept = np.union1d(some, self._abrupt(scenario, 1 if is_few else FEW))
         kept = kept[Equations(scenario).bears(self.before.rows(kept))]
         if not len(kept):
             return None
@@ -225,7 +225,7 @@ def beginning_of(sessions: Sessions, at: Places) -> MadeRun:
 
 def _edges(samples: int, can_restart: bool) -> NDArray[np.intp]:
     """The samples at which intervals begin and end: they cover the run, with random lengths."""
-    most = INTERVALS if can_restart else OPENED
+    most = INTERVALS if can_restart else FEW
     count = min(most, max(1, 2 * (samples - 1) // 3))
     chance = np.random.default_rng(samples)
     inner = chance.choice(np.arange(1, samples - 1), count - 1, replace=False)

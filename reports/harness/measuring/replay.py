@@ -23,11 +23,11 @@ from ....scenarios.rotation import norms
 from ...results.evidence import LEVEL, QUANTITIES, ReplayEvidence, StepEvidence
 from ...results.records import LARGEST
 from .examine import examine
-from .intervals import WORST, Intervals, MadeRun, Replay, beginning_of
+from .intervals import Intervals, MadeRun, Replay, beginning_of
 from .memory import explained_by_memory
 from .noise import NOISE, ULPS, rounding_of_body
 from .places import Places, states_of
-from .steps import Sessions, sessions_of, state_differences
+from .steps import FEW, Sessions, sessions_of, state_differences
 
 #: rad, or relative: a change that has grown to this is as large as the motion itself.
 LOST = 0.1
@@ -82,7 +82,7 @@ def _replay(sessions: Sessions, engine: Engine, run: MadeRun, condition: float) 
     passage = intervals.all_again()
     off = _off(passage.ends, intervals.ends, reach)
     sizes = _sizes(off)
-    worst = np.argsort(sizes)[-WORST:]
+    worst = np.argsort(sizes)[-FEW:]
     starts, ends = intervals.starts.rows(worst), passage.ends.rows(worst)
     # The worst are run once more, without reading states on the way.
     twice = _off(intervals.some_again(worst, starts), ends, reach, intervals.ends)
@@ -180,6 +180,6 @@ def _noise(
 
 def _changed(states: State, speed: float) -> State:
     """The states with ω changed by so much, rad/s, in the same direction for all."""
-    direction = np.random.default_rng(WORST).standard_normal(3)
+    direction = np.random.default_rng(FEW).standard_normal(3)
     change = speed / np.linalg.norm(direction) * direction
     return replace(states, omega_body=states.omega_body + change)

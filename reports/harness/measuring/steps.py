@@ -15,8 +15,9 @@ from ....scenarios.rotation import matrices, norms, rotation_vectors, turned
 from ....scenarios.scenario import started_at
 from .places import states_of
 
-#: States or intervals at most where a scene is opened anew for each, which takes long.
-OPENED = 8
+#: A few: states or intervals at most, where each takes long; and steps in which a method, or the
+#: solver of a constraint, may still remember a state.
+FEW = 8
 
 Open = Callable[[Scenario, float], Session]
 
