@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from ..scenarios import FloatArray, Scenario, Trajectory
 from .batch import Batch
 from .checks.audit import audit
-from .checks.equations import NO_ARM, Equations
+from .checks.equations import Equations
 from .checks.faults import Bounds, clamped_turn
 from .checks.read_back import (
     READ_BACK_SLACK,
@@ -263,7 +263,7 @@ class Engine(Adapted, ABC):
 
 def _arm(scenario: Scenario, body: BodyReading) -> FloatArray | None:
     """Return the vector from pivot to com as read back, m, body axes; None without pivot."""
-    has_arm = float(np.linalg.norm(body.com)) > NO_ARM * Equations(scenario).reach
+    has_arm = float(np.linalg.norm(body.com)) > READ_BACK_SLACK * Equations(scenario).reach
     return body.com if has_arm and scenario.constraint.is_pivot else None
 
 

@@ -13,10 +13,7 @@ from numpy.typing import NDArray
 from ...scenarios import PUSHED, FloatArray, Scenario, push
 from ...scenarios.effects import gravity
 from ...scenarios.rotation import cross, matrices
-from .read_back import State
-
-#: Radii of gyration; no engine places a body in double precision to less.
-NO_ARM = 1e-12
+from .read_back import READ_BACK_SLACK, State
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,10 +39,13 @@ class Equations:
 
     @cached_property
     def reach(self) -> float:
-        """Scale of the com's position, m: its arm, or the radius of gyration if it has none."""
+        """Scale of the com's position, m: its arm, or the radius of gyration if it has none.
+
+        An arm of less than what a body may differ by when it is read back is none.
+        """
         body = self.scenario.body
         gyration = float(np.sqrt(body.principal_moments[-1] / body.mass))
-        return self.arm if self.arm > NO_ARM * gyration else gyration
+        return self.arm if self.arm > READ_BACK_SLACK * gyration else gyration
 
     def outer_body(self, R_world_body: FloatArray, omega_body: FloatArray) -> FloatArray:
         """Torque of the scene's effects, N m."""

@@ -17,7 +17,7 @@ from ..harness.comparison import rows
 from ..harness.costs import step_cost
 from ..harness.executors import worker_slot
 from ..harness.judging import ladder_end
-from ..harness.measuring import intervals, memory, noise, own_places, places, replay
+from ..harness.measuring import intervals, noise, places
 from ..results import evidence
 from ..results.results import Results
 from .analysis import observed_order
@@ -44,7 +44,7 @@ RULES: dict[str, Any] = {
     module.__name__.rpartition(".")[2]: module
     for module in (
         *(evidence, ladder, ladder_end, noise, observed_order, places, read_back, rows),
-        *(intervals, memory, own_places, replay, solution, step_cost, worker_slot),
+        *(intervals, solution, step_cost, worker_slot),
     )
 }
 #: Plotly's file, deflated, which `figures.js` unpacks.

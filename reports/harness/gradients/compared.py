@@ -12,9 +12,9 @@ from ....engines import Engine, EngineError, Method, Session, UnsupportedError
 from ....engines.checks.equations import Equations
 from ....reference import IntegrationError
 from ....scenarios import FloatArray
-from ..measuring.examine import FURTHER, SETTLING, gives_way
+from ..measuring.examine import SETTLING, gives_way
 from ..measuring.places import FINER, Places
-from ..measuring.steps import Sessions, steps_from
+from ..measuring.steps import FEW, Sessions, steps_from
 from .candidates import Exact
 from .jacobians import (
     CHART,
@@ -154,7 +154,7 @@ class MethodStudy:
     def _settled(self) -> _Target:
         """Return the target of a step after others, without timesteps that turn the body far."""
         scenario, at, units = self.sessions.scenario, self.at, self.units
-        settling, timesteps = (SETTLING, SETTLING + FURTHER), at.timesteps[FINER:]
+        settling, timesteps = (SETTLING, SETTLING + FEW), at.timesteps[FINER:]
         own, jacobians = settled_jacobians(self.sessions, at.states, timesteps, units, settling)
         return _Target(Exact(scenario, at.states, timesteps, jacobians, units), own, timesteps)
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ....engines import Engine, EngineError, Method, UnsupportedError
+from ....engines import Engine, EngineError, Method, Session, UnsupportedError
 from ....engines.checks.equations import Equations
 from ....engines.checks.read_back import stacked
 from ....reference import ExactMotion
@@ -13,11 +13,12 @@ from ....scenarios import FloatArray, Scenario
 from ....scenarios.rotation import norms
 from ...results.evidence import CONSISTENT, LEVEL, StepEvidence, StepFault
 from ...results.reasons import fault_in_words
+from ..explaining.readings import misreading
 from ..stock import stock_timesteps
 from .look import Look
 from .noise import (
-    SIGMAS,
     SOLVED,
+    SURE,
     ULPS,
     noise_of,
     noise_of_bias,
@@ -25,11 +26,9 @@ from .noise import (
     rounding_of_body,
 )
 from .places import FINER, HALVINGS, Places, places
-from .readings import misreading
-from .shapes import SURE, kind_of
-from .step_evidence import evidence_of
+from .step_evidence import evidence_of, kind_of
 from .steps import (
-    Open,
+    FEW,
     Sessions,
     Steps,
     off_the_constraint,
@@ -39,23 +38,14 @@ from .steps import (
     steps_from,
 )
 
-#: Steps until a constraint has settled, and more steps that show what was left. Bullet removes a
-#: fifth of its error in a step: 0.8^96 = 5e-10 of it is left. Half as many in single precision.
-SETTLING, FURTHER = 96, 16
-#: States or intervals at most where a scene is opened anew for each, which takes long.
-OPENED = 8
+#: Steps until a constraint has settled. Bullet removes a fifth of its error in a step: 5e-10 of it
+#: is left after so many. Half as many in single precision.
+SETTLING = 96
 #: Times that each state is repeated in single precision: no more than it takes.
 REPEATS = (4, 16, 64)
-#: Four times as many repeats halve a random error. Where more than this fraction of it is left, the
-#: error is not random, and further repeats are in vain.
-STILL_GAINING = 0.75
-#: Halved timesteps in single precision: shorter steps show rounding alone.
-HALVINGS_SINGLE = 7
-#: Size of the random changes, rad and relative, by which the repeats of a state differ: many ulp of
-#: what a step adds in single precision, and too little to change the error of the step.
-NUDGE = 2.0**-7
-#: Relative change of a state, 64 ulp, after which an engine's noise is another one.
-REDRAWN = 2.0**-46
+#: Size of the random changes, in ulp, by which the repeats of a state differ: many ulp of what a
+#: step adds, so that its rounding is another one, and too little to change the error of the step.
+NUDGE = 2.0**16
 
 
 def examine(
@@ -68,36 +58,9 @@ def examine(
     explains : whether changes of the equations of motion that explain a fault are looked for, which
         takes longer than finding it
     """
-    try:
-        method = engine.method(method_name)
-        return _examined_where_supported(engine, scenario, method, at, explains=explains)
-    except EngineError:
-        # The method's runs will tell why the engine refuses.
-        return None
-
-
-def _examined_where_supported(
-    engine: Engine, scenario: Scenario, method: Method, at: Places, *, explains: bool = True
-) -> StepEvidence | None:
-    """Examine a method from exact states; None where it does not support them.
-
-    Raises
-    ------
-    EngineError
-        If a session cannot be opened or stepped.
-    """
-    if engine.unsupported(scenario, method):
-        return None
-    for tried in (at, at.milder()):
-        with suppress(UnsupportedError):
-            return examined(
-                lambda scene, timestep: engine.open(scene, method, timestep),
-                engine,
-                scenario,
-                tried,
-                method,
-                explains=explains,
-            )
+    with suppress(EngineError):
+        return _examined(engine, scenario, engine.method(method_name), at, explains=explains)
+    # The method's runs will tell why the engine refuses.
     return None
 
 
@@ -109,38 +72,39 @@ def physics_in_words(engine: Engine, scenario: Scenario, method: Method) -> str:
     if method.as_shipped:
         return ""
     outline = ExactMotion(scenario).outline(scenario.times)
-    at = places(scenario, outline, None)
     try:
-        found = _examined_where_supported(engine, scenario, method, at)
+        found = _examined(engine, scenario, method, places(scenario, outline, None))
     except EngineError as error:
         return f"steps from states of the motion cannot be taken: {error}"
     return fault_in_words(found.fault) if found and found.fault else ""
 
 
-def examined(
-    open_at: Open,
-    engine: Engine,
-    scenario: Scenario,
-    at: Places,
-    method: Method,
-    *,
-    explains: bool = True,
-) -> StepEvidence:
-    """What single steps show of a method whose sessions are opened by a function.
+def _examined(
+    engine: Engine, scenario: Scenario, method: Method, at: Places, *, explains: bool = True
+) -> StepEvidence | None:
+    """Examine a method from exact states; None where it does not support them.
 
     Raises
     ------
     EngineError
         If a session cannot be opened or stepped.
     """
-    with sessions_of(open_at, scenario, float(at.timesteps[0])) as sessions:
-        if not sessions.first.can_restart:
-            at = at.thinned(OPENED)
-        if fault := _misread(sessions, engine, at):
-            return StepEvidence(len(at.times), 0.0, 0.0, 0.0, 0, fault=fault)
-        order = 0 if engine.single_precision else method.order
-        look = _Examination(sessions, engine, at).look
-        return evidence_of(look, at, order, explains=explains)
+    if engine.unsupported(scenario, method):
+        return None
+
+    def open_at(scene: Scenario, timestep: float) -> Session:
+        return engine.open(scene, method, timestep)
+
+    for tried in (at, at.milder()):
+        longest = float(tried.timesteps[0])
+        with suppress(UnsupportedError), sessions_of(open_at, scenario, longest) as sessions:
+            states = tried if sessions.first.can_restart else tried.thinned(FEW)
+            if fault := _misread(sessions, engine, states):
+                return StepEvidence(len(states.times), 0.0, 0.0, 0.0, 0, fault=fault)
+            look = _Examination(sessions, engine, states).look
+            order = 0 if engine.single_precision else method.order
+            return evidence_of(look, states, order, explains=explains)
+    return None
 
 
 @dataclass(frozen=True, eq=False)
@@ -173,7 +137,8 @@ class _Examination:
             if look.is_known:
                 break
             more = self._settled(settle, repeats) if settle else self._taken(0, repeats)
-            is_in_vain = max(more.known_to) > STILL_GAINING * max(look.known_to)
+            # Four times as many repeats halve an error that is random.
+            is_in_vain = max(more.known_to) ** 2 > max(look.known_to) ** 2 / 2
             look = more
             if is_in_vain:
                 break
@@ -205,10 +170,10 @@ class _Examination:
         halved = self.at.timesteps[0 if self.engine.single_precision else FINER :]
         timesteps = self._timesteps(halved)
         look = self._look(self._steps(settle, repeats, timesteps), settle)
-        further = self._look(self._steps(settle + FURTHER, repeats, timesteps), settle)
+        further = self._look(self._steps(settle + FEW, repeats, timesteps), settle)
         left = np.sqrt(((further.gains - look.gains) ** 2).mean(axis=(1, 3)))
         around = np.pad(left, ((1, 1), (0, 0)), mode="edge")
-        seen = SIGMAS * np.maximum(np.maximum(around[:-2], around[1:-1]), around[2:])
+        seen = np.maximum(np.maximum(around[:-2], around[1:-1]), around[2:])
         # What is larger is no residual of a solver.
         seen = np.minimum(seen, CONSISTENT * look.sizes)
         noise = np.sqrt(look.noise**2 + seen[:, None] ** 2 + (SOLVED * look.sizes) ** 2)
@@ -218,13 +183,13 @@ class _Examination:
     def _with_shorter_steps(self) -> Look:
         """Take steps with shorter timesteps, too, to see whether they follow a second series.
 
-        All are taken twice, again from states that are changed by 64 ulp. By how much a gain
+        All are taken twice, again from states that are changed a little. By how much a gain
         changes then is noise of the engine, which is no fault up to `NOISE` a step.
         """
         finer = self.at.timesteps[-1] / 2.0 ** np.arange(1, FINER + 1)
         timesteps = self._timesteps(np.concatenate([self.at.timesteps, finer]))
         look = self._look(self._steps(0, 1, timesteps), 0)
-        changed = self.at.changed(self.sessions.scenario, REDRAWN)
+        changed = self.at.changed(self.sessions.scenario, NUDGE * self.engine.ulp)
         again = self._look(steps_from(self.sessions, changed, timesteps), 0)
         drawn = np.sqrt(((again.gains - look.gains) ** 2).mean(axis=(1, 3)))[:, None]
         seen = np.minimum(drawn, noise_of_steps(look.equations, look.steps))
@@ -233,7 +198,7 @@ class _Examination:
     def _steps(self, settle: int, repeats: int, timesteps: FloatArray) -> Steps:
         states = self.at.states
         if repeats > 1:
-            states = self.at.changed(self.sessions.scenario, NUDGE, repeats)
+            states = self.at.changed(self.sessions.scenario, NUDGE * self.engine.ulp, repeats)
         return steps_from(self.sessions, states, timesteps, settle, repeats)
 
     def _look(self, steps: Steps, settle: int) -> Look:
@@ -252,7 +217,8 @@ class _Examination:
         timesteps in the same range.
         """
         if self.engine.single_precision:
-            halved = halved[:HALVINGS_SINGLE]
+            # Still shorter steps would show rounding alone.
+            halved = halved[:-FINER]
         between = float(halved[3]) / 2**0.5
         stock = [h for h in stock_timesteps(self.engine) if halved[-1] < h < halved[0]]
         return np.array(sorted({*map(float, halved), between, *stock}, reverse=True))
@@ -316,7 +282,7 @@ def _misread(sessions: Sessions, engine: Engine, at: Places) -> StepFault | None
         return None
     turn, omega, spins = norms(off[k])
     is_single = engine.single_precision
-    zero, changes = (0.0, 0.0, 0.0), misreading(read, at.states, reach, is_single=is_single)
+    zero, changes = (0.0, 0.0, 0.0), misreading(read, at.states, is_single=is_single)
     time = None if np.isnan(at.times[k]) else float(at.times[k])
     return StepFault(
         "misread", "attitude", time, 0.0, (float(omega), float(turn), float(spins)), zero, changes

@@ -30,8 +30,6 @@ from .regression import LEAST, PREDICTED_FROM, Measured, Regression, log_sum, no
 
 #: Orders that are tried.
 ORDERS = (1, 2, 3, 4, 5, 6)
-#: Share of the prior that is the same everywhere, and steps of its estimation.
-LEAK, ESTIMATIONS = 0.1, 3
 
 T = TypeVar("T", "_Fit", "_Splits")
 
@@ -155,13 +153,11 @@ def fitted(
 
 
 def _prior(evidence: FloatArray) -> FloatArray:
-    """The prior over the grid of radii and amplitudes, estimated from all states, (A,)."""
-    count = len(evidence)
-    prior = np.full(count, 1 / count)
-    for _ in range(ESTIMATIONS):
-        posterior = normalised(evidence + np.log(prior)[:, None])
-        prior = (1 - LEAK) * posterior.mean(axis=1) + LEAK / count
-    return prior
+    """The prior over the grid of radii and amplitudes, (A,).
+
+    One half of it is the same everywhere, the other is the mean of what the states show.
+    """
+    return np.asarray((1 / len(evidence) + normalised(evidence).mean(axis=1)) / 2)
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,7 +1,7 @@
 """The intervals of a run, each of which is run again from its own start."""
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -9,19 +9,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ....engines import State
+from ....engines.checks.equations import Equations
 from ....engines.checks.read_back import stacked
-from ....scenarios import FloatArray, Trajectory
+from ....scenarios import FloatArray, Scenario, Trajectory
+from ....scenarios.fastest_rate import fastest_rate
 from ...results.evidence import ReplayEvidence
-from ..ladder import Rung
-from .examine import OPENED
+from ..comparison.defects import FARTHEST_TURN
+from ..ladder import DECIDED_STEPS, Rung
 from .places import FINER, Places, states_of
-from .steps import Sessions
+from .regression import LEAST
+from .steps import FEW, Sessions, Steps, flowed, step_gains
 
 #: Intervals of a run at most.
 INTERVALS = 64
-#: States that are read at most when a run is run again; and the number of steps of a run that is
-#: made to be run again where there is no other.
-READ = 4096
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,10 +88,13 @@ class Intervals:
     def all_again(self) -> "Passage":
         """Run all intervals from their own starts, in random order, and read states on the way.
 
-        Of a run of more than `READ` steps every n-th state is read.
+        Of a run of more than `DECIDED_STEPS` steps every n-th state is read.
         """
         chance = np.random.default_rng(len(self.steps))
-        each, order = -(-int(self.steps.sum()) // READ), chance.permutation(len(self.steps))
+        each, order = (
+            -(-int(self.steps.sum()) // DECIDED_STEPS),
+            chance.permutation(len(self.steps)),
+        )
         made = {k: self._recorded(k, each) for k in map(int, order)}
         parts = [part for k in sorted(made) for part in made[k]]
         strides = np.concatenate([strides for strides, _ in parts])
@@ -137,6 +140,45 @@ class Passage:
     times: FloatArray
     spans: FloatArray
 
+    def places(self, scenario: Scenario, at: Places, *, is_single: bool) -> Places | None:
+        """States of the run to take steps from; None if the body cannot be held in any of them.
+
+        A fault may act in few states only, or only on the motion that the method itself makes. So
+        they are random states, and those in which what a step gains differs the most from the steps
+        before and after it. The shortest timesteps suffice, as many as tell a limit.
+
+        Parameters
+        ----------
+        at : exact states that steps were taken from
+        is_single : whether the engine computes in single precision; then, and where a constraint
+            has to settle, few states are used with all timesteps, as few timesteps would tell no
+            limit
+        """
+        is_few, count = is_single or at.gives_way, len(self.times)
+        some = np.random.default_rng(count).permutation(count)
+        some = some[: FEW // 2 if is_few else INTERVALS]
+        kept = np.union1d(some, self._abrupt(scenario, 1 if is_few else FEW))
+        kept = kept[Equations(scenario).bears(self.before.rows(kept))]
+        if not len(kept):
+            return None
+        states, times = self.before.rows(kept), self.times[kept]
+        chosen = replace(at, states=states, times=times, are_apart=False)
+        return chosen if is_few else replace(chosen, timesteps=at.timesteps[-LEAST:])
+
+    def _abrupt(self, scenario: Scenario, most: int) -> NDArray[np.intp]:
+        """Indices of the steps in which a quantity's gain differs most from its neighbours' mean.
+
+        There are so many of them for each quantity.
+        """
+        turn = fastest_rate(scenario, self.before.omega_body) * float(self.times[-1])
+        if turn > FARTHEST_TURN or len(self.times) < 3:
+            return np.zeros(0, dtype=np.intp)
+        exact = flowed(scenario, self.before, self.spans)
+        steps = Steps(self.spans[:1], self.spans, self.before, self.after, exact)
+        gains = step_gains(Equations(scenario), steps)[0, 0]
+        off = np.linalg.norm(gains[1:-1] - (gains[:-2] + gains[2:]) / 2, axis=2)
+        return np.unique(1 + np.argsort(off, axis=0)[-most:])
+
 
 @dataclass(frozen=True, eq=False)
 class Replay:
@@ -172,7 +214,7 @@ def restarted(
 
 def beginning_of(sessions: Sessions, at: Places) -> MadeRun:
     """A run of the first steps, for a scene whose window would take too many steps."""
-    timestep, strides = float(at.timesteps[FINER]), [0, *[READ // INTERVALS] * INTERVALS]
+    timestep, strides = float(at.timesteps[FINER]), [0, *[DECIDED_STEPS // INTERVALS] * INTERVALS]
     snapshots: list[object] = []
     with sessions.at(at.states.rows(0), timestep) as session:
         session.record(strides, snapshots.append)
@@ -183,7 +225,7 @@ def beginning_of(sessions: Sessions, at: Places) -> MadeRun:
 
 def _edges(samples: int, can_restart: bool) -> NDArray[np.intp]:
     """The samples at which intervals begin and end: they cover the run, with random lengths."""
-    most = INTERVALS if can_restart else OPENED
+    most = INTERVALS if can_restart else FEW
     count = min(most, max(1, 2 * (samples - 1) // 3))
     chance = np.random.default_rng(samples)
     inner = chance.choice(np.arange(1, samples - 1), count - 1, replace=False)

@@ -17,15 +17,10 @@ from ....scenarios import FloatArray
 from ...results.evidence import LEVEL, ReplayEvidence
 from .gain_series import fitted
 from .intervals import Replay, restarted
-from .noise import NOISE, SIGMAS, SOLVED, ULPS
+from .noise import NOISE, SOLVED, SURE, ULPS
 from .places import HALVINGS, states_of
 from .regression import PREDICTED_FROM
-from .steps import Sessions, state_differences
-
-#: A method may remember so many steps.
-REMEMBERED = 8
-#: A memory explains a difference if it leaves no more than this fraction of it.
-UNEXPLAINED = 0.5
+from .steps import FEW, Sessions, state_differences
 
 
 def explained_by_memory(
@@ -37,8 +32,8 @@ def explained_by_memory(
     steps earlier: once without a restart, and once with the restarts of the replay. Two conditions
     are checked:
 
-    - With the run's timestep these two differ as the run and its replay do. If the difference is no
-      larger than an iterative solver may leave, its size alone is compared.
+    - With the run's timestep these two differ as the run and its replay do, to half of that. If the
+      difference is no larger than an iterative solver may leave, its size alone is compared.
     - Over few steps, with shorter and shorter timesteps, their difference vanishes, as any gain
       must. This is not needed where steps were judged after a constraint had settled: their gains
       contain the impulses of earlier steps.
@@ -51,14 +46,14 @@ def explained_by_memory(
     shown, intervals = replay.evidence, replay.intervals
     if shown.tail >= LEVEL or shown.spread:
         return shown
-    before, starts = _earlier(replay, max(REMEMBERED, settled))
+    before, starts = _earlier(replay, max(FEW, settled))
     parts = intervals.parts_of(replay.worst)
     lost = _lost(intervals.sessions, starts, shown.timestep, before, parts)
     off, left = _largest(replay.off), _largest(replay.off - lost)
     if off <= SOLVED:
         # What an iterative solver leaves is of a size alone.
         left = off - _largest(lost)
-    if not left <= UNEXPLAINED * off:
+    if not left <= off / 2:
         return shown
     order, tail = (declared, 1.0) if settled else _vanishing(replay, engine, declared)
     if tail < LEVEL:
@@ -93,14 +88,14 @@ def _vanishing(replay: Replay, engine: Engine, declared: int) -> tuple[int, floa
     """
     starts, sessions = replay.intervals.starts.rows(replay.worst), replay.intervals.sessions
     timesteps = np.array([replay.evidence.timestep / 2.0**j for j in range(HALVINGS)])
-    before = np.full(len(replay.worst), REMEMBERED)
+    before = np.full(len(replay.worst), FEW)
     parts = np.stack([before // 2, before // 2], axis=1)
     lost = np.stack([_lost(sessions, starts, float(h), before, parts) for h in timesteps])
-    noise = max(NOISE, ULPS * engine.ulp) * np.sqrt(REMEMBERED)
+    noise = max(NOISE, ULPS * engine.ulp) * np.sqrt(FEW)
     gains, table = lost / timesteps[:, None, None, None], np.empty(lost.shape[:2])
     table[:] = noise / timesteps[:, None]
     series = [fitted(timesteps, gains[:, :, q], table, LEVEL) for q in range(lost.shape[2])]
-    seen = np.abs(lost).max(axis=(1, 3)) > SIGMAS * noise
+    seen = np.abs(lost).max(axis=(1, 3)) > SURE * noise
     if not seen.any():
         return 0, 0.0
     of_order = seen[PREDICTED_FROM:].any(axis=0)

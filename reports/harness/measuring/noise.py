@@ -25,6 +25,8 @@ from ....engines.checks.equations import Equations
 from ....engines.checks.read_back import State
 from ....scenarios import FloatArray, push
 from ....scenarios.rotation import norms
+from ...results.evidence import SEEN
+from ...results.records import LARGEST
 from .steps import Steps
 
 #: Rounding of a step, in ulp of each number of a state.
@@ -34,12 +36,10 @@ NOISE = 1e-12
 #: What an iterative solver of a constraint leaves of the largest terms, however long it settles:
 #: MuJoCo 4.0 was measured to leave up to 5e-10.
 SOLVED = 1e-9
-#: Effects below this fraction of the largest terms are ignored.
-NEGLIGIBLE = 2e-6
 #: A difference is significant beyond so many standard deviations of noise.
-SIGMAS = 3.0
+SURE = 8.0
 #: Smallest size that anything is divided by: the square of its inverse is finite.
-NO_SIZE = 1e-150
+NO_SIZE = 1 / LARGEST
 
 
 def rounding_of_body(condition: float, ulp: float = float(np.finfo(float).eps)) -> float:
@@ -137,9 +137,10 @@ def weakest_effects(equations: Equations, steps: Steps) -> FloatArray:
     """The size of the weakest effect in each quantity, (Q,): infinite where no effect acts.
 
     The size of an effect is the largest that its term has in any state. Torques of the same kind
-    count as one effect, and effects below `NEGLIGIBLE` of the largest terms are ignored.
+    count as one effect. An effect is ignored if `SEEN` of it is less than `NOISE` of the largest
+    terms, as it could not be told from noise that is no fault.
     """
-    nothing = NEGLIGIBLE * largest_terms(equations, steps)
+    nothing = NOISE / SEEN * largest_terms(equations, steps)
     torques = _torques(equations, steps.before).max(axis=0)
     least = np.full_like(nothing, np.inf)
     least[1] = torques[torques > nothing[1]].min(initial=np.inf)

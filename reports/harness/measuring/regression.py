@@ -14,15 +14,12 @@ from numpy.typing import NDArray
 from scipy.special import chdtrc
 
 from ....scenarios import FloatArray
+from ...results.evidence import LEVEL
 
 #: Terms of the series that are kept: with more, no tail changes by a factor of two.
 TERMS = 16
-#: Ratios of neighbouring radii and amplitudes that are integrated over.
-RADIUS_RATIO, AMPLITUDE_RATIO = 2**0.5, 10**0.35
-#: Probability from which on a timestep is said to be beyond the radius.
-CERTAIN = 1 - 1e-6
-#: Pairs of the grid that are less probable than this are left out: no tail changes by that.
-IMPOSSIBLE = 1e-18
+#: Ratio of neighbouring radii that are integrated over, and root of that of amplitudes.
+RATIO = 2**0.5
 #: How many gains with longer timesteps a prediction needs, and how many gains a limit needs.
 PREDICTED_FROM, LEAST = 2, 4
 
@@ -61,8 +58,8 @@ class Measured:
         units = np.median(noise / np.median(noise, axis=1, keepdims=True), axis=0)
         scaled, alike = gains / units[:, None], (noise / units).max(axis=1)
         least, largest = 0.1 * alike.min(), 1e3 * (np.abs(scaled).max() + alike.max())
-        count = int(np.ceil(np.log(largest / least) / np.log(AMPLITUDE_RATIO)))
-        amplitudes = least * AMPLITUDE_RATIO ** np.arange(count + 1)
+        count = int(np.ceil(np.log(largest / least) / np.log(RATIO**2)))
+        amplitudes = least * RATIO ** (2 * np.arange(count + 1))
         x = timesteps / timesteps[0]
         if turns is None:
             turns = np.repeat(x[:, None], len(units), axis=1)
@@ -203,7 +200,7 @@ class Regression:
         weights = normalised(self.evidence + np.log(prior)[:, None])
         of_radius = weights.reshape(len(self.radii), -1, weights.shape[1]).sum(axis=1)
         is_beyond = self.radii[:, None] * self.measured.x >= 1
-        return np.asarray((is_beyond.T @ of_radius >= CERTAIN).sum(axis=0))
+        return np.asarray((is_beyond.T @ of_radius >= 1 - LEVEL).sum(axis=0))
 
     def innovations(self, prior: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
         """How far each gain is off its prediction from those with longer timesteps.
@@ -236,7 +233,8 @@ class Regression:
         known, row, K = self.before(j), self.basis[:, j], self.measured.gains.shape[1]
         weights = normalised(known.evidence + np.log(prior)[:, None])
         _, squares, right, turned = known._decomposed
-        pairs = np.flatnonzero((weights > IMPOSSIBLE).any(axis=1))
+        # Pairs that are less probable change no tail that is compared with the level.
+        pairs = np.flatnonzero((weights > LEVEL**2).any(axis=1))
         of_radius, of_amplitude = np.divmod(pairs, len(self.measured.amplitudes))
         amplitudes = self.measured.amplitudes[of_amplitude, None] ** 2
         seen, squares = (right @ row[:, :, None])[of_radius, :, 0], squares[of_radius, :TERMS]
@@ -255,8 +253,8 @@ def _inverse_radii(measured: Measured) -> FloatArray:
     The radii reach from four times the longest timestep down to the least one that leaves enough
     timesteps below it to show a series.
     """
-    count = np.arange(np.log(4 / measured.radius) / np.log(RADIUS_RATIO))
-    radii = RADIUS_RATIO ** (count + 0.5) / 4
+    count = np.arange(np.log(4 / measured.radius) / np.log(RATIO))
+    radii = RATIO ** (count + 0.5) / 4
     within = (radii[:, None] * measured.x < 1).sum(axis=1)
     return np.asarray(radii[within >= min(LEAST, len(measured.x))])
 

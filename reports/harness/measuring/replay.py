@@ -20,20 +20,15 @@ from ....engines.checks.equations import Equations
 from ....reference import IntegrationError
 from ....scenarios import FloatArray, Scenario
 from ....scenarios.rotation import norms
-from ...results.evidence import LEVEL, ReplayEvidence, StepEvidence
+from ...results.evidence import LEVEL, QUANTITIES, ReplayEvidence, StepEvidence
 from ...results.records import LARGEST
 from .examine import examine
 from .intervals import Intervals, MadeRun, Replay, beginning_of
 from .memory import explained_by_memory
 from .noise import NOISE, ULPS, rounding_of_body
-from .own_places import own_places
 from .places import Places, states_of
-from .steps import Sessions, sessions_of, state_differences
+from .steps import FEW, Sessions, sessions_of, state_differences
 
-#: Intervals that are run again from changed states, too, to see how much rounding errors grow.
-CHANGED = 5
-#: Number of quantities of `state_differences`.
-QUANTITIES = 5
 #: rad, or relative: a change that has grown to this is as large as the motion itself.
 LOST = 0.1
 
@@ -73,7 +68,7 @@ def examine_runs(
             shown = [one.evidence for one in replays]
             shown = [explained_by_memory(one, engine, method.order, settled) for one in replays]
             exact, is_single = replace(at, gives_way=bool(settled)), engine.single_precision
-            own = own_places(scenario, exact, replays[0].passage, is_single=is_single)
+            own = replays[0].passage.places(scenario, exact, is_single=is_single)
     except (EngineError, IntegrationError) as error:
         return tuple(shown), None, "" if shown else str(error)
     own_steps = examine(engine, scenario, method_name, own) if own else None
@@ -87,7 +82,7 @@ def _replay(sessions: Sessions, engine: Engine, run: MadeRun, condition: float) 
     passage = intervals.all_again()
     off = _off(passage.ends, intervals.ends, reach)
     sizes = _sizes(off)
-    worst = np.argsort(sizes)[-CHANGED:]
+    worst = np.argsort(sizes)[-FEW:]
     starts, ends = intervals.starts.rows(worst), passage.ends.rows(worst)
     # The worst are run once more, without reading states on the way.
     twice = _off(intervals.some_again(worst, starts), ends, reach, intervals.ends)
@@ -131,7 +126,7 @@ def _evidence(
     run = intervals.run
     times = run.motion.t[intervals.edges]
     turns = np.diff(times) * np.maximum(norms(intervals.starts.omega_body), 1 / times[-1])
-    tails = chdtrc(QUANTITIES * 3, squares) * (len(squares) + len(worst))
+    tails = chdtrc(3 * len(QUANTITIES), squares) * (len(squares) + len(worst))
     tail = float(min(1.0, tails.min()))
     largest = min(LARGEST, float((sizes / turns)[squares.argmax()]))
     evidence = ReplayEvidence(run.rung.timestep, len(tails), tail, largest)
@@ -167,7 +162,7 @@ def _noise(
     # In double precision a body may be composed of its parts anew at each restart.
     composed = 0.0 if engine.single_precision else rounding_of_body(condition)
     walk = max(NOISE, ULPS * engine.ulp, composed) * np.sqrt(steps)
-    noise = np.repeat(walk[:, None], QUANTITIES, axis=1)
+    noise = np.repeat(walk[:, None], len(QUANTITIES), axis=1)
     speed = float(norms(states.omega_body).max())
     if scenario.constraint.is_pivot:
         # The pivot's place is rounded, and a constraint that holds it turns the body back by that
@@ -191,6 +186,6 @@ def _noise(
 
 def _changed(states: State, speed: float) -> State:
     """The states with ω changed by so much, rad/s, in the same direction for all."""
-    direction = np.random.default_rng(CHANGED).standard_normal(3)
+    direction = np.random.default_rng(FEW).standard_normal(3)
     change = speed / np.linalg.norm(direction) * direction
     return replace(states, omega_body=states.omega_body + change)

@@ -1,15 +1,33 @@
-"""What steps and the series of their gains show, in the form in which it is stored."""
+"""What steps and the series of their gains show, in the form in which it is stored.
+
+If it is a fault, it is described: with which timesteps it shows, in which state, and by how much.
+"""
 
 import numpy as np
 
+from ....scenarios import FloatArray
 from ....scenarios.rotation import norms
-from ...results.evidence import QUANTITIES, GainCurve, StepEvidence
+from ...results.evidence import (
+    LEVEL,
+    QUANTITIES,
+    Explanation,
+    FaultKind,
+    GainCurve,
+    StepEvidence,
+    StepFault,
+    Vector,
+)
+from ..explaining.gains import Gains, explanations
+from ..explaining.hypothesis import as_it_is
+from ..explaining.readings import misreading
+from .gain_series import fitted
 from .look import Look
+from .noise import SURE
 from .places import Places
-from .shapes import fault_of
+from .regression import LEAST
 
 
-def evidence_of(look: Look, at: Places, order: int, *, explains: bool) -> StepEvidence:
+def evidence_of(look: Look, at: Places, order: int, *, explains: bool = True) -> StepEvidence:
     """What steps and their series show, as it is stored.
 
     Parameters
@@ -17,20 +35,23 @@ def evidence_of(look: Look, at: Places, order: int, *, explains: bool) -> StepEv
     order : the declared one
     explains : whether changes that explain a fault are looked for
     """
-    known_to, of_an_effect = look.known_to
     return StepEvidence(
         len(at.times),
         look.tail,
-        known_to,
-        of_an_effect,
+        *look.known_to,
         _order_shown(look, order),
         tuple(_curves(look)),
-        fault_of(look, at, explains=explains),
+        _fault(look, at, explains=explains) if look.tail < LEVEL else None,
         look.settled,
         _changes_below(look),
         _beyond_from(look),
         order,
     )
+
+
+def kind_of(look: Look) -> FaultKind:
+    """How the least likely gains are off."""
+    return _shape(look, *_worst(look))[0]
 
 
 def _order_shown(look: Look, declared: int) -> int:
@@ -55,8 +76,7 @@ def _curves(look: Look) -> list[GainCurve]:
             sizes.max(axis=1),
         )
         relative = (tuple(map(float, column / look.sizes[q])) for column in columns)
-        timesteps = tuple(map(float, look.steps.timesteps))
-        curves.append(GainCurve(quantity, timesteps, *relative))
+        curves.append(GainCurve(quantity, tuple(map(float, look.steps.timesteps)), *relative))
     return curves
 
 
@@ -68,9 +88,84 @@ def _beyond_from(look: Look) -> float:
 
 def _changes_below(look: Look) -> float:
     """The timestep, s, below which steps follow a second series; 0 where they follow one."""
-    first = [
-        one.changes[one.changes > 0].min(initial=len(look.steps.timesteps)) for one in look.series
-    ]
-    longest = int(min(first))
-    is_none = longest == len(look.steps.timesteps)
-    return 0.0 if is_none else float(look.steps.timesteps[longest - 1])
+    changes = np.concatenate([one.changes for one in look.series])
+    return float(look.steps.timesteps[changes[changes > 0].min() - 1]) if changes.any() else 0.0
+
+
+def _worst(look: Look) -> tuple[int, int]:
+    """The indices of the quantity and the state with the smallest tail.
+
+    Several tails may be zero: then a state whose error in a step is the same at all timesteps comes
+    first, as its gains in other quantities may follow from it.
+    """
+    tails = [one.tail for one in look.series]
+    alike = [q for q, tail in enumerate(tails) if tail == min(tails)]
+    pairs = [(q, int(look.series[q].least_tails.argmin())) for q in alike]
+    return next((pair for pair in pairs if _shape(look, *pair)[0] == "leap"), pairs[0])
+
+
+def _shape(look: Look, q: int, k: int) -> tuple[FaultKind, int]:
+    """How the gains of state k in quantity q are off, and the index of a timestep that shows it."""
+    series, timesteps = look.series[q], look.steps.timesteps
+    gains, noise, last = look.gains[:, :, q], look.noise[:, :, q], len(timesteps) - 1
+    bad = np.flatnonzero(series.tails[:, k] * series.tests < look.level)
+    leaps = norms(gains[-LEAST:, k]) * timesteps[-LEAST:]
+    if len(bad) and np.ptp(leaps) < leaps.min() / 2:
+        return "leap", last
+    if series.lone_timestep is not None:
+        return "timestep", series.lone_timestep
+    if len(bad) and bad[0] >= LEAST:
+        longer = slice(None, int(bad[0]))
+        part = fitted(timesteps[longer], gains[longer], noise[longer], 0.0)
+        off, off_before = (norms(one.limit)[k] for one in (series, part))
+        if SURE * part.limit_error[k] < off and 2 * off_before < off:
+            return "shorter", int(bad[0])
+    return "limit", last
+
+
+def _fault(look: Look, at: Places, *, explains: bool) -> StepFault:
+    """The fault that the least likely gains show.
+
+    Parameters
+    ----------
+    explains : whether changes of the equations that explain a limit are looked for
+    """
+    q, k = _worst(look)
+    series, quantity = look.series[q], QUANTITIES[q]
+    kind, j = _shape(look, q, k)
+    timestep, wanted = float(look.steps.timesteps[j]), np.zeros(3)
+    changes: tuple[Explanation, ...] = ()
+    if kind == "limit":
+        k = int((norms(series.limit) / series.limit_error).argmax())
+    off = series.limit[k] if kind == "limit" else look.gains[j, k, q]
+    if kind == "leap":
+        off = off * timestep
+    elif quantity != "parts":
+        limits = _limits(look)
+        wanted = limits.exact[k, q]
+        changes = explanations(limits) if explains and kind == "limit" else ()
+    if kind != "limit":
+        shortest = slice(-look.gains.shape[1], None)
+        ends = look.steps.after.rows(shortest), look.steps.exact.rows(shortest)
+        changes = misreading(*ends, is_single=look.is_single)
+    time = None if np.isnan(at.times[k]) else float(at.times[k])
+    return StepFault(
+        kind, quantity, time, timestep, _vector(wanted + off), _vector(wanted), changes
+    )
+
+
+def _limits(look: Look) -> Gains:
+    """The limits of what the states gain, in all quantities but those of parts."""
+    of_the_body = look.series[: QUANTITIES.index("parts")]
+    limits, errors = (
+        np.stack([getattr(one, name) for one in of_the_body], axis=1)
+        for name in ("limit", "limit_error")
+    )
+    states = look.steps.before.rows(slice(-look.steps.repeats * look.gains.shape[1], None))
+    base = as_it_is(look.equations.scenario)
+    return Gains(base, look.equations, states, limits, SURE * errors)
+
+
+def _vector(values: FloatArray) -> Vector:
+    x, y, z = map(float, values)
+    return x, y, z

@@ -15,6 +15,10 @@ from ....scenarios.rotation import matrices, norms, rotation_vectors, turned
 from ....scenarios.scenario import started_at
 from .places import states_of
 
+#: A few: states or intervals at most, where each takes long; and steps in which a method, or the
+#: solver of a constraint, may still remember a state.
+FEW = 8
+
 Open = Callable[[Scenario, float], Session]
 
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from spincheck.engines import State
-from spincheck.reports.harness.measuring.readings import MISTAKES, misreading
+from spincheck.reports.harness.explaining.readings import MISTAKES, misreading
 
 CHANCE = np.random.default_rng(5)
 TURNS = CHANCE.standard_normal((7, 4))
@@ -20,16 +20,16 @@ def in_24_bits(state: State) -> State:
 
 @pytest.mark.parametrize("kind", MISTAKES)
 def test_each_mistake_is_named(kind: str) -> None:
-    (found,) = misreading(MISTAKES[kind](EXACT), EXACT, 1.0, is_single=False)
+    (found,) = misreading(MISTAKES[kind](EXACT), EXACT, is_single=False)
     assert found.kind == kind
 
 
 def test_single_precision_is_named_of_an_engine_that_does_not_declare_it() -> None:
-    (found,) = misreading(in_24_bits(EXACT), EXACT, 1.0, is_single=False)
+    (found,) = misreading(in_24_bits(EXACT), EXACT, is_single=False)
     assert found.kind == "24 bits"
-    assert not misreading(in_24_bits(EXACT), EXACT, 1.0, is_single=True)
+    assert not misreading(in_24_bits(EXACT), EXACT, is_single=True)
 
 
 def test_what_no_mistake_explains_is_not_named() -> None:
     turned = State(np.roll(EXACT.q_world_body_wxyz, 1, axis=0), *EXACT.columns[1:])
-    assert not misreading(turned, EXACT, 1.0, is_single=False)
+    assert not misreading(turned, EXACT, is_single=False)

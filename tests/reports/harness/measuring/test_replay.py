@@ -50,7 +50,7 @@ def test_intervals_cover_a_run_and_are_of_irregular_length(samples: int, can_res
     lengths = np.diff(edges)
     assert (edges[0], edges[-1]) == (0, samples - 1)
     assert (lengths > 0).all()
-    most = intervals.INTERVALS if can_restart else intervals.OPENED
+    most = intervals.INTERVALS if can_restart else intervals.FEW
     assert 1 <= len(lengths) <= most
     assert samples < 100 or np.ptp(lengths) >= 5
 

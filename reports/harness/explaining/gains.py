@@ -16,16 +16,11 @@ from ....reference.other_equations import inverse
 from ....scenarios import FloatArray
 from ....scenarios.rotation import matrices, turned
 from ...results.evidence import Explanation
-from ..explaining.changes import changes
-from ..explaining.fit import Data
-from ..explaining.hypothesis import Change, Hypothesis, as_it_is
-from ..explaining.search import Search
-from .noise import NO_SIZE
-
-#: Number of the quantities of `step_gains` that are not of parts.
-OF_THE_BODY = 4
-#: Fraction of the largest gain that is taken to be rounding.
-ROUNDED = 1e-6
+from ..measuring.noise import NO_SIZE
+from .changes import changes
+from .fit import RANK, Data
+from .hypothesis import Change, Hypothesis
+from .search import Search
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,9 +46,9 @@ class Gains(Data):
 
     @cached_property
     def scale(self) -> FloatArray:
-        """The largest error of an excess by noise and rounding, (K, 4)."""
+        """The largest error of an excess: by noise, and what is too little to count, (K, 4)."""
         largest = np.linalg.norm(self.excess, axis=2).max(axis=0)
-        return np.asarray(np.maximum(self.noise + ROUNDED * largest, NO_SIZE))
+        return np.asarray(np.maximum(self.noise + RANK * largest, NO_SIZE))
 
     @cached_property
     def exact(self) -> FloatArray:
@@ -92,11 +87,6 @@ class Gains(Data):
         factor = float(e.kept @ usual / (usual @ usual)) if usual.any() else 0.0
         kept = factor * self.equations.kept_body(self.states)
         return rates(e, np.hstack([self.states.q_world_body_wxyz, omega]), kept)
-
-
-def gains_of(equations: Equations, states: State, excess: FloatArray, noise: FloatArray) -> Gains:
-    """The limits of what states gain, to be explained; arguments as the attributes of `Gains`."""
-    return Gains(as_it_is(equations.scenario), equations, states, excess, noise)
 
 
 def explanations(gains: Gains) -> tuple[Explanation, ...]:

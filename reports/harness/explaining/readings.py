@@ -7,37 +7,32 @@ import numpy as np
 
 from ....engines import State
 from ....scenarios import FloatArray
-from ....scenarios.rotation import matrices, turned, turned_back
-from ...results.evidence import Explanation
-from .steps import state_differences
-
-#: A mistake explains states if it leaves less than this fraction of their error.
-EXPLAINS = 1e-3
+from ....scenarios.rotation import matrices, rotation_vectors, turned, turned_back
+from ...results.evidence import CONSISTENT, Explanation
 
 
-def misreading(
-    read: State, exact: State, reach: float, *, is_single: bool
-) -> tuple[Explanation, ...]:
+def misreading(read: State, exact: State, *, is_single: bool) -> tuple[Explanation, ...]:
     """The mistake in reading that explains n states; empty if none does.
 
     Parameters
     ----------
     read, exact : states after a step, and what they should be
-    reach : m, as of `state_differences`
     is_single : whether the engine declares single precision
     """
     if not is_single and _is_in_24_bits(read) and not _is_in_24_bits(exact):
         return (Explanation("24 bits", ()),)
-    off = _off(read, exact, reach)
+    off = _off(read, exact)
     for kind, mistaken in MISTAKES.items():
-        if _off(read, mistaken(exact), reach) < EXPLAINS * off:
+        if _off(read, mistaken(exact)) < CONSISTENT * off:
             return (Explanation(kind, ()),)
     return ()
 
 
-def _off(read: State, exact: State, reach: float) -> float:
-    """The largest difference of attitude and ω."""
-    return float(np.abs(state_differences(read, exact, reach)[:, :2]).max())
+def _off(read: State, exact: State) -> float:
+    """The largest difference of attitude, rad, and of ω, relative to the fastest."""
+    turn = rotation_vectors(exact.q_world_body_wxyz, read.q_world_body_wxyz)
+    change = (read.omega_body - exact.omega_body) / (np.abs(exact.omega_body).max() or 1.0)
+    return float(np.abs([turn, change]).max())
 
 
 def _with_q(state: State, q_wxyz: FloatArray) -> State:
