@@ -57,6 +57,8 @@ get_cache(nb_execution_cache_path).list_cache_records()
 nb_execution_in_temp = True
 nb_execution_raise_on_error = True
 nb_execution_timeout = 900
+# Pages whose cells are not run, by names with blanks between; none but in the tests.
+nb_execution_excludepatterns = os.environ.get("SPINCHECK_CELLS_NOT_RUN", "").split()
 nb_merge_streams = True
 # Commands in cells are those of this Python, and print lines as wide as a page.
 os.environ["PATH"] = f"{Path(sys.executable).parent}:{os.environ['PATH']}"

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
 from mpmath import mp, mpf
@@ -13,6 +13,8 @@ from .float_array import FloatArray, read_only
 #: Relative slack of the triangle inequality: decimals such as 0.1 + 0.2 ≥ 0.3 must pass it after
 #: rounding to double.
 TRIANGLE_SLACK = 4 * np.finfo(float).eps
+#: Number of tensors whose principal moments are kept.
+KEPT = 64
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,13 +80,18 @@ class Body:
     @cached_property
     def principal_moments(self) -> FloatArray:
         """Principal moments about the centre of mass, ascending, kg m², (3,)."""
-        tensor = self.inertia_com_exact
-        with mp.workdps(DIGITS):
-            if all(tensor[i][j] == 0 for i in range(3) for j in range(3) if i != j):
-                moments = sorted(tensor[i][i] for i in range(3))
-            else:
-                moments = sorted(mp.eigsy(mp.matrix(tensor), eigvals_only=True))
-        return read_only(moments)
+        return _ascending(self.inertia_com_exact)
+
+
+@lru_cache(maxsize=KEPT)
+def _ascending(tensor: Tensor) -> FloatArray:
+    """Return the principal moments of a tensor; kept, as a body is moved with its tensor."""
+    with mp.workdps(DIGITS):
+        if all(tensor[i][j] == 0 for i in range(3) for j in range(3) if i != j):
+            moments = sorted(tensor[i][i] for i in range(3))
+        else:
+            moments = sorted(mp.eigsy(mp.matrix(tensor), eigvals_only=True))
+    return read_only(moments)
 
 
 def body_about_com(mass: float, com: Sequence[float], inertia: Sequence[Sequence[float]]) -> Body:

@@ -1,6 +1,7 @@
 """The same motion seen from other axes, another origin, and in other units."""
 
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -38,6 +39,8 @@ ON_A_TABLE = frozenset(EFFECTS)
 OF_BODIES = ON_A_TABLE - {"table"}
 OF_ONE_BODY = OF_BODIES - {"rotors"}
 FREE_FALL = frozenset({"gravity", "rotors"})
+#: Number of changed bodies kept: a scene is opened from many states.
+KEPT = 64
 
 
 @dataclass(frozen=True)
@@ -68,7 +71,7 @@ class SceneChange:
             changed = with_tables(scenario, window=window, effects=self._effects(scenario.effects))
             return replace(
                 changed,
-                carrier=self._body(scenario.carrier),
+                carrier=_changed(self, scenario.carrier),
                 rotors=Rotors(tuple(map(self._rotor, scenario.rotors.each))),
                 start=self._start(scenario),
             )
@@ -184,3 +187,9 @@ class SceneChange:
     def _attitude(self, q: Quaternion) -> Quaternion:
         w, x, y, z = q
         return (w, x, -y, -z) if self.is_mirrored else q
+
+
+@lru_cache(maxsize=KEPT)
+def _changed(change: SceneChange, body: Body) -> Body:
+    with mp.workdps(DIGITS):
+        return change._body(body)

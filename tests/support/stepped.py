@@ -174,7 +174,7 @@ class Stepped(QuietSession):
 
     def take(self, steps: int, push: Vector | float = 0.0) -> None:
         """Take honest steps, with a torque in body axes besides, N m."""
-        push = np.broadcast_to(np.asarray(push, float), 3).copy()
+        push = np.ascontiguousarray(push, float) if np.ndim(push) else np.full(3, float(push))
         _take_steps(self.y, steps, self.timestep, self.order, self.constants, push)
         self.taken += steps
 

@@ -412,8 +412,6 @@ class WrongWhenOpenedTwice(Pushed):
 class Overflows(Stepped):
     """ω is not finite after a step, as where single precision ends."""
 
-    at_every_step = True
-
     def after_step(self):
         self.y[4:7] *= np.inf
 

@@ -20,17 +20,6 @@ from spincheck.scenarios import Scenario
 Progress = Callable[[str], object]
 
 
-class Nowhere:
-    """A result file that keeps nothing."""
-
-    def put(self, *_: object) -> None:
-        """Drop the records."""
-
-    def varied(self, _: str) -> list[Row]:
-        """Nothing was kept."""
-        return []
-
-
 def study(
     path: Path,
     scenes: Sequence[Scenario],

@@ -232,7 +232,7 @@ class MethodStudy:
         of_step = partial(self._jacobian, name=name) if name else None
         try:
             counts = [*TAPED] if is_taped else self.counts
-            exact, truth = exact_along(sessions.scenario, h, counts)
+            exact, truth = exact_along(sessions.scenario, h, tuple(counts))
             counts = counts[: len(exact.t)]
             with sessions.open_at(sessions.scenario, h) as session:
                 if is_taped:

@@ -7,6 +7,7 @@ at the start, in units: docs/how-to/gradients.md.
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from scipy.spatial.transform import Rotation
@@ -27,6 +28,8 @@ TO_TARGET = np.ones(3) / np.sqrt(3.0)
 HUGE = 1e150
 #: Relative error of a gradient that is no better than none.
 USELESS = 1.0
+#: Number of exact motions kept, with their derivatives.
+KEPT = 4
 
 
 @dataclass(frozen=True)
@@ -54,10 +57,13 @@ def counts_to(last: int) -> list[int]:
     return [*(2**k for k in range(last.bit_length()) if 2**k < last), last]
 
 
+@lru_cache(maxsize=KEPT)
 def exact_along(
-    scenario: Scenario, timestep: float, counts: Sequence[int]
+    scenario: Scenario, timestep: float, counts: tuple[int, ...]
 ) -> tuple[Trajectory, Sensitivity]:
     """Return the exact motion after numbers of steps, as far as it is known, and its derivatives.
+
+    It is kept: all derivatives of an engine are compared with it.
 
     Raises
     ------

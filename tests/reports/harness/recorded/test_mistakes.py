@@ -18,11 +18,13 @@ TO_WORLD = "the quaternion takes world to body components"
 
 
 TOP = library_scene("fast-top")
+#: Of a recording: a mistake shows in the first of them, and times in ms are followed to the last.
+SAMPLES = 81
 
 
 def exact_at(scene, delay=0.0):
     """Arrays of a recording: states of a time `delay` in samples after the times beside them."""
-    times = scene.times
+    times = scene.times[:SAMPLES]
     motion = solve(scene, times + delay * times[1]).trajectory
     return {
         "t": times,
@@ -238,5 +240,5 @@ def test_an_error_that_no_mistake_explains_has_none_and_times_far_off_are_of_ano
     arrays = exact_at(TOP)
     drifting = 1 + 0.01 * arrays["t"][:, None]
     assert judged(TOP, arrays | {"omega": arrays["omega"] * drifting}).explained_by == ()
-    with pytest.raises(RecordingError, match=r"reach 5e\+06 s, .* from its start, .* t \[us\]"):
+    with pytest.raises(RecordingError, match=r"reach 1e\+06 s, .* from its start, .* t \[us\]"):
         judged(TOP, arrays | {"t": 1e6 * arrays["t"]})

@@ -1,4 +1,4 @@
-"""Other physics, planted in motions and in real engines, is named with its number, and no other."""
+"""Other physics of real engines, and clamps, are named with their numbers, and no integrator is."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -8,15 +8,13 @@ import numpy as np
 import pytest
 from case_loops import each_case
 from kinds_of_engines import why_missing
-from planted_physics import Damped, Ungyroscopic
 from spincheck.engines import engines
 from spincheck.reference import solve
 from spincheck.reports.harness.recorded.judged import judged_motion
 from spincheck.reports.harness.recorded.recording import Recording
 from spincheck.scenarios import Scenario, Trajectory, load
-from spincheck.scenarios.scenario import with_tables
 from spincheck.suite import SCENES
-from stepped import METHODS, Stepped, SteppedEngine
+from stepped import METHODS, SteppedEngine
 
 pytestmark = pytest.mark.slow
 
@@ -25,56 +23,17 @@ TUMBLING, TOP, FAST = (
 )
 
 
-def exact(scenario: Scenario, **tables: object) -> Trajectory:
-    times = np.linspace(0.0, scenario.window.duration, 201)
-    document = scenario.document
-    other = {name: getattr(document, name).model_copy(update=t) for name, t in tables.items()}
-    return solve(with_tables(scenario, **other), times).trajectory
-
-
-def stepped(kind: type[Stepped]) -> Trajectory:
-    run = SteppedEngine(kind).run(TUMBLING, METHODS[2], 0.01, np.arange(201))
-    assert run.trajectory is not None
-    return run.trajectory
-
-
 def clamped(limit: Callable[[np.ndarray], np.ndarray]) -> Trajectory:
-    motion = exact(FAST)
+    motion = solve(FAST, np.linspace(0.0, FAST.window.duration, 201)).trajectory
     return replace(motion, omega_body=limit(motion.omega_body))
 
 
-HEAVIER = TOP.effects.gravity.model_copy(update={"acceleration": (0.0, 0.0, -12.0)})
-PLANTED: dict[str, tuple[Scenario, Callable[[], Trajectory], str]] = {
-    "no gyroscopic torque": (
-        TUMBLING,
-        lambda: stepped(Ungyroscopic),
-        "it moves as if there were no gyroscopic torque",
+#: Of a sphere that is faster at every sample; other physics: `reported_faults`, `invented_faults`.
+CLAMPED: dict[str, Callable[[np.ndarray], np.ndarray]] = {
+    "each component of ω in body axes is clamped to 350 rad/s": (
+        lambda omega: np.clip(omega, -350.0, 350.0)
     ),
-    "another inertia": (
-        TUMBLING,
-        lambda: exact(TUMBLING, body={"inertia": (1.0, 2.0, 2.7)}),
-        "it moves as if the moments were",
-    ),
-    "gravity": (
-        TOP,
-        lambda: exact(TOP, effects={"gravity": HEAVIER}),
-        "it moves as if gravity were 1.2",
-    ),
-    "damping at a rate": (
-        TUMBLING,
-        lambda: stepped(Damped),
-        "it moves as if L were slowed by 0.04 /s",
-    ),
-    "a clamp by component": (
-        FAST,
-        lambda: clamped(lambda omega: np.clip(omega, -350.0, 350.0)),
-        "each component of ω in body axes is clamped to 350 rad/s",
-    ),
-    "a clamp of the norm": (
-        FAST,
-        lambda: clamped(lambda omega: omega / 5),
-        "‖ω‖ is clamped to 100 rad/s",
-    ),
+    "‖ω‖ is clamped to 100 rad/s": lambda omega: omega / 5,
 }
 
 
@@ -84,10 +43,9 @@ def explained(scenario: Scenario, motion: Trajectory, timestep: float) -> tuple[
     return judged_motion(scenario, recording).explained_by
 
 
-@each_case("name", [*PLANTED])
-def test_planted_physics_is_named_with_its_number(name: str) -> None:
-    scenario, motion, words = PLANTED[name]
-    (found,) = explained(scenario, motion(), 1e-5)
+@each_case("words", [*CLAMPED])
+def test_a_clamp_is_named_with_its_number(words: str) -> None:
+    (found,) = explained(FAST, clamped(CLAMPED[words]), 1e-5)
     assert found.startswith(words)
 
 
