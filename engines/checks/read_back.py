@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...scenarios import FloatArray, Scenario
-from ...scenarios.rotation import cross, matrix, norms, rotation_vectors
+from ...scenarios.rotation import conjugate, cross, matrix, norms, rotation_vectors
 from ..fault import Cause
 
 #: Relative tolerance of a model or state that is read back. Text with 17 digits and a few products
@@ -172,14 +172,14 @@ def differences(
 
 def _misread(wanted_q: FloatArray, got_q: FloatArray, slack: float) -> str:
     """The usual mistake that makes one quaternion of the other, in words; empty if none does."""
-    conjugate = wanted_q * [1.0, -1.0, -1.0, -1.0]
+    conjugated = conjugate(wanted_q)
     order, inverse = "its components are permuted, w x y z for x y z w", "it is conjugated"
     mistakes = (
         (np.roll(wanted_q, -1), order),
         (np.roll(wanted_q, 1), order),
-        (conjugate, f"{inverse}, world to body instead of body to world"),
-        (np.roll(conjugate, -1), f"{order}, and {inverse}"),
-        (np.roll(conjugate, 1), f"{order}, and {inverse}"),
+        (conjugated, f"{inverse}, world to body instead of body to world"),
+        (np.roll(conjugated, -1), f"{order}, and {inverse}"),
+        (np.roll(conjugated, 1), f"{order}, and {inverse}"),
     )
     for mistaken, words in mistakes:
         if float(norms(rotation_vectors(got_q[None], mistaken[None]))[0]) <= slack:

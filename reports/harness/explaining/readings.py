@@ -7,7 +7,7 @@ import numpy as np
 
 from ....engines import State
 from ....scenarios import FloatArray
-from ....scenarios.rotation import matrices, rotation_vectors, turned, turned_back
+from ....scenarios.rotation import conjugate, matrices, rotation_vectors, turned, turned_back
 from ...results.evidence import CONSISTENT, Explanation
 
 
@@ -56,7 +56,7 @@ def _is_in_24_bits(state: State) -> bool:
 MISTAKES: dict[str, Callable[[State], State]] = {
     "scalar last": lambda s: _with_q(s, np.roll(s.q_world_body_wxyz, -1, axis=1)),
     "scalar first": lambda s: _with_q(s, np.roll(s.q_world_body_wxyz, 1, axis=1)),
-    "conjugated": lambda s: _with_q(s, s.q_world_body_wxyz * [1, -1, -1, -1]),
+    "conjugated": lambda s: _with_q(s, conjugate(s.q_world_body_wxyz)),
     "ω in the world": lambda s: _with_omega(s, turned),
     "ω turned twice": lambda s: _with_omega(s, turned_back),
     "ω reversed": lambda s: _with_omega(s, lambda R, omega: -omega),  # noqa: ARG005

@@ -138,14 +138,17 @@ class _Beginning:
         self.scenario, self.begins_at = scenario, float(exact.t[0])
         self.start = states_of(exact.until(1))
         self.fastest = float(norms(exact.omega_body).max())
-        self._at: dict[tuple[float, ...], FloatArray] = {}
+        self._at: dict[bytes, tuple[FloatArray, float, float]] = {}
 
-    def at(self, t: FloatArray) -> FloatArray:
-        """Exact states, (n, 7), at times, s, (n,)."""
-        times = tuple(t)
-        if times not in self._at:
+    def at(self, t: FloatArray) -> tuple[FloatArray, float, float]:
+        """Exact states, (n, 7), at times, s, (n,), the largest speed, and how far it turns."""
+        if (times := t.tobytes()) not in self._at:
             spans = np.diff(t, prepend=self.begins_at)[None]
-            self._at[times] = follow(equations_of(self.scenario), self.start, spans)[0]
+            made = follow(equations_of(self.scenario), self.start, spans)[0]
+            speed = norms(made[:, 4:]).max() or 1.0
+            turns = float(norms(apart(np.repeat(made[:1], len(made), axis=0), made)[:, :3]).max())
+            turns = min(1.0, max(turns, EPS)) if self.fastest else 1.0
+            self._at[times] = made, speed, turns
         return self._at[times]
 
     def error(self, reading: Reading) -> float:
@@ -156,18 +159,16 @@ class _Beginning:
         """
         if (reading.t[-1] - self.begins_at) * self.fastest > FURTHEST:
             return np.inf
-        made, omega = self.at(reading.t), reading.omega_body
+        (made, speed, turns), omega = self.at(reading.t), reading.omega_body
         omega = made[:, 4:] if omega is None else omega
         turned, faster = np.split(apart(made, np.hstack([reading.q, omega])), 2, axis=1)
-        speed = norms(made[:, 4:]).max() or 1.0
-        turns = float(norms(apart(np.repeat(made[:1], len(made), axis=0), made)[:, :3]).max())
-        turns = min(1.0, max(turns, EPS)) if self.fastest else 1.0
         off = [norms(turned).max() / turns, norms(faster).max() / speed]
         if reading.spins is not None:
             scenario = self.scenario
             spins = scenario.spins(made[:, 4:], scenario.kept_at_start)
             off.append(norms(reading.spins - spins).max() / max(speed, norms(spins).max()))
-        return float(np.nan_to_num(max(off), nan=np.inf))
+        largest = float(max(off))
+        return np.inf if np.isnan(largest) else largest
 
     def better(self, readings: Iterable[_Undone], best: _Undone) -> _Undone:
         """Return the mistakes without which the error is smallest; the given ones if none explains.
@@ -176,13 +177,15 @@ class _Beginning:
         """
         given = best[1]
         usual = least = self.error(given)
+        # Of as many samples; what stands still is off by one, whatever is recorded.
+        of_given = {0: min(1.0, usual)}
         for words, reading in readings if least > FITS else ():
             # A reading that has fewer samples must be better than one without the worst.
-            fewer = len(given.t) - len(reading.t)
-            parts = slice(fewer, None), slice(None, len(given.t) - fewer)
-            # What stands still is off by one, whatever is recorded.
-            of_given = min(1.0, usual, *(self.error(given.rows(part)) for part in parts if fewer))
-            if (left := self.error(reading)) < min(LEFT * of_given, least - FITS):
+            if (fewer := len(given.t) - len(reading.t)) not in of_given:
+                parts = slice(fewer, None), slice(None, len(given.t) - fewer)
+                errors = (self.error(given.rows(part)) for part in parts)
+                of_given[fewer] = min(1.0, usual, *errors)
+            if (left := self.error(reading)) < min(LEFT * of_given[fewer], least - FITS):
                 least, best = left, (words, reading)
         return best
 
@@ -200,7 +203,7 @@ class _Beginning:
             method="bounded",
             options={"xatol": FITS * factor},
         )
-        omega = self.at(fit.x * reading.t)[:, 4:]
+        omega = self.at(fit.x * reading.t)[0][:, 4:]
         # Where ω does not change it is as well that the attitude does not follow it.
         changes = norms(omega - omega[0]).max() / (norms(omega).max() or 1.0)
         if fit.fun >= LEFT * min(least, changes) or abs(fit.x - 1) < nearly:
