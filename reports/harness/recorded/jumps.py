@@ -11,6 +11,7 @@ from ....scenarios import FloatArray
 from ....scenarios.rotation import norms, rotation_vectors
 from ..explaining.search import LEFT, LEVEL, SAME
 from .intervals import Intervals, apart
+from .mistakes import FITS
 
 #: Largest number of rows that may have been lost at once.
 MOST_LOST = 20
@@ -192,5 +193,5 @@ def _is_near(made: FloatArray, recorded: FloatArray, scale: FloatArray) -> bool:
 
 
 def _size(off: FloatArray) -> str:
-    turned, faster = norms(off.reshape(2, 3))
+    turned, faster = (0.0 if size < FITS else size for size in norms(off.reshape(2, 3)))
     return f"{np.degrees(turned):.3g}° and {faster:.3g} rad/s"

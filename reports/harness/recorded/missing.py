@@ -7,6 +7,7 @@ from ....scenarios.rotation import matrices, norms, rotation_vectors, turned
 from ...results.change_words import vector
 from ..explaining.search import LEFT, SAME
 from .intervals import Intervals
+from .mistakes import FITS
 
 #: Digits of what is missing, and of axes: a mean over a span is known to few.
 DIGITS, OF_AXES = 3, 2
@@ -35,7 +36,7 @@ def missing(data: Intervals) -> list[str]:
 def is_attitude_off(motion: Trajectory, exact: Trajectory) -> bool:
     """Whether ω is nearly that of the exact motion at its times, and the attitude is not."""
     faster, fastest = motion.omega_body - exact.omega_body, norms(exact.omega_body)
-    return bool(norms(faster).max() < LEFT * turned_off(motion, exact) * fastest.max())
+    return bool(norms(faster).max() < LEFT**2 * turned_off(motion, exact) * fastest.max())
 
 
 def lag(motion: Trajectory, exact: Trajectory, timestep: float | None) -> list[str]:
@@ -47,16 +48,22 @@ def lag(motion: Trajectory, exact: Trajectory, timestep: float | None) -> list[s
     """
     if not is_attitude_off(motion, exact):
         return []
+    off, omega = _turned_off(motion, exact), exact.omega_body
     # A filter delays what it is given after its own beginning.
-    second_half = slice(len(motion.t) // 2, None)
-    off, omega = _turned_off(motion, exact)[second_half], exact.omega_body[second_half]
-    late = float(np.sum(off * omega) / np.sum(omega**2))
+    third, fourth = np.array_split(np.arange(len(off)), 4)[2:]
+    late, later = (
+        float(np.sum(off[k] * omega[k]) / np.sum(omega[k] ** 2)) for k in (third, fourth)
+    )
+    left = off[fourth] - later * omega[fourth]
+    is_delay = abs(later - late) < LEFT * abs(later)
+    is_delay &= bool(np.sum(left**2) < NEARLY**2 * np.sum(off[fourth] ** 2))
+    is_right_at_first = norms(off[:1])[0] < LEFT * norms(off).max()
     step = timestep or float(np.median(np.diff(motion.t)))
     # A method may be half a step early or late.
-    if abs(late) < STEPS * step or norms(off - late * omega).max() > NEARLY * norms(off).max():
+    if abs(later) < STEPS * step or not is_delay or not is_right_at_first:
         return []
-    how = "lags" if late > 0 else "is ahead of"
-    return [f"the attitude {how} ω by {abs(late):.3g} s, as through a filter"]
+    how = "lags" if later > 0 else "is ahead of"
+    return [f"the attitude {how} ω by {abs(later):.3g} s, as through a filter"]
 
 
 def turned_off(motion: Trajectory, exact: Trajectory) -> float:
@@ -67,7 +74,8 @@ def turned_off(motion: Trajectory, exact: Trajectory) -> float:
 def is_omega_off(motion: Trajectory, exact: Trajectory) -> bool:
     """Whether attitudes are those of the exact motion at their times, and ω is far from it."""
     faster, fastest = motion.omega_body - exact.omega_body, norms(exact.omega_body)
-    return bool(turned_off(motion, exact) * fastest.max() < SAME * norms(faster).max())
+    off, speed = norms(faster).max(), fastest.max()
+    return bool(max(turned_off(motion, exact) / SAME, FITS) * speed < off)
 
 
 def _turned_off(motion: Trajectory, exact: Trajectory) -> FloatArray:

@@ -146,10 +146,13 @@ class Physics:
         if not self.by_known:
             return ""
         left = [_mean_square(data.off(hypothesis)) for data in self.by_known]
-        best = self.by_known[int(np.argmin(left))]
-        exactly = _mean_square(best.made_by(EXACT, 0.0).off(hypothesis))
+        best, exactly = self.by_known[int(np.argmin(left))], self._exactly(hypothesis)
         is_it = exactly > 1 and min(left) <= max(1.0, SAME**2 * exactly)
         return _named(best) if is_it else ""
+
+    def _exactly(self, hypothesis: Hypothesis) -> float:
+        """The mean square of what a hypothesis leaves if no integrator is in it, in noise."""
+        return _mean_square(self.by_known[0].made_by(EXACT, 0.0).off(hypothesis))
 
     @cached_property
     def by_other_equations(self) -> Fit | None:
@@ -216,8 +219,9 @@ class Physics:
         if self.search is None or self.intervals is None:
             return None
         found = self.search.one_or_two()
-        if found is None or not self._integrator(found.hypothesis):
-            found = self.by_other_equations or found
+        other = self.by_other_equations
+        if other and (found is None or other.left < SAME**2 * self._exactly(found.hypothesis)):
+            found = other
         if not self.is_beyond or (found is not None and not self._is_partial(found)):
             return found
         return after_gyroscope(self.intervals, self.search) or found

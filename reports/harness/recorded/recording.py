@@ -148,6 +148,9 @@ UNIT_SLACK = 1e-3
 #: Relative error of multiples, of numbers converted from another unit; and of numbers that are
 #: the same, to the largest.
 MULTIPLE, EQUAL = 1e-6, 1e-9
+#: Largest unit of rounded quaternions: of larger ones attitudes cannot be told. And the least
+#: number of values that they have.
+COARSEST, FEWEST_VALUES = 0.1, 8
 #: Factor by which the norm may change from one sample to the next, if no step normalises it.
 NORM_GROWS = 1.5
 
@@ -227,7 +230,8 @@ def unit_of(numbers: FloatArray) -> float:
 
 def slack_of(q: FloatArray) -> float:
     """Return by how much norms of quaternions, (n, 4), may differ from 1 as they are rounded."""
-    return max(UNIT_SLACK, unit_of(q))
+    unit, is_rounded = unit_of(q), len(np.unique(q)) >= FEWEST_VALUES
+    return max(UNIT_SLACK, unit) if is_rounded and unit <= COARSEST else UNIT_SLACK
 
 
 def check_motion(arrays: dict[str, FloatArray]) -> None:

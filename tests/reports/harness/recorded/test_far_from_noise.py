@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 from planted_motions import case, exactly, rates_of
 from reported_faults import Arrays
+from scipy.spatial.transform import Rotation
+from spincheck.reports.harness.recorded import measured
 from spincheck.reports.harness.recorded.judged import JudgedMotion, judged_motion
 from spincheck.reports.harness.recorded.recording import Recording
 
@@ -38,7 +40,48 @@ def test_what_is_far_beyond_noise_gives_no_tensor(is_drifting: bool) -> None:
     assert fit.is_far == is_drifting
     assert (fit.as_record()["tensor"] is None) == is_drifting
     assert fit.tensor_in_words().startswith("No tensor is given") == is_drifting
-    assert not (is_drifting and fit.explained())
+    assert fit.explained() == [measured.OMEGA] * is_drifting
+
+
+def test_far_beyond_noise_attitudes_or_omega_may_be_right_by_themselves() -> None:
+    right, late = noisy(), exactly(ONE, rates_of(ONE))
+    omega = np.array([np.interp(0.9 * late["t"], late["t"], one) for one in late["omega"].T]).T
+    chance = np.random.default_rng(5)
+    arrays = right | {"omega": omega + chance.normal(0, NOISE, omega.shape)}
+    found = judged(arrays, STATED)
+    assert found.explained_by == (measured.OMEGA,)
+    q = np.array([np.interp(0.9 * late["t"], late["t"], one) for one in late["q"].T]).T
+    q += chance.normal(0, NOISE / 2, q.shape)
+    arrays = right | {"q": q / np.linalg.norm(q, axis=1)[:, None]}
+    assert judged(arrays, STATED).explained_by == (measured.ATTITUDE,)
+
+
+def test_axes_that_are_turned_in_the_body_are_no_other_body() -> None:
+    motion, turn = noisy(), Rotation.from_rotvec([0.1, -0.05, 0.15])
+    q = Rotation.from_quat(motion["q"], scalar_first=True) * turn
+    omega = turn.inv().apply(motion["omega"])
+    arrays = motion | {"q": q.as_quat(scalar_first=True), "omega": omega}
+    found = judged(arrays, STATED)
+    (words,) = found.explained_by
+    assert words.startswith("attitude and ω are those of axes that are turned by [")
+    numbers = [float(one.split()[0]) for one in words.partition("[")[2].split(",")]
+    assert numbers == pytest.approx(np.degrees(turn.as_rotvec()), abs=0.1)
+
+
+def test_standard_errors_grow_with_what_is_left_beyond_noise() -> None:
+    motion = noisy()
+    # Half as much again as what is stated, in one axis: beyond noise, and not far.
+    waves = 2 * NOISE * np.sin(np.outer(motion["t"], [40.0, 45.0, 50.0]))
+    fit = judged(motion | {"omega": motion["omega"] + waves}, STATED).measured
+    assert fit is not None
+    assert fit.is_beyond
+    assert not fit.is_far
+    assert fit.inflation == pytest.approx(np.sqrt(fit.chi2 / fit.freedom))
+    assert fit.inflation > 1.2
+    usual = judged(motion, STATED).measured
+    assert usual is not None
+    assert usual.inflation == 1.0
+    assert np.all(fit.tensor_entries()[1] > 1.1 * usual.tensor_entries()[1])
 
 
 @pytest.mark.parametrize(("order", "is_measured"), [(1, True), (4, False)])

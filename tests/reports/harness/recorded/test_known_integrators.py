@@ -103,3 +103,22 @@ def test_attitudes_since_the_first_sample_are_named(axes: str) -> None:
         "the attitude is relative to that of the first sample, as where it was set to zero, along "
         f"{axes} axes"
     )
+
+
+@pytest.mark.parametrize("timestep", [None, 0.002])
+def test_what_explains_a_motion_to_five_digits_is_certain_within_a_methods_error(
+    timestep: float | None,
+) -> None:
+    """Of samples far apart, by an order of 1, gravity may be off by a tenth."""
+    one = case(322, is_pivoted=True, duration=1.0, samples=41)
+    arrays = exactly(one, rates_of(one, scale=1 + 2e-3))
+    found = judged(one.scenario, arrays, timestep)
+    assert found.explained_by == ("it moves as if gravity were 1.002 times as strong",)
+    within = found.verdict.endswith("; but what explains it is no method's error")
+    assert within != found.is_beyond
+    assert within or timestep
+    slowed = exactly(one, rates_of(one, scale=1.002, torque=lambda omega: -1e-3 * omega))
+    assert sorted(judged(one.scenario, slowed, None).explained_by) == [
+        "it moves as if gravity were 1.002 times as strong",
+        "it moves as if it were slowed by 0.001 N m s",
+    ]

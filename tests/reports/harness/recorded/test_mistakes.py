@@ -9,6 +9,7 @@ from planted_motions import case, exactly, product, rates_of
 from spincheck.reference import solve
 from spincheck.reports.harness.recorded import mistakes
 from spincheck.reports.harness.recorded.judged import judged_motion
+from spincheck.reports.harness.recorded.read_omega import OMEGA
 from spincheck.reports.harness.recorded.recording import Recording, RecordingError
 from spincheck.scenarios import from_tables
 
@@ -239,6 +240,6 @@ def test_no_unit_is_named_that_only_makes_a_wrong_omega_small():
 def test_an_error_that_no_mistake_explains_has_none_and_times_far_off_are_of_another_unit():
     arrays = exact_at(TOP)
     drifting = 1 + 0.01 * arrays["t"][:, None]
-    assert judged(TOP, arrays | {"omega": arrays["omega"] * drifting}).explained_by == ()
+    assert judged(TOP, arrays | {"omega": arrays["omega"] * drifting}).explained_by == (OMEGA,)
     with pytest.raises(RecordingError, match=r"reach 1e\+06 s, .* from its start, .* t \[us\]"):
         judged(TOP, arrays | {"t": 1e6 * arrays["t"]})

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from planted_motions import case, exactly, rates_of
 from reported_faults import judged, named
+from spincheck.reports.harness.recorded.read_omega import OMEGA
 
 pytestmark = pytest.mark.slow
 
@@ -46,6 +47,35 @@ def test_what_was_made_of_omega_is_named(name: str) -> None:
     found = judged(ONE.scenario, ARRAYS | {"omega": read(ARRAYS["omega"])}, 1e-5)
     (said,) = named(found)
     assert words in said
+
+
+def smoothed(omega: np.ndarray) -> np.ndarray:
+    """The mean over eleven samples around each; fewer at either end."""
+    return np.array([omega[max(0, k - 5) : k + 6].mean(axis=0) for k in range(len(omega))])
+
+
+@pytest.mark.parametrize(
+    ("read", "words"),
+    [
+        (smoothed, "ω is the mean over 11 samples, 0.2 s, around each"),
+        (
+            lambda omega: omega * [1, 1, 180 / np.pi],
+            "wz is 57.2958 times that of the body, as in degrees",
+        ),
+        (lambda omega: omega * [1.2, 1, 1], "wx is 1.2 times that of the body"),
+    ],
+)
+def test_beside_right_attitudes_an_omega_that_is_not_is_named(read, words) -> None:
+    found = judged(ONE.scenario, ARRAYS | {"omega": read(ARRAYS["omega"])}, None)
+    assert found.explained_by == (words,)
+
+
+def test_a_smooth_omega_of_another_body_is_no_filter() -> None:
+    """By its own samples before anything smooth is nearly found, whatever the body does."""
+    other = case(152)
+    read = exactly(other, rates_of(other))["omega"]
+    found = judged(ONE.scenario, ARRAYS | {"omega": read}, 1e-5)
+    assert found.explained_by == (OMEGA,)
 
 
 def test_an_omega_of_other_equations_is_not_read_through_a_filter() -> None:
