@@ -35,6 +35,8 @@ from .values import (
 T = TypeVar("T", bound=BaseModel)
 
 MAX_SAMPLES = 1_000_000
+#: Products of inertia that differ by less, relative to the largest entry, are the same.
+SYMMETRIC = 1e-12
 MAX_ROTORS = 16
 
 
@@ -88,22 +90,42 @@ class BodyTable(Table):
                 )
         elif missing := [key for key in ("mass", "inertia") if getattr(self, key) is None]:
             raise ValueError(f"missing {names(missing)}; or give 'particles'")
-        matrix = self.inertia_matrix
-        if matrix is not None and any(
-            matrix[i][j] != matrix[j][i] for i in range(3) for j in range(i)
-        ):
-            raise Misfit("must be a symmetric matrix", "inertia")
+        if asymmetric := self._asymmetric():
+            i, j, one, other = asymmetric
+            raise Misfit(
+                f"must be a symmetric matrix, got {one:g} in row {i + 1}, column {j + 1}, and "
+                f"{other:g} in row {j + 1}, column {i + 1}",
+                "inertia",
+            )
         try:
             self.body()
         except ValueError as error:
             raise Misfit(str(error), "inertia" if self.particles is None else "particles") from None
         return self
 
+    def _asymmetric(self) -> tuple[int, int, float, float] | None:
+        """Row and column of a product of inertia that is another one across the diagonal, and both.
+
+        Products that differ by rounding, as of a matrix R D Rᵀ, are the same.
+        """
+        if self.inertia is None or not isinstance(self.inertia[0], tuple):
+            return None
+        rows = self.inertia
+        slack = SYMMETRIC * max(abs(number) for row in rows for number in row)
+        for i, j in ((0, 1), (0, 2), (1, 2)):
+            if not abs(rows[i][j] - rows[j][i]) <= slack:
+                return i, j, rows[i][j], rows[j][i]
+        return None
+
     @property
     def inertia_matrix(self) -> Matrix | None:
-        """The inertia as a full matrix, kg m²; None if the table states none."""
-        if self.inertia is None or isinstance(self.inertia[0], tuple):
-            return self.inertia
+        """The inertia as a full symmetric matrix, kg m²; None if the table states none."""
+        if self.inertia is None:
+            return None
+        if isinstance(self.inertia[0], tuple):
+            (a, d, e), (f, b, g), (h, i, c) = self.inertia
+            d, e, g = d / 2 + f / 2, e / 2 + h / 2, g / 2 + i / 2
+            return ((a, d, e), (d, b, g), (e, g, c))
         a, b, c = self.inertia
         return ((a, 0.0, 0.0), (0.0, b, 0.0), (0.0, 0.0, c))
 

@@ -81,7 +81,7 @@ REFUSED = {
     # the body
     "lopsided matrix": (
         (INERTIA[0], "inertia = [[2, 0, 0.1], [0, 2, 0], [0, 0, 2]]"),
-        r":6: \[body\] inertia: must be a symmetric matrix",
+        r":6: \[body\] inertia: must be a symmetric matrix, got 0.1 in row 1, column 3, and 0 in",
     ),
     "no such body": (
         (INERTIA[0], "inertia = [1, 2, 4]"),
@@ -219,6 +219,12 @@ REFUSED_TABLES = {
 def test_a_table_is_refused(more, complaint):
     with pytest.raises(ScenarioError, match=complaint):
         scene(more=more)
+
+
+def test_a_matrix_that_is_symmetric_but_for_rounding_is_symmetric():
+    text = "inertia = [[2, 0, 0.10000000000000002], [0, 2, 0], [0.1, 0, 2]]"
+    tensor = scene((INERTIA[0], text)).body.inertia_com
+    assert (tensor == tensor.T).all()
 
 
 def test_a_key_has_one_complaint_but_each_table_of_its_own():
