@@ -22,7 +22,7 @@ from ..explaining.search import SAME, Search
 from .clamps import clamps
 from .gyroscope import GYROSCOPE, MOMENTUM, of_gyroscope
 from .gyroscope_first import after_gyroscope
-from .intervals import Intervals, intervals_of
+from .intervals import FEWEST_INTERVALS, Intervals, intervals_of
 from .missing import KINEMATICS, lag, missing
 from .mistakes import FITS
 from .varying import varying
@@ -57,6 +57,8 @@ CERTAIN = 1e-5
 #: Number of intervals that changes are fitted to, and of those that integrators, which take many
 #: steps in each, are tried on.
 MOST, FEW = 60, 12
+#: Steps, in all these intervals, of integrators that changes are tried with, at most.
+MOST_STEPS = 300
 #: Error of a short flow by rounding, in relative distances of the numbers.
 ROUNDINGS = 8.0
 #: Relative tolerance for a span that is a multiple of the timestep.
@@ -159,13 +161,19 @@ class Physics:
         """The change by which a known integrator made the motion, to rounding; None if none did.
 
         Numbers are fitted only where the motion is beyond a method's error with a timestep that is
-        stated: implicit drag, in a method that is not known, is that of another tensor.
+        stated: implicit drag, in a method that is not known, is that of another tensor. Where
+        samples are many steps apart the method's error is small, and the changes alone are found.
         """
-        if self.search is None or self.made_by:
+        if self.search is None or self.made_by or not self.by_known:
+            return None
+        data = self.by_known[0]
+        count = min(FEW, int(MOST_STEPS * data.timestep / float(np.median(data.spans))))
+        if count < FEWEST_INTERVALS:
             return None
         is_fitted = self.timestep is not None and self.is_beyond
         changes = [one for one in self.search.changes if is_fitted or not len(one.sizes)]
-        found = [Search(data, changes, most=MOST_NUMBERS).one() for data in self.by_known]
+        few = [data.spread(count) for data in self.by_known]
+        found = [Search(data, changes, most=MOST_NUMBERS).one() for data in few]
         fits = [fit for fit in found if fit is not None and self._integrator(fit.hypothesis)]
         return min(fits, key=lambda fit: (fit.count, fit.left), default=None)
 
@@ -219,9 +227,10 @@ class Physics:
         if self.search is None or self.intervals is None:
             return None
         found = self.search.one_or_two()
-        other = self.by_other_equations
-        if other and (found is None or other.left < SAME**2 * self._exactly(found.hypothesis)):
-            found = other
+        if (found is None or not self._integrator(found.hypothesis)) and self.by_other_equations:
+            other = self.by_other_equations
+            if found is None or other.left < SAME**2 * self._exactly(found.hypothesis):
+                found = other
         if not self.is_beyond or (found is not None and not self._is_partial(found)):
             return found
         return after_gyroscope(self.intervals, self.search) or found
