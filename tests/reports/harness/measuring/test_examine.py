@@ -69,7 +69,7 @@ ANOTHER = {
         "[2.5, 2.0, 1.0]",
         "the principal moments were permuted",
     ),
-    "drag": ("pivot-drag", "rotational = 0.3", "rotational = 0.35", "slowed by 0.05 N m s"),
+    "drag": ("pivot-drag", "rotational = 0.3", "rotational = 0.35", "drag were 1.166667 times"),
     # What a body is set to is read back; its equations are the same.
     "spin": ("free", "-2.0", "-2.5", ""),
     "throw": ("free-thrown", "velocity = [0.2", "velocity = [0.25", ""),
@@ -78,7 +78,12 @@ ANOTHER = {
     "a little gravity": ("free-falling", DOWN, MORE, "as if gravity were 1.0001 times"),
     "gravity's tilt": ("heavy-tilted", DOWN, ELSEWHERE, "as if gravity were [1.00"),
     "a moment": ("free", "[1.0, 2.0, 2.5]", "[1.0001, 2.0, 2.5]", "as if the moments were ["),
-    "a little drag": ("pivot-drag", "rotational = 0.3", "rotational = 0.30003", "by 3e-05 N m s"),
+    "a little drag": (
+        "pivot-drag",
+        "rotational = 0.3",
+        "rotational = 0.30003",
+        "drag were 1.0001 times",
+    ),
 }
 
 
