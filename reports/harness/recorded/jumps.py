@@ -68,7 +68,7 @@ def jumps(data: Intervals) -> list[str]:
             found.append(_stretch(data, off, k, end) if end > k else _jump(data, off, k))
         places = [j for j in later if j > (last or end)]
     kinds = dict.fromkeys(one.kind for one in found)
-    return [_told([one for one in found if one.kind == kind]) for kind in kinds][:KINDS_TOLD]
+    return [_sentence([one for one in found if one.kind == kind]) for kind in kinds][:KINDS_TOLD]
 
 
 def _places(data: Intervals, off: FloatArray, left: FloatArray) -> list[int]:
@@ -180,7 +180,7 @@ def _moved(data: Intervals, k: int) -> float | None:
     return moved if is_later and _is_near(made, end[0], data.scale[k]) else None
 
 
-def _told(alike: Sequence[Jump]) -> str:
+def _sentence(alike: Sequence[Jump]) -> str:
     """Return the first of jumps of one kind in words, and how many there are."""
     if len(alike) == 1:
         return alike[0].words

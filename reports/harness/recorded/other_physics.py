@@ -161,7 +161,7 @@ class Physics:
         """The change by which a known integrator made the motion, to rounding; None if none did.
 
         Numbers are fitted only where the motion is beyond a method's error with a timestep that is
-        stated: implicit drag, in a method that is not known, is that of another tensor. Where
+        stated: implicit damping, by a method that is not known, is another tensor's. Where
         samples are many steps apart the method's error is small, and the changes alone are found.
         """
         if self.search is None or self.made_by or not self.by_known:
