@@ -40,8 +40,8 @@ SHARED = 2.63
 FASTER = 30.0
 
 #: That attitudes, or ω, alone are the scene's.
-OMEGA = "the attitudes are those of the scene, but the recorded ω is not"
-ATTITUDE = "ω is that of the scene, but the attitudes are not"
+ATTITUDE_ALONE = "the attitudes are those of the scene, but the recorded ω is not"
+OMEGA_ALONE = "ω is that of the scene, but the attitudes are not"
 
 START = Change("start", lambda h, n: h._replace(start=h.start + n), np.ones(6))
 
@@ -307,7 +307,7 @@ class Measured:
         is_right = chi2.sf(squares, 3 * len(log.t)) > LEVEL
         if is_right.all() or not is_right.any():
             return []
-        return [OMEGA if is_right[0] else ATTITUDE]
+        return [ATTITUDE_ALONE if is_right[0] else OMEGA_ALONE]
 
     @property
     def inflation(self) -> float:
@@ -321,8 +321,12 @@ class Measured:
     def _is_required(self, change: Change) -> bool:
         """Whether a change is significant beside what is left."""
         rows, numbers = self.fit.rows(change), self.fit.numbers_of(change)
-        covariance = self.fit.covariance[rows, rows] * self.inflation**2
-        return bool(numbers @ np.linalg.solve(covariance, numbers) > chi2.isf(LEVEL, len(numbers)))
+        errors = self.fit.errors[rows] * self.inflation
+        in_errors = numbers / errors
+        # Numbers that are known together only have a correlation that is nearly singular.
+        correlation = self.fit.covariance[rows, rows] * self.inflation**2 / np.outer(errors, errors)
+        squares = in_errors @ np.linalg.lstsq(correlation, in_errors, rcond=None)[0]
+        return bool(squares > chi2.isf(LEVEL, len(numbers)))
 
     def _in_words(self, change: Change) -> str:
         rows = self.fit.rows(change)

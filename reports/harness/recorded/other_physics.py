@@ -25,6 +25,7 @@ from .gyroscope_first import after_gyroscope
 from .intervals import FEWEST_INTERVALS, Intervals, intervals_of
 from .missing import KINEMATICS, lag, missing
 from .mistakes import FITS
+from .recording import MULTIPLE
 from .varying import varying
 
 
@@ -61,8 +62,6 @@ MOST, FEW = 60, 12
 MOST_STEPS = 300
 #: Error of a short flow by rounding, in relative distances of the numbers.
 ROUNDINGS = 8.0
-#: Relative tolerance for a span that is a multiple of the timestep.
-MULTIPLE = 1e-6
 #: Integrators of game engines, which keep ω along world axes.
 IN_WORLD = Change(
     "wrong side in world axes", lambda h, _: h.of(kinematics=KEPT_IN_WORLD), np.empty(0)

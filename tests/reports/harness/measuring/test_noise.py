@@ -129,6 +129,15 @@ def test_flight_is_a_torque_with_the_speed_of_what_engines_move() -> None:
     )
 
 
+def test_a_place_that_is_held_is_corrected_by_its_rounding_in_a_step() -> None:
+    held = library_scene("dental-top-on-glass")
+    found = noise(held)[:, VELOCITY]
+    far = np.linalg.norm(held.start.position_world) + Equations(held).reach
+    # With the timestep so short nothing else is as large.
+    corrected = ULPS * EPS * far / TIMESTEPS[1] ** 2
+    assert found[1] == pytest.approx(corrected, rel=0.05)
+
+
 def test_a_turn_that_a_solver_leaves_out_counts_where_a_constraint_settled() -> None:
     left_out = 1e-6
     settled, not_settled = (

@@ -40,7 +40,7 @@ def test_what_is_far_beyond_noise_gives_no_tensor(is_drifting: bool) -> None:
     assert fit.is_far == is_drifting
     assert (fit.as_record()["tensor"] is None) == is_drifting
     assert fit.tensor_in_words().startswith("No tensor is given") == is_drifting
-    assert fit.explained() == [measured.OMEGA] * is_drifting
+    assert fit.explained() == [measured.ATTITUDE_ALONE] * is_drifting
 
 
 def test_far_beyond_noise_attitudes_or_omega_may_be_right_by_themselves() -> None:
@@ -49,11 +49,11 @@ def test_far_beyond_noise_attitudes_or_omega_may_be_right_by_themselves() -> Non
     chance = np.random.default_rng(5)
     arrays = right | {"omega": omega + chance.normal(0, NOISE, omega.shape)}
     found = judged(arrays, STATED)
-    assert found.explained_by == (measured.OMEGA,)
+    assert found.explained_by == (measured.ATTITUDE_ALONE,)
     q = np.array([np.interp(0.9 * late["t"], late["t"], one) for one in late["q"].T]).T
     q += chance.normal(0, NOISE / 2, q.shape)
     arrays = right | {"q": q / np.linalg.norm(q, axis=1)[:, None]}
-    assert judged(arrays, STATED).explained_by == (measured.ATTITUDE,)
+    assert judged(arrays, STATED).explained_by == (measured.OMEGA_ALONE,)
 
 
 def test_axes_that_are_turned_in_the_body_are_no_other_body() -> None:
