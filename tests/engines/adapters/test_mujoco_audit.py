@@ -4,10 +4,9 @@ import xml.etree.ElementTree as ET
 from collections.abc import Callable
 
 import mujoco
-import numpy as np
-import pytest
-from spincheck.engines.adapters.mujoco.audit import acting, read_strengths
-from spincheck.engines.models.mjcf import mjcf, switched_off
+from case_loops import each_case
+from spincheck.engines.adapters.mujoco.audit import acting
+from spincheck.engines.models.mjcf import mjcf
 from spincheck.suite.contract_scenes import SCENES
 
 TIMESTEP = 1e-3
@@ -101,10 +100,10 @@ PLANTED: dict[str, Edit] = {
 }
 
 
-@pytest.mark.parametrize("planted", PLANTED)
-def test_anything_planted_is_named(planted: str) -> None:
+@each_case(("planted", "edit"), list(PLANTED.items()))
+def test_anything_planted_is_named(planted: str, edit: Edit) -> None:
     assert planted not in active("pivot")
-    assert planted in active("pivot", PLANTED[planted])
+    assert planted in active("pivot", edit)
 
 
 def test_damping_of_a_free_joint_is_named_for_it_brakes_the_translation() -> None:
@@ -119,14 +118,6 @@ def test_damping_of_a_free_joint_is_named_for_it_brakes_the_translation() -> Non
         having(FLAG, damper="enable", eulerdamp="enable")(root)
 
     assert active("free", edit) == {"drag", "drag on the translation"}
-
-
-def test_an_unpruned_model_shows_every_pass_it_did_not_need() -> None:
-    scene = SCENES["free"]
-    text = mjcf(scene, TIMESTEP, "RK4", left_in=switched_off(scene))
-    model = mujoco.MjModel.from_xml_string(text)
-    active_passes = acting(model, mujoco.MjData(model), scene)
-    assert {"automatic reset", "collision detection", "constraint solver"} <= active_passes
 
 
 def test_forces_applied_to_the_data_are_named() -> None:
@@ -144,41 +135,28 @@ def test_a_callback_somebody_installed_in_the_process_is_named() -> None:
         mujoco.set_mjcb_passive(None)
 
 
-@pytest.mark.parametrize("name", SCENES)
-def test_effects_read_back_at_their_strengths(name: str) -> None:
-    scene, (strengths, other) = SCENES[name], read_strengths(model_of(name))
-    wanted = {
-        "gravity": scene.gravity_world,
-        **scene.pushed,
-        "drag": scene.pushed["drag"] * np.eye(3),
-    }
-    assert strengths.keys() == wanted.keys()
-    assert all(np.array_equal(got, wanted[effect]) for effect, got in strengths.items())
-    assert not other
-
-
 def test_an_effect_that_is_disabled_reads_back_as_absent() -> None:
     planted = having(FLAG, gravity="disable", damper="disable")
     expected = {"pivot", "torque_world", "implicit joint damping"}
     assert active("everything", planted) == expected
 
 
+#: What is told, the scene, and the element of its model that is planted in.
 STRENGTHS: dict[str, tuple[str, Edit]] = {
     "gravity of [1.0, -2.0, -9.1], not": ("heavy-tilted", having("option", gravity="1 -2 -9.1")),
     "drag of [0.31, 0.31, 0.31], not": ("pivot-drag", having(JOINT, damping="0.31")),
-    "torque_body of [0.4, -0.3, 0.3], not": (
-        "pivot-torque-body",
-        having("actuator/general", gear="0.4 -0.3 0.3"),
-    ),
-    "torque_world of [0.4, -0.3, 0.3], not": (
-        "pivot-torque-world",
-        having("actuator/general", gear="0.4 -0.3 0.3"),
-    ),
+    **{
+        f"{torque} of [0.4, -0.3, 0.3], not": (
+            *(f"pivot-{torque.replace('_', '-')}", having("actuator/general", gear="0.4 -0.3 0.3")),
+        )
+        for torque in ("torque_body", "torque_world")
+    },
 }
 
 
-@pytest.mark.parametrize("words", STRENGTHS)
-def test_an_effect_at_another_strength_than_the_scenes_is_reported(words: str) -> None:
-    name, planted = STRENGTHS[words]
+@each_case(("words", "name", "planted"), [(words, *case) for words, case in STRENGTHS.items()])
+def test_an_effect_at_another_strength_than_the_scenes_is_reported(
+    words: str, name: str, planted: Edit
+) -> None:
     (effect,) = active(name, planted) - SCENES[name].called_for
     assert effect.startswith(words)

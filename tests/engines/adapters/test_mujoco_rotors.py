@@ -18,7 +18,6 @@ from spincheck.engines.models.mjcf import mjcf
 from spincheck.reference import solve
 from spincheck.reports.harness.measuring.examine import physics_in_words
 from spincheck.scenarios import Scenario, errors_between
-from spincheck.suite.contract_scenes import SCENES
 
 BOX = "wheel-in-a-box"
 #: Steps of 2 ms to 5 s, every tenth of a second.
@@ -55,19 +54,6 @@ def opened(monkeypatch: pytest.MonkeyPatch, plant: Plant) -> Engine:
 
     monkeypatch.setattr(engine, "open", open_planted, raising=False)
     return engine
-
-
-def test_without_a_fault_nothing_is_said() -> None:
-    engine, scene = engines()["mujoco"], SCENES["free-rotors"]
-    run = engine.run(scene, engine.method("RK4"), 1e-3, np.arange(0, 21, 10))
-    assert (run.outcome, run.reason) == ("ok", "")
-    assert run.active == {"gravity", "rotors"}
-
-
-def test_a_method_that_cannot_says_so() -> None:
-    engine = engines()["mujoco"]
-    reason = engine.unsupported(library_scene(BOX), engine.method("contact-RK4"))
-    assert "cannot simulate rotors" in reason
 
 
 @each_case(

@@ -36,21 +36,6 @@ def test_an_inertia_of_pybullet_that_stays_behind_is_caught(
 
 
 @pytest.mark.needs_pybullet
-@pytest.mark.parametrize("method", ["multibody-p2p", "maximal"])
-def test_a_body_held_by_a_constraint_is_set_off_its_pivot(method: str) -> None:
-    engine, scene = engines()["pybullet"], SCENES["heavy-tilted"]
-    with engine.open(scene, engine.method(method), TIMESTEP) as session:
-        session.advance(100)
-        drifted = session.read_state()
-        session.restart(start_state(scene))
-        session.restart(drifted)
-        again = session.read_state()
-    on_pivot = float(np.linalg.norm(scene.body.com))
-    assert abs(float(np.linalg.norm(drifted.com_world)) - on_pivot) > 1e-9
-    assert np.abs(again.com_world - drifted.com_world).max() <= engine.slack * on_pivot
-
-
-@pytest.mark.needs_pybullet
 @pytest.mark.parametrize("method", ["multibody", "multibody-p2p", "maximal"])
 def test_pybullet_remembers_nothing_but_its_state(method: str) -> None:
     """Where the pivot has drifted to is a part of that: a run goes on from its own state."""
