@@ -15,11 +15,6 @@ from spincheck.suite.contract_scenes import SCENES, scene
 
 ENGINE = PyBullet()
 TIMESTEP = 1e-3
-STEPS = np.arange(0, 101, 20)
-
-
-def run(scenario: Scenario, method: Method, timestep: float = TIMESTEP) -> Run:
-    return ENGINE.run(scenario, method, timestep, STEPS)
 
 
 def opened(scenario: Scenario, method: Method, timestep: float) -> PyBulletSession:
@@ -28,34 +23,23 @@ def opened(scenario: Scenario, method: Method, timestep: float) -> PyBulletSessi
     return session
 
 
-def test_a_free_body_has_no_use_for_a_constraint() -> None:
-    result = run(SCENES["free"], ENGINE.method("multibody-p2p"))
-    assert result.outcome == "unsupported"
-    assert result.reason == "pybullet multibody-p2p is for scenes with pivot"
-
-
-def test_a_closed_world_is_given_back() -> None:
+def test_a_closed_world_is_given_back_and_every_other_left_as_it_is() -> None:
+    other = opened(SCENES["pivot"], ENGINE.method("multibody"), TIMESTEP)
     session = opened(SCENES["pivot"], ENGINE.method("multibody"), TIMESTEP)
     assert p.isConnected(session.client)
     session.close()
-    assert p.getNumBodies(session.client) == 0
+    assert (p.getNumBodies(session.client), p.getNumBodies(other.client)) == (0, 1)
     with opened(SCENES["free"], ENGINE.method("multibody"), TIMESTEP) as again:
         assert again.client == session.client
-
-
-def test_giving_a_world_back_leaves_every_other_as_it_is() -> None:
-    first = opened(SCENES["pivot"], ENGINE.method("multibody"), TIMESTEP)
-    with opened(SCENES["pivot"], ENGINE.method("multibody"), TIMESTEP):
-        pass
-    assert p.getNumBodies(first.client) == 1
-    first.close()
+    other.close()
 
 
 def test_a_scene_that_does_not_load_leaves_no_world_behind(monkeypatch) -> None:
     monkeypatch.setattr(worlds, "_empty", [])
     tiny = scene("tiny", body="\nmass = 1.0\ninertia = [1e-17, 1e-17, 1e-17]\n")
     before = p.connect(p.DIRECT)
-    assert run(tiny, ENGINE.method("multibody")).outcome == "unsupported"
+    run = ENGINE.run(tiny, ENGINE.method("multibody"), TIMESTEP, np.arange(3))
+    assert run.outcome == "unsupported"
     after = p.connect(p.DIRECT)
     p.disconnect(before)
     p.disconnect(after)
@@ -83,29 +67,22 @@ def bits(run_made: Run) -> tuple[object, ...]:
     return run_made.outcome, run_made.reason, active, samples
 
 
-PAIRS = [
-    (scene, method.name)
-    for scene in SCENES
-    for method in ENGINE.methods
-    if not ENGINE.unsupported(SCENES[scene], method)
-]
-
-
-@pytest.fixture(scope="module")
-def in_new_worlds() -> dict[tuple[str, str], tuple[object, ...]]:
-    bits_of = {}
-    for pair in PAIRS:
+@pytest.mark.slow
+def test_a_world_that_was_used_before_moves_a_body_as_a_new_one_does() -> None:
+    pairs = [
+        (scene, method.name)
+        for scene in SCENES
+        for method in ENGINE.methods
+        if not ENGINE.unsupported(SCENES[scene], method)
+    ]
+    in_new_worlds = {}
+    for pair in pairs:
         # A world that is forgotten, but not closed, takes 30 MB until the process ends.
         while worlds._empty:
             p.disconnect(worlds._empty.pop())
-        bits_of[pair] = bits(run_often(*pair))
-    return bits_of
-
-
-@pytest.mark.slow
-def test_a_world_that_was_used_before_moves_a_body_as_a_new_one_does(in_new_worlds):
-    for k in np.random.default_rng(0).permutation(len(PAIRS)):
-        assert bits(run_often(*PAIRS[k])) == in_new_worlds[PAIRS[k]]
+        in_new_worlds[pair] = bits(run_often(*pair))
+    for k in np.random.default_rng(0).permutation(len(pairs)):
+        assert bits(run_often(*pairs[k])) == in_new_worlds[pairs[k]]
     assert len(worlds._empty) == 1
 
 

@@ -3,6 +3,7 @@
 import numpy as np
 import pybullet as p
 import pytest
+from case_loops import each_case
 from library_scenes import library_scene
 from pybullet_planted import (
     BY_CONSTRAINT,
@@ -13,8 +14,6 @@ from pybullet_planted import (
     opened,
 )
 from spincheck.engines import Method
-from spincheck.engines.adapters.pybullet.engine import REPRESENTATIONS
-from spincheck.engines.adapters.pybullet.session import PyBulletSession
 from spincheck.engines.checks.faults import Bounds, faults
 from spincheck.reports.harness.measuring.examine import physics_in_words
 from spincheck.suite.contract_scenes import PIVOT, SCENES, SKEW_GRAVITY, scene
@@ -45,15 +44,12 @@ com = [0.0, 0.0, 1.0]
 """
 
 
-def outcome_of_the_heavy_one(method: Method) -> str:
-    heavy = scene("heavy", body=HEAVY, effects=PIVOT + SKEW_GRAVITY)
-    return ENGINE.run(heavy, method, 0.01, np.arange(0, 101, 10)).outcome
-
-
 def test_a_multibodys_constraint_bears_any_load(monkeypatch: pytest.MonkeyPatch) -> None:
-    assert outcome_of_the_heavy_one(BY_CONSTRAINT) == "ok"
+    heavy = scene("heavy", body=HEAVY, effects=PIVOT + SKEW_GRAVITY)
+    steps = np.arange(0, 101, 10)
+    assert ENGINE.run(heavy, BY_CONSTRAINT, 0.01, steps).outcome == "ok"
     leave_out(monkeypatch, "changeConstraint", "maxForce")
-    assert outcome_of_the_heavy_one(BY_CONSTRAINT) == "diverged"
+    assert ENGINE.run(heavy, BY_CONSTRAINT, 0.01, steps).outcome == "diverged"
 
 
 #: Hangs at rest, so that its pivot bears its weight alone: 9 kN along the world's z.
@@ -72,24 +68,19 @@ HANGS = scene("hangs", body=HANGING, start=AT_REST, effects=PIVOT + DOWN)
 BORNE = 500 / 9e3
 
 
-@pytest.mark.parametrize(("timestep", "falls"), [(0.999 * BORNE, False), (1.001 * BORNE, True)])
+@each_case(("timestep", "falls"), [(0.999 * BORNE, False), (1.001 * BORNE, True)])
 def test_a_rigid_bodys_gives_way_beyond_500_newton_seconds_a_step(
     timestep: float, falls: bool
 ) -> None:
-    with PyBulletSession(HANGS, REPRESENTATIONS["maximal"], timestep) as session:
+    """So that a scene in which it would is not run."""
+    with opened(HANGS, MAXIMAL, timestep) as session:
         session.advance(100)
         speed = np.linalg.norm(session.read_state().velocity_world)
     # It falls with the thousandth of its weight that is not borne.
     assert speed == pytest.approx(9.0 * 1e-3 / 1.001 * 100 * timestep if falls else 0.0, abs=1e-6)
-
-
-@pytest.mark.parametrize(
-    ("timestep", "outcome"), [(0.999 * BORNE, "ok"), (1.001 * BORNE, "unsupported")]
-)
-def test_a_rigid_body_that_its_pivot_cannot_bear_is_not_run(timestep: float, outcome: str) -> None:
     run = ENGINE.run(HANGS, MAXIMAL, timestep, np.arange(3))
-    assert run.outcome == outcome
-    assert ("bears at most 500 N s a step" in run.reason) == (outcome == "unsupported")
+    assert run.outcome == ("unsupported" if falls else "ok")
+    assert ("bears at most 500 N s a step" in run.reason) == falls
 
 
 def test_a_pivot_that_gives_way_in_first_steps_is_no_other_equation_of_motion() -> None:
