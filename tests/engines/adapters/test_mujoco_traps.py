@@ -26,27 +26,15 @@ MUJOCO = MuJoCo()
 COARSE_TIMESTEP = 1e-2
 
 
-def loaded(scene: Scenario, text: str) -> MuJoCoSession:
-    """A session on the model of an MJCF text, at its first keyframe."""
-    model = mujoco.MjModel.from_xml_string(text)
-    start = model.key(0)
-    return MuJoCoSession(scene, model, start.qpos, start.qvel)
-
-
 def session_of(scene: Scenario, integrator: str = "RK4") -> MuJoCoSession:
-    """A session as the adapter opens it."""
-    return loaded(scene, mjcf(scene, TIMESTEP, integrator))
+    """A session as the adapter opens it: at the first keyframe of its model."""
+    model = mujoco.MjModel.from_xml_string(mjcf(scene, TIMESTEP, integrator))
+    return MuJoCoSession(scene, model, model.key(0).qpos, model.key(0).qvel)
 
 
 def sample(session: MuJoCoSession) -> Trajectory:
     state = {name: value[None] for name, value in vars(session.read_state()).items()}
     return Trajectory(t=np.zeros(1), **state)
-
-
-@pytest.fixture
-def cwd(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    monkeypatch.chdir(tmp_path)
-    return tmp_path
 
 
 def test_a_reset_without_a_warning_is_caught_by_the_clock() -> None:
@@ -65,25 +53,21 @@ def test_a_warning_nobody_heard_is_caught_by_the_counter() -> None:
         session.check()
 
 
-def test_warnings_of_a_bare_step_end_up_in_a_log_file(
-    cwd: Path, capfd: pytest.CaptureFixture[str]
-) -> None:
-    session = session_of(SCENES["heavy-top"])
-    session.data.qvel[0] = np.nan
-    mujoco.mj_step(session.model, session.data)
-    assert [path.name for path in cwd.iterdir()] == ["MUJOCO_LOG.TXT"]
-    assert "WARNING" in capfd.readouterr().err
-
-
 def test_warnings_of_a_session_end_up_in_its_check_alone(
-    cwd: Path, capfd: pytest.CaptureFixture[str]
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
 ) -> None:
-    session = session_of(SCENES["heavy-top"])
-    session.data.qvel[0] = np.nan
+    monkeypatch.chdir(tmp_path)
+    session, bare = session_of(SCENES["heavy-top"]), session_of(SCENES["heavy-top"])
+    for one in (session, bare):
+        one.data.qvel[0] = np.nan
     session.advance(1)
-    assert (list(cwd.iterdir()), capfd.readouterr()) == ([], ("", ""))
+    assert ([*tmp_path.iterdir()], capfd.readouterr()) == ([], ("", ""))
     with pytest.raises(EngineError, match="huge value in QVEL"):
         session.check()
+    # Of a bare step they are in a log file, and on the terminal.
+    mujoco.mj_step(bare.model, bare.data)
+    assert [path.name for path in tmp_path.iterdir()] == ["MUJOCO_LOG.TXT"]
+    assert "WARNING" in capfd.readouterr().err
 
 
 def staleness(integrator: str) -> tuple[float, float, float]:
@@ -99,19 +83,13 @@ def staleness(integrator: str) -> tuple[float, float, float]:
     return ours, mujocos, float(np.linalg.norm(state.velocity_world)) * TIMESTEP
 
 
-@pytest.mark.parametrize("integrator", ["Euler", "RK4"])
-def test_the_state_is_read_as_it_is_now(integrator: str) -> None:
-    ours, _, _ = staleness(integrator)
+def test_the_state_is_read_as_it_is_now_where_derived_data_are_old() -> None:
+    """A step old after a step of Euler, those of the last stage after one of RK4."""
+    ours, mujocos, moved = staleness("Euler")
     assert ours < ROUNDOFF
-
-
-def test_derived_data_are_a_step_old_after_a_step_of_euler() -> None:
-    _, mujocos, moved = staleness("Euler")
     assert mujocos == pytest.approx(moved, rel=0.1)
-
-
-def test_derived_data_are_those_of_the_last_stage_after_a_step_of_rk4() -> None:
-    _, mujocos, moved = staleness("RK4")
+    ours, mujocos, moved = staleness("RK4")
+    assert ours < ROUNDOFF
     assert 1e3 * ROUNDOFF < mujocos < 1e-3 * moved
 
 

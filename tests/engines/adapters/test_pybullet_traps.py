@@ -6,6 +6,7 @@ The traps and their sources are listed in docs/measured/engines-pybullet.md.
 import numpy as np
 import pybullet as p
 import pytest
+from case_loops import each_case
 from pybullet_planted import (
     BY_CONSTRAINT,
     ENGINE,
@@ -37,33 +38,22 @@ ROUND_OFF = 16 * EPS * STEPS[-1]
 FAST = 150.0
 
 
-@pytest.mark.parametrize("method", METHODS, ids=lambda method: method.name)
-@pytest.mark.parametrize("spin", [10.0, FAST])
-def test_a_rotor_keeps_its_spin_and_is_not_clamped(spin: float, method: Method) -> None:
-    motion = run(rotor(spin), method).trajectory
-    assert motion is not None
-    assert np.abs(motion.omega_body[:, 2] / spin - 1).max() <= ROUND_OFF
-
-
-@pytest.mark.parametrize("method", [MULTIBODY, BY_CONSTRAINT], ids=lambda method: method.name)
-def test_the_default_clamp_holds_every_velocity_to_a_hundred(
-    method: Method, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    leave_out(monkeypatch, "changeDynamics", "maxJointVelocity")
-    motion = run(rotor(FAST), method).trajectory
-    assert motion is not None
-    assert motion.omega_body[1:, 2] == pytest.approx(100.0)
+@each_case("method", METHODS)
+def test_the_default_clamp_holds_every_velocity_to_a_hundred(method: Method) -> None:
+    """Without it, and without damping, a rotor keeps its spin."""
+    for spin in (10.0, FAST):
+        motion = run(rotor(spin), method).trajectory
+        assert motion is not None
+        assert np.abs(motion.omega_body[:, 2] / spin - 1).max() <= ROUND_OFF
+    if method != MAXIMAL:
+        with pytest.MonkeyPatch.context() as patch:
+            leave_out(patch, "changeDynamics", "maxJointVelocity")
+            motion = run(rotor(FAST), method).trajectory
+        assert motion is not None
+        assert motion.omega_body[1:, 2] == pytest.approx(100.0)
 
 
 # The rotation clamp
-
-
-@pytest.mark.parametrize("method", METHODS, ids=lambda method: method.name)
-def test_a_step_beyond_the_rotation_clamp_is_refused(method: Method) -> None:
-    timestep = 1.01 * method.max_rotation_per_step / FAST
-    result = ENGINE.run(rotor(FAST), method, timestep, STEPS)
-    assert result.outcome == "unsupported"
-    assert "where the engine clamps it" in result.reason
 
 
 def turned(method: Method, rotation: float) -> tuple[float, float]:
@@ -75,13 +65,18 @@ def turned(method: Method, rotation: float) -> tuple[float, float]:
         return float(attitude.magnitude()), float(state.omega_body[2])
 
 
-@pytest.mark.parametrize("method", METHODS, ids=lambda method: method.name)
+@each_case("method", METHODS)
 def test_the_attitude_keeps_up_below_the_clamp_and_lags_above(method: Method) -> None:
+    """Where it would lag, the scene is not run."""
     below, above = 0.99 * method.max_rotation_per_step, 1.5 * method.max_rotation_per_step
     assert turned(method, below) == pytest.approx((below, FAST), rel=ROUND_OFF)
     lagging, spin = turned(method, above)
     assert lagging < 0.99 * above
     assert spin == pytest.approx(FAST, rel=ROUND_OFF)
+    timestep = 1.01 * method.max_rotation_per_step / FAST
+    result = ENGINE.run(rotor(FAST), method, timestep, STEPS)
+    assert result.outcome == "unsupported"
+    assert "where the engine clamps it" in result.reason
 
 
 # Calls of many steps
