@@ -1,6 +1,6 @@
 """Optional engines hold the scene, and nothing else acts; skipped if not installed."""
 
-import ast
+import subprocess
 import sys
 from collections.abc import Iterator
 from pathlib import Path
@@ -8,13 +8,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 from adapter_checks import CHECKS, Check
+from case_loops import each_case
 from kinds_of_engines import OPTIONAL, installed
 from library_scenes import library_scene
 from spincheck.engines import Engine, engines, missing
-from spincheck.engines import adapters as adapters_package
 from spincheck.engines.adapters.mjx import session as mjx_session
 from spincheck.engines.adapters.node import discovered
-from spincheck.engines.adapters.node.discovered import HERE
 from spincheck.engines.child.process import end_idle
 from spincheck.reports.harness.measuring.examine import physics_in_words
 from spincheck.suite.contract_scenes import SCENES, scene
@@ -110,11 +109,6 @@ def test_its_defaults_have_a_row_that_says_what_differs(engine: Engine) -> None:
     assert all({"gravity", "pivot"} <= run.active for run in runs)
 
 
-@pytest.mark.parametrize("path", sorted(HERE.glob("*.mjs")), ids=lambda path: path.stem)
-def test_an_engine_under_node_is_one_file_of_fewer_than_eighty_lines(path: Path) -> None:
-    assert len(path.read_text(encoding="utf-8").splitlines()) < 80
-
-
 @pytest.mark.parametrize("engine", NOT_MJX, indirect=True)
 @pytest.mark.parametrize("name", ["free-drag", "heavy-top", "on-axis"])
 def test_its_first_steps_are_the_scenes_but_for_a_torque_that_it_leaves_out(
@@ -127,24 +121,23 @@ def test_its_first_steps_are_the_scenes_but_for_a_torque_that_it_leaves_out(
         assert residual == ""
 
 
-def test_exudyn_turns_a_body_that_starts_along_the_worlds_axes() -> None:
-    """It loses turns of less than 1.5e-8 rad a step from there, and this rod's are."""
-    engine = installed("exudyn")
-    assert physics_in_words(engine, library_scene("pendulum-just-over"), engine.methods[0]) == ""
-
-
-@pytest.mark.parametrize("name", ["wheel-in-a-box", "middle-axis-let-go"])
-def test_hinges_that_load_in_some_steps_are_no_other_equation_of_motion(name: str) -> None:
-    """Rapier's first step from a state lacks a seventh of the torque by which a rotor is turned."""
-    engine = installed("rapier3d")
-    assert physics_in_words(engine, library_scene(name), engine.method("impulse")) == ""
-
-
-def test_turns_that_jolt_drops_as_too_small_are_no_other_equation_of_motion() -> None:
-    """It does not put back less than 1e-6 rad a step: its error is no smooth function of that."""
-    engine = installed("jolt")
-    scenario = library_scene("motor-through-the-threshold")
-    assert physics_in_words(engine, scenario, engine.methods[0]) == ""
+@each_case(
+    ("name", "scene_name"),
+    {
+        # It loses turns of less than 1.5e-8 rad a step from the world's axes; this rod's are.
+        "starts along the world's axes": ("exudyn", "pendulum-just-over"),
+        # Rapier's first step from a state lacks a seventh of the torque that turns a rotor.
+        "a hinge that loads": ("rapier3d", "wheel-in-a-box"),
+        "hinges that load": ("rapier3d", "middle-axis-let-go"),
+        # It does not put back less than 1e-6 rad a step: no smooth function of that.
+        "turns that are dropped": ("jolt", "motor-through-the-threshold"),
+    },
+)
+def test_what_its_first_steps_lose_is_no_other_equation_of_motion(
+    name: str, scene_name: str
+) -> None:
+    engine = installed(name)
+    assert physics_in_words(engine, library_scene(scene_name), engine.methods[0]) == ""
 
 
 @pytest.mark.parametrize(
@@ -178,47 +171,26 @@ def test_mjx_compiles_once_for_scenes_that_differ_in_numbers_alone() -> None:
     assert compiled[1] == compiled[0]
 
 
+@pytest.mark.processes
 def test_nothing_optional_is_imported_before_a_scene_is_opened() -> None:
-    """In the sources: another test of this process may have opened one."""
-    packages = {engine.package for engine in engines().values()} - {""}
-    assert not packages & _imported_by_modules()
+    """In a process of its own: another test of this one may have opened one."""
+    code = (
+        "import sys; from spincheck.engines import engines; "
+        "print({one.package for one in engines().values()} & {*sys.modules})"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout == "set()\n"
 
 
-def test_without_node_its_engines_are_missing_and_say_so(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(sys.modules[discovered.__module__].shutil, "which", lambda _: None)
-    missing_engines = list(discovered())
-    assert {"cannon-es", "rapier3d-js"} <= {one.name for one in missing_engines}
-    assert {one.reason for one in missing_engines} == {"node is not installed"}
-
-
-def test_without_their_packages_they_are_missing_with_the_command_that_installs_them(
+def test_without_node_or_their_packages_they_are_missing_and_say_so(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
+    which = sys.modules[discovered.__module__].shutil
+    monkeypatch.setattr(which, "which", lambda _: None)
+    without_node = list(discovered())
+    assert {"cannon-es", "rapier3d-js"} <= {one.name for one in without_node}
+    assert {one.reason for one in without_node} == {"node is not installed"}
+    monkeypatch.setattr(which, "which", lambda _: "node")
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
-    monkeypatch.setattr(sys.modules[discovered.__module__].shutil, "which", lambda _: "node")
-    reasons = {one.reason for one in discovered()}
-    assert len(reasons) == 1
-    assert "python -m spincheck.engines.adapters.node" in reasons.pop()
-
-
-#: Modules that are imported when a scene is opened, or a derivative taken.
-STAND_ALONE = ("world.py", "jacobian.py", "autodiff.py", "tape.py")
-
-
-def _imported_by_modules() -> set[str]:
-    """What the adapters' modules import as soon as they are imported themselves.
-
-    All but those that adapters import when a scene is opened, which none of these may import,
-    unless the engine is not optional.
-    """
-    modules = set()
-    for path in Path(adapters_package.__path__[0]).rglob("*.py"):
-        if path.name in STAND_ALONE:
-            continue
-        for node in ast.parse(path.read_text(encoding="utf-8")).body:
-            if isinstance(node, ast.Import):
-                modules |= {alias.name.partition(".")[0] for alias in node.names}
-            elif isinstance(node, ast.ImportFrom):
-                assert node.module != "world" or path.parent.name in ("mujoco", "pybullet"), path
-                modules |= set() if node.level else {(node.module or "").partition(".")[0]}
-    return modules
+    (reason,) = {one.reason for one in discovered()}
+    assert "python -m spincheck.engines.adapters.node" in reason
