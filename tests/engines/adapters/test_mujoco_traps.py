@@ -5,16 +5,21 @@ docs/measured/engines-mujoco.md.
 """
 
 import copy
+import ctypes
+from collections.abc import Iterator
 from pathlib import Path
 
 import mujoco
 import numpy as np
 import pytest
+from case_loops import each_case
 from spincheck.engines import EngineError
+from spincheck.engines.adapters.mujoco import clock
 from spincheck.engines.adapters.mujoco.engine import MuJoCo
 from spincheck.engines.adapters.mujoco.session import MuJoCoSession
 from spincheck.engines.models.mjcf import mjcf
 from spincheck.scenarios import Scenario, Trajectory, angular_momentum_world, energy
+from spincheck.suite import test_adapter
 from spincheck.suite.contract_scenes import SCENES
 
 EPS = np.finfo(float).eps
@@ -121,6 +126,23 @@ def test_mujocos_own_energy_is_ours_but_only_where_its_computation_is_on(name: s
     assert fresh.energy.sum() == pytest.approx(ours, rel=ROUNDOFF)
 
 
+# Restarts
+
+
+def test_a_clock_of_mujoco_that_goes_on_is_caught(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(mujoco, "mj_resetData", lambda *_: None)
+    with pytest.raises(EngineError, match="clock must be at"):
+        test_adapter.test_restarts_as_it_opens(MUJOCO, MUJOCO.method("RK4"))
+
+
+def test_a_body_that_mujoco_moves_by_its_origin_is_restarted_but_for_rounding() -> None:
+    with MUJOCO.open(SCENES["free"], MUJOCO.method("RK4"), TIMESTEP) as session:
+        assert session.can_restart
+        assert session.restarts_to_the_last_bit
+    with MUJOCO.open(SCENES["free-tilted"], MUJOCO.method("RK4"), TIMESTEP) as session:
+        assert not session.restarts_to_the_last_bit
+
+
 # Properties of its integrators, measured
 
 
@@ -161,3 +183,68 @@ def test_implicit_drains_a_tumble_steadily_and_rk4_does_not() -> None:
     assert (drained < 0).all()
     assert -drained.sum() > per_sample / 10
     assert np.abs(energy_changes("RK4")).max() < 1e-3 * per_sample
+
+
+# The clock that its Python package hangs in: clean sessions step without it
+
+STEPS = 10
+
+
+class CountingClock:
+    """Hung into MuJoCo in place of its package's clock: counts how often it is read."""
+
+    def __init__(self) -> None:
+        self.reads = 0
+        self._function = ctypes.CFUNCTYPE(ctypes.c_double)(self._read)
+        self.address = ctypes.cast(self._function, ctypes.c_void_p).value
+
+    def _read(self) -> float:
+        self.reads += 1
+        return 0.0
+
+    def read_by(self, session: MuJoCoSession) -> int:
+        """How often some steps of a session read it."""
+        before = self.reads
+        session.advance(STEPS)
+        return self.reads - before
+
+
+@pytest.fixture
+def counting(monkeypatch: pytest.MonkeyPatch) -> Iterator[CountingClock]:
+    shipped = clock.SHIPPED
+    counter = CountingClock()
+    monkeypatch.setattr(clock, "SHIPPED", counter.address)
+    yield counter
+    clock.hang(shipped)
+
+
+def opened(method: str) -> MuJoCoSession:
+    return MUJOCO.open(SCENES["heavy-top"], MUJOCO.method(method), TIMESTEP)
+
+
+CLEAN = [method.name for method in MUJOCO.methods if not (method.as_shipped or method.requires)]
+
+
+@each_case("method", CLEAN)
+def test_sessions_of_both_kinds_may_be_stepped_in_turn(
+    counting: CountingClock, method: str
+) -> None:
+    """A clean method reads no clock; as shipped it is read many times a step."""
+    with opened(method) as clean, opened("default") as shipped:
+        reads = [counting.read_by(session) for session in (clean, shipped, clean, shipped)]
+    assert [count and count > 10 * STEPS for count in reads] == [0, True, 0, True]
+
+
+def test_the_audit_reads_the_clock_of_the_session_that_is_asked() -> None:
+    with opened("Euler") as clean, opened("default") as shipped:
+        for session in (clean, shipped):
+            session.advance(1)
+        assert clock.CLOCK not in clean.active()
+        assert clock.CLOCK in shipped.active()
+
+
+def test_a_session_that_is_closed_leaves_the_clock_hung_in() -> None:
+    with opened("Euler") as session:
+        session.advance(1)
+        assert not clock.is_hung()
+    assert clock.is_hung()

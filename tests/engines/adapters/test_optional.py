@@ -1,5 +1,6 @@
 """Optional engines hold the scene, and nothing else acts; skipped if not installed."""
 
+import os
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -12,6 +13,7 @@ from case_loops import each_case
 from kinds_of_engines import OPTIONAL, installed
 from library_scenes import library_scene
 from spincheck.engines import Engine, engines, missing
+from spincheck.engines.adapters.genesis.caches import FOLDERS, kernels_kept
 from spincheck.engines.adapters.mjx import session as mjx_session
 from spincheck.engines.adapters.node import discovered
 from spincheck.engines.child.process import end_idle
@@ -194,3 +196,15 @@ def test_without_node_or_their_packages_they_are_missing_and_say_so(
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
     (reason,) = {one.reason for one in discovered()}
     assert "python -m spincheck.engines.adapters.node" in reason
+
+
+def test_caches_are_in_spinchecks_folder_unless_the_user_named_another(tmp_path, monkeypatch):
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    users, ours = FOLDERS
+    monkeypatch.setenv(ours, "to be deleted, and restored after the test")
+    monkeypatch.delenv(ours)
+    monkeypatch.setenv(users, "/elsewhere")
+    with kernels_kept():
+        print("nothing of this is seen")
+    assert os.environ[users] == "/elsewhere"
+    assert os.environ[ours] == str(tmp_path / "spincheck" / FOLDERS[ours])
