@@ -30,11 +30,8 @@ from spincheck.engines import EngineError, Method
 from spincheck.engines.adapters.pybullet import load as pybullet_load
 from spincheck.engines.adapters.pybullet import session as pybullet_session
 from spincheck.engines.adapters.pybullet import world as pybullet_world
-from spincheck.engines.adapters.pybullet.session import PyBulletSession
-from spincheck.engines.checks.read_back import UnsupportedError, start_state
 from spincheck.scenarios import Scenario
 from spincheck.scenarios.rotation import matrix
-from spincheck.suite import test_adapter
 from spincheck.suite.contract_scenes import SCENES, scene
 
 EPS = np.finfo(float).eps
@@ -183,45 +180,6 @@ def test_a_body_too_heavy_for_a_constraint_is_refused(monkeypatch: pytest.Monkey
     assert "scale the scene down" in run(heavy(1e16), BY_CONSTRAINT).reason
     monkeypatch.setattr(pybullet_load, "TAKEN_FOR_ZERO", 0.0)
     assert gave_way(1e16) > 0.1
-
-
-# Restarts
-
-
-def test_an_inertia_of_pybullet_that_stays_behind_is_caught(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    """A rigid body keeps the inertia, in world axes, of the attitude at its last step."""
-    monkeypatch.setattr(PyBulletSession, "_renew_inertia", lambda *_: None)
-    with pytest.raises(pytest.fail.Exception, match="a restart is not a scene opened there"):
-        test_adapter.test_restarts_as_it_opens(ENGINE, MAXIMAL)
-
-
-@each_case("method", METHODS)
-def test_pybullet_remembers_nothing_but_its_state(method: Method) -> None:
-    """Where the pivot has drifted to is a part of that: a run goes on from its own state."""
-    scene = SCENES["heavy-tilted"]
-    with (
-        opened(scene, method) as continued,
-        opened(scene, method) as session,
-    ):
-        continued.advance(200)
-        session.advance(57)
-        session.restart(continued.read_state())
-        for one in (continued, session):
-            one.advance(90)
-        apart = session.read_state().omega_body - continued.read_state().omega_body
-    # A pivot takes back a fifth of its drift a step: roundings of the position, over the timestep.
-    rounding = 16 * EPS * (1 + 0.2 / TIMESTEP)
-    assert np.linalg.norm(apart) <= rounding * np.linalg.norm(scene.start.omega_body)
-
-
-def test_a_pivot_of_pybullet_that_cannot_bear_a_state_refuses_the_restart() -> None:
-    scene = SCENES["heavy-tilted"]
-    with opened(scene, MAXIMAL) as session:
-        fast = replace(start_state(scene), omega_body=np.array([0.0, 2e3, 0.0]))
-        with pytest.raises(UnsupportedError, match="bears at most 500 N s a step"):
-            session.restart(fast)
 
 
 # What the audit feels: torques, gravity and shapes that the scene does not call for
