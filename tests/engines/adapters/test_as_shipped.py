@@ -117,11 +117,10 @@ def test_of_one_that_is_turned_it_is_that_of_its_bounding_box() -> None:
 
 def test_a_multibody_is_damped_its_velocity_clamped_and_its_joint_driven() -> None:
     reasons = {name: default(PYBULLET, name).reason for name in ("free", "pivot")}
-    assert all(f in reason for f in ("damping", "velocity clamp") for reason in reasons.values())
-    assert {name: "joint motor" in reason for name, reason in reasons.items()} == {
-        "free": False,
-        "pivot": True,
-    }
+    for name, reason in reasons.items():
+        assert "damping" in reason
+        assert "velocity clamp" in reason
+        assert ("joint motor" in reason) == (name == "pivot")
 
 
 def test_the_spin_decays_by_the_default_damping_and_not_without() -> None:

@@ -1,7 +1,8 @@
-"""Rotors in optional engines: they converge to the exact motion, and planted faults are found.
+"""Rotors in engines: they converge to the exact motion, and planted faults are found.
 
-That engines in double precision hold, step and restart rotors of every kind is verified by the
-contract (`free-rotors`, `pivot-rotors`).
+Coarse faults in all that are installed, faint ones in MuJoCo. That engines in double precision
+hold, step and restart rotors of every kind is verified by the contract (`free-rotors`,
+`pivot-rotors`).
 """
 
 from pathlib import Path
@@ -13,11 +14,12 @@ import pytest
 from case_loops import each_case
 from kinds_of_engines import installed
 from library_scenes import library_scene
-from spincheck.engines import Engine
+from spincheck.engines import Engine, engines
 from spincheck.engines.adapters.node.discovered import HERE, modules_folder
 from spincheck.engines.child import child_engine
 from spincheck.engines.child.process import end_idle
 from spincheck.reference import solve
+from spincheck.reports.harness.measuring.examine import physics_in_words
 from spincheck.scenarios import Scenario, errors_between
 from spincheck.scenarios.fastest_rate import fastest_rate
 from spincheck.suite.contract_scenes import SCENES
@@ -158,11 +160,18 @@ FAULTS = {
     ("engine", "typed", "words"),
     [(engine, *fault) for engine, faults in FAULTS.items() for fault in faults.items()],
 )
-def test_a_hinge_with_a_planted_fault_fails_the_run(
-    engine: str, typed: str, words: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_hinge_with_a_planted_fault_fails_the_run(engine: str, typed: str, words: str) -> None:
     one, scene = installed(engine), SCENES["free-rotors"]
-    opened = one.open
+    with pytest.MonkeyPatch.context() as patch:
+        plant(patch, one, typed)
+        run = one.run(scene, one.method(FAULTY[engine]), 1e-3, np.arange(0, 21, 10))
+    assert run.outcome == "failed"
+    assert words in run.reason, run.reason
+
+
+def plant(patch: pytest.MonkeyPatch, engine: Engine, typed: str) -> None:
+    """Have something typed at each session that an engine opens."""
+    opened = engine.open
 
     def faulty(*arguments: Any) -> Any:
         session: Any = opened(*arguments)
@@ -170,11 +179,7 @@ def test_a_hinge_with_a_planted_fault_fails_the_run(
         exec(typed, {"np": np, "session": session, "world": world})
         return session
 
-    with monkeypatch.context() as patch:
-        patch.setattr(one, "open", faulty, raising=False)
-        run = one.run(scene, one.method(FAULTY[engine]), 1e-3, np.arange(0, 21, 10))
-    assert run.outcome == "failed"
-    assert words in run.reason, run.reason
+    patch.setattr(engine, "open", faulty, raising=False)
 
 
 #: In the text of an engine under node: what is written there, what is planted, and how it is told.
@@ -232,3 +237,47 @@ def test_a_fault_planted_in_the_hinges_of_an_engine_under_node_fails_the_run(
     end_idle()
     assert run.outcome == "failed"
     assert words in run.reason, run.reason
+
+
+# MuJoCo: a published figure, and faint faults
+
+BOX = "wheel-in-a-box"
+#: Steps of 2 ms to 5 s, every tenth of a second.
+SAMPLES, STEP = np.arange(0, 2501, 50), 2e-3
+
+
+def test_semi_implicit_euler_is_43_degrees_off_where_rk4_is_on_a_flywheel_at_300_rad_a_second() -> (
+    None
+):
+    """Known of MuJoCo from before: 0.745 rad after 5 s at 2 ms, RK4 below 4e-8."""
+    scene, engine = library_scene(BOX), engines()["mujoco"]
+    exact = solve(scene, SAMPLES * STEP).trajectory
+    off = {}
+    for name in ("Euler", "RK4"):
+        run = engine.run(scene, engine.method(name), STEP, SAMPLES)
+        assert run.trajectory is not None
+        off[name] = errors_between(scene, run.trajectory, exact).attitude
+    assert round(off["Euler"], 3) == 0.745
+    assert off["RK4"] < 4e-8
+
+
+#: What is typed at MuJoCo's session, with every pass of its model switched on, and how it is told.
+FAINT = {
+    "": "",
+    # A millionth of N m s, a hundredth of the rotor's moment, a ten thousandth of its momentum.
+    "session.model.dof_damping[6] = 1e-6": "I dω/dt",
+    "session.model.dof_armature[6] = 1e-5": "I dω/dt",
+    "session.model.body_inertia[2][2] *= 1 + 1e-4": (
+        "behaves as if the rotors had 1.0001 times their angular momentum"
+    ),
+}
+
+
+@each_case(("typed", "words"), [*FAINT.items()])
+def test_single_steps_show_a_faint_fault_of_a_hinge(typed: str, words: str) -> None:
+    engine = engines()["mujoco"]
+    with pytest.MonkeyPatch.context() as patch:
+        plant(patch, engine, f"session.model.opt.disableflags = 0\n{typed}")
+        found = physics_in_words(engine, library_scene(BOX), engine.method("RK4"))
+    assert words in found
+    assert bool(found) == bool(typed)
