@@ -61,18 +61,14 @@ def test_the_exact_motion_of_a_changed_scene_is_that_of_the_scene(scene):
 
 @each_case(
     ("encoding", "fault"),
-    {
-        "an axis that does not turn with the body": (
-            "turned",
-            lambda rotor, own: replace(rotor, axis=own.axis),
-        ),
-        "a place that stays": ("mm-g", lambda rotor, own: replace(rotor, position=own.position)),
-        "a spin in the old unit of time": ("ms", lambda rotor, own: replace(rotor, spin=own.spin)),
-        "an axis that is mirrored as an arrow": (
-            "mirrored",
-            lambda rotor, own: replace(rotor, axis=(-own.axis[0], *own.axis[1:])),
-        ),
-    },
+    [
+        # An axis that does not turn with the body, or is mirrored as an arrow; a place that stays;
+        # a spin in the old unit of time.
+        ("turned", lambda rotor, own: replace(rotor, axis=own.axis)),
+        ("mirrored", lambda rotor, own: replace(rotor, axis=(-own.axis[0], *own.axis[1:]))),
+        ("mm-g", lambda rotor, own: replace(rotor, position=own.position)),
+        ("ms", lambda rotor, own: replace(rotor, spin=own.spin)),
+    ],
 )
 def test_rotors_that_are_carried_along_wrongly_are_another_motion(encoding, fault, monkeypatch):
     scene, right, one = SCENES["free-rotors"], SceneChange._rotor, ENCODINGS[encoding]

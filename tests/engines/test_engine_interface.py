@@ -214,52 +214,40 @@ def install(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Callabl
     forget()
 
 
-def test_a_package_that_raises_on_import_costs_only_its_own_engine(
-    install: Callable[[str], None],
-) -> None:
+TOY_SOURCE = TOY.read_text(encoding="utf-8")
+#: By what is said of an adapter that cannot be used: its source.
+UNUSABLE = {
+    "toy cannot be used: 'interface' must be 1 to 2, got None: state the version that it is "
+    "written for.": TOY_SOURCE.replace("    interface = 1\n", ""),
+    "toy cannot be used: 'interface' must be 1 to 2, got 3: it needs a newer spincheck.": (
+        TOY_SOURCE.replace("interface = 1", "interface = 3")
+    ),
+    "another_engine cannot be used: importing it failed: cannot import name 'Later' from "
+    "'spincheck.engine': this spincheck has its version 2.": (
+        TOY_SOURCE.replace("import BodyReading", "import Later, BodyReading")
+    ),
     # What a package may raise, and not only that it lacks another.
-    for source in ("raise RuntimeError('built for numpy 1')", "1 / 0", "import sys; sys.exit(3)"):
-        install(source)
-        assert "mujoco" in discovery.engines()
-        (broken,) = [one for one in discovery.missing() if one.name == "another_engine"]
-        assert "importing it failed" in broken.reason
+    **{
+        f"another_engine cannot be used: importing it failed: {error}.": source
+        for error, source in {
+            "RuntimeError: built for numpy 1": "raise RuntimeError('built for numpy 1')",
+            "ZeroDivisionError: division by zero": "1 / 0",
+            "SystemExit: 3": "import sys; sys.exit(3)",
+        }.items()
+    },
+}
 
 
-@each_case(
-    ("said", "instead", "line"),
-    [
-        (
-            *("    interface = 1\n", ""),
-            "toy cannot be used: 'interface' must be 1 to 2, got None: state the version that it "
-            "is written for.",
-        ),
-        (
-            *("interface = 1", "interface = 3"),
-            "toy cannot be used: 'interface' must be 1 to 2, got 3: it needs a newer spincheck.",
-        ),
-        (
-            *("import BodyReading", "import Later, BodyReading"),
-            "another_engine cannot be used: importing it failed: cannot import name 'Later' from "
-            "'spincheck.engine': this spincheck has its version 2.",
-        ),
-    ],
-)
-def test_an_adapter_of_another_version_gets_one_line_and_costs_only_itself(
-    said: str,
-    instead: str,
-    line: str,
-    install: Callable[[str], None],
-    capsys: pytest.CaptureFixture[str],
+@each_case(("line", "source"), [*UNUSABLE.items()])
+def test_an_adapter_that_cannot_be_used_gets_one_line_and_costs_only_itself(
+    line: str, source: str, install: Callable[[str], None], capsys: pytest.CaptureFixture[str]
 ) -> None:
-    source = TOY.read_text(encoding="utf-8")
-    assert said in source
-    install(source.replace(said, instead))
+    install(source)
     names = [engine.name for engine in choose([], [], []).engines]
     assert "mujoco" in names
     assert "toy" not in names
-    assert [one for one in capsys.readouterr().err.splitlines() if "cannot be used" in one] == [
-        line
-    ]
+    said = [one for one in capsys.readouterr().err.splitlines() if "cannot be used" in one]
+    assert said == [line]
 
 
 def test_one_that_is_too_old_is_told_so() -> None:
@@ -271,11 +259,9 @@ def test_one_that_is_too_old_is_told_so() -> None:
 def test_an_engine_named_as_another_ends_commands_with_one_message(
     install: Callable[[str], None],
 ) -> None:
-    source = TOY.read_text(encoding="utf-8")
-    install(source.replace('name = "toy"', 'name = "mujoco"'))
-    with pytest.raises(
-        discovery.NameTaken, match=r"named 'mujoco', .* and another_engine"
-    ) as taken:
+    install(TOY_SOURCE.replace('name = "toy"', 'name = "mujoco"'))
+    named = r"named 'mujoco', .* and another_engine"
+    with pytest.raises(discovery.NameTaken, match=named) as taken:
         discovery.engines()
     complaint = refusal(taken.value)
     assert complaint is not None

@@ -125,15 +125,15 @@ def test_its_first_steps_are_the_scenes_but_for_a_torque_that_it_leaves_out(
 
 @each_case(
     ("name", "scene_name"),
-    {
+    [
         # It loses turns of less than 1.5e-8 rad a step from the world's axes; this rod's are.
-        "starts along the world's axes": ("exudyn", "pendulum-just-over"),
+        ("exudyn", "pendulum-just-over"),
         # Rapier's first step from a state lacks a seventh of the torque that turns a rotor.
-        "a hinge that loads": ("rapier3d", "wheel-in-a-box"),
-        "hinges that load": ("rapier3d", "middle-axis-let-go"),
+        ("rapier3d", "wheel-in-a-box"),
+        ("rapier3d", "middle-axis-let-go"),
         # It does not put back less than 1e-6 rad a step: no smooth function of that.
-        "turns that are dropped": ("jolt", "motor-through-the-threshold"),
-    },
+        ("jolt", "motor-through-the-threshold"),
+    ],
 )
 def test_what_its_first_steps_lose_is_no_other_equation_of_motion(
     name: str, scene_name: str

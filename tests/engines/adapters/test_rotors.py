@@ -182,46 +182,35 @@ def plant(patch: pytest.MonkeyPatch, engine: Engine, typed: str) -> None:
     patch.setattr(engine, "open", faulty, raising=False)
 
 
+UNDRIVEN = "rotor 3 without a drive on a driven hinge"
+LOCKED = "rotor 1 on a free hinge that locks 4 axes"
+PLACE, AXIS = "'com' must read back", "'axial moment of rotor 1' must read back"
 #: In the text of an engine under node: what is written there, what is planted, and how it is told.
-PLANTED = {
-    ("jolt", "SetMotorState(TWIST, J.EMotorState_Velocity)", "GetMotorState(TWIST)"): (
-        "rotor 3 without a drive on a driven hinge"
-    ),
-    ("physx", "FAST, FAST, true", "0, FAST, true"): "rotor 3 without a drive on a driven hinge",
-    ("havok", "if (spin !== null) {", "if (false) {"): "rotor 3 without a drive on a driven hinge",
-    ("cannon-es", "if (fixed || spin !== null) {", "if (fixed) {"): (
-        "rotor 3 without a drive on a driven hinge"
-    ),
-    (
-        "jolt",
-        "locked[k] ?",
-        "locked[k] && (k !== 4 || locked[3]) ?",
-    ): "rotor 1 on a free hinge that locks 4 axes",
-    (
-        "physx",
-        "locked[k] ?",
-        "locked[k] && (k !== 4 || locked[3]) ?",
-    ): "rotor 1 on a free hinge that locks 4 axes",
-    ("havok", "locked[k] &&", "locked[k] && (k !== 4 || locked[3]) &&"): (
-        "rotor 1 on a free hinge that locks 4 axes"
-    ),
-    ("jolt", "mLinearDamping: 0", "mLinearDamping: mass === scene.mass ? 0 : 0.1"): "damping",
-    ("physx", "setAngularDamping(0)", "setAngularDamping(mass === told.mass ? 0 : 0.1)"): "damping",
-    ("jolt", "mPosition1: new J.RVec3(...at)", "mPosition1: new J.RVec3(...X)"): "'com' must read",
-    ("physx", "pose(at, turn)", "pose(X, turn)"): "'com' must read back",
-    ("rapier3d-js", "[vector(at), ", "[vector(X), "): "'com' must read back",
-    ("cannon-es", "pivotA: vec(at)", "pivotA: vec(x)"): "'com' must read back",
-    ("jolt", "mAxisX1: new J.Vec3(...x)", "mAxisX1: new J.Vec3(...Y)"): "'axial moment of rotor 1'",
-    ("physx", "pose(at, turn)", "pose(at, UPRIGHT)"): "'axial moment of rotor 1' must read back",
-    ("rapier3d-js", "vector(x), vector(X)", "vector(X), vector(X)"): "'axial moment of rotor 1'",
-    ("cannon-es", "axisA: vec(x)", "axisA: vec([1, 0, 0])"): "'axial moment of rotor 1' must read",
-    ("jolt", "new J.Vec3(...omega)", "new J.Vec3(...scene.omega)"): "'spin of rotor 1' must read",
-    ("havok", "moments.map((I) => I / mass)", "moments.map(() => 1)"): "'inertia_com' must read",
-}
+PLANTED = [
+    ("jolt", "SetMotorState(TWIST, J.EMotorState_Velocity)", "GetMotorState(TWIST)", UNDRIVEN),
+    ("physx", "FAST, FAST, true", "0, FAST, true", UNDRIVEN),
+    ("havok", "if (spin !== null) {", "if (false) {", UNDRIVEN),
+    ("cannon-es", "if (fixed || spin !== null) {", "if (fixed) {", UNDRIVEN),
+    ("jolt", "locked[k] ?", "locked[k] && (k !== 4 || locked[3]) ?", LOCKED),
+    ("physx", "locked[k] ?", "locked[k] && (k !== 4 || locked[3]) ?", LOCKED),
+    ("havok", "locked[k] &&", "locked[k] && (k !== 4 || locked[3]) &&", LOCKED),
+    ("jolt", "mLinearDamping: 0", "mLinearDamping: mass === scene.mass ? 0 : 0.1", "damping"),
+    ("physx", "setAngularDamping(0)", "setAngularDamping(mass === told.mass ? 0 : 0.1)", "damping"),
+    ("jolt", "mPosition1: new J.RVec3(...at)", "mPosition1: new J.RVec3(...X)", PLACE),
+    ("physx", "pose(at, turn)", "pose(X, turn)", PLACE),
+    ("rapier3d-js", "[vector(at), ", "[vector(X), ", PLACE),
+    ("cannon-es", "pivotA: vec(at)", "pivotA: vec(x)", PLACE),
+    ("jolt", "mAxisX1: new J.Vec3(...x)", "mAxisX1: new J.Vec3(...Y)", AXIS),
+    ("physx", "pose(at, turn)", "pose(at, UPRIGHT)", AXIS),
+    ("rapier3d-js", "vector(x), vector(X)", "vector(X), vector(X)", AXIS),
+    ("cannon-es", "axisA: vec(x)", "axisA: vec([1, 0, 0])", AXIS),
+    ("jolt", "new J.Vec3(...omega)", "new J.Vec3(...scene.omega)", "'spin of rotor 1' must read"),
+    ("havok", "moments.map((I) => I / mass)", "moments.map(() => 1)", "'inertia_com' must read"),
+]
 
 
 @pytest.mark.processes
-@each_case(("engine", "written", "planted", "words"), [(*k, words) for k, words in PLANTED.items()])
+@each_case(("engine", "written", "planted", "words"), PLANTED)
 def test_a_fault_planted_in_the_hinges_of_an_engine_under_node_fails_the_run(
     engine: str, written: str, planted: str, words: str, tmp_path: Path
 ) -> None:

@@ -53,27 +53,23 @@ MESH_OUTSIDE = '<collision><geometry><mesh filename="../outside.stl"/></geometry
 SCALED = '<contact>\n<inertia_scaling value="3.0"/></contact>'
 BROKEN = "this XML declaration breaks the standard; engines read over it, standard parsers refuse"
 #: Texts, and what is noted about them.
-NOTED = {
-    "a declaration too late": ('<!-- x -->\n<?xml version="1.0"?>\n' + arm(), f"FILE:2: {BROKEN}"),
-    "an encoding that there is not": (
-        *('\n<?xml encoding="none" version="1.0"?>\n' + arm(), f"FILE:2: {BROKEN}"),
-    ),
-    "a prefix that is not declared": (
-        *(robot(link("a"), "<sensor:camera/>"), "FILE:3: the prefix of <sensor:camera> is not"),
-    ),
-    "one that is": (robot(link("a"), '<s:camera xmlns:s="urn:s"/>'), None),
-    "Bullet's own scaling of a tensor": (
+NOTED = [
+    ('<!-- x -->\n<?xml version="1.0"?>\n' + arm(), f"FILE:2: {BROKEN}"),
+    ('\n<?xml encoding="none" version="1.0"?>\n' + arm(), f"FILE:2: {BROKEN}"),
+    (robot(link("a"), "<sensor:camera/>"), "FILE:3: the prefix of <sensor:camera> is not"),
+    (robot(link("a"), '<s:camera xmlns:s="urn:s"/>'), None),
+    (
         robot(link("a", inertial() + SCALED)),
         "FILE:3: Bullet multiplies the tensor of <link name='a'> by this <inertia_scaling>; no "
         "other engine does",
     ),
-    "meshes that are not inside the model's folders": (
+    (
         robot(link("a", MESH_OUTSIDE)),
         "FILE: 1 of 1 collision meshes are not inside the model's folders, the first is "
         "'../outside.stl'; stated inertia needs none, what PyBullet makes up by default does; "
         "'--package-path NAME=DIR' says where they are",
     ),
-}
+]
 
 
 @each_case(("text", "note"), NOTED)
@@ -97,17 +93,18 @@ def test_a_link_of_the_file_system_leads_no_further(tmp_path):
     assert "there is no such file inside the model's folder" in refusal(path)
 
 
-NESTED = {
-    "bodies": '<replicate count="100"><replicate count="100"><body/></replicate></replicate>',
-    "nothing": '<replicate count="5000"><replicate count="5000"/></replicate>',
-    "shapes": '<replicate count="60"><frame><replicate count="60"><geom/></replicate></frame>'
-    "</replicate>",
-    "a cloth": '<replicate count="9"><composite type="cloth" count="99 99 1"/></replicate>',
-    "a grid": '<flexcomp name="x" type="grid" count="999 999 999" dim="3"/>',
-}
+#: Counts of nothing, bodies, shapes, a cloth and a grid.
+NOTHING = '<replicate count="5000"><replicate count="5000"/></replicate>'
+NESTED = [
+    NOTHING,
+    '<replicate count="100"><replicate count="100"><body/></replicate></replicate>',
+    '<replicate count="60"><frame><replicate count="60"><geom/></replicate></frame></replicate>',
+    '<replicate count="9"><composite type="cloth" count="99 99 1"/></replicate>',
+    '<flexcomp name="x" type="grid" count="999 999 999" dim="3"/>',
+]
 
 
-@pytest.mark.parametrize("inner", NESTED.values(), ids=NESTED)
+@each_case("inner", NESTED)
 def test_what_counts_make_is_bounded_as_a_product(tmp_path, inner):
     message = refusal(written(tmp_path, body(inner), "robot.xml"))
     assert "makes more than 4096 elements, nested ones too" in message
@@ -123,7 +120,7 @@ ATTACHED = {
         "<attach> makes more than 4096 elements, nested ones too",
     ),
     "a bomb": (
-        {"robot.xml": ("b.xml", ""), "b.xml": ("c.xml", NESTED["nothing"])},
+        {"robot.xml": ("b.xml", ""), "b.xml": ("c.xml", NOTHING)},
         "makes more than 4096 elements",
     ),
 }
