@@ -240,47 +240,47 @@ def along_the_body(patch: pytest.MonkeyPatch) -> None:
     patch.setattr(p, "resetJointStateMultiDof", reset)
 
 
+def damped(patch: pytest.MonkeyPatch) -> None:
+    leave_out(patch, "changeDynamics", "linearDamping", "angularDamping")
+
+
+def damped_along_its_way(patch: pytest.MonkeyPatch) -> None:
+    leave_out(patch, "changeDynamics", "linearDamping")
+
+
+def driven_by_the_default_motor(patch: pytest.MonkeyPatch) -> None:
+    skip(patch, "setJointMotorControlMultiDof")
+
+
+def pushed_along_other_axes(patch: pytest.MonkeyPatch) -> None:
+    patch.setattr(p, "LINK_FRAME", p.WORLD_FRAME)
+
+
+def of_another_inertia_than_the_files(patch: pytest.MonkeyPatch) -> None:
+    change(patch, "loadURDF", flags=0)
+
+
+LINK = '<link name="top">'
 SHAPE = '<collision><geometry><box size="0.1 0.1 0.1"/></geometry></collision>'
+with_a_shape = in_the_model(LINK, LINK + SHAPE)
+warned_of = in_the_model("<axis", "<no-axis")
+not_loaded = in_the_model("</robot>", "")
 #: What is planted, in which scene and methods, and in what words the run fails.
-FAULTS: dict[str, tuple[Plant, Scenario, list[Method], str]] = {
-    "default damping": (
-        lambda patch: leave_out(patch, "changeDynamics", "linearDamping", "angularDamping"),
-        *(rotor(10.0), [MULTIBODY, BY_CONSTRAINT], "a resistance of"),
+FAULTS: list[tuple[Plant, Scenario, list[Method], str]] = [
+    (damped, rotor(10.0), [MULTIBODY, BY_CONSTRAINT], "a resistance of"),
+    (damped_along_its_way, SCENES["free-thrown"], [MULTIBODY], "a force of"),
+    (driven_by_the_default_motor, rotor(10.0), [MULTIBODY], "a resistance of"),
+    (pushed_along_other_axes, SCENES["free-torque-body"], [MULTIBODY], "a torque of"),
+    (heavy, SCENES["pivot"], METHODS, "a gravity of [0.0, 0.0, -9.81] m/s²"),
+    (with_a_shape, SCENES["pivot"], METHODS, "a collision shape"),
+    (
+        *(of_another_inertia_than_the_files, SCENES["free-tilted"], [MULTIBODY, MAXIMAL]),
+        "'inertia_com' must read back as",
     ),
-    "default damping of the com": (
-        lambda patch: leave_out(patch, "changeDynamics", "linearDamping"),
-        *(SCENES["free-thrown"], [MULTIBODY], "a force of"),
-    ),
-    "the default motor": (
-        lambda patch: skip(patch, "setJointMotorControlMultiDof"),
-        *(rotor(10.0), [MULTIBODY], "a resistance of"),
-    ),
-    "a torque along other axes": (
-        lambda patch: patch.setattr(p, "LINK_FRAME", p.WORLD_FRAME),
-        *(SCENES["free-torque-body"], [MULTIBODY], "a torque of"),
-    ),
-    "gravity": (heavy, SCENES["pivot"], METHODS, "a gravity of [0.0, 0.0, -9.81] m/s²"),
-    "a shape to collide with": (
-        in_the_model('<link name="top">', '<link name="top">' + SHAPE),
-        *(SCENES["pivot"], METHODS, "a collision shape"),
-    ),
-    "no inertia from the file": (
-        lambda patch: change(patch, "loadURDF", flags=0),
-        *(SCENES["free-tilted"], [MULTIBODY, MAXIMAL], "'inertia_com' must read back as"),
-    ),
-    "what is warned of": (
-        in_the_model("<axis", "<no-axis"),
-        *(SCENES["pivot"], [MULTIBODY], "PyBullet warns; PyBullet printed: b3Warning"),
-    ),
-    "what does not load": (
-        in_the_model("</robot>", ""),
-        *(SCENES["free"], [MULTIBODY], "PyBullet cannot load the body"),
-    ),
-    "a velocity along the body": (
-        along_the_body,
-        *(SCENES["pivot"], [MULTIBODY], "'omega_body' must read back as"),
-    ),
-}
+    (warned_of, SCENES["pivot"], [MULTIBODY], "PyBullet warns; PyBullet printed: b3Warning"),
+    (not_loaded, SCENES["free"], [MULTIBODY], "PyBullet cannot load the body"),
+    (along_the_body, SCENES["pivot"], [MULTIBODY], "'omega_body' must read back as"),
+]
 
 
 @each_case(("plant", "scenario", "methods", "words"), FAULTS)
