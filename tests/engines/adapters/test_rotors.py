@@ -81,6 +81,8 @@ def test_rotors_of_the_library_converge_with_the_declared_order(name: str) -> No
 
 #: Of engines of which faults alone are planted here.
 FAULTY = METHODS | {"mujoco-warp": "RK4", "newton": "mujoco-rk4"}
+DRIVEN = "rotor 3 driven to another spin than -5 rad/s"
+NO_ARMATURE = "rotor 3 with 0 kg m² on a driven hinge"
 #: By engine: what is typed at its session, on `free-rotors`, and how that is told.
 FAULTS = {
     "mujoco": {
@@ -101,7 +103,7 @@ FAULTS = {
     },
     "newton": {
         "world.model.joint_damping.fill_(1e-3)": "joint damping",
-        "world.model.joint_armature.zero_()": "rotor 3 with 0 kg m² on a driven hinge",
+        "world.model.joint_armature.zero_()": NO_ARMATURE,
         "world.solver.mjw_model.body_mass.fill_(2.0)": "'mass' must read back",
         "world.model.gravity.zero_()": "called for but not active: gravity",
     },
@@ -121,9 +123,7 @@ FAULTS = {
     },
     "drake": {
         "(index,) = world.plant.GetJointActuatorIndices();"
-        "world.plant.get_joint_actuator(index).SetRotorInertia(world.context, 0.0)": (
-            "rotor 3 with 0 kg m² on a driven hinge"
-        ),
+        "world.plant.get_joint_actuator(index).SetRotorInertia(world.context, 0.0)": NO_ARMATURE,
         "world.rotors[0].SetDampingVector(world.context, np.array([1e-3]))": (
             "damping on the hinge of rotor 1"
         ),
@@ -136,12 +136,8 @@ FAULTS = {
         "world.rotors[1][1].data.local_anchor1 = (0.1, 0.1, 0.0)": "'com' must read back",
     },
     "exudyn": {
-        "world.system.SetObjectParameter(world.rotors[2].drive, 'activeConnector', False)": (
-            "rotor 3 driven to another spin than -5 rad/s"
-        ),
-        "world.system.SetObjectParameter(world.rotors[2].drive, 'offset', -5.001)": (
-            "rotor 3 driven to another spin than -5 rad/s"
-        ),
+        "world.system.SetObjectParameter(world.rotors[2].drive, 'activeConnector', False)": DRIVEN,
+        "world.system.SetObjectParameter(world.rotors[2].drive, 'offset', -5.001)": DRIVEN,
         "world.system.SetObjectParameter("
         "world.rotors[1].joint, 'constrainedAxes', [1, 1, 1, 1, 1, 0])": (
             "rotor 2 on another joint than that of a locked hinge"
