@@ -10,7 +10,6 @@ Not verified: that numbers mean the same as in version 1, but for what the three
 import inspect
 import json
 import re
-import shutil
 import sys
 from collections.abc import Callable, Iterator
 from hashlib import sha256
@@ -25,7 +24,6 @@ from case_loops import each_case
 from library_scenes import library_scene
 from spincheck.engine import Engine, Session
 from spincheck.engines import discovery
-from spincheck.engines.child import child_engine
 from spincheck.engines.interface import misfit
 from spincheck.reports.cli.choosing import choose
 from spincheck.reports.cli.terminal import NOT_RUN, refusal
@@ -34,7 +32,7 @@ from spincheck.reports.harness.executors import InProcess
 from spincheck.reports.harness.plan import plan
 from spincheck.reports.harness.study import run_study
 from spincheck.reports.pages.render import render
-from spincheck.reports.results.store import Results, open_store
+from spincheck.reports.results.store import open_store
 from typing_extensions import deprecated
 
 pytestmark = pytest.mark.slow
@@ -53,8 +51,6 @@ DIGESTS = {
 }
 #: What version 1 had: parameters by the names of what is called, and what adapters have to write.
 MEMBERS = json.loads((FROZEN / "members.json").read_text(encoding="utf-8"))
-#: What a package may raise, and not only that it lacks another.
-RAISES = ["raise RuntimeError('built for numpy 1')", "1 / 0", "import sys; sys.exit(3)"]
 
 
 def forget() -> None:
@@ -82,32 +78,20 @@ def test_engines_of_version_1_keep_the_contract(installed: None, name: str, chec
     check(engine, engine.methods[0])
 
 
-def results_of(engine: Engine, scene: str, folder: Path) -> Results:
-    choice = Choice((engine,), (), (), timed=False, max_steps=1 << 9)
-    with open_store(folder / "of_one.sqlite", create=True) as store:
-        planned = plan([library_scene(scene)], choice, store)
-        run_study(planned, choice, store, InProcess(), lambda _: None)
-        return store.read()
-
-
 @pytest.mark.parametrize(
     ("name", "scene"), [("toy", "football-spiral"), ("heavy-top", "tiring-top")]
 )
 def test_they_converge_and_appear_in_a_report(
     installed: None, tmp_path: Path, name: str, scene: str
 ) -> None:
-    results = results_of(discovery.engines()[name], scene, tmp_path)
+    choice = Choice((discovery.engines()[name],), (), (), timed=False, max_steps=1 << 9)
+    with open_store(tmp_path / "of_one.sqlite", create=True) as store:
+        planned = plan([library_scene(scene)], choice, store)
+        run_study(planned, choice, store, InProcess(), lambda _: None)
+        results = store.read()
     assert [verdict.verdict for verdict in results.verdicts] == ["converges"]
     render(results, tmp_path / "report")
     assert name in (tmp_path / "report" / "index.html").read_text(encoding="utf-8")
-
-
-@pytest.mark.processes
-@pytest.mark.skipif(shutil.which("node") is None, reason="node is not installed")
-def test_one_by_version_1_of_the_protocol_converges(tmp_path: Path) -> None:
-    engine = child_engine(("node", str(FROZEN / "toy.mjs")))
-    results = results_of(engine, "football-spiral", tmp_path)
-    assert [verdict.verdict for verdict in results.verdicts] == ["converges"]
 
 
 def breaches(members: dict[str, Any]) -> Iterator[str]:
@@ -144,19 +128,11 @@ def renamed(self: Session, state: object, step: float | None = None) -> None:
 
 @each_case(
     ("name", "changed", "found"),
-    {
-        "an argument more": ("restart", longer, "Session.restart needs exactly"),
-        "a renamed one": (
-            "restart",
-            renamed,
-            "Session.restart does not take self, state, timestep",
-        ),
-        "a hook more": (
-            "__abstractmethods__",
-            Session.__abstractmethods__ | {"energy"},
-            "energy must be written",
-        ),
-    },
+    [
+        ("restart", longer, "Session.restart needs exactly"),
+        ("restart", renamed, "Session.restart does not take self, state, timestep"),
+        ("__abstractmethods__", Session.__abstractmethods__ | {"energy"}, "energy must be written"),
+    ],
 )
 def test_a_change_that_breaks_adapters_is_found(name: str, changed: object, found: str) -> None:
     with pytest.MonkeyPatch.context() as patch:
@@ -238,55 +214,40 @@ def install(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Callabl
     forget()
 
 
-@pytest.mark.parametrize("source", RAISES)
-def test_a_package_that_raises_on_import_costs_only_its_own_engine(
-    source: str, install: Callable[[str], None]
+TOY_SOURCE = TOY.read_text(encoding="utf-8")
+#: By what is said of an adapter that cannot be used: its source.
+UNUSABLE = {
+    "toy cannot be used: 'interface' must be 1 to 2, got None: state the version that it is "
+    "written for.": TOY_SOURCE.replace("    interface = 1\n", ""),
+    "toy cannot be used: 'interface' must be 1 to 2, got 3: it needs a newer spincheck.": (
+        TOY_SOURCE.replace("interface = 1", "interface = 3")
+    ),
+    "another_engine cannot be used: importing it failed: cannot import name 'Later' from "
+    "'spincheck.engine': this spincheck has its version 2.": (
+        TOY_SOURCE.replace("import BodyReading", "import Later, BodyReading")
+    ),
+    # What a package may raise, and not only that it lacks another.
+    **{
+        f"another_engine cannot be used: importing it failed: {error}.": source
+        for error, source in {
+            "RuntimeError: built for numpy 1": "raise RuntimeError('built for numpy 1')",
+            "ZeroDivisionError: division by zero": "1 / 0",
+            "SystemExit: 3": "import sys; sys.exit(3)",
+        }.items()
+    },
+}
+
+
+@each_case(("line", "source"), [*UNUSABLE.items()])
+def test_an_adapter_that_cannot_be_used_gets_one_line_and_costs_only_itself(
+    line: str, source: str, install: Callable[[str], None], capsys: pytest.CaptureFixture[str]
 ) -> None:
     install(source)
-    assert "mujoco" in discovery.engines()
-    (broken,) = [one for one in discovery.missing() if one.name == "another_engine"]
-    assert "importing it failed" in broken.reason
-
-
-@pytest.mark.parametrize(
-    ("said", "instead", "line"),
-    [
-        (
-            "    interface = 1\n",
-            "",
-            "toy cannot be used: 'interface' must be 1 to 2, got None: state the version that it "
-            "is written for.",
-        ),
-        (
-            "interface = 1",
-            "interface = 3",
-            "toy cannot be used: 'interface' must be 1 to 2, got 3: it needs a newer spincheck.",
-        ),
-        (
-            "import BodyReading",
-            "import Later, BodyReading",
-            "another_engine cannot be used: importing it failed: cannot import name 'Later' from "
-            "'spincheck.engine': this spincheck has its version 2.",
-        ),
-    ],
-    ids=["states nothing", "too new", "needs what is newer"],
-)
-def test_an_adapter_of_another_version_gets_one_line_and_costs_only_itself(
-    said: str,
-    instead: str,
-    line: str,
-    install: Callable[[str], None],
-    capsys: pytest.CaptureFixture[str],
-) -> None:
-    source = TOY.read_text(encoding="utf-8")
-    assert said in source
-    install(source.replace(said, instead))
     names = [engine.name for engine in choose([], [], []).engines]
     assert "mujoco" in names
     assert "toy" not in names
-    assert [one for one in capsys.readouterr().err.splitlines() if "cannot be used" in one] == [
-        line
-    ]
+    said = [one for one in capsys.readouterr().err.splitlines() if "cannot be used" in one]
+    assert said == [line]
 
 
 def test_one_that_is_too_old_is_told_so() -> None:
@@ -298,11 +259,9 @@ def test_one_that_is_too_old_is_told_so() -> None:
 def test_an_engine_named_as_another_ends_commands_with_one_message(
     install: Callable[[str], None],
 ) -> None:
-    source = TOY.read_text(encoding="utf-8")
-    install(source.replace('name = "toy"', 'name = "mujoco"'))
-    with pytest.raises(
-        discovery.NameTaken, match=r"named 'mujoco', .* and another_engine"
-    ) as taken:
+    install(TOY_SOURCE.replace('name = "toy"', 'name = "mujoco"'))
+    named = r"named 'mujoco', .* and another_engine"
+    with pytest.raises(discovery.NameTaken, match=named) as taken:
         discovery.engines()
     complaint = refusal(taken.value)
     assert complaint is not None

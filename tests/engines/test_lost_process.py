@@ -116,7 +116,7 @@ def test_one_that_somebody_stopped_is_not_to_blame(clock: Clock) -> None:
 @pytest.mark.parametrize("share", [0.0, 1.0])
 def test_time_in_which_this_process_was_stopped_is_not_counted(clock: Clock, share: float) -> None:
     """Ctrl-Z, or a laptop that was closed: one look takes a night."""
-    process = Process(clock, 0.0, NIGHT + LIMIT / 2, sleeps=NIGHT)
+    process = Process(clock, share, NIGHT + LIMIT / 2, sleeps=NIGHT)
     assert waited(process) is None
 
 

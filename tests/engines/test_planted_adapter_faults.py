@@ -6,24 +6,14 @@ import numpy as np
 import pytest
 from adapter_checks import CHECKS, Check
 from interface_1.free_body.toy_engine import Toy, ToySession
-from spincheck.engines import BodyReading, Engine, Method, Session, State
+from planted import LyingAboutBodySession, LyingAboutStartSession
+from spincheck.engines import Engine, Method, Session, State
 from spincheck.scenarios import Scenario
 from spincheck.suite import test_adapter
 
 pytestmark = pytest.mark.slow
 
 RANDOM = np.random.default_rng(3)
-
-
-class OtherMass(ToySession):
-    def read_body(self) -> BodyReading:
-        return replace(super().read_body(), mass=2 * self.held.mass)
-
-
-class OtherStart(ToySession):
-    def __init__(self, scenario: Scenario, timestep: float) -> None:
-        super().__init__(scenario, timestep)
-        self.y[4:7] *= 1.001
 
 
 class GravityUncalledFor(ToySession):
@@ -128,19 +118,20 @@ class RecordsAStepLate(ToySession):
 
 
 class RestartForgetsOmega(ToySession):
-    """Restarts at its new attitude, with the ω it had."""
+    """Restarts at its new attitude and place, with the ω it had."""
+
+    kept = "omega_body", slice(4, 7)
 
     def restart(self, state: State, timestep: float | None = None) -> None:
-        omega_body = self.y[4:7].copy() if hasattr(self, "y") else state.omega_body
-        super().restart(replace(state, omega_body=omega_body), timestep)
+        name, numbers = self.kept
+        old = {name: self.y[numbers].copy()} if hasattr(self, "y") else {}
+        super().restart(replace(state, **old), timestep)
 
 
-class RestartKeepsVelocity(ToySession):
-    """Restarts at its new place, with the velocity it had."""
+class RestartKeepsVelocity(RestartForgetsOmega):
+    """The same with its velocity."""
 
-    def restart(self, state: State, timestep: float | None = None) -> None:
-        velocity_world = self.y[10:].copy() if hasattr(self, "y") else state.velocity_world
-        super().restart(replace(state, velocity_world=velocity_world), timestep)
+    kept = "velocity_world", slice(10, 13)
 
 
 class RestartKeepsTimestep(ToySession):
@@ -161,9 +152,9 @@ class RestartIsWarm(ToySession):
         self.memory = 1e-14 * self.y[4]
 
 
-FAULTS: list[tuple[type[ToySession], Check]] = [
-    (OtherMass, test_adapter.test_holds_the_scene_and_only_its_effects_act),
-    (OtherStart, test_adapter.test_holds_the_scene_and_only_its_effects_act),
+FAULTS: list[tuple[type[Session], Check]] = [
+    (LyingAboutBodySession, test_adapter.test_holds_the_scene_and_only_its_effects_act),
+    (LyingAboutStartSession, test_adapter.test_holds_the_scene_and_only_its_effects_act),
     (GravityUncalledFor, test_adapter.test_holds_the_scene_and_only_its_effects_act),
     (GravityInSecret, test_adapter.test_begins_as_the_equations_of_motion_say),
     (GravityLeftOut, test_adapter.test_holds_the_scene_and_only_its_effects_act),
@@ -184,7 +175,7 @@ FAULTS: list[tuple[type[ToySession], Check]] = [
 ]
 
 
-def toy_of(kind: type[ToySession]) -> Engine:
+def toy_of(kind: type[Session]) -> Engine:
     class Lying(Toy):
         def open(self, scenario: Scenario, method: Method, timestep: float) -> Session:
             return kind(scenario, timestep)
@@ -195,7 +186,7 @@ def toy_of(kind: type[ToySession]) -> Engine:
 @pytest.mark.parametrize(
     ("kind", "check"), [pytest.param(k, c, id=f"{k.__name__}-{c.__name__}") for k, c in FAULTS]
 )
-def test_a_planted_fault_is_caught(kind: type[ToySession], check: Check) -> None:
+def test_a_planted_fault_is_caught(kind: type[Session], check: Check) -> None:
     engine = toy_of(kind)
     with pytest.raises(pytest.fail.Exception, match="toy RK4"):
         check(engine, engine.methods[0])

@@ -6,8 +6,9 @@ import mujoco
 import numpy as np
 import pybullet as p
 import pytest
+from case_loops import each_case
 from pybullet_planted import rotor
-from spincheck.engines import Engine, Method, Run, engines
+from spincheck.engines import Engine, Method, Run
 from spincheck.engines.adapters.mujoco.engine import MuJoCo
 from spincheck.engines.adapters.pybullet.engine import PyBullet
 from spincheck.engines.adapters.pybullet.session import DEFAULT_CLAMP
@@ -17,12 +18,6 @@ MUJOCO, PYBULLET = MuJoCo(), PyBullet()
 FROM_FILE = PYBULLET.method("default-inertia-from-file")
 TIMESTEP = 1e-3
 STEPS = np.arange(0, 51, 10)
-SHIPPED = [
-    pytest.param(engine, method, id=f"{engine.name}-{method.name}")
-    for engine in (MUJOCO, PYBULLET)
-    for method in engine.methods
-    if method.as_shipped and not method.requires
-]
 #: PyBullet's default: of a linear and of an angular velocity, a second.
 DAMPING = 0.04
 
@@ -31,36 +26,29 @@ def default(engine: Engine, name: str, timestep: float = TIMESTEP) -> Run:
     return engine.run(SCENES[name], engine.method("default"), timestep, STEPS)
 
 
-def reason_of(name: str) -> str:
-    return default(PYBULLET, name).reason
-
-
-def test_engines_that_have_defaults_of_their_own_are_run_with_them() -> None:
-    shipped = {e.name for e in engines().values() if any(m.as_shipped for m in e.methods)}
-    assert {"mujoco", "pybullet"} <= shipped
-
-
-@pytest.mark.parametrize(("engine", "method"), SHIPPED)
-@pytest.mark.parametrize("name", ["free", "heavy-tilted"])
-def test_what_differs_is_reported_and_fails_no_run(
-    engine: Engine, method: Method, name: str
+@each_case(
+    ("engine", "method"),
+    [
+        (engine, method)
+        for engine in (MUJOCO, PYBULLET)
+        for method in engine.methods
+        if method.as_shipped and not method.requires
+    ],
+)
+def test_what_differs_is_reported_and_fails_no_run_but_of_methods_that_claim_the_scene(
+    engine: Engine, method: Method
 ) -> None:
-    run = engine.run(SCENES[name], method, TIMESTEP, STEPS)
-    assert run.outcome == "ok"
-    assert "active though the scene does not call for it: " in run.reason
-    assert run.trajectory is not None
-    assert len(run.trajectory.t) == len(STEPS)
-
-
-@pytest.mark.parametrize(("engine", "method"), SHIPPED)
-def test_the_same_is_no_run_of_a_method_that_claims_to_simulate_the_scene(
-    engine: Engine, method: Method, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """The adapter's way of opening is asked for by the real method, whatever it is given."""
-    real = engine.open
-    monkeypatch.setattr(type(engine), "open", lambda _, scene, __, dt: real(scene, method, dt))
-    strict = replace(method, as_shipped=False)
-    assert engine.run(SCENES["free"], strict, TIMESTEP, STEPS).outcome == "failed"
+    for name in ("free", "heavy-tilted"):
+        run = engine.run(SCENES[name], method, TIMESTEP, STEPS)
+        assert run.outcome == "ok"
+        assert "active though the scene does not call for it: " in run.reason
+        assert run.trajectory is not None
+        assert len(run.trajectory.t) == len(STEPS)
+    # The adapter's way of opening is asked for by the real method, whatever it is given.
+    real, strict = engine.open, replace(method, as_shipped=False)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(type(engine), "open", lambda _, scene, __, dt: real(scene, method, dt))
+        assert engine.run(SCENES["free"], strict, TIMESTEP, STEPS).outcome == "failed"
 
 
 # MuJoCo
@@ -70,16 +58,15 @@ def test_mujocos_stock_timestep_is_that_of_an_empty_model() -> None:
     assert mujoco.MjModel.from_xml_string("<mujoco/>").opt.timestep == MUJOCO.stock_timestep
 
 
-@pytest.mark.parametrize("name", SCENES)
+@each_case("name", [*SCENES])
 def test_mujocos_defaults_are_its_euler_to_the_last_bit(name: str) -> None:
-    shipped = default(MUJOCO, name).trajectory
-    euler = MUJOCO.run(SCENES[name], MUJOCO.method("Euler"), TIMESTEP, STEPS).trajectory
-    rk4 = MUJOCO.run(SCENES[name], MUJOCO.method("RK4"), TIMESTEP, STEPS).trajectory
-    assert shipped is not None
-    assert euler is not None
-    assert rk4 is not None
-    assert np.array_equal(shipped.omega_body, euler.omega_body)
-    assert not np.array_equal(shipped.omega_body, rk4.omega_body)
+    def omega(method: str) -> np.ndarray:
+        motion = MUJOCO.run(SCENES[name], MUJOCO.method(method), TIMESTEP, STEPS).trajectory
+        assert motion is not None
+        return motion.omega_body
+
+    assert np.array_equal(omega("default"), omega("Euler"))
+    assert not np.array_equal(omega("default"), omega("RK4"))
 
 
 def test_mujocos_options_are_untouched_but_for_timestep_and_gravity() -> None:
@@ -113,7 +100,7 @@ def test_pybullets_stock_timestep_is_that_of_an_empty_world() -> None:
     p.disconnect(world)
 
 
-@pytest.mark.parametrize("name", ["free", "heavy-top"])
+@each_case("name", ["free", "heavy-top"])
 def test_of_a_box_along_the_bodys_axes_the_inertia_is_the_scenes(name: str) -> None:
     assert "'inertia_com'" not in default(PYBULLET, name).reason
 
@@ -128,15 +115,12 @@ def test_of_one_that_is_turned_it_is_that_of_its_bounding_box() -> None:
     assert "joint motor" in run.reason
 
 
-@pytest.mark.parametrize("words", ["damping", "velocity clamp"])
-@pytest.mark.parametrize("name", ["free", "pivot"])
-def test_a_multibody_is_damped_and_its_velocity_clamped(name: str, words: str) -> None:
-    assert words in reason_of(name)
-
-
-def test_a_joint_has_a_motor_and_a_free_body_none() -> None:
-    assert "joint motor" in reason_of("pivot")
-    assert "joint motor" not in reason_of("free")
+def test_a_multibody_is_damped_its_velocity_clamped_and_its_joint_driven() -> None:
+    reasons = {name: default(PYBULLET, name).reason for name in ("free", "pivot")}
+    for name, reason in reasons.items():
+        assert "damping" in reason
+        assert "velocity clamp" in reason
+        assert ("joint motor" in reason) == (name == "pivot")
 
 
 def test_the_spin_decays_by_the_default_damping_and_not_without() -> None:

@@ -1,8 +1,10 @@
-"""What is Newton's alone: its solvers, recorded steps and defaults; skipped if not installed.
+"""What is Newton's and MuJoCo Warp's alone; each skipped if not installed.
 
-Faults are planted in its models in `test_optional_rotors`.
+Newton's solvers, recorded steps and defaults; first steps and restarts of both. Faults are planted
+in their models in `test_rotors`.
 """
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -12,6 +14,7 @@ from kinds_of_engines import installed
 from spincheck.engines import Engine
 from spincheck.engines.checks.read_back import start_state
 from spincheck.reports.harness.measuring.examine import physics_in_words
+from spincheck.scenarios import Scenario
 from spincheck.suite.contract_scenes import SCENES, from_elsewhere, scene
 
 pytestmark = pytest.mark.slow
@@ -19,11 +22,21 @@ pytestmark = pytest.mark.slow
 TIMESTEP = 2.0**-10
 STEPS = np.arange(3)
 #: What is held and what acts: on free bodies, on pivots, with rotors.
-HELD = ("free-tilted-plate", "free-falling", "heavy-top", "everything", "free-rotors")
-#: Solvers of which every scene's steps are those of the equations of motion.
-FAITHFUL = ("mujoco-rk4", "mujoco-euler", "featherstone", "steel", "semi-implicit")
-#: Solvers with a rotor on every kind of hinge.
-WITH_DRIVES = ("mujoco-rk4", "featherstone", "steel")
+HELD = ("free-tilted-plate", "free-falling", "heavy-top", "everything")
+HELD_BY_WARP = ("free-torque-world", "everything", "pivot-rotors", "table-rotors")
+#: By engine and method: the scenes of which all steps are those of the equations of motion.
+FAITHFUL = {
+    **dict.fromkeys(
+        [("newton", method) for method in ("mujoco-rk4", "featherstone", "steel")],
+        (*HELD, "free-rotors"),
+    ),
+    **dict.fromkeys([("newton", method) for method in ("mujoco-euler", "semi-implicit")], HELD),
+    **dict.fromkeys(
+        [("mujoco-warp", method) for method in ("RK4", "implicitfast", "discrete")],
+        ("free-tilted-plate", *HELD_BY_WARP),
+    ),
+}
+EVERYTHING = SCENES["everything"]
 
 
 @pytest.fixture
@@ -36,13 +49,14 @@ def opened(newton: Engine, method: str, name: str) -> Any:
 
 
 @each_case(
-    ("method", "name"),
-    [(method, name) for method in FAITHFUL for name in HELD if name != "free-rotors"]
-    + [(method, "free-rotors") for method in WITH_DRIVES],
+    ("engine", "method", "name"),
+    [(*who, name) for who, names in FAITHFUL.items() for name in names],
 )
-def test_its_first_steps_are_those_of_the_equations_of_motion(method: str, name: str) -> None:
-    newton = installed("newton")
-    assert physics_in_words(newton, SCENES[name], newton.method(method)) == ""
+def test_its_first_steps_are_those_of_the_equations_of_motion(
+    engine: str, method: str, name: str
+) -> None:
+    one = installed(engine)
+    assert physics_in_words(one, SCENES[name], one.method(method)) == ""
 
 
 @each_case(
@@ -74,30 +88,37 @@ def test_featherstones_damping_is_used_nowhere(newton: Engine) -> None:
 
 
 @each_case("method", ["mujoco-rk4", "featherstone", "steel", "semi-implicit", "xpbd"])
-def test_recorded_launches_are_the_step_to_the_last_bit(method: str) -> None:
+def test_recorded_launches_are_the_step_and_a_restart_the_scene_opened_there(method: str) -> None:
+    """To the last bit."""
     newton = installed("newton")
     with opened(newton, method, "everything") as session:
-        state = start_state(SCENES["everything"])
         session.advance(20)
         recorded = session.world.motion()
-        session.restart(state)
+        session.restart(start_state(EVERYTHING))
         for _ in range(20):
             session.world.step(TIMESTEP)
         assert np.array_equal(recorded, session.world.motion()), method
+    restarted, there = restarted_and_opened(newton, method, EVERYTHING)
+    assert all(np.array_equal(*pair) for pair in zip(restarted, there, strict=True)), method
 
 
-@each_case("method", ["mujoco-rk4", "featherstone", "steel", "semi-implicit", "xpbd"])
-def test_a_restart_is_the_scene_opened_there(method: str) -> None:
-    newton = installed("newton")
-    here, one = SCENES["everything"], newton.method(method)
-    elsewhere = from_elsewhere(here)
-    with newton.open(here, one, 2e-3) as session, newton.open(elsewhere, one, 1e-3) as there:
+def restarted_and_opened(engine: Engine, method: str, scene: Scenario) -> list[Sequence[Any]]:
+    """What is read after some steps of a session that was restarted elsewhere, and opened there."""
+    one, elsewhere = engine.method(method), from_elsewhere(scene)
+    with engine.open(scene, one, 2e-3) as session, engine.open(elsewhere, one, 1e-3) as there:
         session.advance(5)
         session.restart(start_state(elsewhere), 1e-3)
         for each in (session, there):
             each.advance(5)
-        pairs = zip(session.read_state().columns, there.read_state().columns, strict=True)
-        assert all(np.array_equal(*pair) for pair in pairs), method
+        return [session.read_state().columns, there.read_state().columns]
+
+
+@each_case("name", ["everything", "free-rotors"])
+def test_a_restart_of_mujoco_warp_is_the_scene_opened_there(name: str) -> None:
+    warp = installed("mujoco-warp")
+    restarted, there = restarted_and_opened(warp, "RK4", SCENES[name])
+    for pair in zip(restarted, there, strict=True):
+        assert np.allclose(*pair, rtol=64 * warp.ulp, atol=64 * warp.ulp), name
 
 
 SPUN = scene(

@@ -1,6 +1,11 @@
-"""Optional engines hold the scene, and nothing else acts; skipped if not installed."""
+"""Optional engines hold the scene, and nothing else acts; each skipped if not installed.
 
-import ast
+Their page in the docs has their figures.
+"""
+
+import os
+import re
+import subprocess
 import sys
 from collections.abc import Iterator
 from pathlib import Path
@@ -8,15 +13,18 @@ from pathlib import Path
 import numpy as np
 import pytest
 from adapter_checks import CHECKS, Check
-from kinds_of_engines import OPTIONAL, installed
+from case_loops import each_case
+from kinds_of_engines import OPTIONAL, installed, why_missing
 from library_scenes import library_scene
 from spincheck.engines import Engine, engines, missing
-from spincheck.engines import adapters as adapters_package
+from spincheck.engines.adapters.genesis.caches import FOLDERS, kernels_kept
 from spincheck.engines.adapters.mjx import session as mjx_session
 from spincheck.engines.adapters.node import discovered
-from spincheck.engines.adapters.node.discovered import HERE
 from spincheck.engines.child.process import end_idle
+from spincheck.reference import solve
 from spincheck.reports.harness.measuring.examine import physics_in_words
+from spincheck.scenarios import Trajectory, errors_between
+from spincheck.scenarios.rotation import rotation_vectors
 from spincheck.suite.contract_scenes import SCENES, scene
 from spincheck.suite.test_adapter import RESTARTED
 
@@ -110,11 +118,6 @@ def test_its_defaults_have_a_row_that_says_what_differs(engine: Engine) -> None:
     assert all({"gravity", "pivot"} <= run.active for run in runs)
 
 
-@pytest.mark.parametrize("path", sorted(HERE.glob("*.mjs")), ids=lambda path: path.stem)
-def test_an_engine_under_node_is_one_file_of_fewer_than_eighty_lines(path: Path) -> None:
-    assert len(path.read_text(encoding="utf-8").splitlines()) < 80
-
-
 @pytest.mark.parametrize("engine", NOT_MJX, indirect=True)
 @pytest.mark.parametrize("name", ["free-drag", "heavy-top", "on-axis"])
 def test_its_first_steps_are_the_scenes_but_for_a_torque_that_it_leaves_out(
@@ -127,24 +130,23 @@ def test_its_first_steps_are_the_scenes_but_for_a_torque_that_it_leaves_out(
         assert residual == ""
 
 
-def test_exudyn_turns_a_body_that_starts_along_the_worlds_axes() -> None:
-    """It loses turns of less than 1.5e-8 rad a step from there, and this rod's are."""
-    engine = installed("exudyn")
-    assert physics_in_words(engine, library_scene("pendulum-just-over"), engine.methods[0]) == ""
-
-
-@pytest.mark.parametrize("name", ["wheel-in-a-box", "middle-axis-let-go"])
-def test_hinges_that_load_in_some_steps_are_no_other_equation_of_motion(name: str) -> None:
-    """Rapier's first step from a state lacks a seventh of the torque by which a rotor is turned."""
-    engine = installed("rapier3d")
-    assert physics_in_words(engine, library_scene(name), engine.method("impulse")) == ""
-
-
-def test_turns_that_jolt_drops_as_too_small_are_no_other_equation_of_motion() -> None:
-    """It does not put back less than 1e-6 rad a step: its error is no smooth function of that."""
-    engine = installed("jolt")
-    scenario = library_scene("motor-through-the-threshold")
-    assert physics_in_words(engine, scenario, engine.methods[0]) == ""
+@each_case(
+    ("name", "scene_name"),
+    [
+        # It loses turns of less than 1.5e-8 rad a step from the world's axes; this rod's are.
+        ("exudyn", "pendulum-just-over"),
+        # Rapier's first step from a state lacks a seventh of the torque that turns a rotor.
+        ("rapier3d", "wheel-in-a-box"),
+        ("rapier3d", "middle-axis-let-go"),
+        # It does not put back less than 1e-6 rad a step: no smooth function of that.
+        ("jolt", "motor-through-the-threshold"),
+    ],
+)
+def test_what_its_first_steps_lose_is_no_other_equation_of_motion(
+    name: str, scene_name: str
+) -> None:
+    engine = installed(name)
+    assert physics_in_words(engine, library_scene(scene_name), engine.methods[0]) == ""
 
 
 @pytest.mark.parametrize(
@@ -178,47 +180,116 @@ def test_mjx_compiles_once_for_scenes_that_differ_in_numbers_alone() -> None:
     assert compiled[1] == compiled[0]
 
 
+@pytest.mark.processes
 def test_nothing_optional_is_imported_before_a_scene_is_opened() -> None:
-    """In the sources: another test of this process may have opened one."""
-    packages = {engine.package for engine in engines().values()} - {""}
-    assert not packages & _imported_by_modules()
+    """In a process of its own: another test of this one may have opened one."""
+    code = (
+        "import sys; from spincheck.engines import engines; "
+        "print({one.package for one in engines().values()} & {*sys.modules})"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout == "set()\n"
 
 
-def test_without_node_its_engines_are_missing_and_say_so(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(sys.modules[discovered.__module__].shutil, "which", lambda _: None)
-    missing_engines = list(discovered())
-    assert {"cannon-es", "rapier3d-js"} <= {one.name for one in missing_engines}
-    assert {one.reason for one in missing_engines} == {"node is not installed"}
-
-
-def test_without_their_packages_they_are_missing_with_the_command_that_installs_them(
+def test_without_node_or_their_packages_they_are_missing_and_say_so(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
+    which = sys.modules[discovered.__module__].shutil
+    monkeypatch.setattr(which, "which", lambda _: None)
+    without_node = list(discovered())
+    assert {"cannon-es", "rapier3d-js"} <= {one.name for one in without_node}
+    assert {one.reason for one in without_node} == {"node is not installed"}
+    monkeypatch.setattr(which, "which", lambda _: "node")
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
-    monkeypatch.setattr(sys.modules[discovered.__module__].shutil, "which", lambda _: "node")
-    reasons = {one.reason for one in discovered()}
-    assert len(reasons) == 1
-    assert "python -m spincheck.engines.adapters.node" in reasons.pop()
+    (reason,) = {one.reason for one in discovered()}
+    assert "python -m spincheck.engines.adapters.node" in reason
 
 
-#: Modules that are imported when a scene is opened, or a derivative taken.
-STAND_ALONE = ("world.py", "jacobian.py", "autodiff.py", "tape.py")
+def test_caches_are_in_spinchecks_folder_unless_the_user_named_another(tmp_path, monkeypatch):
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    users, ours = FOLDERS
+    monkeypatch.setenv(ours, "to be deleted, and restored after the test")
+    monkeypatch.delenv(ours)
+    monkeypatch.setenv(users, "/elsewhere")
+    with kernels_kept():
+        print("nothing of this is seen")
+    assert os.environ[users] == "/elsewhere"
+    assert os.environ[ours] == str(tmp_path / "spincheck" / FOLDERS[ours])
 
 
-def _imported_by_modules() -> set[str]:
-    """What the adapters' modules import as soon as they are imported themselves.
+# The figures of docs/measured/engines-more.md
 
-    All but those that adapters import when a scene is opened, which none of these may import,
-    unless the engine is not optional.
-    """
-    modules = set()
-    for path in Path(adapters_package.__path__[0]).rglob("*.py"):
-        if path.name in STAND_ALONE:
-            continue
-        for node in ast.parse(path.read_text(encoding="utf-8")).body:
-            if isinstance(node, ast.Import):
-                modules |= {alias.name.partition(".")[0] for alias in node.names}
-            elif isinstance(node, ast.ImportFrom):
-                assert node.module != "world" or path.parent.name in ("mujoco", "pybullet"), path
-                modules |= set() if node.level else {(node.module or "").partition(".")[0]}
-    return modules
+PAGE = Path(__file__).parents[3] / "docs/measured/engines-more.md"
+ROWS = re.findall(
+    r"^\| `([\w-]+)` \| (\w+) \| ([\d.e+-]+) / .* \|$", PAGE.read_text(encoding="utf-8"), re.M
+)
+#: JAX compiles it for half a minute; in double precision it is compiled too, to the same figure.
+LONG_COMPILED = ("mjx-float32", "RK4")
+#: Of the page's timesteps the one that takes the fewest steps.
+PAGES_TIMESTEP = 1e-2
+#: The page has two digits; roundings in single precision differ from processor to processor.
+PRINTED, SINGLE = 0.05, 0.2
+#: Of a small angle, relative, of a step that turns by it.
+ROUNDED = 1e-12
+
+
+@pytest.fixture(scope="module")
+def exact() -> Trajectory:
+    """The fast top's motion at every step of the page's longest timestep."""
+    scenario = library_scene("fast-top")
+    steps = round(scenario.window.duration / PAGES_TIMESTEP)
+    return solve(scenario, np.arange(steps + 1) * PAGES_TIMESTEP).trajectory
+
+
+@pytest.mark.parametrize(
+    ("name", "method", "printed"), [row for row in ROWS if row[:2] != LONG_COMPILED]
+)
+def test_the_error_on_the_fast_top_is_the_pages(
+    exact: Trajectory, name: str, method: str, printed: str
+) -> None:
+    engine, scenario = installed(name), library_scene("fast-top")
+    run = engine.run(scenario, engine.method(method), PAGES_TIMESTEP, np.arange(len(exact.t)))
+    assert run.trajectory is not None
+    error = errors_between(scenario, run.trajectory, exact).omega
+    slack = SINGLE if engine.single_precision else PRINTED
+    assert error == pytest.approx(float(printed), rel=slack)
+
+
+def test_dart_turns_a_body_by_a_truncated_series_below_a_thousandth_of_a_radian() -> None:
+    engine, scenario = installed("dartpy"), library_scene("book-long-axis")
+    speed = float(np.linalg.norm(scenario.start.omega_body))
+
+    def off(turn: float) -> float:
+        """By which part of itself a step's rotation is off."""
+        timestep = turn / speed
+        with engine.open(scenario, engine.method("semi-implicit"), timestep) as session:
+            before = session.read_state().q_world_body_wxyz
+            session.advance(1)
+            after = session.read_state()
+        turned = rotation_vectors(before[None], after.q_world_body_wxyz[None])[0]
+        return float(np.linalg.norm(turned - timestep * after.omega_body)) / turn
+
+    assert off(2e-3) < ROUNDED
+    for turn in (0.98e-3, 1e-4):
+        assert off(turn) == pytest.approx(turn**2 / 3, rel=PRINTED)
+
+
+def test_the_row_that_is_not_run_is_that_of_double_precision() -> None:
+    printed = {(name, method): error for name, method, error in ROWS}
+    assert printed[LONG_COMPILED] == printed["mjx", LONG_COMPILED[1]]
+
+
+def test_the_page_has_a_row_for_every_optional_engine() -> None:
+    assert {name for name, _, _ in ROWS} == set(OPTIONAL)
+
+
+def test_the_engines_with_rotors_and_tables_are_the_pages() -> None:
+    section = PAGE.read_text(encoding="utf-8").split("## Rotors and tables")[1].split("\nMuJoCo")[0]
+    listed = set(re.findall(r"^\| `([\w-]+)` \|", section, re.MULTILINE))
+    able = {
+        name
+        for name, engine in engines().items()
+        if name in OPTIONAL and any({"rotors", "table"} & one.effects for one in engine.methods)
+    }
+    assert able <= listed
+    assert all(why_missing(name) for name in listed - able)

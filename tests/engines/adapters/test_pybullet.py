@@ -2,60 +2,38 @@
 
 import subprocess
 import sys
+from dataclasses import replace
 
 import numpy as np
 import pybullet as p
 import pytest
+from case_loops import each_case
+from pybullet_planted import ENGINE, MAXIMAL, METHODS, MULTIBODY, TIMESTEP, opened
 from spincheck.engines import EngineError, Method, Run
 from spincheck.engines.adapters.pybullet import worlds
-from spincheck.engines.adapters.pybullet.engine import PyBullet
 from spincheck.engines.adapters.pybullet.session import PyBulletSession
-from spincheck.scenarios import Scenario
+from spincheck.engines.checks.read_back import UnsupportedError, start_state
+from spincheck.suite import test_adapter
 from spincheck.suite.contract_scenes import SCENES, scene
 
-ENGINE = PyBullet()
-TIMESTEP = 1e-3
-STEPS = np.arange(0, 101, 20)
 
-
-def run(scenario: Scenario, method: Method, timestep: float = TIMESTEP) -> Run:
-    return ENGINE.run(scenario, method, timestep, STEPS)
-
-
-def opened(scenario: Scenario, method: Method, timestep: float) -> PyBulletSession:
-    session = ENGINE.open(scenario, method, timestep)
-    assert isinstance(session, PyBulletSession)
-    return session
-
-
-def test_a_free_body_has_no_use_for_a_constraint() -> None:
-    result = run(SCENES["free"], ENGINE.method("multibody-p2p"))
-    assert result.outcome == "unsupported"
-    assert result.reason == "pybullet multibody-p2p is for scenes with pivot"
-
-
-def test_a_closed_world_is_given_back() -> None:
-    session = opened(SCENES["pivot"], ENGINE.method("multibody"), TIMESTEP)
+def test_a_closed_world_is_given_back_and_every_other_left_as_it_is() -> None:
+    other = opened(SCENES["pivot"], MULTIBODY)
+    session = opened(SCENES["pivot"], MULTIBODY)
     assert p.isConnected(session.client)
     session.close()
-    assert p.getNumBodies(session.client) == 0
-    with opened(SCENES["free"], ENGINE.method("multibody"), TIMESTEP) as again:
+    assert (p.getNumBodies(session.client), p.getNumBodies(other.client)) == (0, 1)
+    with opened(SCENES["free"], MULTIBODY) as again:
         assert again.client == session.client
-
-
-def test_giving_a_world_back_leaves_every_other_as_it_is() -> None:
-    first = opened(SCENES["pivot"], ENGINE.method("multibody"), TIMESTEP)
-    with opened(SCENES["pivot"], ENGINE.method("multibody"), TIMESTEP):
-        pass
-    assert p.getNumBodies(first.client) == 1
-    first.close()
+    other.close()
 
 
 def test_a_scene_that_does_not_load_leaves_no_world_behind(monkeypatch) -> None:
     monkeypatch.setattr(worlds, "_empty", [])
     tiny = scene("tiny", body="\nmass = 1.0\ninertia = [1e-17, 1e-17, 1e-17]\n")
     before = p.connect(p.DIRECT)
-    assert run(tiny, ENGINE.method("multibody")).outcome == "unsupported"
+    run = ENGINE.run(tiny, MULTIBODY, TIMESTEP, np.arange(3))
+    assert run.outcome == "unsupported"
     after = p.connect(p.DIRECT)
     p.disconnect(before)
     p.disconnect(after)
@@ -63,7 +41,7 @@ def test_a_scene_that_does_not_load_leaves_no_world_behind(monkeypatch) -> None:
 
 
 def test_a_clock_that_somebody_else_set_is_noticed() -> None:
-    with opened(SCENES["free"], ENGINE.method("multibody"), TIMESTEP) as session:
+    with opened(SCENES["free"], MULTIBODY) as session:
         session.advance(1)
         session.check()
         p.setTimeStep(2 * TIMESTEP, physicsClientId=session.client)
@@ -83,31 +61,65 @@ def bits(run_made: Run) -> tuple[object, ...]:
     return run_made.outcome, run_made.reason, active, samples
 
 
-PAIRS = [
-    (scene, method.name)
-    for scene in SCENES
-    for method in ENGINE.methods
-    if not ENGINE.unsupported(SCENES[scene], method)
-]
-
-
-@pytest.fixture(scope="module")
-def in_new_worlds() -> dict[tuple[str, str], tuple[object, ...]]:
-    bits_of = {}
-    for pair in PAIRS:
+@pytest.mark.slow
+def test_a_world_that_was_used_before_moves_a_body_as_a_new_one_does() -> None:
+    pairs = [
+        (scene, method.name)
+        for scene in SCENES
+        for method in ENGINE.methods
+        if not ENGINE.unsupported(SCENES[scene], method)
+    ]
+    in_new_worlds = {}
+    for pair in pairs:
         # A world that is forgotten, but not closed, takes 30 MB until the process ends.
         while worlds._empty:
             p.disconnect(worlds._empty.pop())
-        bits_of[pair] = bits(run_often(*pair))
-    return bits_of
-
-
-@pytest.mark.slow
-def test_a_world_that_was_used_before_moves_a_body_as_a_new_one_does(in_new_worlds):
-    for k in np.random.default_rng(0).permutation(len(PAIRS)):
-        assert bits(run_often(*PAIRS[k])) == in_new_worlds[PAIRS[k]]
+        in_new_worlds[pair] = bits(run_often(*pair))
+    for k in np.random.default_rng(0).permutation(len(pairs)):
+        assert bits(run_often(*pairs[k])) == in_new_worlds[pairs[k]]
     assert len(worlds._empty) == 1
 
+
+# Restarts
+
+
+def test_an_inertia_of_pybullet_that_stays_behind_is_caught(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """A rigid body keeps the inertia, in world axes, of the attitude at its last step."""
+    monkeypatch.setattr(PyBulletSession, "_renew_inertia", lambda *_: None)
+    with pytest.raises(pytest.fail.Exception, match="a restart is not a scene opened there"):
+        test_adapter.test_restarts_as_it_opens(ENGINE, MAXIMAL)
+
+
+@each_case("method", METHODS)
+def test_pybullet_remembers_nothing_but_its_state(method: Method) -> None:
+    """Where the pivot has drifted to is a part of that: a run goes on from its own state."""
+    scene = SCENES["heavy-tilted"]
+    with (
+        opened(scene, method) as continued,
+        opened(scene, method) as session,
+    ):
+        continued.advance(200)
+        session.advance(57)
+        session.restart(continued.read_state())
+        for one in (continued, session):
+            one.advance(90)
+        apart = session.read_state().omega_body - continued.read_state().omega_body
+    # A pivot takes back a fifth of its drift a step: roundings of the position, over the timestep.
+    rounding = 16 * np.finfo(float).eps * (1 + 0.2 / TIMESTEP)
+    assert np.linalg.norm(apart) <= rounding * np.linalg.norm(scene.start.omega_body)
+
+
+def test_a_pivot_of_pybullet_that_cannot_bear_a_state_refuses_the_restart() -> None:
+    scene = SCENES["heavy-tilted"]
+    with opened(scene, MAXIMAL) as session:
+        fast = replace(start_state(scene), omega_body=np.array([0.0, 2e3, 0.0]))
+        with pytest.raises(UnsupportedError, match="bears at most 500 N s a step"):
+            session.restart(fast)
+
+
+# No output
 
 SILENT = """
 import numpy as np

@@ -3,30 +3,42 @@
 import ctypes
 import os
 import sys
+from collections.abc import Callable
 
 import pytest
+from case_loops import each_case
 from spincheck.engines.native_output import native_output
 
 C = ctypes.CDLL(None)
 
 
-def test_what_c_prints_is_caught() -> None:
-    with native_output() as printed:
-        C.puts(b"from C")
-    assert printed.text == "from C\n"
+def next_descriptor() -> int:
+    descriptor = os.dup(1)
+    os.close(descriptor)
+    return descriptor
 
 
-def test_what_is_written_to_either_descriptor_is_caught() -> None:
-    with native_output() as printed:
-        os.write(1, b"one, ")
-        os.write(2, b"two")
-    assert printed.text == "one, two"
+def to_both_descriptors() -> None:
+    os.write(1, b"one, ")
+    os.write(2, b"two")
 
 
-def test_what_python_prints_is_caught_once(capfd: pytest.CaptureFixture[str]) -> None:
+@each_case(
+    ("write", "caught"),
+    [
+        (lambda: C.puts(b"from C"), "from C\n"),
+        (to_both_descriptors, "one, two"),
+        (lambda: print("from Python"), "from Python\n"),
+    ],
+)
+def test_what_is_written_is_caught_once_and_no_descriptor_is_leaked(
+    write: Callable[[], object], caught: str, capfd: pytest.CaptureFixture[str]
+) -> None:
+    before = next_descriptor()
     with capfd.disabled(), native_output() as printed:
-        print("from Python")
-    assert printed.text == "from Python\n"
+        write()
+    assert printed.text == caught
+    assert next_descriptor() == before
 
 
 def test_what_was_printed_before_and_after_goes_its_own_way(
@@ -59,16 +71,3 @@ def test_an_error_inside_leaves_its_text_and_the_descriptors_in_order(
     assert printed is not None
     assert printed.text == "why\n"
     assert capfd.readouterr().out == "visible"
-
-
-def next_descriptor() -> int:
-    descriptor = os.dup(1)
-    os.close(descriptor)
-    return descriptor
-
-
-def test_catching_leaks_no_descriptor() -> None:
-    before = next_descriptor()
-    with native_output():
-        pass
-    assert next_descriptor() == before

@@ -77,18 +77,3 @@ def test_the_audit_feels_what_else_acts(
         plant(session)
         extra = session.active() - scene.called_for
         assert any(words in one for one in extra), extra
-
-
-def test_the_com_and_the_tip_may_be_anywhere_in_the_body() -> None:
-    """The link's frame is at the tip; body and motion are read about the body's own origin."""
-    scene = SCENES["table-rotors"]
-    tip_body = scene.body.com - scene.constraint.lever
-    assert np.linalg.norm(tip_body) > 0
-    with opened(scene, BY_JOINTS) as session:
-        session.advance(8)
-        state = session.read_state()
-        assert np.allclose(session.read_body().com, scene.body.com, rtol=1e-12, atol=0)
-        height = float(scene.constraint.place_exact[2])
-        lever_world = session.model.R_world_body() @ scene.constraint.lever
-        rounding = 64 * np.finfo(float).eps
-        assert abs(state.com_world[2] - lever_world[2] - height) < rounding

@@ -3,9 +3,13 @@
 The traps and their sources are listed in docs/measured/engines-pybullet.md.
 """
 
+from collections.abc import Callable
+from dataclasses import replace
+
 import numpy as np
 import pybullet as p
 import pytest
+from case_loops import each_case
 from pybullet_planted import (
     BY_CONSTRAINT,
     ENGINE,
@@ -13,15 +17,18 @@ from pybullet_planted import (
     METHODS,
     MULTIBODY,
     STEPS,
+    TIMESTEP,
     change,
     leave_out,
     opened,
     rotor,
     run,
+    skip,
 )
 from scipy.spatial.transform import Rotation
 from spincheck.engines import EngineError, Method
 from spincheck.engines.adapters.pybullet import load as pybullet_load
+from spincheck.engines.adapters.pybullet import session as pybullet_session
 from spincheck.engines.adapters.pybullet import world as pybullet_world
 from spincheck.scenarios import Scenario
 from spincheck.scenarios.rotation import matrix
@@ -32,38 +39,27 @@ EPS = np.finfo(float).eps
 ROUND_OFF = 16 * EPS * STEPS[-1]
 
 
-# Damping, the spherical joint's motor and the velocity clamp: see `test_pybullet_audit`, too.
+# Damping and the velocity clamp
 
 FAST = 150.0
 
 
-@pytest.mark.parametrize("method", METHODS, ids=lambda method: method.name)
-@pytest.mark.parametrize("spin", [10.0, FAST])
-def test_a_rotor_keeps_its_spin_and_is_not_clamped(spin: float, method: Method) -> None:
-    motion = run(rotor(spin), method).trajectory
-    assert motion is not None
-    assert np.abs(motion.omega_body[:, 2] / spin - 1).max() <= ROUND_OFF
-
-
-@pytest.mark.parametrize("method", [MULTIBODY, BY_CONSTRAINT], ids=lambda method: method.name)
-def test_the_default_clamp_holds_every_velocity_to_a_hundred(
-    method: Method, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    leave_out(monkeypatch, "changeDynamics", "maxJointVelocity")
-    motion = run(rotor(FAST), method).trajectory
-    assert motion is not None
-    assert motion.omega_body[1:, 2] == pytest.approx(100.0)
+@each_case("method", METHODS)
+def test_the_default_clamp_holds_every_velocity_to_a_hundred(method: Method) -> None:
+    """Without it, and without damping, a rotor keeps its spin."""
+    for spin in (10.0, FAST):
+        motion = run(rotor(spin), method).trajectory
+        assert motion is not None
+        assert np.abs(motion.omega_body[:, 2] / spin - 1).max() <= ROUND_OFF
+    if method != MAXIMAL:
+        with pytest.MonkeyPatch.context() as patch:
+            leave_out(patch, "changeDynamics", "maxJointVelocity")
+            motion = run(rotor(FAST), method).trajectory
+        assert motion is not None
+        assert motion.omega_body[1:, 2] == pytest.approx(100.0)
 
 
 # The rotation clamp
-
-
-@pytest.mark.parametrize("method", METHODS, ids=lambda method: method.name)
-def test_a_step_beyond_the_rotation_clamp_is_refused(method: Method) -> None:
-    timestep = 1.01 * method.max_rotation_per_step / FAST
-    result = ENGINE.run(rotor(FAST), method, timestep, STEPS)
-    assert result.outcome == "unsupported"
-    assert "where the engine clamps it" in result.reason
 
 
 def turned(method: Method, rotation: float) -> tuple[float, float]:
@@ -75,13 +71,18 @@ def turned(method: Method, rotation: float) -> tuple[float, float]:
         return float(attitude.magnitude()), float(state.omega_body[2])
 
 
-@pytest.mark.parametrize("method", METHODS, ids=lambda method: method.name)
+@each_case("method", METHODS)
 def test_the_attitude_keeps_up_below_the_clamp_and_lags_above(method: Method) -> None:
+    """Where it would lag, the scene is not run."""
     below, above = 0.99 * method.max_rotation_per_step, 1.5 * method.max_rotation_per_step
     assert turned(method, below) == pytest.approx((below, FAST), rel=ROUND_OFF)
     lagging, spin = turned(method, above)
     assert lagging < 0.99 * above
     assert spin == pytest.approx(FAST, rel=ROUND_OFF)
+    timestep = 1.01 * method.max_rotation_per_step / FAST
+    result = ENGINE.run(rotor(FAST), method, timestep, STEPS)
+    assert result.outcome == "unsupported"
+    assert "where the engine clamps it" in result.reason
 
 
 # Calls of many steps
@@ -179,3 +180,116 @@ def test_a_body_too_heavy_for_a_constraint_is_refused(monkeypatch: pytest.Monkey
     assert "scale the scene down" in run(heavy(1e16), BY_CONSTRAINT).reason
     monkeypatch.setattr(pybullet_load, "TAKEN_FOR_ZERO", 0.0)
     assert gave_way(1e16) > 0.1
+
+
+# What the audit feels: torques, gravity and shapes that the scene does not call for
+
+Plant = Callable[[pytest.MonkeyPatch], None]
+
+
+@pytest.mark.parametrize("method", METHODS, ids=lambda method: method.name)
+@pytest.mark.parametrize("name", ["pivot-torque-body", "pivot-torque-world", "pivot-drag"])
+def test_the_audit_feels_a_torque_that_is_not_applied(name: str, method: Method) -> None:
+    scenario = SCENES[name]
+    with opened(scenario, method) as session:
+        assert session.active() == scenario.called_for
+    (missing,) = scenario.called_for - {"pivot"}
+    without = replace(scenario, document=SCENES["pivot"].document)
+    with opened(without, method) as session:
+        assert missing not in pybullet_session.what_acts(session.advance, session.model, scenario)
+
+
+@pytest.mark.parametrize("method", [MULTIBODY, MAXIMAL], ids=lambda method: method.name)
+@pytest.mark.parametrize("name", ["free-torque-body", "free-drag"])
+def test_a_torque_that_turns_must_be_renewed_every_step(name: str, method: Method) -> None:
+    def after(at_once: bool) -> np.ndarray:
+        with opened(SCENES[name], method) as session:
+            session.world.at_once = at_once
+            session.advance(64)
+            return session.read_state().omega_body
+
+    assert np.abs(after(at_once=True) - after(at_once=False)).max() > TIMESTEP**2
+
+
+def in_the_model(old: str, new: str) -> Plant:
+    """Another text of the model."""
+    real = pybullet_load.urdf
+
+    def plant(patch: pytest.MonkeyPatch) -> None:
+        def written(scenario: Scenario, **keywords: object) -> str:
+            assert old in real(scenario, **keywords)
+            return real(scenario, **keywords).replace(old, new)
+
+        patch.setattr(pybullet_load, "urdf", written)
+
+    return plant
+
+
+def heavy(patch: pytest.MonkeyPatch) -> None:
+    real = p.setGravity
+    patch.setattr(p, "setGravity", lambda x, y, z, **keywords: real(x, y, z - 9.81, **keywords))
+
+
+def along_the_body(patch: pytest.MonkeyPatch) -> None:
+    """A joint's ω along the body's axes, not along its principal ones."""
+    real, omega = p.resetJointStateMultiDof, SCENES["pivot"].start.omega_body
+
+    def reset(body: int, link: int, q: object, _: object, **named: object) -> None:
+        real(body, link, q, omega, **named)
+
+    patch.setattr(p, "resetJointStateMultiDof", reset)
+
+
+def damped(patch: pytest.MonkeyPatch) -> None:
+    leave_out(patch, "changeDynamics", "linearDamping", "angularDamping")
+
+
+def damped_along_its_way(patch: pytest.MonkeyPatch) -> None:
+    leave_out(patch, "changeDynamics", "linearDamping")
+
+
+def driven_by_the_default_motor(patch: pytest.MonkeyPatch) -> None:
+    skip(patch, "setJointMotorControlMultiDof")
+
+
+def pushed_along_other_axes(patch: pytest.MonkeyPatch) -> None:
+    patch.setattr(p, "LINK_FRAME", p.WORLD_FRAME)
+
+
+def of_another_inertia_than_the_files(patch: pytest.MonkeyPatch) -> None:
+    change(patch, "loadURDF", flags=0)
+
+
+LINK = '<link name="top">'
+SHAPE = '<collision><geometry><box size="0.1 0.1 0.1"/></geometry></collision>'
+with_a_shape = in_the_model(LINK, LINK + SHAPE)
+warned_of = in_the_model("<axis", "<no-axis")
+not_loaded = in_the_model("</robot>", "")
+#: What is planted, in which scene and methods, and in what words the run fails.
+FAULTS: list[tuple[Plant, Scenario, list[Method], str]] = [
+    (damped, rotor(10.0), [MULTIBODY, BY_CONSTRAINT], "a resistance of"),
+    (damped_along_its_way, SCENES["free-thrown"], [MULTIBODY], "a force of"),
+    (driven_by_the_default_motor, rotor(10.0), [MULTIBODY], "a resistance of"),
+    (pushed_along_other_axes, SCENES["free-torque-body"], [MULTIBODY], "a torque of"),
+    (heavy, SCENES["pivot"], METHODS, "a gravity of [0.0, 0.0, -9.81] m/s²"),
+    (with_a_shape, SCENES["pivot"], METHODS, "a collision shape"),
+    (
+        *(of_another_inertia_than_the_files, SCENES["free-tilted"], [MULTIBODY, MAXIMAL]),
+        "'inertia_com' must read back as",
+    ),
+    (warned_of, SCENES["pivot"], [MULTIBODY], "PyBullet warns; PyBullet printed: b3Warning"),
+    (not_loaded, SCENES["free"], [MULTIBODY], "PyBullet cannot load the body"),
+    (along_the_body, SCENES["pivot"], [MULTIBODY], "'omega_body' must read back as"),
+]
+
+
+@each_case(("plant", "scenario", "methods", "words"), FAULTS)
+def test_a_planted_fault_fails_the_run(
+    plant: Plant, scenario: Scenario, methods: list[Method], words: str
+) -> None:
+    for method in methods:
+        with pytest.MonkeyPatch.context() as patch:
+            plant(patch)
+            result = run(scenario, method)
+        assert result.outcome == "failed", method.name
+        assert words in result.reason, result.reason

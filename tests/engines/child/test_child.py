@@ -2,17 +2,16 @@
 
 import pickle
 import sys
-import time
 from pathlib import Path
 
 import numpy as np
 import psutil
 import pytest
+from case_loops import each_case
 from spincheck.engines import EngineError, Run
 from spincheck.engines.child import ChildEngine, ProtocolError, child_engine, process
-from spincheck.engines.child.messages import Hello, Misanswer, Stepped, parse
-from spincheck.engines.child.process import ChildProcess, end_idle
-from spincheck.reports.harness.executors import CallFailed, LocalWorkers
+from spincheck.engines.child.messages import Hello, Misanswer, parse
+from spincheck.engines.child.process import end_idle
 from spincheck.suite import test_adapter
 from spincheck.suite.contract_scenes import scene
 
@@ -24,10 +23,6 @@ STEPS = np.arange(0, 65, 8)
 TIMESTEP = 2.0**-6
 #: s; more than a child takes to answer on a busy machine, less than a test may take.
 LIMIT = 2.0
-#: s, that its worker gives the engine.
-LIMIT_OF_WORKER = 5.0
-#: s; a process that is still there by then is taken to be left behind.
-LONG = 20.0
 
 
 @pytest.fixture(autouse=True)
@@ -84,10 +79,11 @@ FAULTS = {
 }
 
 
-@pytest.mark.parametrize("fault", FAULTS)
-def test_a_child_that_misbehaves_costs_its_run_and_is_reported_by_name(fault: str) -> None:
+@each_case(("fault", "cause", "words"), [(fault, *told) for fault, told in FAULTS.items()])
+def test_a_child_that_misbehaves_costs_its_run_and_is_reported_by_name(
+    fault: str, cause: str, words: str
+) -> None:
     run = ran(planted(fault))
-    cause, words = FAULTS[fault]
     outcome = "diverged" if cause in ("not-finite", "warning") else "failed"
     assert (run.outcome, run.cause) == (outcome, cause)
     assert words in run.reason
@@ -120,7 +116,7 @@ HELLO = (
 )
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("said", "instead", "words"),
     [
         *(
@@ -156,15 +152,15 @@ def test_a_child_killed_while_it_was_idle_is_replaced() -> None:
 
 
 def test_times_are_the_childs_own_unless_they_are_impossible() -> None:
-    for fault, is_possible in (("", True), ("faster than time", False)):
-        engine = planted(fault)
-        with engine.open(SPHERE, engine.methods[0], TIMESTEP) as session:
-            if is_possible:
-                cpu, wall = session.timed(1)
-                assert 0 < cpu == wall < LIMIT
-            else:
-                with pytest.raises(EngineError, match="took 1e\\+06 s, of"):
-                    session.timed(1)
+    (method,) = planted().methods
+    with planted().open(SPHERE, method, TIMESTEP) as session:
+        cpu, wall = session.timed(1)
+        assert 0 < cpu == wall < LIMIT
+    with (
+        planted("faster than time").open(SPHERE, method, TIMESTEP) as session,
+        pytest.raises(EngineError, match="took 1e\\+06 s, of"),
+    ):
+        session.timed(1)
 
 
 def test_two_scenes_at_once_are_in_two_children() -> None:
@@ -175,33 +171,6 @@ def test_two_scenes_at_once_are_in_two_children() -> None:
             second.advance(8)
             moved = second.read_state().q_world_body_wxyz
         assert np.abs(first.read_state().q_world_body_wxyz - moved).max() > TIMESTEP
-
-
-def hang_in_a_child(file: Path) -> None:
-    """In a worker: leave the child's process id, and wait for it longer than the worker may."""
-    child = ChildProcess([sys.executable, "-S", str(PLANTED), "hangs"], LIMIT_OF_WORKER * 100)
-    file.write_text(str(child.pid), encoding="utf-8")
-    child.ask(Stepped, "run", steps=1)
-
-
-def test_a_child_that_hangs_goes_with_the_worker_that_waits_for_it(tmp_path: Path) -> None:
-    file = tmp_path / "pid"
-    with LocalWorkers(1, LIMIT_OF_WORKER) as workers:
-        outcome = workers.call(hang_in_a_child, file).value
-    assert isinstance(outcome, CallFailed)
-    assert outcome.cause == "time-out"
-    # The worker's guard ends it once the worker is gone; dead, nobody here is its parent.
-    child, deadline = int(file.read_text(encoding="utf-8")), time.monotonic() + LONG
-    while not _is_dead(child):
-        assert time.monotonic() < deadline
-        time.sleep(0.05)
-
-
-def _is_dead(number: int) -> bool:
-    try:
-        return psutil.Process(number).status() == psutil.STATUS_ZOMBIE
-    except psutil.NoSuchProcess:
-        return True
 
 
 def test_what_the_command_names_counts_as_the_engines_sources() -> None:

@@ -4,29 +4,52 @@ import numpy as np
 from case_loops import each_case
 from spincheck.engines.users_models import problems, read_model, rigid_bodies
 from spincheck.engines.users_models.model_file import Folders
-from users_models import TENSOR, diagonal, inertial, joint, link, robot, written
 from users_models import body as arm_of_mjcf
+from users_models import diagonal, inertial, joint, link, robot, written
 
 EPS = float(np.finfo(float).eps)
 QUARTER = f"{np.pi / 2!r}"
 
 
-def stated(folder, text, name="arm", file="robot.urdf"):
-    return read_model(written(folder, text, file)).link(name).stated
+def read(folder, text):
+    file = "robot.xml" if text.startswith("<mujoco>") else "robot.urdf"
+    return read_model(written(folder, text, file))
 
 
-#: By `origin`: what the tensor diag(1, 2, 2.5) becomes. Roll comes first, about fixed axes: it
+def stated(folder, text):
+    return read(folder, text).link("arm").stated
+
+
+def of_urdf(origin):
+    return robot(link("arm", inertial("2", diagonal(1, 2, 2.5), origin)))
+
+
+def of_mjcf(rotation, compiler=""):
+    return arm_of_mjcf(f'<inertial mass="2" diaginertia="1 2 2.5" {rotation}/>', compiler)
+
+
+#: Angles and their sequence are the compiler's.
+FIXED_AXES = '<compiler angle="radian" eulerseq="XYZ"/>'
+#: Texts, and com and moments that they state. In a URDF roll comes first, about fixed axes: it
 #: takes y to z, pitch takes that to x, so that of both the moment 2 ends up along x, 1 along z.
-BY_ORIGIN = {
-    "none": ("", [0, 0, 0], [1, 2, 2.5]),
-    "roll": (f'<origin xyz="1 2 3" rpy="{QUARTER} 0 0"/>', [1, 2, 3], [1, 2.5, 2]),
-    "roll and pitch": (f'<origin rpy="{QUARTER} {QUARTER} 0"/>', [0, 0, 0], [2, 2.5, 1]),
-}
+TURNED = [
+    (of_urdf(""), [0, 0, 0], [1, 2, 2.5]),
+    (of_urdf(f'<origin xyz="1 2 3" rpy="{QUARTER} 0 0"/>'), [1, 2, 3], [1, 2.5, 2]),
+    (of_urdf(f'<origin rpy="{QUARTER} {QUARTER} 0"/>'), [0, 0, 0], [2, 2.5, 1]),
+    (of_mjcf('quat="1 1 0 0"'), [0, 0, 0], [1, 2.5, 2]),
+    (of_mjcf('euler="90 0 0"'), [0, 0, 0], [1, 2.5, 2]),
+    (of_mjcf('axisangle="0 0 2 90"'), [0, 0, 0], [2, 1, 2.5]),
+    (of_mjcf('xyaxes="0 1 0 -1 0 0"'), [0, 0, 0], [2, 1, 2.5]),
+    (of_mjcf('zaxis="0 1 0"'), [0, 0, 0], [1, 2.5, 2]),
+    (of_mjcf('zaxis="0 0 -1"'), [0, 0, 0], [1, 2, 2.5]),
+    (of_mjcf('euler="90 90 0"'), [0, 0, 0], [2.5, 1, 2]),
+    (of_mjcf(f'euler="{QUARTER} {QUARTER} 0"', FIXED_AXES), [0, 0, 0], [2, 2.5, 1]),
+]
 
 
-@each_case(("origin", "com", "moments"), BY_ORIGIN)
-def test_a_urdfs_tensor_is_turned_by_rpy_into_the_links_frame(tmp_path, origin, com, moments):
-    body = stated(tmp_path, robot(link("arm", inertial("2", diagonal(1, 2, 2.5), origin))))
+@each_case(("text", "com", "moments"), TURNED)
+def test_a_tensor_is_turned_into_the_links_frame(tmp_path, text, com, moments):
+    body = stated(tmp_path, text)
     assert (body.mass, body.com.tolist()) == (2, com)
     assert np.abs(body.inertia_com - np.diag(moments)).max() <= 8 * EPS
     assert body.unturned.tolist() == np.diag([1, 2, 2.5]).tolist()
@@ -35,43 +58,20 @@ def test_a_urdfs_tensor_is_turned_by_rpy_into_the_links_frame(tmp_path, origin, 
 def test_products_of_inertia_are_the_tensors_entries(tmp_path):
     body = stated(tmp_path, robot(link("arm", inertial(origin=""))))
     assert body.inertia_com.tolist() == [[0.03, 0.001, 0], [0.001, 0.04, 0], [0, 0, 0.05]]
-    assert 'ixy="0.001"' in TENSOR
-    text = arm_of_mjcf('<inertial mass="1" fullinertia="3 4 5 0.1 0.2 0.3"/>')
-    body = stated(tmp_path, text, file="robot.xml")
+    body = stated(tmp_path, arm_of_mjcf('<inertial mass="1" fullinertia="3 4 5 0.1 0.2 0.3"/>'))
     assert body.inertia_com.tolist() == [[3, 0.1, 0.2], [0.1, 4, 0.3], [0.2, 0.3, 5]]
-
-
-#: Angles and their sequence are the compiler's.
-FIXED_AXES = '<compiler angle="radian" eulerseq="XYZ"/>'
-BY_ROTATION = [
-    ("", 'quat="1 1 0 0"', [1, 2.5, 2]),
-    ("", 'euler="90 0 0"', [1, 2.5, 2]),
-    ("", 'axisangle="0 0 2 90"', [2, 1, 2.5]),
-    ("", 'xyaxes="0 1 0 -1 0 0"', [2, 1, 2.5]),
-    ("", 'zaxis="0 1 0"', [1, 2.5, 2]),
-    ("", 'zaxis="0 0 -1"', [1, 2, 2.5]),
-    ("", 'euler="90 90 0"', [2.5, 1, 2]),
-    (FIXED_AXES, f'euler="{QUARTER} {QUARTER} 0"', [2, 2.5, 1]),
-]
-
-
-@each_case(("compiler", "rotation", "moments"), BY_ROTATION)
-def test_an_mjcfs_tensor_is_turned_in_each_of_its_ways(tmp_path, compiler, rotation, moments):
-    text = arm_of_mjcf(f'<inertial mass="1" diaginertia="1 2 2.5" {rotation}/>', compiler)
-    body = stated(tmp_path, text, file="robot.xml")
-    assert np.abs(body.inertia_com - np.diag(moments)).max() <= 8 * EPS
 
 
 def test_what_an_mjcf_has_from_shapes_it_does_not_state(tmp_path):
     text = arm_of_mjcf(
         '<inertial mass="1" diaginertia="1 1 1"/>', '<compiler inertiafromgeom="true"/>'
     )
-    assert stated(tmp_path, text, file="robot.xml") is None
+    assert stated(tmp_path, text) is None
 
 
 def test_replicated_bodies_are_there_as_often_as_the_file_says(tmp_path):
     inner = '<replicate count="11"><body name="k"><body name="l"/></body></replicate>'
-    model = read_model(written(tmp_path, arm_of_mjcf(inner), "robot.xml"))
+    model = read(tmp_path, arm_of_mjcf(inner))
     names = [link.name for link in model.links]
     assert names[:3] == ["arm", "k00", "l00"]
     assert names[-1] == "l10"
@@ -82,7 +82,7 @@ def test_an_include_of_the_models_folder_is_followed(tmp_path):
     inner = '<mujoco><body name="arm"><inertial mass="3" diaginertia="1 1 1"/></body></mujoco>'
     written(tmp_path, inner, "parts/arm.xml")
     text = '<mujoco><worldbody><include file="parts/arm.xml"/></worldbody></mujoco>'
-    assert stated(tmp_path, text, file="robot.xml").mass == 3
+    assert stated(tmp_path, text).mass == 3
 
 
 def test_fused_links_are_the_exact_sum_of_their_parts(tmp_path):
@@ -90,7 +90,7 @@ def test_fused_links_are_the_exact_sum_of_their_parts(tmp_path):
     ball = inertial("3", diagonal(0.5, 0.5, 0.5), "")
     origin = f'<origin xyz="0 0 4" rpy="{QUARTER} 0 0"/>'
     text = robot(link("a", ball), link("b", ball), joint("a", "b", "fixed", origin))
-    links = read_model(written(tmp_path, text)).links
+    links = read(tmp_path, text).links
     whole = rigid_bodies(links)[0].stated
     assert whole.mass == 6
     assert np.abs(whole.com - [0, 0, 2]).max() <= 8 * EPS
@@ -102,7 +102,7 @@ def test_a_part_without_a_mass_is_no_part(tmp_path):
     nothing = inertial("0", diagonal(7, 7, 7), "")
     origin = '<origin xyz="0 0 4"/>'
     text = robot(link("a", inertial()), link("b", nothing), joint("a", "b", "fixed", origin))
-    links = read_model(written(tmp_path, text)).links
+    links = read(tmp_path, text).links
     whole = rigid_bodies(links)[0].stated
     assert np.abs(whole.inertia_com - links[0].stated.inertia_com).max() <= EPS
 
@@ -114,48 +114,41 @@ MESH = '<visual><geometry><mesh filename="a.stl"/></geometry></visual>'
 MOST = np.array([a**2 + b**2 for a, b in ((0.2, 0.3), (0.1, 0.3), (0.1, 0.2))])
 #: kg, of the box made of osmium, with the slack that shapes have.
 OSMIUM = 22590.0 * 0.2 * 0.4 * 0.6 * 1.1**3
-#: By mass, tensor and shapes: the words of what is wrong.
-PROBLEMS = {
-    "triangle inequality": (1, (0.3, 0.1, 0.9), "", "0.1 + 0.3 < 0.9: no body has it"),
-    "in the last digits": (
-        *(1, (0.001, 0.001, 0.002000001), ""),
-        "0.001 + 0.001 < 0.002000001: no body has it",
-    ),
-    "not positive definite": (
-        *(1, (-0.1, 1, 1), ""),
-        "principal moments must be positive, they are -0.1, 1, 1 kg m²",
-    ),
-    "zero mass": (0, (1, 1, 1), "", "a tensor without a mass"),
-    "zero tensor": (2, (0, 0, 0), "", "a mass of 2 kg without a tensor"),
-    "negative mass": (-1, (1, 1, 1), "", "a mass of -1 kg"),
-    "placeholder": (1, (1e-3, 1e-3, 1e-3), "", "0.001 × identity: a placeholder"),
-    "flat": (1, (1, 2, 3), "", None),
-    "flat but for rounding": (1, (0.1, 0.2, 0.30000000000000004), "", None),
-    "a ball": (1, (0.002, 0.002, 0.002), "", None),
-    "a frame": (0, (0, 0, 0), "", None),
-    "beyond its shapes": (2, 8 * MOST, BOX, "its radius of gyration along x is 0.2 m; within its"),
-    "next to no mass spreads without end": (1e-320, 2 * MOST, BOX, "its radius of gyration"),
-    "at the shapes' corners": (2, 2 * MOST, BOX, None),
-    "at those it is drawn with": (2, 2 * MOST, BOX.replace("collision", "visual"), None),
-    "a mesh may be of any size": (2, (9, 9, 9), BOX + MESH, None),
-    "denser than any element": (
-        *(1.001 * OSMIUM, 1.001 * OSMIUM * MOST, BOX),
-        f"{1.001 * OSMIUM:g} kg within shapes of 0.2 × 0.4 × 0.6 m are denser than any element, "
-        "osmium's 22590 kg/m³: is the mass in grams?",
-    ),
-    "less dense": (0.999 * OSMIUM, 0.999 * OSMIUM * MOST, BOX, None),
-    "a flat shape has no density": (
-        *(1e9, 1e9 * MOST, BOX.replace("0.6", "0")),
-        "its radius of gyration along z",
-    ),
+#: By the words of what is wrong: mass, moments and shapes.
+WRONG = {
+    "0.1 + 0.3 < 0.9: no body has it": (1, (0.3, 0.1, 0.9), ""),
+    "0.001 + 0.001 < 0.002000001: no body has it": (1, (0.001, 0.001, 0.002000001), ""),
+    "principal moments must be positive, they are -0.1, 1, 1 kg m²": (1, (-0.1, 1, 1), ""),
+    "a tensor without a mass": (0, (1, 1, 1), ""),
+    "a mass of 2 kg without a tensor": (2, (0, 0, 0), ""),
+    "a mass of -1 kg": (-1, (1, 1, 1), ""),
+    "0.001 × identity: a placeholder": (1, (1e-3, 1e-3, 1e-3), ""),
+    "its radius of gyration along x is 0.2 m; within its": (2, 8 * MOST, BOX),
+    # Next to no mass spreads without end.
+    "its radius of gyration": (1e-320, 2 * MOST, BOX),
+    f"{1.001 * OSMIUM:g} kg within shapes of 0.2 × 0.4 × 0.6 m are denser than any element, "
+    "osmium's 22590 kg/m³: is the mass in grams?": (1.001 * OSMIUM, 1.001 * OSMIUM * MOST, BOX),
+    # A flat shape has no density.
+    "its radius of gyration along z": (1e9, 1e9 * MOST, BOX.replace("0.6", "0")),
+}
+WELL = {
+    "flat": (1, (1, 2, 3), ""),
+    "flat but for rounding": (1, (0.1, 0.2, 0.30000000000000004), ""),
+    "a ball": (1, (0.002, 0.002, 0.002), ""),
+    "a frame": (0, (0, 0, 0), ""),
+    "at the shapes' corners": (2, 2 * MOST, BOX),
+    "at those it is drawn with": (2, 2 * MOST, BOX.replace("collision", "visual")),
+    "a mesh may be of any size": (2, (9, 9, 9), BOX + MESH),
+    "less dense": (0.999 * OSMIUM, 0.999 * OSMIUM * MOST, BOX),
 }
 DOUBTS = ("placeholder", "radius of gyration", "density")
 
 
-@each_case(("mass", "moments", "shapes", "words"), PROBLEMS)
-def test_what_a_file_has_wrong_is_reported(tmp_path, mass, moments, shapes, words):
+@each_case(("words", "stated_as"), [*WRONG.items(), *((None, one) for one in WELL.values())])
+def test_what_a_file_has_wrong_is_reported(tmp_path, words, stated_as):
+    mass, moments, shapes = stated_as
     inside = inertial(repr(mass), diagonal(*map(float, moments)), "") + shapes
-    (arm,) = read_model(written(tmp_path, robot(link("a", inside)))).links
+    (arm,) = read(tmp_path, robot(link("a", inside))).links
     assert [one.text.startswith(words or "?") for one in problems(arm)] == [True] * bool(words)
     assert all(one.impossible == (one.kind not in DOUBTS) for one in problems(arm))
 

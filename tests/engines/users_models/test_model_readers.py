@@ -1,16 +1,26 @@
 """What the engines hold of a file, on the engines themselves."""
 
+from itertools import product
+
 import numpy as np
 import pytest
+from case_loops import each_case
 from spincheck.engines.model_readers import model_readers
 from spincheck.engines.users_models import read_model
-from users_models import arm, arm_with_a_tool, body, inertial, joint, link, robot, written
+from users_models import arm, body, inertial, joint, link, robot, written
 
 pytest.importorskip("pybullet")
 EPS = float(np.finfo(float).eps)
 READERS = {name: one for name, one in model_readers().items() if not one.is_optional}
 BOTH = [(name, c.name) for name, reader in READERS.items() for c in reader.configurations]
-FAITHFUL = [("pybullet", "inertia-from-file"), ("mujoco", "unfused")]
+TURNED = body(
+    '<freejoint/><inertial mass="2" pos="0.1 0 0" euler="30 20 10" diaginertia="0.03 0.04 0.05"/>'
+)
+FAITHFUL = [
+    ("pybullet", "inertia-from-file", arm(), "robot.urdf"),
+    ("mujoco", "unfused", arm(), "robot.urdf"),
+    ("mujoco", "as-is", TURNED, "robot.xml"),
+]
 MESH = '<collision><geometry><mesh filename="{}"/></geometry></collision>'
 
 
@@ -19,10 +29,12 @@ def held(folder, text, who, file="robot.urdf", packages=()):
     return READERS[engine].read(read_model(written(folder, text, file), packages), configuration)
 
 
-@pytest.mark.parametrize("who", FAITHFUL, ids=" ".join)
-def test_an_engine_that_is_reported_to_holds_the_files_tensor(tmp_path, who):
-    stated = read_model(written(tmp_path, arm())).link("arm").stated
-    arm_body = held(tmp_path, arm(), who)["arm"]
+@each_case(("engine", "configuration", "text", "file"), FAITHFUL)
+def test_an_engine_that_is_reported_to_holds_the_files_tensor(
+    tmp_path, engine, configuration, text, file
+):
+    stated = read_model(written(tmp_path, text, file)).link("arm").stated
+    arm_body = held(tmp_path, text, (engine, configuration), file)["arm"]
     assert arm_body.mass == 2
     assert np.abs(arm_body.com - [0.1, 0, 0]).max() <= EPS
     assert np.abs(arm_body.inertia_com - stated.inertia_com).max() <= 8 * EPS * 0.05
@@ -30,22 +42,10 @@ def test_an_engine_that_is_reported_to_holds_the_files_tensor(tmp_path, who):
     assert np.abs(arm_body.inertia_com - stated.unturned).max() > 1e-3
 
 
-def test_without_its_flag_pybullet_holds_none_of_it(tmp_path):
-    arm_body = held(tmp_path, arm(), ("pybullet", "default"))["arm"]
-    assert arm_body.mass == 2
-    assert arm_body.inertia_com.max() < 1e-4 * 0.05
-
-
-def test_mujoco_fuses_what_no_joint_moves(tmp_path):
-    text = arm_with_a_tool()
-    bodies = held(tmp_path, text, ("mujoco", "as-is"))
-    assert list(bodies) == ["arm"]
-    assert bodies["arm"].mass == 4
-    assert list(held(tmp_path, text, ("mujoco", "unfused"))) == ["base", "arm", "tool"]
-
-
-@pytest.mark.parametrize("who", BOTH, ids=" ".join)
-@pytest.mark.parametrize("mesh", ["none.stl", "../outside.stl", "package://other/a.stl"])
+@each_case(
+    ("who", "mesh"),
+    product(BOTH, ["none.stl", "../outside.stl", "package://other/a.stl"]),
+)
 def test_meshes_that_are_not_there_do_not_matter(tmp_path, who, mesh):
     written(tmp_path, "no mesh at all", "outside.stl")
     text = arm(inside=MESH.format(mesh))
@@ -62,16 +62,6 @@ def test_a_mesh_in_a_package_is_read_where_pybullet_asks_for_it(tmp_path):
     without = held(tmp_path, text, ("pybullet", "default"))["arm"]
     arm_body = held(tmp_path, text, ("pybullet", "default"), packages=packages)["arm"]
     assert np.trace(arm_body.inertia_com) > 1e3 * np.trace(without.inertia_com)
-
-
-def test_an_mjcfs_body_is_what_the_file_states(tmp_path):
-    text = body(
-        '<freejoint/><inertial mass="2" pos="0 0 1" euler="30 20 10" diaginertia="1 2 2.5"/>'
-    )
-    stated = read_model(written(tmp_path, text, "robot.xml")).link("arm").stated
-    mesh_arm = held(tmp_path, text, ("mujoco", "as-is"), "robot.xml")["arm"]
-    assert np.abs(mesh_arm.inertia_com - stated.inertia_com).max() <= 16 * EPS
-    assert np.abs(mesh_arm.inertia_com - np.diag([1, 2, 2.5])).max() > 0.1
 
 
 def test_an_mjcfs_missing_meshes_and_textures_do_not_matter(tmp_path):

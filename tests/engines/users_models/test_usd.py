@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from case_loops import each_case
 from spincheck.engines.users_models import ModelFileError, read_model, rigid_bodies
 from users_models import written
 
@@ -83,25 +84,20 @@ def test_fixed_joints_weld(tmp_path, kind, bodies):
         assert whole[0].stated.com == pytest.approx([0.2 / 3, 0, 2 / 3])
 
 
-@pytest.mark.parametrize(
-    ("text", "words"),
-    [
-        ("PXR-USDC", "USD is read as text"),
-        ("#usda 1.0\ndef X", "no USD: "),
-        ("#usda 1.0\n", "no prim has PhysicsRigidBodyAPI"),
-        (
-            "#usda 1.0\n(\n    subLayers = [@/etc/other.usda@]\n)\n",
-            "made of other files too, such as '/etc/other.usda'",
-        ),
-        (
-            BODY.format(inside=STATED, metre=1, kilogram=1, after=TOOL % "Fixed").replace(
-                "body0 = </arm>", "body0 = </tool>"
-            ),
-            "joints form a ring at '/tool'",
-        ),
-    ],
-)
-def test_files_that_are_refused(tmp_path, text, words):
+RING = BODY.format(inside=STATED, metre=1, kilogram=1, after=TOOL % "Fixed")
+REFUSED = {
+    "USD is read as text": "PXR-USDC",
+    "no USD: ": "#usda 1.0\ndef X",
+    "no prim has PhysicsRigidBodyAPI": "#usda 1.0\n",
+    "made of other files too, such as '/etc/other.usda'": (
+        "#usda 1.0\n(\n    subLayers = [@/etc/other.usda@]\n)\n"
+    ),
+    "joints form a ring at '/tool'": RING.replace("body0 = </arm>", "body0 = </tool>"),
+}
+
+
+@each_case(("words", "text"), [*REFUSED.items()])
+def test_files_that_are_refused(tmp_path, words, text):
     with pytest.raises(ModelFileError) as refused:
         read_model(written(tmp_path, text, "robot.usda"))
     assert words in str(refused.value)

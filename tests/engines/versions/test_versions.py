@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from case_loops import each_case
 from spincheck.engines import Engine, Method, Session, engines
 from spincheck.engines.adapters.mujoco.engine import MuJoCo
 from spincheck.engines.models.mjcf import mjcf
@@ -76,7 +77,7 @@ def test_without_a_network_one_message_says_so(
     assert list(cache.glob("engines/*")) == []
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("name", "python", "words"),
     [
         ("mujoco@../../etc", "", "a version must be like 3.1.6"),
@@ -122,11 +123,16 @@ def test_a_version_needs_what_it_was_built_with() -> None:
     assert requirements == [("pybullet==3.2.6", "numpy==1.26.4"), ("pybullet==3.2.7",)]
 
 
-def test_in_a_process_that_has_another_version_it_is_not_run() -> None:
+def test_in_this_process_which_has_another_version_it_is_not_run_but_says_what_it_leaves_out() -> (
+    None
+):
+    """Which is asked before its steps are timed."""
     engine = VersionedEngine("mujoco", "3.1.6", MuJoCo.methods, Path("nowhere"))
     run = engine.run(SCENES["free"], engine.method("RK4"), TIMESTEP, np.array([0, 1]))
     assert run.outcome == "failed"
     assert "runs in a process of its own" in run.reason
+    for method in MuJoCo.methods:
+        assert engine.left_out(SCENES["free"], method) == MuJoCo().left_out(SCENES["free"], method)
 
 
 def test_whatever_an_engine_has_is_its_adapters() -> None:
@@ -135,13 +141,6 @@ def test_whatever_an_engine_has_is_its_adapters() -> None:
     final = {name for name in members if hasattr(vars(Engine)[name], "__final__")}
     assert members - final - vars(VersionedEngine).keys() == set()
     assert {"run", "method", "unsupported"} <= final
-
-
-def test_what_it_leaves_out_is_answered_where_another_version_is() -> None:
-    """Before its steps are timed."""
-    engine = VersionedEngine("mujoco", "3.1.6", MuJoCo.methods, Path("nowhere"))
-    for method in MuJoCo.methods:
-        assert engine.left_out(SCENES["free"], method) == MuJoCo().left_out(SCENES["free"], method)
 
 
 @pytest.mark.needs_pybullet
@@ -159,16 +158,13 @@ def test_its_defaults_are_its_adapters() -> None:
         assert np.array_equal(at_version.read_state().omega_body, own.read_state().omega_body)
 
 
-def test_its_worker_finds_its_folder_first() -> None:
+def test_its_worker_finds_its_folder_first_and_an_executor_without_a_place_for_it_says_so() -> None:
     folder = pretend("mujoco@3.1.6")
     with LocalWorkers(1) as workers:
         inside = workers.call_at(str(folder), pkgutil.resolve_name, "where_am_i:PLACE").value
         outside = workers.call(pkgutil.resolve_name, "where_am_i:PLACE").value
     assert inside == "in the folder"
     assert isinstance(outside, CallFailed)
-
-
-def test_an_executor_that_has_no_place_for_it_says_so() -> None:
     answer = InProcess().call_at("a folder", len, ()).value
     assert isinstance(answer, CallFailed)
     assert "in local workers only" in answer.reason
@@ -177,40 +173,31 @@ def test_an_executor_that_has_no_place_for_it_says_so() -> None:
 # What changed
 
 
-class Older(MuJoCo):
-    """The same engine, with a method of another name in place of its own."""
+def released(release: str, steps_like: str = "RK4") -> Engine:
+    """The same engine at a version, with one method, that steps like it or like another."""
 
-    name, version = "mujoco@3.9.0", "3.9.0"
-    methods = tuple(m for m in MuJoCo.methods if m.name == "RK4")
-    steps_like = "RK4"
+    class Released(MuJoCo):
+        name, version = f"mujoco@{release}", release
+        methods = tuple(method for method in MuJoCo.methods if method.name == "RK4")
 
-    def open(self, scenario: Scenario, method: Method, timestep: float) -> Session:
-        return super().open(scenario, replace(method, name=self.steps_like), timestep)
+        def open(self, scenario: Scenario, method: Method, timestep: float) -> Session:
+            return super().open(scenario, replace(method, name=steps_like), timestep)
 
-
-class Newer(Older):
-    name, version = "mujoco@4.0.1", "4.0.1"
+    return Released()
 
 
-class NewerAndWorse(Newer):
-    steps_like = "Euler"
-
-
-def changes_of(older: Engine, newer: Engine, file: Path) -> list[Change]:
-    """From the one to the other, without timing."""
-    choice = Choice((older, newer), max_steps=QUICK_STEPS, timed=False)
-    with open_store(file, create=True) as store:
-        run_study(plan([SCENES["free"]], choice, store), choice, store, InProcess(), print)
-        return changes_between_versions(store.read(), older.name, newer.name)
-
-
-def test_one_engine_twice_is_alike(tmp_path: Path) -> None:
-    assert changes_of(Older(), Newer(), tmp_path / "alike.sqlite") == []
-
-
-def test_a_newer_one_that_errs_more_is_worse(tmp_path: Path) -> None:
+def test_a_newer_one_that_errs_more_is_worse_and_one_that_does_not_is_alike(tmp_path: Path) -> None:
     """It is declared to be of fourth order, and is of first."""
-    changes = changes_of(Older(), NewerAndWorse(), tmp_path / "worse.sqlite")
+
+    def changes_to(newer: Engine) -> list[Change]:
+        older = released("3.9.0")
+        choice = Choice((older, newer), max_steps=QUICK_STEPS, timed=False)
+        with open_store(tmp_path / f"{newer.version}.sqlite", create=True) as store:
+            run_study(plan([SCENES["free"]], choice, store), choice, store, InProcess(), print)
+            return changes_between_versions(store.read(), older.name, newer.name)
+
+    assert changes_to(released("4.0.0")) == []
+    changes = changes_to(released("4.0.1", "Euler"))
     assert {change.engine for change in changes} == {"mujoco@3.9.0 → 4.0.1"}
     (verdict,) = [change for change in changes if change.kind == "verdict"]
     assert (verdict.old, verdict.new, verdict.regression) == ("converges", "disagrees", True)

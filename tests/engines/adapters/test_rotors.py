@@ -1,7 +1,8 @@
-"""Rotors in optional engines: they converge to the exact motion, and planted faults are found.
+"""Rotors in engines: they converge to the exact motion, and planted faults are found.
 
-That engines in double precision hold, step and restart rotors of every kind is verified by the
-contract (`free-rotors`, `pivot-rotors`).
+Coarse faults in all that are installed, faint ones in MuJoCo. That engines in double precision
+hold, step and restart rotors of every kind is verified by the contract (`free-rotors`,
+`pivot-rotors`).
 """
 
 from pathlib import Path
@@ -13,11 +14,12 @@ import pytest
 from case_loops import each_case
 from kinds_of_engines import installed
 from library_scenes import library_scene
-from spincheck.engines import Engine
+from spincheck.engines import Engine, engines
 from spincheck.engines.adapters.node.discovered import HERE, modules_folder
 from spincheck.engines.child import child_engine
 from spincheck.engines.child.process import end_idle
 from spincheck.reference import solve
+from spincheck.reports.harness.measuring.examine import physics_in_words
 from spincheck.scenarios import Scenario, errors_between
 from spincheck.scenarios.fastest_rate import fastest_rate
 from spincheck.suite.contract_scenes import SCENES
@@ -79,6 +81,8 @@ def test_rotors_of_the_library_converge_with_the_declared_order(name: str) -> No
 
 #: Of engines of which faults alone are planted here.
 FAULTY = METHODS | {"mujoco-warp": "RK4", "newton": "mujoco-rk4"}
+DRIVEN = "rotor 3 driven to another spin than -5 rad/s"
+NO_ARMATURE = "rotor 3 with 0 kg m² on a driven hinge"
 #: By engine: what is typed at its session, on `free-rotors`, and how that is told.
 FAULTS = {
     "mujoco": {
@@ -99,7 +103,7 @@ FAULTS = {
     },
     "newton": {
         "world.model.joint_damping.fill_(1e-3)": "joint damping",
-        "world.model.joint_armature.zero_()": "rotor 3 with 0 kg m² on a driven hinge",
+        "world.model.joint_armature.zero_()": NO_ARMATURE,
         "world.solver.mjw_model.body_mass.fill_(2.0)": "'mass' must read back",
         "world.model.gravity.zero_()": "called for but not active: gravity",
     },
@@ -119,9 +123,7 @@ FAULTS = {
     },
     "drake": {
         "(index,) = world.plant.GetJointActuatorIndices();"
-        "world.plant.get_joint_actuator(index).SetRotorInertia(world.context, 0.0)": (
-            "rotor 3 with 0 kg m² on a driven hinge"
-        ),
+        "world.plant.get_joint_actuator(index).SetRotorInertia(world.context, 0.0)": NO_ARMATURE,
         "world.rotors[0].SetDampingVector(world.context, np.array([1e-3]))": (
             "damping on the hinge of rotor 1"
         ),
@@ -134,12 +136,8 @@ FAULTS = {
         "world.rotors[1][1].data.local_anchor1 = (0.1, 0.1, 0.0)": "'com' must read back",
     },
     "exudyn": {
-        "world.system.SetObjectParameter(world.rotors[2].drive, 'activeConnector', False)": (
-            "rotor 3 driven to another spin than -5 rad/s"
-        ),
-        "world.system.SetObjectParameter(world.rotors[2].drive, 'offset', -5.001)": (
-            "rotor 3 driven to another spin than -5 rad/s"
-        ),
+        "world.system.SetObjectParameter(world.rotors[2].drive, 'activeConnector', False)": DRIVEN,
+        "world.system.SetObjectParameter(world.rotors[2].drive, 'offset', -5.001)": DRIVEN,
         "world.system.SetObjectParameter("
         "world.rotors[1].joint, 'constrainedAxes', [1, 1, 1, 1, 1, 0])": (
             "rotor 2 on another joint than that of a locked hinge"
@@ -158,11 +156,18 @@ FAULTS = {
     ("engine", "typed", "words"),
     [(engine, *fault) for engine, faults in FAULTS.items() for fault in faults.items()],
 )
-def test_a_hinge_with_a_planted_fault_fails_the_run(
-    engine: str, typed: str, words: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_hinge_with_a_planted_fault_fails_the_run(engine: str, typed: str, words: str) -> None:
     one, scene = installed(engine), SCENES["free-rotors"]
-    opened = one.open
+    with pytest.MonkeyPatch.context() as patch:
+        plant(patch, one, typed)
+        run = one.run(scene, one.method(FAULTY[engine]), 1e-3, np.arange(0, 21, 10))
+    assert run.outcome == "failed"
+    assert words in run.reason, run.reason
+
+
+def plant(patch: pytest.MonkeyPatch, engine: Engine, typed: str) -> None:
+    """Have something typed at each session that an engine opens."""
+    opened = engine.open
 
     def faulty(*arguments: Any) -> Any:
         session: Any = opened(*arguments)
@@ -170,53 +175,38 @@ def test_a_hinge_with_a_planted_fault_fails_the_run(
         exec(typed, {"np": np, "session": session, "world": world})
         return session
 
-    with monkeypatch.context() as patch:
-        patch.setattr(one, "open", faulty, raising=False)
-        run = one.run(scene, one.method(FAULTY[engine]), 1e-3, np.arange(0, 21, 10))
-    assert run.outcome == "failed"
-    assert words in run.reason, run.reason
+    patch.setattr(engine, "open", faulty, raising=False)
 
 
+UNDRIVEN = "rotor 3 without a drive on a driven hinge"
+LOCKED = "rotor 1 on a free hinge that locks 4 axes"
+PLACE, AXIS = "'com' must read back", "'axial moment of rotor 1' must read back"
 #: In the text of an engine under node: what is written there, what is planted, and how it is told.
-PLANTED = {
-    ("jolt", "SetMotorState(TWIST, J.EMotorState_Velocity)", "GetMotorState(TWIST)"): (
-        "rotor 3 without a drive on a driven hinge"
-    ),
-    ("physx", "FAST, FAST, true", "0, FAST, true"): "rotor 3 without a drive on a driven hinge",
-    ("havok", "if (spin !== null) {", "if (false) {"): "rotor 3 without a drive on a driven hinge",
-    ("cannon-es", "if (fixed || spin !== null) {", "if (fixed) {"): (
-        "rotor 3 without a drive on a driven hinge"
-    ),
-    (
-        "jolt",
-        "locked[k] ?",
-        "locked[k] && (k !== 4 || locked[3]) ?",
-    ): "rotor 1 on a free hinge that locks 4 axes",
-    (
-        "physx",
-        "locked[k] ?",
-        "locked[k] && (k !== 4 || locked[3]) ?",
-    ): "rotor 1 on a free hinge that locks 4 axes",
-    ("havok", "locked[k] &&", "locked[k] && (k !== 4 || locked[3]) &&"): (
-        "rotor 1 on a free hinge that locks 4 axes"
-    ),
-    ("jolt", "mLinearDamping: 0", "mLinearDamping: mass === scene.mass ? 0 : 0.1"): "damping",
-    ("physx", "setAngularDamping(0)", "setAngularDamping(mass === told.mass ? 0 : 0.1)"): "damping",
-    ("jolt", "mPosition1: new J.RVec3(...at)", "mPosition1: new J.RVec3(...X)"): "'com' must read",
-    ("physx", "pose(at, turn)", "pose(X, turn)"): "'com' must read back",
-    ("rapier3d-js", "[vector(at), ", "[vector(X), "): "'com' must read back",
-    ("cannon-es", "pivotA: vec(at)", "pivotA: vec(x)"): "'com' must read back",
-    ("jolt", "mAxisX1: new J.Vec3(...x)", "mAxisX1: new J.Vec3(...Y)"): "'axial moment of rotor 1'",
-    ("physx", "pose(at, turn)", "pose(at, UPRIGHT)"): "'axial moment of rotor 1' must read back",
-    ("rapier3d-js", "vector(x), vector(X)", "vector(X), vector(X)"): "'axial moment of rotor 1'",
-    ("cannon-es", "axisA: vec(x)", "axisA: vec([1, 0, 0])"): "'axial moment of rotor 1' must read",
-    ("jolt", "new J.Vec3(...omega)", "new J.Vec3(...scene.omega)"): "'spin of rotor 1' must read",
-    ("havok", "moments.map((I) => I / mass)", "moments.map(() => 1)"): "'inertia_com' must read",
-}
+PLANTED = [
+    ("jolt", "SetMotorState(TWIST, J.EMotorState_Velocity)", "GetMotorState(TWIST)", UNDRIVEN),
+    ("physx", "FAST, FAST, true", "0, FAST, true", UNDRIVEN),
+    ("havok", "if (spin !== null) {", "if (false) {", UNDRIVEN),
+    ("cannon-es", "if (fixed || spin !== null) {", "if (fixed) {", UNDRIVEN),
+    ("jolt", "locked[k] ?", "locked[k] && (k !== 4 || locked[3]) ?", LOCKED),
+    ("physx", "locked[k] ?", "locked[k] && (k !== 4 || locked[3]) ?", LOCKED),
+    ("havok", "locked[k] &&", "locked[k] && (k !== 4 || locked[3]) &&", LOCKED),
+    ("jolt", "mLinearDamping: 0", "mLinearDamping: mass === scene.mass ? 0 : 0.1", "damping"),
+    ("physx", "setAngularDamping(0)", "setAngularDamping(mass === told.mass ? 0 : 0.1)", "damping"),
+    ("jolt", "mPosition1: new J.RVec3(...at)", "mPosition1: new J.RVec3(...X)", PLACE),
+    ("physx", "pose(at, turn)", "pose(X, turn)", PLACE),
+    ("rapier3d-js", "[vector(at), ", "[vector(X), ", PLACE),
+    ("cannon-es", "pivotA: vec(at)", "pivotA: vec(x)", PLACE),
+    ("jolt", "mAxisX1: new J.Vec3(...x)", "mAxisX1: new J.Vec3(...Y)", AXIS),
+    ("physx", "pose(at, turn)", "pose(at, UPRIGHT)", AXIS),
+    ("rapier3d-js", "vector(x), vector(X)", "vector(X), vector(X)", AXIS),
+    ("cannon-es", "axisA: vec(x)", "axisA: vec([1, 0, 0])", AXIS),
+    ("jolt", "new J.Vec3(...omega)", "new J.Vec3(...scene.omega)", "'spin of rotor 1' must read"),
+    ("havok", "moments.map((I) => I / mass)", "moments.map(() => 1)", "'inertia_com' must read"),
+]
 
 
 @pytest.mark.processes
-@each_case(("engine", "written", "planted", "words"), [(*k, words) for k, words in PLANTED.items()])
+@each_case(("engine", "written", "planted", "words"), PLANTED)
 def test_a_fault_planted_in_the_hinges_of_an_engine_under_node_fails_the_run(
     engine: str, written: str, planted: str, words: str, tmp_path: Path
 ) -> None:
@@ -232,3 +222,47 @@ def test_a_fault_planted_in_the_hinges_of_an_engine_under_node_fails_the_run(
     end_idle()
     assert run.outcome == "failed"
     assert words in run.reason, run.reason
+
+
+# MuJoCo: a published figure, and faint faults
+
+BOX = "wheel-in-a-box"
+#: Steps of 2 ms to 5 s, every tenth of a second.
+SAMPLES, STEP = np.arange(0, 2501, 50), 2e-3
+
+
+def test_semi_implicit_euler_is_43_degrees_off_where_rk4_is_on_a_flywheel_at_300_rad_a_second() -> (
+    None
+):
+    """Known of MuJoCo from before: 0.745 rad after 5 s at 2 ms, RK4 below 4e-8."""
+    scene, engine = library_scene(BOX), engines()["mujoco"]
+    exact = solve(scene, SAMPLES * STEP).trajectory
+    off = {}
+    for name in ("Euler", "RK4"):
+        run = engine.run(scene, engine.method(name), STEP, SAMPLES)
+        assert run.trajectory is not None
+        off[name] = errors_between(scene, run.trajectory, exact).attitude
+    assert round(off["Euler"], 3) == 0.745
+    assert off["RK4"] < 4e-8
+
+
+#: What is typed at MuJoCo's session, with every pass of its model switched on, and how it is told.
+FAINT = {
+    "": "",
+    # A millionth of N m s, a hundredth of the rotor's moment, a ten thousandth of its momentum.
+    "session.model.dof_damping[6] = 1e-6": "I dω/dt",
+    "session.model.dof_armature[6] = 1e-5": "I dω/dt",
+    "session.model.body_inertia[2][2] *= 1 + 1e-4": (
+        "behaves as if the rotors had 1.0001 times their angular momentum"
+    ),
+}
+
+
+@each_case(("typed", "words"), [*FAINT.items()])
+def test_single_steps_show_a_faint_fault_of_a_hinge(typed: str, words: str) -> None:
+    engine = engines()["mujoco"]
+    with pytest.MonkeyPatch.context() as patch:
+        plant(patch, engine, f"session.model.opt.disableflags = 0\n{typed}")
+        found = physics_in_words(engine, library_scene(BOX), engine.method("RK4"))
+    assert words in found
+    assert bool(found) == bool(typed)

@@ -1,4 +1,4 @@
-"""What Newton's importers hold of a file; skipped where Newton is not installed."""
+"""What the importers of Genesis and Newton hold of a file; each skipped if not installed."""
 
 from pathlib import Path
 
@@ -25,24 +25,37 @@ def turned(how: str, after: str = "", compiler: str = "", tensor: str = "0.03 0.
     return body(f"<freejoint/>{stated}{after}", compiler)
 
 
-def held(folder: Path, text: str, configuration: str = "as-is", file: str = "robot.urdf"):
-    installed("newton")
-    return model_readers()["newton"].read(read_model(written(folder, text, file)), configuration)
+def held(
+    folder: Path,
+    text: str,
+    configuration: str = "as-is",
+    file: str = "robot.urdf",
+    reader: str = "newton",
+):
+    installed(reader)
+    return model_readers()[reader].read(read_model(written(folder, text, file)), configuration)
+
+
+BALL = '<geom size="1"/>'
 
 
 @each_case(
-    ("file", "text"),
+    ("reader", "file", "text"),
     [
-        ("robot.urdf", arm()),
-        ("robot.urdf", arm(inside=SPHERE)),
-        ("robot.xml", turned('euler="30 20 10"')),
-        ("robot.xml", turned('zaxis="1 2 3"', '<geom size="1"/>')),
-        ("robot.xml", turned('euler="0.3 0.2 0.1"', compiler=OTHER_ANGLES)),
+        ("genesis", "robot.urdf", arm()),
+        # By default Genesis moves a free body's frame to its principal axes.
+        ("genesis", "robot.xml", turned('euler="30 20 10"', BALL)),
+        ("genesis", "robot.xml", turned('euler="30 20 10"', BALL, '<compiler eulerseq="zXy"/>')),
+        ("newton", "robot.urdf", arm()),
+        ("newton", "robot.urdf", arm(inside=SPHERE)),
+        ("newton", "robot.xml", turned('euler="30 20 10"')),
+        ("newton", "robot.xml", turned('zaxis="1 2 3"', BALL)),
+        ("newton", "robot.xml", turned('euler="0.3 0.2 0.1"', compiler=OTHER_ANGLES)),
     ],
 )
-def test_a_turned_tensor_is_held_as_the_file_states_it(tmp_path, file, text):
+def test_a_turned_tensor_is_held_as_the_file_states_it(tmp_path, reader, file, text):
+    got = held(tmp_path, text, file=file, reader=reader)["arm"]
     stated = read_model(written(tmp_path, text, file)).link("arm").stated
-    got = held(tmp_path, text, file=file)["arm"]
     assert difference(stated, got).worst <= AGREES
     # Teeth: without the rotation of its own frame it would be another.
     assert np.abs(stated.unturned - stated.inertia_com).max() > 100 * AGREES * 0.05
@@ -57,10 +70,27 @@ def test_bodies_are_found_by_names_that_newton_changes(tmp_path):
     assert held(tmp_path, text)["b/a"].mass == 2
 
 
-def test_a_file_that_newton_refuses_is_reported(tmp_path):
-    text = turned("", tensor="0.03 0.04 0.5")
-    with pytest.raises(EngineError, match=r"Newton refuses the file: .*A \+ B >= C"):
-        held(tmp_path, text, file="robot.xml")
+@each_case(
+    ("reader", "file", "text", "words"),
+    [
+        ("genesis", "robot.urdf", arm(diagonal(0.01, 0.01, 0.05)), r"A\+B>=C"),
+        ("newton", "robot.xml", turned("", tensor="0.03 0.04 0.5"), r"A \+ B >= C"),
+    ],
+)
+def test_a_file_that_it_refuses_is_reported(tmp_path, reader, file, text, words):
+    refusal = f"{reader.capitalize()} refuses the file: .*{words}"
+    with pytest.raises(EngineError, match=refusal) as refused:
+        held(tmp_path, text, file=file, reader=reader)
+    assert "/tmp" not in str(refused.value)
+
+
+def test_welded_links_are_summed_by_genesis_and_kept_apart(tmp_path):
+    installed("genesis")
+    model = read_model(written(tmp_path, arm_with_a_tool()))
+    found = inspect_model(model, InProcess(), reader_engines(["genesis"]))
+    assert found.is_well
+    (arm_held,) = (one for one in found.links if one.link.name == "arm")
+    assert [one.fused for one in arm_held.readings] == [("tool",), ()]
 
 
 def test_collapsed_links_have_a_wrong_sum_of_tensors(tmp_path):
