@@ -301,8 +301,11 @@ def test_a_body_that_a_constraint_holds_is_given_time_to_settle(method, monkeypa
 def test_what_a_solver_leaves_is_noise_up_to_a_bound() -> None:
     """Steps settled further show how large it is; what is too large for a verdict is a fault."""
 
+    scenario = library_scene(PLAIN)
+    at = prepare(scenario, (), FEW).places.thinned(6)
+
     def at_random(size: float) -> StepEvidence:
-        return looked_at(SteppedEngine(HeldAtRandom, size), "Euler", PLAIN)
+        return examine(SteppedEngine(HeldAtRandom, size), scenario, "Euler", at)
 
     assert is_consistent(at_random(0.0))
     assert at_random(1e-4).fault is None
