@@ -300,7 +300,6 @@ def test_a_body_that_a_constraint_holds_is_given_time_to_settle(method, monkeypa
 
 def test_what_a_solver_leaves_is_noise_up_to_a_bound() -> None:
     """Steps settled further show how large it is; what is too large for a verdict is a fault."""
-
     scenario = library_scene(PLAIN)
     at = prepare(scenario, (), FEW).places.thinned(6)
 
