@@ -99,10 +99,11 @@ OF_AN_ENGINE_AS_SHIPPED = [
 ]
 
 HONEST_SCENES = [BOOK, TOP, CHAOS, "drag-until-rest", "flying-disc"]
-#: With the methods that each is stepped by: noise and rounding are alike in all.
+#: With the methods that each is stepped by: noise and rounding are alike in all, and of noise less
+#: is hidden by the method's own error at fourth order.
 HONEST = [
     (Stepped, 0.0, {}, ("Euler", "Heun", "RK4")),
-    (planted.Noisy, 1e-12, {}, ("Euler", "RK4")),
+    (planted.Noisy, 1e-12, {}, ("RK4",)),
     (planted.HonestSingle, 0.0, {"single_precision": True}, ("Euler", "RK4")),
 ]
 
