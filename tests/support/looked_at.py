@@ -14,10 +14,13 @@ from stepped import Stepped, SteppedEngine
 FEW = 1 << 8
 
 
-def looked_at(engine: Engine, method: str, scene: str | Scenario) -> StepEvidence:
+def looked_at(
+    engine: Engine, method: str, scene: str | Scenario, *, explains: bool = True
+) -> StepEvidence:
     """The evidence of a method's steps on a scene, or on that one of the library."""
     scenario = library_scene(scene) if isinstance(scene, str) else scene
-    found = examine(engine, scenario, method, prepare(scenario, (), FEW).places)
+    at = prepare(scenario, (), FEW).places
+    found = examine(engine, scenario, method, at, explains=explains)
     assert found is not None
     return found
 

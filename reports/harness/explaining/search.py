@@ -13,7 +13,7 @@ from functools import cached_property
 from itertools import combinations
 
 import numpy as np
-from scipy.stats import chi2
+from scipy.special import chdtri
 
 from ....scenarios import FloatArray
 from .fit import RANK, Data, Fit, Trial
@@ -62,7 +62,7 @@ class Search:
     def is_beyond(self, rest: FloatArray) -> bool:
         """Whether what is left, (m,), is more than noise and a method's error."""
         numbers, level = rest.size / self.data.at_once, LEVEL / len(self.changes)
-        return self.data.falls(rest, 0 * rest) > float(chi2.isf(level, numbers))
+        return self.data.falls(rest, 0 * rest) > float(chdtri(numbers, level))
 
     @cached_property
     def trials(self) -> list[Trial]:
@@ -167,12 +167,12 @@ class Search:
         )
 
     def _by_chance(self, numbers: int) -> float:
-        return float(chi2.isf(LEVEL / len(self.changes), max(1, numbers)))
+        return float(chdtri(max(1, numbers), LEVEL / len(self.changes)))
 
 
 def within_noise(count: int) -> float:
     """The mean square of so many numbers that noise makes seldom larger."""
-    return float(chi2.isf(LEVEL, count)) / count
+    return float(chdtri(count, LEVEL)) / count
 
 
 def _left_if_linear(trial: Trial) -> float:

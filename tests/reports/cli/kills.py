@@ -15,7 +15,7 @@ import sqlite3
 import subprocess
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import closing
 from dataclasses import dataclass
 from itertools import cycle, islice
@@ -135,7 +135,7 @@ def ended(run: subprocess.Popen[str]) -> str:
         return f"hangs: {run.communicate()[1]}"
 
 
-def after(path: Path, expected: Results, *options: str) -> Iterator[str]:
+def after(path: Path, expected: Results, go_on: Callable[[Path], object] = finish) -> Iterator[str]:
     """What is wrong with a file when its study was killed, and when it has been gone on with."""
     if path.exists():
         with closing(sqlite3.connect(path)) as connection:
@@ -143,7 +143,7 @@ def after(path: Path, expected: Results, *options: str) -> Iterator[str]:
             if integrity != "ok":
                 yield f"integrity: {integrity}"
     before = stored(path)
-    finish(path, *options)
+    go_on(path)
     # A record that is written again gets another row id.
     missing = before - stored(path)
     yield from (f"made again: {record}" for record in missing)

@@ -12,8 +12,9 @@ from pathlib import Path
 
 import pytest
 import small_result_file
+from command_line import spincheck
 from default_signals import WITH_DEFAULT_SIGNALS
-from kills import COMMAND, PATIENCE, STUDY, finish, is_gone, read, start
+from kills import COMMAND, PATIENCE, STUDY, is_gone, read, start
 from result_files import rows_in, wait_for_rows
 
 pytestmark = pytest.mark.processes
@@ -107,7 +108,8 @@ def test_a_run_whose_terminal_closes_and_one_stopped_while_timing_are_gone_on_wi
     run = start(path)
     wait_for_rows(run, path, 2, "verdicts")
     stop_run(run, path, signal.SIGTERM)
-    finish(path)
+    # In this process.
+    assert spincheck("run", *STUDY, "--out", path).returncode == 0
     results = read(path)
     assert {verdict.verdict for verdict in results.verdicts} == {"converges"}
     assert None not in {row.seconds_per_step for row in results.rows if row.outcome == "ok"}

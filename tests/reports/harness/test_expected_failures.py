@@ -6,7 +6,7 @@ import pytest
 from kinds_of_engines import why_missing
 from spincheck.engines import engines
 from spincheck.reports.harness.judging.expected_failures import compared_with_expected_failures
-from spincheck.reports.harness.ladder import MAX_STEPS
+from spincheck.reports.harness.ladder import QUICK_STEPS
 from spincheck.reports.harness.prepared import prepare
 from spincheck.reports.harness.study import convergence_study_of
 from spincheck.reports.results.records import Key
@@ -49,6 +49,6 @@ KNOWN = [(scene, fault) for scene in map(load, find(["hard"])) for fault in scen
 def test_what_the_library_knows_of_engines_is_so(scene, fault):
     if reason := why_missing(fault.engine):
         pytest.skip(reason)
-    engine, prepared = engines()[fault.engine], prepare(scene, [], MAX_STEPS)
+    engine, prepared = engines()[fault.engine], prepare(scene, [], QUICK_STEPS)
     study = convergence_study_of(scene, engine, engine.method(fault.method), prepared)
     assert verdict_of(study).expected_failure

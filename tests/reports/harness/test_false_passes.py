@@ -4,12 +4,15 @@ An honest engine is stepped with one fault at a time (`stepped_faults`). At firs
 as well, though the method's own error is larger than most of them.
 """
 
+from collections.abc import Iterator
 from dataclasses import replace
-from functools import cache
+from functools import cache, partial
 
 import pytest
 import stepped_faults as planted
 from library_scenes import library_scene
+from spincheck.reports.harness import study
+from spincheck.reports.harness.measuring.examine import examine
 from spincheck.reports.harness.prepared import Prepared, prepare
 from spincheck.reports.harness.study import convergence_study_of
 from spincheck.reports.results.verdicts import Verdict
@@ -21,7 +24,7 @@ from top_scenes import scene
 pytestmark = pytest.mark.slow
 
 #: Of the longest run.
-MOST_STEPS = 1 << 13
+MOST_STEPS = 1 << 12
 
 BOOK, TOP = "book-middle-axis", "nutation-loops"
 #: Kinds of faults, by the scene that each acts on, with sizes.
@@ -99,12 +102,21 @@ OF_AN_ENGINE_AS_SHIPPED = [
 ]
 
 HONEST_SCENES = [BOOK, TOP, CHAOS, "drag-until-rest", "flying-disc"]
-#: With the methods that each is stepped by: noise and rounding are alike in all.
+#: With the methods that each is stepped by: noise and rounding are alike in all, and of noise less
+#: is hidden by the method's own error at fourth order.
 HONEST = [
     (Stepped, 0.0, {}, ("Euler", "Heun", "RK4")),
-    (planted.Noisy, 1e-12, {}, ("Euler", "RK4")),
+    (planted.Noisy, 1e-12, {}, ("RK4",)),
     (planted.HonestSingle, 0.0, {"single_precision": True}, ("Euler", "RK4")),
 ]
+
+
+@pytest.fixture(autouse=True, scope="module")
+def _nothing_is_explained() -> Iterator[None]:
+    """Verdicts are looked at, and not the words of what would explain them."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(study, "examine", partial(examine, explains=False))
+        yield
 
 
 @cache

@@ -26,7 +26,7 @@ from studies import study as study_of
 pytestmark = pytest.mark.slow
 
 #: Steps; Heun's method in Python takes some 30 µs each.
-BUDGET = 1 << 11
+BUDGET = 1 << 9
 #: s, of CPU or idle: longer than the ladder of the faultless one takes.
 TIME_LIMIT = 5.0
 #: s, of the window of `BOX`.

@@ -7,6 +7,7 @@ are of this model is verified on engines, in `test_examine.py` and `test_false_p
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import cache
 
 import numpy as np
 import pytest
@@ -75,9 +76,15 @@ def sample(order: int, eps: float = EPS, radius: float = 0.7) -> list[Drawn]:
     return [drawn(chance, order, eps, radius) for _ in range(METHODS)]
 
 
-def tails_of(methods: list[Drawn], noise: float = 1.0) -> np.ndarray:
-    """Of every gain that is predicted, by one series."""
-    return np.ravel([one.fitted(0.0, noise).tails[PREDICTED_FROM:] for one in methods])
+@cache
+def honest(order: int, eps: float, noise: float) -> list[GainSeries]:
+    """What is fitted to such a sample, by one series each."""
+    return [one.fitted(0.0, noise) for one in sample(order, eps)]
+
+
+def tails_of(fits: list[GainSeries]) -> np.ndarray:
+    """Of every gain that is predicted."""
+    return np.ravel([one.tails[PREDICTED_FROM:] for one in fits])
 
 
 def distance(values: np.ndarray) -> float:
@@ -101,19 +108,19 @@ PRECISIONS = pytest.mark.parametrize("eps", [EPS, EPS_SINGLE], ids=["double", "s
 @PRECISIONS
 @EVERY
 def test_tails_of_honest_gains_are_uniform(order: int, eps: float) -> None:
-    methods = sample(order, eps)
-    tails = tails_of(methods)
+    tails = tails_of(honest(order, eps, 1.0))
     assert distance(tails) <= ESTIMATED
     # Nor is the least likely of n less likely than one of n².
     assert tails.min() * len(tails) ** 2 >= 1
     # With noise that is taken for less or more than it is they are not.
     for mistaken in (0.1, 10.0):
-        assert distance(tails_of(methods, mistaken)) > ESTIMATED
+        assert distance(tails_of(honest(order, eps, mistaken))) > ESTIMATED
 
 
 @pytest.mark.parametrize("radius", [0.5, 0.6, 1.2, 1.5, 2.9, 3.3])
 def test_so_are_those_of_series_that_converge_faster_or_slower(radius: float) -> None:
-    assert distance(tails_of(sample(1, radius=radius))) <= ESTIMATED
+    fits = [one.fitted(0.0) for one in sample(1, radius=radius)]
+    assert distance(tails_of(fits)) <= ESTIMATED
 
 
 def test_a_state_whose_series_converges_late_has_a_radius_of_its_own(monkeypatch) -> None:
@@ -134,11 +141,15 @@ def test_a_state_whose_series_converges_late_has_a_radius_of_its_own(monkeypatch
 
 def test_more_terms_change_no_tail_to_twice_as_much(monkeypatch) -> None:
     methods = sample(1, radius=2.9)[:FAULTY]
-    tails = tails_of(methods)
+
+    def tails(terms: int) -> np.ndarray:
+        monkeypatch.setattr(regression, "TERMS", terms)
+        return tails_of([one.fitted(0.0) for one in methods])
+
+    usual = tails(TERMS)
 
     def changed(terms: int) -> float:
-        monkeypatch.setattr(regression, "TERMS", terms)
-        return float(np.abs(np.log10(tails_of(methods) / tails)).max())
+        return float(np.abs(np.log10(tails(terms) / usual)).max())
 
     # To a level of 1e-9 a tail that is twice as large is the same.
     assert changed(2 * TERMS) < np.log10(2) < changed(TERMS // 2)
@@ -147,7 +158,7 @@ def test_more_terms_change_no_tail_to_twice_as_much(monkeypatch) -> None:
 @PRECISIONS
 @EVERY
 def test_a_level_is_the_most_of_honest_methods_that_it_accuses(order: int, eps: float) -> None:
-    tails = np.array([one.fitted(0.0).tail for one in sample(order, eps)])
+    tails = np.array([one.tail for one in honest(order, eps, 1.0)])
     for level in (0.05, 0.2):
         by_chance = np.sqrt(level * (1 - level) / len(tails))
         assert (tails < level).mean() <= level + 3 * by_chance
@@ -156,16 +167,15 @@ def test_a_level_is_the_most_of_honest_methods_that_it_accuses(order: int, eps: 
 @PRECISIONS
 @EVERY
 def test_a_limit_is_as_far_from_zero_as_its_standard_error_says(order: int, eps: float) -> None:
-    methods = sample(order, eps)
 
     def scores(noise: float) -> np.ndarray:
-        found = [one.fitted(0.0, noise) for one in methods]
+        found = honest(order, eps, noise)
         return np.ravel([one.limit / one.limit_error[:, None] for one in found])
 
     by_chance = 5 / np.sqrt(2 * len(scores(1.0)))
     assert scores(1.0).std() == pytest.approx(1.0, abs=by_chance + 2 * ESTIMATED)
     assert scores(0.1).std() > 2
-    assert distance(np.ravel([one.fitted(0.0).limit_tails for one in methods])) <= ESTIMATED
+    assert distance(np.ravel([one.limit_tails for one in honest(order, eps, 1.0)])) <= ESTIMATED
 
 
 @PRECISIONS

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import replace
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -170,9 +171,15 @@ def test_a_faultless_engine_passes_and_a_planted_fault_is_detected(name: str) ->
         passed(TESTS[name], FAULTS[name])
 
 
+@cache
+def subject(kind: type[Stepped]) -> EngineSubject:
+    """One for all tests, which keeps its verdicts: some tests are on the same scene."""
+    return EngineSubject(SteppedEngine(kind, 0.0), METHODS[2])
+
+
 def passed(test: Callable[[Any], None], kind: type[Stepped]) -> None:
     """Run a test; one that is skipped has decided nothing."""
     try:
-        test(EngineSubject(SteppedEngine(kind, 0.0), METHODS[2]))
+        test(subject(kind))
     except pytest.skip.Exception as reason:
         raise AssertionError(f"undecided: {reason}") from None

@@ -65,11 +65,13 @@ REQUIRED = [name for name in ("mujoco", "pybullet") if name in engines()]
 
 
 def test_the_engines_of_this_installation_fail_nothing_but_what_they_are_known_to(suite) -> None:
-    result = suite(*named(*REQUIRED), of=ADAPTER)
+    # First steps of one method of each engine: the library's items judge those of all methods.
+    chosen = "not begins or mujoco-RK4] or pybullet-multibody]"
+    result = suite(*named(*REQUIRED), "-k", chosen, of=ADAPTER)
     assert result.ret == 0
-    assert set(result.parseoutcomes()) == {"passed"}
-    # One method of each engine, and each as shipped; of all methods: `make suite`.
-    chosen = "pybullet-multibody] or pybullet-default] or mujoco-RK4 or mujoco-default"
+    assert set(result.parseoutcomes()) == {"passed", "deselected"}
+    # A method that passes, and one that does not; of all methods: `make suite`.
+    chosen = "pybullet-default] or mujoco-RK4]"
     result = suite(*named(*REQUIRED), "-k", chosen, "--spincheck-xfails", str(KNOWN))
     assert result.ret == 0
     result.stdout.fnmatch_lines(["spincheck suite on mujoco *"])
@@ -151,8 +153,8 @@ def test_an_engine_of_fifty_lines_in_another_language_keeps_the_contract(suite) 
 
 
 def test_recordings_are_judged_and_what_is_missing_is_skipped(suite, tmp_path: Path) -> None:
-    times = np.linspace(0.0, 2.0, 41)
-    for name, offset in (("torque-in-body-axes", 0.0), ("offset-com", 0.05)):
+    times = np.linspace(0.0, 1.0, 21)
+    for name, offset in (("torque-in-body-axes", 0.0), ("fast-sphere", 0.05)):
         scene = spincheck.load(SCENES / f"{name}.toml")
         exact = spincheck.exact(scene).at(times)
         (tmp_path / name).mkdir()
@@ -163,6 +165,6 @@ def test_recordings_are_judged_and_what_is_missing_is_skipped(suite, tmp_path: P
             np.savez(path, t=times, timestep=str(timestep), com=exact.com_world, **arrays)
     result = suite(*named(str(tmp_path)))
     result.assert_outcomes(passed=1, failed=1, skipped=14)
-    words = "it disagrees: *the attitude does not follow ω: it turns 0.95*"
+    words = "it disagrees: *the recorded ω is not that of the attitudes*"
     result.stdout.fnmatch_lines([words])
     result.stdout.fnmatch_lines(["SKIPPED *heavy-top.toml, at halved timesteps*got 0"])
