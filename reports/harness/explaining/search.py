@@ -44,11 +44,13 @@ class Search:
     ----------
     most : how many numbers are fitted, at most, where more is left than noise and a method's error:
         many numbers make little of anything; any number if None
+    part : which part of what the scene's own equations leave a change that explains it may leave
     """
 
     data: Data
     changes: Sequence[Change]
     most: int | None = None
+    part: float = LEFT
 
     @cached_property
     def unchanged(self) -> Fit:
@@ -152,7 +154,7 @@ class Search:
     def _simplest(self, fits: Sequence[Fit]) -> Fit | None:
         """The simplest fit that leaves little, if none with more numbers leaves much less."""
         count = self.unchanged.rest.size
-        enough = max(within_noise(count), LEFT**2 * self.unchanged.left)
+        enough = max(within_noise(count), self.part**2 * self.unchanged.left)
         best = self.unchanged
         # Of those alike the first is named.
         for fit in sorted(fits, key=lambda fit: fit.count):

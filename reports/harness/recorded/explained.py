@@ -25,6 +25,7 @@ from .mistakes import FEWEST, FITS, LEFT_OUT, followed, mistakes, without
 from .motion import Reading, RecordedMotion, recorded_motion
 from .odd_samples import across_signs, exchanged, jitter, lost_sign, wrapped
 from .other_physics import Physics, rounding
+from .read_attitude import attitude_read
 from .read_omega import OMEGA, omega_read
 from .recording import Recording
 
@@ -202,7 +203,10 @@ def _of_computed(
     """Explain a motion that was computed."""
     of_method = physics.scenario, physics.motion, physics.timestep, physics.order
     of_spins = spins_beyond(*of_method, floor)
-    words = [] if physics.made_by else _of_omega(physics, has_omega) or physics.explained()
+    words: list[str] = []
+    if not physics.made_by:
+        words = _of_readings(physics) if has_omega and not physics.clamps else []
+        words = words or physics.explained()
     if alternates and physics.is_beyond:
         words = alternates.of_omega or words
     words = [*words, *of_spins]
@@ -213,10 +217,11 @@ def _of_computed(
     return Explanation(tuple(words), verdict, is_beyond, physics.made_by)
 
 
-def _of_omega(physics: Physics, has_omega: bool) -> list[str]:
-    """Return what was made of ω, if no simpler mistake of reading it explains the motion."""
+def _of_readings(physics: Physics) -> list[str]:
+    """Return what was made of ω, or of the attitude, if no simpler mistake explains the motion."""
+    if words := attitude_read(physics.motion, physics.exact, physics.timestep):
+        return words
     is_asked = physics.is_beyond or is_omega_off(physics.motion, physics.exact)
-    is_asked = has_omega and is_asked and not physics.clamps
     return omega_read(physics, is_explained=physics.is_of_reading) if is_asked else []
 
 
