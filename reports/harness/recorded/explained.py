@@ -78,11 +78,9 @@ def explained(
     numbers = numbers_of(recording, reading, exact)
     if shown := shown_by_digits(numbers):
         return _of_numbers(shown, physics, reading)
-    # An ω that is held is on average half as many samples old.
-    wrong = interpolated(motion, floor[1]) if has_omega else []
-    if not wrong and (odd := _odd_samples(reading, numbers, physics)):
+    if odd := _odd_samples(reading, numbers, physics):
         return _of_numbers([odd], physics, reading)
-    if wrong := wrong or mistakes(scenario, exact, reading):
+    if wrong := mistakes(scenario, exact, reading):
         of_all = scenario, exact, recording, reading, timestep, order
         rest = _without(wrong, *of_all) if is_first else ()
         return Explanation((*wrong, *rest), _verdict(physics), physics.is_beyond)
@@ -114,7 +112,7 @@ def explained(
 
 def _odd_samples(reading: Reading, numbers: Numbers, physics: Physics) -> Shown | None:
     """Return what samples show by themselves, beyond their digits; None if nothing."""
-    found = lost_sign(reading, numbers) or across_signs(numbers)
+    found = interpolated(numbers) or lost_sign(reading, numbers) or across_signs(numbers)
     if found or numbers.omega is None:
         return found
     motion = physics.motion
