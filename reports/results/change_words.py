@@ -243,6 +243,7 @@ KINDS = {
     "tensor as at the start, not gyroscopic": Kind(f"{_NOT_GYROSCOPIC}, and {_AS_AT_THE_START}"),
     "tensor along the world": Kind(_ALONG_THE_WORLD),
     "tensor along the world, not gyroscopic": Kind(f"{_NOT_GYROSCOPIC}, and {_ALONG_THE_WORLD}"),
+    "tensor turned on": Kind("ω were Rᵀ I⁻¹ R L along world axes, for R I⁻¹ Rᵀ L"),
     "other products": Kind("the products of inertia had the other sign"),
     "no products": Kind("there were no products of inertia"),
     "signs of products": Kind("{} had the other sign", 3, _products),

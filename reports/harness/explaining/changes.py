@@ -108,9 +108,10 @@ def _of_gyroscopic_torque(scenario: Scenario, e: OtherEquations) -> Iterator[Cha
         ("tensor as at the start", R @ inertia @ R.T),
         ("tensor along the world", inertia),
     ):
-        terms = {**_body(tensor), "in_world": True}
+        terms = {**_body(tensor), "tensor_turns": 1}
         yield set_to(kind, **terms)
         yield set_to(f"{kind}, not gyroscopic", **{**terms, "gyroscopic": 0 * inertia})
+    yield set_to("tensor turned on", tensor_turns=2)
     # ω × cω is zero: G is known up to a multiple of 1.
     yield _with_trace(GYROSCOPIC_TENSOR, inertia, lambda h, G: h.of(gyroscopic=G))
 

@@ -26,8 +26,8 @@ EPS = float(np.finfo(float).eps)
 EVALUATIONS, SMALL = 50, 1e-5
 #: Relative steps at which a fit ends, and one to a part of the data.
 NEAR, ROUGHLY = 1e-9, 1e-3
-#: Numbers that leave a larger mean square of a part of the data explain none of it, and are fitted to
-#: no more: further on there are local minima alone.
+#: Numbers that leave a larger mean square of a part of the data explain none of it, and are fitted
+#: to no more: further on there are local minima alone.
 HOPELESS = 100.0
 
 

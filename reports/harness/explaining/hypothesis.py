@@ -19,8 +19,8 @@ class Hypothesis(NamedTuple):
     equations : of motion
     start : by how much the first attitude is turned, a rotation vector, rad, and ω differs, rad/s,
         body axes, (6,)
-    read, bias, drift, lag : at a time t, s, `read` @ ω(t − `lag`) + `bias` + t `drift` is read, along
-        body axes; (3, 3), rad/s (3,), rad/s² (3,) and s
+    read, bias, drift, lag : at a time t, s, `read` @ ω(t − `lag`) + `bias` + t `drift` is read,
+        along body axes; (3, 3), rad/s (3,), rad/s² (3,) and s
     turned, delay : of the attitude that of `delay` s before is read, and of axes that are turned in
         the body by a rotation vector, rad, (3,)
     step : timesteps that a step takes

@@ -32,7 +32,7 @@ MOST_OF_ALL = 10
 #: changes, no more than this fraction of what either alone leaves, and so many of them at most with
 #: as many numbers.
 PROMISING, PAIRS = 0.5, 3
-#: How many changes are fitted of those that explain most of what a fit leaves, where that is linear.
+#: How many changes are fitted of those that explain most of what a fit leaves, if it is linear.
 LIKELIEST = 3
 
 

@@ -204,7 +204,7 @@ def _of_computed(
     words: list[str] = []
     if not physics.made_by:
         words = _of_readings(physics) if has_omega and not physics.clamps else []
-        words = words or physics.explained()
+        words = words or physics.explained() or _of_lower_order(physics)
     if alternates and physics.is_beyond:
         words = alternates.of_omega or words
     words = [*words, *of_spins]
@@ -213,6 +213,17 @@ def _of_computed(
     is_beyond = physics.is_beyond or bool(of_spins)
     verdict = _verdict(physics, is_beyond, is_explained=bool(words))
     return Explanation(tuple(words), verdict, is_beyond, physics.made_by)
+
+
+def _of_lower_order(physics: Physics) -> list[str]:
+    """Return that a motion is within the error of a method of lower order than the stated one."""
+    for order in range(physics.order - 1, 0, -1):
+        if not replace(physics, order=order).is_beyond:
+            return [
+                f"its method may be of lower order than {physics.order}: it is within what one of "
+                f"order {order} makes, and no change of the equations explains it"
+            ]
+    return []
 
 
 def _of_readings(physics: Physics) -> list[str]:
