@@ -94,7 +94,7 @@ def explained(
         noise is None
         and not is_computed
         and alternates
-        and alternates.is_noise[: 1 + has_omega].all()
+        and alternates.is_noise[: 1 + has_omega].any()
     ):
         noise, alternates = np.maximum(alternates.noise, floor), None
     if noise is not None:
@@ -220,8 +220,8 @@ def _of_lower_order(physics: Physics) -> list[str]:
     for order in range(physics.order - 1, 0, -1):
         if not replace(physics, order=order).is_beyond:
             return [
-                f"its method may be of lower order than {physics.order}: it is within what one of "
-                f"order {order} makes, and no change of the equations explains it"
+                f"its method may be of order {order} or less: it is within what that makes, and no "
+                "change of the equations explains it"
             ]
     return []
 

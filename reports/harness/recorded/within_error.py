@@ -41,7 +41,7 @@ def within_error(
     while not (off <= np.maximum(data.noise, FITS)).all():
         nearly = _nearly(data, CERTAIN * off)
         closer = Search(nearly, changes, most, part=0.0).one_or_two()
-        if closer is None:
+        if closer is None or closer.count > most:
             break
         # There may be others that explain nearly all of what these leave.
         found, off = closer, _size(closer.rest.reshape(-1, 6) * nearly.scale)
