@@ -28,6 +28,7 @@ from .other_physics import Physics, rounding
 from .read_attitude import attitude_read
 from .read_omega import OMEGA, omega_read
 from .recording import Recording
+from .since import since_when
 
 #: Names of the settings by which a file states the noise of attitude, rad, and of ω, rad/s.
 NOISE = ("noise_attitude", "noise_omega")
@@ -90,17 +91,14 @@ def explained(
     alternates, is_stated = alternation(scenario, motion, floor), noise is not None
     # Who states an order of more than one has computed the motion.
     is_computed = timestep is not None and order > 1
-    if (
-        noise is None
-        and not is_computed
-        and alternates
-        and alternates.is_noise[: 1 + has_omega].any()
-    ):
+    if noise is None and not is_computed and alternates and alternates.is_noise[int(has_omega)]:
         noise, alternates = np.maximum(alternates.noise, floor), None
     if noise is not None:
         has = {"is_stated": is_stated, "has_omega": has_omega}
         fit = Measured(scenario, log_of(scenario, motion, exact, noise, **has))
         physics = replace(physics, noise=np.sqrt(2) * noise)
+        if fit.is_far and (words := since_when(scenario, motion, exact, noise, **has)):
+            return Explanation(tuple(words), fit.verdict, is_beyond=True, measured=fit)
         # What a solver leaves is like noise, and its method has errors besides.
         if is_stated or physics.is_beyond or not fit.is_beyond:
             return _of_measured(fit, physics)
@@ -217,7 +215,7 @@ def _of_computed(
 
 def _of_lower_order(physics: Physics) -> list[str]:
     """Return that a motion is within the error of a method of lower order than the stated one."""
-    for order in range(physics.order - 1, 0, -1):
+    for order in range(physics.order - 1, 0, -1) if physics.is_beyond else ():
         if not replace(physics, order=order).is_beyond:
             return [
                 f"its method may be of order {order} or less: it is within what that makes, and no "

@@ -292,14 +292,14 @@ class Measured:
             "tensor_standard_error": of_tensor[1],
         }
 
-    def explained(self) -> list[str]:
-        """Return in words what the samples require.
+    def explained(self, but: Change | None = None) -> list[str]:
+        """Return in words what the samples require, one change left out.
 
         If that leaves far more than noise: whether attitudes, or ω, are those of the scene.
         """
         if self.is_far:
             return self._right_by_itself()
-        required = [change for change in self.fit.changes if self._is_required(change)]
+        required = [one for one in self.fit.changes if one is not but and self._is_required(one)]
         return [self._in_words(change) for change in required]
 
     def _right_by_itself(self) -> list[str]:

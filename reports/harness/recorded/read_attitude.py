@@ -13,13 +13,8 @@ from scipy.spatial.transform import Rotation, Slerp
 from ....scenarios import FloatArray, Trajectory
 from ....scenarios.rotation import norms, rotation_vectors
 from ..explaining.search import LEFT, SAME
-from .digits import ROUNDED
 from .missing import is_attitude_off, lag, turned_off
-from .recording import FEWEST_VALUES
 
-#: Digits that components are compared by, the least unit that they are rounded to, and the relative
-#: error of its multiples.
-DIGITS, FINEST, ALIKE = 6, 1e-4, 1e-2
 #: Most samples from one recorded attitude to the next, where others are interpolated.
 MOST_BETWEEN = 60
 
@@ -38,7 +33,7 @@ def attitude_read(motion: Trajectory, exact: Trajectory, timestep: float | None)
     for words, made in _made(motion.t, q, q_exact):
         if norms(rotation_vectors(q[1:], made[1:])).max() < most:
             return [words]
-    return _rounded(q, q_exact) or lag(motion, exact, timestep)
+    return lag(motion, exact, timestep)
 
 
 def _made(t: FloatArray, q: FloatArray, q_exact: FloatArray) -> Iterator[tuple[str, FloatArray]]:
@@ -71,20 +66,3 @@ def _made(t: FloatArray, q: FloatArray, q_exact: FloatArray) -> Iterator[tuple[s
                 "those alone",
                 made,
             )
-
-
-def _rounded(q: FloatArray, q_exact: FloatArray) -> list[str]:
-    """Say that the three smaller components of quaternions are multiples of a unit."""
-    largest = np.abs(q).argmax(axis=1)
-    # They may be multiples and a half.
-    distances = np.diff(np.unique(np.abs(q[np.arange(4) != largest[:, None]]).round(DIGITS)))
-    if len(distances) < FEWEST_VALUES or (unit := float(distances.min())) < FINEST:
-        return []
-    is_multiple = np.abs(distances / unit - np.rint(distances / unit)) < ALIKE
-    if not is_multiple.all() or norms(rotation_vectors(q, q_exact)).max() > 4 * unit:
-        return []
-    size = np.degrees(2 * ROUNDED * unit)
-    return [
-        f"the three smaller components of the quaternions are rounded to {unit:.4g}, which makes "
-        f"attitudes off by {size:.2g}° on each axis"
-    ]
