@@ -36,7 +36,7 @@ def within_error(
     timestep : the timestep that the motion was made with, s; None if unknown
     """
     data = replace(data, base=base)
-    off = _size(data.off(base) * data.scale)
+    off = usual = _size(data.off(base) * data.scale)
     found = None
     while not (off <= np.maximum(data.noise, FITS)).all():
         nearly = _nearly(data, CERTAIN * off)
@@ -45,11 +45,14 @@ def within_error(
             break
         # There may be others that explain nearly all of what these leave.
         found, off = closer, _size(closer.rest.reshape(-1, 6) * nearly.scale)
-    return None if found is None or _is_of_integrators(data, found, timestep) else found
+    # Noise may hide what else is left.
+    if found is None or not (off < LEFT * usual).any():
+        return None
+    return None if _is_of_integrators(data, found, timestep) else found
 
 
 def _is_of_integrators(data: Intervals, found: Fit, timestep: float | None) -> bool:
-    """Whether the same changes explain the errors of a known integrator, too."""
+    """Whether the same changes explain a known integrator's errors, too, of all or of ω alone."""
     few, equations = data.spread(FEW), data.base.equations
     longest = float(few.spans.max())
     timestep = max(timestep or longest, longest * FEW / MOST_STEPS)
@@ -57,10 +60,13 @@ def _is_of_integrators(data: Intervals, found: Fit, timestep: float | None) -> b
     for one in KNOWN:
         ends = follow(equations, few.starts, few.spans, one, timestep)[:, 0]
         off = _size(apart(exact, ends))
-        errors = replace(few, ends=ends, noise=FITS * off.max() * np.ones(2))
-        errors = _nearly(errors, off)
-        if off.any() and Trial(errors, found.changes).fit().left < LEFT**2:
-            return True
+        if not off.all():
+            continue
+        errors = replace(few, ends=ends, noise=np.zeros(2))
+        for size in off, off * [1 / FITS, 1.0]:
+            fit = Trial(_nearly(errors, size), found.changes).fit()
+            if fit.left < LEFT**2 * np.mean((off / size) ** 2):
+                return True
     return False
 
 
