@@ -48,6 +48,13 @@ WORDS = {
 }
 
 
+#: The words of a number below zero, which are of its size.
+AHEAD = {
+    "lag": "ω is ahead of the attitude by {} s",
+    "delay": "the attitude is that of {} s after its time, and ω is that of its time",
+}
+
+
 def of_gyroscope(
     change: Change, numbers: FloatArray, in_words: Callable[[FloatArray, float], str]
 ) -> str:
@@ -58,6 +65,8 @@ def of_gyroscope(
     in_words : prints its numbers, in other units than SI by the factor that it is given
     """
     words, added, factor = WORDS[change.kind]
+    if change.kind in AHEAD and numbers[0] < 0:
+        words, numbers = AHEAD[change.kind], -numbers
     return words.format(in_words(added + factor * numbers, factor)) if len(numbers) else words
 
 

@@ -275,13 +275,22 @@ class Measured:
         """Return a sentence with the tensor that fits best, and standard errors."""
         if self.is_far:
             return "No tensor is given: what is left is far beyond noise."
+        if not self.shows_tensor:
+            return "No tensor is given: the motion does not show it beside what explains it."
         free = "" if is_scaled(self.log.base.equations) else ", up to a factor"
         entries = _plus_minus(*self.tensor_entries())
         return f"The tensor Ixx, Iyy, Izz, Ixy, Ixz, Iyz that fits best is {entries} kg m²{free}."
 
+    @property
+    def shows_tensor(self) -> bool:
+        """Whether any entry of the tensor is known, beside what the samples require."""
+        entries, errors = self.tensor_entries()
+        return bool(errors.max() <= np.abs(entries).max())
+
     def as_record(self) -> dict[str, object]:
-        """Return noise, χ² and tensor for JSON, without a tensor if far more than noise is left."""
-        of_tensor = [None, None] if self.is_far else [one.tolist() for one in self.tensor_entries()]
+        """Return noise, χ² and tensor for JSON, without a tensor where none is given in words."""
+        is_given = not self.is_far and self.shows_tensor
+        of_tensor = [one.tolist() for one in self.tensor_entries()] if is_given else [None, None]
         attitude, omega = map(float, self.log.noise)
         return {
             "noise": {"attitude": attitude, "omega": omega},

@@ -7,7 +7,6 @@ made of others, in some other way.
 from collections.abc import Iterator
 
 import numpy as np
-from scipy.interpolate import interp1d
 from scipy.spatial.transform import Rotation, Slerp
 
 from ....scenarios import FloatArray, Trajectory
@@ -57,7 +56,8 @@ def _made(t: FloatArray, q: FloatArray, q_exact: FloatArray) -> Iterator[tuple[s
         attitudes = Rotation.from_quat(q[keys], scalar_first=True)
         turned = Slerp(t[keys], attitudes)(t[kept]).as_quat(scalar_first=True)
         signs = np.cumprod([1.0, *np.sign(np.sum(q[keys[:-1]] * q[keys[1:]], axis=1))])
-        straight = interp1d(t[keys], signs[:, None] * q[keys], axis=0)(t[kept])
+        columns = (signs[:, None] * q[keys]).T
+        straight = np.column_stack([np.interp(t[kept], t[keys], one) for one in columns])
         for one in turned, straight / norms(straight)[:, None]:
             made = q.copy()
             made[kept] = one
