@@ -104,7 +104,9 @@ def _gradient_tensor(numbers: Sequence[float]) -> str:
     if min(below, above) > ALIKE * max(below, above):
         return f"{vector(numbers)} /s² along world axes, for xx − zz, yy − zz, xy, xz and yz,"
     k = 2 if below < above else 0
-    return _gradient([sizes[k] - sizes[1], *axes[:, k]])
+    # Which way an axis points does not matter.
+    axis = axes[:, k] * np.sign(axes[np.argmax(np.abs(axes[:, k])), k])
+    return _gradient([sizes[k] - sizes[1], *axis])
 
 
 def _by_attitude(numbers: Sequence[float]) -> str:

@@ -8,8 +8,11 @@ from scipy.spatial.transform import Rotation
 from ....reference.following import follow
 from ....reference.other_equations import inverse
 from ....scenarios import FloatArray
+from ....scenarios.rotation import norms, times
 from ..explaining.hypothesis import Change, Hypothesis
 
+#: Largest turn, rad, by which ω or an attitude may be late.
+FURTHEST = 1.0
 #: Iω + h, by mistake.
 MOMENTUM = Change(
     "momentum",
@@ -97,10 +100,11 @@ def _turned(q: FloatArray, turn: FloatArray) -> FloatArray:
     """Return attitudes, scalar first, (S, 4), of axes turned in the body by a rotation vector."""
     if not turn.any():
         return q
-    attitudes = Rotation.from_quat(q, scalar_first=True) * Rotation.from_rotvec(turn)
-    return attitudes.as_quat(scalar_first=True)
+    return q @ times(Rotation.from_rotvec(turn).as_quat(scalar_first=True))
 
 
 def _later(hypothesis: Hypothesis, states: FloatArray, by: float) -> FloatArray:
-    """Return where states lead in a time, s, before or after."""
+    """Return where states lead in a time, s, before or after; nan where they turn too far in it."""
+    if not abs(by) * norms(states[:, 4:]).max() < FURTHEST:
+        return np.full_like(states, np.nan)
     return follow(hypothesis.equations, states, np.full((len(states), 1), by))[:, 0]

@@ -4,7 +4,7 @@ import numpy as np
 
 from ....scenarios import FloatArray
 from ....scenarios.rotation import norms
-from .digits import CHANGES, Flags, Numbers, Shown, runs, where
+from .digits import CHANGES, Numbers, Shown, runs, where
 
 #: Samples at which ω is new, at least, and successive samples on one line.
 FEWEST, FEWEST_ON_A_LINE = 3, 2
@@ -12,15 +12,18 @@ FEWEST, FEWEST_ON_A_LINE = 3, 2
 
 def interpolated(numbers: Numbers) -> Shown | None:
     """Say that samples are those before them, or on a line between others, to the last digit."""
-    if numbers.omega is None:
+    if numbers.omega is None or len(numbers.t) < FEWEST:
         return None
     t, omega = numbers.t, numbers.omega
     if held := _held(numbers, omega):
         return held
-    on_line = _on_lines(t, omega, numbers.omega_exact, 2 * numbers.resolution_omega)
-    every = runs(on_line)
+    every = _lines(t, omega, numbers.omega_exact, 2 * numbers.resolution_omega)
     lengths = np.unique([b - a for a, b in every])
-    if len(every) >= FEWEST and len(lengths) == 1 and len(t) <= (len(every) + 2) * (lengths[0] + 1):
+    if (
+        len(every) >= FEWEST
+        and len(lengths) == 1
+        and len(t) <= 1 + (len(every) + 2) * (lengths[0] + 1)
+    ):
         return _at_one_in(int(lengths[0]) + 1, "interpolated linearly", every[0][0] + 1)
     gaps = [(a, b) for a, b in every if b - a >= FEWEST_ON_A_LINE]
     if not gaps:
@@ -50,11 +53,13 @@ def _at_one_in(count: int, how: str, first: int) -> Shown:
     return Shown(words, first)
 
 
-def _on_lines(t: FloatArray, omega: FloatArray, exact: FloatArray, least: float) -> Flags:
-    """Whether ω is on the line between its neighbours, though it should not be, (n - 2,).
+def _lines(
+    t: FloatArray, omega: FloatArray, exact: FloatArray, least: float
+) -> list[tuple[int, int]]:
+    """Return the sample before each line, and the last on it, of lines that end with a kink.
 
-    It should not where the exact motion bends there by far more than ω is rounded, or the recorded
-    one does at most samples, as by noise.
+    ω is on a line where it bends less than it is rounded, though the exact motion bends far more
+    there, or the recorded one does at most samples, as by noise.
     """
     part = ((t[1:-1] - t[:-2]) / (t[2:] - t[:-2]))[:, None]
 
@@ -62,5 +67,8 @@ def _on_lines(t: FloatArray, omega: FloatArray, exact: FloatArray, least: float)
         return norms(one[1:-1] - (1 - part) * one[:-2] - part * one[2:])
 
     recorded = bends(omega)
-    should = np.maximum(bends(exact), np.median(recorded)) > CHANGES * least
-    return np.asarray((recorded <= least) & should)
+    is_kink = recorded > CHANGES * least
+    should = (bends(exact) > CHANGES * least) | (np.median(recorded) > CHANGES * least)
+    every = runs((recorded <= least) & should)
+    inner = [(a, b) for a, b in every if a and b < len(is_kink)]
+    return [(a, b) for a, b in inner if is_kink[a - 1] or is_kink[b]]

@@ -185,9 +185,11 @@ class Measured:
     def found(self) -> Fit:
         """The best fit, with all the changes that the samples require."""
         search, both = self.search, (START, self.tensor)
-        found = search.stepwise((), MOST)
+        found = max((one.fit() for one in search.trials), key=search.gain)
+        if not found.is_hopeless:
+            found = search.stepwise(found.changes, MOST)
         if self._is_beyond(found):
-            # One by one, changes that are needed together may gain nothing.
+            # Of changes that are needed together each may explain nothing by itself.
             found = max(found, search.stepwise(both, MOST), key=search.gain)
         if not set(both) <= set(found.changes):
             return found

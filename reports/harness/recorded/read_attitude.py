@@ -12,6 +12,7 @@ from scipy.spatial.transform import Rotation, Slerp
 from ....scenarios import FloatArray, Trajectory
 from ....scenarios.rotation import norms, rotation_vectors
 from ..explaining.search import LEFT, SAME
+from .clamps import TINY
 from .missing import is_attitude_off, lag, turned_off
 
 #: Most samples from one recorded attitude to the next, where others are interpolated.
@@ -37,9 +38,9 @@ def attitude_read(motion: Trajectory, exact: Trajectory, timestep: float | None)
 
 def _made(t: FloatArray, q: FloatArray, q_exact: FloatArray) -> Iterator[tuple[str, FloatArray]]:
     """Yield what is made of the exact attitudes, in words, and the attitudes that it makes."""
-    wanted = rotation_vectors(q[:-1], q_exact[1:])
-    part = float(np.sum(wanted * rotation_vectors(q[:-1], q[1:])) / np.sum(wanted**2))
-    if 0 < part < 1:
+    wanted, steps = rotation_vectors(q[:-1], q_exact[1:]), rotation_vectors(q[:-1], q[1:])
+    part = float(np.sum(wanted * steps) / max(np.sum(wanted**2), TINY))
+    if 0 < part < 1 and np.sum((steps - part * wanted) ** 2) < LEFT**2 * np.sum(steps**2):
         gone = Rotation.from_quat(q[:-1], scalar_first=True) * Rotation.from_rotvec(part * wanted)
         delay = (1 - part) / part * float(np.median(np.diff(t)))
         yield (
