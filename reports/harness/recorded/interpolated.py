@@ -19,12 +19,11 @@ def interpolated(numbers: Numbers) -> Shown | None:
         return held
     every = _lines(t, omega, numbers.omega_exact, 2 * numbers.resolution_omega)
     lengths = np.unique([b - a for a, b in every])
-    if (
-        len(every) >= FEWEST
-        and len(lengths) == 1
-        and len(t) <= 1 + (len(every) + 2) * (lengths[0] + 1)
-    ):
-        return _at_one_in(int(lengths[0]) + 1, "interpolated linearly", every[0][0] + 1)
+    if len(every) >= FEWEST and len(lengths) == 1:
+        count = int(lengths[0]) + 1
+        # At either end a line may be missing.
+        if len(t) <= 1 + (len(every) + 2) * count:
+            return _at_one_in(count, "interpolated linearly", every[0][0] + 1)
     gaps = [(a, b) for a, b in every if b - a >= FEWEST_ON_A_LINE]
     if not gaps:
         return None

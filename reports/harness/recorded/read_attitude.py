@@ -15,6 +15,8 @@ from ..explaining.search import LEFT, SAME
 from .clamps import TINY
 from .missing import is_attitude_off, lag, turned_off
 
+#: Least number of samples that show what was made of the attitude.
+FEWEST = 8
 #: Most samples from one recorded attitude to the next, where others are interpolated.
 MOST_BETWEEN = 60
 
@@ -26,7 +28,7 @@ def attitude_read(motion: Trajectory, exact: Trajectory, timestep: float | None)
     ----------
     timestep : the timestep that the motion was made with, s; None if unknown
     """
-    if not is_attitude_off(motion, exact):
+    if len(motion.t) < FEWEST or not is_attitude_off(motion, exact):
         return []
     q, q_exact = motion.q_world_body_wxyz, exact.q_world_body_wxyz
     most = LEFT * turned_off(motion, exact)
