@@ -37,7 +37,8 @@ class Integrator(NamedTuple):
     ----------
     name : name of the integrator
     a, b : explicit Butcher tableau, (stages, stages) and (stages,)
-    is_omega_first : whether the attitude is advanced with the ω of the end of the step
+    turned_by : whether the attitude is advanced with ω of all stages, or that of the step's start
+        or end alone: `STAGES`, `START` or `END`
     is_exponential : whether the attitude is turned by the rotation vector of ω over the step,
         instead of q' being added
     keeps_length : whether I ω is scaled to the length that it had before the step
@@ -46,11 +47,12 @@ class Integrator(NamedTuple):
     name: str
     a: FloatArray
     b: FloatArray
-    is_omega_first: bool = False
+    turned_by: int = 0
     is_exponential: bool = False
     keeps_length: bool = False
 
 
+STAGES, START, END = 0, 1, 2
 _EULER = np.zeros((1, 1)), np.ones(1)
 _HALF = np.diag([0.5], -1), np.array([0.0, 1.0])
 _RK4 = np.diag([0.5, 0.5, 1.0], -1), np.array([1, 2, 2, 1]) / 6
@@ -59,11 +61,14 @@ EXACT = Integrator("", np.array(DOP853.A), np.array(DOP853.B))
 KNOWN = (
     Integrator("explicit Euler", *_EULER),
     Integrator("explicit Euler with the rotation vector ω h", *_EULER, is_exponential=True),
-    Integrator("semi-implicit Euler", *_EULER, is_omega_first=True),
-    Integrator("semi-implicit Euler with the rotation vector ω h", *_EULER, True, True),
-    Integrator("semi-implicit Euler with ‖L‖ kept", *_EULER, True, True, True),
+    Integrator("semi-implicit Euler", *_EULER, END),
+    Integrator("semi-implicit Euler with the rotation vector ω h", *_EULER, END, True),
+    Integrator("semi-implicit Euler with ‖L‖ kept", *_EULER, END, True, True),
     Integrator("the midpoint rule", *_HALF),
     Integrator("RK4", *_RK4),
+    Integrator("RK4 for ω, and explicit Euler for the attitude,", *_RK4, START),
+    Integrator("RK4 for ω, and a turn by the old ω h,", *_RK4, START, True),
+    Integrator("RK4 for ω, and a turn by the new ω h,", *_RK4, END, True),
 )
 
 
@@ -178,7 +183,12 @@ def _matrix(q: FloatArray, R_world_body: FloatArray) -> None:
 @called
 def _by_tensor(e: OtherEquations, M: FloatArray, R: FloatArray, v: Vector) -> Vector:
     """Return a tensor times a vector along body axes, whichever axes the tensor is constant in."""
-    return _to_body(R, _times(M, _times(R, v))) if e.in_world else _times(M, v)
+    for _ in range(e.tensor_turns):
+        v = _times(R, v)
+    v = _times(M, v)
+    for _ in range(e.tensor_turns):
+        v = _to_body(R, v)
+    return v
 
 
 @called
@@ -290,6 +300,22 @@ def _add_product(q: FloatArray, h: float, v: Vector, to: FloatArray) -> None:
 
 
 @called
+def _by_turned_tensor(e: OtherEquations, R: FloatArray, omega: Vector, torque: Vector) -> Vector:
+    """Return ω' of ω = Rᵀ I⁻¹ R L along world axes, where L is integrated; rad/s², body axes.
+
+    L is taken for Rᵀ I R ω, and changes by torques alone.
+    """
+    turned = _plus(_by_tensor(e, e.gyroscopic, R, omega), _vector(e.kept), 1.0)
+    outer = _plus(torque, _cross(omega, turned), 1.0)
+    in_world = _times(R, omega)
+    twice = _times(R, in_world)
+    rate = _times(e.inverse, _cross(in_world, _times(e.inertia, twice)))
+    rate = _plus(rate, _cross(in_world, twice), -1.0)
+    rate = _plus(rate, _times(e.inverse, _times(R, _times(R, outer))), 1.0)
+    return _to_body(R, _to_body(R, rate))
+
+
+@called
 def _rates(e: OtherEquations, y: FloatArray, R: FloatArray, stage: FloatArray) -> None:
     """Fill in the derivatives at the state y, a stage; R is workspace for a matrix."""
     _matrix(y, R)
@@ -298,7 +324,11 @@ def _rates(e: OtherEquations, y: FloatArray, R: FloatArray, stage: FloatArray) -
     for i in range(4):
         stage[i] = 0.0
     _add_product(y, 1.0, turning, stage)
-    accelerated = _by_tensor(e, e.inverse, R, _torque(e, R, omega))
+    torque = _torque(e, R, omega)
+    if e.tensor_turns == 2:
+        accelerated = _by_turned_tensor(e, R, omega, torque)
+    else:
+        accelerated = _by_tensor(e, e.inverse, R, torque)
     if e.kinematics == KEPT_IN_WORLD:
         # Body axes turn with the attitude, and no component along world axes does.
         accelerated = _plus(accelerated, _cross(omega, turning), 1.0)
@@ -331,7 +361,7 @@ def _step(
     h: float,
     a: FloatArray,
     b: FloatArray,
-    is_omega_first: bool,
+    turned_by: int,
     is_exponential: bool,
     keeps_length: bool,
     R: FloatArray,
@@ -353,10 +383,15 @@ def _step(
         after = _size(e, R, y)
         y[4:] *= before / after if after > 0.0 else 1.0
     at[:4] = y[:4]
-    if is_omega_first:
+    if turned_by == END:
+        _matrix(y, R)
         _put(_turning(e, R, _vector(y, 4)), k[0], 7)
         k[0, :4] = 0.0
         _add_product(at, 1.0, _vector(k[0], 7), k[0])
+    if turned_by != STAGES:
+        # One stage makes all of the turn.
+        for n in range(1, b.size):
+            k[n] = k[0]
     if is_exponential:
         turn = 0.0, 0.0, 0.0
         for n in range(b.size):
@@ -378,7 +413,7 @@ def _follow(
     spans: FloatArray,
     a: FloatArray,
     b: FloatArray,
-    is_omega_first: bool,
+    turned_by: int,
     is_exponential: bool,
     keeps_length: bool,
     timestep: float,
@@ -402,5 +437,5 @@ def _follow(
                 steps = 1 + int(min(turn * abs(span) / TURN, 1e5)) if turn < 1e300 else 1
             h = span / steps
             for _ in range(steps):
-                _step(e, y, h, a, b, is_omega_first, is_exponential, keeps_length, R, k, at)
+                _step(e, y, h, a, b, turned_by, is_exponential, keeps_length, R, k, at)
             ends[s, j] = y

@@ -48,7 +48,8 @@ class OtherEquations(NamedTuple):
     world_vectors : how g and torque_world are turned to body axes, for Rᵀ: `TURNED_BACK`,
         `TURNED_ON` or `UNTURNED`
     lever, mobility : from a table to the com, m, and 1/mass, which is 0 without a table
-    in_world : whether I and G are along world axes
+    tensor_turns : how often R turns vectors before I and G are applied: 0 where these are along
+        body axes, 1 along world axes, and 2 where ω is Rᵀ I⁻¹ R L along world axes, for R I⁻¹ Rᵀ L
     kinematics : `BODY`, `WORLD`, `KEPT_IN_WORLD`, or the number of a convention of Euler angles
     rate : fastest rate, besides ‖ω‖, at which the state may change, rad/s
     """
@@ -73,7 +74,7 @@ class OtherEquations(NamedTuple):
     world_vectors: int
     lever: FloatArray
     mobility: float
-    in_world: bool
+    tensor_turns: int
     kinematics: int
     rate: float
 
@@ -117,7 +118,7 @@ def equations_of(scenario: Scenario) -> OtherEquations:
         world_vectors=TURNED_BACK,
         lever=lever,
         mobility=1 / scenario.body.mass if is_on_table else 0.0,
-        in_world=False,
+        tensor_turns=0,
         kinematics=BODY,
         rate=float(max((one.rate(scenario) for one in scenario.acting), default=0.0)),
     )

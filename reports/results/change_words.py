@@ -104,7 +104,9 @@ def _gradient_tensor(numbers: Sequence[float]) -> str:
     if min(below, above) > ALIKE * max(below, above):
         return f"{vector(numbers)} /s² along world axes, for xx − zz, yy − zz, xy, xz and yz,"
     k = 2 if below < above else 0
-    return _gradient([sizes[k] - sizes[1], *axes[:, k]])
+    # Which way an axis points does not matter.
+    axis = axes[:, k] * np.sign(axes[np.argmax(np.abs(axes[:, k])), k])
+    return _gradient([sizes[k] - sizes[1], *axis])
 
 
 def _by_attitude(numbers: Sequence[float]) -> str:
@@ -243,6 +245,7 @@ KINDS = {
     "tensor as at the start, not gyroscopic": Kind(f"{_NOT_GYROSCOPIC}, and {_AS_AT_THE_START}"),
     "tensor along the world": Kind(_ALONG_THE_WORLD),
     "tensor along the world, not gyroscopic": Kind(f"{_NOT_GYROSCOPIC}, and {_ALONG_THE_WORLD}"),
+    "tensor turned on": Kind("ω were Rᵀ I⁻¹ R L along world axes, for R I⁻¹ Rᵀ L"),
     "other products": Kind("the products of inertia had the other sign"),
     "no products": Kind("there were no products of inertia"),
     "signs of products": Kind("{} had the other sign", 3, _products),

@@ -15,7 +15,7 @@ from ....reference.other_equations import FIRST_ANGLES, WORLD, OtherEquations
 from ....scenarios import FloatArray, Scenario
 from ....scenarios.rotation import matrix
 from ...results.change_words import UP_TO_A_FACTOR
-from .effect_changes import com, lever, mean_moment, of_effects
+from .effect_changes import com, lever, mean_moment, of_effects, of_momentum
 from .hypothesis import Change, Hypothesis, as_it_is, factors, fitted, set_to
 from .other_tensors import (
     about_conjugated_axes,
@@ -91,7 +91,7 @@ def _of_gyroscopic_torque(scenario: Scenario, e: OtherEquations) -> Iterator[Cha
         yield set_to("gyroscopic about the com", gyroscopic=of_com)
     if e.kept.any():
         yield set_to("no gyroscopic torque of the body", gyroscopic=0 * inertia)
-        yield from factors("momentum", 0.0, -1.0, kept=e.kept)
+        yield from of_momentum(e)
         yield from factors("gyroscopic, with parts", gyroscopic=inertia, kept=e.kept)
     yield from factors("gyroscopic", sign=-1.0, gyroscopic=inertia)
     for kind, tensors in (
@@ -108,9 +108,10 @@ def _of_gyroscopic_torque(scenario: Scenario, e: OtherEquations) -> Iterator[Cha
         ("tensor as at the start", R @ inertia @ R.T),
         ("tensor along the world", inertia),
     ):
-        terms = {**_body(tensor), "in_world": True}
+        terms = {**_body(tensor), "tensor_turns": 1}
         yield set_to(kind, **terms)
         yield set_to(f"{kind}, not gyroscopic", **{**terms, "gyroscopic": 0 * inertia})
+    yield set_to("tensor turned on", tensor_turns=2)
     # ω × cω is zero: G is known up to a multiple of 1.
     yield _with_trace(GYROSCOPIC_TENSOR, inertia, lambda h, G: h.of(gyroscopic=G))
 

@@ -118,6 +118,12 @@ def lever(e: OtherEquations) -> Iterator[Change]:
         yield fitted("lever", e.pull, size, lambda h, n: h.of(pull=n))
 
 
+def of_momentum(e: OtherEquations) -> Iterator[Change]:
+    """The rotors' momentum by a factor."""
+    if e.kept.any():
+        yield from factors("momentum", 0.0, -1.0, kept=e.kept)
+
+
 def of_attitude(scenario: Scenario, e: OtherEquations) -> Iterator[Change]:
     """Torques by the attitude, and turns of body or world besides ω, that a long motion shows."""
     rate = _fastest(scenario, e)

@@ -26,6 +26,9 @@ EPS = float(np.finfo(float).eps)
 EVALUATIONS, SMALL = 50, 1e-5
 #: Relative steps at which a fit ends, and one to a part of the data.
 NEAR, ROUGHLY = 1e-9, 1e-3
+#: Numbers that leave a larger mean square of a part of the data explain none of it, and are fitted
+#: to no more: further on there are local minima alone.
+HOPELESS = 100.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,6 +88,7 @@ class Fit:
     covariance : of the numbers, if noise alone is left, by what is known beforehand too, (k, k)
     rest : what is left, in units of its scale, (m,)
     count : of numbers that the data show
+    slopes : the derivative of what is left by each number in units of its size, (m, k)
     """
 
     changes: tuple[Change, ...]
@@ -93,6 +97,7 @@ class Fit:
     covariance: FloatArray
     rest: FloatArray
     count: int
+    slopes: FloatArray
 
     @cached_property
     def left(self) -> float:
@@ -103,6 +108,11 @@ class Fit:
     def errors(self) -> FloatArray:
         """Standard errors of the numbers, (k,)."""
         return np.sqrt(np.diag(self.covariance))
+
+    @property
+    def is_hopeless(self) -> bool:
+        """Whether it leaves so much that its numbers explain nothing."""
+        return self.left > HOPELESS
 
     @property
     def is_possible(self) -> bool:
@@ -174,24 +184,51 @@ class Trial:
         columns = [(self.left(step) - self.at_none) / SMALL for step in steps]
         return np.reshape(columns, (len(columns), len(self.at_none))).T
 
+    def falls_at_most(self, before: Fit) -> float:
+        """How much the sum of squares falls from that of some of the changes, if it is linear.
+
+        A test of whether the others are needed that takes no fit (C. R. Rao, Math. Proc. Camb.
+        Philos. Soc. 44 (1948) 50).
+        """
+        x, steps = self._begun(before), SMALL * np.eye(len(self.sizes))
+        added = [k for k, change in enumerate(self._each) if change not in before.changes]
+        columns = [(self.left(x + steps[k]) - before.rest) / SMALL for k in added]
+        slopes = np.column_stack([before.slopes, *columns])
+        best = np.linalg.lstsq(slopes, before.rest, rcond=RANK)[0]
+        return self.data.falls(before.rest, before.rest - slopes @ best)
+
+    @property
+    def _each(self) -> list[Change]:
+        """The change that each number is of, (k,)."""
+        return [change for change in self.changes for _ in change.sizes]
+
+    def _begun(self, before: Fit) -> FloatArray:
+        """The numbers of a fit of some of the changes, in units of their sizes, (k,)."""
+        each = [before.numbers_of(one) / one.sizes for one in self.changes]
+        return np.concatenate([np.empty(0), *each])
+
     def fit(self, before: Fit | None = None) -> Fit:
         """Fit the numbers by least squares.
 
         Parameters
         ----------
-        before : a fit of some of the changes, from whose numbers the search begins; else it begins
-            where they are zero, with a part of the data
+        before : a fit of some of the changes, from whose numbers the search begins; else, and where
+            they explain nothing, it begins where they are zero, with a part of the data
         """
-        x, parts = np.zeros(len(self.sizes)), self.data.parts
+        x, parts, most = np.zeros(len(self.sizes)), self.data.parts, EVALUATIONS
         if not len(x):
-            return Fit(self.changes, self.hypothesis(x), x, np.empty((0, 0)), self.at_none, 0)
-        if before is not None:
-            parts = (None,)
-            x = np.concatenate([before.numbers_of(one) / one.sizes for one in self.changes])
+            none = np.empty((0, 0)), self.at_none, 0, np.empty((len(self.at_none), 0))
+            return Fit(self.changes, self.hypothesis(x), x, *none)
+        if before is not None and not before.is_hopeless:
+            x, parts = self._begun(before), (None,)
         for samples in parts:
+            if most == 1 and samples is not None:
+                continue
             args, near = (samples,), NEAR if samples is None else ROUGHLY
-            found = least_squares(self._improbable, x, args=args, xtol=near, max_nfev=EVALUATIONS)
+            found = least_squares(self._improbable, x, args=args, xtol=near, max_nfev=most)
             x = found.x
+            if len(parts) > 1 and np.mean(found.fun**2) > HOPELESS:
+                most = 1
         J, measured = np.asarray(found.jac), len(self.at_none)
         seen = np.linalg.svd(J[:measured], compute_uv=False)
         count = int(np.count_nonzero(seen > RANK * seen[0]))
@@ -206,4 +243,5 @@ class Trial:
             covariance * np.outer(self.sizes, self.sizes),
             found.fun[:measured],
             count,
+            J[:measured],
         )

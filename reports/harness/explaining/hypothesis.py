@@ -19,7 +19,10 @@ class Hypothesis(NamedTuple):
     equations : of motion
     start : by how much the first attitude is turned, a rotation vector, rad, and ω differs, rad/s,
         body axes, (6,)
-    read, bias, lag : of ω is read `read` @ ω + `bias` − `lag` ω', rad/s; (3, 3), (3,) and s
+    read, bias, drift, lag : at a time t, s, `read` @ ω(t − `lag`) + `bias` + t `drift` is read,
+        along body axes; (3, 3), rad/s (3,), rad/s² (3,) and s
+    turned, delay : of the attitude that of `delay` s before is read, and of axes that are turned in
+        the body by a rotation vector, rad, (3,)
     step : timesteps that a step takes
     velocity : factor by which the com's velocity is read too large
     braking : rate at which the com of a body without a pivot is slowed, 1/s
@@ -29,7 +32,10 @@ class Hypothesis(NamedTuple):
     start: FloatArray
     read: FloatArray
     bias: FloatArray
+    drift: FloatArray
+    turned: FloatArray
     lag: float = 0.0
+    delay: float = 0.0
     step: float = 1.0
     velocity: float = 1.0
     braking: float = 0.0
@@ -45,7 +51,8 @@ class Hypothesis(NamedTuple):
 
 def as_it_is(scenario: Scenario) -> Hypothesis:
     """The scene's equations, with states that are read as they are."""
-    return Hypothesis(equations_of(scenario), np.zeros(6), np.eye(3), np.zeros(3))
+    none = np.zeros(3)
+    return Hypothesis(equations_of(scenario), np.zeros(6), np.eye(3), none, none, none)
 
 
 @dataclass(frozen=True, eq=False)

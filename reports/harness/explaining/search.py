@@ -32,6 +32,8 @@ MOST_OF_ALL = 10
 #: changes, no more than this fraction of what either alone leaves, and so many of them at most with
 #: as many numbers.
 PROMISING, PAIRS = 0.5, 3
+#: How many changes are fitted of those that explain most of what a fit leaves, if it is linear.
+LIKELIEST = 3
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,11 +44,13 @@ class Search:
     ----------
     most : how many numbers are fitted, at most, where more is left than noise and a method's error:
         many numbers make little of anything; any number if None
+    part : which part of what the scene's own equations leave a change that explains it may leave
     """
 
     data: Data
     changes: Sequence[Change]
     most: int | None = None
+    part: float = LEFT
 
     @cached_property
     def unchanged(self) -> Fit:
@@ -96,11 +100,22 @@ class Search:
         while best is None or self.gain(fit) > self.gain(best):
             best = fit
             fewer = [tuple(c for c in best.changes if c is not one) for one in best.changes]
-            more = [one for one in self.changes if one not in best.changes]
             fits = [Trial(self.data, one).fit(best) for one in fewer]
-            fits += [self._more(best, one) for one in more if len(best.changes) < most]
-            fit = max(fits, key=self.gain)
+            fits += [self._more(best, one) for one in self._likeliest(best, most)]
+            fit = max(fits, key=self.gain, default=best)
         return best
+
+    def _likeliest(self, fit: Fit, most: int) -> list[Change]:
+        """The changes that may explain more of what a fit leaves; all if it explains nothing."""
+        others = [one for one in self.changes if one not in fit.changes]
+        if len(fit.changes) >= most or fit.is_hopeless:
+            return others if len(fit.changes) < most else []
+        falls = {
+            one: Trial(self.data, (*fit.changes, one)).falls_at_most(fit)
+            - self._by_chance(len(one.sizes))
+            for one in others
+        }
+        return sorted(others, key=lambda one: -falls[one])[:LIKELIEST]
 
     def _more(self, fit: Fit, change: Change) -> Fit:
         """A fit with one more change; begun anew, too, where the one before leaves more than noise.
@@ -108,10 +123,10 @@ class Search:
         From numbers that are wrong a search may end at others that noise hides.
         """
         trial = Trial(self.data, (*fit.changes, change))
-        fits = [trial.fit(fit)]
-        if fit.left > within_noise(fit.rest.size):
-            fits.append(trial.fit())
-        return max(fits, key=self.gain)
+        one = trial.fit(fit)
+        if fit.is_hopeless or fit.left <= within_noise(fit.rest.size):
+            return one
+        return max(one, trial.fit(), key=self.gain)
 
     def gain(self, fit: Fit) -> float:
         """How much more its changes explain than chance makes each of them explain."""
@@ -139,7 +154,7 @@ class Search:
     def _simplest(self, fits: Sequence[Fit]) -> Fit | None:
         """The simplest fit that leaves little, if none with more numbers leaves much less."""
         count = self.unchanged.rest.size
-        enough = max(within_noise(count), LEFT**2 * self.unchanged.left)
+        enough = max(within_noise(count), self.part**2 * self.unchanged.left)
         best = self.unchanged
         # Of those alike the first is named.
         for fit in sorted(fits, key=lambda fit: fit.count):

@@ -16,7 +16,7 @@ def stuck(numbers: Numbers, omega: FloatArray) -> Shown | None:
 
     A clamp keeps a component at the largest value that any has.
     """
-    bound = float(np.abs(omega).max())
+    bound, least = float(np.abs(omega).max()), CHANGES * numbers.resolution_omega
     for axis in range(3):
         column, exact = omega[:, axis], numbers.omega_exact[:, axis]
         a, b = max(runs(column[1:] == column[:-1]), key=lambda run: run[1] - run[0], default=(0, 0))
@@ -24,8 +24,11 @@ def stuck(numbers: Numbers, omega: FloatArray) -> Shown | None:
             continue
         changes = float(np.ptp(exact[a : b + 1]))
         off = float(np.abs(numbers.rates[a:b, axis] - column[a]).max())
+        # Of other axes it may be the component that the exact motion keeps.
+        if (np.abs(np.abs(numbers.omega_exact) - abs(column[a])).max(axis=0) < least).any():
+            continue
         # An ω that is right about a body of another tensor may stay the same.
-        if changes > CHANGES * numbers.resolution_omega and off > LEFT * changes:
+        if changes > least and off > LEFT * changes:
             how = "dead" if not column[a] else "stuck"
             return Shown(
                 f"w{'xyz'[axis]} is {column[a]:.6g} rad/s, to the last digit, "

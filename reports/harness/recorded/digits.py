@@ -16,7 +16,7 @@ from ....scenarios import FloatArray, Trajectory
 from ....scenarios.rotation import matrices, norms, rotation_vectors, turned
 from ..explaining.search import LEFT
 from .motion import Reading
-from .recording import RATES, Recording, digits_of, unit_of
+from .recording import FEWEST_VALUES, RATES, Recording, digits_of, unit_of
 
 #: By how many units of their last digit numbers should have changed where they are the same.
 CHANGES = 10.0
@@ -29,6 +29,9 @@ COARSE = 100
 ROUNDED = 1 / np.sqrt(12)
 #: Most numbers of which digits are counted, spread over all.
 COUNTED = 1000
+#: Digits that three components are compared by, the least unit that they are rounded to, and the
+#: error of multiples of it.
+DIGITS, FINEST, NEAR = 6, 1e-4, 0.1
 Flags = NDArray[np.bool_]
 
 
@@ -272,15 +275,34 @@ def _zeros(numbers: Numbers, omega: FloatArray) -> Shown | None:
 def _rounded_attitude(numbers: Numbers) -> Shown | None:
     """Say that quaternions are multiples of a unit so coarse that they have two digits at most."""
     unit, values = unit_of(numbers.q), len(np.unique(numbers.q))
-    if values < FEWEST or unit * COARSE < 1.0:
+    which = "the quaternions"
+    if not unit:
+        unit, which = _unit_of_three(numbers.q), "the three smaller components of quaternions"
+    elif values < FEWEST or unit * COARSE < 1.0:
+        return None
+    if not unit:
         return None
     # A body that hardly turns has few values.
     turns = rotation_vectors(np.broadcast_to(numbers.q_exact[0], numbers.q.shape), numbers.q_exact)
     if norms(turns).max() < CHANGES * unit:
         return None
-    return Shown(
-        f"the quaternions are rounded to {unit:g}", len(numbers.q), (2 * ROUNDED * unit, 0.0)
-    )
+    rounding = 2 * ROUNDED * unit
+    words = f"{which} are rounded to {unit:.4g}, which makes attitudes off by {rounding:.2g} rad"
+    return Shown(words, len(numbers.q), (rounding, 0.0))
+
+
+def _unit_of_three(q: FloatArray) -> float:
+    """Return the unit by multiples of which the three smaller components differ; 0 if none.
+
+    The largest one follows from them, as of the smallest three in so many bits each.
+    """
+    largest = np.abs(q).argmax(axis=1)
+    others = np.abs(q[np.arange(4) != largest[:, None]]).round(DIGITS)
+    distances = np.diff(np.unique(others))
+    if len(distances) < FEWEST_VALUES or distances.min() < FINEST:
+        return 0.0
+    multiples = distances / distances.min()
+    return float(distances.min()) if np.abs(multiples - np.rint(multiples)).max() < NEAR else 0.0
 
 
 def _rounded(numbers: Numbers, omega: FloatArray) -> Shown | None:

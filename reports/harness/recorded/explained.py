@@ -25,8 +25,10 @@ from .mistakes import FEWEST, FITS, LEFT_OUT, followed, mistakes, without
 from .motion import Reading, RecordedMotion, recorded_motion
 from .odd_samples import across_signs, exchanged, jitter, lost_sign, wrapped
 from .other_physics import Physics, rounding
+from .read_attitude import attitude_read
 from .read_omega import OMEGA, omega_read
 from .recording import Recording
+from .since import since_when
 
 #: Names of the settings by which a file states the noise of attitude, rad, and of ω, rad/s.
 NOISE = ("noise_attitude", "noise_omega")
@@ -77,11 +79,9 @@ def explained(
     numbers = numbers_of(recording, reading, exact)
     if shown := shown_by_digits(numbers):
         return _of_numbers(shown, physics, reading)
-    # An ω that is held is on average half as many samples old.
-    wrong = interpolated(motion, floor[1]) if has_omega else []
-    if not wrong and (odd := _odd_samples(reading, numbers, physics)):
+    if odd := _odd_samples(reading, numbers, physics):
         return _of_numbers([odd], physics, reading)
-    if wrong := wrong or mistakes(scenario, exact, reading):
+    if wrong := mistakes(scenario, exact, reading):
         of_all = scenario, exact, recording, reading, timestep, order
         rest = _without(wrong, *of_all) if is_first else ()
         return Explanation((*wrong, *rest), _verdict(physics), physics.is_beyond)
@@ -91,17 +91,14 @@ def explained(
     alternates, is_stated = alternation(scenario, motion, floor), noise is not None
     # Who states an order of more than one has computed the motion.
     is_computed = timestep is not None and order > 1
-    if (
-        noise is None
-        and not is_computed
-        and alternates
-        and alternates.is_noise[: 1 + has_omega].all()
-    ):
+    if noise is None and not is_computed and alternates and alternates.is_noise[int(has_omega)]:
         noise, alternates = np.maximum(alternates.noise, floor), None
     if noise is not None:
         has = {"is_stated": is_stated, "has_omega": has_omega}
         fit = Measured(scenario, log_of(scenario, motion, exact, noise, **has))
         physics = replace(physics, noise=np.sqrt(2) * noise)
+        if fit.is_far and (words := since_when(scenario, motion, exact, noise, **has)):
+            return Explanation(tuple(words), fit.verdict, is_beyond=True, measured=fit)
         # What a solver leaves is like noise, and its method has errors besides.
         if is_stated or physics.is_beyond or not fit.is_beyond:
             return _of_measured(fit, physics)
@@ -113,7 +110,7 @@ def explained(
 
 def _odd_samples(reading: Reading, numbers: Numbers, physics: Physics) -> Shown | None:
     """Return what samples show by themselves, beyond their digits; None if nothing."""
-    found = lost_sign(reading, numbers) or across_signs(numbers)
+    found = interpolated(numbers) or lost_sign(reading, numbers) or across_signs(numbers)
     if found or numbers.omega is None:
         return found
     motion = physics.motion
@@ -202,7 +199,10 @@ def _of_computed(
     """Explain a motion that was computed."""
     of_method = physics.scenario, physics.motion, physics.timestep, physics.order
     of_spins = spins_beyond(*of_method, floor)
-    words = [] if physics.made_by else _of_omega(physics, has_omega) or physics.explained()
+    words: list[str] = []
+    if not physics.made_by:
+        words = _of_readings(physics) if has_omega and not physics.clamps else []
+        words = words or physics.explained() or _of_lower_order(physics)
     if alternates and physics.is_beyond:
         words = alternates.of_omega or words
     words = [*words, *of_spins]
@@ -213,10 +213,22 @@ def _of_computed(
     return Explanation(tuple(words), verdict, is_beyond, physics.made_by)
 
 
-def _of_omega(physics: Physics, has_omega: bool) -> list[str]:
-    """Return what was made of ω, if no simpler mistake of reading it explains the motion."""
+def _of_lower_order(physics: Physics) -> list[str]:
+    """Return that a motion is within the error of a method of lower order than the stated one."""
+    for order in range(physics.order - 1, 0, -1) if physics.is_beyond else ():
+        if not replace(physics, order=order).is_beyond:
+            return [
+                f"its method may be of order {order} or less: it is within what that makes, and no "
+                "change of the equations explains it"
+            ]
+    return []
+
+
+def _of_readings(physics: Physics) -> list[str]:
+    """Return what was made of ω, or of the attitude, if no simpler mistake explains the motion."""
+    if words := attitude_read(physics.motion, physics.exact, physics.timestep):
+        return words
     is_asked = physics.is_beyond or is_omega_off(physics.motion, physics.exact)
-    is_asked = has_omega and is_asked and not physics.clamps
     return omega_read(physics, is_explained=physics.is_of_reading) if is_asked else []
 
 

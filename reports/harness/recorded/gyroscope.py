@@ -1,4 +1,4 @@
-"""Mistakes of a gyroscope, as changes of how ω is read, and their words."""
+"""Mistakes of sensors, as changes of how ω and the attitude are read, and their words."""
 
 from collections.abc import Callable
 
@@ -8,8 +8,11 @@ from scipy.spatial.transform import Rotation
 from ....reference.following import follow
 from ....reference.other_equations import inverse
 from ....scenarios import FloatArray
+from ....scenarios.rotation import norms, times
 from ..explaining.hypothesis import Change, Hypothesis
 
+#: Largest turn, rad, by which ω or an attitude may be late.
+FURTHEST = 1.0
 #: Iω + h, by mistake.
 MOMENTUM = Change(
     "momentum",
@@ -25,6 +28,9 @@ GYROSCOPE = (
         np.ones(3),
     ),
     Change("lag", lambda h, n: h._replace(lag=n[0]), np.ones(1)),
+    Change("drift", lambda h, n: h._replace(drift=n), np.ones(3)),
+    Change("turned attitude", lambda h, n: h._replace(turned=n), np.ones(3)),
+    Change("delay", lambda h, n: h._replace(delay=n[0]), np.ones(1)),
 )
 #: By mistake, its words, and what is added to its numbers, and the factor, before they are shown.
 WORDS = {
@@ -36,6 +42,19 @@ WORDS = {
     ),
     "momentum": ("the angular momentum is recorded in place of ω", 0.0, 1.0),
     "lag": ("ω lags the attitude by {} s", 0.0, 1.0),
+    "drift": ("the gyroscope's bias drifts by {} rad/s²", 0.0, 1.0),
+    "turned attitude": (
+        "the attitude is that of axes that are turned in the body by {}°, and ω is not",
+        *(0.0, 180 / np.pi),
+    ),
+    "delay": ("the attitude is that of {} s before its time, and ω is that of its time", 0.0, 1.0),
+}
+
+
+#: The words of a number below zero, which are of its size.
+AHEAD = {
+    "lag": "ω is ahead of the attitude by {} s",
+    "delay": "the attitude is that of {} s after its time, and ω is that of its time",
 }
 
 
@@ -49,26 +68,43 @@ def of_gyroscope(
     in_words : prints its numbers, in other units than SI by the factor that it is given
     """
     words, added, factor = WORDS[change.kind]
+    if change.kind in AHEAD and numbers[0] < 0:
+        words, numbers = AHEAD[change.kind], -numbers
     return words.format(in_words(added + factor * numbers, factor)) if len(numbers) else words
 
 
-def as_read(hypothesis: Hypothesis, states: FloatArray) -> FloatArray:
-    """Return states, q and ω, (S, 7), with ω as it is read."""
+def as_read(hypothesis: Hypothesis, states: FloatArray, t: FloatArray) -> FloatArray:
+    """Return states, q and ω, (S, 7), as they are read at their times, s, (S,)."""
     h, q, omega = hypothesis, states[:, :4], states[:, 4:]
     if h.lag:
         omega = _later(h, states, -h.lag)[:, 4:]
-    return np.hstack([q, omega @ h.read.T + h.bias])
+    if h.delay:
+        q = _later(h, states, -h.delay)[:, :4]
+    return np.hstack([_turned(q, h.turned), omega @ h.read.T + h.bias + np.outer(t, h.drift)])
 
 
-def as_it_was(hypothesis: Hypothesis, read: FloatArray) -> FloatArray:
-    """Return the states, q and ω, (S, 7), of which ω was read so; nan if ω does not tell."""
+def as_it_was(hypothesis: Hypothesis, read: FloatArray, t: FloatArray) -> FloatArray:
+    """Return the states, q and ω, (S, 7), that were read so; nan if ω does not tell."""
     h = hypothesis
-    states = np.hstack([read[:, :4], (read[:, 4:] - h.bias) @ inverse(h.read).T])
+    omega = (read[:, 4:] - h.bias - np.outer(t, h.drift)) @ inverse(h.read).T
+    states = np.hstack([_turned(read[:, :4], -h.turned), omega])
     if h.lag:
         states[:, 4:] = _later(h, states, h.lag)[:, 4:]
+    if h.delay:
+        before = _later(h, states, -h.delay)
+        states[:, :4] = _later(h, np.hstack([states[:, :4], before[:, 4:]]), h.delay)[:, :4]
     return states
 
 
+def _turned(q: FloatArray, turn: FloatArray) -> FloatArray:
+    """Return attitudes, scalar first, (S, 4), of axes turned in the body by a rotation vector."""
+    if not turn.any():
+        return q
+    return q @ times(Rotation.from_rotvec(turn).as_quat(scalar_first=True))
+
+
 def _later(hypothesis: Hypothesis, states: FloatArray, by: float) -> FloatArray:
-    """Return where states lead in a time, s, before or after."""
+    """Return where states lead in a time, s, before or after; nan where they turn too far in it."""
+    if not abs(by) * norms(states[:, 4:]).max() < FURTHEST:
+        return np.full_like(states, np.nan)
     return follow(hypothesis.equations, states, np.full((len(states), 1), by))[:, 0]

@@ -25,7 +25,9 @@ class Turns(Data):
     def off(self, hypothesis: Hypothesis, samples: int | None = None) -> FloatArray:
         """As in `Data`: the mean ω less the rate of turning, rad/s, (S, 3)."""
         data = self.intervals
-        states = (as_it_was(hypothesis, read)[:, 4:] for read in (data.starts, data.ends))
+        times = data.t - data.spans[:, 0], data.t
+        reads = zip((data.starts, data.ends), times, strict=True)
+        states = (as_it_was(hypothesis, read, t)[:, 4:] for read, t in reads)
         turned = rotation_vectors(data.starts[:, :4], data.ends[:, :4])
         return np.asarray(sum(states) / 2 - turned / data.spans)[:samples]
 

@@ -1,28 +1,73 @@
-"""Whether ω of a recording was held, or interpolated linearly, between fewer samples."""
+"""Whether samples of a recording were held, or interpolated linearly, between others."""
 
 import numpy as np
 
-from ....scenarios import Trajectory
+from ....scenarios import FloatArray
 from ....scenarios.rotation import norms
+from .digits import CHANGES, Numbers, Shown, runs, where
 
-#: Samples at which ω is new, at least; and by how much more than rounding it then changes.
-FEWEST, CHANGES = 3, 50.0
+#: Samples at which ω is new, at least, and successive samples on one line.
+FEWEST, FEWEST_ON_A_LINE = 3, 2
 
 
-def interpolated(motion: Trajectory, rounding: float) -> list[str]:
-    """Say that ω is the same, or on a line, between every so many samples; else nothing.
+def interpolated(numbers: Numbers) -> Shown | None:
+    """Say that samples are those before them, or on a line between others, to the last digit."""
+    if numbers.omega is None or len(numbers.t) < FEWEST:
+        return None
+    t, omega = numbers.t, numbers.omega
+    if held := _held(numbers, omega):
+        return held
+    every = _lines(t, omega, numbers.omega_exact, 2 * numbers.resolution_omega)
+    lengths = np.unique([b - a for a, b in every])
+    if len(every) >= FEWEST and len(lengths) == 1:
+        count = int(lengths[0]) + 1
+        # At either end a line may be missing.
+        if len(t) <= 1 + (len(every) + 2) * count:
+            return _at_one_in(count, "interpolated linearly", every[0][0] + 1)
+    gaps = [(a, b) for a, b in every if b - a >= FEWEST_ON_A_LINE]
+    if not gaps:
+        return None
+    samples = np.concatenate([np.arange(a + 1, b + 1) for a, b in gaps])
+    of_gaps = f", in {len(gaps)} gaps" if len(gaps) > 1 else ""
+    return Shown(
+        f"ω is on a straight line from the sample before to the one after {where(t, samples)}"
+        f"{of_gaps}: what was lost was interpolated; leave it out",
+        int(samples[0]),
+    )
 
-    Parameters
-    ----------
-    rounding : of ω, rad/s
+
+def _held(numbers: Numbers, omega: FloatArray) -> Shown | None:
+    changes = norms(np.diff(omega, axis=0))
+    least = CHANGES * numbers.resolution_omega
+    new = np.flatnonzero(changes > least)
+    count = int(np.median(np.diff(new))) if len(new) >= FEWEST else 1
+    # A motion that comes to rest is new at every sample, and then no more.
+    if count > 1 and np.sum(changes <= least / CHANGES) >= (count - 1) * (len(new) - 1):
+        return _at_one_in(count, "held", 1)
+    return None
+
+
+def _at_one_in(count: int, how: str, first: int) -> Shown:
+    words = f"ω is {how}: it is new at one sample in {count} only; record those alone"
+    return Shown(words, first)
+
+
+def _lines(
+    t: FloatArray, omega: FloatArray, exact: FloatArray, least: float
+) -> list[tuple[int, int]]:
+    """Return the sample before each line, and the last on it, of lines that end with a kink.
+
+    ω is on a line where it bends less than it is rounded, though the exact motion bends far more
+    there, or the recorded one does at most samples, as by noise.
     """
-    distances = np.diff(motion.t)[:, None]
-    steps = np.diff(motion.omega_body, axis=0)
-    bends = np.diff(steps / distances, axis=0) * distances[1:]
-    for how, changes in (("held", norms(steps)), ("interpolated linearly", norms(bends))):
-        new = np.flatnonzero(changes > CHANGES * rounding)
-        count = int(np.median(np.diff(new))) if len(new) >= FEWEST else 1
-        # A motion that comes to rest is new at every sample, and then no more.
-        if count > 1 and np.sum(changes <= rounding) >= (count - 1) * (len(new) - 1):
-            return [f"ω is {how}: it is new at one sample in {count} only; record those alone"]
-    return []
+    part = ((t[1:-1] - t[:-2]) / (t[2:] - t[:-2]))[:, None]
+
+    def bends(one: FloatArray) -> FloatArray:
+        return norms(one[1:-1] - (1 - part) * one[:-2] - part * one[2:])
+
+    recorded = bends(omega)
+    is_kink = recorded > CHANGES * least
+    should = (bends(exact) > CHANGES * least) | (np.median(recorded) > CHANGES * least)
+    every = runs((recorded <= least) & should)
+    inner = [(a, b) for a, b in every if a and b < len(is_kink)]
+    return [(a, b) for a, b in inner if is_kink[a - 1] or is_kink[b]]

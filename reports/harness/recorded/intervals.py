@@ -69,11 +69,11 @@ class Intervals(Data):
 
     def off(self, hypothesis: Hypothesis, samples: int | None = None) -> FloatArray:
         """As in `Data`: what a hypothesis leaves of the ends, in units of `scale`, (S, 6)."""
-        starts = as_it_was(hypothesis, self.starts)
+        starts = as_it_was(hypothesis, self.starts, self.t - self.spans[:, 0])
         spans, timestep = hypothesis.step * self.spans, hypothesis.step * self.timestep
         made = follow(hypothesis.equations, starts, spans, self.integrator, timestep)[:, 0]
         made = np.where(np.isfinite(made), made, np.nan)
-        return (apart(as_read(hypothesis, made), self.ends) / self.scale)[:samples]
+        return (apart(as_read(hypothesis, made, self.t), self.ends) / self.scale)[:samples]
 
     def apart(self, equations: OtherEquations) -> FloatArray:
         """Return how far the ends are from where equations lead exactly, (S, 6), rad and rad/s."""

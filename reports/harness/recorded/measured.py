@@ -16,11 +16,11 @@ from ....reference.following import follow
 from ....scenarios import FloatArray, Scenario, Trajectory
 from ....scenarios.rotation import norms
 from ..explaining.changes import is_scaled, tensor
-from ..explaining.effect_changes import com, resistance
+from ..explaining.effect_changes import com, of_momentum, resistance
 from ..explaining.fit import Data, Fit, Trial
 from ..explaining.hypothesis import Change, Hypothesis, as_it_is
 from ..explaining.search import LEFT, LEVEL, Search
-from .gyroscope import GYROSCOPE, of_gyroscope
+from .gyroscope import GYROSCOPE, as_read, of_gyroscope
 from .intervals import apart, states_of
 
 #: Turn of the body, rad, in the samples that are fitted first, and their least number; then twice
@@ -97,9 +97,7 @@ class Log(Data):
         start = np.concatenate([q.as_quat(scalar_first=True), omega])[None]
         spans = np.diff(t, prepend=t[0])[None]
         made = follow(hypothesis.equations, start, spans, fastest=self.fastest)[0]
-        rates = np.gradient(made[:, 4:], t, axis=0) if hypothesis.lag else 0.0
-        made[:, 4:] = made[:, 4:] @ hypothesis.read.T + hypothesis.bias - hypothesis.lag * rates
-        off = apart(made, self.states[:samples]) / np.repeat(self.noise, 3)
+        off = apart(as_read(hypothesis, made, t), self.states[:samples]) / np.repeat(self.noise, 3)
         return off[:, : self.measured]
 
     def unlikely(self, hypothesis: Hypothesis) -> FloatArray:
@@ -178,7 +176,7 @@ class Measured:
         """The search for changes that the samples require, given the noise before any fit."""
         equations = self.given.base.equations
         candidates = [START, self.tensor, *resistance(self.scenario, equations)]
-        candidates += com(self.scenario, equations)
+        candidates += [*com(self.scenario, equations), *of_momentum(equations)]
         if self.given.has_omega:
             candidates += GYROSCOPE
         return Search(self.given, candidates)
@@ -187,14 +185,18 @@ class Measured:
     def found(self) -> Fit:
         """The best fit, with all the changes that the samples require."""
         search, both = self.search, (START, self.tensor)
-        found = search.stepwise(both, MOST)
-        if set(both) <= set(found.changes):
-            others = [one for one in found.changes if one not in both]
-            # Along other axes the same body starts elsewhere, and has another tensor.
-            turned = Trial(self.given, (self.axes, *others)).fit()
-            return max(found, turned, key=search.gain)
-        # Start or tensor may have been fitted in place of a change with fewer numbers.
-        return max(found, search.stepwise((), MOST), key=search.gain)
+        found = max((one.fit() for one in search.trials), key=search.gain)
+        if not found.is_hopeless:
+            found = search.stepwise(found.changes, MOST)
+        if self._is_beyond(found):
+            # Of changes that are needed together each may explain nothing by itself.
+            found = max(found, search.stepwise(both, MOST), key=search.gain)
+        if not set(both) <= set(found.changes):
+            return found
+        others = [one for one in found.changes if one not in both]
+        # Along other axes the same body starts elsewhere, and has another tensor.
+        turned = Trial(self.given, (self.axes, *others)).fit()
+        return max(found, turned, key=search.gain)
 
     def alternatives(self, change: Change) -> list[tuple[float, Change, Fit]]:
         """Return the mistakes of a gyroscope that explain about as much as the named one.
@@ -237,7 +239,11 @@ class Measured:
     @cached_property
     def is_beyond(self) -> bool:
         """Whether more is left than noise explains."""
-        squares, freedom = self.given.squares(self.found.rest), self.freedom
+        return self._is_beyond(self.found)
+
+    def _is_beyond(self, fit: Fit) -> bool:
+        """Whether a fit leaves more than noise explains."""
+        squares, freedom = self.given.squares(fit.rest), fit.rest.size - len(fit.numbers)
         if self.given.is_stated:
             return float(chi2.sf(squares.sum(), freedom)) < LEVEL
         each = freedom / len(squares)
@@ -271,13 +277,22 @@ class Measured:
         """Return a sentence with the tensor that fits best, and standard errors."""
         if self.is_far:
             return "No tensor is given: what is left is far beyond noise."
+        if not self.shows_tensor:
+            return "No tensor is given: the motion does not show it beside what explains it."
         free = "" if is_scaled(self.log.base.equations) else ", up to a factor"
         entries = _plus_minus(*self.tensor_entries())
         return f"The tensor Ixx, Iyy, Izz, Ixy, Ixz, Iyz that fits best is {entries} kg m²{free}."
 
+    @property
+    def shows_tensor(self) -> bool:
+        """Whether any entry of the tensor is known, beside what the samples require."""
+        entries, errors = self.tensor_entries()
+        return bool(errors.max() <= np.abs(entries).max())
+
     def as_record(self) -> dict[str, object]:
-        """Return noise, χ² and tensor for JSON, without a tensor if far more than noise is left."""
-        of_tensor = [None, None] if self.is_far else [one.tolist() for one in self.tensor_entries()]
+        """Return noise, χ² and tensor for JSON, without a tensor where none is given in words."""
+        is_given = not self.is_far and self.shows_tensor
+        of_tensor = [one.tolist() for one in self.tensor_entries()] if is_given else [None, None]
         attitude, omega = map(float, self.log.noise)
         return {
             "noise": {"attitude": attitude, "omega": omega},
@@ -288,14 +303,14 @@ class Measured:
             "tensor_standard_error": of_tensor[1],
         }
 
-    def explained(self) -> list[str]:
-        """Return in words what the samples require.
+    def explained(self, but: Change | None = None) -> list[str]:
+        """Return in words what the samples require, one change left out.
 
         If that leaves far more than noise: whether attitudes, or ω, are those of the scene.
         """
         if self.is_far:
             return self._right_by_itself()
-        required = [change for change in self.fit.changes if self._is_required(change)]
+        required = [one for one in self.fit.changes if one is not but and self._is_required(one)]
         return [self._in_words(change) for change in required]
 
     def _right_by_itself(self) -> list[str]:

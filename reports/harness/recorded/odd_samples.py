@@ -138,6 +138,10 @@ def jitter(motion: Trajectory) -> Shown | None:
     off = float(np.abs(t - start - slope * count).max())
     if len(t) < FEWEST or off <= FITS * slope or off < unit_of(np.diff(t)):
         return None
+    spans = np.diff(t)
+    if np.mean(np.abs(spans - np.median(spans)) > ALIKE * slope) < LEFT:
+        # A clock that is set makes one span another one.
+        return None
     q = motion.q_world_body_wxyz
     turned, rates = rotation_vectors(q[:-1], q[1:]), (omega[1:] + omega[:-1]) / 2
     given = norms(turned - rates * np.diff(t)[:, None])

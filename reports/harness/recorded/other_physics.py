@@ -23,10 +23,10 @@ from .clamps import clamps
 from .gyroscope import GYROSCOPE, MOMENTUM, of_gyroscope
 from .gyroscope_first import after_gyroscope
 from .intervals import FEWEST_INTERVALS, Intervals, intervals_of
-from .missing import KINEMATICS, lag, missing
-from .mistakes import FITS
+from .missing import KINEMATICS, missing
 from .recording import MULTIPLE
 from .varying import varying
+from .within_error import FEW, MOST_STEPS, within_error
 
 
 def _with_other_sign(axis: int) -> Change:
@@ -53,13 +53,8 @@ def _locked(axis: int, *, is_set: bool) -> Change:
     return Change(f"rate {'set' if is_set else 'held'}", locked, np.empty(0), lambda _: [axis])
 
 
-#: Changes are certain where they leave no more than this fraction.
-CERTAIN = 1e-5
-#: Number of intervals that changes are fitted to, and of those that integrators, which take many
-#: steps in each, are tried on.
-MOST, FEW = 60, 12
-#: Steps, in all these intervals, of integrators that changes are tried with, at most.
-MOST_STEPS = 300
+#: Number of intervals that changes are fitted to.
+MOST = 60
 #: Error of a short flow by rounding, in relative distances of the numbers.
 ROUNDINGS = 8.0
 #: Integrators of game engines, which keep ω along world axes.
@@ -157,7 +152,11 @@ class Physics:
 
     @cached_property
     def by_other_equations(self) -> Fit | None:
-        """The change by which a known integrator made the motion, to rounding; None if none did.
+        """The change by which a known integrator made the motion, to rounding; None if none did."""
+        return self._by_integrators(self.intervals.base) if self.intervals else None
+
+    def _by_integrators(self, base: Hypothesis) -> Fit | None:
+        """The change of a hypothesis by which a known integrator made the motion; None if none.
 
         Numbers are fitted only where the motion is beyond a method's error with a timestep that is
         stated: implicit damping, by a method that is not known, is another tensor's. Where
@@ -165,13 +164,13 @@ class Physics:
         """
         if self.search is None or self.made_by or not self.by_known:
             return None
-        data = self.by_known[0]
+        data = replace(self.by_known[0], base=base)
         count = min(FEW, int(MOST_STEPS * data.timestep / float(np.median(data.spans))))
         if count < FEWEST_INTERVALS:
             return None
         is_fitted = self.timestep is not None and self.is_beyond
         changes = [one for one in self.search.changes if is_fitted or not len(one.sizes)]
-        few = [data.spread(count) for data in self.by_known]
+        few = [replace(data, base=base).spread(count) for data in self.by_known]
         found = [Search(data, changes, most=MOST_NUMBERS).one() for data in few]
         fits = [fit for fit in found if fit is not None and self._integrator(fit.hypothesis)]
         return min(fits, key=lambda fit: (fit.count, fit.left), default=None)
@@ -185,40 +184,23 @@ class Physics:
         if not self.is_beyond:
             if self.by_other_equations:
                 return self._in_words(self.by_other_equations)
-            if self.certain:
-                return self._sentences(self.certain)
-            return lag(self.motion, self.exact, self.timestep)
+            fit = self._within_error(self.intervals.base)
+            return self._sentences(fit) if fit else []
         if self.found is not None:
             return self._in_words(self.found)
         search = self.search
         others = (TIMES, *search.changes)
         if found := varying(self.intervals, others, len(others)):
             return [found.words, *self._unexplained(found.rest)]
-        return lag(self.motion, self.exact, self.timestep) or missing(self.intervals)
+        return missing(self.intervals)
 
-    @cached_property
-    def certain(self) -> Fit | None:
-        """The change, or two, that explain a motion within a method's error nearly to rounding.
-
-        No method's error is that of other equations to so many digits, but along a steady motion:
-        there a method turns the body too fast, or reads another ω, and nothing else.
-        """
+    def _within_error(self, base: Hypothesis) -> Fit | None:
+        """The changes that explain what a hypothesis leaves within a method's error, if any do."""
         if self.intervals is None or self.search is None:
             return None
-        data = self.intervals
-        off = np.sqrt(np.mean(data.apart(data.base.equations).reshape(-1, 2, 3) ** 2, axis=(0, 2)))
-        # Smaller differences need no explanation.
-        if (SAME * off <= np.maximum(self.noise, SAME * FITS)).all():
-            return None
-        nearly = replace(data, method=np.tile(CERTAIN * off, (len(data.spans), 1)))
-        changes = [one for one in self.search.changes if not self._is_of_turning(one)]
-        found = Search(nearly, changes, most=MOST_NUMBERS).one_or_two()
-        return found if found is not None and found.left < 1 else None
-
-    def _is_of_turning(self, change: Change) -> bool:
-        """Whether a change with numbers to fit is of reading ω, or of how the attitude follows."""
-        is_reading = change in (MOMENTUM, *GYROSCOPE) or KINDS[change.kind].is_kinematic
-        return bool(len(change.sizes)) and is_reading
+        # About a steady axis any method turns the body otherwise, or has another ω.
+        changes = [one for one in self.search.changes if not _is_of_turning(one)]
+        return within_error(self.intervals, changes, MOST_NUMBERS, base, self.timestep)
 
     @cached_property
     def found(self) -> Fit | None:
@@ -264,9 +246,17 @@ class Physics:
         return list(clamps(self.scenario, self.motion, self.exact, of_method))
 
     def _in_words(self, found: Fit) -> list[str]:
+        words = self._sentences(found)
         if made := self._integrator(found.hypothesis):
-            return [*self._sentences(found), f"what is left is {made}"]
-        return [*self._sentences(found), *self._unexplained(found.rest)]
+            return [*words, f"what is left is {made}"]
+        if unexplained := self._unexplained(found.rest):
+            return [*words, *unexplained]
+        if len(found.changes) > 1:
+            return words
+        if more := self._by_integrators(found.hypothesis):
+            return [*words, *self._in_words(more)]
+        more = self._within_error(found.hypothesis)
+        return [*words, *(self._sentences(more) if more else [])]
 
     def _sentences(self, found: Fit) -> list[str]:
         """Return each change in words."""
@@ -292,6 +282,12 @@ class Physics:
             return []
         part = float(np.sqrt(np.mean(rest**2) / self.search.unchanged.left))
         return [UNEXPLAINED.format(100 * part)]
+
+
+def _is_of_turning(change: Change) -> bool:
+    """Whether a change with numbers to fit is of a sensor, or of how the attitude follows ω."""
+    is_reading = change in (MOMENTUM, *GYROSCOPE) or KINDS[change.kind].is_kinematic
+    return bool(len(change.sizes)) and is_reading
 
 
 def _named(data: Intervals) -> str:

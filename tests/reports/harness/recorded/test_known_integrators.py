@@ -87,7 +87,7 @@ def test_attitudes_that_lag_are_named_and_not_the_first_of_them(timestep: float 
     found = judged(one.scenario, right | {"q": late(right["q"], 3.0)}, timestep)
     (words,) = found.explained_by
     before, _, after = words.partition(" by ")
-    assert before == "the attitude lags ω"
+    assert before == "the attitude is filtered, which delays it"
     # A filter whose time constant is n samples delays what is slow by 1/(e^(1/n) - 1) of them.
     assert float(after.split()[0]) == pytest.approx(0.02 / (np.exp(1 / 3) - 1), rel=0.05)
 

@@ -17,7 +17,7 @@ ONE = case(151)
 
 def test_an_omega_that_tells_nothing_of_the_body_is_of_no_state() -> None:
     blind = as_it_is(ONE.scenario)._replace(read=np.diag([1.0, 1.0, 0.0]))
-    assert np.isnan(as_it_was(blind, np.ones((2, 7)))[:, 4:]).all()
+    assert np.isnan(as_it_was(blind, np.ones((2, 7)), np.zeros(2))[:, 4:]).all()
 
 
 def test_a_body_has_no_moment_beyond_the_sum_of_the_others() -> None:
@@ -34,10 +34,9 @@ def test_only_a_fitted_tensor_need_be_of_a_body(kind: str) -> None:
     thin = np.diag([1.0, 2.0, 9.0])
     base = as_it_is(ONE.scenario)
     of_it = base.of_tensor(thin) if "box" in kind else base.of(gyroscopic=thin)
-    empty = np.empty(0)
-    fit = Fit((change,), of_it, empty, np.empty((0, 0)), empty, 0)
-    assert not fit.is_possible
-    assert Fit((), of_it, empty, np.empty((0, 0)), empty, 0).is_possible
+    numbers = np.empty(0), np.empty((0, 0)), np.empty(0), 0, np.empty((0, 0))
+    assert not Fit((change,), of_it, *numbers).is_possible
+    assert Fit((), of_it, *numbers).is_possible
 
 
 def test_many_numbers_that_leave_nothing_are_no_explanation() -> None:
@@ -46,13 +45,14 @@ def test_many_numbers_that_leave_nothing_are_no_explanation() -> None:
             return bool(rest.any())
 
     search = Kept(None, (), most=3)
-    of = {
-        n: Fit((), as_it_is(ONE.scenario), *[np.empty(0)] * 2, np.zeros(6), n) for n in (3, 10, 11)
-    }
+
+    def fit(left: float, count: int) -> Fit:
+        none = np.empty(0)
+        return Fit((), as_it_is(ONE.scenario), none, none, np.full(6, left), count, none)
+
     assert MOST_OF_ALL == 10
-    assert [search._is_plain(fit) for fit in of.values()] == [True, True, False]
-    left = Fit((), as_it_is(ONE.scenario), *[np.empty(0)] * 2, np.ones(6), 4)
-    assert not search._is_plain(left)
+    assert [search._is_plain(fit(0.0, n)) for n in (3, 10, 11)] == [True, True, False]
+    assert not search._is_plain(fit(1.0, 4))
     assert Kept(None, ()).most is None
 
 

@@ -1,0 +1,261 @@
+"""Faults that are as small as a method's error, or hidden by noise, are named all the same.
+
+They are those of an outsider's logs, exporters and engines, made here with nothing of what explains
+them.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from case_loops import each_case
+from planted_motions import Case, case, exactly, product, rates_of
+from reported_faults import WHEEL, Arrays, euler, named, recorded, turning
+from scipy.interpolate import interp1d
+from scipy.spatial.transform import Rotation
+from spincheck.reference.other_equations import equations_of
+from spincheck.reports.harness.recorded.judged import judged_motion
+from spincheck.reports.harness.recorded.recording import Recording
+from spincheck.scenarios import Scenario, from_tables
+
+pytestmark = pytest.mark.slow
+
+FREE, HEAVY = case(324, samples=101), case(322, is_pivoted=True, duration=2.0)
+#: Standard deviations of a measured attitude, rad, and ω, rad/s.
+NOISE = 1e-3, 5e-3
+NOISY = {"noise_attitude": repr(NOISE[0]), "noise_omega": repr(NOISE[1])}
+
+
+@dataclass(frozen=True, eq=False)
+class Hidden:
+    """A recording with a fault, what is stated of it, and how each sentence on it begins."""
+
+    scene: Scenario
+    arrays: Callable[[], Arrays]
+    said: tuple[str, ...]
+    stated: dict[str, str] = field(default_factory=dict)
+    order: int = 1
+
+
+def right(one: Case) -> Arrays:
+    return exactly(one, rates_of(one))
+
+
+def rounded(arrays: Arrays) -> Arrays:
+    return {name: one.round(6) for name, one in arrays.items()}
+
+
+def noisy(arrays: Arrays) -> Arrays:
+    chance = np.random.default_rng(7)
+    count = len(arrays["t"])
+    turned = Rotation.from_rotvec(chance.normal(0, NOISE[0], (count, 3)))
+    q = (Rotation.from_quat(arrays["q"], scalar_first=True) * turned).as_quat(scalar_first=True)
+    return arrays | {"q": q, "omega": arrays["omega"] + chance.normal(0, NOISE[1], (count, 3))}
+
+
+def dry_friction() -> Arrays:
+    return rounded(exactly(HEAVY, rates_of(HEAVY, torque=lambda _: np.array([0, 0, -0.02]))))
+
+
+def game_engine() -> Arrays:
+    """Semi-implicit Euler, damped by 0.05 /s and without the gyroscopic term."""
+    inertia, h = FREE.inertia, float(FREE.scenario.times[1])
+    rates = rates_of(FREE, gyroscopic=0 * inertia, torque=lambda w: -0.05 * inertia @ w)
+    q, omega = FREE.scenario.start.q_world_body_wxyz, FREE.scenario.start.omega_body
+    rows = []
+    for _ in FREE.scenario.times:
+        rows.append((q, omega))
+        omega = omega + h * rates(q, omega)[1]
+        turn = Rotation.from_rotvec(h * omega)
+        q = (Rotation.from_quat(q, scalar_first=True) * turn).as_quat(scalar_first=True)
+    qs, omegas = (np.array(column) for column in zip(*rows, strict=True))
+    return {"t": FREE.scenario.times.copy(), "q": qs, "omega": omegas}
+
+
+def by_one_stage() -> Arrays:
+    """ω by many steps, and an attitude by explicit Euler."""
+    arrays = right(FREE)
+    q, h, rows = arrays["q"][0], float(arrays["t"][1]), [arrays["q"][0]]
+    for omega in arrays["omega"][:-1]:
+        q = q + h / 2 * product(q, np.array([0, *omega]))
+        q = q / np.linalg.norm(q)
+        rows.append(q)
+    return arrays | {"q": np.array(rows)}
+
+
+def smoothed() -> Arrays:
+    """Each attitude goes a third of the way from the one before to the body's."""
+    arrays = right(FREE)
+    turns = Rotation.from_quat(arrays["q"], scalar_first=True)
+    rows = [turns[0]]
+    for one in turns[1:]:
+        rows.append(rows[-1] * Rotation.from_rotvec((rows[-1].inv() * one).as_rotvec() / 3))
+    return arrays | {"q": Rotation.concatenate(rows).as_quat(scalar_first=True)}
+
+
+def between_keys() -> Arrays:
+    """Straight lines between every fourth attitude."""
+    arrays = right(FREE)
+    q = (
+        arrays["q"]
+        * np.sign(np.cumprod([1, *np.sum(arrays["q"][1:] * arrays["q"][:-1], axis=1)]))[:, None]
+    )
+    made = interp1d(arrays["t"][::4], q[::4], axis=0)(arrays["t"])
+    return arrays | {"q": made / np.linalg.norm(made, axis=1)[:, None]}
+
+
+def three_of_ten_bits() -> Arrays:
+    """The three smaller components are rounded, and the largest follows from them."""
+    arrays, unit = right(FREE), np.sqrt(2) / 1023
+    q = arrays["q"].copy()
+    for row in q:
+        k = int(np.abs(row).argmax())
+        others = np.arange(4) != k
+        row[others] = np.rint(row[others] / unit) * unit
+        row[k] = np.sign(row[k]) * np.sqrt(1 - np.sum(row[others] ** 2))
+    return arrays | {"q": q}
+
+
+def clock_set() -> Arrays:
+    arrays = right(FREE)
+    return arrays | {"t": arrays["t"] + 0.3 * (np.arange(len(arrays["t"])) > 60)}
+
+
+def filled() -> Arrays:
+    """Two gaps of a measured motion, filled by lines."""
+    arrays = rounded(noisy(right(FREE)))
+    for a, b in (20, 28), (61, 66):
+        part = np.linspace(0, 1, b - a + 1)[:, None]
+        for name in "q", "omega":
+            arrays[name][a : b + 1] = (1 - part) * arrays[name][a] + part * arrays[name][b]
+    return arrays
+
+
+def drifting() -> Arrays:
+    arrays = noisy(right(FREE))
+    return arrays | {"omega": arrays["omega"] + np.outer(arrays["t"], [0, 0, 0.02])}
+
+
+def of_turned_markers() -> Arrays:
+    arrays = noisy(right(FREE))
+    turn = Rotation.from_euler("x", 3, degrees=True)
+    q = (Rotation.from_quat(arrays["q"], scalar_first=True) * turn).as_quat(scalar_first=True)
+    return arrays | {"q": q}
+
+
+def late_attitudes() -> Arrays:
+    """Attitudes of 0.05 s before."""
+    document = HEAVY.scenario.document.model_dump(mode="json", exclude_none=True)
+    window = {"duration": 2.0, "samples": 801}
+    fine = right(replace(HEAVY, scenario=from_tables(document | {"window": window}, "fine")))
+    at = np.arange(20, 801, 4)
+    return noisy({"t": fine["t"][at], "q": fine["q"][at - 20], "omega": fine["omega"][at]})
+
+
+def slower_wheels() -> Arrays:
+    e = equations_of(WHEEL)
+    inertia, h = np.array(e.inertia), 0.9 * np.array(e.kept)
+    rates = euler(inertia, lambda R, omega: np.cross(h, R.T @ omega))
+    return noisy(recorded(*turning(WHEEL, rates)))
+
+
+def transposed() -> Arrays:
+    """ω = Rᵀ I⁻¹ R L, of an L that is kept."""
+    R = Rotation.from_quat(np.array(FREE.scenario.start.q_world_body_wxyz), scalar_first=True)
+    inertia, h, rows = FREE.inertia, 1e-3, []
+    L = (
+        R.as_matrix().T
+        @ inertia
+        @ R.as_matrix()
+        @ R.apply(np.array(FREE.scenario.start.omega_body))
+    )
+
+    def omega_world(R: Rotation) -> np.ndarray:
+        M = R.as_matrix()
+        return np.asarray(M.T @ np.linalg.solve(inertia, M @ L))
+
+    for step in range(round(FREE.scenario.times[-1] / h) + 1):
+        omega = omega_world(R)
+        if step % 40 == 0:
+            rows.append((R.as_quat(scalar_first=True), R.inv().apply(omega)))
+        half = Rotation.from_rotvec(h / 2 * omega) * R
+        R = Rotation.from_rotvec(h * omega_world(half)) * R
+    qs, omegas = (np.array(column) for column in zip(*rows, strict=True))
+    return {"t": FREE.scenario.times.copy(), "q": qs, "omega": omegas}
+
+
+HIDDEN = {
+    "dry friction": Hidden(HEAVY.scenario, dry_friction, ("it moves as if a torque of [",)),
+    "no gyroscopic torque, and damping": Hidden(
+        FREE.scenario,
+        game_engine,
+        (
+            "it moves as if there were no gyroscopic torque",
+            "it moves as if L were slowed by 0.05 /s",
+            "what is left is what semi-implicit Euler with the rotation vector ω h at 0.04 s",
+        ),
+        {"timestep": "0.04"},
+    ),
+    "an attitude by explicit Euler": Hidden(
+        FREE.scenario,
+        by_one_stage,
+        ("what RK4 for ω, and explicit Euler for the attitude, at 0.04 s makes",),
+        {"timestep": "0.04"},
+        4,
+    ),
+    "a smoothed attitude": Hidden(
+        FREE.scenario, smoothed, ("the attitude is filtered, which delays it by 0.08 s",)
+    ),
+    "attitudes between keys": Hidden(
+        FREE.scenario,
+        between_keys,
+        ("the attitude is interpolated: it is new at one sample in 4 only",),
+    ),
+    "quaternions of ten bits": Hidden(
+        FREE.scenario,
+        three_of_ten_bits,
+        ("the three smaller components of quaternions are rounded to 0.001382",),
+    ),
+    "a clock that is set": Hidden(
+        FREE.scenario,
+        clock_set,
+        ("from t = 2.4 s to 2.74 s the motion goes on by 0.04 s, and the times by 0.34 s",),
+    ),
+    "gaps that are filled": Hidden(
+        FREE.scenario,
+        filled,
+        ("ω is on a straight line from the sample before to the one after at 11 samples",),
+    ),
+    "a bias that drifts": Hidden(
+        FREE.scenario, drifting, ("the gyroscope's bias drifts by [",), NOISY
+    ),
+    "markers that are turned": Hidden(
+        FREE.scenario,
+        of_turned_markers,
+        ("the attitude is that of axes that are turned in the body by [",),
+        NOISY,
+    ),
+    "attitudes that are late": Hidden(
+        HEAVY.scenario, late_attitudes, ("the attitude is that of 0.04997",), NOISY
+    ),
+    "wheels that are slower": Hidden(
+        WHEEL, slower_wheels, ("it moves as if the rotors had 0.9",), NOISY
+    ),
+    "a tensor turned the wrong way": Hidden(
+        FREE.scenario,
+        transposed,
+        ("it moves as if ω were Rᵀ I⁻¹ R L along world axes, for R I⁻¹ Rᵀ L",),
+        {"timestep": "0.001"},
+        2,
+    ),
+}
+
+
+@each_case("one", HIDDEN)
+def test_a_hidden_fault_is_named(one: Hidden) -> None:
+    recording = Recording(Path("motion.csv"), one.arrays(), one.stated)
+    said = named(judged_motion(one.scene, recording, one.order))
+    assert len(said) == len(one.said), said
+    assert all(words.startswith(begin) for words, begin in zip(said, one.said, strict=True)), said
