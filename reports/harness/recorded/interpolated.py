@@ -15,8 +15,8 @@ def interpolated(numbers: Numbers) -> Shown | None:
     if numbers.omega is None or len(numbers.t) < FEWEST:
         return None
     t, omega = numbers.t, numbers.omega
-    if held := _held(numbers, omega):
-        return held
+    if hold := _zero_order_hold(numbers, omega):
+        return hold
     every = _lines(t, omega, numbers.omega_exact, 2 * numbers.resolution_omega)
     lengths = np.unique([b - a for a, b in every])
     if len(every) >= FEWEST and len(lengths) == 1:
@@ -36,7 +36,7 @@ def interpolated(numbers: Numbers) -> Shown | None:
     )
 
 
-def _held(numbers: Numbers, omega: FloatArray) -> Shown | None:
+def _zero_order_hold(numbers: Numbers, omega: FloatArray) -> Shown | None:
     changes = norms(np.diff(omega, axis=0))
     least = CHANGES * numbers.resolution_omega
     new = np.flatnonzero(changes > least)

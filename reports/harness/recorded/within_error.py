@@ -1,7 +1,7 @@
 """Changes that explain what is left of a motion though a method's error may be as large.
 
 No method's error is that of other equations to two digits, but for what every method makes of some
-motions, such as another coefficient of linear drag. So the errors of known integrators must not be
+motions, such as another rate at which ω decays. So the errors of known integrators must not be
 explained by the same changes.
 """
 

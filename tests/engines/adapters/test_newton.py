@@ -1,7 +1,7 @@
 """What is Newton's and MuJoCo Warp's alone; each skipped if not installed.
 
 Newton's solvers, recorded steps and defaults; first steps and restarts of both. Faults are planted
-in their models in `test_rotors`.
+in their models in `test_rotors_of_engines`.
 """
 
 from collections.abc import Sequence
