@@ -142,9 +142,12 @@ class Physics:
         if not self.by_known:
             return ""
         left = [_mean_square(data.off(hypothesis)) for data in self.by_known]
-        best, exactly = self.by_known[int(np.argmin(left))], self._exactly(hypothesis)
-        is_it = exactly > 1 and min(left) <= max(1.0, SAME**2 * exactly)
-        return _named(best) if is_it else ""
+        exactly = self._exactly(hypothesis)
+        if exactly <= 1 or min(left) > max(1.0, SAME**2 * exactly):
+            return ""
+        # Of those that leave rounding alone the first is named, else the one that leaves least.
+        best = next((k for k, one in enumerate(left) if one <= 1), int(np.argmin(left)))
+        return _named(self.by_known[best])
 
     def _exactly(self, hypothesis: Hypothesis) -> float:
         """The mean square of what a hypothesis leaves if no integrator is in it, in noise."""
