@@ -12,8 +12,8 @@ from ....scenarios.rotation import rotation_vectors
 from ..explaining.fit import Data, Fit, Trial
 from ..explaining.hypothesis import Hypothesis
 from ..explaining.search import LEFT, Search
-from .gyroscope import GYROSCOPE, as_it_was
 from .intervals import Intervals
+from .sensors import SENSORS, as_it_was
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,11 +41,11 @@ def after_gyroscope(data: Intervals, search: Search) -> Fit | None:
     """
     turns = Turns(data.base, data)
     usual = Trial(turns, ()).fit().left
-    fits = [Trial(turns, (one,)).fit() for one in GYROSCOPE]
+    fits = [Trial(turns, (one,)).fit() for one in SENSORS]
     first = min(fits, key=lambda fit: fit.left)
     if not first.left < LEFT**2 * usual:
         return None
-    of_equations = [one for one in search.changes if one not in GYROSCOPE]
+    of_equations = [one for one in search.changes if one not in SENSORS]
     corrected = replace(data, base=first.hypothesis)
     others = Search(corrected, of_equations, most=search.most).one_or_two()
     if others is None:

@@ -14,7 +14,7 @@ from ....scenarios import FloatArray, Scenario, Trajectory
 from ....scenarios.rotation import norms, rotation_vectors
 from ..explaining.fit import Data
 from ..explaining.hypothesis import Hypothesis, as_it_is
-from .gyroscope import as_it_was, as_read
+from .sensors import as_it_was, as_read
 
 #: Largest turn between two samples, rad, and least number of intervals.
 NEAR, FEWEST_INTERVALS = 0.7, 4

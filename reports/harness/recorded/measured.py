@@ -20,8 +20,8 @@ from ..explaining.effect_changes import com, of_momentum, resistance
 from ..explaining.fit import Data, Fit, Trial
 from ..explaining.hypothesis import Change, Hypothesis, as_it_is
 from ..explaining.search import LEFT, LEVEL, Search
-from .gyroscope import GYROSCOPE, as_read, of_gyroscope
 from .intervals import apart, states_of
+from .sensors import SENSORS, as_read, of_sensor
 
 #: Turn of the body, rad, in the samples that are fitted first, and their least number; then twice
 #: as many are fitted, until it is all.
@@ -178,7 +178,7 @@ class Measured:
         candidates = [START, self.tensor, *resistance(self.scenario, equations)]
         candidates += [*com(self.scenario, equations), *of_momentum(equations)]
         if self.given.has_omega:
-            candidates += GYROSCOPE
+            candidates += SENSORS
         return Search(self.given, candidates)
 
     @cached_property
@@ -206,7 +206,7 @@ class Measured:
         left out.
         """
         fits = []
-        for other in GYROSCOPE:
+        for other in SENSORS:
             if other not in self.found.changes:
                 changes = (other if one is change else one for one in self.found.changes)
                 fit = Trial(self.given, tuple(changes)).fit(self.found)
@@ -346,12 +346,12 @@ class Measured:
     def _in_words(self, change: Change) -> str:
         rows = self.fit.rows(change)
         numbers, errors = self.fit.numbers[rows], self.fit.errors[rows] * self.inflation
-        if change in GYROSCOPE:
+        if change in SENSORS:
             others = (
-                f", or {self._of_gyroscope(other, fit)} ({likely:.2g} times as likely)"
+                f", or {self._of_sensor(other, fit)} ({likely:.2g} times as likely)"
                 for likely, other, fit in self.alternatives(change)
             )
-            return self._of_gyroscope(change, self.fit) + "".join(others)
+            return self._of_sensor(change, self.fit) + "".join(others)
         if change is START:
             return started_elsewhere(self.log.t[0], norms(numbers.reshape(2, 3)))
         if change is self.axes:
@@ -370,11 +370,11 @@ class Measured:
         errors = np.sqrt(np.diag(covariance)) * self.inflation
         return np.asarray(entries(fit.numbers[rows])), errors
 
-    def _of_gyroscope(self, change: Change, fit: Fit) -> str:
+    def _of_sensor(self, change: Change, fit: Fit) -> str:
         """Return a mistake of a gyroscope in words, with its numbers in a fit."""
         rows = fit.rows(change)
         numbers, errors = fit.numbers[rows], fit.errors[rows] * self.inflation
-        return of_gyroscope(change, numbers, lambda n, unit: _plus_minus(n, unit * errors))
+        return of_sensor(change, numbers, lambda n, unit: _plus_minus(n, unit * errors))
 
 
 def started_elsewhere(at: float, off: Sequence[float] | FloatArray) -> str:

@@ -20,11 +20,11 @@ from ..explaining.fit import Fit
 from ..explaining.hypothesis import Change, Hypothesis, as_it_is
 from ..explaining.search import SAME, Search
 from .clamps import clamps
-from .gyroscope import GYROSCOPE, MOMENTUM, of_gyroscope
 from .gyroscope_first import after_gyroscope
 from .intervals import FEWEST_INTERVALS, Intervals, intervals_of
 from .missing import KINEMATICS, missing
 from .recording import MULTIPLE
+from .sensors import MOMENTUM, SENSORS, of_sensor
 from .varying import varying
 from .within_error import FEW, MOST_STEPS, within_error
 
@@ -109,7 +109,7 @@ class Physics:
         data = self.intervals
         scene = self.scenario, as_it_is(self.scenario).equations
         of_motion = IN_WORLD, *changes(self.scenario), *OTHER_SIGNS, *LOCKED
-        every = *of_motion, *of_rotors(*scene), *of_attitude(*scene), MOMENTUM, *GYROSCOPE
+        every = *of_motion, *of_rotors(*scene), *of_attitude(*scene), MOMENTUM, *SENSORS
         return None if data is None else Search(data, every, most=MOST_NUMBERS)
 
     @property
@@ -237,7 +237,7 @@ class Physics:
     def is_of_reading(self) -> bool:
         """Whether what explains the motion is how ω was read, or how the attitude follows it."""
         changes = self.found.changes if self.found else ()
-        readings = MOMENTUM, *GYROSCOPE
+        readings = MOMENTUM, *SENSORS
         return bool(changes) and all(
             one in readings or KINDS[one.kind].is_kinematic for one in changes
         )
@@ -265,9 +265,9 @@ class Physics:
         """Return each change in words."""
         sentences = []
         for change in found.changes:
-            if change in (MOMENTUM, *GYROSCOPE):
+            if change in (MOMENTUM, *SENSORS):
                 numbers = found.numbers_of(change)
-                sentences.append(of_gyroscope(change, numbers, _without_errors))
+                sentences.append(of_sensor(change, numbers, _without_errors))
                 continue
             before = f"{KINEMATICS}: " if KINDS[change.kind].is_kinematic else "it moves as if "
             words = found.explanation(change).words
@@ -289,7 +289,7 @@ class Physics:
 
 def _is_of_turning(change: Change) -> bool:
     """Whether a change with numbers to fit is of a sensor, or of how the attitude follows ω."""
-    is_reading = change in (MOMENTUM, *GYROSCOPE) or KINDS[change.kind].is_kinematic
+    is_reading = change in (MOMENTUM, *SENSORS) or KINDS[change.kind].is_kinematic
     return bool(len(change.sizes)) and is_reading
 
 

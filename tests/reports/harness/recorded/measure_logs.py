@@ -13,7 +13,7 @@ import numpy as np
 from planted_motions import Case, exactly, rates_of
 from scipy.spatial.transform import Rotation
 from spincheck.reports.harness.recorded.judged import judged_motion
-from spincheck.reports.harness.recorded.measured import GYROSCOPE, Measured
+from spincheck.reports.harness.recorded.measured import SENSORS, Measured
 from spincheck.reports.harness.recorded.recording import Recording
 from spincheck.scenarios import Scenario, from_tables
 
@@ -109,7 +109,7 @@ def deviations(k: int) -> tuple[str, dict[str, np.ndarray], bool]:
     entries, errors = fit.tensor_entries()
     z, found, names = {"tensor": (entries - tensor) / errors}, fit.fit, []
     for change in found.changes:
-        others = fit.alternatives(change) if change in GYROSCOPE else []
+        others = fit.alternatives(change) if change in SENSORS else []
         names.append(" or ".join([change.kind, *(other.kind for _, other, _ in others)]))
         # What is named as well is not named wrongly.
         found = next((instead for _, other, instead in others if other.kind == "bias"), found)

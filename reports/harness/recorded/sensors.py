@@ -19,7 +19,7 @@ MOMENTUM = Change(
     lambda h, _: h._replace(read=h.equations.inertia, bias=h.equations.kept),
     np.empty(0),
 )
-GYROSCOPE = (
+SENSORS = (
     Change("bias", lambda h, n: h._replace(bias=n), np.ones(3)),
     Change("scale", lambda h, n: h._replace(read=h.read @ np.diag(1 + n)), np.ones(3)),
     Change(
@@ -58,7 +58,7 @@ AHEAD = {
 }
 
 
-def of_gyroscope(
+def of_sensor(
     change: Change, numbers: FloatArray, in_words: Callable[[FloatArray, float], str]
 ) -> str:
     """Return a mistake in words.
