@@ -97,7 +97,7 @@ def explained(
         has = {"is_stated": is_stated, "has_omega": has_omega}
         fit = Measured(scenario, log_of(scenario, motion, exact, noise, **has))
         physics = replace(physics, noise=np.sqrt(2) * noise)
-        if fit.is_far and (words := since_when(scenario, motion, exact, noise, **has)):
+        if fit.is_far and (words := since_when(fit, motion, exact)):
             return Explanation(tuple(words), fit.verdict, is_beyond=True, measured=fit)
         # What a solver leaves is like noise, and its method has errors besides.
         if is_stated or physics.is_beyond or not fit.is_beyond:
@@ -226,7 +226,7 @@ def _of_lower_order(physics: Physics) -> list[str]:
 
 def _of_readings(physics: Physics) -> list[str]:
     """Return what was made of ω, or of the attitude, if no simpler mistake explains the motion."""
-    if words := attitude_read(physics.motion, physics.exact, physics.timestep):
+    if words := attitude_read(physics.motion, physics.exact):
         return words
     is_asked = physics.is_beyond or is_omega_off(physics.motion, physics.exact)
     return omega_read(physics, is_explained=physics.is_of_reading) if is_asked else []

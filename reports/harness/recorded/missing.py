@@ -11,10 +11,6 @@ from .mistakes import FITS
 
 #: Digits of what is missing, and of axes: a mean over a span is known to few.
 DIGITS, OF_AXES = 3, 2
-#: Part of a lag that may be more than a delay: a filter makes attitudes smoother, too.
-NEARLY = 0.3
-#: Least lag, in timesteps.
-STEPS = 2
 KINEMATICS = "ω obeys Euler's equations, but the attitude does not follow ω"
 DYNAMICS = "the attitude follows ω, but ω does not obey Euler's equations"
 
@@ -39,36 +35,10 @@ def is_attitude_off(motion: Trajectory, exact: Trajectory) -> bool:
     return bool(norms(faster).max() < LEFT**2 * turned_off(motion, exact) * fastest.max())
 
 
-def lag(motion: Trajectory, exact: Trajectory, timestep: float | None) -> list[str]:
-    """Return in words by how much the attitude lags an ω that is right; nothing if it does not.
-
-    Parameters
-    ----------
-    timestep : the timestep that the motion was made with, s; None if unknown
-    """
-    if not is_attitude_off(motion, exact):
-        return []
-    off, omega = _turned_off(motion, exact), exact.omega_body
-    # A filter delays what it is given after its own beginning.
-    third, fourth = np.array_split(np.arange(len(off)), 4)[2:]
-    late, later = (
-        float(np.sum(off[k] * omega[k]) / np.sum(omega[k] ** 2)) for k in (third, fourth)
-    )
-    left = off[fourth] - later * omega[fourth]
-    is_delay = abs(later - late) < LEFT * abs(later)
-    is_delay &= bool(np.sum(left**2) < NEARLY**2 * np.sum(off[fourth] ** 2))
-    is_right_at_first = norms(off[:1])[0] < LEFT * norms(off).max()
-    step = timestep or float(np.median(np.diff(motion.t)))
-    # A method may be half a step early or late.
-    if abs(later) < STEPS * step or not is_delay or not is_right_at_first:
-        return []
-    how = "lags" if later > 0 else "is ahead of"
-    return [f"the attitude {how} ω by {abs(later):.3g} s, as through a filter"]
-
-
 def turned_off(motion: Trajectory, exact: Trajectory) -> float:
     """Return the largest turn between the attitudes of two motions, rad."""
-    return float(norms(_turned_off(motion, exact)).max())
+    off = rotation_vectors(motion.q_world_body_wxyz, exact.q_world_body_wxyz)
+    return float(norms(off).max())
 
 
 def is_omega_off(motion: Trajectory, exact: Trajectory) -> bool:
@@ -76,11 +46,6 @@ def is_omega_off(motion: Trajectory, exact: Trajectory) -> bool:
     faster, fastest = motion.omega_body - exact.omega_body, norms(exact.omega_body)
     off, speed = norms(faster).max(), fastest.max()
     return bool(max(turned_off(motion, exact) / SAME, FITS) * speed < off)
-
-
-def _turned_off(motion: Trajectory, exact: Trajectory) -> FloatArray:
-    """The turn from each recorded attitude to the exact one, rad, body axes, (n, 3)."""
-    return rotation_vectors(motion.q_world_body_wxyz, exact.q_world_body_wxyz)
 
 
 def _torque(data: Intervals) -> str:

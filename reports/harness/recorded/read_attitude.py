@@ -13,7 +13,7 @@ from ....scenarios import FloatArray, Trajectory
 from ....scenarios.rotation import norms, rotation_vectors
 from ..explaining.search import LEFT, SAME
 from .clamps import TINY
-from .missing import is_attitude_off, lag, turned_off
+from .missing import is_attitude_off, turned_off
 
 #: Least number of samples that show what was made of the attitude.
 FEWEST = 8
@@ -21,13 +21,8 @@ FEWEST = 8
 MOST_BETWEEN = 60
 
 
-def attitude_read(motion: Trajectory, exact: Trajectory, timestep: float | None) -> list[str]:
-    """Return what was made of the attitude, in words; nothing if ω is not that of the exact motion.
-
-    Parameters
-    ----------
-    timestep : the timestep that the motion was made with, s; None if unknown
-    """
+def attitude_read(motion: Trajectory, exact: Trajectory) -> list[str]:
+    """Return what was made of the attitude, in words; nothing if ω is not the exact motion's."""
     if len(motion.t) < FEWEST or not is_attitude_off(motion, exact):
         return []
     q, q_exact = motion.q_world_body_wxyz, exact.q_world_body_wxyz
@@ -35,7 +30,7 @@ def attitude_read(motion: Trajectory, exact: Trajectory, timestep: float | None)
     for words, made in _made(motion.t, q, q_exact):
         if norms(rotation_vectors(q[1:], made[1:])).max() < most:
             return [words]
-    return lag(motion, exact, timestep)
+    return []
 
 
 def _made(t: FloatArray, q: FloatArray, q_exact: FloatArray) -> Iterator[tuple[str, FloatArray]]:

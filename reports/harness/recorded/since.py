@@ -5,37 +5,30 @@ So it is where a boom unfolds, something strikes the body, or a sensor is knocke
 
 import numpy as np
 
-from ....scenarios import FloatArray, Scenario, Trajectory
+from ....scenarios import Trajectory
 from ....scenarios.rotation import norms
 from .intervals import gained
 from .measured import FEWEST, START, Measured, log_of
 
 
-def since_when(
-    scenario: Scenario,
-    motion: Trajectory,
-    exact: Trajectory,
-    noise: FloatArray,
-    *,
-    is_stated: bool,
-    has_omega: bool,
-) -> list[str]:
+def since_when(fit: Measured, motion: Trajectory, exact: Trajectory) -> list[str]:
     """Return in words when a motion with noise becomes another one, and which; nothing if not so.
 
     Parameters
     ----------
+    fit : of all samples
     motion, exact : the recorded and the exact motion
-    noise, is_stated, has_omega : as in `Log`
     """
+    scenario, log = fit.scenario, fit.given
     off = gained(scenario, motion).reshape(-1, 2, 3)
-    last = int(np.argmax(np.sum((off / noise[:, None]) ** 2, axis=(1, 2))))
+    last = int(np.argmax(np.sum((off / log.noise[:, None]) ** 2, axis=(1, 2))))
     count = len(motion.t)
     if min(last + 1, count - last - 1) < FEWEST:
         return []
 
     def part(of: Trajectory, start: Trajectory) -> Measured:
-        log = log_of(scenario, of, start, noise, is_stated=is_stated, has_omega=has_omega)
-        return Measured(scenario, log)
+        has = {"is_stated": log.is_stated, "has_omega": log.has_omega}
+        return Measured(scenario, log_of(scenario, of, start, log.noise, **has))
 
     before = part(motion.until(last + 1), exact)
     if before.is_beyond or before.explained():

@@ -4,6 +4,7 @@ They are those of an outsider's logs, exporters and engines, made here with noth
 them.
 """
 
+import re
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -16,27 +17,50 @@ from reported_faults import WHEEL, Arrays, euler, named, recorded, turning
 from scipy.interpolate import interp1d
 from scipy.spatial.transform import Rotation
 from spincheck.reference.other_equations import equations_of
-from spincheck.reports.harness.recorded.judged import judged_motion
+from spincheck.reports.harness.recorded.judged import exact_at, judged_motion
+from spincheck.reports.harness.recorded.measured import Measured, log_of
+from spincheck.reports.harness.recorded.motion import reading_of, recorded_motion
 from spincheck.reports.harness.recorded.recording import Recording
+from spincheck.reports.harness.recorded.since import since_when
 from spincheck.scenarios import Scenario, from_tables
 
 pytestmark = pytest.mark.slow
 
+
+def symmetric() -> Case:
+    """A body with two equal moments, along its axes."""
+    one, inertia = case(324, samples=101), np.diag([2.0, 2.0, 1.0])
+    document = one.scenario.document.model_dump(mode="json", exclude_none=True)
+    document["body"]["inertia"] = [2.0, 2.0, 1.0]
+    return replace(one, scenario=from_tables(document, "symmetric"), inertia=inertia)
+
+
 FREE, HEAVY = case(324, samples=101), case(322, is_pivoted=True, duration=2.0)
+TOP, SPINNING = case(323, is_pivoted=True, duration=2.0), symmetric()
 #: Standard deviations of a measured attitude, rad, and ω, rad/s.
 NOISE = 1e-3, 5e-3
+#: A number, with ± before it where it is a standard error.
+NUMBER = r"±? ?-?\d+\.?\d*(?:e[-+]?\d+)?"
 NOISY = {"noise_attitude": repr(NOISE[0]), "noise_omega": repr(NOISE[1])}
 
 
 @dataclass(frozen=True, eq=False)
 class Hidden:
-    """A recording with a fault, what is stated of it, and how each sentence on it begins."""
+    """A recording with a fault, what is stated of it, and how each sentence on it begins.
+
+    Attributes
+    ----------
+    numbers : the first in the first sentence after its beginning
+    to : how far off they may be; a fiftieth of the largest if 0
+    """
 
     scene: Scenario
     arrays: Callable[[], Arrays]
     said: tuple[str, ...]
     stated: dict[str, str] = field(default_factory=dict)
     order: int = 1
+    numbers: tuple[float, ...] = ()
+    to: float = 0.0
 
 
 def right(one: Case) -> Arrays:
@@ -161,6 +185,50 @@ def slower_wheels() -> Arrays:
     return noisy(recorded(*turning(WHEEL, rates)))
 
 
+def knocked(inertia: np.ndarray) -> Arrays:
+    """The motion, but from 2 s on with another ω, of a body with this tensor."""
+    arrays, at = right(FREE), 50
+    start = {
+        "quaternion_wxyz": arrays["q"][at].tolist(),
+        "omega_body": (arrays["omega"][at] + [0.3, -0.2, 0.25]).tolist(),
+    }
+    document = FREE.scenario.document.model_dump(mode="json", exclude_none=True)
+    window = {"duration": 4.0 - float(arrays["t"][at]), "samples": 101 - at}
+    later = replace(
+        FREE, scenario=from_tables(document | {"start": start, "window": window}, "later")
+    )
+    after = exactly(later, rates_of(later, inertia=inertia))
+    joined = {n: np.concatenate([arrays[n][:at], after[n]]) for n in ("q", "omega")}
+    return noisy({"t": arrays["t"], **joined})
+
+
+def by_a_wrong_stage() -> Arrays:
+    """RK4 whose last stage is at half of the step."""
+    rates, h, start = rates_of(TOP), float(TOP.scenario.times[1]), TOP.scenario.start
+
+    def slope(y: np.ndarray) -> np.ndarray:
+        return np.concatenate(rates(y[:4], y[4:]))
+
+    rows = [np.concatenate([start.q_world_body_wxyz, start.omega_body])]
+    for _ in TOP.scenario.times[1:]:
+        y = rows[-1]
+        k = [slope(y)]
+        for _ in range(3):
+            k.append(slope(y + h / 2 * k[-1]))
+        y = y + h / 6 * (k[0] + 2 * k[1] + 2 * k[2] + k[3])
+        y[:4] /= np.linalg.norm(y[:4])
+        rows.append(y)
+    table = np.array(rows)
+    return {"t": TOP.scenario.times.copy(), "q": table[:, :4], "omega": table[:, 4:]}
+
+
+def exchanged() -> Arrays:
+    """A body that keeps its spin, in axes of which two are exchanged, of every vector."""
+    arrays, order = right(SPINNING), [0, 2, 1]
+    q = np.hstack([arrays["q"][:, :1], -arrays["q"][:, 1:][:, order]])
+    return arrays | {"q": q, "omega": arrays["omega"][:, order]}
+
+
 def transposed() -> Arrays:
     """ω = Rᵀ I⁻¹ R L, of an L that is kept."""
     R = Rotation.from_quat(np.array(FREE.scenario.start.q_world_body_wxyz), scalar_first=True)
@@ -187,7 +255,12 @@ def transposed() -> Arrays:
 
 
 HIDDEN = {
-    "dry friction": Hidden(HEAVY.scenario, dry_friction, ("it moves as if a torque of [",)),
+    "dry friction": Hidden(
+        HEAVY.scenario,
+        dry_friction,
+        ("it moves as if a torque of [",),
+        numbers=(0.0, 0.0, -0.02),
+    ),
     "no gyroscopic torque, and damping": Hidden(
         FREE.scenario,
         game_engine,
@@ -229,19 +302,34 @@ HIDDEN = {
         ("ω is on a straight line from the sample before to the one after at 11 samples",),
     ),
     "a bias that drifts": Hidden(
-        FREE.scenario, drifting, ("the gyroscope's bias drifts by [",), NOISY
+        FREE.scenario,
+        drifting,
+        ("the gyroscope's bias drifts by [",),
+        NOISY,
+        numbers=(0.0, 0.0, 0.02),
+        # Four standard errors of the slope of so many samples in 4 s.
+        to=4 * NOISE[1] * np.sqrt(12 / 101) / 4.0,
     ),
     "markers that are turned": Hidden(
         FREE.scenario,
         of_turned_markers,
         ("the attitude is that of axes that are turned in the body by [",),
         NOISY,
+        numbers=(3.0, 0.0, 0.0),
+    ),
+    "RK4 with a wrong stage": Hidden(
+        TOP.scenario, by_a_wrong_stage, ("its method may be of order ",), {"timestep": "0.01"}, 4
+    ),
+    "axes exchanged, and ω like any vector": Hidden(
+        SPINNING.scenario,
+        exchanged,
+        ("its axes are left-handed, with y and z exchanged", "ω has the opposite sign"),
     ),
     "attitudes that are late": Hidden(
-        HEAVY.scenario, late_attitudes, ("the attitude is that of 0.04997",), NOISY
+        HEAVY.scenario, late_attitudes, ("the attitude is that of ",), NOISY, numbers=(0.05,)
     ),
     "wheels that are slower": Hidden(
-        WHEEL, slower_wheels, ("it moves as if the rotors had 0.9",), NOISY
+        WHEEL, slower_wheels, ("it moves as if the rotors had ",), NOISY, numbers=(0.9,)
     ),
     "a tensor turned the wrong way": Hidden(
         FREE.scenario,
@@ -259,3 +347,28 @@ def test_a_hidden_fault_is_named(one: Hidden) -> None:
     said = named(judged_motion(one.scene, recording, one.order))
     assert len(said) == len(one.said), said
     assert all(words.startswith(begin) for words, begin in zip(said, one.said, strict=True)), said
+    found = re.findall(NUMBER, said[0].removeprefix(one.said[0]))
+    # Standard errors are beside measured ones.
+    found = [float(text) for text in found if not text.startswith("±")][: len(one.numbers)]
+    to = one.to or 0.02 * max(map(abs, one.numbers), default=0.0)
+    assert found == pytest.approx(one.numbers, abs=to)
+
+
+@pytest.mark.parametrize("grown", [0.0, 0.3])
+def test_since_when_a_measured_motion_is_another_one_is_named(grown: float) -> None:
+    inertia = FREE.inertia + np.diag([grown, 0.0, grown])
+    recording = Recording(Path("motion.csv"), knocked(inertia))
+    exact = exact_at(FREE.scenario, recording.arrays["t"]).trajectory
+    motion = recorded_motion(FREE.scenario, recording, reading_of(recording), exact).trajectory
+    has = {"is_stated": True, "has_omega": True}
+    log = log_of(FREE.scenario, motion, exact, np.array(NOISE), **has)
+    (words,) = since_when(Measured(FREE.scenario, log), motion, exact)
+    assert words.startswith("until t = 1.96 s it is the exact motion; there it ")
+    if not grown:
+        assert "jumps" in words
+        return
+    _, _, numbers = words.partition("Ixx, Iyy, Izz, Ixy, Ixz, Iyz = [")
+    entries = [float(text) for text in numbers.partition("]")[0].split(",")]
+    # Of a body that turns freely a motion shows its tensor up to a factor.
+    wanted = inertia[(0, 1, 2, 0, 0, 1), (0, 1, 2, 1, 2, 2)] / np.trace(inertia)
+    assert np.array(entries) / sum(entries[:3]) == pytest.approx(wanted, abs=0.01)
