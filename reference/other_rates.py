@@ -1,0 +1,297 @@
+"""Rates of change of a state by equations of motion that need not be a scene's, compiled.
+
+The equations come as one array of all their numbers: to pass some twenty arrays to each function
+takes several times as long as what it computes.
+"""
+
+import math
+
+import numpy as np
+
+from ..scenarios import FloatArray
+from .kernel import called, kernel
+from .other_equations import (
+    FIRST_ANGLES,
+    KEPT_IN_WORLD,
+    TURNED_ON,
+    UNTURNED,
+    WORLD,
+    OtherEquations,
+)
+
+Vector = tuple[float, float, float]
+#: Row by row.
+Matrix = tuple[float, float, float, float, float, float, float, float, float]
+
+#: How many numbers each attribute has that is not a single one or a vector.
+_COUNTS = {
+    **dict.fromkeys(("inertia", "inverse", "gyroscopic", "turning"), 9),
+    **dict.fromkeys(("attitude_torque", "gravity_gradient"), 9),
+    **dict.fromkeys(("friction", "turned_drag"), 2),
+    **dict.fromkeys(("world_vectors", "mobility", "tensor_turns", "kinematics", "rate"), 1),
+}
+_PLACES = np.cumsum([0, *(_COUNTS.get(name, 3) for name in OtherEquations._fields)])
+#: Where each attribute of `OtherEquations` begins in the array of all numbers.
+(
+    INERTIA,
+    INVERSE,
+    GYROSCOPIC,
+    TURNING,
+    KEPT,
+    GRAVITY_WORLD,
+    PULL,
+    TORQUE,
+    TORQUE_WORLD,
+    SLOWING,
+    DAMPING,
+    FRICTION,
+    TURNED_DRAG,
+    ATTITUDE_TORQUE,
+    GRAVITY_GRADIENT,
+    BODY_TURNS,
+    WORLD_TURNS,
+    WORLD_VECTORS,
+    LEVER,
+    MOBILITY,
+    TENSOR_TURNS,
+    KINEMATICS,
+    RATE,
+    COUNT,
+) = map(int, _PLACES)
+
+
+def all_numbers(equations: OtherEquations) -> FloatArray:
+    """Return the numbers of equations in one array, those of each attribute row by row."""
+    return np.concatenate([np.ravel(np.asarray(numbers, float)) for numbers in equations])
+
+
+@kernel
+def vector(v: FloatArray, at: int) -> Vector:
+    """Return the vector that begins at an index of an array."""
+    return v[at], v[at + 1], v[at + 2]
+
+
+@kernel
+def matrix(M: FloatArray, at: int) -> Matrix:
+    """Return the matrix that begins at an index of an array."""
+    return (
+        *(M[at], M[at + 1], M[at + 2]),
+        *(M[at + 3], M[at + 4], M[at + 5]),
+        *(M[at + 6], M[at + 7], M[at + 8]),
+    )
+
+
+@kernel
+def put(v: Vector, to: FloatArray, at: int) -> None:
+    """Write a vector to an array, from an index on."""
+    to[at], to[at + 1], to[at + 2] = v
+
+
+@kernel
+def plus(u: Vector, v: Vector, factor: float) -> Vector:
+    """Return u + factor · v."""
+    return u[0] + factor * v[0], u[1] + factor * v[1], u[2] + factor * v[2]
+
+
+@kernel
+def dot(u: Vector, v: Vector) -> float:
+    """Return u · v."""
+    return u[0] * v[0] + u[1] * v[1] + u[2] * v[2]
+
+
+@kernel
+def _cross(u: Vector, v: Vector) -> Vector:
+    return u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]
+
+
+@kernel
+def _times(M: Matrix, v: Vector) -> Vector:
+    return (
+        M[0] * v[0] + M[1] * v[1] + M[2] * v[2],
+        M[3] * v[0] + M[4] * v[1] + M[5] * v[2],
+        M[6] * v[0] + M[7] * v[1] + M[8] * v[2],
+    )
+
+
+@kernel
+def _to_body(R_world_body: Matrix, v: Vector) -> Vector:
+    R = R_world_body
+    return (
+        R[0] * v[0] + R[3] * v[1] + R[6] * v[2],
+        R[1] * v[0] + R[4] * v[1] + R[7] * v[2],
+        R[2] * v[0] + R[5] * v[1] + R[8] * v[2],
+    )
+
+
+@kernel
+def rotation_of(q: FloatArray) -> Matrix:
+    """Return the rotation matrix, body to world, of a quaternion of any length, scalar first."""
+    w, x, y, z = q[0], q[1], q[2], q[3]
+    n = w * w + x * x + y * y + z * z
+    s = 2.0 / n if n > 0.0 else 0.0
+    return (
+        *(1 - s * (y * y + z * z), s * (x * y - w * z), s * (x * z + w * y)),
+        *(s * (x * y + w * z), 1 - s * (x * x + z * z), s * (y * z - w * x)),
+        *(s * (x * z - w * y), s * (y * z + w * x), 1 - s * (x * x + y * y)),
+    )
+
+
+@kernel
+def by_tensor(e: FloatArray, tensor: int, R: Matrix, v: Vector) -> Vector:
+    """Return a tensor times a vector along body axes, whichever axes the tensor is constant in.
+
+    Parameters
+    ----------
+    tensor : where the tensor begins among all numbers
+    """
+    turns = int(e[TENSOR_TURNS])
+    for _ in range(turns):
+        v = _times(R, v)
+    v = _times(matrix(e, tensor), v)
+    for _ in range(turns):
+        v = _to_body(R, v)
+    return v
+
+
+@kernel
+def _of_world(e: FloatArray, R: Matrix, v: Vector) -> Vector:
+    """Return what the equations take for a vector of world axes, along body axes."""
+    if e[WORLD_VECTORS] == UNTURNED:
+        return v
+    return _times(R, v) if e[WORLD_VECTORS] == TURNED_ON else _to_body(R, v)
+
+
+@kernel
+def _resistance(e: FloatArray, R: Matrix, omega: Vector) -> Vector:
+    """Return the torque that opposes ω, N m, body axes."""
+    c, f = e[SLOWING], e[FRICTION]
+    speed = math.sqrt(dot(omega, omega))
+    if f != 0.0 and speed > 0.0:
+        c += f * speed ** e[FRICTION + 1]
+    D = vector(e, DAMPING)
+    torque = (-(c + D[0]) * omega[0], -(c + D[1]) * omega[1], -(c + D[2]) * omega[2])
+    if e[TURNED_DRAG] != 0.0:
+        torque = plus(torque, _times(R, omega), -e[TURNED_DRAG])
+    if e[TURNED_DRAG + 1] != 0.0:
+        torque = plus(torque, _to_body(R, omega), -e[TURNED_DRAG + 1])
+    return torque
+
+
+@kernel
+def _unit(axis: int) -> Vector:
+    return 1.0 if axis == 0 else 0.0, 1.0 if axis == 1 else 0.0, 1.0 if axis == 2 else 0.0
+
+
+@kernel
+def _has_torque_of_attitude(e: FloatArray) -> bool:
+    largest = 0.0
+    for i in range(9):
+        largest = max(largest, abs(e[ATTITUDE_TORQUE + i]), abs(e[GRAVITY_GRADIENT + i]))
+    return largest > 0.0
+
+
+@called
+def _of_attitude(e: FloatArray, R: Matrix) -> Vector:
+    """Return the torque that depends on the attitude besides gravity's, N m, body axes."""
+    torque, P, S = (0.0, 0.0, 0.0), matrix(e, ATTITUDE_TORQUE), matrix(e, GRAVITY_GRADIENT)
+    for i in range(3):
+        column, row = (P[i], P[3 + i], P[6 + i]), (R[3 * i], R[3 * i + 1], R[3 * i + 2])
+        torque = plus(torque, _cross(column, row), 1.0)
+        unit = _unit(i)
+        pulled = _to_body(R, _times(S, _times(R, unit)))
+        torque = plus(torque, _cross(unit, by_tensor(e, INERTIA, R, pulled)), 1.0)
+    return torque
+
+
+@called
+def _torque(e: FloatArray, R: Matrix, omega: Vector) -> Vector:
+    """Return I ω', N m, body axes."""
+    kept = vector(e, KEPT)
+    turned = plus(by_tensor(e, GYROSCOPIC, R, omega), kept, 1.0)
+    torque = plus(vector(e, TORQUE), _cross(omega, turned), -1.0)
+    gravity = _of_world(e, R, vector(e, GRAVITY_WORLD))
+    torque = plus(torque, _cross(vector(e, PULL), gravity), 1.0)
+    torque = plus(torque, _of_world(e, R, vector(e, TORQUE_WORLD)), 1.0)
+    if _has_torque_of_attitude(e):
+        torque = plus(torque, _of_attitude(e, R), 1.0)
+    torque = plus(torque, _resistance(e, R, omega), 1.0)
+    if e[SLOWING + 1] != 0.0 or e[SLOWING + 2] != 0.0:
+        L = plus(by_tensor(e, INERTIA, R, omega), kept, 1.0)
+        slowed = e[SLOWING + 1] + e[SLOWING + 2] * math.sqrt(dot(omega, omega))
+        torque = plus(torque, L, -slowed)
+    if e[MOBILITY] > 0.0:
+        up, lever = (R[6], R[7], R[8]), vector(e, LEVER)
+        arm = _cross(up, lever)
+        answer = by_tensor(e, INVERSE, R, arm)
+        swing = dot(up, _cross(omega, _cross(omega, lever)))
+        lift = swing - e[GRAVITY_WORLD + 2] - dot(answer, torque)
+        torque = plus(torque, arm, lift / (e[MOBILITY] + dot(arm, answer)))
+    return torque
+
+
+@called
+def _by_angles(e: FloatArray, R: Matrix, rates: Vector) -> Vector:
+    """Return the angular velocity, body axes, rad/s, of rates of Euler angles; nan at a pole."""
+    which = int(e[KINEMATICS]) - FIRST_ANGLES
+    i, j, k = which // 9, which // 3 % 3, which % 3
+    # If the first and third axis are the same, the components are the angles' rates in order.
+    a, b, c = rates if i == k else (rates[i], rates[j], rates[k])
+    # The node line, along the second axis where the first angle has turned it to.
+    first, third = _unit(i), _unit(k)
+    node = _cross(first, (R[k], R[3 + k], R[6 + k]))
+    sign = -1.0 if i != k and (i + 1) % 3 == j else 1.0
+    length = sign * math.sqrt(dot(node, node))
+    if length == 0.0:
+        return math.nan, math.nan, math.nan
+    rates_world = plus((a * first[0], a * first[1], a * first[2]), node, b / length)
+    return plus(_to_body(R, rates_world), third, c)
+
+
+@kernel
+def turning(e: FloatArray, R: Matrix, omega: Vector) -> Vector:
+    """Return the angular velocity at which the attitude turns, body axes, rad/s."""
+    omega = _times(matrix(e, TURNING), omega)
+    kinematics = e[KINEMATICS]
+    if kinematics < WORLD:
+        omega = plus(omega, vector(e, BODY_TURNS), 1.0)
+        return plus(omega, _to_body(R, vector(e, WORLD_TURNS)), -1.0)
+    if kinematics == WORLD:
+        return _to_body(R, omega)
+    return _times(R, omega) if kinematics == KEPT_IN_WORLD else _by_angles(e, R, omega)
+
+
+@called
+def _by_turned_tensor(e: FloatArray, R: Matrix, omega: Vector, torque: Vector) -> Vector:
+    """Return ω' of ω = Rᵀ I⁻¹ R L along world axes, where L is integrated; rad/s², body axes.
+
+    L is taken for Rᵀ I R ω, and changes by torques alone.
+    """
+    inverse = matrix(e, INVERSE)
+    turned = plus(by_tensor(e, GYROSCOPIC, R, omega), vector(e, KEPT), 1.0)
+    outer = plus(torque, _cross(omega, turned), 1.0)
+    in_world = _times(R, omega)
+    twice = _times(R, in_world)
+    rate = _times(inverse, _cross(in_world, _times(matrix(e, INERTIA), twice)))
+    rate = plus(rate, _cross(in_world, twice), -1.0)
+    rate = plus(rate, _times(inverse, _times(R, _times(R, outer))), 1.0)
+    return _to_body(R, _to_body(R, rate))
+
+
+@kernel
+def rates_of(e: FloatArray, y: FloatArray) -> tuple[Vector, Vector]:
+    """Return the rates at a state: the angular velocity of the attitude, and ω', body axes.
+
+    Parameters
+    ----------
+    y : q, scalar first, of any length, and ω, rad/s, body axes, (7,)
+    """
+    R, omega = rotation_of(y), vector(y, 4)
+    turned, torque = turning(e, R, omega), _torque(e, R, omega)
+    if e[TENSOR_TURNS] == 2:
+        accelerated = _by_turned_tensor(e, R, omega, torque)
+    else:
+        accelerated = by_tensor(e, INVERSE, R, torque)
+    if e[KINEMATICS] == KEPT_IN_WORLD:
+        # Body axes turn with the attitude, and no component along world axes does.
+        accelerated = plus(accelerated, _cross(omega, turned), 1.0)
+    return turned, accelerated
