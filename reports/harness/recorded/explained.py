@@ -32,6 +32,11 @@ from .since import since_when
 
 #: Names of the settings by which a file states the noise of attitude, rad, and of ω, rad/s.
 NOISE = ("noise_attitude", "noise_omega")
+#: That a method's order is lower than the stated one.
+LOWER_ORDER = (
+    "its method is of order {}, not {}: the scene's equations with the leading error of such a "
+    "method make this motion, and no change of the equations explains as much of it"
+)
 #: How many mistakes are tried with what may explain the rest.
 MOST_TRIED = 3
 
@@ -201,8 +206,9 @@ def _of_computed(
     of_spins = spins_beyond(*of_method, floor)
     words: list[str] = []
     if not physics.made_by:
-        words = _of_readings(physics) if has_omega and not physics.clamps else []
-        words = words or physics.explained() or _of_lower_order(physics)
+        words = _of_lower_order(physics)
+        words = words or (_of_readings(physics) if has_omega and not physics.clamps else [])
+        words = words or physics.explained()
     if alternates and physics.is_beyond:
         words = alternates.of_omega or words
     words = [*words, *of_spins]
@@ -214,14 +220,9 @@ def _of_computed(
 
 
 def _of_lower_order(physics: Physics) -> list[str]:
-    """Return that a motion is within the error of a method of lower order than the stated one."""
-    for order in range(physics.order - 1, 0, -1) if physics.is_beyond else ():
-        if not replace(physics, order=order).is_beyond:
-            return [
-                f"its method may be of order {order} or less: it is within what that makes, and no "
-                "change of the equations explains it"
-            ]
-    return []
+    """Return that the method that made a motion is of a lower order than the stated one."""
+    order = physics.lower_order
+    return [LOWER_ORDER.format(order, physics.order)] if order else []
 
 
 def _of_readings(physics: Physics) -> list[str]:

@@ -79,6 +79,10 @@ class Intervals(Data):
         """Return how far the ends are from where equations lead exactly, (S, 6), rad and rad/s."""
         return apart(follow(equations, self.starts, self.spans)[:, 0], self.ends)
 
+    def with_error(self, size: FloatArray) -> "Intervals":
+        """Return the intervals with so large an error of their method, rad and rad/s, (2,)."""
+        return replace(self, method=np.tile(size, (len(self.spans), 1)))
+
     def made_by(self, integrator: Integrator, timestep: float) -> "Intervals":
         """Return the intervals as steps of an integrator, with a timestep in s, and of no error."""
         without = np.zeros_like(self.method)
@@ -98,6 +102,11 @@ def apart(made: FloatArray, recorded: FloatArray) -> FloatArray:
     """Return how far recorded states, (S, 7), are from computed ones, rad and rad/s, (S, 6)."""
     turned = rotation_vectors(made[:, :4], recorded[:, :4])
     return np.hstack([turned, recorded[:, 4:] - made[:, 4:]])
+
+
+def root_mean_squares(off: FloatArray) -> FloatArray:
+    """Return those of attitude, rad, and ω, rad/s, (2,), of differences, (S, 6)."""
+    return np.asarray(np.sqrt(np.mean(off.reshape(-1, 2, 3) ** 2, axis=(0, 2))))
 
 
 def gained(scenario: Scenario, motion: Trajectory) -> FloatArray:

@@ -18,15 +18,16 @@ from ..explaining.changes import changes
 from ..explaining.effect_changes import of_attitude, of_rotors
 from ..explaining.fit import Fit
 from ..explaining.hypothesis import Change, Hypothesis, as_it_is
-from ..explaining.search import SAME, Search
+from ..explaining.search import LEFT, SAME, Search
 from .clamps import clamps
 from .gyroscope_first import after_gyroscope
-from .intervals import FEWEST_INTERVALS, Intervals, intervals_of
+from .intervals import FEWEST_INTERVALS, Intervals, intervals_of, root_mean_squares
+from .leading_error import left_by_methods
 from .missing import KINEMATICS, missing
 from .recording import MULTIPLE
 from .sensors import MOMENTUM, SENSORS, of_sensor
 from .varying import varying
-from .within_error import FEW, MOST_STEPS, within_error
+from .within_error import within_error
 
 
 def _with_other_sign(axis: int) -> Change:
@@ -53,8 +54,9 @@ def _locked(axis: int, *, is_set: bool) -> Change:
     return Change(f"rate {'set' if is_set else 'held'}", locked, np.empty(0), lambda _: [axis])
 
 
-#: Number of intervals that changes are fitted to.
-MOST = 60
+#: Number of intervals that changes are fitted to; that known integrators are followed in, and of
+#: their steps, at most.
+MOST, FEW, MOST_STEPS = 60, 12, 300
 #: Error of a short flow by rounding, in relative distances of the numbers.
 ROUNDINGS = 8.0
 #: Integrators of game engines, which keep ω along world axes.
@@ -67,6 +69,9 @@ TIMES = Change("times", lambda h, n: h._replace(step=1 + n[0]), np.ones(1))
 MIRRORED = "gravity's size", -2.0
 #: One of Euler's equations with I₁ − I₃ for I₃ − I₁, of a body without torques.
 OTHER_SIGNS = [_with_other_sign(axis) for axis in range(3)]
+#: The next term of a method's error, relative to the leading one: so many times the angle of a
+#: step, and at most that part.
+NEXT_TERM, LARGEST_NEXT = 2.0, 0.3
 #: How many numbers are fitted, at most, where more is left than a method makes.
 MOST_NUMBERS = 3
 UNEXPLAINED = (
@@ -121,6 +126,36 @@ class Physics:
     def made_by(self) -> str:
         """The known integrator that made the motion by the scene's equations; empty if none did."""
         return self._integrator(self.intervals.base) if self.intervals else ""
+
+    @property
+    def next_term(self) -> float:
+        """The largest next term of a method's error, relative to the leading one."""
+        if self.intervals is None:
+            return LARGEST_NEXT
+        data = self.intervals
+        fastest = max(float(norms(data.starts[:, 4:]).max()), data.base.equations.rate)
+        timestep = self.timestep or float(np.median(data.spans))
+        return min(LARGEST_NEXT, NEXT_TERM * fastest * timestep)
+
+    @cached_property
+    def lower_order(self) -> int:
+        """The order, below the stated one, of the method that made the motion; 0 if none did.
+
+        The leading error of methods of that order explains the difference but for the next term of
+        their errors, and no change of the equations leaves far less.
+        """
+        if self.timestep is None or self.intervals is None or self.made_by or not self.is_beyond:
+            return 0
+        off = self.intervals.apart(self.intervals.base.equations)
+        data = self.intervals.with_error(root_mean_squares(off))
+        orders = [n for n in range(1, self.order) if not replace(self, order=n).is_beyond]
+        left = {n: _mean_square(left_by_methods(data, [n])) for n in orders}
+        best = min(orders, key=left.__getitem__, default=0)
+        of_noise = _mean_square(np.repeat(data.noise, 3) / data.scale)
+        if not best or left[best] > self.next_term**2 + of_noise:
+            return 0
+        by_change = _mean_square(data.off(self.found.hypothesis)) if self.found else np.inf
+        return best if by_change > LEFT**2 * left[best] else 0
 
     @cached_property
     def by_known(self) -> tuple[Intervals, ...]:
@@ -203,7 +238,8 @@ class Physics:
             return None
         # About a steady axis any method turns the body otherwise, or has another ω.
         changes = [one for one in self.search.changes if not _is_of_turning(one)]
-        return within_error(self.intervals, changes, MOST_NUMBERS, base, self.timestep)
+        orders = range(1, self.order + 1)
+        return within_error(self.intervals, changes, MOST_NUMBERS, base, orders, self.next_term)
 
     @cached_property
     def found(self) -> Fit | None:
@@ -229,7 +265,7 @@ class Physics:
     @property
     def is_open(self) -> bool:
         """Whether something is left that no change explains."""
-        if not self.is_beyond or self.clamps or self.made_by:
+        if not self.is_beyond or self.clamps or self.made_by or self.lower_order:
             return False
         return self.found is None or self._is_partial(self.found)
 

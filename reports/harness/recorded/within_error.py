@@ -1,80 +1,109 @@
-"""Changes that explain what is left of a motion though a method's error may be as large.
+"""Changes that explain what no method's error does, though that may be as large as the difference.
 
-No method's error is that of other equations to two digits, but for what every method makes of some
-motions, such as another rate at which ω decays. So the errors of known integrators must not be
-explained by the same changes.
+A method's error is spanned by elementary differentials (`leading_error.py`), but for the next term
+of its series: what is left beside them is compared with that term alone.
 """
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ....reference.following import KNOWN, follow
 from ....scenarios import FloatArray
-from ..explaining.fit import Fit, Trial
+from ..explaining.fit import RANK, Data, Fit, Trial
 from ..explaining.hypothesis import Change, Hypothesis
-from ..explaining.search import LEFT, Search
-from .intervals import Intervals, apart
+from ..explaining.search import Search
+from .intervals import Intervals, root_mean_squares
+from .leading_error import basis_of, leading_errors
 from .mistakes import FITS
 
-#: Part of what is left that changes leave of it, at most.
-CERTAIN = 3e-2
-#: Number of intervals that known integrators are followed in, and of their steps, at most.
-FEW, MOST_STEPS = 12, 300
+
+@dataclass(frozen=True, eq=False)
+class BesideMethods(Data):
+    """Intervals, less all that leading errors of methods explain.
+
+    Attributes
+    ----------
+    basis : orthonormal columns that span these errors, in units of the intervals' scale, (6 S, n)
+    """
+
+    intervals: Intervals
+    basis: FloatArray
+
+    @property
+    def at_once(self) -> float:
+        """As in `Data`: the next term of a method's error counts as one number."""
+        return self.intervals.at_once
+
+    def off(self, hypothesis: Hypothesis, samples: int | None = None) -> FloatArray:
+        """As in `Data`, without what methods explain, (6 S,)."""
+        off = self.intervals.off(hypothesis).ravel()
+        return np.asarray(off - self.basis @ (self.basis.T @ off))[:samples]
 
 
 def within_error(
-    data: Intervals, changes: Sequence[Change], most: int, base: Hypothesis, timestep: float | None
+    data: Intervals,
+    changes: Sequence[Change],
+    most: int,
+    base: Hypothesis,
+    orders: Sequence[int],
+    next_term: float,
 ) -> Fit | None:
-    """Return the change, or two, that explain nearly all of what a hypothesis leaves; None if none.
+    """Return the change, or two, that explain what no method leaves; None if none does.
 
     Parameters
     ----------
     most : how many numbers are fitted, at most
     base : the hypothesis, to which changes are added
-    timestep : the timestep that the motion was made with, s; None if unknown
+    orders : of methods that may have made the motion
+    next_term : the next term of a method's error, relative to the leading one
     """
     data = replace(data, base=base)
-    off = usual = _size(data.off(base) * data.scale)
-    found = None
-    while not (off <= np.maximum(data.noise, FITS)).all():
-        nearly = _nearly(data, CERTAIN * off)
-        closer = Search(nearly, changes, most, part=0.0).one_or_two()
-        if closer is None or closer.count > most:
-            break
-        # There may be others that explain nearly all of what these leave.
-        found, off = closer, _size(closer.rest.reshape(-1, 6) * nearly.scale)
-    # Noise may hide what else is left.
-    if found is None or not (off < LEFT * usual).any():
-        return None
-    return None if _is_of_integrators(data, found, timestep) else found
+    errors = leading_errors(data, orders)
+    for size in _sizes(data, errors, changes):
+        nearly = data.with_error(np.maximum(next_term * size, FITS))
+        beside = BesideMethods(base, nearly, basis_of(errors, nearly.scale))
+        found = Search(beside, changes, most, part=0.0).one_or_two()
+        if found is not None and found.count <= most:
+            made = _made(data, errors, found.hypothesis)
+            if (made <= 2 * np.maximum(size, data.noise)).all():
+                return found
+    return None
 
 
-def _is_of_integrators(data: Intervals, found: Fit, timestep: float | None) -> bool:
-    """Whether the same changes explain a known integrator's errors, too, of all or of ω alone."""
-    few, equations = data.spread(FEW), data.base.equations
-    longest = float(few.spans.max())
-    timestep = max(timestep or longest, longest * FEW / MOST_STEPS)
-    exact = follow(equations, few.starts, few.spans)[:, 0]
-    for one in KNOWN:
-        ends = follow(equations, few.starts, few.spans, one, timestep)[:, 0]
-        off = _size(apart(exact, ends))
-        if not off.all():
+def _sizes(data: Intervals, errors: FloatArray, changes: Sequence[Change]) -> list[FloatArray]:
+    """Return how large the error of methods may be, in attitude, rad, and ω, rad/s, (2,) each.
+
+    That is as large as without any change, or as with the change that leaves least of it, or
+    between these.
+    """
+    most = _made(data, errors, data.base)
+    units = np.maximum(most, FITS)
+    of_changes = []
+    for change in changes:
+        slopes = Trial(data, (change,)).slopes if len(change.sizes) else None
+        if slopes is None:
+            of_changes.append(_made(data, errors, change.apply(data.base, np.empty(0))))
             continue
-        errors = replace(few, ends=ends, noise=np.zeros(2))
-        for size in off, off * [1 / FITS, 1.0]:
-            fit = Trial(_nearly(errors, size), found.changes).fit()
-            if fit.left < LEFT**2 * np.mean((off / size) ** 2):
-                return True
-    return False
+        columns = (slopes.T.reshape(-1, *data.scale.shape)) * data.scale
+        of_changes.append(_made(data, errors, data.base, columns))
+    least = min(of_changes, key=lambda size: float(np.sum((size / units) ** 2)))
+    return [most, np.sqrt(most * least), least]
 
 
-def _size(off: FloatArray) -> FloatArray:
-    """Return root mean squares of attitude, rad, and ω, rad/s, (2,), of differences, (S, 6)."""
-    return np.asarray(np.sqrt(np.mean(off.reshape(-1, 2, 3) ** 2, axis=(0, 2))))
+def _made(
+    data: Intervals, errors: FloatArray, hypothesis: Hypothesis, others: FloatArray | None = None
+) -> FloatArray:
+    """Return the size of what methods explain of what a hypothesis leaves, rad and rad/s, (2,).
 
-
-def _nearly(data: Intervals, size: FloatArray) -> Intervals:
-    """Return intervals with so large an error of their method, rad and rad/s, (2,)."""
-    return replace(data, method=np.tile(size, (len(data.spans), 1)))
+    Parameters
+    ----------
+    others : what else explains it, rad and rad/s, (m, S, 6)
+    """
+    off = data.off(hypothesis).ravel()
+    every = errors if others is None else np.concatenate([errors, others])
+    columns = (every / data.scale).reshape(len(every), -1).T
+    columns = columns / np.maximum(np.linalg.norm(columns, axis=0), np.finfo(float).tiny)
+    best = np.linalg.lstsq(columns, off, rcond=RANK)[0]
+    made = columns[:, : len(errors)] @ best[: len(errors)]
+    return root_mean_squares(made.reshape(data.scale.shape) * data.scale)

@@ -318,7 +318,7 @@ HIDDEN = {
         numbers=(3.0, 0.0, 0.0),
     ),
     "RK4 with a wrong stage": Hidden(
-        TOP.scenario, by_a_wrong_stage, ("its method may be of order ",), {"timestep": "0.01"}, 4
+        TOP.scenario, by_a_wrong_stage, ("its method is of order 1, not 4: ",), {"timestep": "0.01"}, 4
     ),
     "axes exchanged, and ω like any vector": Hidden(
         SPINNING.scenario,

@@ -1,0 +1,166 @@
+"""What methods of an order make of a motion: the leading term of their error, whichever they are.
+
+In a step h a one-step method of order p is off by h^(p+1) times a combination of the elementary
+differentials of order p + 1, one for each rooted tree with as many vertices (Hairer, Lubich &
+Wanner, Geometric Numerical Integration, §III.1). One that treats attitude and ω differently, such
+as semi-implicit Euler, has one for each way to colour the vertices (§III.2). Over many steps these
+errors add up, carried along by the exact flow.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import product
+
+import numpy as np
+from numpy.polynomial.legendre import leggauss
+
+from ....reference.following import follow, rates
+from ....reference.other_equations import OtherEquations
+from ....scenarios import FloatArray
+from ....scenarios.rotation import cross, norms
+from ..explaining.fit import RANK
+from .intervals import Intervals, apart
+
+#: Order up to which vertices are coloured: of higher ones there would be too many trees.
+COLOURED = 2
+#: Nodes of the quadrature along an interval; relative differences of states by which derivatives
+#: are taken, and with which errors are carried along.
+NODES, SMALL, CARRIED = 3, 1e-3, 1e-4
+#: Colours of vertices: of the attitude's equation and Euler's as one, of either alone, and from
+#: `TERMS` on of the terms of Euler's.
+BOTH, ATTITUDE, OMEGA, TERMS = 0, 1, 2, 3
+#: Numbers of equations that make one term each, which a method may treat differently.
+_TERMS = (
+    ("gyroscopic", "kept"),
+    ("pull",),
+    ("torque", "torque_world"),
+    ("slowing", "damping", "friction", "turned_drag"),
+    ("attitude_torque", "gravity_gradient"),
+)
+
+#: A rooted tree: the colour of its root, and the trees that hang from it.
+Tree = tuple[int, tuple["Tree", ...]]
+
+
+def left_by_methods(data: Intervals, orders: Sequence[int]) -> FloatArray:
+    """Return what the leading errors of no method of these orders explain, (6 S,).
+
+    It is in units of `data.scale`, with the coefficients of elementary differentials that leave
+    least.
+    """
+    off, basis = data.off(data.base).ravel(), basis_of(leading_errors(data, orders), data.scale)
+    return np.asarray(off - basis @ (basis.T @ off))
+
+
+def basis_of(errors: FloatArray, scale: FloatArray) -> FloatArray:
+    """Return orthonormal columns that span errors, (k, S, 6), in units of a scale, (6 S, n)."""
+    columns = (errors / scale).reshape(len(errors), -1).T
+    columns /= np.maximum(np.linalg.norm(columns, axis=0), np.finfo(float).tiny)
+    basis, sizes, _ = np.linalg.svd(columns, full_matrices=False)
+    return np.asarray(basis[:, sizes > RANK * sizes[0]])
+
+
+def leading_errors(data: Intervals, orders: Sequence[int]) -> FloatArray:
+    """Return the errors in intervals of one elementary differential each, rad and rad/s, (k, S, 6).
+
+    Of all elementary differentials of methods of these orders; the coefficients are arbitrary.
+    """
+    equations = data.base.equations
+    rate = max(float(norms(data.starts[:, 4:]).max()), equations.rate)
+    units = np.array([1.0, rate]).repeat([4, 3])
+    terms = _terms(equations)
+    every = [tree for order in orders for tree in trees(order + 1, _colours(order, len(terms)))]
+    errors = np.zeros((len(every), *data.scale.shape))
+    nodes, weights = leggauss(NODES)
+    for part, weight in zip((1 + nodes) / 2, weights, strict=True):
+        here = follow(equations, data.starts, part * data.spans)[:, 0]
+        remaining = (1 - part) * data.spans
+        ends = follow(equations, here, remaining)[:, 0]
+        differentials = _Differentials((*[equations] * TERMS, *terms), here, rate)
+        for error, tree in zip(errors, every, strict=True):
+            moved = here + CARRIED * units * differentials.of(tree)
+            moved[:, :4] /= norms(moved[:, :4])[:, None]
+            error += weight * data.spans * apart(ends, follow(equations, moved, remaining)[:, 0])
+    return errors
+
+
+def _terms(equations: OtherEquations) -> list[OtherEquations]:
+    """Return equations with one term of Euler's equations each."""
+    every = {name: 0 * getattr(equations, name) for names in _TERMS for name in names}
+    acting = [[n for n in names if getattr(equations, n).any()] for names in _TERMS]
+    return [
+        equations._replace(**every | {name: getattr(equations, name) for name in names})
+        for names in acting
+        if names
+    ]
+
+
+def _colours(order: int, terms: int) -> Sequence[int]:
+    """Return the colours of vertices for a method's order; of higher ones there are too many trees.
+
+    Parameters
+    ----------
+    terms : how many terms Euler's equations have
+    """
+    if order > COLOURED:
+        return [BOTH]
+    return [ATTITUDE, *range(TERMS, TERMS + terms)] if order == 1 else [ATTITUDE, OMEGA]
+
+
+def trees(count: int, colours: Sequence[int]) -> list[Tree]:
+    """Return the rooted trees with so many vertices, of these colours."""
+    return [(root, hung) for root in colours for hung in _hung(count - 1, colours)]
+
+
+def _hung(count: int, colours: Sequence[int]) -> list[tuple[Tree, ...]]:
+    """Return the multisets of trees that have so many vertices together."""
+    if not count:
+        return [()]
+    found = {
+        tuple(sorted((tree, *others)))
+        for first in range(1, count + 1)
+        for tree in trees(first, colours)
+        for others in _hung(count - first, colours)
+    }
+    return sorted(found)
+
+
+@dataclass(frozen=True, eq=False)
+class _Differentials:
+    """The elementary differentials of equations of motion, at n states.
+
+    Attributes
+    ----------
+    equations : by colour
+    states : q, scalar first, and ω, rad/s, body axes, (n, 7)
+    rate : of the fastest change of a state, 1/s
+    """
+
+    equations: Sequence[OtherEquations]
+    states: FloatArray
+    rate: float
+
+    def of(self, tree: Tree) -> FloatArray:
+        """Return the differential of a tree, of q and ω, in units in which the rate is 1, (n, 7).
+
+        The m-th derivative in the directions of m differentials is taken by central differences.
+        """
+        root, hung = tree
+        directions = [self.of(one) for one in hung]
+        units = np.array([1.0, self.rate]).repeat([4, 3])
+        total = np.zeros_like(self.states)
+        for signs in product((1, -1), repeat=len(hung)):
+            moved = sum(sign * one for sign, one in zip(signs, directions, strict=True))
+            total += np.prod(signs) * self._slopes(root, self.states + SMALL * units * moved)
+        total /= (2 * SMALL) ** len(hung) * self.rate * units
+        is_kept = np.repeat([root <= ATTITUDE, root != ATTITUDE], [4, 3])
+        return np.where(is_kept, total, 0.0)
+
+    def _slopes(self, colour: int, states: FloatArray) -> FloatArray:
+        """Return q' and ω' of states with quaternions of any length, (n, 7)."""
+        equations = self.equations[colour]
+        kept = np.repeat(equations.kept[None], len(states), axis=0)
+        turning, accelerated = np.split(rates(equations, states, kept), 2, axis=1)
+        w, v = states[:, :1], states[:, 1:4]
+        along = np.sum(v * turning, axis=1, keepdims=True)
+        return np.hstack([-along / 2, (w * turning + cross(v, turning)) / 2, accelerated])
