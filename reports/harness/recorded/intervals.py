@@ -145,6 +145,8 @@ def gained_before(
     others = follow(equations, np.hstack([q, omega]), np.full((6, 1), t[0]))[:, 0]
     last = follow(equations, first, np.array([[t[0]]]))[0]
     grown = apart(np.repeat(last, 6, axis=0), others) / np.repeat(units, 3) / SMALL
+    if not np.isfinite(grown).all():
+        return np.full(2, np.inf)
     return np.asarray(np.linalg.norm(grown, 2) * np.sum(method / units) * units)
 
 

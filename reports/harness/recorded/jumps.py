@@ -56,7 +56,7 @@ def jumps(data: Intervals) -> list[str]:
     while places:
         k, *later = places
         last = next((j for j in later[:UNDONE_BY] if _goes_on(data, k, j, left[k])), None)
-        if last is None and not k and left[1] > LEFT * left[0]:
+        if last is None and not k and left[1] > LEFT**2 * left[0]:
             # What a filter makes of a start goes on in the samples after it.
             return []
         end = k

@@ -71,7 +71,7 @@ MIRRORED = "gravity's size", -2.0
 OTHER_SIGNS = [_with_other_sign(axis) for axis in range(3)]
 #: The next term of a method's error, relative to the leading one: so many times the angle of a
 #: step, and at most that part.
-NEXT_TERM, LARGEST_NEXT = 2.0, 0.3
+NEXT_TERM, LARGEST_NEXT = 4.0, 0.3
 #: How many numbers are fitted, at most, where more is left than a method makes.
 MOST_NUMBERS = 3
 UNEXPLAINED = (
@@ -295,7 +295,9 @@ class Physics:
         if more := self._by_integrators(found.hypothesis):
             return [*words, *self._in_words(more)]
         more = self._within_error(found.hypothesis)
-        return [*words, *(self._sentences(more) if more else [])]
+        # The same change once more is what a method's error made of its numbers.
+        is_another = more is not None and not set(more.changes) & set(found.changes)
+        return [*words, *(self._sentences(more) if more and is_another else [])]
 
     def _sentences(self, found: Fit) -> list[str]:
         """Return each change in words."""

@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from case_loops import each_case
-from planted_motions import Case, case, exactly, product, rates_of
+from planted_motions import Case, Rates, case, exactly, product, rates_of
 from reported_faults import WHEEL, Arrays, euler, named, recorded, turning
 from scipy.interpolate import interp1d
 from scipy.spatial.transform import Rotation
@@ -222,6 +222,26 @@ def by_a_wrong_stage() -> Arrays:
     return {"t": TOP.scenario.times.copy(), "q": table[:, :4], "omega": table[:, 4:]}
 
 
+def by_euler(one: Case, rates: Rates) -> Arrays:
+    """Ten steps of explicit Euler from sample to sample."""
+    start, h = one.scenario.start, float(one.scenario.times[1]) / 10
+    y, rows = np.concatenate([start.q_world_body_wxyz, start.omega_body]), []
+    for _ in one.scenario.times:
+        rows.append(y)
+        for _ in range(10):
+            y = y + h * np.concatenate(rates(y[:4], y[4:]))
+            y[:4] /= np.linalg.norm(y[:4])
+    table = np.array(rows)
+    return {"t": one.scenario.times.copy(), "q": table[:, :4], "omega": table[:, 4:]}
+
+
+def heavier_by(part: float) -> Arrays:
+    """Euler's motion of a body with one of its principal moments larger by a part."""
+    moments, axes = np.linalg.eigh(HEAVY.inertia)
+    inertia = (axes * moments * [1.0, 1.0 + part, 1.0]) @ axes.T
+    return by_euler(HEAVY, rates_of(HEAVY, inertia=inertia))
+
+
 def exchanged() -> Arrays:
     """A body that keeps its spin, in axes of which two are exchanged, of every vector."""
     arrays, order = right(SPINNING), [0, 2, 1]
@@ -318,7 +338,20 @@ HIDDEN = {
         numbers=(3.0, 0.0, 0.0),
     ),
     "RK4 with a wrong stage": Hidden(
-        TOP.scenario, by_a_wrong_stage, ("its method is of order 1, not 4: ",), {"timestep": "0.01"}, 4
+        TOP.scenario,
+        by_a_wrong_stage,
+        ("its method is of order 1, not 4: ",),
+        {"timestep": "0.01"},
+        4,
+    ),
+    "a moment off by a thousandth, by Euler": Hidden(
+        HEAVY.scenario,
+        lambda: heavier_by(1e-3),
+        ("it moves as if the moments were [",),
+        {"timestep": "0.001"},
+        numbers=tuple(np.linalg.eigvalsh(HEAVY.inertia) * [1.0, 1.001, 1.0]),
+        # A tenth of what it is off by.
+        to=1e-4 * float(np.linalg.eigvalsh(HEAVY.inertia)[1]),
     ),
     "axes exchanged, and ω like any vector": Hidden(
         SPINNING.scenario,
@@ -352,6 +385,14 @@ def test_a_hidden_fault_is_named(one: Hidden) -> None:
     found = [float(text) for text in found if not text.startswith("±")][: len(one.numbers)]
     to = one.to or 0.02 * max(map(abs, one.numbers), default=0.0)
     assert found == pytest.approx(one.numbers, abs=to)
+
+
+@pytest.mark.parametrize("part", [0.0, 1e-6])
+def test_what_euler_makes_of_the_equations_is_no_change_of_them(part: float) -> None:
+    recording = Recording(Path("motion.csv"), heavier_by(part), {"timestep": "0.001"})
+    found = judged_motion(HEAVY.scenario, recording)
+    assert not found.explained_by
+    assert not found.is_beyond
 
 
 @pytest.mark.parametrize("grown", [0.0, 0.3])

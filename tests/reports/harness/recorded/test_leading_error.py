@@ -1,0 +1,90 @@
+"""Methods of an order are known by the leading term of their error, whichever methods they are."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from planted_motions import case, rates_of
+from reported_faults import Arrays
+from spincheck.reports.harness.explaining.search import LEFT
+from spincheck.reports.harness.recorded.intervals import Intervals, intervals_of, root_mean_squares
+from spincheck.reports.harness.recorded.judged import exact_at, judged_motion
+from spincheck.reports.harness.recorded.leading_error import (
+    ATTITUDE,
+    BOTH,
+    OMEGA,
+    left_by_methods,
+    trees,
+)
+from spincheck.reports.harness.recorded.motion import reading_of, recorded_motion
+from spincheck.reports.harness.recorded.other_physics import NEXT_TERM
+from spincheck.reports.harness.recorded.recording import Recording
+
+BODY, TOP = case(324, samples=101), case(323, is_pivoted=True, duration=2.0, samples=201)
+#: Tableaus that somebody meant to be RK4's, their orders, and of a method that has order 3.
+HALF, SIXTHS = [[], [0.5], [0, 0.5], [0, 0, 1]], np.array([1, 2, 2, 1]) / 6
+WRONG = {
+    "a last stage at half of the step": ([[], [0.5], [0, 0.5], [0, 0, 0.5]], SIXTHS, 1),
+    "a second stage at the step's end": ([[], [1], [0, 0.5], [0, 0, 1]], SIXTHS, 1),
+    "weights in another order": (HALF, np.array([1, 2, 1, 2]) / 6, 1),
+    "equal weights": (HALF, np.ones(4) / 4, 2),
+    "a third stage from the first": ([[], [0.5], [0.5, 0], [0, 0, 1]], SIXTHS, 2),
+}
+KUTTA = [[], [0.5], [-1, 2]], np.array([1, 4, 1]) / 6, 3
+
+
+def made_by(one: object, tableau: list[list[float]], weights: np.ndarray, steps: int) -> Arrays:
+    """The motion by so many steps of a Runge–Kutta method from sample to sample."""
+    rates, times, start = rates_of(one), one.scenario.times, one.scenario.start
+    h, y, rows = float(times[1]) / steps, [*start.q_world_body_wxyz, *start.omega_body], []
+    for _ in times:
+        rows.append(y)
+        for _ in range(steps):
+            stages: list[np.ndarray] = []
+            for row in tableau:
+                at = y + h * sum((a * k for a, k in zip(row, stages, strict=True)), np.zeros(7))
+                stages.append(np.concatenate(rates(at[:4], at[4:])))
+            y = y + h * (weights @ stages)
+            y[:4] /= np.linalg.norm(y[:4])
+    table = np.array(rows)
+    return {"t": times.copy(), "q": table[:, :4], "omega": table[:, 4:]}
+
+
+def intervals(one: object, arrays: Arrays) -> Intervals:
+    """The intervals of a recording, in units of their differences from the exact motion."""
+    recording = Recording(Path("motion.csv"), arrays, {})
+    exact = exact_at(one.scenario, arrays["t"]).trajectory
+    motion = recorded_motion(one.scenario, recording, reading_of(recording), exact).trajectory
+    data = intervals_of(one.scenario, motion, None, 1, np.full(2, 1e-13), most=60)
+    assert data is not None
+    return data.with_error(root_mean_squares(data.apart(data.base.equations)))
+
+
+def test_there_are_as_many_trees_as_in_the_literature() -> None:
+    """Hairer, Nørsett & Wanner I, table II.2.1; of two colours §II.15, half with either root."""
+    assert [len(trees(count, [BOTH])) for count in range(1, 8)] == [1, 1, 2, 4, 9, 20, 48]
+    assert [len(trees(count, [ATTITUDE, OMEGA])) for count in range(1, 5)] == [2, 4, 14, 52]
+
+
+@pytest.mark.parametrize("steps", [1, 10])
+@pytest.mark.parametrize("one", [BODY, TOP], ids=["free", "heavy"])
+def test_the_leading_error_of_its_order_alone_explains_a_method(one: object, steps: int) -> None:
+    for tableau, weights, order in (*WRONG.values(), KUTTA):
+        data = intervals(one, made_by(one, tableau, weights, steps))
+        turn = float(np.linalg.norm(data.starts[:, 4:], axis=1).max() * data.spans[0, 0]) / steps
+        left = {n: np.sqrt(np.mean(left_by_methods(data, [n]) ** 2)) for n in (1, 2, 3)}
+        # The next term is as much smaller as a step turns the body, and no other order's is.
+        assert left.pop(order) < NEXT_TERM * turn
+        assert min(left.values()) > LEFT
+
+
+@pytest.mark.parametrize("wrong", WRONG)
+def test_a_method_of_a_lower_order_than_the_stated_one_is_named(wrong: str) -> None:
+    tableau, weights, order = WRONG[wrong]
+    recording = Recording(
+        Path("motion.csv"), made_by(TOP, tableau, weights, 10), {"timestep": "0.001"}
+    )
+    found = judged_motion(TOP.scenario, recording, 4)
+    (words,) = found.explained_by
+    assert words.startswith(f"its method is of order {order}, not 4")
+    assert not judged_motion(TOP.scenario, recording, order).explained_by
