@@ -80,14 +80,17 @@ class Search:
         best = self.one()
         if best is not None and best.left <= 1:
             return best
-        return self._simplest([*self._single, *self._pairs()])
+        return self._simplest([*self.single, *self._pairs()])
 
     def one(self) -> Fit | None:
         """The change that explains the data by itself; None if none does."""
-        return self._simplest(self._single)
+        return self._simplest(self.single)
 
     @cached_property
-    def _single(self) -> list[Fit]:
+    def single(self) -> list[Fit]:
+        """The fits of each change by itself that may explain the data; none if none need be."""
+        if not self.is_called_for:
+            return []
         enough = PROMISING**2 * self.unchanged.left
         return [trial.fit() for trial in self.trials if _left_if_linear(trial) <= enough]
 

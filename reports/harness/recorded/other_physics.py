@@ -4,6 +4,7 @@ From each sample to the next, the gain of the recording over the exact flow is c
 such changes. So they show at any time, however far the motion is from the exact one by then.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -148,12 +149,21 @@ class Physics:
             return 0
         off = self.intervals.apart(self.intervals.base.equations)
         data = self.intervals.with_error(root_mean_squares(off))
-        orders = [n for n in range(1, self.order) if not replace(self, order=n).is_beyond]
-        left = {n: _mean_square(left_by_methods(data, [n])) for n in orders}
-        best = min(orders, key=left.__getitem__, default=0)
         of_noise = _mean_square(np.repeat(data.noise, 3) / data.scale)
-        if not best or left[best] > self.next_term**2 + of_noise:
+
+        def explains(orders: Sequence[int], part: float) -> bool:
+            return _mean_square(left_by_methods(data, orders)) < part**2 + of_noise
+
+        left = {
+            n: _mean_square(left_by_methods(data, [n]))
+            for n in range(1, self.order)
+            if not replace(self, order=n).is_beyond
+            and explains([n], LARGEST_NEXT)
+            and explains([n, n + 1], self.next_term)
+        }
+        if not left:
             return 0
+        best = min(left, key=left.__getitem__)
         by_change = _mean_square(data.off(self.found.hypothesis)) if self.found else np.inf
         return best if by_change > LEFT**2 * left[best] else 0
 

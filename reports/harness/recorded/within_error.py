@@ -12,7 +12,7 @@ import numpy as np
 from ....scenarios import FloatArray
 from ..explaining.fit import RANK, Data, Fit, Trial
 from ..explaining.hypothesis import Change, Hypothesis
-from ..explaining.search import Search
+from ..explaining.search import LEFT, Search
 from .intervals import Intervals, root_mean_squares
 from .leading_error import basis_of, leading_errors
 from .mistakes import FITS
@@ -61,14 +61,39 @@ def within_error(
     data = replace(data, base=base)
     errors = leading_errors(data, orders)
     for size in _sizes(data, errors, changes):
-        nearly = data.with_error(np.maximum(next_term * size, FITS))
-        beside = BesideMethods(base, nearly, basis_of(errors, nearly.scale))
-        found = Search(beside, changes, most, part=0.0).one_or_two()
+        found, size = _beside(data, errors, changes, most, next_term, size)
         if found is not None and found.count <= most:
             made = _made(data, errors, found.hypothesis)
             if (made <= 2 * np.maximum(size, data.noise)).all():
                 return found
     return None
+
+
+def _beside(
+    data: Intervals,
+    errors: FloatArray,
+    changes: Sequence[Change],
+    most: int,
+    next_term: float,
+    size: FloatArray,
+) -> tuple[Fit | None, FloatArray]:
+    """Return the change, or two, that explain what methods do not, and how large their error is.
+
+    Parameters
+    ----------
+    size : of the methods' error without any change, rad and rad/s, (2,); if some change leaves far
+        less to methods, then it is no larger than that
+    """
+    while True:
+        nearly = data.with_error(np.maximum(next_term * size, FITS))
+        beside = BesideMethods(data.base, nearly, basis_of(errors, nearly.scale))
+        search = Search(beside, changes, most, part=0.0)
+        found = search.one_or_two()
+        made = [_made(data, errors, fit.hypothesis) for fit in search.single]
+        least = min(made, key=lambda one: float(np.max(one / np.maximum(size, FITS))), default=size)
+        if (least > LEFT * size).any() or (size <= FITS).all():
+            return found, size
+        size = least
 
 
 def _sizes(data: Intervals, errors: FloatArray, changes: Sequence[Change]) -> list[FloatArray]:

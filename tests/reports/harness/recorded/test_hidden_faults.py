@@ -35,7 +35,18 @@ def symmetric() -> Case:
     return replace(one, scenario=from_tables(document, "symmetric"), inertia=inertia)
 
 
+def dragged() -> Case:
+    """A body with drag."""
+    one = case(324, samples=101)
+    document = one.scenario.document.model_dump(mode="json", exclude_none=True)
+    effects = {"drag": {"rotational": DRAG}}
+    return replace(one, scenario=from_tables(document | {"effects": effects}, "dragged"))
+
+
+#: Of a body with drag, N m s.
+DRAG = 0.3
 FREE, HEAVY = case(324, samples=101), case(322, is_pivoted=True, duration=2.0)
+DRAGGED = dragged()
 TOP, SPINNING = case(323, is_pivoted=True, duration=2.0), symmetric()
 #: Standard deviations of a measured attitude, rad, and ω, rad/s.
 NOISE = 1e-3, 5e-3
@@ -81,6 +92,26 @@ def noisy(arrays: Arrays) -> Arrays:
 
 def dry_friction() -> Arrays:
     return rounded(exactly(HEAVY, rates_of(HEAVY, torque=lambda _: np.array([0, 0, -0.02]))))
+
+
+def damped() -> Arrays:
+    """L slowed at a rate, as by an engine's angular damping, in place of drag."""
+    return exactly(DRAGGED, rates_of(DRAGGED, torque=lambda w: -0.2 * DRAGGED.inertia @ w))
+
+
+def turned_too_early() -> Arrays:
+    """ω by the midpoint rule, and the attitude by what ω was a quarter of a step too early."""
+    rates, h, start = rates_of(TOP), float(TOP.scenario.times[1]) / 5, TOP.scenario.start
+    q, omega, rows = start.q_world_body_wxyz, start.omega_body, []
+    for _ in TOP.scenario.times:
+        rows.append(np.concatenate([q, omega]))
+        for _ in range(5):
+            turns, accelerated = rates(q, omega)
+            turn = Rotation.from_rotvec(h * (omega + h / 4 * accelerated))
+            omega = omega + h * rates(q + h / 2 * turns, omega + h / 2 * accelerated)[1]
+            q = (Rotation.from_quat(q, scalar_first=True) * turn).as_quat(scalar_first=True)
+    table = np.array(rows)
+    return {"t": TOP.scenario.times.copy(), "q": table[:, :4], "omega": table[:, 4:]}
 
 
 def game_engine() -> Arrays:
@@ -352,6 +383,19 @@ HIDDEN = {
         numbers=tuple(np.linalg.eigvalsh(HEAVY.inertia) * [1.0, 1.001, 1.0]),
         # A tenth of what it is off by.
         to=1e-4 * float(np.linalg.eigvalsh(HEAVY.inertia)[1]),
+    ),
+    "damping in place of drag, and no timestep": Hidden(
+        DRAGGED.scenario,
+        damped,
+        ("it moves as if L were slowed by ",),
+        numbers=(0.2,),
+    ),
+    "an attitude turned too early": Hidden(
+        TOP.scenario,
+        turned_too_early,
+        ("its method is of order 1, not 2: ",),
+        {"timestep": repr(float(TOP.scenario.times[1]) / 5)},
+        2,
     ),
     "axes exchanged, and ω like any vector": Hidden(
         SPINNING.scenario,
