@@ -261,6 +261,9 @@ def _is_clear_fault(look: Look) -> bool:
     """
     noise = noise_of_steps(look.equations, look.steps)[-1]
     for q, series in enumerate(look.series):
+        # A limit is none where a series that vanishes explains the gains.
+        if series.tail >= look.level:
+            continue
         sizes, left = norms(series.limit), norms(look.gains[-1, :, q] - series.limit)
         if ((sizes > 2 * left) & (sizes > SURE * noise[:, q])).any():
             return True

@@ -44,6 +44,8 @@ def test_no_honest_method_is_accused_on_some_random_scenes(counts: Counts) -> No
         (564, "dartpy", "semi-implicit"),
         # What is short is what a step turns the body by, and not its rate before the step.
         (2436, "dartpy", "semi-implicit"),
+        # A body nearly at rest has a limit in another quantity, which a series explains as well.
+        (2660, "dartpy", "semi-implicit"),
         # Rounding of the force on a fast body turns it as well.
         (200, "mujoco", "RK4"),
     ],
