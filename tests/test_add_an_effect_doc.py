@@ -23,7 +23,7 @@ OTHERS = ("markdown", "render", "templating", "overview/first_screen", "overview
 OTHER_TABLES = {f"reports/pages/{name}.py" for name in OTHERS}
 OTHER_TABLES.add("scenarios/format_page.py")
 #: The force of a scene that accelerates the com; the heading below which its files are listed.
-GRAVITY = re.compile(r"gravity_world")
+GRAVITY = re.compile(r"gravity_world", re.IGNORECASE)
 OF_A_FORCE = "## A force: gravity"
 #: Of a constraint with a force and an end of its own: measured.
 MOST_OF_A_CONSTRAINT = 12
