@@ -34,8 +34,8 @@ from .since import since_when
 NOISE = ("noise_attitude", "noise_omega")
 #: That a method's order is lower than the stated one.
 LOWER_ORDER = (
-    "its method is of order {}, not {}: the scene's equations with the leading error of such a "
-    "method make this motion, and no change of the equations explains as much of it"
+    "its method is of order {}, not {}: the scene's equations and errors of that order make this "
+    "motion; look for a wrong stage or weight, or a rate that is taken at another time"
 )
 #: How many mistakes are tried with what may explain the rest.
 MOST_TRIED = 3
