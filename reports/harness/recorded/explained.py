@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
 
 import numpy as np
-from scipy.stats import f
+from scipy.special import fdtrc
 
 from ....reference.following import follow
 from ....scenarios import FloatArray, Scenario, Trajectory
@@ -253,7 +253,7 @@ def _elsewhere(physics: Physics) -> list[str]:
     fits = FITS * np.array([1.0, norms(exact.omega_body).max()])
     least = np.maximum(physics.noise, fits)
     usual = np.sum(others**2, axis=(0, 2)) / count + least**2
-    by_chance = f.sf(np.mean(off**2, axis=1) / usual, 3, count)
+    by_chance = fdtrc(3, count, np.mean(off**2, axis=1) / usual)
     if not ((by_chance < LEVEL / 2) & (norms(off) > of_method)).any():
         return []
     attitudes = apart(states_of(exact.until(2)), states_of(motion.until(2)))[:, :3]

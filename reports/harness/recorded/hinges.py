@@ -1,7 +1,7 @@
 """Checks whether the rotors of a recorded motion keep the constants that their hinges conserve."""
 
 import numpy as np
-from scipy.stats import norm
+from scipy.special import ndtri
 
 from ....scenarios import FloatArray, Scenario, Trajectory
 from ....scenarios.rotation import norms
@@ -33,7 +33,7 @@ def spins_beyond(
     turns = fastest * np.minimum(spans, timestep or np.inf)
     of_method = np.minimum(1.0, turns) ** order * speed * spans * fastest / 2
     scale = np.hypot(of_method, noise[1] * fastest / speed)
-    if np.abs(gained / scale).max() < norm.isf(LEVEL / gained.size / 2):
+    if np.abs(gained / scale).max() < -ndtri(LEVEL / gained.size / 2):
         return []
     k, rotor = np.unravel_index(np.argmax(np.abs(gained / scale)), gained.shape)
     return [

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.stats import chi2, f
+from scipy.special import chdtri, fdtri
 
 from ....reference.following import follow
 from ....scenarios import FloatArray
@@ -80,7 +80,7 @@ def _places(data: Intervals, off: FloatArray, left: FloatArray) -> list[int]:
     """
     level = LEVEL / len(off)
     at_once = 1 + 5 * data.of_method
-    is_beyond = left / at_once > chi2.isf(level, 6 / at_once)
+    is_beyond = left / at_once > chdtri(6 / at_once, level)
     # A method's error changes little from one interval to the next.
     in_noise = np.sqrt(np.sum((off / np.repeat(data.noise, 3)) ** 2, axis=1))
     around = np.lib.stride_tricks.sliding_window_view(np.pad(in_noise, AROUND), 2 * AROUND + 1)
@@ -91,7 +91,7 @@ def _places(data: Intervals, off: FloatArray, left: FloatArray) -> list[int]:
     squares = np.mean(off.reshape(-1, 2, 3) ** 2, axis=2)
     # Noise that a method's error nearly hides is larger at some of many samples.
     usual = np.mean(squares[~is_beyond], axis=0)
-    is_beyond &= np.any(squares > f.isf(level, 3, 3 * np.sum(~is_beyond)) * usual, axis=1)
+    is_beyond &= np.any(squares > usual / fdtri(3 * np.sum(~is_beyond), 3, level), axis=1)
     return [*map(int, np.flatnonzero(is_beyond))]
 
 
@@ -107,7 +107,7 @@ def _goes_on(data: Intervals, k: int, last: int, left: float) -> bool:
     spans = data.spans[k : last + 1].T
     after = follow(data.base.equations, data.starts[[k]], spans)[0, -1]
     off = apart(after[None], data.ends[[last]])[0] / data.scale[k]
-    return bool(np.sum(off**2) < max(chi2.isf(LEVEL, 6), LEFT**4 * left))
+    return bool(np.sum(off**2) < max(chdtri(6, LEVEL), LEFT**4 * left))
 
 
 def _off(data: Intervals, off: FloatArray, k: int, last: int) -> Jump:
@@ -189,7 +189,7 @@ def _sentence(alike: Sequence[Jump]) -> str:
 
 def _is_near(made: FloatArray, recorded: FloatArray, scale: FloatArray) -> bool:
     off = apart(made[None], recorded[None])[0] / scale
-    return bool(np.sum(off**2) < chi2.isf(LEVEL, 6))
+    return bool(np.sum(off**2) < chdtri(6, LEVEL))
 
 
 def _size(off: FloatArray) -> str:

@@ -10,7 +10,7 @@ from functools import cached_property
 
 import numpy as np
 from scipy.spatial.transform import Rotation
-from scipy.stats import chi2, f
+from scipy.special import chdtrc, chdtri, fdtrc
 
 from ....reference.following import follow
 from ....scenarios import FloatArray, Scenario, Trajectory
@@ -245,10 +245,10 @@ class Measured:
         """Whether a fit leaves more than noise explains."""
         squares, freedom = self.given.squares(fit.rest), fit.rest.size - len(fit.numbers)
         if self.given.is_stated:
-            return float(chi2.sf(squares.sum(), freedom)) < LEVEL
+            return float(chdtrc(freedom, squares.sum())) < LEVEL
         each = freedom / len(squares)
         ratios = squares / each
-        return float(f.sf(ratios.max(), each, 3 * len(self.given.t) / SHARED)) < LEVEL
+        return float(fdtrc(each, 3 * len(self.given.t) / SHARED, ratios.max())) < LEVEL
 
     @property
     def is_far(self) -> bool:
@@ -319,7 +319,7 @@ class Measured:
         if not log.has_omega:
             return []
         squares = log.squares(unchanged)
-        is_right = chi2.sf(squares, 3 * len(log.t)) > LEVEL
+        is_right = chdtrc(3 * len(log.t), squares) > LEVEL
         if is_right.all() or not is_right.any():
             return []
         return [ATTITUDE_ALONE if is_right[0] else OMEGA_ALONE]
@@ -341,7 +341,7 @@ class Measured:
         # Numbers that are known together only have a correlation that is nearly singular.
         correlation = self.fit.covariance[rows, rows] * self.inflation**2 / np.outer(errors, errors)
         squares = in_errors @ np.linalg.lstsq(correlation, in_errors, rcond=None)[0]
-        return bool(squares > chi2.isf(LEVEL, len(numbers)))
+        return bool(squares > chdtri(len(numbers), LEVEL))
 
     def _in_words(self, change: Change) -> str:
         rows = self.fit.rows(change)

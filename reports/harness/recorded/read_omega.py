@@ -9,8 +9,7 @@ from dataclasses import dataclass, replace
 from itertools import product
 
 import numpy as np
-from scipy.signal import lfilter
-from scipy.stats import f
+from scipy.special import fdtrc
 
 from ....reference.following import follow
 from ....reference.other_equations import OtherEquations
@@ -179,8 +178,12 @@ class Filter:
         poles = np.roots([1.0, *-self.outputs])
         if not (self.delay > 0 and self.outputs.sum() >= 0 and (np.abs(poles) < 1).all()):
             return False
-        weights = lfilter(self.inputs, [1.0, *-self.outputs], np.eye(1, WEIGHTS)[0])
-        return bool(weights.min() >= -LEFT * weights.max())
+        weights: list[float] = []
+        for n in range(WEIGHTS):
+            direct = float(self.inputs[n]) if n < len(self.inputs) else 0.0
+            before = zip(self.outputs, reversed(weights), strict=False)
+            weights.append(direct + sum(a * weight for a, weight in before))
+        return min(weights) >= -LEFT * max(weights)
 
     @property
     def words(self) -> str:
@@ -205,7 +208,7 @@ def _filtered(t: FloatArray, body: FloatArray, read: FloatArray, error: float) -
         count, numbers = 3 * len(read), len(one.outputs) + len(one.inputs)
         fall = (off - one.left) / max(one.left, error**2) * (count - numbers) / numbers
         explains = one.left <= max(error**2, LEFT**4 * off) and one.is_causal
-        if explains and f.sf(fall, numbers, count - numbers) < LEVEL / (OUTPUTS + 1) / INPUTS:
+        if explains and fdtrc(numbers, count - numbers, fall) < LEVEL / (OUTPUTS + 1) / INPUTS:
             delay = one.delay * spans.mean()
             return [f"ω is filtered, which delays it by {delay:.4g} s: it is {one.words}"]
     return [OMEGA]

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from scipy.stats import chi2, rankdata
+from scipy.special import chdtri
 
 from ....scenarios import FloatArray
 from ...results.change_words import KINDS
@@ -46,7 +46,7 @@ def varying(data: Intervals, changes: Sequence[Change], among: int) -> Varying |
     unchanged = data.off(data.base)
     count = unchanged.size
     enough = max(within_noise(count), LEFT**2 * float(np.mean(unchanged**2)))
-    by_chance = float(chi2.isf(LEVEL / (among + len(single)), len(unchanged)))
+    by_chance = float(chdtri(len(unchanged), LEVEL / (among + len(single))))
     parts = [data.rows([k]) for k in range(len(unchanged))]
     found = []
     for change in single:
@@ -95,7 +95,8 @@ def _in_words(t: FloatArray, change: Change, numbers: FloatArray) -> str:
     if min(splits) <= LEFT**2 * _spread(numbers):
         words = [_of(change, before), _of(change, after)]
         return f"{words[0]} until t = {t[k - 1]:.4g} s, and from then on {words[1]}"
-    if abs(np.corrcoef(rankdata(t), rankdata(numbers))[0, 1]) >= ONE_WAY:
+    ranks = numbers.argsort().argsort()
+    if abs(np.corrcoef(np.arange(len(t)), ranks)[0, 1]) >= ONE_WAY:
         at = 0, len(t) // 2, len(t) - 1
         return ", ".join(f"at t = {t[i]:.4g} s {_of(change, numbers[i])}" for i in at)
     least, largest = (_of(change, one) for one in (numbers.min(), numbers.max()))
