@@ -56,8 +56,7 @@ _PLACES = np.cumsum([0, *(_COUNTS.get(name, 3) for name in OtherEquations._field
     TENSOR_TURNS,
     KINEMATICS,
     RATE,
-    COUNT,
-) = map(int, _PLACES)
+) = map(int, _PLACES[:-1])
 
 
 def all_numbers(equations: OtherEquations) -> FloatArray:

@@ -17,6 +17,10 @@ from .intervals import Intervals, root_mean_squares
 from .leading_error import basis_of, leading_errors
 from .mistakes import FITS
 
+#: With changes that explain the rest, methods may make so much more than their error was taken for:
+#: without them it is the best fit of both together.
+ROOM = 2.0
+
 
 @dataclass(frozen=True, eq=False)
 class BesideMethods(Data):
@@ -64,7 +68,7 @@ def within_error(
         found, size = _beside(data, errors, changes, most, next_term, size)
         if found is not None and found.count <= most:
             made = _made(data, errors, found.hypothesis)
-            if (made <= 2 * np.maximum(size, data.noise)).all():
+            if (made <= ROOM * np.maximum(size, data.noise)).all():
                 return found
     return None
 
@@ -106,12 +110,9 @@ def _sizes(data: Intervals, errors: FloatArray, changes: Sequence[Change]) -> li
     units = np.maximum(most, FITS)
     of_changes = []
     for change in changes:
-        slopes = Trial(data, (change,)).slopes if len(change.sizes) else None
-        if slopes is None:
-            of_changes.append(_made(data, errors, change.apply(data.base, np.empty(0))))
-            continue
-        columns = (slopes.T.reshape(-1, *data.scale.shape)) * data.scale
-        of_changes.append(_made(data, errors, data.base, columns))
+        trial, count = Trial(data, (change,)), len(change.sizes)
+        columns = trial.slopes.T.reshape(count, *data.scale.shape) * data.scale
+        of_changes.append(_made(data, errors, trial.hypothesis(np.zeros(count)), columns))
     least = min(of_changes, key=lambda size: float(np.sum((size / units) ** 2)))
     return [most, np.sqrt(most * least), least]
 
