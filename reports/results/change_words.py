@@ -21,6 +21,8 @@ ROUNDING = 1e-12
 ALIKE = 1e-2
 #: Digits after the point of a power.
 DIGITS = 6
+#: Products of inertia, in the order in which they are listed everywhere.
+PRODUCTS = "Ixy", "Ixz", "Iyz"
 #: For a body that turns freely a motion does not show how large its tensor is.
 UP_TO_A_FACTOR = ", up to a factor"
 _MOMENTUM = next(one.wrong_momentum for one in EFFECTS.values() if one.wrong_momentum)
@@ -83,8 +85,20 @@ def _components(numbers: Sequence[float]) -> str:
 
 def _products(numbers: Sequence[float]) -> str:
     """Return names of the products of inertia that have another sign."""
-    pairs = zip(numbers, ("Ixy", "Ixz", "Iyz"), strict=True)
+    pairs = zip(numbers, PRODUCTS, strict=True)
     return " and ".join(name for sign, name in pairs if sign < 0)
+
+
+def _exchanged(numbers: Sequence[float]) -> str:
+    """Return names of products of inertia, each by its number, from zero, in Ixy, Ixz, Iyz."""
+    names = [PRODUCTS[int(k)] for k in numbers]
+    return f"{', '.join(names[:2])} and {names[2]}"
+
+
+def _entry(numbers: Sequence[float]) -> str:
+    """Return the name of an entry of the tensor, by its number from zero, and its value."""
+    at, value = numbers
+    return f"{('Ixx', 'Iyy', 'Izz', *PRODUCTS)[int(at)]} were {value:.7g}"
 
 
 def _permuted(numbers: Sequence[float]) -> str:
@@ -260,6 +274,15 @@ KINDS = {
     "com twice": Kind("the tensor about the com had been moved from the origin once more"),
     "permuted moments": Kind("the principal moments were permuted, {}", 6, _permuted),
     "rows and columns": Kind("the tensor's rows and columns were those of the axes {}", 3, _axes),
+    "exchanged products": Kind("the products Ixy, Ixz and Iyz were {}", 3, _exchanged),
+    "parallel axes by distance": Kind(
+        "the parallel axis theorem added m r² along every axis, without − m r rᵀ"
+    ),
+    "parallel axes' products": Kind(
+        "the products of the parallel axis theorem had the other sign"
+    ),
+    "rounded tensor": Kind("the tensor were rounded to {} decimals", 1, lambda n: f"{n[0]:.0f}"),
+    "entry": Kind("{} kg m²", 2, _entry),
     "sphere": Kind("the tensor were that of a sphere"),
     "tensor's size": _of_factor("the tensor were {} times as large"),
     "rotated tensor": Kind("the tensor were the same about axes turned by {}", 3, _turn),
@@ -278,6 +301,9 @@ KINDS = {
     "world vectors turned on": Kind("gravity and torques were turned by R for its transpose"),
     "world vectors unturned": Kind("gravity and torques along world axes turned with the body"),
     "gravity": Kind("gravity were {} m/s²", 3),
+    "gravity on a free body": Kind(
+        "gravity acted on the com about the body's origin, as of a body on a pivot"
+    ),
     "gravity's size": _of_factor(
         "gravity were {} times as strong", "there were no gravity", "gravity were turned round"
     ),

@@ -124,6 +124,7 @@ def _of_fitted_tensors(scenario: Scenario, e: OtherEquations) -> Iterator[Change
         yield Change("tensor's size", _enlarged, np.ones(1))
     yield from com(scenario, e)
     yield from lever(e)
+    yield from (_with_entry(e, at) for at in range(6))
     yield fitted(f"moments{how}", moments, size, lambda h, n: h.of_tensor((axes * n) @ axes.T))
     yield fitted(f"box{how}", np.diag(e.inertia), size, lambda h, n: h.of_tensor(np.diag(n)))
     yield fitted("rotated tensor", np.zeros(3), 1.0, _rotated)
@@ -132,6 +133,16 @@ def _of_fitted_tensors(scenario: Scenario, e: OtherEquations) -> Iterator[Change
 
 def _enlarged(h: Hypothesis, n: FloatArray) -> Hypothesis:
     return h.of_tensor((1 + n[0]) * h.equations.inertia)
+
+
+def _with_entry(e: OtherEquations, at: int) -> Change:
+    """Fits one entry of the tensor, as where a number was mistyped."""
+    entries, unit = tensor_entries(e.inertia), np.eye(6)[at]
+
+    def changed(h: Hypothesis, n: FloatArray) -> Hypothesis:
+        return h.of_tensor(tensor_of_entries(entries + n[0] * unit))
+
+    return Change("entry", changed, np.array([mean_moment(e)]), lambda n: (at, entries[at] + n[0]))
 
 
 def _rotated(h: Hypothesis, turn: FloatArray) -> Hypothesis:

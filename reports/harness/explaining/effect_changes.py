@@ -21,6 +21,9 @@ def of_effects(scenario: Scenario, e: OtherEquations) -> Iterator[Change]:
     # Of a free body a recording does not show gravity, and an engine's steps do.
     if e.gravity_world.any():
         yield from factors("gravity's size", 0.0, -1.0, gravity_world=e.gravity_world)
+    of_com = scenario.body.mass * np.array(scenario.body.com)
+    if e.gravity_world.any() and of_com.any() and not (scenario.constraint.is_pivot or e.mobility):
+        yield set_to("gravity on a free body", pull=of_com)
     yield from resistance(scenario, e)
     rate, none = _fastest(scenario, e), np.zeros(3)
     yield from _of_decay(e, rate)

@@ -14,6 +14,8 @@ SAME = 1e-9
 #: A principal moment may exceed the sum of the others by this, relative to the largest: so far a
 #: method's error may put the tensor of a flat body that is fitted.
 SLACK = 1e-2
+#: Decimals, of kg m², that a tensor may have been rounded to.
+DECIMALS = range(1, 9)
 #: Rotations by half a turn, and none: which way a principal axis points is anyone's choice.
 HALF_TURNS = ((1, 1, 1), (1, -1, -1), (-1, 1, -1), (-1, -1, 1))
 #: A kind of change, its numbers, and the tensor, kg m², (3, 3).
@@ -56,6 +58,15 @@ def _of_mistakes(scenario: Scenario, of_com: FloatArray) -> Iterator[Tensor]:
     for signs in product((1.0, -1.0), repeat=3):
         entries = tensor_entries(of_com) * [1, 1, 1, *signs]
         yield "signs of products", signs, tensor_of_entries(entries)
+    for order in orders:
+        entries = tensor_entries(of_com)
+        yield "exchanged products", order, tensor_of_entries([*entries[:3], *entries[3:][order]])
+    if about:
+        # m r² (1 - n nᵀ) is what the parallel axis theorem adds.
+        yield "parallel axes by distance", (), of_com - moved + np.eye(3) * np.trace(moved) / 2
+        yield "parallel axes' products", (), of_com - moved + with_products(moved, -1.0)
+    for decimals in DECIMALS:
+        yield "rounded tensor", (decimals,), np.round(of_com, decimals)
     yield "sphere", (), np.eye(3) * moments.mean()
 
 

@@ -19,12 +19,13 @@ from ..explaining.changes import changes
 from ..explaining.effect_changes import of_attitude, of_rotors
 from ..explaining.fit import Fit
 from ..explaining.hypothesis import Change, Hypothesis, as_it_is
-from ..explaining.search import LEFT, SAME, Search
+from ..explaining.search import LEFT, MOST_OF_ALL, SAME, Search
 from .clamps import clamps
 from .gyroscope_first import after_gyroscope
 from .intervals import FEWEST_INTERVALS, Intervals, intervals_of, root_mean_squares
 from .leading_error import left_by_methods
 from .missing import KINEMATICS, missing
+from .mistakes import FITS
 from .recording import MULTIPLE
 from .sensors import MOMENTUM, SENSORS, of_sensor
 from .varying import varying
@@ -223,6 +224,27 @@ class Physics:
         fits = [fit for fit in found if fit is not None and self._integrator(fit.hypothesis)]
         return min(fits, key=lambda fit: (fit.count, fit.left), default=None)
 
+    @cached_property
+    def of_exact_motion(self) -> Fit | None:
+        """The change of whose equations the recording is an exact motion; None if there is none.
+
+        It leaves next to nothing of the difference, of which methods' leading errors leave more
+        than their next term. So it may have more numbers than one that leaves more.
+        """
+        if self.search is None or self.intervals is None:
+            return None
+        off = self.intervals.apart(self.intervals.base.equations)
+        size = root_mean_squares(off)
+        orders = range(1, self.order + 1)
+        left = left_by_methods(self.intervals.with_error(size), orders)
+        if _mean_square(left) < self.next_term**2:
+            return None
+        fits = FITS * np.array([1.0, norms(self.motion.omega_body).max()])
+        noise = np.max([self.noise, SAME * size, fits], axis=0)
+        data = replace(self.intervals.made_by(EXACT, 0.0), noise=noise)
+        found = Search(data, self._of_motion, part=SAME).one()
+        return found if found is not None and found.count <= MOST_OF_ALL else None
+
     def explained(self) -> list[str]:
         """Return in words the clamp, or the changes, that explain the motion; often none."""
         if self.clamps:
@@ -230,8 +252,8 @@ class Physics:
         if self.intervals is None or self.search is None:
             return []
         if not self.is_beyond:
-            if self.by_other_equations:
-                return self._in_words(self.by_other_equations)
+            if found := self.of_exact_motion or self.by_other_equations:
+                return self._in_words(found)
             fit = self._within_error(self.intervals.base)
             return self._sentences(fit) if fit else []
         if self.found is not None:
@@ -242,14 +264,18 @@ class Physics:
             return [found.words, *self._unexplained(found.rest)]
         return missing(self.intervals)
 
+    @property
+    def _of_motion(self) -> list[Change]:
+        """The changes that a method's error is not: about a steady axis it turns a body, too."""
+        changes = self.search.changes if self.search else ()
+        return [one for one in changes if not _is_of_turning(one)]
+
     def _within_error(self, base: Hypothesis) -> Fit | None:
         """The changes that explain what a hypothesis leaves within a method's error, if any do."""
         if self.intervals is None or self.search is None:
             return None
-        # About a steady axis any method turns the body otherwise, or has another ω.
-        changes = [one for one in self.search.changes if not _is_of_turning(one)]
-        orders = range(1, self.order + 1)
-        return within_error(self.intervals, changes, MOST_NUMBERS, base, orders, self.next_term)
+        orders, every = range(1, self.order + 1), self._of_motion
+        return within_error(self.intervals, every, MOST_NUMBERS, base, orders, self.next_term)
 
     @cached_property
     def found(self) -> Fit | None:
