@@ -278,9 +278,7 @@ KINDS = {
     "parallel axes by distance": Kind(
         "the parallel axis theorem added m r² along every axis, without − m r rᵀ"
     ),
-    "parallel axes' products": Kind(
-        "the products of the parallel axis theorem had the other sign"
-    ),
+    "parallel axes' products": Kind("the products of the parallel axis theorem had the other sign"),
     "rounded tensor": Kind("the tensor were rounded to {} decimals", 1, lambda n: f"{n[0]:.0f}"),
     "entry": Kind("{} kg m²", 2, _entry),
     "sphere": Kind("the tensor were that of a sphere"),

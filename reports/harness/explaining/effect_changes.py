@@ -138,14 +138,19 @@ def of_attitude(scenario: Scenario, e: OtherEquations) -> Iterator[Change]:
         np.array([rate**2]),
         lambda n: np.array([n[0], *up]),
     )
-    for kind, name in ("turning besides", "body_turns"), ("world turning", "world_turns"):
-        yield fitted(kind, np.zeros(3), rate, partial(_turned, name))
+    yield fitted("turning besides", np.zeros(3), rate, partial(_turned, "body_turns"))
+    yield world_turning(rate)
     yield fitted("gravity gradient along other axes", np.zeros(5), rate**2, _pulled)
     yield fitted(
         "torque by attitude",
         *(np.zeros(9), size),
         lambda h, n: h.of(attitude_torque=n.reshape(3, 3).copy()),
     )
+
+
+def world_turning(rate: float) -> Change:
+    """Attitudes that drift about an axis of the world; of the order of a rate, rad/s."""
+    return fitted("world turning", np.zeros(3), rate, partial(_turned, "world_turns"))
 
 
 def _turned(name: str, h: Hypothesis, rate: FloatArray) -> Hypothesis:

@@ -30,7 +30,8 @@ def other_tensors(scenario: Scenario) -> Iterator[Tensor]:
         # A pivot adds to a tensor, and parts that turn freely take from it.
         tensor = wrong + (inertia - of_com)
         is_new = all(np.abs(tensor - other).max() > SAME * np.abs(other).max() for other in seen)
-        if is_new and np.linalg.eigvalsh(tensor)[0] > 0:
+        moments = np.linalg.eigvalsh(tensor)
+        if is_new and moments[0] > np.finfo(float).eps * moments[2]:
             seen.append(tensor)
             yield kind, numbers, tensor
 

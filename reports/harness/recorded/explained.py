@@ -105,7 +105,9 @@ def explained(
         if fit.is_far and (words := since_when(fit, motion, exact)):
             return Explanation(tuple(words), fit.verdict, is_beyond=True, measured=fit)
         # What a solver leaves is like noise, and its method has errors besides.
-        if is_stated or physics.is_beyond or not fit.is_beyond:
+        is_measured = is_stated or physics.is_beyond or not fit.is_beyond
+        # A method that errs in one of attitude and ω soon errs in the other.
+        if is_measured or fit.right_by_itself:
             return _of_measured(fit, physics)
     is_asked = is_first and has_omega and (physics.search is None or physics.is_open)
     if is_asked and (both := _both(physics, recording, reading)):

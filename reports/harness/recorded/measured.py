@@ -15,8 +15,9 @@ from scipy.special import chdtrc, chdtri, fdtrc
 from ....reference.following import follow
 from ....scenarios import FloatArray, Scenario, Trajectory
 from ....scenarios.rotation import norms
+from ...results.change_words import KINDS
 from ..explaining.changes import is_scaled, tensor
-from ..explaining.effect_changes import com, of_momentum, resistance
+from ..explaining.effect_changes import com, of_momentum, resistance, world_turning
 from ..explaining.fit import Data, Fit, Trial
 from ..explaining.hypothesis import Change, Hypothesis, as_it_is
 from ..explaining.search import LEFT, LEVEL, Search
@@ -178,7 +179,7 @@ class Measured:
         candidates = [START, self.tensor, *resistance(self.scenario, equations)]
         candidates += [*com(self.scenario, equations), *of_momentum(equations)]
         if self.given.has_omega:
-            candidates += SENSORS
+            candidates += [*SENSORS, world_turning(1.0)]
         return Search(self.given, candidates)
 
     @cached_property
@@ -309,12 +310,13 @@ class Measured:
         If that leaves far more than noise: whether attitudes, or ω, are those of the scene.
         """
         if self.is_far:
-            return self._right_by_itself()
+            return self.right_by_itself
         required = [one for one in self.fit.changes if one is not but and self._is_required(one)]
         return [self._in_words(change) for change in required]
 
-    def _right_by_itself(self) -> list[str]:
-        """Return in words that either attitude or ω is the scene's, within noise."""
+    @cached_property
+    def right_by_itself(self) -> list[str]:
+        """In words, that either attitude or ω is the scene's, within noise; nothing if not so."""
         log, unchanged = self.given, self.search.unchanged.rest
         if not log.has_omega:
             return []
@@ -358,7 +360,8 @@ class Measured:
             turn = _plus_minus(np.degrees(numbers), np.degrees(errors))
             return f"attitude and ω are those of axes that are turned by {turn}° in the body"
         listed = ", ".join(f"{error:.2g}" for error in errors)
-        return f"it moves as if {self.fit.explanation(change).words} (± {listed})"
+        before = "" if KINDS[change.kind].is_kinematic else "it moves as if "
+        return f"{before}{self.fit.explanation(change).words} (± {listed})"
 
     def tensor_entries(self) -> tuple[FloatArray, FloatArray]:
         """Return the entries Ixx, Iyy, Izz, Ixy, Ixz, Iyz, kg m², and their standard errors."""

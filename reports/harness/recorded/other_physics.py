@@ -252,8 +252,8 @@ class Physics:
         if self.intervals is None or self.search is None:
             return []
         if not self.is_beyond:
-            if found := self.of_exact_motion or self.by_other_equations:
-                return self._in_words(found)
+            if made := self.of_exact_motion or self.by_other_equations:
+                return self._in_words(made)
             fit = self._within_error(self.intervals.base)
             return self._sentences(fit) if fit else []
         if self.found is not None:

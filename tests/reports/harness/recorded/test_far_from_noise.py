@@ -56,6 +56,24 @@ def test_far_beyond_noise_attitudes_or_omega_may_be_right_by_themselves() -> Non
     assert judged(arrays, STATED).explained_by == (measured.OMEGA_ALONE,)
 
 
+def test_without_a_stated_noise_too_attitudes_may_be_right_by_themselves() -> None:
+    """As where a gyroscope saturates; a step from sample to sample would be off by as much."""
+    motion = noisy()
+    bound = 0.7 * np.abs(motion["omega"]).max()
+    motion["omega"] = np.clip(motion["omega"], -bound, bound)
+    motion["omega"] += np.random.default_rng(6).normal(0, NOISE, motion["omega"].shape)
+    assert judged(motion, {}).explained_by == (measured.ATTITUDE_ALONE,)
+
+
+def test_a_heading_that_drifts_is_no_other_body() -> None:
+    motion, rate = noisy(), 0.01
+    drift = Rotation.from_rotvec(np.outer(motion["t"], [0.0, 0.0, rate]))
+    turned = drift * Rotation.from_quat(motion["q"], scalar_first=True)
+    motion["q"] = turned.as_quat(scalar_first=True)
+    (words,) = judged(motion, STATED).explained_by
+    assert words.startswith("it turns as if the world turned by [")
+
+
 def test_axes_that_are_turned_in_the_body_are_no_other_body() -> None:
     motion, turn = noisy(), Rotation.from_rotvec([0.1, -0.05, 0.15])
     q = Rotation.from_quat(motion["q"], scalar_first=True) * turn
