@@ -4,12 +4,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from planted_motions import case, exactly, rates_of
+from planted_motions import Case, case, exactly, rates_of
 from reported_faults import Arrays
 from scipy.spatial.transform import Rotation
 from spincheck.reports.harness.recorded import measured
 from spincheck.reports.harness.recorded.judged import JudgedMotion, judged_motion
 from spincheck.reports.harness.recorded.recording import Recording
+from spincheck.scenarios import from_tables
 
 pytestmark = pytest.mark.slow
 
@@ -56,13 +57,30 @@ def test_far_beyond_noise_attitudes_or_omega_may_be_right_by_themselves() -> Non
     assert judged(arrays, STATED).explained_by == (measured.OMEGA_ALONE,)
 
 
-def test_without_a_stated_noise_too_attitudes_may_be_right_by_themselves() -> None:
-    """As where a gyroscope saturates; a step from sample to sample would be off by as much."""
-    motion = noisy()
-    bound = 0.7 * np.abs(motion["omega"]).max()
-    motion["omega"] = np.clip(motion["omega"], -bound, bound)
-    motion["omega"] += np.random.default_rng(6).normal(0, NOISE, motion["omega"].shape)
-    assert judged(motion, {}).explained_by == (measured.ATTITUDE_ALONE,)
+def test_a_gyroscope_that_lags_is_named_without_a_stated_noise_too() -> None:
+    """Its error is below that of one step from sample to sample, and its attitudes are right."""
+    inertia = np.array([[10.0, -2.4, -1.5], [-2.4, 12.0, -2.3], [-1.5, -2.3, 17.1]]) * 1e-3
+    tables = {
+        "title": "A box with a filtered gyroscope",
+        "source": "made up",
+        "body": {"mass": 1.9, "inertia": inertia.tolist()},
+        "start": {"rotation_vector_deg": [-50.0, 20.0, 15.0], "omega_body": [5.0, 6.0, -4.5]},
+        "window": {"duration": 3.0, "samples": 3001},
+    }
+    box = Case(from_tables(tables, "box"), inertia, np.zeros(3), np.zeros(3))
+    motion, chance = exactly(box, rates_of(box)), np.random.default_rng(6)
+    filtered = [motion["omega"][0]]
+    for omega in motion["omega"][1:]:
+        # A low-pass of 12 ms that starts at the first ω.
+        filtered.append(filtered[-1] + (1 - np.exp(-0.001 / 0.012)) * (omega - filtered[-1]))
+    motion = {name: array[::10] for name, array in (motion | {"omega": np.array(filtered)}).items()}
+    motion["omega"] += chance.normal(0, 0.01, motion["omega"].shape)
+    turns = Rotation.from_rotvec(chance.normal(0, 0.001, motion["omega"].shape))
+    q = Rotation.from_quat(motion["q"], scalar_first=True) * turns
+    arrays = motion | {"q": q.as_quat(scalar_first=True)}
+    recording = Recording(Path("motion.csv"), arrays, {})
+    words = judged_motion(box.scenario, recording, 1).explained_by
+    assert words[0].startswith("ω lags the attitude by 0.011")
 
 
 def test_a_heading_that_drifts_is_no_other_body() -> None:
