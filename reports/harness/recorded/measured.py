@@ -316,7 +316,7 @@ class Measured:
 
     @cached_property
     def right_by_itself(self) -> list[str]:
-        """In words, that either attitude or ω is the scene's, within noise; nothing if not so."""
+        """The sentence that either attitude or ω is the scene's, within noise; none if not so."""
         log, unchanged = self.given, self.search.unchanged.rest
         if not log.has_omega:
             return []
