@@ -136,7 +136,7 @@ def _enlarged(h: Hypothesis, n: FloatArray) -> Hypothesis:
 
 
 def _with_entry(e: OtherEquations, at: int) -> Change:
-    """Fits one entry of the tensor, as where a number was mistyped."""
+    """Return the change of one entry of the tensor, by its number in `ENTRIES`: a wrong figure."""
     entries, unit = tensor_entries(e.inertia), np.eye(6)[at]
 
     def changed(h: Hypothesis, n: FloatArray) -> Hypothesis:

@@ -149,7 +149,7 @@ def of_attitude(scenario: Scenario, e: OtherEquations) -> Iterator[Change]:
 
 
 def world_turning(rate: float) -> Change:
-    """Attitudes that drift about an axis of the world; of the order of a rate, rad/s."""
+    """A change in which attitudes drift about an axis of the world, by about `rate`, rad/s."""
     return fitted("world turning", np.zeros(3), rate, partial(_turned, "world_turns"))
 
 

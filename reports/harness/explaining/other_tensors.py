@@ -57,13 +57,13 @@ def _of_mistakes(scenario: Scenario, of_com: FloatArray) -> Iterator[Tensor]:
     for order in orders:
         yield "rows and columns", order, of_com[np.ix_(order, order)]
     for signs in product((1.0, -1.0), repeat=3):
-        entries = tensor_entries(of_com) * [1, 1, 1, *signs]
-        yield "signs of products", signs, tensor_of_entries(entries)
+        signed = tensor_entries(of_com) * [1, 1, 1, *signs]
+        yield "signs of products", signs, tensor_of_entries(signed)
+    entries = tensor_entries(of_com)
     for order in orders:
-        entries = tensor_entries(of_com)
         yield "exchanged products", order, tensor_of_entries([*entries[:3], *entries[3:][order]])
     if about:
-        # m r² (1 - n nᵀ) is what the parallel axis theorem adds.
+        # The trace of what the theorem adds, m r² 1 - m r rᵀ, is 2 m r².
         yield "parallel axes by distance", (), of_com - moved + np.eye(3) * np.trace(moved) / 2
         yield "parallel axes' products", (), of_com - moved + with_products(moved, -1.0)
     for decimals in DECIMALS:

@@ -226,10 +226,11 @@ class Physics:
 
     @cached_property
     def of_exact_motion(self) -> Fit | None:
-        """The change of whose equations the recording is an exact motion; None if there is none.
+        """The change whose equations lead exactly from sample to sample; None if there is none.
 
-        It leaves next to nothing of the difference, of which methods' leading errors leave more
-        than their next term. So it may have more numbers than one that leaves more.
+        "Exactly" is to `SAME` of the difference from the scene's equations. Nothing is looked for
+        where the leading errors of methods explain that difference up to their next term. A change
+        that fits so well may have up to `MOST_OF_ALL` numbers.
         """
         if self.search is None or self.intervals is None:
             return None
@@ -266,7 +267,10 @@ class Physics:
 
     @property
     def _of_motion(self) -> list[Change]:
-        """The changes that a method's error is not: about a steady axis it turns a body, too."""
+        """The changes of `search` without those of turning that have numbers to fit.
+
+        About a steady axis the error of any method is like one of those.
+        """
         changes = self.search.changes if self.search else ()
         return [one for one in changes if not _is_of_turning(one)]
 
