@@ -48,7 +48,7 @@ class Places:
     def changed(self, scenario: Scenario, size: float, repeats: int = 1) -> State:
         """All states, repeated, with each number changed at random by about `size` of it."""
         chance = np.random.default_rng(repeats)
-        copies = [_changed(scenario, self.states, size, chance) for _ in range(repeats)]
+        copies = [changed_at_random(scenario, self.states, size, chance) for _ in range(repeats)]
         return stacked(copies)
 
     def thinned(self, most: int) -> "Places":
@@ -118,22 +118,30 @@ def _askew(scenario: Scenario, along: Trajectory, omega_body: FloatArray) -> Sta
     return State(*(row[None] for row in rows))
 
 
-def _changed(scenario: Scenario, states: State, size: float, chance: np.random.Generator) -> State:
-    """The states with each number changed at random, where the body can be held there."""
+def changed_at_random(
+    scenario: Scenario, states: State, size: float, chance: np.random.Generator
+) -> State:
+    """The states with each number changed at random, where the body can be held there.
+
+    Parameters
+    ----------
+    size : standard deviation of the change: of the attitude in rad, of vectors relative to their
+        norms
+    """
     turn, spin, thrown, put = size * chance.standard_normal((4, 3))
     q = states.q_world_body_wxyz @ times(np.append(1.0, turn / 2) / np.sqrt(1 + turn @ turn / 4))
     omega_body = _by(states.omega_body, spin)
     constraint, R_world_body = scenario.constraint, matrices(q)
     swing_world = turned(R_world_body, cross(omega_body, np.array(constraint.lever)))
-    changed = State(
+    held = State(
         q,
         omega_body,
         constraint.com_world(R_world_body @ constraint.lever, _by(states.com_world, put)),
         constraint.velocity_world(swing_world, _by(states.velocity_world, thrown)),
         states.spins,
     )
-    bears = Equations(scenario).bears(changed)[:, None]
-    pairs = zip(changed.columns, states.columns, strict=True)
+    bears = Equations(scenario).bears(held)[:, None]
+    pairs = zip(held.columns, states.columns, strict=True)
     return State(*(np.where(bears, new, column) for new, column in pairs))
 
 

@@ -26,7 +26,7 @@ from .examine import examine
 from .intervals import Intervals, MadeRun, Replay, beginning_of
 from .memory import explained_by_memory
 from .noise import NOISE, ULPS, rounding_of_body
-from .places import Places, states_of
+from .places import Places, changed_at_random, states_of
 from .steps import FEW, Sessions, sessions_of, state_differences
 
 #: rad, or relative: a change that has grown to this is as large as the motion itself.
@@ -89,7 +89,8 @@ def _replay(sessions: Sessions, engine: Engine, run: MadeRun, condition: float) 
     spread = _sizes(twice)
     # So large a change is far above the engine's own noise, which must not enlarge `growth`.
     change = float(np.sqrt(max(NOISE, engine.ulp)))
-    changed = _changed(starts, change * float(norms(states.omega_body).max()))
+    chance = np.random.default_rng(FEW)
+    changed = changed_at_random(sessions.scenario, starts, change, chance)
     grown = np.abs(state_differences(intervals.some_again(worst, changed), ends, reach)).max(
         axis=(1, 2)
     )
@@ -182,10 +183,3 @@ def _noise(
         scale = fast + equations.reach * speed
         noise[:, 2:4] += rounding * float(force.max()) / (body.mass * scale) if scale else 0.0
     return noise
-
-
-def _changed(states: State, speed: float) -> State:
-    """The states with ω changed by so much, rad/s, in the same direction for all."""
-    direction = np.random.default_rng(FEW).standard_normal(3)
-    change = speed / np.linalg.norm(direction) * direction
-    return replace(states, omega_body=states.omega_body + change)

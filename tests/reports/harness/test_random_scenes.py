@@ -38,6 +38,8 @@ def test_no_honest_method_is_accused_on_some_random_scenes(counts: Counts) -> No
         # One state is near the pole of roll, pitch and yaw.
         (409, "drake", "runge_kutta3"),
         (112, "drake", "runge_kutta3"),
+        # Coarse steps cross that pole: rounding of the attitude grows 1e7 times, of ω less.
+        (2279, "drake", "runge_kutta3"),
         # Drag is stiff, and short steps are computed otherwise.
         (515, "dartpy", "semi-implicit"),
         (336, "dartpy", "semi-implicit"),
