@@ -42,6 +42,7 @@ class OtherEquations(NamedTuple):
         axes, once too often
     attitude_torque : P, N m: m bᵀ for a dipole m, body axes, in a field b, world axes; and k/2 R₀ᵀ
         for a spring, k N m, to the attitude R₀; (3, 3)
+    spring : k R₀, N m: a torque −k φ by the rotation vector φ from the attitude R₀; (3, 3)
     gravity_gradient : S, symmetric, along world axes: κ z zᵀ for a torque κ z × I z; 1/s², (3, 3)
     body_turns, world_turns : s, body axes, and w, world axes, at which a body turns besides, and
         the world does; rad/s, (3,)
@@ -68,6 +69,7 @@ class OtherEquations(NamedTuple):
     friction: FloatArray
     turned_drag: FloatArray
     attitude_torque: FloatArray
+    spring: FloatArray
     gravity_gradient: FloatArray
     body_turns: FloatArray
     world_turns: FloatArray
@@ -112,6 +114,7 @@ def equations_of(scenario: Scenario) -> OtherEquations:
         friction=np.zeros(2),
         turned_drag=np.zeros(2),
         attitude_torque=np.zeros((3, 3)),
+        spring=np.zeros((3, 3)),
         gravity_gradient=np.zeros((3, 3)),
         body_turns=np.zeros(3),
         world_turns=np.zeros(3),

@@ -26,7 +26,7 @@ Matrix = tuple[float, float, float, float, float, float, float, float, float]
 #: How many numbers each attribute has that is not a single one or a vector.
 _COUNTS = {
     **dict.fromkeys(("inertia", "inverse", "gyroscopic", "turning"), 9),
-    **dict.fromkeys(("attitude_torque", "gravity_gradient"), 9),
+    **dict.fromkeys(("attitude_torque", "spring", "gravity_gradient"), 9),
     **dict.fromkeys(("friction", "turned_drag"), 2),
     **dict.fromkeys(("world_vectors", "mobility", "tensor_turns", "kinematics", "rate"), 1),
 }
@@ -47,6 +47,7 @@ _PLACES = np.cumsum([0, *(_COUNTS.get(name, 3) for name in OtherEquations._field
     FRICTION,
     TURNED_DRAG,
     ATTITUDE_TORQUE,
+    SPRING,
     GRAVITY_GRADIENT,
     BODY_TURNS,
     WORLD_TURNS,
@@ -185,7 +186,8 @@ def _unit(axis: int) -> Vector:
 def _has_torque_of_attitude(e: FloatArray) -> bool:
     largest = 0.0
     for i in range(9):
-        largest = max(largest, abs(e[ATTITUDE_TORQUE + i]), abs(e[GRAVITY_GRADIENT + i]))
+        for at in (ATTITUDE_TORQUE, SPRING, GRAVITY_GRADIENT):
+            largest = max(largest, abs(e[at + i]))
     return largest > 0.0
 
 
@@ -199,7 +201,21 @@ def _of_attitude(e: FloatArray, R: Matrix) -> Vector:
         unit = _unit(i)
         pulled = _to_body(R, _times(S, _times(R, unit)))
         torque = plus(torque, _cross(unit, by_tensor(e, INERTIA, R, pulled)), 1.0)
-    return torque
+    return plus(torque, _turned_from(matrix(e, SPRING), R), -1.0)
+
+
+@kernel
+def _turned_from(spring: Matrix, R: Matrix) -> Vector:
+    """Return k φ by the rotation vector φ from an attitude R₀ to R; given k R₀."""
+    k = math.sqrt(spring[0] ** 2 + spring[3] ** 2 + spring[6] ** 2)
+    first = _to_body(spring, (R[0], R[3], R[6]))
+    second = _to_body(spring, (R[1], R[4], R[7]))
+    third = _to_body(spring, (R[2], R[5], R[8]))
+    # k sin ‖φ‖ times the axis, and k cos ‖φ‖.
+    turned = ((second[2] - third[1]) / 2, (third[0] - first[2]) / 2, (first[1] - second[0]) / 2)
+    sine, cosine = math.sqrt(dot(turned, turned)), (first[0] + second[1] + third[2] - k) / 2
+    factor = k * math.atan2(sine, cosine) / sine if sine > 0.0 else 0.0
+    return turned[0] * factor, turned[1] * factor, turned[2] * factor
 
 
 @called

@@ -145,6 +145,25 @@ def _by_attitude(numbers: Sequence[float]) -> str:
     return f"Σ P eᵢ × Rᵀeᵢ acted, with P of the entries {vector(numbers)} N m,"
 
 
+def _tilted(numbers: Sequence[float]) -> str:
+    """Return an angle, °, and the gravity, m/s², that is tilted by it."""
+    angle, *gravity = numbers
+    return (
+        f"{angle:.3g}° against the scene's, and is {_fitted_vector(gravity)} m/s²: a stand, or the "
+        "axes of what records attitudes, may not be level"
+    )
+
+
+def _by_angle(numbers: Sequence[float]) -> str:
+    """Return a spring's torque, of k, N m a radian, and the attitude at which there is none."""
+    k, *q_rest_wxyz = numbers
+    at = vector([round(q, DIGITS) + 0.0 for q in q_rest_wxyz])
+    way = "to" if k > 0 else "away from"
+    return (
+        f"{abs(k):.4g} N m a radian, in proportion to the angle, turned it {way} the attitude {at}"
+    )
+
+
 @dataclass(frozen=True)
 class Kind:
     """A kind of change.
@@ -331,6 +350,8 @@ KINDS = {
         "a gravity gradient of {} acted besides", 5, _gradient_tensor
     ),
     "torque by attitude": Kind("a torque by the attitude, {} besides", 9, _by_attitude),
+    "tilt": Kind("gravity is tilted by {}", 4, _tilted),
+    "spring": Kind("a spring of {}", 5, _by_angle),
     "turning besides": Kind(
         "it turns as if ω were larger by {} rad/s, along body axes",
         *(3, _fitted_vector),

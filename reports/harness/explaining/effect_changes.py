@@ -5,9 +5,11 @@ from functools import partial
 from typing import Any
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
 from ....reference.other_equations import TURNED_ON, UNTURNED, OtherEquations, equations_of
 from ....scenarios import FloatArray, Scenario
+from ....scenarios.rotation import matrix
 from ....scenarios.scenario import with_tables
 from .hypothesis import Change, Hypothesis, factors, fitted, set_to
 from .other_tensors import tensor_of_entries
@@ -121,6 +123,22 @@ def lever(e: OtherEquations) -> Iterator[Change]:
         yield fitted("lever", e.pull, size, lambda h, n: h.of(pull=n))
 
 
+def tilt(e: OtherEquations) -> Iterator[Change]:
+    """The direction of gravity, where a motion shows it; two angles are fitted, rad."""
+    if e.pull.any() and e.gravity_world.any():
+        across = np.linalg.svd(e.gravity_world[None])[2][1:]
+
+        def tilted(n: FloatArray) -> FloatArray:
+            return Rotation.from_rotvec(n @ across).apply(e.gravity_world)
+
+        yield Change(
+            "tilt",
+            lambda h, n: h.of(gravity_world=tilted(n)),
+            np.ones(2),
+            lambda n: np.array([np.degrees(np.linalg.norm(n)), *tilted(n)]),
+        )
+
+
 def of_momentum(e: OtherEquations) -> Iterator[Change]:
     """The rotors' momentum by a factor."""
     if e.kept.any():
@@ -145,6 +163,18 @@ def of_attitude(scenario: Scenario, e: OtherEquations) -> Iterator[Change]:
         "torque by attitude",
         *(np.zeros(9), size),
         lambda h, n: h.of(attitude_torque=n.reshape(3, 3).copy()),
+    )
+    yield from (_spring(q, size) for q in (np.eye(4)[0], scenario.start.q_world_body_wxyz))
+
+
+def _spring(q_rest_wxyz: FloatArray, size: float) -> Change:
+    """A change in which a spring turns the body to an attitude, in proportion to the angle."""
+    R_rest = matrix(q_rest_wxyz)
+    return Change(
+        "spring",
+        lambda h, n: h.of(spring=n[0] * R_rest),
+        np.array([size]),
+        lambda n: [n[0], *q_rest_wxyz],
     )
 
 

@@ -1,14 +1,17 @@
-"""Columns of ω that stay the same to the last digit, though the exact motion has them change."""
+"""Columns of ω that stay the same to the last digit, though the body's rate changes."""
 
 import numpy as np
 
 from ....scenarios import FloatArray
 from ..explaining.search import LEFT
-from .digits import CHANGES, Numbers, Shown, runs
+from .digits import CHANGES, Numbers, Shown, runs, where
 
 #: Least number of samples for which a column is stuck: more than are filled up with the last one
 #: where ω is up to five samples older or newer than the attitude.
 FEWEST = 7
+#: By which part of the largest rate that a gyroscope reads the body must turn faster, on average,
+#: and by how many standard errors of that average.
+FASTER, CERTAIN = 1e-2, 6.0
 
 
 def stuck(numbers: Numbers, omega: FloatArray) -> Shown | None:
@@ -37,6 +40,31 @@ def stuck(numbers: Numbers, omega: FloatArray) -> Shown | None:
                 a + 1 if a else 0,
             )
     return None
+
+
+def saturated(numbers: Numbers, omega: FloatArray) -> Shown | None:
+    """Say that a gyroscope saturates: ω stays at its largest value while the attitudes turn faster.
+
+    Where the body's own rate is limited the attitudes follow it.
+    """
+    bound = float(np.abs(omega).max())
+    is_cut = np.abs(omega) == bound
+    # A component that is the same throughout may be the motion's own.
+    is_cut &= ~is_cut.all(axis=0)
+    is_between = is_cut[1:] & (omega[1:] == omega[:-1])
+    excess = (numbers.rates * np.sign(omega[1:]))[is_between] - bound
+    if len(excess) < FEWEST:
+        return None
+    error = float(np.std(excess)) / np.sqrt(len(excess))
+    if np.mean(excess) < max(FASTER * bound, CERTAIN * error):
+        return None
+    samples = np.flatnonzero(is_cut.any(axis=1))
+    return Shown(
+        f"the gyroscope saturates: each component of ω is clamped to {bound:.6g} rad/s "
+        f"({np.degrees(bound):.4g} °/s), {where(numbers.t, samples)}, and the attitudes turn "
+        "faster",
+        int(samples[0]),
+    )
 
 
 def _when(t: FloatArray, a: int, b: int) -> str:

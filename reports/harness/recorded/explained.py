@@ -4,31 +4,27 @@ from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
 
 import numpy as np
-from scipy.special import fdtrc
 
-from ....reference.following import follow
 from ....scenarios import FloatArray, Scenario, Trajectory
 from ....scenarios.rotation import matrices, norms
-from ..explaining.hypothesis import as_it_is
-from ..explaining.search import LEFT, LEVEL, SAME
 from .alternation import Alternation, alternation
-from .clamps import TINY
-from .columns import stuck
+from .columns import saturated, stuck
 from .digits import Numbers, Shown, numbers_of, shown_by_digits
 from .hinges import spins_beyond
 from .interpolated import interpolated
-from .intervals import apart, gained, gained_before, intervals_of, states_of
+from .intervals import intervals_of
 from .jumps import FAR, jumps
-from .measured import Measured, log_of, started_elsewhere
+from .measured import Measured, log_of
 from .missing import is_omega_off
-from .mistakes import FEWEST, FITS, LEFT_OUT, followed, mistakes, without
+from .mistakes import FEWEST, LEFT_OUT, followed, mistakes, without
 from .motion import Reading, RecordedMotion, recorded_motion
 from .odd_samples import across_signs, exchanged, jitter, lost_sign, wrapped
 from .other_physics import Physics, rounding
 from .read_attitude import attitude_read
-from .read_omega import OMEGA, omega_read
+from .read_omega import omega_read
 from .recording import Recording
 from .since import since_when
+from .starts import elsewhere
 
 #: Names of the settings by which a file states the noise of attitude, rad, and of ω, rad/s.
 NOISE = ("noise_attitude", "noise_omega")
@@ -36,6 +32,10 @@ NOISE = ("noise_attitude", "noise_omega")
 LOWER_ORDER = (
     "its method is of order {}, not {}: the scene's equations and errors of that order make this "
     "motion; look for a wrong stage or weight, or a rate that is taken at another time"
+)
+LONGER_TIMESTEP = (
+    "its timestep is longer than the stated {:.4g} s: the scene's equations and errors of order {} "
+    "make this motion, with a timestep of {:.2g} s or more"
 )
 #: How many mistakes are tried with what may explain the rest.
 MOST_TRIED = 3
@@ -122,7 +122,8 @@ def _odd_samples(reading: Reading, numbers: Numbers, physics: Physics) -> Shown 
         return found
     motion = physics.motion
     return (
-        stuck(numbers, numbers.omega)
+        saturated(numbers, numbers.omega)
+        or stuck(numbers, numbers.omega)
         or wrapped(numbers, numbers.omega)
         or exchanged(physics.scenario, motion)
         or jitter(motion)
@@ -208,22 +209,25 @@ def _of_computed(
     of_spins = spins_beyond(*of_method, floor)
     words: list[str] = []
     if not physics.made_by:
-        words = _of_lower_order(physics)
+        words = _of_other_method(physics)
         words = words or (_of_readings(physics) if has_omega and not physics.clamps else [])
         words = words or physics.explained()
     if alternates and physics.is_beyond:
         words = alternates.of_omega or words
     words = [*words, *of_spins]
-    if not words and has_omega:
-        words = _elsewhere(physics)
+    # Other equations change no state at the scene's start.
+    if has_omega and (not words or (physics.is_of_equations and not physics.exact.t[0])):
+        words = [*words, *elsewhere(physics)]
     is_beyond = physics.is_beyond or bool(of_spins)
     verdict = _verdict(physics, is_beyond, is_explained=bool(words))
     return Explanation(tuple(words), verdict, is_beyond, physics.made_by)
 
 
-def _of_lower_order(physics: Physics) -> list[str]:
-    """Return that the method that made a motion is of a lower order than the stated one."""
-    order = physics.lower_order
+def _of_other_method(physics: Physics) -> list[str]:
+    """Return that a method of a lower order, or a longer timestep, than the stated one was used."""
+    order = physics.order_made
+    if order == physics.order and physics.timestep:
+        return [LONGER_TIMESTEP.format(physics.timestep, order, physics.least_timestep)]
     return [LOWER_ORDER.format(order, physics.order)] if order else []
 
 
@@ -239,60 +243,6 @@ def _of_measured(fit: Measured, physics: Physics) -> Explanation:
     """Explain a measured motion, by other physics if more than noise is left."""
     words = (physics.explained() if fit.is_beyond else []) or fit.explained()
     return Explanation(tuple(words), fit.verdict, fit.is_beyond, measured=fit)
-
-
-def _elsewhere(physics: Physics) -> list[str]:
-    """Return the sentence that the first sample is off by more than what explains the others.
-
-    What is gained from sample to sample, by noise or a method, is known to so many numbers; a
-    method has errors since the scene's start.
-    """
-    scenario, exact, motion = physics.scenario, physics.exact, physics.motion
-    of_method = gained_before(scenario, motion.t, physics.timestep, physics.order)
-    off = apart(states_of(exact.until(1)), states_of(motion.until(1))).reshape(2, 3)
-    others = gained(scenario, motion)[1:].reshape(-1, 2, 3)
-    count = max(1, 3 * len(others))
-    fits = FITS * np.array([1.0, norms(exact.omega_body).max()])
-    least = np.maximum(physics.noise, fits)
-    usual = np.sum(others**2, axis=(0, 2)) / count + least**2
-    by_chance = fdtrc(3, count, np.mean(off**2, axis=1) / usual)
-    if not ((by_chance < LEVEL / 2) & (norms(off) > of_method)).any():
-        return []
-    attitudes = apart(states_of(exact.until(2)), states_of(motion.until(2)))[:, :3]
-    if norms(off)[0] <= least[0] and norms(attitudes[1:])[0] <= least[0]:
-        # By where the attitude goes, ω was right at the start.
-        return [OMEGA]
-    start = states_of(exact.until(1))
-    elsewhere = started_elsewhere(float(exact.t[0]), norms(off))
-    return [_at_another_time(scenario, start, off) or elsewhere]
-
-
-def _at_another_time(scenario: Scenario, start: FloatArray, off: FloatArray) -> str:
-    """Return in words that ω at the first sample is that of another time, if that is so.
-
-    Parameters
-    ----------
-    start : the exact state at the first sample, (1, 7)
-    off : how far attitude, rad, and ω, rad/s, are off there, (2, 3)
-    """
-    equations = as_it_is(scenario).equations
-    rate = max(equations.rate, float(norms(start[:, 4:])[0]))
-    turned, faster = norms(off) * [rate, 1.0]
-    if not faster or turned > SAME * faster:
-        return ""
-
-    def later(time: float) -> FloatArray:
-        return apart(start, follow(equations, start, np.array([[time]]))[:, 0])[0, 3:]
-
-    # Nearly, ω is off in the direction of its rate of change.
-    small = SAME / rate
-    change = later(small) / small
-    time = float(off[1] @ change / max(change @ change, TINY))
-    left = float(norms((later(time) - off[1])[None])[0])
-    if abs(time) * rate > LEFT or left > max(SAME, abs(time) * rate) * faster:
-        return ""
-    when = "after" if time > 0 else "before"
-    return f"ω is that of {abs(time):.4g} s {when} its time; the attitude is that of its time"
 
 
 def _floor(

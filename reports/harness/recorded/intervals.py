@@ -73,7 +73,8 @@ class Intervals(Data):
         spans, timestep = hypothesis.step * self.spans, hypothesis.step * self.timestep
         made = follow(hypothesis.equations, starts, spans, self.integrator, timestep)[:, 0]
         made = np.where(np.isfinite(made), made, np.nan)
-        return (apart(as_read(hypothesis, made, self.t), self.ends) / self.scale)[:samples]
+        with np.errstate(over="ignore"):
+            return (apart(as_read(hypothesis, made, self.t), self.ends) / self.scale)[:samples]
 
     def apart(self, equations: OtherEquations) -> FloatArray:
         """Return how far the ends are from where equations lead exactly, (S, 6), rad and rad/s."""

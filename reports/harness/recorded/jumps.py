@@ -157,11 +157,10 @@ def _jump(data: Intervals, off: FloatArray, k: int) -> Jump:
             "before an engine corrects it, or by a step that begins wrongly"
         )
         return Jump("first", at, words)
-    words = (
-        f"at t = {at:.6g} s it jumps, by {_size(off[k])}, as where a state is set, or something "
-        "strikes it"
-    )
-    return Jump("jump", at, words)
+    like = "a state is set, or something strikes it"
+    if np.sum((off[k, 3:] / data.scale[k, 3:]) ** 2) < 1:
+        like = "the attitude alone is set, or an angle is read from another branch"
+    return Jump("jump", at, f"at t = {at:.6g} s it jumps, by {_size(off[k])}, as where {like}")
 
 
 def _moved(data: Intervals, k: int) -> float | None:

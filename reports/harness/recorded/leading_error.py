@@ -35,7 +35,7 @@ _TERMS = (
     ("pull",),
     ("torque", "torque_world"),
     ("slowing", "damping", "friction", "turned_drag"),
-    ("attitude_torque", "gravity_gradient"),
+    ("attitude_torque", "spring", "gravity_gradient"),
 )
 
 #: A rooted tree: the colour of its root, and the trees that hang from it.

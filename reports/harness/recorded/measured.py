@@ -17,12 +17,14 @@ from ....scenarios import FloatArray, Scenario, Trajectory
 from ....scenarios.rotation import norms
 from ...results.change_words import KINDS
 from ..explaining.changes import is_scaled, tensor
-from ..explaining.effect_changes import com, of_momentum, resistance, world_turning
+from ..explaining.effect_changes import com, of_momentum, resistance, tilt, world_turning
 from ..explaining.fit import Data, Fit, Trial
 from ..explaining.hypothesis import Change, Hypothesis, as_it_is
 from ..explaining.search import LEFT, LEVEL, Search
+from .digits import where
 from .intervals import apart, states_of
 from .sensors import SENSORS, as_read, of_sensor
+from .starts import started_elsewhere
 
 #: Turn of the body, rad, in the samples that are fitted first, and their least number; then twice
 #: as many are fitted, until it is all.
@@ -177,7 +179,7 @@ class Measured:
         """The search for changes that the samples require, given the noise before any fit."""
         equations = self.given.base.equations
         candidates = [START, self.tensor, *resistance(self.scenario, equations)]
-        candidates += [*com(self.scenario, equations), *of_momentum(equations)]
+        candidates += [*com(self.scenario, equations), *tilt(equations), *of_momentum(equations)]
         if self.given.has_omega:
             candidates += [*SENSORS, world_turning(1.0)]
         return Search(self.given, candidates)
@@ -316,7 +318,10 @@ class Measured:
 
     @cached_property
     def right_by_itself(self) -> list[str]:
-        """The sentence that either attitude or ω is the scene's, within noise; none if not so."""
+        """The sentence that either attitude or ω is the scene's, within noise; none if not so.
+
+        If less than half of the samples of the other are off, it says which.
+        """
         log, unchanged = self.given, self.search.unchanged.rest
         if not log.has_omega:
             return []
@@ -324,7 +329,14 @@ class Measured:
         is_right = chdtrc(3 * len(log.t), squares) > LEVEL
         if is_right.all() or not is_right.any():
             return []
-        return [ATTITUDE_ALONE if is_right[0] else OMEGA_ALONE]
+        words, wrong = (ATTITUDE_ALONE, 1) if is_right[0] else (OMEGA_ALONE, 0)
+        each = norms(unchanged.reshape(-1, 3)).reshape(-1, 2)[:, wrong]
+        samples = np.flatnonzero(each**2 > chdtri(3, LEVEL / len(each)))
+        if 0 < 2 * len(samples) < len(each):
+            off = float(log.noise[wrong] * each.max())
+            size = f"{off:.3g} rad/s" if wrong else f"{np.degrees(off):.3g}°"
+            words += f" {where(log.t, samples)}, by up to {size}"
+        return [words]
 
     @property
     def inflation(self) -> float:
@@ -356,6 +368,8 @@ class Measured:
             return self._of_sensor(change, self.fit) + "".join(others)
         if change is START:
             return started_elsewhere(self.log.t[0], norms(numbers.reshape(2, 3)))
+        if change.kind == "tilt":
+            return f"{self.fit.explanation(change).words} (± {np.degrees(errors.max()):.2g}°)"
         if change is self.axes:
             turn = _plus_minus(np.degrees(numbers), np.degrees(errors))
             return f"attitude and ω are those of axes that are turned by {turn}° in the body"
@@ -378,15 +392,6 @@ class Measured:
         rows = fit.rows(change)
         numbers, errors = fit.numbers[rows], fit.errors[rows] * self.inflation
         return of_sensor(change, numbers, lambda n, unit: _plus_minus(n, unit * errors))
-
-
-def started_elsewhere(at: float, off: Sequence[float] | FloatArray) -> str:
-    """Return in words how far attitude, rad, and ω, rad/s, are off at a time, s."""
-    turned, faster = off
-    return (
-        f"it started elsewhere: at t = {at:g} s the attitude is off by {np.degrees(turned):.3g}° "
-        f"and ω by {faster:.3g} rad/s"
-    )
 
 
 def _plus_minus(numbers: FloatArray, errors: FloatArray) -> str:

@@ -140,9 +140,10 @@ class Physics:
         return min(LARGEST_NEXT, NEXT_TERM * fastest * timestep)
 
     @cached_property
-    def lower_order(self) -> int:
-        """The order, below the stated one, of the method that made the motion; 0 if none did.
+    def order_made(self) -> int:
+        """The order of the method that made a motion beyond the error of the stated one; or 0.
 
+        It is lower than the stated order; or the same, with a longer timestep than the stated one.
         The leading error of methods of that order explains the difference but for the next term of
         their errors, and no change of the equations leaves far less.
         """
@@ -155,18 +156,29 @@ class Physics:
         def explains(orders: Sequence[int], part: float) -> bool:
             return _mean_square(left_by_methods(data, orders)) < part**2 + of_noise
 
+        longer = replace(self, timestep=None)
+        made = [*(replace(self, order=n) for n in range(1, self.order)), longer]
         left = {
-            n: _mean_square(left_by_methods(data, [n]))
-            for n in range(1, self.order)
-            if not replace(self, order=n).is_beyond
-            and explains([n], LARGEST_NEXT)
-            and explains([n, n + 1], self.next_term)
+            one.order: _mean_square(left_by_methods(data, [one.order]))
+            for one in made
+            if not one.is_beyond
+            and explains([one.order], LARGEST_NEXT)
+            and explains([one.order, one.order + 1], one.next_term)
         }
         if not left:
             return 0
         best = min(left, key=left.__getitem__)
         by_change = _mean_square(data.off(self.found.hypothesis)) if self.found else np.inf
         return best if by_change > LEFT**2 * left[best] else 0
+
+    @property
+    def least_timestep(self) -> float:
+        """The least timestep, s, with which a method of the stated order may be off by so much."""
+        if self.intervals is None or self.search is None or self.timestep is None:
+            return 0.0
+        of_method = float(np.mean(self.intervals.of_method))
+        ratio = float(np.sqrt(self.search.unchanged.left / of_method))
+        return float(self.timestep * max(1.0, ratio ** (1 / self.order)))
 
     @cached_property
     def by_known(self) -> tuple[Intervals, ...]:
@@ -225,21 +237,25 @@ class Physics:
         return min(fits, key=lambda fit: (fit.count, fit.left), default=None)
 
     @cached_property
+    def is_of_method(self) -> bool:
+        """Whether leading errors of methods explain the difference but for their next term."""
+        if self.intervals is None:
+            return True
+        off = self.intervals.apart(self.intervals.base.equations)
+        data, orders = self.intervals.with_error(root_mean_squares(off)), range(1, self.order + 1)
+        return _mean_square(left_by_methods(data, orders)) < self.next_term**2
+
+    @cached_property
     def of_exact_motion(self) -> Fit | None:
         """The change whose equations lead exactly from sample to sample; None if there is none.
 
         "Exactly" is to `SAME` of the difference from the scene's equations. Nothing is looked for
-        where the leading errors of methods explain that difference up to their next term. A change
-        that fits so well may have up to `MOST_OF_ALL` numbers.
+        where that may be a method's error. A change that fits so well may have up to `MOST_OF_ALL`
+        numbers.
         """
-        if self.search is None or self.intervals is None:
+        if self.search is None or self.intervals is None or self.is_of_method:
             return None
-        off = self.intervals.apart(self.intervals.base.equations)
-        size = root_mean_squares(off)
-        orders = range(1, self.order + 1)
-        left = left_by_methods(self.intervals.with_error(size), orders)
-        if _mean_square(left) < self.next_term**2:
-            return None
+        size = root_mean_squares(self.intervals.apart(self.intervals.base.equations))
         fits = FITS * np.array([1.0, norms(self.motion.omega_body).max()])
         noise = np.max([self.noise, SAME * size, fits], axis=0)
         data = replace(self.intervals.made_by(EXACT, 0.0), noise=noise)
@@ -256,14 +272,17 @@ class Physics:
             if made := self.of_exact_motion or self.by_other_equations:
                 return self._in_words(made)
             fit = self._within_error(self.intervals.base)
-            return self._sentences(fit) if fit else []
+            return self._sentences(fit) if fit else self._in_turns(self._of_motion)
         if self.found is not None:
             return self._in_words(self.found)
-        search = self.search
-        others = (TIMES, *search.changes)
-        if found := varying(self.intervals, others, len(others)):
-            return [found.words, *self._unexplained(found.rest)]
-        return missing(self.intervals)
+        return self._in_turns([TIMES, *self.search.changes]) or missing(self.intervals)
+
+    def _in_turns(self, changes: Sequence[Change]) -> list[str]:
+        """Return in words the number that, changing in time, explains the motion; often none."""
+        if self.intervals is None or (self.is_of_method and not self.is_beyond):
+            return []
+        found = varying(self.intervals, changes, len(changes))
+        return [found.words, *self._unexplained(found.rest)] if found else []
 
     @property
     def _of_motion(self) -> list[Change]:
@@ -305,9 +324,17 @@ class Physics:
     @property
     def is_open(self) -> bool:
         """Whether something is left that no change explains."""
-        if not self.is_beyond or self.clamps or self.made_by or self.lower_order:
+        if not self.is_beyond or self.clamps or self.made_by or self.order_made:
             return False
         return self.found is None or self._is_partial(self.found)
+
+    @property
+    def is_of_equations(self) -> bool:
+        """Whether changes of the equations explain the motion, and none of how states are read."""
+        if self.clamps:
+            return False
+        found = self.found if self.is_beyond else self.of_exact_motion or self.by_other_equations
+        return found is not None and not {MOMENTUM, *SENSORS} & {*found.changes}
 
     @property
     def is_of_reading(self) -> bool:

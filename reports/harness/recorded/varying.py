@@ -13,7 +13,7 @@ from ....scenarios import FloatArray
 from ...results.change_words import KINDS
 from ..explaining.fit import NOWHERE
 from ..explaining.hypothesis import Change
-from ..explaining.search import LEFT, LEVEL, within_noise
+from ..explaining.search import LEFT, LEVEL, SAME, within_noise
 from .intervals import Intervals
 
 #: Steps of a fit, and the step of a scaled number from which a slope is taken.
@@ -47,15 +47,19 @@ def varying(data: Intervals, changes: Sequence[Change], among: int) -> Varying |
     count = unchanged.size
     enough = max(within_noise(count), LEFT**2 * float(np.mean(unchanged**2)))
     by_chance = float(chdtri(len(unchanged), LEVEL / (among + len(single))))
+    # No method's error, and no chance, makes one number explain all six of an interval so well.
+    exactly = SAME**2 * float(np.mean(unchanged**2))
     parts = [data.rows([k]) for k in range(len(unchanged))]
     found = []
     for change in single:
         numbers, rest = _fit(data, parts, change, unchanged)
         left = float(np.mean(rest**2))
-        if left <= enough and data.falls(unchanged, rest) > by_chance:
+        is_seen = left <= exactly or data.falls(unchanged, rest) > by_chance
+        if left <= enough and is_seen:
             found.append((left, change, numbers, rest))
     best = min((left for left, *_ in found), default=0.0)
-    alike = [one for one in found if one[0] <= max(1.0, best / LEFT)]
+    near = min(1.0, exactly) if best <= exactly else 1.0
+    alike = [one for one in found if one[0] <= max(near, best / LEFT)]
     if not 0 < len(alike) <= MOST_ALIKE:
         return None
     words = ", or ".join(_in_words(data.t, *one[1:3]) for one in alike)
