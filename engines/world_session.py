@@ -7,6 +7,7 @@ from abc import abstractmethod
 from collections.abc import Sequence
 from importlib import import_module
 from pathlib import Path
+from textwrap import indent
 from typing import Any, final
 
 import numpy as np
@@ -22,6 +23,10 @@ TORQUES = frozenset({"torque_body", "torque_world"})
 SLACK = 16 * float(np.finfo(float).eps)
 #: Path of the module with the functions that worlds share.
 PARTS = Path(__file__).with_name("world_parts.py")
+_STATE = """\
+motion = np.array(world.motion())
+q = product(motion[:4] / np.linalg.norm(motion[:4]), conjugate(np.array(SCENE["axes"])))
+return q, turned(conjugate(q), motion[4:7])"""
 _RELATIVE_IMPORT = re.compile(r"^from \.[\w.]* import .+\n", re.MULTILINE)
 
 
@@ -135,27 +140,30 @@ def world_script(path: Path, scenario: Scenario, method: str) -> str:
     record = scene_record(scenario)
     entries = "\n".join(f'    "{key}": {record[key]!r},  # {ABOUT[key]}' for key in record)
     pushing = "\n\n".join(inspect.getsource(function) for function in (is_pushed, push))
-    return f"""{stand_alone(PARTS)}
+    made = f"SCENE = {{\n{entries}\n}}\nworld = World(SCENE, {method!r}, TIMESTEP)"
+    return f"{stand_alone(PARTS)}\n\n{pushing}\n\n{run_script(path, made, _STATE)}"
 
-{pushing}
 
-{stand_alone(path)}
+def run_script(path: Path, made: str, state: str, step: str = "world.advance(count)") -> str:
+    """Return a run as Python: a stand-alone module, the lines that make its world, and its steps.
 
-SCENE = {{
-{entries}
-}}
-world = World(SCENE, {method!r}, TIMESTEP)
+    Parameters
+    ----------
+    state : lines that return the attitude, w x y z, and ω in body axes
+    step : the line that takes `count` steps
+    """
+    return f"""{stand_alone(path)}
+
+{made}
 
 
 def step(count):
-    world.advance(count)
+    {step}
 
 
 def state():
     \"\"\"Attitude, w x y z, body to world, and angular velocity in body axes.\"\"\"
-    motion = np.array(world.motion())
-    q = product(motion[:4] / np.linalg.norm(motion[:4]), conjugate(np.array(SCENE["axes"])))
-    return q, turned(conjugate(q), motion[4:7])
+{indent(state, "    ")}
 """
 
 

@@ -29,16 +29,7 @@ def hinged(
 def unhinged(qpos: FloatArray, qvel: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Return coordinates and velocities with quaternions and ω, given n rows of `hinged` ones."""
     angles = qpos[:, -ANGLES:]
-    half = angles / 2
-    (ca, cb, cc), (sa, sb, sc) = np.cos(half).T, np.sin(half).T
-    q = np.column_stack(
-        [
-            ca * cb * cc + sa * sb * sc,
-            ca * cb * sc - sa * sb * cc,
-            ca * sb * cc + sa * cb * sc,
-            sa * cb * cc - ca * sb * sc,
-        ]
-    )
+    q = Rotation.from_euler("ZYX", angles).as_quat(scalar_first=True)
     omega_body = np.einsum("nij,nj->ni", _omega_of_rates(angles), qvel[:, -ANGLES:])
     return np.hstack([qpos[:, :-ANGLES], q]), np.hstack([qvel[:, :-ANGLES], omega_body])
 

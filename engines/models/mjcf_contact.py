@@ -7,7 +7,6 @@ import numpy as np
 
 from ...scenarios import Scenario
 from ...scenarios.scenario import with_tables
-from .mjcf import BODY
 from .text import decimals, xml_text
 
 #: Radius of the sphere that stands for a tip that is a point, in levers; the plane is lower by it.
@@ -37,7 +36,7 @@ def sphere_and_plane(scenario: Scenario) -> tuple[float, float]:
 
 
 def with_contact(text: str, scenario: Scenario, solref: tuple[float, float] | None) -> str:
-    """Return the MJCF of a free body with the contact added.
+    """Return the MJCF of a free body, with every pass on, with the contact added.
 
     Parameters
     ----------
@@ -46,14 +45,8 @@ def with_contact(text: str, scenario: Scenario, solref: tuple[float, float] | No
     table, (radius, height) = scenario.effects.table, sphere_and_plane(scenario)
     assert table is not None
     root = ET.fromstring(text)
-    if (flags := root.find("option/flag")) is not None:
-        for name in PASSES & flags.attrib.keys():
-            del flags.attrib[name]
     shape = FRICTIONLESS | ({"solref": decimals(solref)} if solref else {})
-    world = root.find("worldbody")
-    body = root.find(f"worldbody/body[@name='{BODY}']")
-    assert world is not None
-    assert body is not None
+    world, body = next(root.iter("worldbody")), next(root.iter("body"))
     ET.SubElement(world, "geom", shape, type="plane", size="1 1 1", pos=f"0 0 {height!r}")
     ET.SubElement(
         body, "geom", shape, type="sphere", mass="0", size=repr(radius), pos=decimals(table.tip)

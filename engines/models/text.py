@@ -15,6 +15,7 @@ def xml_text(root: ET.Element) -> str:
     return ET.tostring(root, encoding="unicode") + "\n"
 
 
-def python_lines(text: str) -> str:
-    """Return a text as lines of Python's string literals, whatever characters it holds."""
-    return "\n".join(f"    {line!r}" for line in text.splitlines(keepends=True))
+def python_text(name: str, text: str) -> str:
+    """Return Python that gives a text a name, line by line, whatever characters it holds."""
+    lines = "\n".join(f"    {line!r}" for line in text.splitlines(keepends=True))
+    return f"{name} = (\n{lines}\n)"

@@ -70,7 +70,8 @@ def urdf(
     """
     robot = ET.Element("robot", name=scenario.name)
     is_held = not (scenario.constraint.is_free or is_loose)
-    point = _held_at(scenario) if is_held else ZERO
+    held_at = _from(scenario.constraint.lever_exact, scenario.body.com_exact)
+    point = held_at if is_held else ZERO
     onto = _add_slides(robot, scenario) if is_held else ""
     carrier = replace(scenario.carrier, com_exact=_from(point, scenario.carrier.com_exact))
     for index, part in enumerate(parts_of(carrier, description.parts)):
@@ -92,11 +93,6 @@ def urdf(
         place = _from(point, rotor.position)
         _add_rotor(robot, number, rotor, place, thickness, has_box)
     return xml_text(robot)
-
-
-def _held_at(scenario: Scenario) -> Vector:
-    """Return the point of the body that is held, m, body axes."""
-    return _from(scenario.constraint.lever_exact, scenario.body.com_exact)
 
 
 def _from(origin: Vector, place: Iterable[mpf]) -> Vector:

@@ -1,11 +1,10 @@
 """Users' models (URDF, MJCF, USD): what a file states of its links, and what engines hold."""
 
-from .compare import AGREES, BodyDifference, cause, difference, unstated_body
+from .compare import AGREES, BodyDifference, cause, compared, difference, unstated_body
 from .edit import elements_of, set_attributes, write_inertia
 from .file_engine import Advice, Configuration, FileEngine, ModelReader
-from .file_problems import FileProblem, problems, shapes_box
-from .layout import laid_out
-from .mjcf import unnamed
+from .file_problems import FileProblem, problems, problems_of_parts, shapes_box
+from .layout import MESHES, laid_out
 from .model_file import (
     WORLD,
     Link,
@@ -18,5 +17,5 @@ from .model_file import (
     rigid_bodies,
 )
 from .read import UsersLink, read_model, users_link
-from .urdf import body_alone, edited, mesh_bytes, with_meshes
+from .urdf import body_alone, edited
 from .xml_tree import Element, ModelFileError

@@ -7,8 +7,8 @@ from scipy.spatial.transform import Rotation
 
 from ...scenarios import FloatArray
 from ..checks.read_back import BodyReading
-from .file_problems import FileProblem
-from .model_file import Stated, principal_moments
+from .file_problems import FileProblem, problems_of_parts
+from .model_file import RigidBody, Stated, principal_moments
 
 #: Relative tolerance within which an engine's body is the file's. Some engines diagonalise tensors
 #: with errors of 1e-12 to 1e-6: with a tolerance of 1e-12 a third of all links would be wrong.
@@ -89,6 +89,25 @@ def _equal_pairs(moments: FloatArray) -> set[int]:
     """Return which of the pairs (0, 1) and (1, 2) of ascending moments are equal."""
     gaps = np.diff(moments)
     return {k for k in (0, 1) if gaps[k] <= AGREES * np.abs(moments).max()}
+
+
+def compared(
+    stated: Stated, got: BodyReading, body: RigidBody, made_up: str
+) -> tuple[BodyDifference, str, str]:
+    """Return how far an engine's body is from the file's, and why, in a word and in a sentence.
+
+    Word and sentence, as of `cause`, are empty if the body is the file's.
+
+    Parameters
+    ----------
+    body : the links of the file that the engine holds as this body
+    made_up : as in `cause`
+    """
+    apart = difference(stated, got)
+    if apart.worst <= AGREES:
+        return apart, "", ""
+    faults = tuple(problem for _, problem in problems_of_parts(body))
+    return apart, *cause(stated, got, apart, faults, made_up)
 
 
 def unstated_body(body: BodyReading) -> str:

@@ -8,8 +8,7 @@ from typing import ClassVar, Literal
 from ...scenarios import Scenario
 from ..checks.read_back import BodyReading, Difference, EngineError, State
 from ..engine import Engine
-from .compare import AGREES, cause, difference
-from .file_problems import problems
+from .compare import AGREES, compared
 from .model_file import Format, ModelFile, Stated
 from .read import users_link
 
@@ -128,10 +127,8 @@ class FileEngine(Engine):
         users, numbers = users_link(scenario), scenario.body
         unturned = users.stated.unturned
         stated = Stated(numbers.mass, numbers.com, numbers.inertia_com, unturned=unturned)
-        apart = difference(stated, body)
         made_up = {one.name: one.made_up for one in self.reader.configurations}.get(method, "")
-        wrong = tuple(problem for link, _ in users.body.parts for problem in problems(link))
-        _, words = cause(stated, body, apart, wrong, made_up)
+        apart, _, words = compared(stated, body, users.body, made_up)
         found = _OtherBody("body", stated.inertia_com, body.inertia_com, apart.worst, words)
         return [found, *others]
 

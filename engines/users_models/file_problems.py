@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...scenarios import FloatArray
-from .model_file import Link, Stated, principal_moments
+from .model_file import Link, RigidBody, Stated, principal_moments
 
 #: Kinds of problems that no body can have; "placeholder", "radius of gyration" and "density" are
 #: only doubtful.
@@ -45,6 +45,11 @@ def problems(link: Link) -> tuple[FileProblem, ...]:
     if not found and link.has_inertia:
         found = [*_placeholder(stated), *_beside_its_shapes(link, stated)]
     return tuple(FileProblem(kind, text) for kind, text in found)
+
+
+def problems_of_parts(body: RigidBody) -> tuple[tuple[Link, FileProblem], ...]:
+    """Return the faults of a body's links, each with its link."""
+    return tuple((link, problem) for link, _ in body.parts for problem in problems(link))
 
 
 def _of_mass(stated: Stated) -> Iterator[tuple[str, str]]:

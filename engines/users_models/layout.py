@@ -1,52 +1,47 @@
-"""Writes a model's file for importers that take paths, with the files that it may name."""
+"""Writes a model's file for engines that take paths, with the files that it may name."""
 
+from collections.abc import Collection, Iterable
 from pathlib import Path
-from xml.etree import ElementTree
 
-from .mjcf import unnamed
-from .model_file import ModelFile, Shape
+from .model_file import Link, ModelFile
 from .urdf import mesh_bytes, with_meshes
 
-#: File endings of the meshes that trimesh reads, by which these importers read them.
+#: File endings of the meshes that most importers read.
 MESHES = frozenset((".obj", ".stl", ".dae"))
 
 
-def laid_out(model: ModelFile, folder: Path) -> str:
-    """Write a model into a folder, with the meshes that an inertia may come from.
+def laid_out(
+    model: ModelFile,
+    folder: Path,
+    endings: Collection[str] = MESHES,
+    links: Iterable[Link] | None = None,
+) -> str:
+    """Write a model into a folder, with the files that an inertia may come from.
 
-    Bodies of an MJCF without a name get one by their order, as in spincheck's own reader.
+    Parameters
+    ----------
+    endings : file endings of the meshes of a URDF that the engine reads
+    links : links of a URDF whose meshes are written; by default those that state no inertia
 
     Returns
     -------
     the path of the model's file
     """
     path = folder / {"urdf": "model.urdf", "mjcf": "model.xml", "usd": "model.usda"}[model.format]
-    content = {"urdf": _urdf, "mjcf": _mjcf}.get(model.format)
-    path.write_bytes(content(model, folder) if content else model.checked.encode())
+    data, files = model.checked.encode(), _named(model)
+    if model.format == "urdf":
+        if links is None:
+            links = [link for link in model.links if link.stated is None]
+        data, files = with_meshes(model, links, endings)
+    for name, content in {**files, path.name: data}.items():
+        (folder / name).write_bytes(content)
     return str(path)
 
 
-def _urdf(model: ModelFile, folder: Path) -> bytes:
-    """Write meshes, and return the file with their new names."""
-    stateless = {s.span for link in model.links if link.stated is None for s in link.shapes}
-
-    def usable(shape: Shape) -> bool:
-        return shape.span in stateless and Path(shape.mesh or "").suffix.lower() in MESHES
-
-    data, meshes = with_meshes(model, usable)
-    for name, mesh in meshes.items():
-        (folder / name).write_bytes(mesh)
-    return data
-
-
-def _mjcf(model: ModelFile, folder: Path) -> bytes:
-    """Write the files that the checked file names, and return it."""
-    for name, file in model.files.items():
-        data = file.encode() if isinstance(file, str) else mesh_bytes(model, str(file))
-        if data is not None:
-            (folder / name).write_bytes(data)
-    root = ElementTree.fromstring(model.checked)
-    nameless = [one for one in root.iter("body") if not one.get("name")]
-    for number, one in enumerate(nameless, 1):
-        one.set("name", unnamed(number))
-    return ElementTree.tostring(root, encoding="unicode").encode()
+def _named(model: ModelFile) -> dict[str, bytes]:
+    """Return the contents of the files that the checked text names, by their names."""
+    contents = {
+        name: file.encode() if isinstance(file, str) else mesh_bytes(model, str(file))
+        for name, file in model.files.items()
+    }
+    return {name: content for name, content in contents.items() if content is not None}

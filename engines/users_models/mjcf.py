@@ -97,7 +97,7 @@ class _Reader:
         name = element.attributes.get("name", "")
         if not name:
             self.unnamed += 1
-            name = unnamed(self.unnamed)
+            name = f"(body {self.unnamed})"
         inertial = element.only("inertial")
         by_shapes = self.compiler.from_shapes or (inertial is None and _has_shapes(element))
         self.links.append(
@@ -112,6 +112,8 @@ class _Reader:
                 span=element.span if element.file == self.file else (0, 0),
             )
         )
+        # Only now, as messages show what the file has.
+        element.attributes["name"] = name
         self.read(element, name, Pose())
 
     def _replicate(self, element: Element, parent: str, frame: Pose) -> None:
@@ -138,11 +140,6 @@ def _has_shapes(element: Element) -> bool:
         child.tag == "geom" or (child.tag in ("frame", "replicate") and _has_shapes(child))
         for child in element.children
     )
-
-
-def unnamed(number: int) -> str:
-    """Return the name that the n-th body without a name is given."""
-    return f"(body {number})"
 
 
 def _stated(inertial: Element, compiler: Compiler) -> Stated:

@@ -63,6 +63,11 @@ class Shape:
     mesh: str | None
     collides: bool
 
+    @property
+    def ending(self) -> str:
+        """The file ending of its mesh, in small letters."""
+        return Path(self.mesh or "").suffix.lower()
+
 
 @dataclass(frozen=True, eq=False)
 class Link:

@@ -1,7 +1,7 @@
 """Reads a URDF's `link/inertial` and joints, and writes the text of a URDF that engines read."""
 
 import re
-from collections.abc import Callable, Iterable
+from collections.abc import Collection, Iterable
 from pathlib import Path
 
 import numpy as np
@@ -158,13 +158,14 @@ Edits = list[tuple[Span, bytes]]
 
 
 def with_meshes(
-    model: ModelFile, usable: Callable[[Shape], bool]
+    model: ModelFile, links: Iterable[Link], endings: Collection[str]
 ) -> tuple[bytes, dict[str, bytes]]:
     """Return the file with its meshes renamed, so that an engine finds no other files.
 
     Parameters
     ----------
-    usable : whether the mesh of a collision shape is to be read
+    links : links whose meshes are read, of their collision shapes
+    endings : file endings of the meshes that are read
 
     Returns
     -------
@@ -172,23 +173,26 @@ def with_meshes(
         outside the model's folders, or is not to be read
     meshes : contents of the mesh files, by their new names
     """
-    edits, meshes = _edits(model, model.links, usable)
+    wanted = {shape for link in links for shape in link.shapes if shape.ending in endings}
+    edits, meshes = _edits(model, model.links, wanted)
     return edited(model.data, edits), meshes
 
 
 def body_alone(
-    model: ModelFile, body: RigidBody, usable: Callable[[Shape], bool] | None = None
+    model: ModelFile, body: RigidBody, endings: Collection[str] | None = None
 ) -> tuple[bytes, dict[str, bytes]]:
     """Return a URDF of one body, its links and the joints between them cut verbatim out of a model.
 
     Parameters
     ----------
-    usable : as in `with_meshes`; if None, the links have no shapes
+    endings : as in `with_meshes`; if None, the links have no shapes
     """
     links = [link for link, _ in body.parts]
-    edits, meshes = _edits(model, links, usable) if usable else ([], {})
-    if not usable:
-        edits = [(shape.span, b"") for link in links for shape in link.shapes]
+    shapes = [shape for link in links for shape in link.shapes]
+    wanted = {shape for shape in shapes if endings is not None and shape.ending in endings}
+    edits, meshes = _edits(model, links, wanted)
+    if endings is None:
+        edits = [(shape.span, b"") for shape in shapes]
     cut = []
     for start, end in [link.span for link in links] + [link.joint for link in links[1:]]:
         own = [((a - start, b - start), new) for (a, b), new in edits if start <= a < end]
@@ -227,16 +231,17 @@ def mesh_bytes(model: ModelFile, name: str) -> bytes | None:
 
 
 def _edits(
-    model: ModelFile, links: Iterable[Link], usable: Callable[[Shape], bool]
+    model: ModelFile, links: Iterable[Link], wanted: Collection[Shape]
 ) -> tuple[Edits, dict[str, bytes]]:
+    """Return edits that rename the meshes of `wanted` collision shapes, and those meshes."""
     edits: Edits = []
     meshes: dict[str, bytes] = {}
     for shape in (shape for link in links for shape in link.shapes):
         mesh = None
-        if shape.collides and shape.mesh is not None and usable(shape):
+        if shape.collides and shape.mesh is not None and shape in wanted:
             mesh = mesh_bytes(model, shape.mesh)
-        if mesh is not None and shape.mesh is not None:
-            name = f"mesh-{len(meshes)}{Path(shape.mesh).suffix.lower()}"
+        if mesh is not None:
+            name = f"mesh-{len(meshes)}{shape.ending}"
             meshes[name] = mesh
             start, end = shape.span
             named = f'filename="{name}"'.encode()

@@ -53,7 +53,8 @@ def usd_links(path: Path, data: bytes) -> tuple[tuple[Link, ...], tuple[str, ...
             "usdcat --flatten FILE -o robot.usda"
         )
     stage = usd["Usd"].Stage.Open(layer)
-    metre, kilogram = _units(stage, usd["UsdGeom"], physics)
+    metre = float(usd["UsdGeom"].GetStageMetersPerUnit(stage))
+    kilogram = float(physics.GetStageKilogramsPerUnit(stage))
     bodies = [one for one in stage.Traverse() if one.HasAPI(physics.RigidBodyAPI)]
     if not bodies:
         raise ModelFileError(
@@ -76,14 +77,6 @@ def usd_links(path: Path, data: bytes) -> tuple[tuple[Link, ...], tuple[str, ...
         )
     _check_tree(file, links)
     return tuple(links), tuple(notes)
-
-
-def _units(stage: Any, geometry: Any, physics: Any) -> tuple[float, float]:
-    """Return the file's unit of length, m, and of mass, kg."""
-    return (
-        float(geometry.GetStageMetersPerUnit(stage)),
-        float(physics.GetStageKilogramsPerUnit(stage)),
-    )
 
 
 def _stated(mass: Any, metre: float, kilogram: float, scale: FloatArray) -> Stated | None:

@@ -9,7 +9,6 @@ from scipy.spatial.transform import Rotation
 from ...engines import BodyReading, EngineError
 from ...engines.model_readers import model_readers
 from ...engines.users_models import (
-    AGREES,
     WORLD,
     BodyDifference,
     Configuration,
@@ -19,8 +18,7 @@ from ...engines.users_models import (
     ModelReader,
     RigidBody,
     Stated,
-    cause,
-    difference,
+    compared,
     problems,
     rigid_bodies,
     unstated_body,
@@ -278,19 +276,14 @@ def _link_reading(
         if empty:
             return LinkReading(*who, got, True, fused=others)
         return LinkReading(*who, got, False, unstated_body(got), "nothing stated", others)
-    apart = difference(stated, got)
-    agrees = apart.worst <= AGREES
-    kind = sentence = ""
-    if not agrees:
-        wrong = tuple(problem for link, _ in whole.parts for problem in problems(link))
-        kind, sentence = cause(stated, got, apart, wrong, configuration.made_up)
-        if others and kind in ("other", "turned", "rotation lost"):
-            kind, sentence = "sum", f"the sum of its fused parts is wrong: {sentence}"
+    apart, kind, sentence = compared(stated, got, whole, configuration.made_up)
+    if others and kind in ("other", "turned", "rotation lost"):
+        kind, sentence = "sum", f"the sum of its fused parts is wrong: {sentence}"
     angles = attitude_apart(stated.inertia_com, got.inertia_com, np.array(TIMES))
     in_deg = None
     if angles is not None:
         in_deg = dict(zip(TIMES, np.degrees(angles).tolist(), strict=True))
-    return LinkReading(*who, got, agrees, sentence, kind, others, stated, apart, in_deg)
+    return LinkReading(*who, got, not kind, sentence, kind, others, stated, apart, in_deg)
 
 
 def attitude_apart(stated: FloatArray, got: FloatArray, times: FloatArray) -> FloatArray | None:

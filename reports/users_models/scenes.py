@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from ...engines.users_models import ModelFile, RigidBody, Stated, problems, rigid_bodies
+from ...engines.users_models import ModelFile, RigidBody, Stated, problems_of_parts, rigid_bodies
 from ...scenarios import ScenarioError, loads
 from ...scenarios.regular_files import file_name
 from ...scenarios.write import to_toml
@@ -74,8 +74,7 @@ def _why_left_out(body: RigidBody, stated: Stated | None) -> str:
         return "the file states no inertia of it"
     impossible = [
         f"{problem.text}{'' if link is body.host else f' (of {link.name}, welded to it)'}"
-        for link, _ in body.parts
-        for problem in problems(link)
+        for link, problem in problems_of_parts(body)
         if problem.impossible
     ]
     if impossible:

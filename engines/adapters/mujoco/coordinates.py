@@ -7,7 +7,15 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
-from spincheck.engine import BodyReading, FloatArray, Scenario, State, UnsupportedError, composed
+from spincheck.engine import (
+    BodyReading,
+    FloatArray,
+    Scenario,
+    Session,
+    State,
+    UnsupportedError,
+    composed,
+)
 
 from ....scenarios.rotation import across, cross, matrices, matrix, turned
 from ...models.hinged import hinged, unhinged
@@ -121,3 +129,33 @@ class Coordinates:
         qpos = np.concatenate([place_world[:moving], q_world_body_wxyz, np.zeros_like(spins)])
         qvel = np.concatenate([speed_world[:moving], omega_body, spins])
         return hinged(qpos, qvel) if self._on_hinges else (qpos, qvel)
+
+
+class CoordinateSession(Session):
+    """A scene in MuJoCo or in a port of it, which is read and set by its coordinates alone.
+
+    Parameters
+    ----------
+    model : MuJoCo's compiled model of the scene
+    """
+
+    def __init__(self, scenario: Scenario, model: Any) -> None:
+        self._scenario, self._coordinates = scenario, Coordinates(model, scenario)
+
+    @property
+    def can_restart(self) -> bool:
+        """True: coordinates can be set at any time."""
+        return True
+
+    @property
+    def restarts_to_the_last_bit(self) -> bool:
+        """Whether a restart rounds nothing: on a pivot, or if the coordinates move the com."""
+        return self._coordinates.restarts_to_the_last_bit
+
+    def read_body(self) -> BodyReading:
+        """Return the body of the model."""
+        return self._coordinates.read_body()
+
+    def read_state(self) -> State:
+        """Return the state now."""
+        return self.states([self.snapshot()]).rows(0)

@@ -1,7 +1,9 @@
 """MuJoCo from the user's own file: the link that a scene names, cut out of its URDF or MJCF."""
 
+import tempfile
 from copy import copy
 from functools import lru_cache
+from pathlib import Path
 from typing import Any, final
 
 import mujoco
@@ -10,7 +12,7 @@ from spincheck.engine import Method, Release, Scenario
 from ...models.mjcf import start_coordinates, switched_off
 from ...users_models import FileEngine, UsersLink, body_alone, users_link
 from .engine import KEPT, MuJoCo, release
-from .model_reader import MuJoCoModelReader, name_bodies, spec_of_mjcf
+from .model_reader import MuJoCoModelReader, spec_of
 from .session import MuJoCoSession, check_not_too_small, compiled
 from .world import disable
 
@@ -69,9 +71,8 @@ def _of_urdf(users: UsersLink) -> Any:
 
 def _of_mjcf(users: UsersLink) -> Any:
     """Return the body with its file's compiler settings and defaults, without moving children."""
-    with spec_of_mjcf(users.model) as whole:
-        name_bodies(whole)
-        return _alone(whole, users)
+    with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder:
+        return _alone(spec_of(users.model, Path(folder)), users)
 
 
 def _alone(whole: Any, users: UsersLink) -> Any:

@@ -1,8 +1,7 @@
 """Reads a user's URDF or MJCF with MuJoCo's compiler."""
 
 import tempfile
-from collections.abc import Iterator
-from contextlib import chdir, contextmanager
+from contextlib import chdir
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any, final
@@ -10,16 +9,7 @@ from typing import Any, final
 import mujoco
 from spincheck.engine import BodyReading, EngineError
 
-from ...users_models import (
-    Advice,
-    Configuration,
-    ModelFile,
-    ModelReader,
-    Shape,
-    mesh_bytes,
-    unnamed,
-    with_meshes,
-)
+from ...users_models import Advice, Configuration, ModelFile, ModelReader, laid_out
 from .coordinates import WORLD, one_body
 
 #: File endings of the meshes that MuJoCo reads.
@@ -69,7 +59,7 @@ class MuJoCoModelReader(ModelReader):
             # In a folder of its own, because MuJoCo writes a log of its warnings into the current
             # folder.
             with tempfile.TemporaryDirectory() as folder, chdir(folder):
-                compiled = _compiled(model, unfused=configuration == "unfused")
+                compiled = _compiled(model, Path(folder), unfused=configuration == "unfused")
         except (ValueError, mujoco.FatalError) as error:
             words = "; ".join(str(error).removeprefix("Error: ").split("\n"))
             raise EngineError(f"MuJoCo refuses the file: {words}") from None
@@ -79,49 +69,26 @@ class MuJoCoModelReader(ModelReader):
         }
 
 
-def _compiled(model: ModelFile, *, unfused: bool) -> Any:
-    opened = _urdf(model) if model.format == "urdf" else spec_of_mjcf(model)
-    with opened as spec:
-        name_bodies(spec)
-        if unfused:
-            spec.compiler.fusestatic = False
-            if model.format == "urdf":
-                _strip(spec)
-        return spec.compile()
+def _compiled(model: ModelFile, folder: Path, *, unfused: bool) -> Any:
+    spec = spec_of(model, folder)
+    if unfused:
+        spec.compiler.fusestatic = False
+    if unfused and model.format == "urdf":
+        # MuJoCo accepts a body without inertia only if it cannot move.
+        for part in (*spec.geoms, *spec.equalities, *spec.joints):
+            spec.delete(part)
+    return spec.compile()
 
 
-@contextmanager
-def _urdf(model: ModelFile) -> Iterator[Any]:
-    """Yield the model of a URDF with only the meshes that an inertia comes from, renamed.
+def spec_of(model: ModelFile, folder: Path) -> Any:
+    """Return a model with only the meshes that an inertia comes from, and without visual parts.
 
-    The new names have no folders, since MuJoCo drops folders from names.
+    It is read from a folder that holds all that it may read, and compiled while that is there.
     """
-    stateless = {s.span for link in model.links if link.stated is None for s in link.shapes}
-
-    def usable(shape: Shape) -> bool:
-        return shape.span in stateless and Path(shape.mesh or "").suffix.lower() in MESHES
-
-    data, meshes = with_meshes(model, usable)
-    yield mujoco.MjSpec.from_string(data.decode(errors="replace"), assets=meshes)
-
-
-@contextmanager
-def spec_of_mjcf(model: ModelFile) -> Iterator[Any]:
-    """Yield the model of an MJCF file without visual parts and meshes that no inertia comes from.
-
-    It is read from the checked text, in a folder that holds all that it may read; compile it inside
-    the block.
-    """
-    with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder:
-        for name, file in model.files.items():
-            data = file.encode() if isinstance(file, str) else mesh_bytes(model, str(file))
-            if data is not None:
-                Path(folder, name).write_bytes(data)
-        text = Path(folder, "model.xml")
-        text.write_text(model.checked, encoding="utf-8")
-        spec = mujoco.MjSpec.from_file(str(text))
+    spec = mujoco.MjSpec.from_file(laid_out(model, folder, MESHES))
+    if model.format == "mjcf":
         _strip_drawn(model, spec)
-        yield spec
+    return spec
 
 
 def _strip_drawn(model: ModelFile, spec: Any) -> None:
@@ -141,16 +108,3 @@ def _strip_drawn(model: ModelFile, spec: Any) -> None:
 def _is_there(model: ModelFile, mesh: Any) -> bool:
     """Whether a mesh names no file, or one inside the model's folders."""
     return mesh is not None and (not mesh.file or mesh.file in model.files)
-
-
-def name_bodies(spec: Any) -> None:
-    """Name bodies that have no name by their order, as spincheck's own reader of the file does."""
-    nameless = [body for body in spec.bodies if not body.name]
-    for number, body in enumerate(nameless, 1):
-        body.name = unnamed(number)
-
-
-def _strip(spec: Any) -> None:
-    """Remove shapes and joints: MuJoCo accepts a body without inertia only if it cannot move."""
-    for part in (*spec.geoms, *spec.equalities, *spec.joints):
-        spec.delete(part)

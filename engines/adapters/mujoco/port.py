@@ -5,36 +5,22 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from spincheck.engine import BodyReading, FloatArray, Scenario, Session, State
+from spincheck.engine import FloatArray, Scenario, State
 
 from ...models.mjcf import start_coordinates, switched_off
-from ...models.text import python_lines
-from ...world_session import stand_alone
+from ...models.text import python_text
+from ...world_session import run_script
 from .audit import FLAG_WORDS, acting
-from .coordinates import Coordinates
+from .coordinates import CoordinateSession
 
-_SCRIPT = """\
-{world}
-
-MJCF = (
-{lines}
-)
-{made}
+#: Lines that return a port's state; its attitude begins at coordinate {0}.
+_STATE = """\
+data = world.data()
+q, omega = data.qpos[{0} : {0} + 4], data.qvel[{0} : {0} + 3]
+return np.array(q, dtype=float), np.array(omega, dtype=float)"""
 
 
-def step(count):
-    world.advance(count)
-
-
-def state():
-    \"\"\"Attitude, w x y z, body to world, and angular velocity in body axes.\"\"\"
-    data = world.data()
-    q, omega = data.qpos[{moving} : {moving} + 4], data.qvel[{moving} : {moving} + 3]
-    return np.array(q, dtype=float), np.array(omega, dtype=float)
-"""
-
-
-class PortSession(Session):
+class PortSession(CoordinateSession):
     """One body and its rotors in a port of MuJoCo.
 
     Parameters
@@ -49,32 +35,14 @@ class PortSession(Session):
     def __init__(
         self, scenario: Scenario, model: Any, world: Any, always_on: Sequence[str]
     ) -> None:
-        self._scenario, self._world, self._always_on = scenario, world, always_on
-        self._coordinates = Coordinates(model, scenario)
-
-    @property
-    def can_restart(self) -> bool:
-        """True: a port's coordinates can be set at any time."""
-        return True
-
-    @property
-    def restarts_to_the_last_bit(self) -> bool:
-        """Whether a restart rounds nothing: on a pivot, or if the coordinates move the com."""
-        return self._coordinates.restarts_to_the_last_bit
+        super().__init__(scenario, model)
+        self._world, self._always_on = world, always_on
 
     def restart(self, state: State, timestep: float | None = None) -> None:
         """Set the coordinates of the state in the data of the start; nothing is compiled again."""
         if timestep is not None:
             self._world.set_timestep(timestep)
         self._world.restart(*self._coordinates.of(state))
-
-    def read_body(self) -> BodyReading:
-        """Return the body in the port's model."""
-        return self._coordinates.read_body()
-
-    def read_state(self) -> State:
-        """Return the state now."""
-        return self.states([self.snapshot()]).rows(0)
 
     def snapshot(self) -> FloatArray:
         """Return coordinates qpos and velocities qvel now, in one row."""
@@ -129,9 +97,5 @@ def port_script(world: Path, scenario: Scenario, text: str, made: str) -> str:
     made : lines that make `world` from `MJCF`, at `TIMESTEP` and `{qpos}` and `{qvel}`
     """
     qpos, qvel = start_coordinates(scenario)
-    return _SCRIPT.format(
-        world=stand_alone(world),
-        lines=python_lines(text),
-        made=made.format(qpos=qpos, qvel=qvel),
-        moving=3 - sum(scenario.constraint.is_held),
-    )
+    made = f"{python_text('MJCF', text)}\n{made.format(qpos=qpos, qvel=qvel)}"
+    return run_script(world, made, _STATE.format(3 - sum(scenario.constraint.is_held)))

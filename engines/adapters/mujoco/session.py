@@ -9,20 +9,18 @@ from typing import Any, final
 import mujoco
 import numpy as np
 from spincheck.engine import (
-    BodyReading,
     Derivative,
     EngineError,
     Fault,
     FloatArray,
     Scenario,
-    Session,
     State,
     UnsupportedError,
 )
 
 from . import clock
 from .audit import acting
-from .coordinates import Coordinates
+from .coordinates import CoordinateSession
 from .world import at_start, set_timestep
 
 #: MuJoCo's flag for what is read at a sample: time, qpos and qvel.
@@ -40,7 +38,7 @@ Snapshot = bytes
 
 
 @final
-class MuJoCoSession(Session):
+class MuJoCoSession(CoordinateSession):
     """One body on a ball joint, which may be on slides, or free, and what is welded to it.
 
     Parameters
@@ -61,34 +59,19 @@ class MuJoCoSession(Session):
         has_clock: bool = False,
         tied: float = 0.0,
     ) -> None:
-        self._scenario, self._tied = scenario, tied
-        self.model = model
+        super().__init__(scenario, model)
+        self.model, self._tied = model, tied
         self.data = at_start(model, qpos, qvel)
         # One array for all snapshots: fetching MuJoCo's own arrays would double the time.
         self._reading = np.empty(1 + mujoco.mj_stateSize(model, READ))
         self._read = self._reading[1:]
-        self._coordinates = Coordinates(model, scenario)
         self._steps = 0
         self._warnings: list[str] = []
         self._clock = clock.SHIPPED if has_clock else None
 
-    def read_body(self) -> BodyReading:
-        """The body of the compiled model."""
-        return self._coordinates.read_body()
-
     def read_state(self) -> State:
-        """The state now; see `states`."""
+        """The state now, of whatever MuJoCo has warned; see `states`."""
         return self.states([self._bytes()]).rows(0)
-
-    @property
-    def can_restart(self) -> bool:
-        """True: `mj_resetData` clears everything."""
-        return True
-
-    @property
-    def restarts_to_the_last_bit(self) -> bool:
-        """Whether a restart rounds nothing: on a pivot, or if the coordinates move the com."""
-        return self._coordinates.restarts_to_the_last_bit
 
     def set_timestep(self, timestep: float) -> None:
         """Set the length of the steps from now on, s."""

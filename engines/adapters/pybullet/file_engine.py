@@ -4,10 +4,10 @@ from typing import final
 
 from spincheck.engine import Method, Release, Scenario
 
-from ...users_models import FileEngine, body_alone, users_link
+from ...users_models import MESHES, FileEngine, body_alone, users_link
 from .engine import PyBullet, bullet_method, release
 from .load import BodyRepresentation, OwnURDF
-from .model_reader import DEFAULT, FROM_FILE, PyBulletModelReader, takes_mesh
+from .model_reader import DEFAULT, FROM_FILE, PyBulletModelReader
 from .session import PyBulletSession
 from .world import DEFAULTS, INERTIA
 
@@ -42,8 +42,8 @@ class PyBulletFile(FileEngine):
         users = users_link(scenario)
         left = LEFT[method.name]
         # Shapes are needed only if PyBullet computes tensors from them.
-        shapes = takes_mesh if INERTIA in left else None
-        text, meshes = body_alone(users.model, users.body, shapes)
+        endings = MESHES if INERTIA in left else None
+        text, meshes = body_alone(users.model, users.body, endings)
         own = OwnURDF(text, tuple(meshes.items()))
         representation = BodyRepresentation(defaults=left, own=own)
         return PyBulletSession(scenario, representation, timestep)

@@ -11,12 +11,10 @@ from scipy.spatial.transform import Rotation
 from spincheck.engine import BodyReading, EngineError
 
 from ...native_output import native_output
-from ...users_models import Advice, Configuration, ModelFile, ModelReader, Shape, with_meshes
+from ...users_models import Advice, Configuration, ModelFile, ModelReader, laid_out
 from .engine import installed_version
 from .world import BASE
 
-#: File endings of the meshes of which PyBullet makes collision shapes.
-MESHES = frozenset((".obj", ".stl", ".dae"))
 UNSTATED = {"nothing stated": Advice("PyBullet then fixes a root in the world")}
 #: The two ways to load a URDF.
 DEFAULT, FROM_FILE = "default", "inertia-from-file"
@@ -54,15 +52,11 @@ class PyBulletModelReader(ModelReader):
         flags = p.URDF_IGNORE_VISUAL_SHAPES
         if not asks_shapes:
             flags |= p.URDF_USE_INERTIA_FROM_FILE | p.URDF_IGNORE_COLLISION_SHAPES
-        data, meshes = with_meshes(model, lambda shape: asks_shapes and takes_mesh(shape))
         client = p.connect(p.DIRECT)
         try:
             with tempfile.TemporaryDirectory() as folder, native_output() as printed:
-                for name, mesh in meshes.items():
-                    Path(folder, name).write_bytes(mesh)
-                file = Path(folder, "model.urdf")
-                file.write_bytes(data)
-                body = _load(client, file, flags)
+                links = model.links if asks_shapes else ()
+                body = _load(client, laid_out(model, Path(folder), links=links), flags)
             if body is None:
                 raise EngineError(f"PyBullet refuses the file: {_last_line(printed.text)}")
             return _bodies(client, body)
@@ -70,14 +64,9 @@ class PyBulletModelReader(ModelReader):
             p.disconnect(client)
 
 
-def takes_mesh(shape: Shape) -> bool:
-    """Whether PyBullet makes a collision shape of this mesh."""
-    return Path(shape.mesh or "").suffix.lower() in MESHES
-
-
-def _load(client: int, file: Path, flags: int) -> int | None:
+def _load(client: int, file: str, flags: int) -> int | None:
     try:
-        return int(p.loadURDF(str(file), flags=flags, physicsClientId=client))
+        return int(p.loadURDF(file, flags=flags, physicsClientId=client))
     except p.error:
         return None
 

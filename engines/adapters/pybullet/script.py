@@ -4,20 +4,14 @@ from pathlib import Path
 
 from spincheck.engine import Scenario
 
-from ...models.text import python_lines
-from ...world_session import stand_alone
+from ...models.text import python_text
+from ...world_session import run_script
 from .load import BodyRepresentation, scenes_own
 from .session import PyBulletSession
 from .world import FRICTIONLESS
 
-_SCRIPT = """\
-import os
-import tempfile
-{world}
-
-URDF = (
+_MADE = """\
 {urdf}
-)
 SCENE = {{
 {scene}
 }}
@@ -26,19 +20,11 @@ with tempfile.TemporaryDirectory() as folder:
     with open(path, "w") as file:
         file.write(URDF)
     world = World(SCENE, p.connect(p.DIRECT), path)
-world.set_up(TIMESTEP)
-
-
-def step(count):
-    world.advance(count)
-
-
-def state():
-    \"\"\"Attitude, w x y z, body to world, and angular velocity in body axes.\"\"\"
-    _, (x, y, z, w), _, omega_world = world.motion()
-    q = product(np.array([w, x, y, z]), conjugate(np.array(SCENE["axes"])))
-    return q, turned(conjugate(q), np.array(omega_world))
-"""
+world.set_up(TIMESTEP)"""
+_STATE = """\
+_, (x, y, z, w), _, omega_world = world.motion()
+q = product(np.array([w, x, y, z]), conjugate(np.array(SCENE["axes"])))
+return q, turned(conjugate(q), np.array(omega_world))"""
 CONTACT = f"""\
 # on a plane, of both bodies:
 p.setPhysicsEngineParameter(contactSlop=0)
@@ -70,8 +56,7 @@ def script(scenario: Scenario, representation: BodyRepresentation, timestep: flo
     """Return the world of a method as Python, with the numbers that a session gives it."""
     with PyBulletSession(scenario, representation, timestep) as session:
         entries = [f'    "{key}": {value!r},' for key, value in session.world.scene.items()]
-    return _SCRIPT.format(
-        world=stand_alone(Path(__file__).with_name("world.py")),
-        urdf=python_lines(scenes_own(scenario, representation).data.decode()),
-        scene="\n".join(entries),
-    )
+    world = Path(__file__).with_name("world.py")
+    text = python_text("URDF", scenes_own(scenario, representation).data.decode())
+    made = _MADE.format(urdf=text, scene="\n".join(entries))
+    return f"import os\nimport tempfile\n{run_script(world, made, _STATE)}"

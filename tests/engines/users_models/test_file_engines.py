@@ -8,7 +8,7 @@ import pytest
 from case_loops import each_case
 from library_scenes import library
 from spincheck.engines import engines
-from spincheck.engines.users_models import AGREES, RigidBody, read_model
+from spincheck.engines.users_models import AGREES, MESHES, RigidBody, read_model
 from spincheck.engines.users_models import read as of_scene
 from spincheck.engines.users_models.model_file import Pose
 from spincheck.engines.users_models.urdf import body_alone
@@ -169,7 +169,7 @@ def test_of_its_shapes_those_are_kept_that_a_tensor_is_made_up_from(tmp_path):
     mesh = '<collision><geometry><mesh filename="a.obj"/></geometry></collision>'
     written(tmp_path, "mtllib /etc/passwd\nv 0 0 0", "a.obj")
     model = read_model(written(tmp_path, arm(inside=BOX + mesh)))
-    cut, meshes = body_alone(model, RigidBody(((model.link("arm"), Pose()),)), lambda _: True)
+    cut, meshes = body_alone(model, RigidBody(((model.link("arm"), Pose()),)), MESHES)
     assert BOX.encode() in cut
     assert b'filename="mesh-0.obj"' in cut
     # PyBullet opens the materials that an OBJ file asks for, wherever they are.

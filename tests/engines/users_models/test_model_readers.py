@@ -87,8 +87,9 @@ def test_bodies_without_a_name_are_distinguished(tmp_path):
 def test_replicated_bodies_are_named_as_mujoco_names_them(tmp_path):
     inner = '<freejoint/><geom size="1"/><replicate count="11" sep="-"><body name="k">'
     text = body(f'{inner}<geom size="0.1"/></body></replicate>')
-    names = {one.name for one in read_model(written(tmp_path, text, "robot.xml")).links}
-    assert set(held(tmp_path, text, ("mujoco", "as-is"), "robot.xml")) == names
+    for named in (text, text.replace(' name="k"', "")):
+        names = {one.name for one in read_model(written(tmp_path, named, "robot.xml")).links}
+        assert set(held(tmp_path, named, ("mujoco", "as-is"), "robot.xml")) == names
 
 
 def test_mujoco_is_given_what_was_checked_and_opens_no_file_of_the_users(tmp_path):
@@ -114,6 +115,15 @@ def test_mujoco_reads_a_model_that_a_model_attaches(tmp_path):
     asset = '<asset><model name="h" file="hand.xml"/></asset>'
     text = body('<freejoint/><geom size="1"/><attach model="h" body="hand" prefix="l-"/>', asset)
     assert set(held(tmp_path, text, ("mujoco", "as-is"), "robot.xml")) == {"arm", "l-hand"}
+
+
+def test_a_body_without_a_name_is_not_counted_among_those_of_an_attached_model(tmp_path):
+    written(tmp_path, body('<body><geom size="3"/></body>').replace("arm", "hand"), "hand.xml")
+    asset = '<asset><model name="h" file="hand.xml"/></asset>'
+    inner = '<attach model="h" body="hand" prefix="l-"/><body><geom size="2"/></body>'
+    text = body(f'<freejoint/><geom size="1"/>{inner}', asset)
+    bodies = held(tmp_path, text, ("mujoco", "as-is"), "robot.xml")
+    assert bodies["(body 1)"].mass == pytest.approx(8 * bodies["arm"].mass)
 
 
 def test_nothing_is_written_beside_the_user(tmp_path, monkeypatch):
