@@ -260,7 +260,7 @@ def _inverse_radii(measured: Measured) -> FloatArray:
 
 
 def _squared(vectors: FloatArray) -> FloatArray:
-    """The squares of vectors along the last axis; its sum by numpy takes five times as long."""
+    """The squares of vectors along the last axis; its sum by numpy takes several times as long."""
     x, y, z = np.moveaxis(vectors**2, -1, 0)
     return np.asarray(x + y + z)
 
