@@ -3,7 +3,7 @@
 The derivation, the conventions and measured errors are in docs/explanation/sensitivities.md.
 """
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import final
 
@@ -34,7 +34,7 @@ from .taylor import (
     tables,
     terms_of,
 )
-from .taylor_coefficients import OMEGA, STATE, Q
+from .taylor_coefficients import OMEGA, STATE, Q, Terms
 from .taylor_march import DONE, PAUSED, Tables
 
 #: Most steps of a march. A step takes some 15 µs, and is taken in up to thirty directions by two
@@ -109,12 +109,15 @@ class Sensitivity:
 OF_START = ("attitude", "omega", "com_start", "velocity_start")
 
 
-def sensitivity(scenario: Scenario, motion: Trajectory) -> Sensitivity:
+def sensitivity(
+    scenario: Scenario, motion: Trajectory, *, of_start_alone: bool = False
+) -> Sensitivity:
     """Return the derivatives of a scene's motion at the times of its samples.
 
     Parameters
     ----------
     motion : the exact motion, as far as it is known
+    of_start_alone : whether those by parameters are left out, which take most of the time
 
     Raises
     ------
@@ -123,16 +126,21 @@ def sensitivity(scenario: Scenario, motion: Trajectory) -> Sensitivity:
     """
     problem = rotational_problem(scenario)
     by_parameter = changes(scenario, problem)
+    if of_start_alone:
+        by_parameter = {name: by_parameter[name] for name in OF_START if name in by_parameter}
     by_name = {
         name: [each] if isinstance(each, Change) else each for name, each in by_parameter.items()
     }
     single = {name for name, each in by_parameter.items() if isinstance(each, Change)}
     rate = fastest_rate(scenario, motion.omega_body) or 1.0
 
+    varied_by = _varied(scenario, problem)
+    varied = {name: [varied_by(one) for one in each] for name, each in by_name.items()}
+
     def found(orders: Orders) -> tuple[Arrays, Arrays]:
         turned = {
-            name: np.stack([_turned(scenario, problem, motion.t, one, orders) for one in each], -1)
-            for name, each in by_name.items()
+            name: np.stack([_turned(one, motion.t, orders) for one in each], -1)
+            for name, each in varied.items()
         }
         pivoted = scenario.constraint.is_pivot
         translated = {} if pivoted else _translated(scenario, motion, by_name, turned)
@@ -158,11 +166,49 @@ def sensitivity(scenario: Scenario, motion: Trajectory) -> Sensitivity:
     )
 
 
-def _turned(
-    scenario: Scenario, problem: Problem, times: FloatArray, change: Change, orders: Orders
-) -> FloatArray:
+@dataclass(frozen=True, eq=False)
+class _Varied:
+    """A problem and how it changes, in double-double: the same for series of any order.
+
+    Attributes
+    ----------
+    start, tangent : ω and attitude, principal axes, in one row, and their change
+    tensor : δI, principal axes
+    R_axes_body : from body axes to principal ones
+    """
+
+    constants: Dual
+    terms: Terms
+    start: Tables
+    tangent: Tables
+    tensor: Tables
+    R_axes_body: FloatArray
+
+
+def _varied(scenario: Scenario, problem: Problem) -> Callable[[Change], _Varied]:
+    """Return what makes the numbers of a march along a change."""
+    # The effects of the scene, not only those that turn the body: a lever that is zero may have a
+    # derivative that is not.
+    terms = terms_of(problem, scenario.called_for & TERMS.keys())
+    constants, start = constants_of(problem), tables([(*problem.omega_axes, *problem.q_world_axes)])
+    R_axes_body = matrix(np.array(problem.q_axes_body, dtype=float))
+
+    def along(change: Change) -> _Varied:
+        with mp.workdps(DIGITS):
+            turn = product(problem.q_world_axes, (mpf(0), *change.turn_axes))
+            tangent = (*change.omega_axes, *(x / 2 for x in turn))
+        derived = derived_constants(problem, changed_problem(problem, change))
+        return _Varied(
+            *(Dual(constants, derived), terms, start, tables([tangent])),
+            *(tables(change.inertia_axes), R_axes_body),
+        )
+
+    return along
+
+
+def _turned(varied: _Varied, times: FloatArray, orders: Orders) -> FloatArray:
     """Return the derivative of attitude, rad, and ω, rad/s, along a change, body axes, (n, 6)."""
-    states, tangents = _marched(scenario, problem, times, change, orders)
+    states, tangents = _marched(varied, times, orders)
     (w, x, y, z), (dw, dx, dy, dz) = states[:, Q : Q + 4].T, tangents[:, Q : Q + 4].T
     # The vector part of q̄ δq is δθ/2.
     turn_axes = 2 * np.stack(
@@ -173,29 +219,21 @@ def _turned(
         ],
         axis=-1,
     )
-    R_axes_body = matrix(np.array(problem.q_axes_body, dtype=float))
-    return np.hstack([turn_axes @ R_axes_body, tangents[:, OMEGA : OMEGA + 3] @ R_axes_body])
+    R = varied.R_axes_body
+    return np.hstack([turn_axes @ R, tangents[:, OMEGA : OMEGA + 3] @ R])
 
 
-def _marched(
-    scenario: Scenario, problem: Problem, times: FloatArray, change: Change, orders: Orders
-) -> tuple[FloatArray, FloatArray]:
+def _marched(varied: _Varied, times: FloatArray, orders: Orders) -> tuple[FloatArray, FloatArray]:
     """Return states and their derivatives along a change, (n, STATE) each, principal axes."""
-    with mp.workdps(DIGITS):
-        turn = product(problem.q_world_axes, (mpf(0), *change.turn_axes))
-        start = (*problem.omega_axes, *problem.q_world_axes)
-        tangent = (*change.omega_axes, *(x / 2 for x in turn))
-    series = Dual(*(_first_order(numbers, orders) for numbers in (start, tangent)))
+    series = Dual(*(_first_order(row, orders) for row in (varied.start, varied.tangent)))
     high, low = inverses_to(orders.total)
     counts = np.arange(orders.total + 1.0)
     inverses = np.vstack([high, counts]), np.vstack([low, 0 * counts])
     numbers = (
-        Dual(constants_of(problem), derived_constants(problem, changed_problem(problem, change))),
+        varied.constants,
         Dual(inverses, (np.zeros_like(inverses[0]), np.zeros_like(inverses[0]))),
-        # The effects of the scene, not only those that turn the body: a lever that is zero may have
-        # a derivative that is not.
-        terms_of(problem, scenario.called_for & TERMS.keys()),
-        tables(change.inertia_axes),
+        varied.terms,
+        varied.tensor,
         orders.double_double,
         series,
     )
@@ -219,10 +257,10 @@ def _marched(
     return states, tangents
 
 
-def _first_order(numbers: tuple[mpf, ...], orders: Orders) -> Tables:
+def _first_order(row: Tables, orders: Orders) -> Tables:
     """Return a table, as high and low parts, for a series whose order 0 is given."""
     series = np.zeros((2, orders.total + 1, WIDTH))
-    series[:, :1, : len(numbers)] = tables([numbers])
+    series[:, :1, : row[0].shape[1]] = row
     return series[0], series[1]
 
 
@@ -272,8 +310,9 @@ def _named(scenario: Scenario, derived: Arrays, single: set[str]) -> Arrays:
     starts = [derived[name] for name in OF_START if name in derived]
     arrays = {"state_transition": np.concatenate(starts, 2)}
     arrays |= {name: values for name, values in derived.items() if name not in OF_START}
-    axes = np.array(principal_axes(scenario.carrier.inertia_com_exact)[1], dtype=float)
-    arrays["moments"] = arrays["inertia"] @ np.array([axes[i] * axes[j] for i, j in ENTRIES])
+    if "inertia" in arrays:
+        axes = np.array(principal_axes(scenario.carrier.inertia_com_exact)[1], dtype=float)
+        arrays["moments"] = arrays["inertia"] @ np.array([axes[i] * axes[j] for i, j in ENTRIES])
     arrays |= {name: arrays[name][..., 0] for name in single}
     return {name: read_only(values) for name, values in arrays.items()}
 

@@ -6,7 +6,7 @@ that it does not explain vanishes with the timestep.
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from functools import partial
+from functools import cached_property, partial
 from itertools import permutations
 
 import numpy as np
@@ -33,7 +33,8 @@ KNOWN = 1e-6
 class Exact:
     """The exact Jacobians, (J, K, 6, 6), from K states over J spans of time, s.
 
-    Each span is one of `steps` steps.
+    Each span is one of `steps` steps. What mistakes make of them is kept: all derivatives of an
+    engine are compared with it.
     """
 
     scenario: Scenario
@@ -42,6 +43,47 @@ class Exact:
     jacobians: FloatArray
     units: Units
     steps: int = 1
+
+    @cached_property
+    def in_world_axes(self) -> list[tuple[str, FloatArray]]:
+        """What `_in_world_axes` yields."""
+        return list(_in_world_axes(self))
+
+    @cached_property
+    def lacking(self) -> list[tuple[str, FloatArray]]:
+        """What `_lacking` yields."""
+        return list(_lacking(self))
+
+    @cached_property
+    def rates(self) -> list["_Rates"]:
+        """dω/dt about each state."""
+        equations = Equations(self.scenario)
+        return [_Rates(equations, self.states.rows(k), self.units) for k in range(self.count)]
+
+    @cached_property
+    def secants(self) -> dict[bool, list[FloatArray]]:
+        """Errors of the derivative of dx/dt by differences, (K, 6, 6), for each of `POWERS`.
+
+        By whether the differences are central.
+        """
+        return {
+            two_sided: [self.secant(power, two_sided) for power in POWERS]
+            for two_sided in (False, True)
+        }
+
+    @property
+    def count(self) -> int:
+        """The number of states."""
+        return len(self.states.omega_body)
+
+    def secant(self, power: float, two_sided: bool) -> FloatArray:
+        """Return such errors with ε = 10^power, (K, 6, 6)."""
+        return np.array([one.secant(10.0**power, two_sided) for one in self.rates])
+
+    def off_by(self, change: Callable[["_Rates"], FloatArray]) -> FloatArray:
+        """Return the Jacobians with a change of the derivative of dx/dt."""
+        h = self.spans[:, None, None, None]
+        return np.asarray(self.jacobians + h * np.array([change(one) for one in self.rates]))
 
 
 def candidates(exact: Exact, limits: FloatArray) -> Iterator[tuple[str, FloatArray]]:
@@ -68,14 +110,18 @@ def candidates(exact: Exact, limits: FloatArray) -> Iterator[tuple[str, FloatArr
     yield f"{words} rows", half @ P
     yield f"{words} columns", P @ twice
     yield from _detached(P)
-    yield from _in_world_axes(exact)
+    yield from exact.in_world_axes
     for order in list(permutations(range(3)))[1:]:
         kept = [*order, *(3 + axis for axis in order)]
         axes = "".join("xyz"[axis] for axis in order)
         yield f"axes are exchanged, {axes} for xyz", P[:, :, kept][..., kept]
     swapped = [3, 4, 5, 0, 1, 2]
     yield "ω comes first, and the attitude last", P[:, :, swapped][..., swapped]
-    yield from _changed_rates(exact, limits)
+    yield from exact.lacking
+    for way, two_sided in {"forward": False, "central": True}.items():
+        epsilon = _fitted(exact, limits, two_sided)
+        made = exact.off_by(partial(_Rates.secant, epsilon=epsilon, two_sided=two_sided))
+        yield f"ε of {way} differences is too large, about {epsilon:.2g}", made
 
 
 def _detached(P: FloatArray) -> Iterator[tuple[str, FloatArray]]:
@@ -115,7 +161,7 @@ def _in_world_axes(exact: Exact) -> Iterator[tuple[str, FloatArray]]:
 
 def _ends(exact: Exact) -> list[list[tuple[FloatArray, FloatArray]]]:
     """Return attitude and ω after each span of time from each state."""
-    count = len(exact.states.omega_body)
+    count = exact.count
     rows = np.tile(np.arange(count), len(exact.spans))
     flown = flowed(exact.scenario, exact.states.rows(rows), np.repeat(exact.spans, count))
     pairs = list(zip(flown.q_world_body_wxyz, flown.omega_body, strict=True))
@@ -136,37 +182,26 @@ def _to_world(
     return made
 
 
-def _changed_rates(exact: Exact, limits: FloatArray) -> Iterator[tuple[str, FloatArray]]:
-    """Yield the exact Jacobians with mistakes in the derivative of dx/dt."""
-    states, scenario, units = exact.states, exact.scenario, exact.units
-    rates = [_Rates(Equations(scenario), states.rows(k), units) for k in range(len(limits))]
-    h = exact.spans[:, None, None, None]
-
-    def by(change: Callable[["_Rates"], FloatArray]) -> FloatArray:
-        return np.asarray(exact.jacobians + h * np.array([change(one) for one in rates]))
-
+def _lacking(exact: Exact) -> Iterator[tuple[str, FloatArray]]:
+    """Yield the exact Jacobians with a part of the derivative of dx/dt left out."""
     words = {name: f"the {name} is not differentiated" for name in TERMS}
     for name in ("ω", "I ω"):
         words[name] = f"of the gyroscopic torque ω × I ω the factor {name} is not differentiated"
     for name, said in words.items():
-        yield said, by(partial(_Rates.without, name=name))
+        yield said, exact.off_by(partial(_Rates.without, name=name))
     turn = "the attitude's derivative lacks"
     for first, part in {0: "the turn of the body's axes, ω × δθ", 3: "δω"}.items():
-        yield f"{turn} {part}", by(partial(_Rates.without_turn, first=first))
-    for way, two_sided in {"forward": False, "central": True}.items():
-        epsilon = _fitted(rates, limits, two_sided)
-        made = by(partial(_Rates.secant, epsilon=epsilon, two_sided=two_sided))
-        yield f"ε of {way} differences is too large, about {epsilon:.2g}", made
+        yield f"{turn} {part}", exact.off_by(partial(_Rates.without_turn, first=first))
 
 
-def _fitted(rates: list["_Rates"], limits: FloatArray, two_sided: bool) -> float:
+def _fitted(exact: Exact, limits: FloatArray, two_sided: bool) -> float:
     """Return the ε, rad and rad/s, whose finite differences would come closest to the limits."""
 
     def left(power: float) -> float:
-        off = np.array([one.secant(10.0**power, two_sided) for one in rates])
-        return float(np.linalg.norm(limits - off))
+        return float(np.linalg.norm(limits - exact.secant(power, two_sided)))
 
-    near = min(POWERS, key=left)
+    tried = [float(np.linalg.norm(limits - off)) for off in exact.secants[two_sided]]
+    near = POWERS[int(np.argmin(tried))]
     bounds = near - SPACING, near + SPACING
     found = minimize_scalar(left, bounds=bounds, method="bounded", options={"xatol": KNOWN})
     return float(10.0**found.x)

@@ -66,7 +66,8 @@ def exact_jacobians(scenario: Scenario, states: State, timesteps: FloatArray) ->
     for k in range(len(states.omega_body)):
         scene = started_at(scenario, **vars(states.rows(k)))
         (solution,) = solve_cheaply(scene, [ascending])
-        found.append(sensitivity(scene, solution.trajectory).state_transition[:, :, :CHART])
+        derived = sensitivity(scene, solution.trajectory, of_start_alone=True)
+        found.append(derived.state_transition[:, :, :CHART])
     return np.stack(found, axis=1)[::-1]
 
 

@@ -71,7 +71,8 @@ def exact_along(
         If the motion or a derivative cannot be integrated as far.
     """
     (solution,) = solve_cheaply(scenario, [timestep * np.array(counts, dtype=float)])
-    return solution.trajectory, sensitivity(scenario, solution.trajectory)
+    motion = solution.trajectory
+    return motion, sensitivity(scenario, motion, of_start_alone=True)
 
 
 def own_over(

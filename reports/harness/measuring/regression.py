@@ -163,7 +163,7 @@ class Regression:
     def evidence(self) -> FloatArray:
         """The logarithm of the density of all gains of each state, by each pair, (R A, K)."""
         _, _, _, turned = self._decomposed
-        each = self._shrunk @ (turned**2).sum(axis=3)
+        each = self._shrunk @ _squared(turned)
         scale = np.log(self._shrunk).sum(axis=2) - 2 * np.log(self.noise).sum(axis=1)[:, None]
         return np.asarray((3 * scale[..., None] - each) / 2).reshape(-1, turned.shape[2])
 
@@ -180,7 +180,7 @@ class Regression:
     def evidence_with_constant(self) -> FloatArray:
         """The evidence if a constant is added, which may be as large as any gain, (R A, K)."""
         constants, error = self.constants
-        gained = ((constants / error[:, None, None]) ** 2).sum(axis=2) / 2
+        gained = _squared(constants / error[:, None, None]) / 2
         return np.asarray(
             self.evidence + gained + 3 * np.log(error / self.measured.largest)[:, None]
         )
@@ -190,8 +190,8 @@ class Regression:
         constants, error = self.constants
         weights = normalised(self.evidence_with_constant + np.log(prior)[:, None])
         limit = (weights[..., None] * constants).sum(axis=0)
-        spread = ((constants - limit) ** 2).mean(axis=2) + error[:, None] ** 2
-        squares = ((constants / error[:, None, None]) ** 2).sum(axis=2)
+        spread = _squared(constants - limit) / 3 + error[:, None] ** 2
+        squares = _squared(constants / error[:, None, None])
         tails = (weights * chdtrc(3, squares)).sum(axis=0)
         return limit, np.sqrt((weights * spread).sum(axis=0)), tails
 
@@ -215,10 +215,10 @@ class Regression:
         for j in range(J):
             mean, variance, weights = self._predicted(j, prior)
             means[j] = (weights[..., None] * mean).sum(axis=0)
-            spread = ((mean - means[j]) ** 2).mean(axis=2) + variance[:, None]
+            spread = _squared(mean - means[j]) / 3 + variance[:, None]
             errors[j] = np.sqrt((weights * spread).sum(axis=0))
             if j >= PREDICTED_FROM:
-                squares = ((self.measured.gains[j] - mean) ** 2).sum(axis=2) / variance[:, None]
+                squares = _squared(self.measured.gains[j] - mean) / variance[:, None]
                 tails[j] = (weights * chdtrc(3, squares)).sum(axis=0)
         return tails, means, errors
 
@@ -257,6 +257,12 @@ def _inverse_radii(measured: Measured) -> FloatArray:
     radii = RATIO ** (count + 0.5) / 4
     within = (radii[:, None] * measured.x < 1).sum(axis=1)
     return np.asarray(radii[within >= min(LEAST, len(measured.x))])
+
+
+def _squared(vectors: FloatArray) -> FloatArray:
+    """The squares of vectors along the last axis; its sum by numpy takes several times as long."""
+    x, y, z = np.moveaxis(vectors**2, -1, 0)
+    return np.asarray(x + y + z)
 
 
 def log_sum(logarithms: FloatArray) -> FloatArray:

@@ -183,11 +183,10 @@ def test_a_limit_is_as_far_from_zero_as_its_standard_error_says(order: int, eps:
 def test_the_order_is_that_of_the_gains_and_no_honest_method_is_accused(
     order: int, eps: float
 ) -> None:
-    for one in sample(order, eps):
-        found = one.fitted()
+    """One series is enough for each, so that no change of a formula is looked for."""
+    for found in honest(order, eps, 1.0):
         assert found.order == order
         assert not is_accused(found)
-        assert not found.changes.any()
 
 
 @pytest.mark.parametrize(
