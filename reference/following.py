@@ -5,7 +5,9 @@ All numbers are plain doubles. If the equations are a scene's, the integrator `E
 """
 
 import math
-from typing import NamedTuple
+from dataclasses import dataclass, field
+from functools import lru_cache
+from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.integrate import DOP853
@@ -64,8 +66,6 @@ class Integrator(NamedTuple):
 
 
 STAGES, START, END = 0, 1, 2
-#: The latest results, by all that they depend on; the latest is last.
-_latest: dict[tuple[object, ...], FloatArray] = {}
 _EULER = np.zeros((1, 1)), np.ones(1)
 _HALF = np.diag([0.5], -1), np.array([0.0, 1.0])
 _RK4 = np.diag([0.5, 0.5, 1.0], -1), np.array([1, 2, 2, 1]) / 6
@@ -106,17 +106,26 @@ def follow(
     -------
     (S, L, 7); nan from the first number on that leaves the range of doubles, or of rates
     """
-    numbers = all_numbers(equations)
-    arrays = (one.tobytes() for one in (numbers, states, spans, integrator.a, integrator.b))
-    asked = (*arrays, spans.shape, *integrator[3:], timestep, fastest)
-    ends = _latest.pop(asked, None)
-    if ends is None:
-        ends = np.empty((*spans.shape, 7))
-        _follow(numbers, states, spans, *integrator[1:], timestep, fastest, ends)
-    _latest[asked] = ends
-    if len(_latest) > RESULTS:
-        del _latest[next(iter(_latest))]
-    return ends.copy()
+    arguments = (all_numbers(equations), states, spans, *integrator[1:], timestep, fastest)
+    key = (one.tobytes() if isinstance(one, np.ndarray) else one for one in arguments)
+    return _followed(_Asked((spans.shape, *key), arguments)).copy()
+
+
+@dataclass(frozen=True)
+class _Asked:
+    """Which motions are asked for: arguments of `_follow`, and all of them that can be compared."""
+
+    key: tuple[object, ...]
+    arguments: tuple[Any, ...] = field(compare=False)
+
+
+@lru_cache(RESULTS)
+def _followed(asked: _Asked) -> FloatArray:
+    """Return what `follow` does, (S, L, 7); it is kept, and must not be changed."""
+    _, _, spans, *_ = asked.arguments
+    ends = np.empty((*spans.shape, 7))
+    _follow(*asked.arguments, ends)
+    return ends
 
 
 def rates(equations: OtherEquations, states: FloatArray, kept: FloatArray) -> FloatArray:
