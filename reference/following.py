@@ -124,7 +124,8 @@ def _followed(asked: _Asked) -> FloatArray:
     """Return what `follow` does, (S, L, 7); it is kept, and must not be changed."""
     _, _, spans, *_ = asked.arguments
     ends = np.empty((*spans.shape, 7))
-    _follow(*asked.arguments, ends)
+    arguments = *asked.arguments, ends
+    _follow(*arguments)
     return ends
 
 

@@ -149,8 +149,7 @@ class Physics:
         """
         if self.timestep is None or self.intervals is None or self.made_by or not self.is_beyond:
             return 0
-        off = self.intervals.apart(self.intervals.base.equations)
-        data = self.intervals.with_error(root_mean_squares(off))
+        data = self.intervals.with_error(self.off)
         of_noise = _mean_square(np.repeat(data.noise, 3) / data.scale)
 
         def explains(orders: Sequence[int], part: float) -> bool:
@@ -238,12 +237,24 @@ class Physics:
 
     @cached_property
     def is_of_method(self) -> bool:
-        """Whether leading errors of methods explain the difference but for their next term."""
-        if self.intervals is None:
+        """Whether noise, or leading errors of methods but for their next term, explain it all."""
+        if self.intervals is None or (self.off <= self.least).all():
             return True
-        off = self.intervals.apart(self.intervals.base.equations)
-        data, orders = self.intervals.with_error(root_mean_squares(off)), range(1, self.order + 1)
+        data, orders = self.intervals.with_error(self.off), range(1, self.order + 1)
         return _mean_square(left_by_methods(data, orders)) < self.next_term**2
+
+    @cached_property
+    def off(self) -> FloatArray:
+        """How far attitude, rad, and ω, rad/s, are off where the scene's equations lead, (2,)."""
+        if self.intervals is None:
+            return np.zeros(2)
+        return root_mean_squares(self.intervals.apart(self.intervals.base.equations))
+
+    @cached_property
+    def least(self) -> FloatArray:
+        """The least difference of attitude, rad, and ω, rad/s, that is more than noise, (2,)."""
+        fits = FITS * np.array([1.0, norms(self.motion.omega_body).max()])
+        return np.maximum(self.noise, fits)
 
     @cached_property
     def of_exact_motion(self) -> Fit | None:
@@ -255,9 +266,7 @@ class Physics:
         """
         if self.search is None or self.intervals is None or self.is_of_method:
             return None
-        size = root_mean_squares(self.intervals.apart(self.intervals.base.equations))
-        fits = FITS * np.array([1.0, norms(self.motion.omega_body).max()])
-        noise = np.max([self.noise, SAME * size, fits], axis=0)
+        noise = np.maximum(self.least, SAME * self.off)
         data = replace(self.intervals.made_by(EXACT, 0.0), noise=noise)
         found = Search(data, self._of_motion, part=SAME).one()
         return found if found is not None and found.count <= MOST_OF_ALL else None

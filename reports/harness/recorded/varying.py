@@ -71,8 +71,10 @@ def _fit(
 ) -> tuple[FloatArray, FloatArray]:
     """Return the number of each interval, (S,), and what is left with them, (S, 6)."""
     numbers, size = np.zeros(len(parts)), float(change.sizes[0])
-    rest = data.off(change.apply(data.base, np.zeros(1)))
-    slopes = (data.off(change.apply(data.base, np.array([SMALL * size]))) - rest) / SMALL
+    rest, stepped = (
+        _clipped(data.off(change.apply(data.base, np.array([step * size])))) for step in (0, SMALL)
+    )
+    slopes = (stepped - rest) / SMALL
     for _ in range(STEPS):
         squares = np.maximum(np.sum(slopes**2, axis=1), 1 / NOWHERE)
         numbers = numbers - size * np.sum(slopes * rest, axis=1) / squares
@@ -88,7 +90,12 @@ def _off(parts: Sequence[Intervals], change: Change, numbers: FloatArray) -> Flo
         part.off(change.apply(part.base, number[None]))
         for part, number in zip(parts, numbers, strict=True)
     ]
-    return np.clip(np.nan_to_num(np.vstack(off), nan=NOWHERE), -NOWHERE, NOWHERE)
+    return _clipped(np.vstack(off))
+
+
+def _clipped(off: FloatArray) -> FloatArray:
+    """Return what is left, with `NOWHERE` in place of what is larger or no number."""
+    return np.clip(np.nan_to_num(off, nan=NOWHERE), -NOWHERE, NOWHERE)
 
 
 def _in_words(t: FloatArray, change: Change, numbers: FloatArray) -> str:
