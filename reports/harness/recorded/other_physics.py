@@ -237,7 +237,10 @@ class Physics:
 
     @cached_property
     def is_of_method(self) -> bool:
-        """Whether noise, or leading errors of methods but for their next term, explain it all."""
+        """Whether noise or the leading errors of methods explain the difference.
+
+        These errors explain it but for their next term.
+        """
         if self.intervals is None or (self.off <= self.least).all():
             return True
         data, orders = self.intervals.with_error(self.off), range(1, self.order + 1)
