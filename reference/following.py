@@ -108,23 +108,23 @@ def follow(
     """
     arguments = (all_numbers(equations), states, spans, *integrator[1:], timestep, fastest)
     key = (one.tobytes() if isinstance(one, np.ndarray) else one for one in arguments)
-    return _followed(_Asked((spans.shape, *key), arguments)).copy()
+    return _followed(_Query((spans.shape, *key), arguments)).copy()
 
 
 @dataclass(frozen=True)
-class _Asked:
-    """Which motions are asked for: arguments of `_follow`, and all of them that can be compared."""
+class _Query:
+    """Which motions are query for: arguments of `_follow`, and all of them that can be compared."""
 
     key: tuple[object, ...]
     arguments: tuple[Any, ...] = field(compare=False)
 
 
 @lru_cache(RESULTS)
-def _followed(asked: _Asked) -> FloatArray:
+def _followed(query: _Query) -> FloatArray:
     """Return what `follow` does, (S, L, 7); it is kept, and must not be changed."""
-    _, _, spans, *_ = asked.arguments
+    _, _, spans, *_ = query.arguments
     ends = np.empty((*spans.shape, 7))
-    arguments = *asked.arguments, ends
+    arguments = *query.arguments, ends
     _follow(*arguments)
     return ends
 

@@ -133,15 +133,15 @@ def changed_at_random(
     omega_body = _by(states.omega_body, spin)
     constraint, R_world_body = scenario.constraint, matrices(q)
     swing_world = turned(R_world_body, cross(omega_body, np.array(constraint.lever)))
-    held = State(
+    other = State(
         q,
         omega_body,
         constraint.com_world(R_world_body @ constraint.lever, _by(states.com_world, put)),
         constraint.velocity_world(swing_world, _by(states.velocity_world, thrown)),
         states.spins,
     )
-    bears = Equations(scenario).bears(held)[:, None]
-    pairs = zip(held.columns, states.columns, strict=True)
+    bears = Equations(scenario).bears(other)[:, None]
+    pairs = zip(other.columns, states.columns, strict=True)
     return State(*(np.where(bears, new, column) for new, column in pairs))
 
 
