@@ -113,7 +113,7 @@ def follow(
 
 @dataclass(frozen=True)
 class _Query:
-    """Which motions are query for: arguments of `_follow`, and all of them that can be compared."""
+    """The arguments of `_follow`, and a key by which they are compared."""
 
     key: tuple[object, ...]
     arguments: tuple[Any, ...] = field(compare=False)
