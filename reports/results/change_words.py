@@ -331,7 +331,7 @@ KINDS = {
     "decay": Kind("L were {} /s", 1, _slowed),
     "decay for drag": Kind("L were {} /s, in place of the drag", 1, _slowed),
     "drag's law": Kind("drag were {} N m", 2, _power),
-    "drag along each axis": Kind("the drag along the body's axes were {} N m s", 3),
+    "drag along each axis": Kind("the drag along the body's axes were {} N m s", 3, _fitted_vector),
     "drag of ω in the world": Kind("the drag along body axes were against ω along world axes"),
     "drag turned back": Kind("the drag along world axes were against ω along body axes"),
     "braking": Kind("the com's velocity were {} /s", 1, _slowed),
