@@ -199,8 +199,12 @@ def _varied(scenario: Scenario, problem: Problem) -> Callable[[Change], _Varied]
             tangent = (*change.omega_axes, *(x / 2 for x in turn))
         derived = derived_constants(problem, changed_problem(problem, change))
         return _Varied(
-            *(Dual(constants, derived), terms, start, tables([tangent])),
-            *(tables(change.inertia_axes), R_axes_body),
+            Dual(constants, derived),
+            terms,
+            start,
+            tables([tangent]),
+            tables(change.inertia_axes),
+            R_axes_body,
         )
 
     return along

@@ -280,16 +280,19 @@ class Physics:
             return self.clamps[:1]
         if self.intervals is None or self.search is None:
             return []
+        if self.by_change is not None:
+            return self._in_words(self.by_change)
         if not self.is_beyond:
-            if made := self.of_exact_motion or self.by_other_equations:
-                return self._in_words(made)
             fit = self._within_error(self.intervals.base)
-            return self._sentences(fit) if fit else self._in_turns(self._of_motion)
-        if self.found is not None:
-            return self._in_words(self.found)
-        return self._in_turns([TIMES, *self.search.changes]) or missing(self.intervals)
+            return self._sentences(fit) if fit else self._varying(self._of_motion)
+        return self._varying([TIMES, *self.search.changes]) or missing(self.intervals)
 
-    def _in_turns(self, changes: Sequence[Change]) -> list[str]:
+    @property
+    def by_change(self) -> Fit | None:
+        """The changes that explain the motion; within a method's error only if they do exactly."""
+        return self.found if self.is_beyond else self.of_exact_motion or self.by_other_equations
+
+    def _varying(self, changes: Sequence[Change]) -> list[str]:
         """Return in words the number that, changing in time, explains the motion; often none."""
         if self.intervals is None or (self.is_of_method and not self.is_beyond):
             return []
@@ -343,9 +346,7 @@ class Physics:
     @property
     def is_of_equations(self) -> bool:
         """Whether changes of the equations explain the motion, and none of how states are read."""
-        if self.clamps:
-            return False
-        found = self.found if self.is_beyond else self.of_exact_motion or self.by_other_equations
+        found = None if self.clamps else self.by_change
         return found is not None and not {MOMENTUM, *SENSORS} & {*found.changes}
 
     @property

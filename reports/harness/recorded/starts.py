@@ -32,8 +32,7 @@ def elsewhere(physics: Physics) -> list[str]:
     off = apart(states_of(exact.until(1)), states_of(motion.until(1))).reshape(2, 3)
     others = gained(scenario, motion)[1:].reshape(-1, 2, 3)
     count = max(1, 3 * len(others))
-    fits = FITS * np.array([1.0, norms(exact.omega_body).max()])
-    least = np.maximum(physics.noise, fits)
+    least = physics.least
     usual = np.sum(others**2, axis=(0, 2)) / count + least**2
     by_chance = fdtrc(3, count, np.mean(off**2, axis=1) / usual)
     if not ((by_chance < LEVEL / 2) & (norms(off) > of_method)).any():
