@@ -142,7 +142,7 @@ def test_a_gyroscope_that_saturates_in_a_noisy_log_is_named() -> None:
 
 
 def test_a_body_that_is_itself_limited_is_no_gyroscope_that_saturates() -> None:
-    plain, bound = rates_of(FREE), 1.0
+    plain, bound = rates_of(FREE), 1.6
 
     def rates(q, omega):
         limited = np.clip(omega, -bound, bound)
