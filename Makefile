@@ -10,6 +10,8 @@ READY := $(VENV)/.ready
 CODE := scenarios reference engines reports
 # Bytecode is kept, whatever the environment says: else every process of a target compiles what it imports, for 2 s.
 export PYTHONDONTWRITEBYTECODE =
+# Matrices are small: a second thread of linear algebra only spins, and doubles the CPU time of fits.
+export OPENBLAS_NUM_THREADS ?= 1
 # The distributions on the first page, a scene of each kind of motion scattered: defaults, and what is recommended
 # instead, at stock timesteps.
 SPREAD := football-spiral book-middle-axis fast-top lopsided-body motor-driven-top --ensemble 50 \

@@ -1,5 +1,6 @@
 """Starts the command line: Ctrl-C ends it from the first moment on, without a traceback."""
 
+import os
 import signal
 
 
@@ -9,6 +10,8 @@ def main() -> None:
     # nohup, stay so.
     if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
         signal.signal(signal.SIGINT, signal.SIG_DFL)
+    # Matrices are small: a second thread of linear algebra only spins. It is set before numpy loads.
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     from .app import main as command_line
 
     command_line()

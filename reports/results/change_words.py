@@ -96,9 +96,10 @@ def _exchanged(numbers: Sequence[float]) -> str:
 
 
 def _entry(numbers: Sequence[float]) -> str:
-    """Return the name of an entry of the tensor, by its number from zero, and its value."""
-    at, value = numbers
-    return f"{('Ixx', 'Iyy', 'Izz', *PRODUCTS)[int(at)]} were {value:.7g}"
+    """Return an entry of the tensor by its number from zero, its value, and by how much that is off."""
+    at, value, off = numbers
+    name, how = ("Ixx", "Iyy", "Izz", *PRODUCTS)[int(at)], "more" if off > 0 else "less"
+    return f"{name} were {value:.7g} kg m², {abs(off):.3g} {how} than it is"
 
 
 def _permuted(numbers: Sequence[float]) -> str:
@@ -299,7 +300,7 @@ KINDS = {
     ),
     "parallel axes' products": Kind("the products of the parallel axis theorem had the other sign"),
     "rounded tensor": Kind("the tensor were rounded to {} decimals", 1, lambda n: f"{n[0]:.0f}"),
-    "entry": Kind("{} kg m²", 2, _entry),
+    "entry": Kind("{}", 3, _entry),
     "sphere": Kind("the tensor were that of a sphere"),
     "tensor's size": _of_factor("the tensor were {} times as large"),
     "rotated tensor": Kind("the tensor were the same about axes turned by {}", 3, _turn),

@@ -195,7 +195,10 @@ Q, W, X, V = slice(0, 4), slice(4, 7), slice(7, 10), slice(10, 13)
 F = Fault
 DW, DR, MORE = r"I dω/dt|I ω", r"dR/dt|attitude", "depends on more than the state"
 SWAP = np.array([[0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 0.0]])
-TENSOR, AGAIN = "moments were|tensor were", "more than the state|not deterministic"
+TENSOR, AGAIN = (
+    "moments were|tensor were|I(?:xx|yy|zz|xy|xz|yz) were",
+    "more than the state|not deterministic",
+)
 
 
 def add(s: Top, at: slice, change: Any) -> None:

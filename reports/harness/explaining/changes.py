@@ -142,7 +142,9 @@ def _with_entry(e: OtherEquations, at: int) -> Change:
     def changed(h: Hypothesis, n: FloatArray) -> Hypothesis:
         return h.of_tensor(tensor_of_entries(entries + n[0] * unit))
 
-    return Change("entry", changed, np.array([mean_moment(e)]), lambda n: (at, entries[at] + n[0]))
+    return Change(
+        "entry", changed, np.array([mean_moment(e)]), lambda n: (at, entries[at] + n[0], n[0])
+    )
 
 
 def _rotated(h: Hypothesis, turn: FloatArray) -> Hypothesis:

@@ -1,6 +1,7 @@
 """The command line: what it prints, its exit codes, one message for each complaint."""
 
 import json
+import os
 import signal
 import subprocess
 import sys
@@ -181,3 +182,25 @@ def test_a_report_of_one_scene_holds_what_there_is_of_it_alone(spincheck, tmp_pa
     code, _, err = spincheck("report", str(stored), "--scene", "made-up-tops")
     assert code == BAD_INPUT
     assert "holds no results of 'made-up-tops', which 'spincheck run' makes; did you mean" in err
+
+
+ONE_THREAD = """
+import os, sys
+from spincheck.reports.cli.start import main
+sys.argv = ["spincheck", "--version"]
+try:
+    main()
+except SystemExit:
+    before = len(os.listdir("/proc/self/task"))
+    import scipy.linalg
+print(len(os.listdir("/proc/self/task")) - before)
+"""
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="threads are counted in /proc")
+@pytest.mark.processes
+def test_linear_algebra_starts_no_threads() -> None:
+    environment = {name: value for name, value in os.environ.items() if "THREADS" not in name}
+    command = [sys.executable, "-c", ONE_THREAD]
+    done = subprocess.run(command, env=environment, capture_output=True, text=True, check=True)
+    assert done.stdout.splitlines()[-1] == "0"

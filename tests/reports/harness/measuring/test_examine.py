@@ -77,7 +77,12 @@ ANOTHER = {
     "a little gravity of a top": ("heavy-tilted", DOWN, MORE, "as if gravity were 1.0001 times"),
     "a little gravity": ("free-falling", DOWN, MORE, "as if gravity were 1.0001 times"),
     "gravity's tilt": ("heavy-tilted", DOWN, ELSEWHERE, "as if gravity were [1.00"),
-    "a moment": ("free", "[1.0, 2.0, 2.5]", "[1.0001, 2.0, 2.5]", "as if Ixx were 1.0001 kg m²"),
+    "a moment": (
+        "free",
+        "[1.0, 2.0, 2.5]",
+        "[1.0001, 2.0, 2.5]",
+        "as if Ixx were 1.0001 kg m², 0.0001 more than it is",
+    ),
     "a little drag": (
         "pivot-drag",
         "rotational = 0.3",

@@ -47,7 +47,7 @@ def with_more(tensor: np.ndarray, at: tuple[int, int], more: float) -> np.ndarra
 WRONG: dict[str, tuple[Callable[[], np.ndarray], str]] = {
     "one entry": (
         lambda: with_more(ONE.inertia, (0, 2), 0.01),
-        f"Ixz were {ONE.inertia[0, 2] + 0.01:.7g} kg m²",
+        f"Ixz were {ONE.inertia[0, 2] + 0.01:.7g} kg m², 0.01 more than it is",
     ),
     "exchanged": (lambda: exchanged(OF_COM) + PARALLEL, "Ixy, Ixz and Iyz were Iyz, Ixz and Ixy"),
     "rounded": (lambda: np.round(OF_COM, 2) + PARALLEL, "rounded to 2 decimals"),
