@@ -10,7 +10,7 @@ def main() -> None:
     # nohup, stay so.
     if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
         signal.signal(signal.SIGINT, signal.SIG_DFL)
-    # Matrices are small: a second thread of linear algebra only spins. It is set before numpy loads.
+    # Set before numpy loads. Matrices are small: a second thread of linear algebra only spins.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     from .app import main as command_line
 

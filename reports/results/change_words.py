@@ -96,7 +96,7 @@ def _exchanged(numbers: Sequence[float]) -> str:
 
 
 def _entry(numbers: Sequence[float]) -> str:
-    """Return an entry of the tensor by its number from zero, its value, and by how much that is off."""
+    """Return an entry by its number from zero, its value, and by how much that is off."""
     at, value, off = numbers
     name, how = ("Ixx", "Iyy", "Izz", *PRODUCTS)[int(at)], "more" if off > 0 else "less"
     return f"{name} were {value:.7g} kg m², {abs(off):.3g} {how} than it is"
