@@ -24,6 +24,8 @@ MOST_BEFORE = 1000
 SMALL = 1e-6
 #: Rates that are this small relative to the largest are not rates of a motion.
 RESTS = 1e-6
+#: Largest rate of a motion that is tried, relative to the fastest that was recorded.
+FASTER = 30.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,6 +57,12 @@ class Intervals(Data):
         return np.repeat(np.hypot(self.noise, self.method), 3, axis=1)
 
     @cached_property
+    def fastest(self) -> float:
+        """The largest rate of a motion that is tried, rad/s."""
+        speeds = norms(np.vstack([self.starts, self.ends])[:, 4:])
+        return FASTER * max(float(speeds.max()), self.base.equations.rate)
+
+    @cached_property
     def of_method(self) -> FloatArray:
         """The part of each interval's error that is a method's, in variances, (S,)."""
         return np.asarray(np.mean(self.method**2 / (self.noise**2 + self.method**2), axis=1))
@@ -71,7 +79,8 @@ class Intervals(Data):
         """As in `Data`: what a hypothesis leaves of the ends, in units of `scale`, (S, 6)."""
         starts = as_it_was(hypothesis, self.starts, self.t - self.spans[:, 0])
         spans, timestep = hypothesis.step * self.spans, hypothesis.step * self.timestep
-        made = follow(hypothesis.equations, starts, spans, self.integrator, timestep)[:, 0]
+        of_method = self.integrator, timestep, self.fastest
+        made = follow(hypothesis.equations, starts, spans, *of_method)[:, 0]
         made = np.where(np.isfinite(made), made, np.nan)
         with np.errstate(over="ignore"):
             return (apart(as_read(hypothesis, made, self.t), self.ends) / self.scale)[:samples]

@@ -22,7 +22,7 @@ from ..explaining.fit import Data, Fit, Trial
 from ..explaining.hypothesis import Change, Hypothesis, as_it_is
 from ..explaining.search import LEFT, LEVEL, Search
 from .digits import where
-from .intervals import apart, states_of
+from .intervals import FASTER, apart, states_of
 from .sensors import SENSORS, as_read, of_sensor
 from .starts import started_elsewhere
 
@@ -38,9 +38,6 @@ SPREAD = 0.387
 #: Factor by which neighbouring fourth differences, which share noise, count as fewer independent
 #: numbers, Σ (8 over 4+k)² / (8 over 4)².
 SHARED = 2.63
-
-#: Largest rate of a motion that is tried, relative to the fastest that was recorded.
-FASTER = 30.0
 
 #: That attitudes, or ω, alone are the scene's.
 ATTITUDE_ALONE = "the attitudes are those of the scene, but the recorded ω is not"
