@@ -142,6 +142,21 @@ class SceneChange:
         mirrored = self._axial(along) if unit.kind == "axial" else self._polar(along)
         return tuple(float(part * scale) for part in mirrored)
 
+    def state(self, state: State) -> State:
+        """Return a state of the scene as one of the changed scene, but for rounding."""
+        q_new = state.q_world_body_wxyz @ times(np.array([float(c) for c in self.q_body_new]))
+        omega_new = state.omega_body @ self._R_body_new / self.time
+        if self.is_mirrored:
+            omega_new, q_new = omega_new * _AXIAL, q_new * _MIRRORED_Q
+        sign = self._sign
+        return State(
+            q_new,
+            omega_new,
+            state.com_world * sign * self.length,
+            state.velocity_world * sign * self.length / self.time,
+            state.spins / self.time,
+        )
+
     def state_back(self, states: State) -> State:
         """States of the changed scene, n rows, as those of the scene."""
         back = times(np.array([float(c) for c in conjugate(self.q_body_new)]))

@@ -117,6 +117,21 @@ class EncodedSession(Session):
         """The state after the last step."""
         return self.states([self.snapshot()]).rows(0)
 
+    @property
+    def can_restart(self) -> bool:
+        """Whether the engine's own session can be restarted."""
+        return self._session.can_restart
+
+    @property
+    def restarts_to_the_last_bit(self) -> bool:
+        """No: a state is converted in double precision, a scene that is opened exactly."""
+        return False
+
+    def restart(self, state: State, timestep: float | None = None) -> None:
+        """Set the body to a state of the original scene, with a timestep in its unit of time."""
+        timestep = None if timestep is None else timestep * self._change.time
+        self._session.restart(self._change.state(state), timestep)
+
     def advance(self, steps: int) -> None:
         """Take whole steps."""
         self._session.advance(steps)

@@ -16,6 +16,7 @@ from spincheck.reports.harness.ladder import QUICK_STEPS
 from spincheck.reports.harness.prepared import prepare
 from spincheck.reports.harness.study import convergence_study_of, run_and_judge
 from spincheck.scenarios import errors_between
+from spincheck.scenarios.scenario import started_at
 from spincheck.suite.contract_scenes import SCENES
 
 #: A body of half a kilogram tumbles as it flies.
@@ -96,6 +97,29 @@ def test_a_motion_that_is_turned_back_wrongly_is_another_motion(change):
     got = mirrored.state_back(state_of(motion))
     apart = errors_between(TUMBLING, replace(solution.trajectory, **vars(got)), solution.trajectory)
     assert apart.omega > bounds(solution)["omega"]
+
+
+@each_case("encoding", [*ENCODINGS])
+def test_a_session_that_is_restarted_reads_back_the_state_in_the_scene_s_units(encoding):
+    scenario, base = SCENES["free-tilted"], engines()["mujoco"]
+    engine = EncodedEngine(base, encoding)
+    if not engine.applies_to(scenario):
+        return
+    other = state_of(solve(scenario, scenario.times[[0, -1]]).trajectory).rows(1)
+    with engine.open(scenario, engine.method("RK4"), 0.01) as session:
+        session.restart(other, 0.02)
+        read = session.read_state()
+        # q and -q are one attitude.
+        sign = np.sign(read.q_world_body_wxyz @ other.q_world_body_wxyz)
+        read = replace(read, q_world_body_wxyz=sign * read.q_world_body_wxyz)
+        for name, wanted in vars(other).items():
+            size = max(1.0, float(np.abs(wanted).max(initial=0.0)))
+            np.testing.assert_allclose(getattr(read, name), wanted, atol=SAME_BODY * EPS * size)
+        session.advance(1)
+        turned = session.read_state()
+    with engine.open(started_at(scenario, **vars(other)), engine.method("RK4"), 0.02) as session:
+        session.advance(1)
+        np.testing.assert_allclose(session.read_state().omega_body, turned.omega_body, rtol=1e-11)
 
 
 def verdict(engine, method, encoding, scenario):
