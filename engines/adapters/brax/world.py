@@ -45,6 +45,9 @@ MJCF = """\
 #: Brax has no ball joint: three hinges about the axes of the body, one after the other, stand for
 #: it.
 HINGES = "".join(f'<joint axis="{axis}"/>' for axis in ("1 0 0", "0 1 0", "0 0 1"))
+#: The hinges' frame in the world, in columns. They are at their pole where the body's third axis is
+#: along the first of these: not along an axis of the world, along which tops often begin.
+FRAME = np.array([[1, 1, 1], [1, -1, 1], [1, 0, -2]]) / np.sqrt([3, 2, 6])
 
 
 def single(numbers):
@@ -102,17 +105,6 @@ def hinge_axes(q):
     return np.column_stack([np.eye(3)[0], first[:, 1], second[:, 2]])
 
 
-def hinges_frame(R):
-    """Return the frame of three hinges, (3, 3), in which a rotation matrix is far from their pole.
-
-    The hinges are at their pole where the body's third axis is along the frame's first. That is put
-    along the axis of the world along which the body's third axis has its least component, so that
-    the second hinge is turned by 35° at most.
-    """
-    first = np.argmin(np.abs(R[:, 2]))
-    return np.roll(np.eye(3), -first, axis=1)
-
-
 @partial(jax.jit, static_argnums=0)
 def begun(pipeline, system, q, qd):
     """Return the state with coordinates q and qd."""
@@ -151,10 +143,8 @@ class World:
         model = mujoco.MjModel.from_xml_string(mjcf(scene, options))
         with warnings.catch_warnings(**WARNINGS):
             system = load_model(model)
-        # One frame for all motions: in another, the errors of a step from the same state are others.
-        self.hinges = hinges_frame(matrix(scene["q"]))
         if not self.is_free:
-            place = system.link.transform.replace(rot=single([quaternion(self.hinges)]))
+            place = system.link.transform.replace(rot=single([quaternion(FRAME)]))
             system = system.replace(link=system.link.replace(transform=place))
         # Without the name, only numbers differ between systems, and JAX compiles them once.
         self.system = jax.tree.map(np.asarray, system.replace(mj_model=None))
@@ -171,8 +161,8 @@ class World:
             q = [*motion["com"], *motion["q"]]
             qd = [*motion["velocity"], *(R.T @ omega)]
         else:
-            q = angles(self.hinges.T @ R)
-            qd = np.linalg.solve(self.hinges @ hinge_axes(q), omega)
+            q = angles(FRAME.T @ R)
+            qd = np.linalg.solve(FRAME @ hinge_axes(q), omega)
         with warnings.catch_warnings(**WARNINGS):
             self.state = begun(self.pipeline, self.system, single(q), single(qd))
             if not self.is_generalized:
@@ -194,7 +184,7 @@ class World:
             return np.concatenate([place.rot, turning.ang, place.pos, turning.vel])
         if self.is_free:
             return np.concatenate([q[3:], matrix(q[3:]) @ qd[3:], q[:3], qd[:3]])
-        R, omega = self.hinges @ hinged(q), self.hinges @ hinge_axes(q) @ qd
+        R, omega = FRAME @ hinged(q), FRAME @ hinge_axes(q) @ qd
         com = R @ -np.array(self.scene["arm"])
         return np.concatenate([quaternion(R), omega, com, np.cross(omega, com)])
 
