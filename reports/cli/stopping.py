@@ -37,6 +37,7 @@ _CURSOR_AND_EMPTY_LINE = "\x1b[?25h\r\x1b[K"
 #: Second half of the message that the program was stopped; set by the command that runs.
 _besides: list[str] = []
 _last_words = threading.Lock()
+_said = threading.Event()
 
 
 class Stopped(BaseException):
@@ -63,12 +64,15 @@ def saying(besides: str) -> Iterator[None]:
 def say_last_words(number: int) -> None:
     """Print, once, which signal stopped the program."""
     if not _last_words.acquire(blocking=False):
+        # Another thread prints it, and who called this may end the program.
+        _said.wait(ENDING)
         return
     last_words = "; ".join([f"spincheck: {Stopped(number)}", *_besides[:1]])
     # Not by `print`, whose lock another thread may hold; and not on a terminal that has closed.
     with suppress(OSError):
         bar_away = _CURSOR_AND_EMPTY_LINE if os.isatty(STDERR) else ""
         os.write(STDERR, f"{bar_away}{last_words}\n".encode(errors="backslashreplace"))
+    _said.set()
 
 
 def raise_when_stopped() -> None:

@@ -6,8 +6,10 @@ import signal
 import subprocess
 import sys
 import threading
+import time
 import xml.etree.ElementTree as ET
 from functools import partial
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -151,6 +153,7 @@ def test_an_engine_whose_package_is_missing_is_named_and_exits_with_3(tmp_path):
 def test_the_last_words_are_of_what_was_asked_for(monkeypatch, capfd):
     """A command without a result file may run another that has one."""
     monkeypatch.setattr(stopping, "_last_words", threading.Lock())
+    monkeypatch.setattr(stopping, "_said", threading.Event())
 
     def stopped() -> None:
         with stopping.saying("nothing is kept"):
@@ -165,6 +168,26 @@ def test_the_last_words_are_of_what_was_asked_for(monkeypatch, capfd):
         stopping.say_last_words(signal.SIGTERM)
     stopping._besides.clear()
     assert capfd.readouterr().err == "spincheck: stopped by SIGTERM; nothing is kept\n"
+
+
+def test_no_thread_ends_the_program_while_another_prints_the_last_words(monkeypatch):
+    monkeypatch.setattr(stopping, "_last_words", threading.Lock())
+    monkeypatch.setattr(stopping, "_said", threading.Event())
+    begun, printed = threading.Event(), []
+
+    def slowly(descriptor, text):
+        begun.set()
+        time.sleep(stopping.ENDING / 4)
+        printed.append(text)
+
+    terminal = SimpleNamespace(isatty=lambda _: False, write=slowly)
+    monkeypatch.setattr(stopping, "os", terminal)
+    first = threading.Thread(target=stopping.say_last_words, args=(signal.SIGTERM,))
+    first.start()
+    begun.wait()
+    stopping.say_last_words(signal.SIGTERM)
+    assert printed == [b"spincheck: stopped by SIGTERM\n"]
+    first.join()
 
 
 def test_a_report_of_one_scene_holds_what_there_is_of_it_alone(spincheck, tmp_path):
