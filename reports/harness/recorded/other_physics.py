@@ -11,66 +11,30 @@ from functools import cached_property
 import numpy as np
 
 from ....reference.following import EXACT, KNOWN
-from ....reference.other_equations import KEPT_IN_WORLD, inverse
 from ....scenarios import FloatArray, Scenario, Trajectory
 from ....scenarios.rotation import norms
-from ...results.change_words import KINDS, vector
-from ..explaining.changes import changes
-from ..explaining.effect_changes import of_attitude, of_rotors
 from ..explaining.fit import Fit
-from ..explaining.hypothesis import Change, Hypothesis, as_it_is
+from ..explaining.hypothesis import Change, Hypothesis
 from ..explaining.search import LEFT, MOST_OF_ALL, SAME, Search
 from .clamps import clamps
 from .gyroscope_first import after_gyroscope
 from .intervals import FEWEST_INTERVALS, Intervals, intervals_of, root_mean_squares
 from .leading_error import left_by_methods
-from .missing import KINEMATICS, missing
+from .missing import missing
 from .mistakes import FITS
+from .motion_changes import changes_of_motion, is_of_turning, sentences
 from .recording import MULTIPLE
-from .sensors import MOMENTUM, SENSORS, of_sensor
+from .sensors import READINGS
 from .varying import varying
 from .within_error import within_error
-
-
-def _with_other_sign(axis: int) -> Change:
-    sign = 1.0 - 2.0 * np.eye(3)[axis]
-
-    def reversed_(h: Hypothesis, _: FloatArray) -> Hypothesis:
-        return h.of(inverse=sign[:, None] * h.equations.inverse)
-
-    return Change("sign of a rate", reversed_, np.empty(0), lambda _: [axis])
-
-
-def _locked(axis: int, *, is_set: bool) -> Change:
-    """ω about an axis of the body that stays as it is: by a hinge's torque, or set in each step."""
-    kept = [i for i in range(3) if i != axis]
-
-    def locked(h: Hypothesis, _: FloatArray) -> Hypothesis:
-        within = h.equations.inverse.copy()
-        within[axis] = 0.0
-        if not is_set:
-            within = np.zeros((3, 3))
-            within[np.ix_(kept, kept)] = inverse(h.equations.inertia[np.ix_(kept, kept)])
-        return h.of(inverse=within)
-
-    return Change(f"rate {'set' if is_set else 'held'}", locked, np.empty(0), lambda _: [axis])
-
 
 #: Number of intervals that changes are fitted to; that known integrators are followed in, and of
 #: their steps, at most.
 MOST, FEW, MOST_STEPS = 60, 12, 300
 #: Error of a short flow by rounding, in relative distances of the numbers.
 ROUNDINGS = 8.0
-#: Integrators of game engines, which keep ω along world axes.
-IN_WORLD = Change(
-    "wrong side in world axes", lambda h, _: h.of(kinematics=KEPT_IN_WORLD), np.empty(0)
-)
 #: Times between samples that are wrong by a factor.
 TIMES = Change("times", lambda h, n: h._replace(step=1 + n[0]), np.ones(1))
-#: What a com beyond the pivot does, too: the tensor about the pivot is the same.
-MIRRORED = "gravity's size", -2.0
-#: One of Euler's equations with I₁ − I₃ for I₃ − I₁, of a body without torques.
-OTHER_SIGNS = [_with_other_sign(axis) for axis in range(3)]
 #: The next term of a method's error, relative to the leading one: so many times the angle of a
 #: step, and at most that part.
 NEXT_TERM, LARGEST_NEXT = 4.0, 0.3
@@ -80,8 +44,6 @@ UNEXPLAINED = (
     "this is most of it: what is left, {:.2g} % of the difference, is beyond the method, and not "
     "explained"
 )
-#: Rotation about an axis of the body that a constraint, or a flag of an engine, forbids.
-LOCKED = [_locked(axis, is_set=is_set) for is_set in (False, True) for axis in range(3)]
 
 
 @dataclass(frozen=True, eq=False)
@@ -114,9 +76,7 @@ class Physics:
     def search(self) -> Search | None:
         """The search for changes of the equations; None without intervals."""
         data = self.intervals
-        scene = self.scenario, as_it_is(self.scenario).equations
-        of_motion = IN_WORLD, *changes(self.scenario), *OTHER_SIGNS, *LOCKED
-        every = *of_motion, *of_rotors(*scene), *of_attitude(*scene), MOMENTUM, *SENSORS
+        every = changes_of_motion(self.scenario)
         return None if data is None else Search(data, every, most=MOST_NUMBERS)
 
     @property
@@ -284,7 +244,7 @@ class Physics:
             return self._in_words(self.by_change)
         if not self.is_beyond:
             fit = self._within_error(self.intervals.base)
-            return self._sentences(fit) if fit else self._varying(self._of_motion)
+            return sentences(fit) if fit else self._varying(self._of_motion)
         return self._varying([TIMES, *self.search.changes]) or missing(self.intervals)
 
     @property
@@ -306,7 +266,7 @@ class Physics:
         About a steady axis the error of any method is like one of those.
         """
         changes = self.search.changes if self.search else ()
-        return [one for one in changes if not _is_of_turning(one)]
+        return [one for one in changes if not (len(one.sizes) and is_of_turning(one))]
 
     def _within_error(self, base: Hypothesis) -> Fit | None:
         """The changes that explain what a hypothesis leaves within a method's error, if any do."""
@@ -347,16 +307,13 @@ class Physics:
     def is_of_equations(self) -> bool:
         """Whether changes of the equations explain the motion, and none of how states are read."""
         found = None if self.clamps else self.by_change
-        return found is not None and not {MOMENTUM, *SENSORS} & {*found.changes}
+        return found is not None and not {*READINGS} & {*found.changes}
 
     @property
     def is_of_reading(self) -> bool:
         """Whether what explains the motion is how ω was read, or how the attitude follows it."""
         changes = self.found.changes if self.found else ()
-        readings = MOMENTUM, *SENSORS
-        return bool(changes) and all(
-            one in readings or KINDS[one.kind].is_kinematic for one in changes
-        )
+        return bool(changes) and all(is_of_turning(one) for one in changes)
 
     @cached_property
     def clamps(self) -> list[str]:
@@ -365,7 +322,7 @@ class Physics:
         return list(clamps(self.scenario, self.motion, self.exact, of_method))
 
     def _in_words(self, found: Fit) -> list[str]:
-        words = self._sentences(found)
+        words = sentences(found)
         if made := self._integrator(found.hypothesis):
             return [*words, f"what is left is {made}"]
         if unexplained := self._unexplained(found.rest):
@@ -377,22 +334,7 @@ class Physics:
         more = self._within_error(found.hypothesis)
         # The same change once more is what a method's error made of its numbers.
         is_another = more is not None and not set(more.changes) & set(found.changes)
-        return [*words, *(self._sentences(more) if more and is_another else [])]
-
-    def _sentences(self, found: Fit) -> list[str]:
-        """Return each change in words."""
-        sentences = []
-        for change in found.changes:
-            if change in (MOMENTUM, *SENSORS):
-                numbers = found.numbers_of(change)
-                sentences.append(of_sensor(change, numbers, _without_errors))
-                continue
-            before = f"{KINEMATICS}: " if KINDS[change.kind].is_kinematic else "it moves as if "
-            words = found.explanation(change).words
-            if (change.kind, *found.explanation(change).numbers) == MIRRORED:
-                words += ", or the com were on the other side of the pivot"
-            sentences.append(before + words)
-        return sentences
+        return [*words, *(sentences(more) if more and is_another else [])]
 
     def _unexplained(self, rest: FloatArray) -> list[str]:
         """Return that what an explanation leaves, in units of its scale, is not explained.
@@ -405,22 +347,12 @@ class Physics:
         return [UNEXPLAINED.format(100 * part)]
 
 
-def _is_of_turning(change: Change) -> bool:
-    """Whether a change with numbers to fit is of a sensor, or of how the attitude follows ω."""
-    is_reading = change in (MOMENTUM, *SENSORS) or KINDS[change.kind].is_kinematic
-    return bool(len(change.sizes)) and is_reading
-
-
 def _named(data: Intervals) -> str:
     return f"what {data.integrator.name} at {data.timestep:.4g} s makes"
 
 
 def _mean_square(numbers: FloatArray) -> float:
     return float(np.mean(numbers**2))
-
-
-def _without_errors(numbers: FloatArray, _: float) -> str:
-    return vector(numbers.tolist()) if len(numbers) > 1 else f"{numbers[0]:.4g}"
 
 
 def rounding(motion: Trajectory, resolution: float) -> FloatArray:

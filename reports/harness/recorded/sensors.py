@@ -32,6 +32,8 @@ SENSORS = (
     Change("turned attitude", lambda h, n: h._replace(turned=n), np.ones(3)),
     Change("delay", lambda h, n: h._replace(delay=n[0]), np.ones(1)),
 )
+#: All that may be wrong with how ω and the attitude are read.
+READINGS = (MOMENTUM, *SENSORS)
 #: By mistake, its words, and what is added to its numbers, and the factor, before they are shown.
 WORDS = {
     "bias": ("the gyroscope has a bias of {} rad/s", 0.0, 1.0),

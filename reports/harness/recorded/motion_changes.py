@@ -1,0 +1,83 @@
+"""The changes with which a recorded motion may have been computed, or read, and their words."""
+
+import numpy as np
+
+from ....reference.other_equations import KEPT_IN_WORLD, inverse
+from ....scenarios import FloatArray, Scenario
+from ...results.change_words import KINDS, vector
+from ..explaining.changes import changes
+from ..explaining.effect_changes import of_attitude, of_rotors
+from ..explaining.fit import Fit
+from ..explaining.hypothesis import Change, Hypothesis, as_it_is
+from .missing import KINEMATICS
+from .sensors import READINGS, of_sensor
+
+#: What a com beyond the pivot does, too: the tensor about the pivot is the same.
+MIRRORED = "gravity's size", -2.0
+#: Integrators of game engines, which keep ω along world axes.
+IN_WORLD = Change(
+    "wrong side in world axes", lambda h, _: h.of(kinematics=KEPT_IN_WORLD), np.empty(0)
+)
+
+
+def _with_other_sign(axis: int) -> Change:
+    """One of Euler's equations, by its axis, in which ω' has the other sign."""
+    sign = 1.0 - 2.0 * np.eye(3)[axis]
+
+    def reversed_(h: Hypothesis, _: FloatArray) -> Hypothesis:
+        return h.of(inverse=sign[:, None] * h.equations.inverse)
+
+    return Change("sign of a rate", reversed_, np.empty(0), lambda _: [axis])
+
+
+def _locked(axis: int, *, is_set: bool) -> Change:
+    """ω about an axis of the body that stays as it is: by a hinge's torque, or set in each step."""
+    kept = [i for i in range(3) if i != axis]
+
+    def locked(h: Hypothesis, _: FloatArray) -> Hypothesis:
+        within = h.equations.inverse.copy()
+        within[axis] = 0.0
+        if not is_set:
+            within = np.zeros((3, 3))
+            within[np.ix_(kept, kept)] = inverse(h.equations.inertia[np.ix_(kept, kept)])
+        return h.of(inverse=within)
+
+    return Change(f"rate {'set' if is_set else 'held'}", locked, np.empty(0), lambda _: [axis])
+
+
+#: One of Euler's equations with I₁ − I₃ for I₃ − I₁, of a body without torques.
+OTHER_SIGNS = [_with_other_sign(axis) for axis in range(3)]
+#: Rotation about an axis of the body that a constraint, or a flag of an engine, forbids.
+LOCKED = [_locked(axis, is_set=is_set) for is_set in (False, True) for axis in range(3)]
+
+
+def changes_of_motion(scenario: Scenario) -> tuple[Change, ...]:
+    """Return every change with which a motion of a scene may have been computed, or read."""
+    scene = scenario, as_it_is(scenario).equations
+    of_equations = IN_WORLD, *changes(scenario), *OTHER_SIGNS, *LOCKED
+    return *of_equations, *of_rotors(*scene), *of_attitude(*scene), *READINGS
+
+
+def is_of_turning(change: Change) -> bool:
+    """Whether a change is of how ω is read, or of how the attitude follows it."""
+    return change in READINGS or KINDS[change.kind].is_kinematic
+
+
+def sentences(found: Fit) -> list[str]:
+    """Return each change of a fit in words."""
+    every = []
+    for change in found.changes:
+        if change in READINGS:
+            numbers = found.numbers_of(change)
+            every.append(of_sensor(change, numbers, _without_errors))
+            continue
+        before = f"{KINEMATICS}: " if KINDS[change.kind].is_kinematic else "it moves as if "
+        words = found.explanation(change).words
+        if (change.kind, *found.explanation(change).numbers) == MIRRORED:
+            words += ", or the com were on the other side of the pivot"
+        every.append(before + words)
+    return every
+
+
+def _without_errors(numbers: FloatArray, _: float) -> str:
+    return vector(numbers.tolist()) if len(numbers) > 1 else f"{numbers[0]:.4g}"
