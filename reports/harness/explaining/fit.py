@@ -5,7 +5,7 @@ What a hypothesis leaves of the data is in units of what noise and a method's er
 
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
@@ -43,12 +43,16 @@ class Data(ABC):
     base: Hypothesis
 
     @abstractmethod
-    def off(self, hypothesis: Hypothesis, samples: int | None = None) -> FloatArray:
-        """What a hypothesis leaves, in units of its scale, any shape; nan where it leads nowhere.
+    def off(self, hypotheses: Sequence[Hypothesis], samples: int | None = None) -> FloatArray:
+        """What each of H hypotheses leaves, in units of its scale; nan where it leads nowhere.
 
         Parameters
         ----------
         samples : the first ones that count; all of them if None
+
+        Returns
+        -------
+        (H, ...), of any shape beyond the first axis
         """
 
     def unlikely(self, hypothesis: Hypothesis) -> FloatArray:  # noqa: ARG002
@@ -72,10 +76,10 @@ class Data(ABC):
         """
         return float(np.sum(before**2) - np.sum(after**2)) / self.at_once
 
-    def left(self, hypothesis: Hypothesis, samples: int | None = None) -> FloatArray:
-        """What a hypothesis leaves, in units of its scale, (m,)."""
-        off = np.nan_to_num(self.off(hypothesis, samples), nan=NOWHERE)
-        return np.clip(off, -NOWHERE, NOWHERE).ravel()
+    def left(self, hypotheses: Sequence[Hypothesis], samples: int | None = None) -> FloatArray:
+        """What each of H hypotheses leaves, in units of its scale, (H, m)."""
+        off = np.nan_to_num(self.off(hypotheses, samples), nan=NOWHERE)
+        return np.clip(off, -NOWHERE, NOWHERE).reshape(len(hypotheses), -1)
 
 
 @dataclass(frozen=True, eq=False)
@@ -144,6 +148,33 @@ class Fit:
 
 
 @dataclass(frozen=True, eq=False)
+class Linear:
+    """What changes leave, where it is taken as linear in their k numbers.
+
+    Attributes
+    ----------
+    at_none : what is left with numbers of zero, (m,)
+    slopes : its derivative by each number, (m, k)
+    """
+
+    at_none: FloatArray
+    slopes: FloatArray
+
+    @cached_property
+    def least(self) -> float:
+        """The mean square of what the best numbers leave."""
+        if not self.slopes.shape[1]:
+            return float(np.mean(self.at_none**2))
+        best = np.linalg.lstsq(self.slopes, self.at_none, rcond=RANK)[0]
+        return float(np.mean((self.at_none - self.slopes @ best) ** 2))
+
+    def with_other(self, other: "Linear", unchanged: FloatArray) -> "Linear":
+        """What both leave together; without either so much is left unchanged, (m,)."""
+        at_none = self.at_none + other.at_none - unchanged
+        return Linear(at_none, np.hstack([self.slopes, other.slopes]))
+
+
+@dataclass(frozen=True, eq=False)
 class Trial:
     """Changes whose numbers are to be fitted."""
 
@@ -164,25 +195,12 @@ class Trial:
             at = end
         return hypothesis
 
-    def left(self, x: FloatArray, samples: int | None = None) -> FloatArray:
-        """What is left, in units of its scale, (m,)."""
-        return self.data.left(self.hypothesis(x), samples)
-
-    def _improbable(self, x: FloatArray, samples: int | None) -> FloatArray:
-        """What is left, (m,), then how far the numbers are from what is known beforehand, (p,)."""
-        return np.concatenate([self.left(x, samples), self.data.unlikely(self.hypothesis(x))])
-
-    @cached_property
-    def at_none(self) -> FloatArray:
-        """What is left with numbers of zero, (m,)."""
-        return self.left(np.zeros(len(self.sizes)))
-
-    @cached_property
-    def slopes(self) -> FloatArray:
-        """The derivative of what is left by each number, at zero, (m, k)."""
+    @property
+    def around_none(self) -> list[Hypothesis]:
+        """The hypotheses with numbers of zero, and with each of them a small one, k + 1."""
+        none = np.zeros((1, len(self.sizes)))
         steps = SMALL * np.eye(len(self.sizes))
-        columns = [(self.left(step) - self.at_none) / SMALL for step in steps]
-        return np.reshape(columns, (len(columns), len(self.at_none))).T
+        return [self.hypothesis(x) for x in np.vstack([none, steps])]
 
     def falls_at_most(self, before: Fit) -> float:
         """How much the sum of squares falls from that of some of the changes, if it is linear.
@@ -192,8 +210,10 @@ class Trial:
         """
         x, steps = self._begun(before), SMALL * np.eye(len(self.sizes))
         added = [k for k, change in enumerate(self._each) if change not in before.changes]
-        columns = [(self.left(x + steps[k]) - before.rest) / SMALL for k in added]
-        slopes = np.column_stack([before.slopes, *columns])
+        if not added:
+            return self.data.falls(before.rest, *self.data.left([self.hypothesis(x)]))
+        left = self.data.left([self.hypothesis(x + steps[k]) for k in added])
+        slopes = np.hstack([before.slopes, (left - before.rest).T / SMALL])
         best = np.linalg.lstsq(slopes, before.rest, rcond=RANK)[0]
         return self.data.falls(before.rest, before.rest - slopes @ best)
 
@@ -217,19 +237,23 @@ class Trial:
         """
         x, parts, most = np.zeros(len(self.sizes)), self.data.parts, EVALUATIONS
         if not len(x):
-            none = np.empty((0, 0)), self.at_none, 0, np.empty((len(self.at_none), 0))
+            (rest,) = self.data.left([self.hypothesis(x)])
+            none = np.empty((0, 0)), rest, 0, np.empty((len(rest), 0))
             return Fit(self.changes, self.hypothesis(x), x, *none)
         if before is not None and not before.is_hopeless:
             x, parts = self._begun(before), (None,)
         for samples in parts:
             if most == 1 and samples is not None:
                 continue
-            args, near = (samples,), NEAR if samples is None else ROUGHLY
-            found = least_squares(self._improbable, x, args=args, xtol=near, max_nfev=most)
+            residuals, near = _Residuals(self, samples), NEAR if samples is None else ROUGHLY
+            found = least_squares(
+                residuals.at, x, jac=residuals.slopes_at, xtol=near, max_nfev=most
+            )
             x = found.x
             if len(parts) > 1 and np.mean(found.fun**2) > HOPELESS:
                 most = 1
-        J, measured = np.asarray(found.jac), len(self.at_none)
+        J = np.asarray(found.jac)
+        measured = len(J) - len(self.data.unlikely(self.data.base))
         seen = np.linalg.svd(J[:measured], compute_uv=False)
         count = int(np.count_nonzero(seen > RANK * seen[0]))
         _, known, directions = np.linalg.svd(J, full_matrices=False)
@@ -245,3 +269,44 @@ class Trial:
             count,
             J[:measured],
         )
+
+
+def linear(trials: Sequence[Trial]) -> list[Linear]:
+    """What each trial, of the same data, leaves if it is linear in its numbers."""
+    if not trials:
+        return []
+    around = [trial.around_none for trial in trials]
+    left = trials[0].data.left([one for each in around for one in each])
+    parts = np.split(left, np.cumsum([len(each) for each in around])[:-1])
+    return [Linear(part[0], (part[1:] - part[0]).T / SMALL) for part in parts]
+
+
+@dataclass(eq=False)
+class _Residuals:
+    """What is minimised, with its slopes, which are computed at once: that takes less time.
+
+    Attributes
+    ----------
+    x, slopes : the latest numbers, (k,), and the slopes there
+    """
+
+    trial: Trial
+    samples: int | None
+    x: FloatArray = field(default_factory=lambda: np.empty(0))
+    slopes: FloatArray = field(default_factory=lambda: np.empty((0, 0)))
+
+    def at(self, x: FloatArray) -> FloatArray:
+        """What is left, (m,), then how far the numbers are from what is known beforehand, (p,)."""
+        steps = np.sqrt(EPS) * np.maximum(1.0, np.abs(x))
+        hypotheses = [self.trial.hypothesis(one) for one in np.vstack([x, x + np.diag(steps)])]
+        data = self.trial.data
+        unlikely = np.stack([data.unlikely(one) for one in hypotheses])
+        off = np.hstack([data.left(hypotheses, self.samples), unlikely])
+        self.x, self.slopes = x.copy(), (off[1:] - off[0]).T / steps
+        return np.asarray(off[0])
+
+    def slopes_at(self, x: FloatArray) -> FloatArray:
+        """The derivative of all these by each number, (m + p, k)."""
+        if not np.array_equal(x, self.x):
+            self.at(x)
+        return self.slopes

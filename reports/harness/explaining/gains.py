@@ -3,7 +3,7 @@
 The gains that a changed model should have are compared with those of several states at once.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -39,10 +39,11 @@ class Gains(Data):
     excess: FloatArray
     noise: FloatArray
 
-    def off(self, hypothesis: Hypothesis, samples: int | None = None) -> FloatArray:
-        """What a hypothesis leaves of the gains, in units of `scale`, (K, 4, 3)."""
-        off = (self.excess - self.made(hypothesis) + self.exact) / self.scale[..., None]
-        return np.asarray(off[:samples])
+    def off(self, hypotheses: Sequence[Hypothesis], samples: int | None = None) -> FloatArray:
+        """What each hypothesis leaves of the gains, in units of `scale`, (H, K, 4, 3)."""
+        made = np.stack([self.made(one) for one in hypotheses])
+        off = (self.excess - made + self.exact) / self.scale[..., None]
+        return np.asarray(off[:, :samples])
 
     @cached_property
     def scale(self) -> FloatArray:

@@ -16,7 +16,7 @@ import numpy as np
 from scipy.special import chdtri
 
 from ....scenarios import FloatArray
-from .fit import RANK, Data, Fit, Trial
+from .fit import Data, Fit, Linear, Trial, linear
 from .hypothesis import Change
 
 #: The probability that a change is named where noise alone made the data other ones.
@@ -92,7 +92,13 @@ class Search:
         if not self.is_called_for:
             return []
         enough = PROMISING**2 * self.unchanged.left
-        return [trial.fit() for trial in self.trials if _left_if_linear(trial) <= enough]
+        pairs = zip(self.trials, self.linear, strict=True)
+        return [trial.fit() for trial, one in pairs if one.least <= enough]
+
+    @cached_property
+    def linear(self) -> list[Linear]:
+        """What each change leaves where it is taken as linear in its numbers."""
+        return linear(self.trials)
 
     def stepwise(self, first: tuple[Change, ...], most: int) -> Fit:
         """The changes, so many of them at most, that explain more than chance does.
@@ -142,14 +148,11 @@ class Search:
 
         Of those with as many numbers those are fitted that leave least where they are linear.
         """
-        alone = [_left_if_linear(trial) for trial in self.trials]
         by_count: dict[int, list[tuple[float, int, int]]] = defaultdict(list)
-        for i, j in combinations(range(len(self.trials)), 2):
-            one, other = self.trials[i], self.trials[j]
-            slopes = np.hstack([one.slopes, other.slopes])
-            left = _least(one.at_none + other.at_none - self.unchanged.rest, slopes)
-            if left <= PROMISING**2 * min(alone[i], alone[j]):
-                by_count[slopes.shape[1]].append((left, i, j))
+        for (i, one), (j, other) in combinations(enumerate(self.linear), 2):
+            both = one.with_other(other, self.unchanged.rest)
+            if both.least <= PROMISING**2 * min(one.least, other.least):
+                by_count[both.slopes.shape[1]].append((both.least, i, j))
         best = {(i, j) for pairs in by_count.values() for _, i, j in sorted(pairs)[:PAIRS]}
         # Of those alike the first is named.
         return [Trial(self.data, (self.changes[i], self.changes[j])).fit() for i, j in sorted(best)]
@@ -191,13 +194,3 @@ class Search:
 def within_noise(count: int) -> float:
     """The mean square of so many numbers that noise makes seldom larger."""
     return float(chdtri(count, LEVEL)) / count
-
-
-def _left_if_linear(trial: Trial) -> float:
-    return _least(trial.at_none, trial.slopes)
-
-
-def _least(at_none: FloatArray, slopes: FloatArray) -> float:
-    """The mean square of what the best numbers leave, if it is linear in them."""
-    best = np.linalg.lstsq(slopes, at_none, rcond=RANK)[0] if slopes.shape[1] else np.empty(0)
-    return float(np.mean((at_none - slopes @ best) ** 2))

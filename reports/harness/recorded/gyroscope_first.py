@@ -3,6 +3,7 @@
 By whatever torques a body turns, from sample to sample it turns by the mean of its ω.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -22,14 +23,14 @@ class Turns(Data):
 
     intervals: Intervals
 
-    def off(self, hypothesis: Hypothesis, samples: int | None = None) -> FloatArray:
-        """As in `Data`: the mean ω less the rate of turning, rad/s, (S, 3)."""
+    def off(self, hypotheses: Sequence[Hypothesis], samples: int | None = None) -> FloatArray:
+        """As in `Data`: the mean ω less the rate of turning, rad/s, (H, S, 3)."""
         data = self.intervals
         times = data.t - data.spans[:, 0], data.t
         reads = zip((data.starts, data.ends), times, strict=True)
-        states = (as_it_was(hypothesis, read, t)[:, 4:] for read, t in reads)
+        states = (as_it_was(hypotheses, read, t)[..., 4:] for read, t in reads)
         turned = rotation_vectors(data.starts[:, :4], data.ends[:, :4])
-        return np.asarray(sum(states) / 2 - turned / data.spans)[:samples]
+        return np.asarray(sum(states) / 2 - turned / data.spans)[:, :samples]
 
 
 def after_gyroscope(data: Intervals, search: Search) -> Fit | None:

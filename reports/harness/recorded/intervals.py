@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from ....reference.following import EXACT, Integrator, follow
+from ....reference.following import EXACT, Integrator, follow, follow_each
 from ....reference.other_equations import OtherEquations
 from ....scenarios import FloatArray, Scenario, Trajectory
 from ....scenarios.rotation import norms, rotation_vectors
@@ -75,15 +75,16 @@ class Intervals(Data):
         """
         return 1 + (self.scale.size - 1) * float(np.mean(self.of_method))
 
-    def off(self, hypothesis: Hypothesis, samples: int | None = None) -> FloatArray:
-        """As in `Data`: what a hypothesis leaves of the ends, in units of `scale`, (S, 6)."""
-        starts = as_it_was(hypothesis, self.starts, self.t - self.spans[:, 0])
-        spans, timestep = hypothesis.step * self.spans, hypothesis.step * self.timestep
-        of_method = self.integrator, timestep, self.fastest
-        made = follow(hypothesis.equations, starts, spans, *of_method)[:, 0]
+    def off(self, hypotheses: Sequence[Hypothesis], samples: int | None = None) -> FloatArray:
+        """As in `Data`: what each leaves of the ends, in units of `scale`, (H, S, 6)."""
+        starts = as_it_was(hypotheses, self.starts, self.t - self.spans[:, 0])
+        steps = np.array([one.step for one in hypotheses])
+        of_method = self.integrator, steps * self.timestep, self.fastest
+        equations, spans = [one.equations for one in hypotheses], steps[:, None, None] * self.spans
+        made = follow_each(equations, starts, spans, *of_method)[:, :, 0]
         made = np.where(np.isfinite(made), made, np.nan)
         with np.errstate(over="ignore"):
-            return (apart(as_read(hypothesis, made, self.t), self.ends) / self.scale)[:samples]
+            return (apart(as_read(hypotheses, made, self.t), self.ends) / self.scale)[:, :samples]
 
     def apart(self, equations: OtherEquations) -> FloatArray:
         """Return how far the ends are from where equations lead exactly, (S, 6), rad and rad/s."""
@@ -109,9 +110,15 @@ class Intervals(Data):
 
 
 def apart(made: FloatArray, recorded: FloatArray) -> FloatArray:
-    """Return how far recorded states, (S, 7), are from computed ones, rad and rad/s, (S, 6)."""
-    turned = rotation_vectors(made[:, :4], recorded[:, :4])
-    return np.hstack([turned, recorded[:, 4:] - made[:, 4:]])
+    """Return how far recorded states, (S, 7), are from computed ones, rad and rad/s, (..., S, 6).
+
+    Parameters
+    ----------
+    made : one or several computations of all states, (..., S, 7)
+    """
+    q = np.broadcast_to(recorded[:, :4], (*made.shape[:-1], 4)).reshape(-1, 4)
+    turned = rotation_vectors(made[..., :4].reshape(-1, 4), q).reshape(*made.shape[:-1], 3)
+    return np.concatenate([turned, recorded[:, 4:] - made[..., 4:]], axis=-1)
 
 
 def root_mean_squares(off: FloatArray) -> FloatArray:

@@ -48,7 +48,7 @@ def left_by_methods(data: Intervals, orders: Sequence[int]) -> FloatArray:
     It is in units of `data.scale`, with the coefficients of elementary differentials that leave
     least.
     """
-    off, basis = data.off(data.base).ravel(), basis_of(leading_errors(data, orders), data.scale)
+    off, basis = data.off([data.base]).ravel(), basis_of(leading_errors(data, orders), data.scale)
     return np.asarray(off - basis @ (basis.T @ off))
 
 

@@ -12,7 +12,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 from scipy.special import chdtrc, chdtri, fdtrc
 
-from ....reference.following import follow
+from ....reference.following import follow_each
 from ....scenarios import FloatArray, Scenario, Trajectory
 from ....scenarios.rotation import norms
 from ...results.change_words import KINDS
@@ -23,6 +23,7 @@ from ..explaining.hypothesis import Change, Hypothesis, as_it_is
 from ..explaining.search import LEFT, LEVEL, Search
 from .digits import where
 from .intervals import FASTER, apart, states_of
+from .mistakes import FITS
 from .sensors import SENSORS, as_read, of_sensor
 from .starts import started_elsewhere
 
@@ -89,16 +90,18 @@ class Log(Data):
         """How many numbers a sample has."""
         return 6 if self.has_omega else 3
 
-    def off(self, hypothesis: Hypothesis, samples: int | None = None) -> FloatArray:
-        """As in `Data`: what a hypothesis leaves, in units of noise, (n, 6), without ω (n, 3)."""
-        t, turn = self.t[:samples], Rotation.from_rotvec(hypothesis.start[:3])
+    def off(self, hypotheses: Sequence[Hypothesis], samples: int | None = None) -> FloatArray:
+        """As in `Data`: what each leaves, in units of noise, (H, n, 6), without ω (H, n, 3)."""
+        t, changed = self.t[:samples], np.stack([one.start for one in hypotheses])
+        turn = Rotation.from_rotvec(changed[:, :3])
         q = Rotation.from_quat(self.scene_start[:4], scalar_first=True) * turn
-        omega = self.scene_start[4:] + hypothesis.start[3:]
-        start = np.concatenate([q.as_quat(scalar_first=True), omega])[None]
-        spans = np.diff(t, prepend=t[0])[None]
-        made = follow(hypothesis.equations, start, spans, fastest=self.fastest)[0]
-        off = apart(as_read(hypothesis, made, t), self.states[:samples]) / np.repeat(self.noise, 3)
-        return off[:, : self.measured]
+        omega = self.scene_start[4:] + changed[:, 3:]
+        starts = np.hstack([q.as_quat(scalar_first=True), omega])[:, None]
+        spans = np.tile(np.diff(t, prepend=t[0]), (len(hypotheses), 1, 1))
+        equations = [one.equations for one in hypotheses]
+        made = follow_each(equations, starts, spans, fastest=self.fastest)[:, 0]
+        off = apart(as_read(hypotheses, made, t), self.states[:samples]) / np.repeat(self.noise, 3)
+        return off[..., : self.measured]
 
     def unlikely(self, hypothesis: Hypothesis) -> FloatArray:
         """As in `Data`: how far a tensor's ratios are from the scene's, standardised, (9,)."""
@@ -107,8 +110,13 @@ class Log(Data):
         return np.asarray(3 * off.ravel() / SPREAD)
 
     def squares(self, rest: FloatArray) -> FloatArray:
-        """Return the sum of squares of attitude and, if it is fitted, of ω: (2,) or (1,)."""
-        return np.asarray(np.sum(rest.reshape(len(self.t), -1, 3) ** 2, axis=(0, 2)))
+        """Return the sum of squares of attitude and, if it is fitted, of ω: (2,) or (1,).
+
+        Errors that need no explanation are added to it, as rounding is no noise to be explained.
+        """
+        squares = np.sum(rest.reshape(len(self.t), -1, 3) ** 2, axis=(0, 2))
+        fits = FITS * np.array([1.0, self.fastest / FASTER]) / self.noise
+        return np.asarray(squares + 3 * len(self.t) * fits[: len(squares)] ** 2)
 
     def falls(self, before: FloatArray, after: FloatArray) -> float:
         """As in `Data`; noise that is not stated is estimated from what is left."""

@@ -139,6 +139,7 @@ class _Beginning:
         self.start = states_of(exact.until(1))
         self.fastest = float(norms(exact.omega_body).max())
         self._at: dict[bytes, tuple[FloatArray, float, float]] = {}
+        self._turned: dict[tuple[bytes, bytes], float] = {}
 
     def at(self, t: FloatArray) -> tuple[FloatArray, float, float]:
         """Exact states, (n, 7), at times, s, (n,), the largest speed, and how far it turns."""
@@ -151,18 +152,33 @@ class _Beginning:
             self._at[times] = made, speed, turns
         return self._at[times]
 
-    def error(self, reading: Reading) -> float:
+    def turned(self, q: FloatArray, t: FloatArray) -> float:
+        """The largest error of attitudes, (n, 4), at times, s, (n,).
+
+        It is relative to how far the body turns, which is taken to be 1 rad at most: by times that
+        hardly pass it hardly turns, and so does what stands still.
+        """
+        key = q.tobytes(), t.tobytes()
+        if key not in self._turned:
+            made, _, turns = self.at(t)
+            self._turned[key] = float(norms(rotation_vectors(made[:, :4], q)).max() / turns)
+        return self._turned[key]
+
+    def error(self, reading: Reading, enough: float = np.inf) -> float:
         """The largest error in attitude and ω; infinite if the times are too far to follow.
 
-        That in attitude is relative to how far the body turns, which is taken to be 1 rad at most:
-        by times that hardly pass it hardly turns, and so does what stands still.
+        Parameters
+        ----------
+        enough : if the error in attitude is as large as that, ω is not compared
         """
         if (reading.t[-1] - self.begins_at) * self.fastest > FURTHEST:
             return np.inf
-        (made, speed, turns), omega = self.at(reading.t), reading.omega_body
-        omega = made[:, 4:] if omega is None else omega
-        turned, faster = np.split(apart(made, np.hstack([reading.q, omega])), 2, axis=1)
-        off = [norms(turned).max() / turns, norms(faster).max() / speed]
+        off = [self.turned(reading.q, reading.t)]
+        if off[0] >= enough:
+            return off[0]
+        (made, speed, _), omega = self.at(reading.t), reading.omega_body
+        if omega is not None:
+            off.append(norms(omega - made[:, 4:]).max() / speed)
         if reading.spins is not None:
             scenario = self.scenario
             spins = scenario.spins(made[:, 4:], scenario.kept_at_start)
@@ -185,7 +201,8 @@ class _Beginning:
                 parts = slice(fewer, None), slice(None, len(given.t) - fewer)
                 errors = (self.error(given.rows(part)) for part in parts)
                 of_given[fewer] = min(1.0, usual, *errors)
-            if (left := self.error(reading)) < min(LEFT * of_given[fewer], least - FITS):
+            enough = min(LEFT * of_given[fewer], least - FITS)
+            if (left := self.error(reading, enough)) < enough:
                 least, best = left, (words, reading)
         return best
 

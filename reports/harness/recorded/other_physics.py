@@ -127,7 +127,7 @@ class Physics:
         if not left:
             return 0
         best = min(left, key=left.__getitem__)
-        by_change = _mean_square(data.off(self.found.hypothesis)) if self.found else np.inf
+        by_change = _mean_square(data.off([self.found.hypothesis])) if self.found else np.inf
         return best if by_change > LEFT**2 * left[best] else 0
 
     @property
@@ -158,7 +158,7 @@ class Physics:
         """Return the integrator that made the motion of a hypothesis; empty if none did."""
         if not self.by_known:
             return ""
-        left = [_mean_square(data.off(hypothesis)) for data in self.by_known]
+        left = [_mean_square(data.off([hypothesis])) for data in self.by_known]
         exactly = self._exactly(hypothesis)
         if exactly <= 1 or min(left) > max(1.0, SAME**2 * exactly):
             return ""
@@ -168,7 +168,7 @@ class Physics:
 
     def _exactly(self, hypothesis: Hypothesis) -> float:
         """The mean square of what a hypothesis leaves if no integrator is in it, in noise."""
-        return _mean_square(self.by_known[0].made_by(EXACT, 0.0).off(hypothesis))
+        return _mean_square(self.by_known[0].made_by(EXACT, 0.0).off([hypothesis]))
 
     @cached_property
     def by_other_equations(self) -> Fit | None:

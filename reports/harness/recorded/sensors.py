@@ -1,6 +1,6 @@
 """Mistakes of sensors, as changes of how ω and the attitude are read, and their words."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import numpy as np
 from scipy.spatial.transform import Rotation
@@ -75,27 +75,44 @@ def of_sensor(
     return words.format(in_words(added + factor * numbers, factor)) if len(numbers) else words
 
 
-def as_read(hypothesis: Hypothesis, states: FloatArray, t: FloatArray) -> FloatArray:
-    """Return states, q and ω, (S, 7), as they are read at their times, s, (S,)."""
-    h, q, omega = hypothesis, states[:, :4], states[:, 4:]
-    if h.lag:
-        omega = _later(h, states, -h.lag)[:, 4:]
-    if h.delay:
-        q = _later(h, states, -h.delay)[:, :4]
-    return np.hstack([_turned(q, h.turned), omega @ h.read.T + h.bias + np.outer(t, h.drift)])
+def as_read(hypotheses: Sequence[Hypothesis], states: FloatArray, t: FloatArray) -> FloatArray:
+    """Return states of H hypotheses, q and ω, as they are read at times, s, (S,): (H, S, 7)."""
+    read = states.copy()
+    for h, of_it, made in zip(hypotheses, states, read, strict=True):
+        if h.lag:
+            made[:, 4:] = _later(h, of_it, -h.lag)[:, 4:]
+        if h.delay:
+            made[:, :4] = _later(h, of_it, -h.delay)[:, :4]
+        made[:, :4] = _turned(made[:, :4], h.turned)
+    by = np.stack([one.read for one in hypotheses])
+    read[..., 4:] = read[..., 4:] @ np.swapaxes(by, 1, 2) + _added(hypotheses, t)
+    return read
 
 
-def as_it_was(hypothesis: Hypothesis, read: FloatArray, t: FloatArray) -> FloatArray:
-    """Return the states, q and ω, (S, 7), that were read so; nan if ω does not tell."""
-    h = hypothesis
-    omega = (read[:, 4:] - h.bias - np.outer(t, h.drift)) @ inverse(h.read).T
-    states = np.hstack([_turned(read[:, :4], -h.turned), omega])
-    if h.lag:
-        states[:, 4:] = _later(h, states, h.lag)[:, 4:]
-    if h.delay:
-        before = _later(h, states, -h.delay)
-        states[:, :4] = _later(h, np.hstack([states[:, :4], before[:, 4:]]), h.delay)[:, :4]
+def as_it_was(hypotheses: Sequence[Hypothesis], read: FloatArray, t: FloatArray) -> FloatArray:
+    """Return the states, q and ω, that H hypotheses read so, (H, S, 7); nan if ω does not tell.
+
+    Parameters
+    ----------
+    read : q and ω as they were read at times t, s, (S, 7) and (S,)
+    """
+    by = np.stack([inverse(one.read) for one in hypotheses])
+    states = np.tile(read, (len(hypotheses), 1, 1))
+    states[..., 4:] = (read[:, 4:] - _added(hypotheses, t)) @ np.swapaxes(by, 1, 2)
+    for h, was in zip(hypotheses, states, strict=True):
+        was[:, :4] = _turned(was[:, :4], -h.turned)
+        if h.lag:
+            was[:, 4:] = _later(h, was, h.lag)[:, 4:]
+        if h.delay:
+            before = _later(h, was, -h.delay)
+            was[:, :4] = _later(h, np.hstack([was[:, :4], before[:, 4:]]), h.delay)[:, :4]
     return states
+
+
+def _added(hypotheses: Sequence[Hypothesis], t: FloatArray) -> FloatArray:
+    """Return what is added to ω at times, s, (S,), before it is read: bias and drift, (H, S, 3)."""
+    added = np.stack([(one.bias, one.drift) for one in hypotheses])[:, :, None]
+    return np.asarray(added[:, 0] + t[:, None] * added[:, 1])
 
 
 def _turned(q: FloatArray, turn: FloatArray) -> FloatArray:

@@ -43,7 +43,7 @@ def varying(data: Intervals, changes: Sequence[Change], among: int) -> Varying |
     among : how many changes have been tried already
     """
     single = [one for one in changes if len(one.sizes) == 1]
-    unchanged = data.off(data.base)
+    (unchanged,) = data.off([data.base])
     count = unchanged.size
     enough = max(within_noise(count), LEFT**2 * float(np.mean(unchanged**2)))
     by_chance = float(chdtri(len(unchanged), LEVEL / (among + len(single))))
@@ -71,9 +71,8 @@ def _fit(
 ) -> tuple[FloatArray, FloatArray]:
     """Return the number of each interval, (S,), and what is left with them, (S, 6)."""
     numbers, size = np.zeros(len(parts)), float(change.sizes[0])
-    rest, stepped = (
-        _clipped(data.off(change.apply(data.base, np.array([step * size])))) for step in (0, SMALL)
-    )
+    both = [change.apply(data.base, np.array([step * size])) for step in (0, SMALL)]
+    rest, stepped = _clipped(data.off(both))
     slopes = (stepped - rest) / SMALL
     for _ in range(STEPS):
         squares = np.maximum(np.sum(slopes**2, axis=1), 1 / NOWHERE)
@@ -87,7 +86,7 @@ def _fit(
 def _off(parts: Sequence[Intervals], change: Change, numbers: FloatArray) -> FloatArray:
     """Return what is left of each interval with its own number, (S, 6)."""
     off = [
-        part.off(change.apply(part.base, number[None]))
+        part.off([change.apply(part.base, number[None])])[0]
         for part, number in zip(parts, numbers, strict=True)
     ]
     return _clipped(np.vstack(off))

@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ....scenarios import FloatArray
-from ..explaining.fit import RANK, Data, Fit, Trial
+from ..explaining.fit import RANK, Data, Fit, Trial, linear
 from ..explaining.hypothesis import Change, Hypothesis
 from ..explaining.search import LEFT, Search
 from .intervals import Intervals, root_mean_squares
@@ -39,10 +39,10 @@ class BesideMethods(Data):
         """As in `Data`: the next term of a method's error counts as one number."""
         return self.intervals.at_once
 
-    def off(self, hypothesis: Hypothesis, samples: int | None = None) -> FloatArray:
-        """As in `Data`, without what methods explain, (6 S,)."""
-        off = self.intervals.off(hypothesis).ravel()
-        return np.asarray(off - self.basis @ (self.basis.T @ off))[:samples]
+    def off(self, hypotheses: Sequence[Hypothesis], samples: int | None = None) -> FloatArray:
+        """As in `Data`, without what methods explain, (H, 6 S)."""
+        off = self.intervals.off(hypotheses).reshape(len(hypotheses), -1)
+        return np.asarray(off - (off @ self.basis) @ self.basis.T)[:, :samples]
 
 
 def within_error(
@@ -67,7 +67,7 @@ def within_error(
     for size in _sizes(data, errors, changes):
         found, size = _beside(data, errors, changes, most, next_term, size)
         if found is not None and found.count <= most:
-            made = _made(data, errors, found.hypothesis)
+            made = _made(data, errors, data.off([found.hypothesis]))
             if (made <= ROOM * np.maximum(size, data.noise)).all():
                 return found
     return None
@@ -93,7 +93,7 @@ def _beside(
         beside = BesideMethods(data.base, nearly, basis_of(errors, nearly.scale))
         search = Search(beside, changes, most, part=0.0)
         found = search.one_or_two()
-        made = [_made(data, errors, fit.hypothesis) for fit in search.single]
+        made = [_made(data, errors, data.off([fit.hypothesis])) for fit in search.single]
         least = min(made, key=lambda one: float(np.max(one / np.maximum(size, FITS))), default=size)
         if (least > LEFT * size).any() or (size <= FITS).all():
             return found, size
@@ -106,30 +106,29 @@ def _sizes(data: Intervals, errors: FloatArray, changes: Sequence[Change]) -> li
     That is as large as without any change, or as with the change that leaves least of it, or
     between these.
     """
-    most = _made(data, errors, data.base)
+    most = _made(data, errors, data.off([data.base]))
     units = np.maximum(most, FITS)
     of_changes = []
-    for change in changes:
-        trial, count = Trial(data, (change,)), len(change.sizes)
-        columns = trial.slopes.T.reshape(count, *data.scale.shape) * data.scale
-        of_changes.append(_made(data, errors, trial.hypothesis(np.zeros(count)), columns))
+    for one in linear([Trial(data, (change,)) for change in changes]):
+        columns = one.slopes.T.reshape(-1, *data.scale.shape) * data.scale
+        of_changes.append(_made(data, errors, one.at_none, columns))
     least = min(of_changes, key=lambda size: float(np.sum((size / units) ** 2)))
     return [most, np.sqrt(most * least), least]
 
 
 def _made(
-    data: Intervals, errors: FloatArray, hypothesis: Hypothesis, others: FloatArray | None = None
+    data: Intervals, errors: FloatArray, off: FloatArray, others: FloatArray | None = None
 ) -> FloatArray:
-    """Return the size of what methods explain of what a hypothesis leaves, rad and rad/s, (2,).
+    """Return the size of what methods explain of what is left, rad and rad/s, (2,).
 
     Parameters
     ----------
+    off : what is left, in units of the intervals' scale, of 6 S numbers
     others : what else explains it, rad and rad/s, (m, S, 6)
     """
-    off = data.off(hypothesis).ravel()
     every = errors if others is None else np.concatenate([errors, others])
     columns = (every / data.scale).reshape(len(every), -1).T
     columns = columns / np.maximum(np.linalg.norm(columns, axis=0), np.finfo(float).tiny)
-    best = np.linalg.lstsq(columns, off, rcond=RANK)[0]
+    best = np.linalg.lstsq(columns, off.ravel(), rcond=RANK)[0]
     made = columns[:, : len(errors)] @ best[: len(errors)]
     return root_mean_squares(made.reshape(data.scale.shape) * data.scale)

@@ -17,7 +17,7 @@ ONE = case(151)
 
 def test_an_omega_that_tells_nothing_of_the_body_is_of_no_state() -> None:
     blind = as_it_is(ONE.scenario)._replace(read=np.diag([1.0, 1.0, 0.0]))
-    assert np.isnan(as_it_was(blind, np.ones((2, 7)), np.zeros(2))[:, 4:]).all()
+    assert np.isnan(as_it_was([blind], np.ones((2, 7)), np.zeros(2))[..., 4:]).all()
 
 
 def test_a_body_has_no_moment_beyond_the_sum_of_the_others() -> None:
