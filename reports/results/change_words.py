@@ -272,6 +272,7 @@ KINDS = {
             ("free", "turned freely on their hinges"),
             ("driven", "were driven, at a constant speed relative to the body"),
             ("locked", "were fixed to the body"),
+            ("reversed", "turned the other way round"),
         )
     },
     # The tensor.

@@ -27,11 +27,10 @@ def of_effects(scenario: Scenario, e: OtherEquations) -> Iterator[Change]:
     if e.gravity_world.any() and of_com.any() and not (scenario.constraint.is_pivot or e.mobility):
         yield set_to("gravity on a free body", pull=of_com)
     yield from resistance(scenario, e)
-    rate, none = _fastest(scenario, e), np.zeros(3)
+    rate = _fastest(scenario, e)
     yield from _of_decay(e, rate)
+    yield from torques(e)
     if e.torque.any() or e.torque_world.any():
-        pushes: dict[str, Any] = {"torque": e.torque, "torque_world": e.torque_world}
-        yield from factors("torque's size", 0.0, -1.0, **pushes)
         along_other_axes: dict[str, Any] = {"torque": e.torque_world, "torque_world": e.torque}
         yield set_to("torque along other axes", **along_other_axes)
     if (e.pull.any() and e.gravity_world.any()) or e.torque_world.any():
@@ -46,7 +45,14 @@ def of_effects(scenario: Scenario, e: OtherEquations) -> Iterator[Change]:
         ("torque along body axes", "torque"),
         ("torque along world axes", "torque_world"),
     ):
-        yield fitted(kind, none, size, partial(_pushed, name))
+        yield fitted(kind, np.zeros(3), size, partial(_pushed, name))
+
+
+def torques(e: OtherEquations) -> Iterator[Change]:
+    """The scene's constant torques by a factor."""
+    if e.torque.any() or e.torque_world.any():
+        pushes: dict[str, Any] = {"torque": e.torque, "torque_world": e.torque_world}
+        yield from factors("torque's size", 0.0, -1.0, **pushes)
 
 
 def _of_decay(e: OtherEquations, rate: float) -> Iterator[Change]:
@@ -195,17 +201,20 @@ def _pulled(h: Hypothesis, n: FloatArray) -> Hypothesis:
 def of_rotors(scenario: Scenario, e: OtherEquations) -> Iterator[Change]:
     """Changes of rotors that a motion shows whose spins were not recorded."""
     tables = scenario.document.rotors or ()
-    for hinge in "free", "driven", "locked":
+    others = {hinge: [{"hinge": hinge} for _ in tables] for hinge in ("free", "driven", "locked")}
+    others["reversed"] = [{"spin": -one.spin} for one in tables]
+    for kind, updates in others.items():
         for which in range(len(tables) + 1):
-            hinged = [
-                one.model_copy(update={"hinge": hinge}) if which in (0, k + 1) else one
-                for k, one in enumerate(tables)
+            changed = [
+                one.model_copy(update=update) if which in (0, k + 1) else one
+                for k, (one, update) in enumerate(zip(tables, updates, strict=True))
             ]
-            if [one.hinge for one in hinged] != [one.hinge for one in tables]:
-                other = equations_of(with_tables(scenario, rotors=tuple(hinged)))
+            if changed != list(tables):
+                other = equations_of(with_tables(scenario, rotors=tuple(changed)))
                 terms = ("inertia", "inverse", "gyroscopic", "kept")
-                changed = {name: getattr(other, name) for name in terms}
-                yield set_to(f"{hinge} rotors", (which,), **changed)
+                yield set_to(
+                    f"{kind} rotors", (which,), **{name: getattr(other, name) for name in terms}
+                )
     if e.kept.any():
         size = float(np.linalg.norm(e.kept))
         yield fitted("rotors' momentum", e.kept, size, lambda h, n: h.of(kept=n))

@@ -7,7 +7,7 @@ makes it fall with so many more numbers, among so many changes (S. S. Wilks, Ann
 """
 
 from collections import defaultdict
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import combinations
@@ -103,16 +103,33 @@ class Search:
     def stepwise(self, first: tuple[Change, ...], most: int) -> Fit:
         """The changes, so many of them at most, that explain more than chance does.
 
-        From the first ones on one is added, or left out, as long as that gains anything.
+        From the first ones on one is added, or left out, as long as that gains anything; then one
+        with numbers is replaced by one without, if that gains anything.
         """
-        best, fit = None, Trial(self.data, first).fit()
-        while best is None or self.gain(fit) > self.gain(best):
-            best = fit
-            fewer = [tuple(c for c in best.changes if c is not one) for one in best.changes]
-            fits = [Trial(self.data, one).fit(best) for one in fewer]
-            fits += [self._more(best, one) for one in self._likeliest(best, most)]
-            fit = max(fits, key=self.gain, default=best)
-        return best
+        fit = Trial(self.data, first).fit()
+        while True:
+            best = max([fit, *self._fewer(fit), *self._one_more(fit, most)], key=self.gain)
+            if best is fit:
+                best = max([fit, *self._plainer(fit)], key=self.gain)
+            if best is fit:
+                return fit
+            fit = best
+
+    def _fewer(self, fit: Fit) -> Iterator[Fit]:
+        """Fits with one of the changes left out."""
+        for one in fit.changes:
+            yield Trial(self.data, tuple(c for c in fit.changes if c is not one)).fit(fit)
+
+    def _one_more(self, fit: Fit, most: int) -> Iterator[Fit]:
+        return (self._more(fit, one) for one in self._likeliest(fit, most))
+
+    def _plainer(self, fit: Fit) -> Iterator[Fit]:
+        """Fits in which a change without numbers replaces one that has some."""
+        plain = [one for one in self.changes if not len(one.sizes) and one not in fit.changes]
+        for replaced in (one for one in fit.changes if len(one.sizes)):
+            for other in plain:
+                changes = (other if one is replaced else one for one in fit.changes)
+                yield Trial(self.data, tuple(changes)).fit(fit)
 
     def _likeliest(self, fit: Fit, most: int) -> list[Change]:
         """The changes that may explain more of what a fit leaves; all if it explains nothing."""

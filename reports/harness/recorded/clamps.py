@@ -14,6 +14,8 @@ from .intervals import states_of
 #: Relative tolerance of the fit of a clamp, and least number of samples; and number of intervals
 #: that clamps are tried on, at most.
 CLAMPED, FEWEST, FEW = 1e-2, 3, 12
+#: Relative error of a bound by rounding, and how far beyond it equations lead that must be bound.
+ROUNDING, BEYOND = 1e-9, 1e-3
 #: Slowest turn of a body, rad/s.
 TINY = 1e-300
 
@@ -54,6 +56,9 @@ def clamps(
 ) -> Iterator[str]:
     """Yield clamps of ω, in words, that lead from the exact start, and each sample, to the next.
 
+    Or ω stays at the bound, to rounding, where the scene's equations lead beyond it, whatever else
+    is wrong.
+
     Parameters
     ----------
     motion, exact : the recorded motion, and the exact one at the same times
@@ -68,7 +73,14 @@ def clamps(
     starts[0] = states_of(exact.until(1))[0]
     equations = as_it_is(scenario).equations
     wanted = follow(equations, starts, spans)[:, 0]
+    every = follow(equations, states[:-1], np.diff(motion.t)[:, None])[:, 0]
     for words, size_of, limited in CLAMPS:
+        bound = float(size_of(states).max())
+        is_there = size_of(states) > (1 - ROUNDING) * bound
+        stays = is_there[:-1] & is_there[1:] & (size_of(every) > (1 + BEYOND) * bound)
+        if np.count_nonzero(stays) >= FEWEST:
+            yield f"{words} is clamped to {bound:.4g} rad/s"
+            continue
         bound = float(size_of(ends).max())
         clamped = limited(follow(equations, limited(starts, bound), spans)[:, 0], bound)
         is_reached = bool(size_of(states).min() < (1 - CLAMPED) * bound)

@@ -12,6 +12,10 @@ FEWEST = 7
 #: By which part of the largest rate that a gyroscope reads the body must turn faster, on average,
 #: and by how many standard errors of that average.
 FASTER, CERTAIN = 1e-2, 6.0
+#: That a gyroscope saturates, at a rate in rad/s and °/s.
+SATURATES = (
+    "the gyroscope saturates: each component of ω is clamped to {:.6g} rad/s ({:.4g} °/s)"
+)
 
 
 def stuck(numbers: Numbers, omega: FloatArray) -> Shown | None:
@@ -60,9 +64,8 @@ def saturated(numbers: Numbers, omega: FloatArray) -> Shown | None:
         return None
     samples = np.flatnonzero(is_cut.any(axis=1))
     return Shown(
-        f"the gyroscope saturates: each component of ω is clamped to {bound:.6g} rad/s "
-        f"({np.degrees(bound):.4g} °/s), {where(numbers.t, samples)}, and the attitudes turn "
-        "faster",
+        f"{SATURATES.format(bound, np.degrees(bound))}, {where(numbers.t, samples)}, and the "
+        "attitudes turn faster",
         int(samples[0]),
     )
 

@@ -241,7 +241,10 @@ def _of_readings(physics: Physics) -> list[str]:
 
 def _of_measured(fit: Measured, physics: Physics) -> Explanation:
     """Explain a measured motion, by other physics if more than noise is left."""
-    words = (physics.explained() if fit.is_beyond else []) or fit.explained()
+    # A body that is limited itself turns no faster either.
+    words = fit.right_by_itself if physics.clamps else []
+    words = words or (physics.dissipated if fit.search.is_called_for else [])
+    words = words or (physics.explained() if fit.is_beyond else []) or fit.explained()
     return Explanation(tuple(words), fit.verdict, fit.is_beyond, measured=fit)
 
 

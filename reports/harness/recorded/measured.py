@@ -17,14 +17,23 @@ from ....scenarios import FloatArray, Scenario, Trajectory
 from ....scenarios.rotation import norms
 from ...results.change_words import KINDS
 from ..explaining.changes import is_scaled, tensor
-from ..explaining.effect_changes import com, of_momentum, resistance, tilt, world_turning
+from ..explaining.effect_changes import (
+    com,
+    of_momentum,
+    resistance,
+    tilt,
+    torques,
+    world_turning,
+)
 from ..explaining.fit import Data, Fit, Trial
 from ..explaining.hypothesis import Change, Hypothesis, as_it_is
 from ..explaining.search import LEFT, LEVEL, Search
+from .columns import SATURATES
 from .digits import where
 from .intervals import FASTER, apart, states_of
 from .mistakes import FITS
-from .sensors import SENSORS, as_read, of_sensor
+from .motion_changes import TIMES
+from .sensors import LOW_PASS, SENSORS, as_read, of_sensor
 from .starts import started_elsewhere
 
 #: Turn of the body, rad, in the samples that are fitted first, and their least number; then twice
@@ -40,6 +49,8 @@ SPREAD = 0.387
 #: numbers, Σ (8 over 4+k)² / (8 over 4)².
 SHARED = 2.63
 
+#: Standard deviations of noise that the rates differ by, at most, which a gyroscope saturates at.
+SATURATED = 2.0
 #: That attitudes, or ω, alone are the scene's.
 ATTITUDE_ALONE = "the attitudes are those of the scene, but the recorded ω is not"
 OMEGA_ALONE = "ω is that of the scene, but the attitudes are not"
@@ -92,16 +103,27 @@ class Log(Data):
 
     def off(self, hypotheses: Sequence[Hypothesis], samples: int | None = None) -> FloatArray:
         """As in `Data`: what each leaves, in units of noise, (H, n, 6), without ω (H, n, 3)."""
-        t, changed = self.t[:samples], np.stack([one.start for one in hypotheses])
+        t = self.t[:samples]
+        read = as_read(hypotheses, self.made(hypotheses, t), t)
+        off = apart(read, self.states[:samples]) / np.repeat(self.noise, 3)
+        return off[..., : self.measured]
+
+    def made(self, hypotheses: Sequence[Hypothesis], t: FloatArray) -> FloatArray:
+        """Return the states of H hypotheses at times from the first sample's on, (H, n, 7).
+
+        Parameters
+        ----------
+        t : s, (n,), in the order in which they follow, or precede, the first sample
+        """
+        changed = np.stack([one.start for one in hypotheses])
         turn = Rotation.from_rotvec(changed[:, :3])
         q = Rotation.from_quat(self.scene_start[:4], scalar_first=True) * turn
         omega = self.scene_start[4:] + changed[:, 3:]
         starts = np.hstack([q.as_quat(scalar_first=True), omega])[:, None]
-        spans = np.tile(np.diff(t, prepend=t[0]), (len(hypotheses), 1, 1))
+        steps = np.array([one.step for one in hypotheses])[:, None, None]
+        spans = steps * np.diff(t, prepend=self.t[0])
         equations = [one.equations for one in hypotheses]
-        made = follow_each(equations, starts, spans, fastest=self.fastest)[:, 0]
-        off = apart(as_read(hypotheses, made, t), self.states[:samples]) / np.repeat(self.noise, 3)
-        return off[..., : self.measured]
+        return follow_each(equations, starts, spans, fastest=self.fastest)[:, 0]
 
     def unlikely(self, hypothesis: Hypothesis) -> FloatArray:
         """As in `Data`: how far a tensor's ratios are from the scene's, standardised, (9,)."""
@@ -183,10 +205,11 @@ class Measured:
     def search(self) -> Search:
         """The search for changes that the samples require, given the noise before any fit."""
         equations = self.given.base.equations
-        candidates = [START, self.tensor, *resistance(self.scenario, equations)]
-        candidates += [*com(self.scenario, equations), *tilt(equations), *of_momentum(equations)]
+        scene = self.scenario, equations
+        candidates = [START, self.tensor, TIMES, *resistance(*scene), *com(*scene)]
+        candidates += [*tilt(equations), *of_momentum(equations), *torques(equations)]
         if self.given.has_omega:
-            candidates += [*SENSORS, world_turning(1.0)]
+            candidates += [*SENSORS, LOW_PASS, world_turning(1.0)]
         return Search(self.given, candidates)
 
     @cached_property
@@ -214,7 +237,7 @@ class Measured:
         left out.
         """
         fits = []
-        for other in SENSORS:
+        for other in (*SENSORS, LOW_PASS):
             if other not in self.found.changes:
                 changes = (other if one is change else one for one in self.found.changes)
                 fit = Trial(self.given, tuple(changes)).fit(self.found)
@@ -337,11 +360,23 @@ class Measured:
         words, wrong = (ATTITUDE_ALONE, 1) if is_right[0] else (OMEGA_ALONE, 0)
         each = norms(unchanged.reshape(-1, 3)).reshape(-1, 2)[:, wrong]
         samples = np.flatnonzero(each**2 > chdtri(3, LEVEL / len(each)))
+        if bound := self._saturates_at if is_right[0] else 0.0:
+            words += f": {SATURATES.format(bound, np.degrees(bound))}"
         if 0 < 2 * len(samples) < len(each):
             off = float(log.noise[wrong] * each.max())
             size = f"{off:.3g} rad/s" if wrong else f"{np.degrees(off):.3g}°"
             words += f" {where(log.t, samples)}, by up to {size}"
         return [words]
+
+    @property
+    def _saturates_at(self) -> float:
+        """The rate, rad/s, that is recorded where the exact ω is faster than that; 0 if none is."""
+        omega, noise = self.given.states[:, 4:], self.given.noise[1]
+        rest = self.search.unchanged.rest.reshape(-1, 2, 3)[:, 1]
+        is_off = rest**2 > chdtri(1, LEVEL / rest.size)
+        speeds, is_slower = np.abs(omega[is_off]), rest[is_off] * omega[is_off] < 0
+        is_cut = len(speeds) > 1 and is_slower.all() and np.std(speeds) < SATURATED * noise
+        return float(np.mean(speeds)) if is_cut else 0.0
 
     @property
     def inflation(self) -> float:
@@ -354,6 +389,8 @@ class Measured:
 
     def _is_required(self, change: Change) -> bool:
         """Whether a change is significant beside what is left."""
+        if not len(change.sizes):
+            return True
         rows, numbers = self.fit.rows(change), self.fit.numbers_of(change)
         errors = self.fit.errors[rows] * self.inflation
         in_errors = numbers / errors
@@ -365,7 +402,7 @@ class Measured:
     def _in_words(self, change: Change) -> str:
         rows = self.fit.rows(change)
         numbers, errors = self.fit.numbers[rows], self.fit.errors[rows] * self.inflation
-        if change in SENSORS:
+        if change in (*SENSORS, LOW_PASS):
             others = (
                 f", or {self._of_sensor(other, fit)} ({likely:.2g} times as likely)"
                 for likely, other, fit in self.alternatives(change)
@@ -379,8 +416,9 @@ class Measured:
             turn = _plus_minus(np.degrees(numbers), np.degrees(errors))
             return f"attitude and ω are those of axes that are turned by {turn}° in the body"
         listed = ", ".join(f"{error:.2g}" for error in errors)
+        listed = f" (± {listed})" if listed else ""
         before = "" if KINDS[change.kind].is_kinematic else "it moves as if "
-        return f"{before}{self.fit.explanation(change).words} (± {listed})"
+        return f"{before}{self.fit.explanation(change).words}{listed}"
 
     def tensor_entries(self) -> tuple[FloatArray, FloatArray]:
         """Return the entries Ixx, Iyy, Izz, Ixy, Ixz, Iyz, kg m², and their standard errors."""

@@ -5,6 +5,7 @@ import numpy as np
 from ....scenarios import FloatArray, Trajectory
 from ....scenarios.rotation import matrices, norms, rotation_vectors, turned
 from ...results.change_words import vector
+from ..explaining.hypothesis import Hypothesis
 from ..explaining.search import LEFT, SAME
 from .intervals import Intervals
 from .mistakes import FITS
@@ -13,6 +14,45 @@ from .mistakes import FITS
 DIGITS, OF_AXES = 3, 2
 KINEMATICS = "ω obeys Euler's equations, but the attitude does not follow ω"
 DYNAMICS = "the attitude follows ω, but ω does not obey Euler's equations"
+
+
+#: That energy is lost though the angular momentum is kept: by which percentage, and to which.
+DISSIPATED = (
+    "its energy falls by {:.3g} % while its angular momentum is kept to {:.2g} %, which no torque "
+    "from outside does: something moves within the body and takes energy, such as fuel that "
+    "sloshes, or a part that bends"
+)
+#: The part of a motion, at its beginning and its end, of which means are compared, and the least
+#: number of their standard errors by which they differ.
+PART, SURE = 0.1, 8.0
+#: The largest change of the angular momentum relative to that of the energy: half of what drag
+#: makes. What moves within the body exchanges some with it.
+KEPT = 0.25
+
+
+def dissipated(usual: Hypothesis, motion: Trajectory) -> list[str]:
+    """Say that a free body loses energy and keeps its angular momentum; nothing if it does not.
+
+    Parameters
+    ----------
+    usual : the scene's equations
+    """
+    e = usual.equations
+    if e.pull.any() or e.torque.any() or e.torque_world.any() or e.slowing.any() or e.kept.any():
+        return []
+    omega, count = motion.omega_body, max(2, int(PART * len(motion.t)))
+    L_body = omega @ e.inertia
+    energy = np.sum(omega * L_body, axis=1) / 2
+    L_world = turned(matrices(motion.q_world_body_wxyz), L_body)
+    parts = slice(count), slice(-count, None)
+    first, last = (float(energy[part].mean()) for part in parts)
+    error = max(float(np.std(energy[part])) for part in parts) / np.sqrt(count)
+    begins, ends = (L_world[part].mean(axis=0) for part in parts)
+    lost = (first - last) / (first or 1.0)
+    kept = float(np.linalg.norm(ends - begins) / (np.linalg.norm(begins) or 1.0))
+    if first - last < SURE * error or lost < FITS or kept > KEPT * lost:
+        return []
+    return [DISSIPATED.format(100 * lost, 100 * kept)]
 
 
 def missing(data: Intervals) -> list[str]:

@@ -18,6 +18,8 @@ MIRRORED = "gravity's size", -2.0
 IN_WORLD = Change(
     "wrong side in world axes", lambda h, _: h.of(kinematics=KEPT_IN_WORLD), np.empty(0)
 )
+#: Times between samples that are wrong by a factor.
+TIMES = Change("times", lambda h, n: h._replace(step=1 + n[0]), np.ones(1))
 
 
 def _with_other_sign(axis: int) -> Change:

@@ -14,15 +14,15 @@ from ....reference.following import EXACT, KNOWN
 from ....scenarios import FloatArray, Scenario, Trajectory
 from ....scenarios.rotation import norms
 from ..explaining.fit import Fit
-from ..explaining.hypothesis import Change, Hypothesis
+from ..explaining.hypothesis import Change, Hypothesis, as_it_is
 from ..explaining.search import LEFT, MOST_OF_ALL, SAME, Search
 from .clamps import clamps
 from .gyroscope_first import after_gyroscope
 from .intervals import FEWEST_INTERVALS, Intervals, intervals_of, root_mean_squares
 from .leading_error import left_by_methods
-from .missing import missing
+from .missing import dissipated, missing
 from .mistakes import FITS
-from .motion_changes import changes_of_motion, is_of_turning, sentences
+from .motion_changes import TIMES, changes_of_motion, is_of_turning, sentences
 from .recording import MULTIPLE
 from .sensors import READINGS
 from .varying import varying
@@ -33,8 +33,6 @@ from .within_error import within_error
 MOST, FEW, MOST_STEPS = 60, 12, 300
 #: Error of a short flow by rounding, in relative distances of the numbers.
 ROUNDINGS = 8.0
-#: Times between samples that are wrong by a factor.
-TIMES = Change("times", lambda h, n: h._replace(step=1 + n[0]), np.ones(1))
 #: The next term of a method's error, relative to the leading one: so many times the angle of a
 #: step, and at most that part.
 NEXT_TERM, LARGEST_NEXT = 4.0, 0.3
@@ -244,8 +242,15 @@ class Physics:
             return self._in_words(self.by_change)
         if not self.is_beyond:
             fit = self._within_error(self.intervals.base)
-            return sentences(fit) if fit else self._varying(self._of_motion)
-        return self._varying([TIMES, *self.search.changes]) or missing(self.intervals)
+            words = sentences(fit) if fit else self._varying(self._of_motion)
+            return words or ([] if self.is_of_method else self.dissipated)
+        words = self._varying([TIMES, *self.search.changes]) or self.dissipated
+        return words or missing(self.intervals)
+
+    @property
+    def dissipated(self) -> list[str]:
+        """The sentence that energy is lost within the body, if it is."""
+        return dissipated(as_it_is(self.scenario), self.motion)
 
     @property
     def by_change(self) -> Fit | None:

@@ -10,6 +10,7 @@ from scipy.spatial.transform import Rotation
 
 from ....scenarios import FloatArray, Scenario
 from ....scenarios.rotation import matrix
+from ..explaining.changes import OTHER_COMPONENTS
 from ..explaining.search import LEFT
 from .motion import Reading
 from .recording import unit_of
@@ -42,6 +43,7 @@ def other_readings(
     yield from _of_angles(reading)
     if reading.omega is not None:
         yield from _of_age(reading, reading.omega)
+    yield from _of_components(reading)
     if reading.frame == "body":
         yield from _of_axes(reading, scenario, first)
 
@@ -60,6 +62,20 @@ def _of_times(reading: Reading) -> Iterator[tuple[str, Reading]]:
         if unit and np.abs(t - equal).max() < (1 + ALIKE) * unit / 2:
             words = f"the times are rounded to {unit:.6g} s: samples are {words} apart"
             yield words, reading._replace(t=equal)
+
+
+def _of_components(reading: Reading) -> Iterator[tuple[str, Reading]]:
+    """Yield the recording with components of the quaternion's vector and of ω, both alike."""
+    for components in OTHER_COMPONENTS:
+        names = ", ".join(f"{'-' * (one < 0)}{' xyz'[abs(one)]}" for one in components)
+        axes = np.abs(components) - 1, np.sign(components)
+        vector, omega = (
+            None if one is None else one[:, axes[0]] * axes[1]
+            for one in (reading.q[:, 1:], reading.omega)
+        )
+        q = np.hstack([reading.q[:, :1], vector])
+        words = f"x, y, z of the quaternion and of ω are [{names}] of their columns"
+        yield words, reading._replace(q=q, omega=omega)
 
 
 def _of_columns(reading: Reading) -> Iterator[tuple[str, Reading]]:

@@ -3,9 +3,10 @@
 from collections.abc import Callable, Sequence
 
 import numpy as np
+from numpy.polynomial.laguerre import laggauss
 from scipy.spatial.transform import Rotation
 
-from ....reference.following import follow
+from ....reference.following import follow, follow_each
 from ....reference.other_equations import inverse
 from ....scenarios import FloatArray
 from ....scenarios.rotation import norms, times
@@ -13,6 +14,8 @@ from ..explaining.hypothesis import Change, Hypothesis
 
 #: Largest turn, rad, by which ω or an attitude may be late.
 FURTHEST = 1.0
+#: Nodes of a filter's quadrature: with one fewer a noise of 1e-4 of ω shows the difference.
+NODES = 4
 #: Iω + h, by mistake.
 MOMENTUM = Change(
     "momentum",
@@ -32,6 +35,8 @@ SENSORS = (
     Change("turned attitude", lambda h, n: h._replace(turned=n), np.ones(3)),
     Change("delay", lambda h, n: h._replace(delay=n[0]), np.ones(1)),
 )
+#: A filter of ω, which is not undone: what it left out is lost.
+LOW_PASS = Change("low-pass", lambda h, n: h._replace(low_pass=n[0]), np.ones(1))
 #: All that may be wrong with how ω and the attitude are read.
 READINGS = (MOMENTUM, *SENSORS)
 #: By mistake, its words, and what is added to its numbers, and the factor, before they are shown.
@@ -43,6 +48,7 @@ WORDS = {
         *(0.0, 180 / np.pi),
     ),
     "momentum": ("the angular momentum is recorded in place of ω", 0.0, 1.0),
+    "low-pass": ("ω is what a low-pass filter of a time constant of {} s leaves of it", 0.0, 1.0),
     "lag": ("ω lags the attitude by {} s", 0.0, 1.0),
     "drift": ("the gyroscope's bias drifts by {} rad/s²", 0.0, 1.0),
     "turned attitude": (
@@ -81,6 +87,8 @@ def as_read(hypotheses: Sequence[Hypothesis], states: FloatArray, t: FloatArray)
     for h, of_it, made in zip(hypotheses, states, read, strict=True):
         if h.lag:
             made[:, 4:] = _later(h, of_it, -h.lag)[:, 4:]
+        if h.low_pass:
+            made[:, 4:] = _filtered(h, of_it)
         if h.delay:
             made[:, :4] = _later(h, of_it, -h.delay)[:, :4]
         made[:, :4] = _turned(made[:, :4], h.turned)
@@ -120,6 +128,18 @@ def _turned(q: FloatArray, turn: FloatArray) -> FloatArray:
     if not turn.any():
         return q
     return q @ times(Rotation.from_rotvec(turn).as_quat(scalar_first=True))
+
+
+def _filtered(hypothesis: Hypothesis, states: FloatArray) -> FloatArray:
+    """Return what a low-pass filter leaves of ω, (S, 3), by Gauß–Laguerre quadrature of its past."""
+    constant = hypothesis.low_pass
+    if not 0 <= constant * norms(states[:, 4:]).max() < FURTHEST:
+        return np.full((len(states), 3), np.nan)
+    nodes, weights = laggauss(NODES)
+    spans = np.broadcast_to(-constant * nodes[:, None, None], (NODES, len(states), 1))
+    equations, each = [hypothesis.equations] * NODES, np.tile(states, (NODES, 1, 1))
+    past = follow_each(equations, each, np.array(spans))[:, :, 0, 4:]
+    return np.asarray(np.tensordot(weights, past, 1))
 
 
 def _later(hypothesis: Hypothesis, states: FloatArray, by: float) -> FloatArray:

@@ -1,18 +1,28 @@
 """Since when a measured motion is another one: it is the scene's until then, and obeys a law after.
 
-So it is where a boom unfolds, something strikes the body, or a sensor is knocked out of place.
+So it is where a boom unfolds, a thruster stops, something strikes the body, or a sensor is knocked
+out of place.
 """
 
 import numpy as np
+from scipy.special import chdtrc
 
 from ....scenarios import Trajectory
 from ....scenarios.rotation import norms
-from .intervals import gained
+from ..explaining.search import LEVEL
+from .intervals import apart, states_of
 from .measured import FEWEST, START, Measured, log_of
+
+#: Standard deviations up to which two motions are the same at a time.
+SAME = 5.0
 
 
 def since_when(fit: Measured, motion: Trajectory, exact: Trajectory) -> list[str]:
     """Return in words when a motion with noise becomes another one, and which; nothing if not so.
+
+    The motion is the exact one up to the first sample by which its errors are more than noise. The
+    law of what comes after is fitted to the rest, and the motion by that law is followed back to
+    where it meets the exact motion. If it meets it nowhere, there is a jump.
 
     Parameters
     ----------
@@ -20,28 +30,35 @@ def since_when(fit: Measured, motion: Trajectory, exact: Trajectory) -> list[str
     motion, exact : the recorded and the exact motion
     """
     scenario, log = fit.scenario, fit.given
-    off = gained(scenario, motion).reshape(-1, 2, 3)
-    last = int(np.argmax(np.sum((off / log.noise[:, None]) ** 2, axis=(1, 2))))
-    count = len(motion.t)
-    if min(last + 1, count - last - 1) < FEWEST:
+    squares = np.sum(fit.search.unchanged.rest.reshape(len(motion.t), -1) ** 2, axis=1)
+    by_then = np.arange(1, len(squares) + 1) * log.measured
+    first = int(np.argmax(chdtrc(by_then, np.cumsum(squares)) < LEVEL))
+    if min(first, len(motion.t) - first) < FEWEST:
         return []
 
     def part(of: Trajectory, start: Trajectory) -> Measured:
         has = {"is_stated": log.is_stated, "has_omega": log.has_omega}
         return Measured(scenario, log_of(scenario, of, start, log.noise, **has))
 
-    before = part(motion.until(last + 1), exact)
+    before = part(motion.until(first), exact)
     if before.is_beyond or before.explained():
         return []
-    later = motion.at(np.arange(last + 1, count))
+    later = motion.at(np.arange(first, len(motion.t)))
     # What the motion was set to there is fitted.
     after = part(later, later)
     if after.is_beyond:
         return []
-    t, (turned, faster) = motion.t[last], norms(off[last])
-    begins = f"until t = {t:.4g} s it is the exact motion; there"
-    if words := after.explained(but=START):
+    back = np.arange(first, -1, -1)
+    made = after.given.made([after.found.hypothesis], motion.t[back])[0]
+    off = apart(made, states_of(exact)[back])
+    distances = np.sqrt(np.mean((off / np.repeat(log.noise, 3)) ** 2, axis=1))
+    nearest, words = int(np.argmin(distances)), after.explained(but=START)
+    if distances[nearest] < SAME and words:
+        first = int(back[nearest])
+    begins = f"until t = {motion.t[max(first - 1, 0)]:.4g} s it is the exact motion; there"
+    if words:
         return [f"{begins} it changes: from then on {one}" for one in words]
+    turned, faster = norms(off[0].reshape(2, 3))
     return [
         f"{begins} it jumps, the attitude by {np.degrees(turned):.2g}° and ω by {faster:.2g} "
         "rad/s, and goes on as the equations say"
