@@ -77,6 +77,8 @@ def clamps(
     for words, size_of, limited in CLAMPS:
         bound = float(size_of(states).max())
         is_there = size_of(states) > (1 - ROUNDING) * bound
+        # What stays the same throughout may be the motion's own.
+        is_there &= ~is_there.all(axis=0)
         stays = is_there[:-1] & is_there[1:] & (size_of(every) > (1 + BEYOND) * bound)
         if np.count_nonzero(stays) >= FEWEST:
             yield f"{words} is clamped to {bound:.4g} rad/s"

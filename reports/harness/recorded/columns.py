@@ -13,9 +13,7 @@ FEWEST = 7
 #: and by how many standard errors of that average.
 FASTER, CERTAIN = 1e-2, 6.0
 #: That a gyroscope saturates, at a rate in rad/s and °/s.
-SATURATES = (
-    "the gyroscope saturates: each component of ω is clamped to {:.6g} rad/s ({:.4g} °/s)"
-)
+SATURATES = "the gyroscope saturates: each component of ω is clamped to {:.6g} rad/s ({:.4g} °/s)"
 
 
 def stuck(numbers: Numbers, omega: FloatArray) -> Shown | None:

@@ -40,9 +40,6 @@ def since_when(fit: Measured, motion: Trajectory, exact: Trajectory) -> list[str
         has = {"is_stated": log.is_stated, "has_omega": log.has_omega}
         return Measured(scenario, log_of(scenario, of, start, log.noise, **has))
 
-    before = part(motion.until(first), exact)
-    if before.is_beyond or before.explained():
-        return []
     later = motion.at(np.arange(first, len(motion.t)))
     # What the motion was set to there is fitted.
     after = part(later, later)
@@ -55,6 +52,9 @@ def since_when(fit: Measured, motion: Trajectory, exact: Trajectory) -> list[str
     nearest, words = int(np.argmin(distances)), after.explained(but=START)
     if distances[nearest] < SAME and words:
         first = int(back[nearest])
+    before = part(motion.until(first), exact)
+    if first < FEWEST or before.is_beyond or before.explained():
+        return []
     begins = f"until t = {motion.t[max(first - 1, 0)]:.4g} s it is the exact motion; there"
     if words:
         return [f"{begins} it changes: from then on {one}" for one in words]

@@ -57,7 +57,7 @@ def test_far_beyond_noise_attitudes_or_omega_may_be_right_by_themselves() -> Non
     assert judged(arrays, STATED).explained_by == (measured.OMEGA_ALONE,)
 
 
-def test_a_gyroscope_that_lags_is_named_without_a_stated_noise_too() -> None:
+def test_a_gyroscopes_filter_is_named_without_a_stated_noise_too() -> None:
     """Its error is below that of one step from sample to sample, and its attitudes are right."""
     inertia = np.array([[10.0, -2.4, -1.5], [-2.4, 12.0, -2.3], [-1.5, -2.3, 17.1]]) * 1e-3
     tables = {
@@ -80,7 +80,7 @@ def test_a_gyroscope_that_lags_is_named_without_a_stated_noise_too() -> None:
     arrays = motion | {"q": q.as_quat(scalar_first=True)}
     recording = Recording(Path("motion.csv"), arrays, {})
     words = judged_motion(box.scenario, recording, 1).explained_by
-    assert words[0].startswith("ω lags the attitude by 0.011")
+    assert words[0].startswith("ω is what a low-pass filter of a time constant of 0.011")
 
 
 def test_a_heading_that_drifts_is_no_other_body() -> None:

@@ -14,6 +14,7 @@ import pytest
 from case_loops import each_case
 from planted_motions import Case, Rates, case, exactly, product, rates_of
 from reported_faults import WHEEL, Arrays, euler, named, recorded, turning
+from scipy.integrate import solve_ivp
 from scipy.interpolate import interp1d
 from scipy.spatial.transform import Rotation
 from spincheck.reference.other_equations import equations_of
@@ -48,6 +49,10 @@ DRAG = 0.3
 FREE, HEAVY = case(324, samples=101), case(322, is_pivoted=True, duration=2.0)
 DRAGGED = dragged()
 TOP, SPINNING = case(323, is_pivoted=True, duration=2.0), symmetric()
+#: The scene's torque of a body with a thruster, N m, body axes.
+PUSH = [0.3, -0.4, 0.2]
+#: The axial moment of a rotor, kg m², and its spin, rad/s: no faster than the body turns.
+AXIAL, SPIN = 0.2, 6.0
 #: Standard deviations of a measured attitude, rad, and ω, rad/s.
 NOISE = 1e-3, 5e-3
 #: A number, with ± before it where it is a standard error.
@@ -305,7 +310,169 @@ def transposed() -> Arrays:
     return {"t": FREE.scenario.times.copy(), "q": qs, "omega": omegas}
 
 
+def changed(one: Case, **tables: object) -> Case:
+    """The same body in a scene of which some tables are others."""
+    document = one.scenario.document.model_dump(mode="json", exclude_none=True)
+    return replace(one, scenario=from_tables(document | tables, "changed"))
+
+
+def of_a_slow_clock() -> Arrays:
+    """Times that are too short by a part of 1 / 251."""
+    arrays = right(changed(FREE, window={"duration": 4.016, "samples": 101}))
+    return noisy(arrays | {"t": FREE.scenario.times.copy()})
+
+
+def low_passed() -> Arrays:
+    """ω behind a filter of 0.03 s, recorded from the sixteenth sample on."""
+    every, constant = 40, 0.03
+    fine = right(changed(FREE, window={"duration": 4.0, "samples": 100 * every + 1}))
+    omega, part = fine["omega"].copy(), -np.expm1(-fine["t"][1] / constant)
+    for k, new in enumerate(fine["omega"][1:], 1):
+        omega[k] += (1 - part) * (omega[k - 1] - new)
+    kept = slice(15 * every, None, every)
+    return noisy({"t": fine["t"][kept], "q": fine["q"][kept], "omega": omega[kept]})
+
+
+def cut_off() -> Arrays:
+    """The scene's torque acts until 2 s, and then none does."""
+    at, every = 50, PUSHED.scenario.times
+    torque = np.array(PUSH)
+    first = exactly(PUSHED, rates_of(PUSHED, torque=lambda _: torque))
+    start = {
+        "quaternion_wxyz": first["q"][at].tolist(),
+        "omega_body": first["omega"][at].tolist(),
+    }
+    rest = changed(FREE, start=start, window={"duration": 2.0, "samples": 51})
+    after = exactly(rest, rates_of(rest))
+    joined = {n: np.concatenate([first[n][:at], after[n]]) for n in ("q", "omega")}
+    return noisy({"t": every.copy(), **joined})
+
+
+def saturated() -> Arrays:
+    """ω at 3/4 of its largest component, beneath the noise of what is recorded."""
+    arrays = right(FREE)
+    bound = 0.75 * np.abs(arrays["omega"]).max()
+    return noisy(arrays | {"omega": np.clip(arrays["omega"], -bound, bound)})
+
+
+def of_exchanged_columns() -> Arrays:
+    arrays, order = right(FREE), [0, 2, 1]
+    q = np.hstack([arrays["q"][:, :1], arrays["q"][:, 1:][:, order]])
+    return arrays | {"q": q, "omega": arrays["omega"][:, order]}
+
+
+def reversed_wheels() -> Arrays:
+    e = equations_of(WHEELED)
+    h = np.array(e.kept) - 2 * AXIAL * SPIN * np.eye(3)[2]
+    rates = euler(np.array(e.inertia), lambda R, omega: np.cross(h, R.T @ omega))
+    return recorded(*turning(WHEELED, rates))
+
+
+def sloshing() -> Arrays:
+    """A ball of fuel that is dragged along by the body, and slows it."""
+    drag, ball, start = 0.2, 0.05, FREE.scenario.start
+    rates, times = rates_of(FREE), np.linspace(0, 20, 501)
+
+    def every_rate(_: float, y: np.ndarray) -> np.ndarray:
+        q, omega, of_ball = y[:4], y[4:7], y[7:]
+        turned, accelerated = rates(q, omega)
+        torque = drag * (of_ball - omega)
+        slowed = -np.cross(omega, of_ball) - torque / ball
+        return np.concatenate([turned, accelerated + np.linalg.solve(FREE.inertia, torque), slowed])
+
+    y = np.concatenate([start.q_world_body_wxyz, start.omega_body, start.omega_body])
+    found = solve_ivp(every_rate, (0, 20), y, "DOP853", times, rtol=1e-10, atol=1e-10).y.T
+    q = found[:, :4] / np.linalg.norm(found[:, :4], axis=1)[:, None]
+    return noisy({"t": times, "q": q, "omega": found[:, 4:7]})
+
+
+def capped() -> Arrays:
+    """Semi-implicit Euler, damped by 0.05 /s, with a largest ‖ω‖."""
+    h, inertia = float(FREE.scenario.times[1]), FREE.inertia
+    rates = rates_of(FREE, torque=lambda w: -0.05 * inertia @ w)
+    q, omega = FREE.scenario.start.q_world_body_wxyz, FREE.scenario.start.omega_body
+    rows, bound = [], 0.95 * float(np.linalg.norm(right(FREE)["omega"], axis=1).max())
+    for _ in FREE.scenario.times:
+        rows.append((q, omega))
+        omega = omega + h * rates(q, omega)[1]
+        omega = omega * min(1.0, bound / np.linalg.norm(omega))
+        turn = Rotation.from_rotvec(h * omega)
+        q = (Rotation.from_quat(q, scalar_first=True) * turn).as_quat(scalar_first=True)
+    qs, omegas = (np.array(column) for column in zip(*rows, strict=True))
+    return {"t": FREE.scenario.times.copy(), "q": qs, "omega": omegas}
+
+
+ROTOR = {
+    "axis": [0.0, 0.0, 1.0],
+    "position": [0.0, 0.0, 0.0],
+    "mass": 0.3,
+    "inertia": [0.1, AXIAL],
+    "spin": SPIN,
+    "hinge": "free",
+}
+WHEELED = changed(FREE, rotors=[ROTOR]).scenario
+PUSHED = changed(FREE, effects={"torque": {"body": PUSH}})
 HIDDEN = {
+    "a clock that is slow": Hidden(
+        FREE.scenario,
+        of_a_slow_clock,
+        ("it moves as if samples were ",),
+        NOISY,
+        numbers=(1.004,),
+        to=1e-4,
+    ),
+    "a low-pass filter": Hidden(
+        FREE.scenario,
+        low_passed,
+        ("ω is what a low-pass filter of a time constant of ",),
+        NOISY,
+        numbers=(0.03,),
+        to=1e-3,
+    ),
+    "a thruster that stops": Hidden(
+        PUSHED.scenario,
+        cut_off,
+        ("until t = ",),
+        NOISY,
+        numbers=(2.0,),
+        to=0.13,
+    ),
+    "the same, with noise that is not stated": Hidden(
+        PUSHED.scenario, cut_off, ("until t = ",), numbers=(2.0,), to=0.13
+    ),
+    "a gyroscope that saturates": Hidden(
+        FREE.scenario,
+        saturated,
+        (
+            "the attitudes are those of the scene, but the recorded ω is not: the gyroscope "
+            "saturates: each component of ω is clamped to ",
+        ),
+        NOISY,
+        numbers=(0.75 * float(np.abs(right(FREE)["omega"]).max()),),
+        to=5e-3,
+    ),
+    "columns that are exchanged": Hidden(
+        FREE.scenario,
+        of_exchanged_columns,
+        ("x, y, z of the quaternion and of ω are [x, z, y] of their columns",),
+    ),
+    "wheels that are reversed": Hidden(
+        WHEELED, reversed_wheels, ("it moves as if the rotors turned the other way round",)
+    ),
+    "fuel that sloshes": Hidden(
+        changed(FREE, window={"duration": 20.0, "samples": 501}).scenario,
+        sloshing,
+        ("its energy falls by ",),
+        NOISY,
+    ),
+    "the same, beneath the error of one step from sample to sample": Hidden(
+        changed(FREE, window={"duration": 20.0, "samples": 501}).scenario,
+        sloshing,
+        ("its energy falls by ",),
+    ),
+    "a largest ‖ω‖, and damping": Hidden(
+        FREE.scenario, capped, ("‖ω‖ is clamped to ",), {"timestep": "0.04"}
+    ),
     "dry friction": Hidden(
         HEAVY.scenario,
         dry_friction,
