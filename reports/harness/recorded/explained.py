@@ -37,8 +37,6 @@ LONGER_TIMESTEP = (
     "its timestep is longer than the stated {:.4g} s: the scene's equations and errors of order {} "
     "make this motion, with a timestep of {:.2g} s or more"
 )
-#: Noise of attitude, rad, and of ω, relative, beyond which no solver leaves it.
-SOLVERS = 1e-4
 #: How many mistakes are tried with what may explain the rest.
 MOST_TRIED = 3
 
@@ -107,8 +105,7 @@ def explained(
         if fit.is_far and (words := since_when(fit, motion, exact)):
             return Explanation(tuple(words), fit.verdict, is_beyond=True, measured=fit)
         # What a solver leaves is like noise, and its method has errors besides.
-        is_large = (noise > SOLVERS * np.array([1.0, norms(motion.omega_body).max()])).any()
-        is_measured = is_stated or is_large or physics.is_beyond or not fit.is_beyond
+        is_measured = is_stated or physics.is_beyond or not fit.is_beyond
         # A method that errs in one of attitude and ω soon errs in the other.
         if is_measured or fit.right_by_itself:
             return _of_measured(fit, physics)
