@@ -201,14 +201,13 @@ def _pulled(h: Hypothesis, n: FloatArray) -> Hypothesis:
 def of_rotors(scenario: Scenario, e: OtherEquations) -> Iterator[Change]:
     """Changes of rotors that a motion shows whose spins were not recorded."""
     tables = scenario.document.rotors or ()
-    others = {hinge: [{"hinge": hinge} for _ in tables] for hinge in ("free", "driven", "locked")}
-    others["reversed"] = [{"spin": -one.spin} for one in tables]
-    for kind, updates in others.items():
+    for kind in "free", "driven", "locked", "reversed":
         for which in range(len(tables) + 1):
-            changed = [
-                one.model_copy(update=update) if which in (0, k + 1) else one
-                for k, (one, update) in enumerate(zip(tables, updates, strict=True))
-            ]
+            changed = []
+            for k, one in enumerate(tables):
+                hinge, reversed_ = {"hinge": kind}, {"spin": -one.spin}
+                update: dict[str, Any] = reversed_ if kind == "reversed" else hinge
+                changed.append(one.model_copy(update=update) if which in (0, k + 1) else one)
             if changed != list(tables):
                 other = equations_of(with_tables(scenario, rotors=tuple(changed)))
                 terms = ("inertia", "inverse", "gyroscopic", "kept")

@@ -68,12 +68,9 @@ def _of_components(reading: Reading) -> Iterator[tuple[str, Reading]]:
     """Yield the recording with components of the quaternion's vector and of ω, both alike."""
     for components in OTHER_COMPONENTS:
         names = ", ".join(f"{'-' * (one < 0)}{' xyz'[abs(one)]}" for one in components)
-        axes = np.abs(components) - 1, np.sign(components)
-        vector, omega = (
-            None if one is None else one[:, axes[0]] * axes[1]
-            for one in (reading.q[:, 1:], reading.omega)
-        )
-        q = np.hstack([reading.q[:, :1], vector])
+        axes, signs = np.abs(components) - 1, np.sign(components)
+        q = np.hstack([reading.q[:, :1], reading.q[:, 1:][:, axes] * signs])
+        omega = None if reading.omega is None else reading.omega[:, axes] * signs
         words = f"x, y, z of the quaternion and of ω are [{names}] of their columns"
         yield words, reading._replace(q=q, omega=omega)
 

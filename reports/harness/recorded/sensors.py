@@ -131,7 +131,7 @@ def _turned(q: FloatArray, turn: FloatArray) -> FloatArray:
 
 
 def _filtered(hypothesis: Hypothesis, states: FloatArray) -> FloatArray:
-    """Return what a low-pass filter leaves of ω, (S, 3), by Gauß–Laguerre quadrature of its past."""
+    """Return what a low-pass filter leaves of ω, (S, 3): Gauß–Laguerre quadrature of its past."""
     constant = hypothesis.low_pass
     if not 0 <= constant * norms(states[:, 4:]).max() < FURTHEST:
         return np.full((len(states), 3), np.nan)
