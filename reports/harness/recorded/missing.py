@@ -25,8 +25,8 @@ DISSIPATED = (
 #: The part of a motion, at its beginning and its end, of which means are compared, and the least
 #: number of their standard errors by which they differ.
 PART, SURE = 0.1, 8.0
-#: The largest change of the angular momentum relative to that of the energy: half of what drag
-#: makes. What moves within the body exchanges some with it.
+#: The largest change of the angular momentum relative to that of the energy: half of what
+#: a torque against ω makes. What moves within the body exchanges some with it.
 KEPT = 0.25
 
 
