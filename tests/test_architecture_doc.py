@@ -34,7 +34,7 @@ ANSWERING = set(re.findall(r"`([\w/]+\.py)`", TABLE_OF_ANSWERS))
 TOPS = ("scenarios", "reference", "engines", "reports")
 #: Folders all of whose files decide.
 HARNESS = "reports/harness"
-PARTS = ("comparison", "measuring", "judging", "scene_checks", "varied")
+PARTS = ("timesteps", "comparison", "measuring", "judging", "scene_checks", "varied")
 DECIDING = {"engines/checks", HARNESS, *(f"{HARNESS}/{part}" for part in PARTS)}
 AT_MOST = 24
 #: On the way from the thread to the run: the page has workers there.

@@ -16,7 +16,7 @@ from case_loops import each_case
 from spincheck.engines import Cause
 from spincheck.reports.cli.app import app
 from spincheck.reports.harness.executors.local_workers import TIME_LIMIT
-from spincheck.reports.harness.stock import STEP_BUDGET
+from spincheck.reports.harness.timesteps.stock import STEP_BUDGET
 from spincheck.reports.results.verdict_words import VerdictWord
 from spincheck.scenarios.scatter import SCATTER
 from typer.main import get_group

@@ -12,11 +12,11 @@ import pytest
 from ...engines import Engine, Method, Missing, NameTaken, engines, missing
 from ...scenarios import ScenarioError, did_you_mean, load
 from ..harness.executors import LocalWorkers
-from ..harness.ladder import MAX_STEPS
 from ..harness.prepared import Prepared, prepare
 from ..harness.scene_checks.expectations import unknown_expectations
 from ..harness.scene_checks.reference_checks import complaints
 from ..harness.study import convergence_study_of, run_and_judge
+from ..harness.timesteps.ladder import MAX_STEPS
 from .grouped import option
 from .kept_items import keep, outcome_of, rests_on
 from .scene_summary import KEPT, UNSUPPORTED

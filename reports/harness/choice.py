@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from ...engines import Engine, Method
 from ...scenarios import Scenario
 from ..results.records import Key
-from .ladder import MAX_STEPS, QUICK_STEPS
+from .timesteps.ladder import MAX_STEPS, QUICK_STEPS
 
 EngineMethod = tuple[Engine, Method]
 

@@ -15,11 +15,11 @@ from .comparison.rows import compared, unmet_expectations
 from .executors import Answer
 from .judging import Records
 from .judging.ladder_end import cut_short, is_down
-from .ladder import Ladder, Rung
 from .measuring.intervals import MadeRun
 from .measuring.noise import rounding_of_body
 from .measuring.places import Places
-from .stock import StockRun, stock_timestep
+from .timesteps.ladder import Ladder, Rung
+from .timesteps.stock import StockRun, stock_timestep
 
 
 @dataclass(frozen=True, eq=False)

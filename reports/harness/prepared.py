@@ -10,9 +10,9 @@ from ...scenarios.fastest_rate import fastest_rate
 from ..results.store import Store
 from .choice import Choice
 from .executors import CallFailed, Executor
-from .ladder import Ladder, Rung, ladder, single
 from .measuring.places import Places, places
-from .stock import StockRun, stock_rung, stock_timesteps
+from .timesteps.ladder import Ladder, Rung, ladder, single
+from .timesteps.stock import StockRun, stock_rung, stock_timesteps
 
 
 @dataclass(frozen=True, eq=False)

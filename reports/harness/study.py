@@ -23,12 +23,12 @@ from .costs.timing import time_scene
 from .executors import CallFailed, Executor, cause_of_unsolved, may_succeed_if_repeated
 from .executors.compiling import compile_side_by_side
 from .judging import judge
-from .ladder import Rung
 from .measuring.examine import examine
 from .measuring.replay import examine_runs
 from .plan import Plan
 from .prepared import Prepared, SceneReference
-from .stock import stock_runs_of
+from .timesteps.ladder import Rung
+from .timesteps.stock import stock_runs_of
 from .varied.defaults import runs_with_defaults
 
 Progress = Callable[[str], None]

@@ -12,12 +12,12 @@ from ...engines.models.mjcf import mjcf
 from ...engines.models.urdf import urdf
 from ...reference import solution
 from ...scenarios import EFFECTS, Scenario
-from ..harness import ladder
 from ..harness.comparison import rows
 from ..harness.costs import step_cost
 from ..harness.executors import worker_slot
 from ..harness.judging import ladder_end
 from ..harness.measuring import intervals, noise, places
+from ..harness.timesteps import ladder
 from ..results import evidence
 from ..results.results import Results
 from .analysis import observed_order

@@ -12,9 +12,9 @@ from spincheck.engines.checks.read_back import State
 from spincheck.engines.encodings import ENCODINGS, SAME_BODY, EncodedEngine, SceneChange
 from spincheck.reference import solve
 from spincheck.reports.harness.executors import InProcess
-from spincheck.reports.harness.ladder import QUICK_STEPS
 from spincheck.reports.harness.prepared import prepare
 from spincheck.reports.harness.study import convergence_study_of, run_and_judge
+from spincheck.reports.harness.timesteps.ladder import QUICK_STEPS
 from spincheck.scenarios import errors_between
 from spincheck.scenarios.scenario import started_at
 from spincheck.suite.contract_scenes import SCENES

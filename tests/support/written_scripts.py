@@ -6,7 +6,7 @@ from functools import cache
 import numpy as np
 from spincheck.engines import Engine, Method
 from spincheck.reference import Solution, solve
-from spincheck.reports.harness.ladder import single
+from spincheck.reports.harness.timesteps.ladder import single
 from spincheck.scenarios import FloatArray, Scenario, Trajectory, errors_between
 
 #: A script prints four digits.

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from ....engines import Engine, EngineError, Method, engines
 from ....reference import Solution
 from ....scenarios import Scenario, printable
-from ...harness.ladder import single
+from ...harness.timesteps.ladder import single
 from ..scenes.exact_motion import solved
 from ..terminal import NOT_RUN, Complaint, as_complaint
 

@@ -7,7 +7,7 @@ from itertools import groupby
 from typing import Any
 
 from ....engines import Batch, Engine, engines
-from ...harness.stock import stock_timestep
+from ...harness.timesteps.stock import stock_timestep
 from ...harness.varied.batches import Apart, BatchRow, batch_by, device_by
 from ...pages.analysis.wording import duration
 from ..choosing import check_timesteps, choose, executor_for

@@ -6,10 +6,10 @@ from pathlib import Path
 
 from ....scenarios import Scenario, did_you_mean, printable
 from ...harness.choice import Choice
-from ...harness.ladder import QUICK_STEPS
 from ...harness.plan import Plan, plan
 from ...harness.scene_checks.published import published_that_do_not_hold
 from ...harness.study import run_study
+from ...harness.timesteps.ladder import QUICK_STEPS
 from ...pages.analysis.wording import plural
 from ...results.records import UNSOLVED, Key, Row
 from ...results.result_file import ResultFileError

@@ -20,8 +20,8 @@ from ...results.evidence import StepEvidence
 from ...results.reasons import fault_in_words
 from ...results.records import Key, Row
 from ..executors import Answer, CallFailed
-from ..ladder import Rung
-from ..stock import stock_timesteps
+from ..timesteps.ladder import Rung
+from ..timesteps.stock import stock_timesteps
 from .defects import turns_made
 
 #: A run whose energy error exceeds this many times the base has blown up.

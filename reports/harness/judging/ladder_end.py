@@ -1,6 +1,6 @@
 """Where a ladder ends: it shows what errors come to and cost, and when a method blows up."""
 
-from ..ladder import DECIDED_STEPS, EXCESS, LEAST_RUNGS, MIN_RUNGS
+from ..timesteps.ladder import DECIDED_STEPS, EXCESS, LEAST_RUNGS, MIN_RUNGS
 from .records import Records
 
 #: Errors below this, relative or in rad, in every signal need no finer rung.

@@ -14,7 +14,7 @@ from ....scenarios.rotation import norms
 from ...results.evidence import CONSISTENT, LEVEL, StepEvidence, StepFault
 from ...results.reasons import fault_in_words
 from ..explaining.readings import misreading
-from ..stock import stock_timesteps
+from ..timesteps.stock import stock_timesteps
 from .look import Look
 from .noise import (
     SOLVED,

@@ -15,7 +15,7 @@ from ....scenarios import FloatArray, Scenario, Trajectory
 from ....scenarios.fastest_rate import fastest_rate
 from ...results.evidence import ReplayEvidence
 from ..comparison.defects import FARTHEST_TURN
-from ..ladder import DECIDED_STEPS, Rung
+from ..timesteps.ladder import DECIDED_STEPS, Rung
 from .places import FINER, Places, states_of
 from .regression import LEAST
 from .steps import FEW, Sessions, Steps, flowed, step_gains

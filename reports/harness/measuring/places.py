@@ -10,7 +10,7 @@ from ....engines.checks.read_back import State, stacked
 from ....scenarios import FloatArray, Scenario, Trajectory, angular_momentum_world
 from ....scenarios.fastest_rate import fastest_rate
 from ....scenarios.rotation import cross, matrices, matrix, norms, times, turned, turned_back
-from ..ladder import COARSEST_TURN
+from ..timesteps.ladder import COARSEST_TURN
 
 #: States spread evenly over the window, beside those in which some quantity is largest or least.
 SPREAD = 12

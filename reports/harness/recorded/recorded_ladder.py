@@ -21,12 +21,12 @@ from ...results.verdicts import Verdict
 from ..convergence_study import ConvergenceStudy
 from ..executors import Answer
 from ..judging import judge
-from ..ladder import Ladder, Rung
 from ..measuring.look import Look
 from ..measuring.noise import NOISE, noise_of, noise_of_steps
 from ..measuring.places import Places, states_of
 from ..measuring.step_evidence import evidence_of
 from ..measuring.steps import Steps, flowed, step_gains
+from ..timesteps.ladder import Ladder, Rung
 from .judged import JudgedMotion, exact_at
 from .recording import RecordingError
 

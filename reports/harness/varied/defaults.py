@@ -8,9 +8,9 @@ from ....reference import Solution
 from ....scenarios import Scenario
 from ...results.records import Key, Row, variation
 from ..comparison.rows import row_of
-from ..ladder import Rung
 from ..measuring.examine import examine
 from ..measuring.places import Places
+from ..timesteps.ladder import Rung
 
 
 def varied_row(scenario: Scenario, engine: Engine, run: Run, rung: Rung, solution: Solution) -> Row:

@@ -14,8 +14,8 @@ from ..choice import EngineMethod
 from ..comparison.defects import with_defects
 from ..comparison.rows import row_of
 from ..executors import cause_of, is_environmental
-from ..ladder import Rung, single
-from ..stock import STEP_BUDGET, stock_rung, stock_timestep
+from ..timesteps.ladder import Rung, single
+from ..timesteps.stock import STEP_BUDGET, stock_rung, stock_timestep
 
 Solved = dict[float, Solution] | str
 

@@ -15,7 +15,7 @@ from itertools import starmap
 from typing import Any
 from weakref import WeakKeyDictionary
 
-from ...harness.stock import COMMON_TIMESTEP
+from ...harness.timesteps.stock import COMMON_TIMESTEP
 from ...results.records import Key, OfMethod, Pair, Row
 from .in_memory import Tables
 from .measures import DEGREES, TURNS

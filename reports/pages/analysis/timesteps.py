@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from itertools import takewhile
 from typing import Literal
 
-from ...harness.stock import COMMON_TIMESTEP
+from ...harness.timesteps.stock import COMMON_TIMESTEP
 from ...results.records import Row
 from .report_data import MethodRuns
 from .wording import NOTHING, number

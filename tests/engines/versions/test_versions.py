@@ -17,9 +17,9 @@ from spincheck.reports.cli.results.compare import changes_between_versions
 from spincheck.reports.harness.choice import Choice
 from spincheck.reports.harness.executors import InProcess, LocalWorkers
 from spincheck.reports.harness.executors.executor import CallFailed
-from spincheck.reports.harness.ladder import QUICK_STEPS
 from spincheck.reports.harness.plan import plan
 from spincheck.reports.harness.study import run_study
+from spincheck.reports.harness.timesteps.ladder import QUICK_STEPS
 from spincheck.reports.pages.analysis.changes import Change
 from spincheck.reports.results.store import open_store
 from spincheck.scenarios import Scenario

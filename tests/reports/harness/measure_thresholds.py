@@ -10,9 +10,9 @@ from pathlib import Path
 
 from faulty_mujoco import KINDS, FaultyMuJoCo, PlantedFault, applies
 from library_scenes import library_scene
-from spincheck.reports.harness.ladder import QUICK_STEPS
 from spincheck.reports.harness.prepared import Prepared, prepare
 from spincheck.reports.harness.study import convergence_study_of
+from spincheck.reports.harness.timesteps.ladder import QUICK_STEPS
 from spincheck.scenarios import Scenario
 from studies import verdict_of
 

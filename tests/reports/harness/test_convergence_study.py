@@ -14,8 +14,8 @@ from spincheck.reports.harness.convergence_study import ConvergenceStudy
 from spincheck.reports.harness.executors import Answer
 from spincheck.reports.harness.judging import judge
 from spincheck.reports.harness.judging.ladder_end import GOAL
-from spincheck.reports.harness.ladder import DECIDED_STEPS, MAX_STEPS, MIN_RUNGS
 from spincheck.reports.harness.prepared import prepare
+from spincheck.reports.harness.timesteps.ladder import DECIDED_STEPS, MAX_STEPS, MIN_RUNGS
 from spincheck.reports.results.evidence import CONSISTENT, SEEN, StepEvidence
 from spincheck.scenarios import Scenario, Trajectory, loads
 

@@ -6,9 +6,9 @@ import pytest
 from kinds_of_engines import why_missing
 from spincheck.engines import engines
 from spincheck.reports.harness.judging.expected_failures import compared_with_expected_failures
-from spincheck.reports.harness.ladder import QUICK_STEPS
 from spincheck.reports.harness.prepared import prepare
 from spincheck.reports.harness.study import convergence_study_of
+from spincheck.reports.harness.timesteps.ladder import QUICK_STEPS
 from spincheck.reports.results.records import Key
 from spincheck.reports.results.verdicts import Verdict
 from spincheck.scenarios import Known, find, load

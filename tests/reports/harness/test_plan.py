@@ -7,8 +7,8 @@ from library_scenes import library_scene
 from planted import Planted
 from spincheck.reports.cli.run.running import scenes_of
 from spincheck.reports.harness.choice import Choice
-from spincheck.reports.harness.ladder import MAX_STEPS, QUICK_STEPS
 from spincheck.reports.harness.plan import plan
+from spincheck.reports.harness.timesteps.ladder import MAX_STEPS, QUICK_STEPS
 from spincheck.reports.results.store import open_store
 
 HARD, PLAIN = (library_scene(name) for name in ("toutatis", "tennis-racket"))

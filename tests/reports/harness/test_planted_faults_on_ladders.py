@@ -7,9 +7,9 @@ import pytest
 from faulty_mujoco import FaultyMuJoCo, PlantedFault
 from library_scenes import library_scene
 from spincheck.engines import engines
-from spincheck.reports.harness.ladder import QUICK_STEPS
 from spincheck.reports.harness.prepared import prepare
 from spincheck.reports.harness.study import convergence_study_of
+from spincheck.reports.harness.timesteps.ladder import QUICK_STEPS
 from spincheck.reports.results.verdicts import Verdict
 from studies import verdict_of as judged
 from top_scenes import scene

@@ -13,7 +13,7 @@ from spincheck.engines import Run, engines
 from spincheck.reference import solve
 from spincheck.reports.harness.comparison import rows
 from spincheck.reports.harness.comparison.rows import row_of
-from spincheck.reports.harness.ladder import single
+from spincheck.reports.harness.timesteps.ladder import single
 from spincheck.reports.results.records import Key
 from spincheck.scenarios import Trajectory, error_series, loads
 

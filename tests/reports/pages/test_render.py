@@ -201,7 +201,7 @@ def test_markdown_s_tables_are_rectangular_and_its_links_lead_to_files(folder: P
 def test_a_window_cut_by_chaos_and_the_code_s_own_numbers_are_reported(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("spincheck.reports.harness.ladder.MAX_STEPS", 7654321)
+    monkeypatch.setattr("spincheck.reports.harness.timesteps.ladder.MAX_STEPS", 7654321)
     stored = results()
     top = stored.scenes["made-up-top"]
     chaotic = SceneResult(top.scenario, replace(top.solution, horizon=1.234))

@@ -9,7 +9,7 @@ ROOM = "reports.harness.judging"
 #: What it may import, besides its own modules: records, signals, and what is a number or a word.
 ALLOWED = (
     "reports.results",
-    "reports.harness.ladder",
+    "reports.harness.timesteps.ladder",
     "scenarios",
 )
 

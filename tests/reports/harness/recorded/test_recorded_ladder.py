@@ -10,13 +10,13 @@ from library_scenes import library_scene
 from spincheck.engines import Method
 from spincheck.reference import solve
 from spincheck.reports.harness.judging import judge
-from spincheck.reports.harness.ladder import QUICK_STEPS
 from spincheck.reports.harness.prepared import prepare
 from spincheck.reports.harness.recorded.judged import judged_motion
 from spincheck.reports.harness.recorded.read import read_recording
 from spincheck.reports.harness.recorded.recorded_ladder import study_of_files
 from spincheck.reports.harness.recorded.recording import RecordingError
 from spincheck.reports.harness.study import convergence_study_of
+from spincheck.reports.harness.timesteps.ladder import QUICK_STEPS
 from studies import verdict_of
 
 HEADS = "t,qw,qx,qy,qz,wx,wy,wz,x,y,z,vx,vy,vz"

@@ -11,8 +11,8 @@ from spincheck.engines.adapters.pybullet.world import CLAMP, DAMPING, INERTIA, J
 from spincheck.reference import solve
 from spincheck.reports.harness.choice import Choice
 from spincheck.reports.harness.comparison.rows import row_of
-from spincheck.reports.harness.ladder import single
 from spincheck.reports.harness.prepared import prepare
+from spincheck.reports.harness.timesteps.ladder import single
 from spincheck.reports.harness.varied.defaults import runs_with_defaults
 from spincheck.reports.results.default_records import DefaultEffects, default_effects
 from spincheck.reports.results.records import Key, Row, variation

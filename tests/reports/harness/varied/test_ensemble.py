@@ -16,7 +16,7 @@ from spincheck.engines import Engine
 from spincheck.engines.lost_process import KILLED
 from spincheck.reports.harness.choice import Choice
 from spincheck.reports.harness.executors import CallFailed, Executor
-from spincheck.reports.harness.stock import COMMON_TIMESTEP
+from spincheck.reports.harness.timesteps.stock import COMMON_TIMESTEP
 from spincheck.reports.harness.varied import point as at_point
 from spincheck.reports.harness.varied.ensemble import plan_ensemble
 from spincheck.reports.results import fingerprints as fingerprints

@@ -8,7 +8,7 @@ from itertools import count
 import numpy as np
 from numpy.typing import NDArray
 
-from ...scenarios import FloatArray, Window
+from ....scenarios import FloatArray, Window
 
 #: Angle turned in the coarsest step, rad: a timestep that resolves the motion at all.
 COARSEST_TURN = 0.2
@@ -21,8 +21,8 @@ LEAST_STEPS = 10
 MAX_STEPS = 1 << 20
 #: A quick study's ladders end before a run would take more steps than this.
 QUICK_STEPS = 1 << 14
-#: A ladder also ends before a run would take longer than this, s, as errors at finer timesteps
-#: follow from the order.
+#: A ladder also ends before a run would take more steps than this if it shows what errors come to,
+#: as those at finer timesteps follow from the order.
 DECIDED_STEPS = 1 << 12
 #: A ladder is not ended early before it has this many rungs.
 MIN_RUNGS = 6

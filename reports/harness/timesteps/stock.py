@@ -8,9 +8,9 @@ import math
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from ...engines import Engine
-from ...reference import Solution
-from ...scenarios import FloatArray, Scenario
+from ....engines import Engine
+from ....reference import Solution
+from ....scenarios import FloatArray, Scenario
 from .ladder import LARGEST_TURN, LEAST_STEPS, QUICK_STEPS, Rung, single
 
 #: Timestep at which every engine is run, too, so that all can be compared at one timestep, s.

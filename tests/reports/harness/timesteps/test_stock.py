@@ -8,8 +8,8 @@ from box import BOX
 from planted import ExplodingSession, HeunSession, RaisingSession, planted
 from spincheck.engines import Engine
 from spincheck.reports.harness.choice import Choice
-from spincheck.reports.harness.ladder import QUICK_STEPS, single
-from spincheck.reports.harness.stock import (
+from spincheck.reports.harness.timesteps.ladder import QUICK_STEPS, single
+from spincheck.reports.harness.timesteps.stock import (
     COMMON_TIMESTEP,
     STEP_BUDGET,
     StockRun,

@@ -4,7 +4,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from spincheck.reports.harness.ladder import (
+from spincheck.reports.harness.timesteps.ladder import (
     COARSEST_TURN,
     EXCESS,
     LARGEST_TURN,
