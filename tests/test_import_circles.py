@@ -8,6 +8,8 @@ from pathlib import Path
 ROOT = Path(__file__).parents[1]
 PACKAGES = ("scenarios", "reference", "engines", "reports")
 INTERFACE = ("reports", "interface")
+HARNESS = ("reports", "harness")
+MOST_ROOMS, MOST_FLOORS = 16, 5
 
 
 def sources_below(root: Path) -> dict[tuple[str, ...], str]:
@@ -73,3 +75,21 @@ def test_circles_that_are_planted_are_found(tmp_path: Path) -> None:
     ):
         (folder / "drag.py").write_text(text)
         assert set(circle(tmp_path)) == {"scenarios/scene", "scenarios/effects/drag"}
+
+
+def test_the_harness_has_few_rooms_on_few_floors() -> None:
+    """Its folders, and files beside them, are rooms; a floor's import from those below alone."""
+    sources = sources_below(ROOT)
+    rooms: dict[str, set[str]] = {}
+    for module in sources:
+        if module[:2] == HARNESS and len(module) > 2:
+            others = (one for one in imported(module, sources, False) if one[:2] == HARNESS)
+            below = {one[2] for one in others if len(one) > 2}
+            rooms.setdefault(module[2], set()).update(below - {module[2]})
+    graph, floors = TopologicalSorter(rooms), 0
+    graph.prepare()
+    while floor := graph.get_ready():
+        graph.done(*floor)
+        floors += 1
+    assert len(rooms) <= MOST_ROOMS
+    assert floors <= MOST_FLOORS

@@ -17,9 +17,9 @@ from ...results.evidence import (
     StepFault,
     Vector,
 )
-from ..explaining.gains import Gains, explanations
 from ..explaining.hypothesis import as_it_is
 from ..explaining.readings import misreading
+from .explained_gains import Gains, explanations
 from .gain_series import fitted
 from .look import Look
 from .noise import SURE

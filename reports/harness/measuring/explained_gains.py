@@ -16,11 +16,11 @@ from ....reference.other_equations import inverse
 from ....scenarios import FloatArray
 from ....scenarios.rotation import matrices, turned
 from ...results.evidence import Explanation
-from ..measuring.noise import NO_SIZE
-from .changes import changes
-from .fit import RANK, Data
-from .hypothesis import Change, Hypothesis
-from .search import Search
+from ..explaining.changes import changes
+from ..explaining.fit import RANK, Data
+from ..explaining.hypothesis import Change, Hypothesis
+from ..explaining.search import Search
+from .noise import NO_SIZE
 
 
 @dataclass(frozen=True, eq=False)
