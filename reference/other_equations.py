@@ -17,8 +17,9 @@ BODY, WORLD, KEPT_IN_WORLD = 0, 1, 2
 #: A kinematic number from here on is a convention of Euler angles, `FIRST_ANGLES` + 9 i + 3 j + k
 #: for R = R_i(a) R_j(b) R_k(c), whose rates ω is taken for.
 FIRST_ANGLES = 3
-#: How vectors along world axes are turned to the body's: by Rᵀ; by R; or not at all.
-TURNED_BACK, TURNED_ON, UNTURNED = 0, 1, 2
+#: How vectors along world axes are turned to the body's: by Rᵀ; by R; not at all; or not at all,
+#: gravity's torque being computed along world axes.
+TURNED_BACK, TURNED_ON, UNTURNED, TORQUE_UNTURNED = 0, 1, 2, 3
 
 
 class OtherEquations(NamedTuple):
@@ -47,7 +48,7 @@ class OtherEquations(NamedTuple):
     body_turns, world_turns : s, body axes, and w, world axes, at which a body turns besides, and
         the world does; rad/s, (3,)
     world_vectors : how g and torque_world are turned to body axes, for Rᵀ: `TURNED_BACK`,
-        `TURNED_ON` or `UNTURNED`
+        `TURNED_ON`, `UNTURNED` or `TORQUE_UNTURNED`
     lever, mobility : from a table to the com, m, and 1/mass, which is 0 without a table
     tensor_turns : how often R turns vectors before I and G are applied: 0 where these are along
         body axes, 1 along world axes, and 2 where ω is Rᵀ I⁻¹ R L along world axes, for R I⁻¹ Rᵀ L

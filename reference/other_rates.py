@@ -13,6 +13,7 @@ from .kernel import called, kernel
 from .other_equations import (
     FIRST_ANGLES,
     KEPT_IN_WORLD,
+    TORQUE_UNTURNED,
     TURNED_ON,
     UNTURNED,
     WORLD,
@@ -157,7 +158,7 @@ def by_tensor(e: FloatArray, tensor: int, R: Matrix, v: Vector) -> Vector:
 @kernel
 def _of_world(e: FloatArray, R: Matrix, v: Vector) -> Vector:
     """Return what the equations take for a vector of world axes, along body axes."""
-    if e[WORLD_VECTORS] == UNTURNED:
+    if e[WORLD_VECTORS] >= UNTURNED:
         return v
     return _times(R, v) if e[WORLD_VECTORS] == TURNED_ON else _to_body(R, v)
 
@@ -226,7 +227,10 @@ def _torque(e: FloatArray, R: Matrix, omega: Vector) -> Vector:
     turned = plus(by_tensor(e, GYROSCOPIC, R, omega), kept, 1.0)
     torque = plus(vector(e, TORQUE), _cross(omega, turned), -1.0)
     gravity = _of_world(e, R, vector(e, GRAVITY_WORLD))
-    torque = plus(torque, _cross(vector(e, PULL), gravity), 1.0)
+    pull = vector(e, PULL)
+    if e[WORLD_VECTORS] == TORQUE_UNTURNED:
+        pull = _times(R, pull)
+    torque = plus(torque, _cross(pull, gravity), 1.0)
     torque = plus(torque, _of_world(e, R, vector(e, TORQUE_WORLD)), 1.0)
     if _has_torque_of_attitude(e):
         torque = plus(torque, _of_attitude(e, R), 1.0)

@@ -266,6 +266,7 @@ KINDS = {
         "the rotors' torque ω × h had the other sign",
     ),
     "rotors' momentum": Kind("the rotors had an angular momentum of {} N m s", 3),
+    "momentum besides": Kind("a wheel in it had a constant angular momentum of {} N m s", 3),
     **{
         f"{hinge} rotors": Kind(f"{{}} {words}", 1, _rotors)
         for hinge, words in (
@@ -319,6 +320,7 @@ KINDS = {
     "lever": Kind("gravity's lever, mass times the com, were {} kg m, the tensor as it is", 3),
     "world vectors turned on": Kind("gravity and torques were turned by R for its transpose"),
     "world vectors unturned": Kind("gravity and torques along world axes turned with the body"),
+    "torques unturned": Kind("gravity's torque along world axes were along the body's"),
     "gravity": Kind("gravity were {} m/s²", 3),
     "gravity on a free body": Kind(
         "gravity acted on the com about the body's origin, as of a body on a pivot"

@@ -7,7 +7,13 @@ from typing import Any
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from ....reference.other_equations import TURNED_ON, UNTURNED, OtherEquations, equations_of
+from ....reference.other_equations import (
+    TORQUE_UNTURNED,
+    TURNED_ON,
+    UNTURNED,
+    OtherEquations,
+    equations_of,
+)
 from ....scenarios import FloatArray, Scenario
 from ....scenarios.rotation import matrix
 from ....scenarios.scenario import with_tables
@@ -29,18 +35,30 @@ def of_effects(scenario: Scenario, e: OtherEquations) -> Iterator[Change]:
     yield from resistance(scenario, e)
     rate = _fastest(scenario, e)
     yield from _of_decay(e, rate)
-    yield from torques(e)
+    yield from _torques_size(e)
     if e.torque.any() or e.torque_world.any():
         along_other_axes: dict[str, Any] = {"torque": e.torque_world, "torque_world": e.torque}
         yield set_to("torque along other axes", **along_other_axes)
     if (e.pull.any() and e.gravity_world.any()) or e.torque_world.any():
         yield set_to("world vectors turned on", world_vectors=TURNED_ON)
         yield set_to("world vectors unturned", world_vectors=UNTURNED)
+    if e.pull.any() and e.gravity_world.any():
+        yield set_to("torques unturned", world_vectors=TORQUE_UNTURNED)
     yield from _of_drag(e, rate)
     if e.gravity_world.any():
         size = float(np.linalg.norm(e.gravity_world))
         yield fitted("gravity", e.gravity_world, size, lambda h, g: h.of(gravity_world=g))
-    size = mean_moment(e) * rate**2
+    yield from _torques_besides(scenario, e)
+
+
+def torques(scenario: Scenario, e: OtherEquations) -> Iterator[Change]:
+    """The scene's constant torques by a factor, and constant torques besides."""
+    yield from _torques_size(e)
+    yield from _torques_besides(scenario, e)
+
+
+def _torques_besides(scenario: Scenario, e: OtherEquations) -> Iterator[Change]:
+    size = mean_moment(e) * _fastest(scenario, e) ** 2
     for kind, name in (
         ("torque along body axes", "torque"),
         ("torque along world axes", "torque_world"),
@@ -48,8 +66,7 @@ def of_effects(scenario: Scenario, e: OtherEquations) -> Iterator[Change]:
         yield fitted(kind, np.zeros(3), size, partial(_pushed, name))
 
 
-def torques(e: OtherEquations) -> Iterator[Change]:
-    """The scene's constant torques by a factor."""
+def _torques_size(e: OtherEquations) -> Iterator[Change]:
     if e.torque.any() or e.torque_world.any():
         pushes: dict[str, Any] = {"torque": e.torque, "torque_world": e.torque_world}
         yield from factors("torque's size", 0.0, -1.0, **pushes)
@@ -214,9 +231,9 @@ def of_rotors(scenario: Scenario, e: OtherEquations) -> Iterator[Change]:
                 yield set_to(
                     f"{kind} rotors", (which,), **{name: getattr(other, name) for name in terms}
                 )
-    if e.kept.any():
-        size = float(np.linalg.norm(e.kept))
-        yield fitted("rotors' momentum", e.kept, size, lambda h, n: h.of(kept=n))
+    size = float(np.linalg.norm(e.kept)) or mean_moment(e) * _fastest(scenario, e)
+    kind = "rotors' momentum" if e.kept.any() else "momentum besides"
+    yield fitted(kind, e.kept, size, lambda h, n: h.of(kept=n))
 
 
 def mean_moment(e: OtherEquations) -> float:

@@ -124,12 +124,16 @@ class Search:
         return (self._more(fit, one) for one in self._likeliest(fit, most))
 
     def _plainer(self, fit: Fit) -> Iterator[Fit]:
-        """Fits in which a change without numbers replaces one that has some."""
-        plain = [one for one in self.changes if not len(one.sizes) and one not in fit.changes]
+        """Fits with fewer numbers: a change replaced by one without, or two by one with one."""
+        others = [one for one in self.changes if one not in fit.changes]
         for replaced in (one for one in fit.changes if len(one.sizes)):
-            for other in plain:
+            for other in (one for one in others if not len(one.sizes)):
                 changes = (other if one is replaced else one for one in fit.changes)
                 yield Trial(self.data, tuple(changes)).fit(fit)
+        for pair in combinations(fit.changes, 2):
+            for other in (one for one in others if len(one.sizes) == 1):
+                kept = tuple(one for one in fit.changes if one not in pair)
+                yield Trial(self.data, (other, *kept)).fit(fit)
 
     def _likeliest(self, fit: Fit, most: int) -> list[Change]:
         """The changes that may explain more of what a fit leaves; all if it explains nothing."""

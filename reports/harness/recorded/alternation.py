@@ -9,7 +9,6 @@ from ....scenarios import FloatArray, Scenario, Trajectory
 from ....scenarios.rotation import norms
 from ..explaining.search import LEFT
 from .intervals import NEAR, gained
-from .mistakes import FITS
 
 #: Least number of samples from which alternation can be found.
 FEWEST = 12
@@ -22,8 +21,12 @@ OF_DIFFERENCES = {1: 70.0, 2: 40.0}
 ALTERNATES = 1.4
 #: Size of the fourth differences of what alternates between ± 1.
 ALTERNATING = 16.0
-#: Noise that is not rounding of printed numbers is larger than that rounding by this factor.
-PRINTED = 50.0
+#: Noise that is not rounding of printed numbers is larger than the bound of that rounding by this
+#: factor: than its standard deviation, by some fifty.
+PRINTED = 2.0
+#: The least noise of what is measured, rad, and relative to the fastest rate: what is less is an
+#: integrator's, or of its interpolation.
+LEAST = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,7 +91,7 @@ def alternation(scenario: Scenario, motion: Trajectory, floor: FloatArray) -> Al
         return None
     # These are first differences already, with the noise of two samples.
     first = gained(scenario, motion)
-    least = np.maximum(PRINTED * floor, FITS * np.array([1.0, fastest]))
+    least = np.maximum(PRINTED * floor, LEAST * np.array([1.0, fastest]))
     squares = [_differences(first, lag) for lag in OF_DIFFERENCES]
     every, every_second = (
         np.sqrt(np.array([np.mean(one, axis=0) for one in two])) for two in squares

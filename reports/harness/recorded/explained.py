@@ -18,7 +18,7 @@ from .measured import Measured, log_of
 from .missing import is_omega_off
 from .mistakes import FEWEST, LEFT_OUT, followed, mistakes, without
 from .motion import Reading, RecordedMotion, recorded_motion
-from .odd_samples import across_signs, exchanged, jitter, lost_sign, wrapped
+from .odd_samples import across_signs, exchanged, jitter, lost_sign, warped, wrapped
 from .other_physics import Physics, rounding
 from .read_attitude import attitude_read
 from .read_omega import omega_read
@@ -37,6 +37,8 @@ LONGER_TIMESTEP = (
     "its timestep is longer than the stated {:.4g} s: the scene's equations and errors of order {} "
     "make this motion, with a timestep of {:.2g} s or more"
 )
+#: Noise of attitude, rad, and of ω, relative, beyond which no solver leaves it.
+SOLVERS = 1e-4
 #: How many mistakes are tried with what may explain the rest.
 MOST_TRIED = 3
 
@@ -90,6 +92,8 @@ def explained(
         of_all = scenario, exact, recording, reading, timestep, order
         rest = _without(wrong, *of_all) if is_first else ()
         return Explanation((*wrong, *rest), _verdict(physics), physics.is_beyond)
+    if shown := warped(scenario, motion, exact):
+        return Explanation((shown,), _verdict(physics, is_explained=True), physics.is_beyond)
     every = intervals_of(scenario, motion, timestep, order, of_intervals, near=FAR)
     if every and not physics.clamps and (jump := jumps(every)):
         return Explanation(tuple(jump), _verdict(physics, is_beyond=True), is_beyond=True)
@@ -102,10 +106,11 @@ def explained(
         has = {"is_stated": is_stated, "has_omega": has_omega}
         fit = Measured(scenario, log_of(scenario, motion, exact, noise, **has))
         physics = replace(physics, noise=np.sqrt(2) * noise)
-        if fit.is_far and (words := since_when(fit, motion, exact)):
+        if fit.is_beyond and (words := since_when(fit, motion, exact)):
             return Explanation(tuple(words), fit.verdict, is_beyond=True, measured=fit)
         # What a solver leaves is like noise, and its method has errors besides.
-        is_measured = is_stated or physics.is_beyond or not fit.is_beyond
+        is_large = (noise > SOLVERS * np.array([1.0, norms(motion.omega_body).max()])).any()
+        is_measured = is_stated or is_large or physics.is_beyond or not fit.is_beyond
         # A method that errs in one of attitude and ω soon errs in the other.
         if is_measured or fit.right_by_itself:
             return _of_measured(fit, physics)

@@ -207,7 +207,7 @@ class Measured:
         equations = self.given.base.equations
         scene = self.scenario, equations
         candidates = [START, self.tensor, TIMES, *resistance(*scene), *com(*scene)]
-        candidates += [*tilt(equations), *of_momentum(equations), *torques(equations)]
+        candidates += [*tilt(equations), *of_momentum(equations), *torques(*scene)]
         if self.given.has_omega:
             candidates += [*SENSORS, LOW_PASS, world_turning(1.0)]
         return Search(self.given, candidates)

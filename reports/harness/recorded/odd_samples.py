@@ -6,7 +6,7 @@ from ....reference.following import follow
 from ....scenarios import FloatArray, Scenario, Trajectory
 from ....scenarios.rotation import conjugate, norms, rotation_vectors
 from ..explaining.hypothesis import as_it_is
-from ..explaining.search import LEFT
+from ..explaining.search import LEFT, SAME
 from .digits import CHANGES, Numbers, Shown, where
 from .intervals import NEAR, apart, gained, states_of
 from .mistakes import FITS
@@ -15,6 +15,8 @@ from .recording import unit_of
 
 #: Least number of samples, and of wrapped ones.
 FEWEST, FEWEST_WRAPPED = 6, 2
+#: Steps of a search for the time of a state.
+NEWTONS = 4
 #: Relative distance of jumps that are of one size.
 ALIKE = 0.02
 
@@ -152,4 +154,35 @@ def jitter(motion: Trajectory) -> Shown | None:
         f"the times jitter, by up to {1e3 * off:.2g} ms: attitudes follow ω if the samples are "
         f"taken to be {slope:.6g} s apart",
         1,
+    )
+
+
+def warped(scenario: Scenario, motion: Trajectory, exact: Trajectory) -> str:
+    """Say that each state is the exact motion's at another time; empty if that is not so."""
+    equations, made, recorded = as_it_is(scenario).equations, states_of(exact), states_of(motion)
+    unit = np.repeat([1.0, float(norms(exact.omega_body).max()) or 1.0], 3)
+    later = np.zeros(len(motion.t))
+    given = off = apart(made, recorded) / unit
+    for _ in range(NEWTONS):
+        small = SAME * unit[3] ** -1
+        changed = apart(made, follow(equations, made, np.full((len(later), 1), small))[:, 0]) / unit
+        slopes = changed / small
+        squares = np.maximum(np.sum(slopes**2, axis=1), np.finfo(float).tiny)
+        later += np.sum(slopes * off, axis=1) / squares
+        if np.abs(later).max() > motion.t[-1] - motion.t[0]:
+            return ""
+        made = follow(equations, states_of(exact), later[:, None])[:, 0]
+        off = apart(made, recorded) / unit
+    size, left = (float(np.abs(one).max()) for one in (given, off))
+    if not np.isfinite(left) or size <= FITS or left > SAME * size:
+        return ""
+    spans = np.diff(motion.t)
+    if np.mean(np.abs(np.diff(later)) > SAME * spans) < LEFT:
+        # A clock that is set makes one span another one.
+        return ""
+    before, after = (one if one > FITS else 0.0 for one in (-later.min(), later.max()))
+    return (
+        f"each state is that of another time, from {before:.4g} s before to {after:.4g} s "
+        "after its own, as where steps of different lengths are written as "
+        "if they were even"
     )

@@ -411,6 +411,66 @@ ROTOR = {
     "hinge": "free",
 }
 WHEELED = changed(FREE, rotors=[ROTOR]).scenario
+
+
+def with_a_wheel() -> Arrays:
+    rates = euler(FREE.inertia, lambda R, omega: np.cross(MOMENTUM, R.T @ omega))
+    return recorded(*turning(FREE.scenario, rates))
+
+
+def of_a_torque_along_the_world() -> Arrays:
+    """Gravity's torque, computed along world axes and added along the body's."""
+    inertia, mass = HEAVY.inertia, HEAVY.scenario.body.mass
+
+    def torque(R: np.ndarray, omega: np.ndarray) -> np.ndarray:
+        return np.cross(R @ HEAVY.com, mass * HEAVY.gravity)
+
+    return recorded(*turning(HEAVY.scenario, euler(inertia, torque)))
+
+
+def of_uneven_steps() -> Arrays:
+    """States of uneven times, as those of an adaptive method, with even ones beside them."""
+    t = FREE.scenario.times
+    uneven = changed(FREE, window={"duration": 4.0, "samples": 4001})
+    fine = right(uneven)
+    rows = np.rint(1000 * (t + 0.05 * np.sin(np.pi * t / 4) ** 2)).astype(int)
+    return {"t": t.copy(), "q": fine["q"][rows], "omega": fine["omega"][rows]}
+
+
+def late_and_biased() -> Arrays:
+    """ω of 0.04 s before, with a bias: five decimals, and noise that nobody states."""
+    arrays = right(changed(FREE, window={"duration": 4.04, "samples": 102}))
+    omega = arrays["omega"][:-1] + np.array([0.12, -0.07, 0.05])
+    made = noisy({"t": arrays["t"][1:], "q": arrays["q"][1:], "omega": omega})
+    return {name: one.round(5) for name, one in made.items()}
+
+
+def stronger_gravity() -> Arrays:
+    return stepped(HEAVY.scenario, rates_of(HEAVY, scale=10 / 9.81))
+
+
+def stepped(scene: Scenario, rates: Rates) -> Arrays:
+    """Steps of RK4 from sample to sample."""
+    h = float(scene.times[1])
+    y = np.concatenate([scene.start.q_world_body_wxyz, scene.start.omega_body])
+    rows = [y]
+
+    def slope(y: np.ndarray) -> np.ndarray:
+        return np.concatenate(rates(y[:4], y[4:]))
+
+    for _ in scene.times[1:]:
+        a = slope(y)
+        b = slope(y + h / 2 * a)
+        c = slope(y + h / 2 * b)
+        y = y + h / 6 * (a + 2 * b + 2 * c + slope(y + h * c))
+        y[:4] /= np.linalg.norm(y[:4])
+        rows.append(y)
+    table = np.array(rows)
+    return {"t": scene.times.copy(), "q": table[:, :4], "omega": table[:, 4:]}
+
+
+#: The momentum of a wheel that a scene lacks, N m s.
+MOMENTUM = np.array([0.0, 2.0, 0.0])
 PUSHED = changed(FREE, effects={"torque": {"body": PUSH}})
 HIDDEN = {
     "a clock that is slow": Hidden(
@@ -469,6 +529,44 @@ HIDDEN = {
         changed(FREE, window={"duration": 20.0, "samples": 501}).scenario,
         sloshing,
         ("its energy falls by ",),
+    ),
+    "a wheel that the scene lacks": Hidden(
+        FREE.scenario,
+        with_a_wheel,
+        ("it moves as if a wheel in it had a constant angular momentum of [",),
+        numbers=(0.0, 2.0, 0.0),
+    ),
+    "gravity's torque along world axes": Hidden(
+        HEAVY.scenario,
+        of_a_torque_along_the_world,
+        ("it moves as if gravity's torque along world axes were along the body's",),
+    ),
+    "uneven steps at even times": Hidden(
+        FREE.scenario,
+        of_uneven_steps,
+        ("each state is that of another time, from 0 s before to 0.05 s after its own",),
+    ),
+    "a late gyroscope with a bias": Hidden(
+        FREE.scenario,
+        late_and_biased,
+        ("the gyroscope has a bias of [", "ω lags the attitude by 0.0"),
+        numbers=(0.12, -0.07, 0.05),
+        to=2e-3,
+    ),
+    "gravity of 10 m/s², by RK4": Hidden(
+        HEAVY.scenario,
+        stronger_gravity,
+        ("it moves as if gravity were ", "what is left is what RK4 at 0.01 s makes"),
+        {"timestep": "0.01"},
+        4,
+        (10 / 9.81,),
+        1e-6,
+    ),
+    "friction in a bearing": Hidden(
+        HEAVY.scenario,
+        lambda: noisy(exactly(HEAVY, rates_of(HEAVY, torque=lambda _: np.array([0, 0, -0.3])))),
+        ("it moves as if a torque of [",),
+        numbers=(0.0, 0.0, -0.3),
     ),
     "a largest ‖ω‖, and damping": Hidden(
         FREE.scenario, capped, ("‖ω‖ is clamped to ",), {"timestep": "0.04"}
@@ -596,6 +694,14 @@ def test_a_hidden_fault_is_named(one: Hidden) -> None:
     found = [float(text) for text in found if not text.startswith("±")][: len(one.numbers)]
     to = one.to or 0.02 * max(map(abs, one.numbers), default=0.0)
     assert found == pytest.approx(one.numbers, abs=to)
+
+
+def test_what_no_change_explains_of_a_measured_motion_is_beyond_its_noise() -> None:
+    """Without stated noise, too, though one step from sample to sample may be off by as much."""
+    odd = rates_of(FREE, torque=lambda w: 0.05 * np.sin([5 * w[1], 7 * w[2], 9 * w[0]]))
+    found = judged_motion(FREE.scenario, Recording(Path("motion.csv"), noisy(exactly(FREE, odd))))
+    assert found.is_another
+    assert found.measured is not None
 
 
 @pytest.mark.parametrize("part", [0.0, 1e-6])
