@@ -24,6 +24,9 @@ ALTERNATING = 16.0
 #: Noise that is not rounding of printed numbers is larger than the bound of that rounding by this
 #: factor: than its standard deviation, by some fifty.
 PRINTED = 2.0
+#: What alternates without being noise is larger than the least noise by this factor: what is left
+#: in single precision alternates, too.
+CLEARLY = 25.0
 #: The least noise of what is measured, rad, and relative to the fastest rate: what is less is an
 #: integrator's, or of its interpolation.
 LEAST = 1e-6
@@ -65,7 +68,7 @@ class Alternation:
     def of_omega(self) -> list[str]:
         """The sentence that ω alternates without noise, if it does."""
         alternates = self._alternates(self.every, 1)[1] and self.throughout[1]
-        if not alternates or self.is_noise[1]:
+        if not alternates or self.is_noise[1] or self.noise[1] < CLEARLY * self.least[1]:
             return []
         size = np.sqrt(3) * self.every[1, 1] / ALTERNATING
         return [

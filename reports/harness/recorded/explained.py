@@ -92,7 +92,7 @@ def explained(
         of_all = scenario, exact, recording, reading, timestep, order
         rest = _without(wrong, *of_all) if is_first else ()
         return Explanation((*wrong, *rest), _verdict(physics), physics.is_beyond)
-    if shown := warped(scenario, motion, exact):
+    if shown := warped(scenario, motion, exact, of_intervals):
         return Explanation((shown,), _verdict(physics, is_explained=True), physics.is_beyond)
     every = intervals_of(scenario, motion, timestep, order, of_intervals, near=FAR)
     if every and not physics.clamps and (jump := jumps(every)):

@@ -157,8 +157,13 @@ def jitter(motion: Trajectory) -> Shown | None:
     )
 
 
-def warped(scenario: Scenario, motion: Trajectory, exact: Trajectory) -> str:
-    """Say that each state is the exact motion's at another time; empty if that is not so."""
+def warped(scenario: Scenario, motion: Trajectory, exact: Trajectory, noise: FloatArray) -> str:
+    """Say that each state is the exact motion's at another time; empty if that is not so.
+
+    Parameters
+    ----------
+    noise : errors of attitude, rad, and ω, rad/s, that need no explanation, (2,)
+    """
     equations, made, recorded = as_it_is(scenario).equations, states_of(exact), states_of(motion)
     unit = np.repeat([1.0, float(norms(exact.omega_body).max()) or 1.0], 3)
     later = np.zeros(len(motion.t))
@@ -174,7 +179,8 @@ def warped(scenario: Scenario, motion: Trajectory, exact: Trajectory) -> str:
         made = follow(equations, states_of(exact), later[:, None])[:, 0]
         off = apart(made, recorded) / unit
     size, left = (float(np.abs(one).max()) for one in (given, off))
-    if not np.isfinite(left) or size <= FITS or left > SAME * size:
+    is_more = np.abs(given).max(axis=0) > np.maximum(FITS, np.repeat(noise, 3) / unit)
+    if not np.isfinite(left) or not is_more.any() or left > SAME * size:
         return ""
     spans = np.diff(motion.t)
     if np.mean(np.abs(np.diff(later)) > SAME * spans) < LEFT:
