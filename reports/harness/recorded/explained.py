@@ -14,7 +14,8 @@ from .hinges import spins_beyond
 from .interpolated import interpolated
 from .intervals import intervals_of
 from .jumps import FAR, jumps
-from .measured import Measured, log_of
+from .log import log_of
+from .measured import Measured
 from .missing import is_omega_off
 from .mistakes import FEWEST, LEFT_OUT, followed, mistakes, without
 from .motion import Reading, RecordedMotion, recorded_motion
@@ -92,8 +93,8 @@ def explained(
         of_all = scenario, exact, recording, reading, timestep, order
         rest = _without(wrong, *of_all) if is_first else ()
         return Explanation((*wrong, *rest), _verdict(physics), physics.is_beyond)
-    if shown := warped(scenario, motion, exact, of_intervals):
-        return Explanation((shown,), _verdict(physics, is_explained=True), physics.is_beyond)
+    if uneven := warped(scenario, motion, exact, of_intervals):
+        return Explanation((uneven,), _verdict(physics, is_explained=True), physics.is_beyond)
     every = intervals_of(scenario, motion, timestep, order, of_intervals, near=FAR)
     if every and not physics.clamps and (jump := jumps(every)):
         return Explanation(tuple(jump), _verdict(physics, is_beyond=True), is_beyond=True)

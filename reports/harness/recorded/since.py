@@ -11,7 +11,8 @@ from ....scenarios import Trajectory
 from ....scenarios.rotation import norms
 from ..explaining.search import LEVEL
 from .intervals import apart, states_of
-from .measured import FEWEST, START, Measured, log_of
+from .log import FEWEST, log_of
+from .measured import START, Measured
 
 #: Standard deviations up to which two motions are the same at a time.
 SAME = 5.0

@@ -19,7 +19,8 @@ from scipy.interpolate import interp1d
 from scipy.spatial.transform import Rotation
 from spincheck.reference.other_equations import equations_of
 from spincheck.reports.harness.recorded.judged import exact_at, judged_motion
-from spincheck.reports.harness.recorded.measured import Measured, log_of
+from spincheck.reports.harness.recorded.log import log_of
+from spincheck.reports.harness.recorded.measured import Measured
 from spincheck.reports.harness.recorded.motion import reading_of, recorded_motion
 from spincheck.reports.harness.recorded.recording import Recording
 from spincheck.reports.harness.recorded.since import since_when
