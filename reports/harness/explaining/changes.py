@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from ....reference.other_equations import FIRST_ANGLES, WORLD, OtherEquations
+from ....reference.other_equations import FIRST_ANGLES, WORLD, OtherEquations, inverse
 from ....scenarios import FloatArray, Scenario
 from ....scenarios.rotation import matrix
 from ...results.change_words import UP_TO_A_FACTOR
@@ -58,7 +58,7 @@ def changes(scenario: Scenario) -> Iterator[Change]:
 
 def _body(tensor: FloatArray) -> dict[str, Any]:
     """The tensors in the equations of motion of a body with this tensor of inertia."""
-    return {"inertia": tensor, "inverse": np.linalg.inv(tensor), "gyroscopic": tensor}
+    return {"inertia": tensor, "inverse": inverse(tensor), "gyroscopic": tensor}
 
 
 def _of_kinematics() -> Iterator[Change]:

@@ -13,6 +13,7 @@ from scipy.optimize import minimize_scalar
 from ....reference.following import follow
 from ....reference.other_equations import equations_of
 from ....scenarios import FloatArray, Scenario, Trajectory
+from ....scenarios.fastest_rate import decay_rate
 from ....scenarios.rotation import conjugate, matrices, norms, rotation_vectors
 from ..explaining.changes import EULER_ANGLES, OTHER_COMPONENTS
 from ..explaining.search import LEFT
@@ -211,8 +212,10 @@ class _Beginning:
         least = self.error(reading)
         if least <= FITS or (factor := _longer(reading)) is None:
             return []
-        # By explicit Euler an oscillation by an angle θ a step is slower by a part of θ²/3.
+        # By explicit Euler an oscillation by an angle θ a step is slower by a part of θ²/3, and a
+        # decay by a part of r a step is faster by r/2.
         nearly = float(norms(rotation_vectors(reading.q[:-1], reading.q[1:])).max()) ** 2 / 3
+        nearly += decay_rate(self.scenario) * float(np.diff(reading.t).max()) / 2
         bounds = factor * (1 - nearly), factor * (1 + nearly)
         fit = minimize_scalar(
             lambda factor: self.error(reading._replace(t=factor * reading.t)),

@@ -14,6 +14,8 @@ pytestmark = pytest.mark.slow
 #: Numbers of motions, by what was said of them.
 ACCUSED = {
     "the times are 1 times too long": [27, 62, 73],
+    "the times are 1.149 times too long, of a decay by long steps": [1912],
+    "it crashed, as a mistaken tensor has no inverse": [1965],
     "one sample is off, of which noise is the largest": [47],
     "it started elsewhere, of samples far apart with noise": [119, 135],
     "it started elsewhere, of a method's errors before": [60, 160, 230],
