@@ -231,9 +231,14 @@ def of_rotors(scenario: Scenario, e: OtherEquations) -> Iterator[Change]:
                 yield set_to(
                     f"{kind} rotors", (which,), **{name: getattr(other, name) for name in terms}
                 )
+    yield momentum(scenario, e)
+
+
+def momentum(scenario: Scenario, e: OtherEquations) -> Change:
+    """The constant angular momentum of the scene's rotors, or of some that it lacks."""
     size = float(np.linalg.norm(e.kept)) or mean_moment(e) * _fastest(scenario, e)
     kind = "rotors' momentum" if e.kept.any() else "momentum besides"
-    yield fitted(kind, e.kept, size, lambda h, n: h.of(kept=n))
+    return fitted(kind, e.kept, size, lambda h, n: h.of(kept=n))
 
 
 def mean_moment(e: OtherEquations) -> float:

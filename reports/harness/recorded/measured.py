@@ -17,6 +17,7 @@ from ...results.change_words import KINDS
 from ..explaining.changes import is_scaled, tensor
 from ..explaining.effect_changes import (
     com,
+    momentum,
     of_momentum,
     resistance,
     tilt,
@@ -85,6 +86,7 @@ class Measured:
         scene = self.scenario, equations
         candidates = [START, self.tensor, TIMES, *resistance(*scene), *com(*scene)]
         candidates += [*tilt(equations), *of_momentum(equations), *torques(*scene)]
+        candidates.append(momentum(*scene))
         if self.given.has_omega:
             candidates += [*SENSORS, LOW_PASS, world_turning(1.0)]
         return Search(self.given, candidates)

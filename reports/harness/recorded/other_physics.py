@@ -168,6 +168,14 @@ class Physics:
         """The mean square of what a hypothesis leaves if no integrator is in it, in noise."""
         return _mean_square(self.by_known[0].made_by(EXACT, 0.0).off([hypothesis]))
 
+    def _leads_exactly(self, hypothesis: Hypothesis) -> bool:
+        """Whether a hypothesis leads from sample to sample, but for errors that are no more."""
+        if self.intervals is None:
+            return False
+        exact = self.intervals.made_by(EXACT, 0.0)
+        (off,) = exact.off([hypothesis]) * exact.scale
+        return bool((root_mean_squares(off) <= self.least).all())
+
     @cached_property
     def by_other_equations(self) -> Fit | None:
         """The change by which a known integrator made the motion, to rounding; None if none did."""
@@ -328,6 +336,8 @@ class Physics:
 
     def _in_words(self, found: Fit) -> list[str]:
         words = sentences(found)
+        if self._leads_exactly(found.hypothesis):
+            return words
         if made := self._integrator(found.hypothesis):
             return [*words, f"what is left is {made}"]
         if found.count and (again := self._by_integrator(found)):

@@ -419,6 +419,14 @@ def with_a_wheel() -> Arrays:
     return recorded(*turning(FREE.scenario, rates))
 
 
+def half_turns() -> Arrays:
+    """Attitudes off by half a turn about an axis of the body, in two stretches."""
+    arrays = noisy(right(FREE))
+    q, wrong = arrays["q"].copy(), np.r_[30:42, 70:78]
+    q[wrong] = [product(one, np.eye(4)[3]) for one in q[wrong]]
+    return arrays | {"q": q}
+
+
 def of_a_torque_along_the_world() -> Arrays:
     """Gravity's torque, computed along world axes and added along the body's."""
     inertia, mass = HEAVY.inertia, HEAVY.scenario.body.mass
@@ -536,6 +544,24 @@ HIDDEN = {
         with_a_wheel,
         ("it moves as if a wheel in it had a constant angular momentum of [",),
         numbers=(0.0, 2.0, 0.0),
+    ),
+    "the same, in noise": Hidden(
+        FREE.scenario,
+        lambda: noisy(with_a_wheel()),
+        ("it moves as if a wheel in it had a constant angular momentum of [",),
+        numbers=(0.0, 2.0, 0.0),
+    ),
+    "no gyroscopic torque, exactly": Hidden(
+        FREE.scenario,
+        lambda: recorded(*turning(FREE.scenario, euler(FREE.inertia, gyroscopic=0 * FREE.inertia))),
+        ("it moves as if there were no gyroscopic torque",),
+        {"timestep": "0.004"},
+    ),
+    "markers that are exchanged for a while": Hidden(
+        FREE.scenario,
+        half_turns,
+        ("ω is that of the scene, but the attitudes are not at 20 samples, the first at t = ",),
+        NOISY,
     ),
     "gravity's torque along world axes": Hidden(
         HEAVY.scenario,
