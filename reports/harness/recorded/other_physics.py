@@ -13,7 +13,7 @@ import numpy as np
 from ....reference.following import EXACT, KNOWN
 from ....scenarios import FloatArray, Scenario, Trajectory
 from ....scenarios.rotation import norms
-from ..explaining.fit import Fit, Trial
+from ..explaining.fit import Fit
 from ..explaining.hypothesis import Change, Hypothesis, as_it_is
 from ..explaining.search import LEFT, MOST_OF_ALL, SAME, Search
 from .clamps import clamps
@@ -340,8 +340,6 @@ class Physics:
             return words
         if made := self._integrator(found.hypothesis):
             return [*words, f"what is left is {made}"]
-        if found.count and (again := self._by_integrator(found)):
-            return [*sentences(again), f"what is left is {self._integrator(again.hypothesis)}"]
         if unexplained := self._unexplained(found.rest):
             return [*words, *unexplained]
         if len(found.changes) > 1:
@@ -352,12 +350,6 @@ class Physics:
         # The same change once more is what a method's error made of its numbers.
         is_another = more is not None and not set(more.changes) & set(found.changes)
         return [*words, *(sentences(more) if more and is_another else [])]
-
-    def _by_integrator(self, found: Fit) -> Fit | None:
-        """Changes with the numbers with which a known integrator makes the motion, if one does."""
-        fits = [Trial(data, found.changes).fit(found) for data in self.by_known]
-        best = min(fits, key=lambda fit: fit.left, default=None)
-        return best if best is not None and self._integrator(best.hypothesis) else None
 
     def _unexplained(self, rest: FloatArray) -> list[str]:
         """Return that what an explanation leaves, in units of its scale, is not explained.

@@ -459,8 +459,8 @@ def stronger_gravity() -> Arrays:
 
 
 def stepped(scene: Scenario, rates: Rates) -> Arrays:
-    """Steps of RK4 from sample to sample."""
-    h = float(scene.times[1])
+    """Eight steps of RK4 from sample to sample."""
+    h = float(scene.times[1]) / 8
     y = np.concatenate([scene.start.q_world_body_wxyz, scene.start.omega_body])
     rows = [y]
 
@@ -468,11 +468,12 @@ def stepped(scene: Scenario, rates: Rates) -> Arrays:
         return np.concatenate(rates(y[:4], y[4:]))
 
     for _ in scene.times[1:]:
-        a = slope(y)
-        b = slope(y + h / 2 * a)
-        c = slope(y + h / 2 * b)
-        y = y + h / 6 * (a + 2 * b + 2 * c + slope(y + h * c))
-        y[:4] /= np.linalg.norm(y[:4])
+        for _ in range(8):
+            a = slope(y)
+            b = slope(y + h / 2 * a)
+            c = slope(y + h / 2 * b)
+            y = y + h / 6 * (a + 2 * b + 2 * c + slope(y + h * c))
+            y[:4] /= np.linalg.norm(y[:4])
         rows.append(y)
     table = np.array(rows)
     return {"t": scene.times.copy(), "q": table[:, :4], "omega": table[:, 4:]}
@@ -584,8 +585,8 @@ HIDDEN = {
     "gravity of 10 m/s², by RK4": Hidden(
         COARSE,
         stronger_gravity,
-        ("it moves as if gravity were ", "what is left is what RK4 at 0.04 s makes"),
-        {"timestep": "0.04"},
+        ("it moves as if gravity were ",),
+        {"timestep": "0.005"},
         4,
         (10 / 9.81,),
         1e-6,
