@@ -31,9 +31,7 @@ class Case:
     def torque(self, R: np.ndarray) -> np.ndarray:
         """Gravity's about a pivot, body axes, N m."""
         mass = self.scenario.body.mass
-        return (
-            np.cross(self.com, mass * (R.T @ self.gravity)) if self.gravity.any() else np.zeros(3)
-        )
+        return cross(self.com, mass * (R.T @ self.gravity)) if self.gravity.any() else np.zeros(3)
 
 
 def case(seed: int, is_pivoted: bool = False, duration: float = 4.0, samples: int = 201) -> Case:
@@ -63,10 +61,16 @@ def case(seed: int, is_pivoted: bool = False, duration: float = 4.0, samples: in
     return Case(from_tables(tables, "planted"), tensor, com, gravity)
 
 
+def cross(u: np.ndarray, v: np.ndarray) -> np.ndarray:
+    """Of two vectors, (3,): in a tenth of the time that numpy takes for so few numbers."""
+    (a, b, c), (x, y, z) = u.tolist(), v.tolist()
+    return np.array([b * z - c * y, c * x - a * z, a * y - b * x])
+
+
 def product(p: np.ndarray, q: np.ndarray) -> np.ndarray:
     """Of two quaternions, scalar first."""
     (a, u), (b, v) = (p[0], p[1:]), (q[0], q[1:])
-    return np.array([a * b - u @ v, *(a * v + b * u + np.cross(u, v))])
+    return np.array([a * b - u @ v, *(a * v + b * u + cross(u, v))])
 
 
 def rates_of(one: Case, **other: object) -> Rates:
@@ -85,7 +89,7 @@ def rates_of(one: Case, **other: object) -> Rates:
 
     def rates(q: np.ndarray, omega: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         R = Rotation.from_quat(q, scalar_first=True).as_matrix()
-        torque = scale * one.torque(R) - np.cross(omega, G @ omega) + more(omega)
+        torque = scale * one.torque(R) - cross(omega, G @ omega) + more(omega)
         return turning(q, omega), inverse @ torque
 
     return rates

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 from library_scenes import library_scene
+from planted_motions import cross
 from scipy.integrate import solve_ivp
 from scipy.spatial.transform import Rotation
 from spincheck.reference.other_equations import equations_of
@@ -76,7 +77,9 @@ def turning(
 
     def rates(_: float, y: np.ndarray) -> np.ndarray:
         R, omega = y[:9].reshape(3, 3), y[9:]
-        return np.concatenate([np.cross(followed(R, omega), R.T).T.ravel(), accelerated(R, omega)])
+        x, y, z = followed(R, omega).tolist()
+        turned = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+        return np.concatenate([(turned @ R).ravel(), accelerated(R, omega)])
 
     times = one.times
     y = np.concatenate([R.ravel(), omega])
@@ -94,7 +97,7 @@ def euler(
     G = tensor if gyroscopic is None else gyroscopic
 
     def accelerated(R: np.ndarray, omega: np.ndarray) -> np.ndarray:
-        of_body = torque(R, omega) - R.T @ np.cross(omega, R @ G @ R.T @ omega)
+        of_body = torque(R, omega) - R.T @ cross(omega, R @ G @ R.T @ omega)
         return np.asarray(R @ np.linalg.solve(tensor, of_body))
 
     return accelerated
@@ -102,7 +105,7 @@ def euler(
 
 def weight(R: np.ndarray, omega: np.ndarray, com: np.ndarray = COM) -> np.ndarray:
     """Gravity's torque about the pivot, body axes."""
-    return np.cross(com, MASS * R.T @ GRAVITY)
+    return cross(com, MASS * R.T @ GRAVITY)
 
 
 def pushed(R: np.ndarray, omega: np.ndarray) -> np.ndarray:
