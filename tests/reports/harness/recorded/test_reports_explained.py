@@ -200,6 +200,14 @@ def test_where_a_log_hardly_shows_a_tensor_its_errors_are_as_large(log: int) -> 
     assert np.all(np.abs(entries - tensor) < 5 * errors)
 
 
+def test_a_log_is_measured_if_its_attitudes_alone_are_seen_to_be() -> None:
+    """Its ω hardly alternates, as by the guess of the tensor it is off by a smooth part besides."""
+    _, fit, tensor, _ = log_of_kind(117)
+    assert fit is not None
+    entries, errors = fit.tensor_entries()
+    assert np.all(np.abs(entries - tensor) < 5 * errors)
+
+
 def test_mistakes_of_a_gyroscope_that_a_log_does_not_tell_apart_are_both_named() -> None:
     """ω of log 358 hardly changes: by its noise a scale is likelier than the bias that it has."""
     _, fit, _, bias = log_of_kind(358)
