@@ -24,7 +24,7 @@ from .other_physics import Physics, rounding
 from .read_attitude import attitude_read
 from .read_omega import omega_read
 from .recording import Recording
-from .since import since_when
+from .since import since_exactly, since_when
 from .starts import elsewhere
 
 #: Names of the settings by which a file states the noise of attitude, rad, and of ω, rad/s.
@@ -225,6 +225,8 @@ def _of_computed(
         words = words or physics.explained()
     if alternates and physics.is_beyond:
         words = alternates.of_omega or words
+    if not words and not physics.made_by and not physics.exact.t[0]:
+        words = since_exactly(physics.scenario, physics.motion)
     words = [*words, *of_spins]
     # Other equations change no state at the scene's start.
     if has_omega and (not words or (physics.is_of_equations and not physics.exact.t[0])):

@@ -29,6 +29,11 @@ def interpolated(numbers: Numbers) -> Shown | None:
         return None
     samples = np.concatenate([np.arange(a + 1, b + 1) for a, b in gaps])
     of_gaps = f", in {len(gaps)} gaps" if len(gaps) > 1 else ""
+    if not np.abs(omega[samples] - omega[samples - 1]).any():
+        return Shown(
+            f"ω is held, as in the sample before, {where(t, samples)}{of_gaps}: leave it out",
+            int(samples[0]),
+        )
     return Shown(
         f"ω is on a straight line from the sample before to the one after {where(t, samples)}"
         f"{of_gaps}: what was lost was interpolated; leave it out",

@@ -11,6 +11,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 from scipy.special import chdtrc, chdtri, fdtrc
 
+from ....reference.following import follow
 from ....scenarios import FloatArray, Scenario
 from ....scenarios.rotation import norms
 from ...results.change_words import KINDS
@@ -27,13 +28,17 @@ from ..explaining.effect_changes import (
 from ..explaining.fit import Fit, Trial
 from ..explaining.hypothesis import Change, Hypothesis
 from ..explaining.search import LEFT, LEVEL, Search
+from .clamps import TINY
 from .columns import SATURATES
 from .digits import where
+from .intervals import apart
 from .log import Log
 from .motion_changes import TIMES
 from .sensors import LOW_PASS, SENSORS, of_sensor
 from .starts import started_elsewhere
 
+#: Part of the distance of samples by which a state is followed to see where it leads.
+SMALL = 1e-3
 #: Largest number of changes that are fitted at once.
 MOST = 4
 #: Factor by which neighbouring fourth differences, which share noise, count as fewer independent
@@ -224,14 +229,40 @@ class Measured:
         return [self._in_words(change) for change in required]
 
     @cached_property
+    def uneven_times(self) -> list[str]:
+        """The sentence that each state is the scene's at another time, within noise; none if not.
+
+        By how much each is late is fitted, as if the motion were straight for so long.
+        """
+        log, unchanged = self.given, self.search.unchanged.rest
+        (made,) = log.made([log.base], log.t)
+        small = SMALL * float(np.median(np.diff(log.t)))
+        later = follow(log.base.equations, made, np.full((len(made), 1), small))[:, 0]
+        slopes = (apart(made, later) / np.repeat(log.noise, 3))[:, : log.measured] / small
+        rest = unchanged.reshape(len(made), -1)
+        late = np.sum(slopes * rest, axis=1) / np.maximum(np.sum(slopes**2, axis=1), TINY)
+        left = rest - late[:, None] * slopes
+        is_noise = [
+            chdtrc(one.size - fewer, float(np.sum(one**2))) > LEVEL
+            for one, fewer in ((rest, 0), (left, len(late)))
+        ]
+        if is_noise != [False, True]:
+            return []
+        return [
+            f"the times are off by {float(np.std(late)):.2g} s, standard deviation, and by "
+            f"{float(np.abs(late).max()):.2g} s at most: each state is the scene's of such a time"
+        ]
+
+    @cached_property
     def right_by_itself(self) -> list[str]:
         """The sentence that either attitude or ω is the scene's, within noise; none if not so.
 
+        Or that each state is, at another time.
         If less than half of the samples of the other are off, it says which.
         """
         log, unchanged = self.given, self.search.unchanged.rest
-        if not log.has_omega:
-            return []
+        if not log.has_omega or self.uneven_times:
+            return self.uneven_times
         squares = log.squares(unchanged)
         is_right = chdtrc(3 * len(log.t), squares) > LEVEL
         if is_right.all() or not is_right.any():

@@ -9,7 +9,7 @@ from ..explaining.hypothesis import as_it_is
 from ..explaining.search import LEFT, SAME
 from .digits import CHANGES, Numbers, Shown, where
 from .intervals import NEAR, apart, gained, states_of
-from .mistakes import FITS
+from .mistakes import FITS, TOO_LONG, TOO_SHORT
 from .motion import Reading
 from .recording import unit_of
 
@@ -186,6 +186,10 @@ def warped(scenario: Scenario, motion: Trajectory, exact: Trajectory, noise: Flo
     if np.mean(np.abs(np.diff(later)) > SAME * spans) < LEFT:
         # A clock that is set makes one span another one.
         return ""
+    slope = float(later @ motion.t / (motion.t @ motion.t))
+    if np.abs(later - slope * motion.t).max() < SAME * np.abs(later).max():
+        times, how = (1 + slope, TOO_SHORT) if slope > 0 else (1 / (1 + slope), TOO_LONG)
+        return f"the times are {times:.4g} times {how}"
     before, after = (one if one > FITS else 0.0 for one in (-later.min(), later.max()))
     return (
         f"each state is that of another time, from {before:.4g} s before to {after:.4g} s "

@@ -59,7 +59,9 @@ def _of_times(reading: Reading) -> Iterator[tuple[str, Reading]]:
         (start, slope, f"{slope:.6g} s"),
     ):
         equal = first + distance * count
-        if unit and np.abs(t - equal).max() < (1 + ALIKE) * unit / 2:
+        # Times that are all multiples of one distance are not rounded.
+        is_rounded = 0 < unit < (1 - ALIKE) * slope
+        if is_rounded and np.abs(t - equal).max() < (1 + ALIKE) * unit / 2:
             words = f"the times are rounded to {unit:.6g} s: samples are {words} apart"
             yield words, reading._replace(t=equal)
 

@@ -7,13 +7,16 @@ out of place.
 import numpy as np
 from scipy.special import chdtrc
 
-from ....scenarios import Trajectory
+from ....scenarios import Scenario, Trajectory
 from ....scenarios.rotation import norms
-from ..explaining.search import LEVEL
-from .intervals import apart, states_of
+from ..explaining.search import LEFT, LEVEL
+from .intervals import apart, gained, states_of
 from .log import FEWEST, log_of
 from .measured import START, Measured
+from .mistakes import FITS
 
+#: Samples by which a motion that was exact is off by far more, at most: a method's error grows.
+AT_ONCE = 3
 #: Standard deviations up to which two motions are the same at a time.
 SAME = 5.0
 
@@ -63,4 +66,23 @@ def since_when(fit: Measured, motion: Trajectory, exact: Trajectory) -> list[str
     return [
         f"{begins} it jumps, the attitude by {np.degrees(turned):.2g}° and ω by {faster:.2g} "
         "rad/s, and goes on as the equations say"
+    ]
+
+
+def since_exactly(scenario: Scenario, motion: Trajectory) -> list[str]:
+    """Return until when a motion without noise is the exact one; nothing if always, or never.
+
+    From sample to sample it follows the equations, to rounding, and then at once it does not.
+    """
+    off, speed = gained(scenario, motion), float(norms(motion.omega_body).max()) or 1.0
+    each = np.maximum(norms(off[:, :3]), norms(off[:, 3:]) / speed)
+    first = int(np.argmax(each > FITS))
+    soon = each[first : first + AT_ONCE]
+    if min(first, len(each) - first) < FEWEST or soon.max() < LEFT**2 * each.max():
+        return []
+    turned, faster = norms(off[first:].reshape(-1, 3)).reshape(-1, 2).max(axis=0)
+    return [
+        f"until t = {motion.t[first]:.4g} s it is the exact motion, to rounding; from then on it "
+        f"is another one, off by up to {np.degrees(turned):.2g}° and {faster:.2g} rad/s from "
+        "sample to sample: look for what changed there"
     ]

@@ -7,6 +7,7 @@ them.
 import re
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -419,6 +420,46 @@ def with_a_wheel() -> Arrays:
     return recorded(*turning(FREE.scenario, rates))
 
 
+def frozen() -> Arrays:
+    arrays = right(FREE)
+    omega = arrays["omega"].copy()
+    omega[40:55] = omega[40]
+    return arrays | {"omega": omega}
+
+
+def scattered() -> Arrays:
+    """States of times that are off by 4 ms, standard deviation."""
+    fine = right(changed(FREE, window={"duration": 4.0, "samples": 4001}))
+    off = np.random.default_rng(3).normal(0, 4, 101)
+    rows = np.clip(40 * np.arange(101) + np.rint(off).astype(int), 0, 4000)
+    made = {"t": FREE.scenario.times.copy(), "q": fine["q"][rows], "omega": fine["omega"][rows]}
+    return noisy(made)
+
+
+def drawn_in() -> Arrays:
+    """Masses that move inward along an axis from 2 to 3 s: L is kept."""
+    start, times = FREE.scenario.start, FREE.scenario.times
+    across = np.diag([0.0, 0.2, 0.2])
+
+    def rates(t: float, y: np.ndarray) -> np.ndarray:
+        inertia = FREE.inertia - np.clip(t - 2, 0, 1) * across
+        R = Rotation.from_quat(y[:4], scalar_first=True).as_matrix()
+        omega = np.linalg.solve(inertia, R.T @ y[4:])
+        return np.concatenate([product(y[:4], np.array([0, *omega])) / 2, np.zeros(3)])
+
+    q = np.array(start.q_world_body_wxyz)
+    L = Rotation.from_quat(q, scalar_first=True).apply(FREE.inertia @ start.omega_body)
+    made = [np.concatenate([q, L])]
+    for a, b in pairwise(times):
+        made.append(solve_ivp(rates, (a, b), made[-1], "DOP853", rtol=1e-12, atol=1e-13).y[:, -1])
+    table = np.array(made)
+    q = table[:, :4] / np.linalg.norm(table[:, :4], axis=1)[:, None]
+    R = Rotation.from_quat(q, scalar_first=True)
+    tensors = FREE.inertia - np.clip(times - 2, 0, 1)[:, None, None] * across
+    omega = np.linalg.solve(tensors, R.inv().apply(table[:, 4:])[..., None])[..., 0]
+    return {"t": times.copy(), "q": q, "omega": omega}
+
+
 def half_turns() -> Arrays:
     """Attitudes off by half a turn about an axis of the body, in two stretches."""
     arrays = noisy(right(FREE))
@@ -564,6 +605,23 @@ HIDDEN = {
         half_turns,
         ("ω is that of the scene, but the attitudes are not at 20 samples, the first at t = ",),
         NOISY,
+    ),
+    "a clock that is slow, exactly": Hidden(
+        FREE.scenario,
+        lambda: (
+            right(changed(FREE, window={"duration": 4.016, "samples": 101}))
+            | {"t": FREE.scenario.times.copy()}
+        ),
+        ("the times are 1.004 times too short",),
+    ),
+    "a gyroscope that stops for a while": Hidden(
+        FREE.scenario, frozen, ("ω is held, as in the sample before, at 13 samples, ",)
+    ),
+    "times that scatter": Hidden(FREE.scenario, scattered, ("the times are off by 0.004",), NOISY),
+    "arms that are drawn in": Hidden(
+        FREE.scenario,
+        drawn_in,
+        ("until t = 2 s it is the exact motion, to rounding; from then on it is another one",),
     ),
     "gravity's torque along world axes": Hidden(
         HEAVY.scenario,
