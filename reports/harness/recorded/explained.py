@@ -105,8 +105,8 @@ def explained(
     is_computed = timestep is not None and order > 1
     of_solvers = SOLVERS * np.array([1.0, norms(motion.omega_body).max()])
     if noise is None and not is_computed and alternates:
-        counts = np.array([not has_omega, has_omega]) | (alternates.noise > of_solvers)
-        if (alternates.is_noise & counts).any():
+        is_large = bool((alternates.noise > of_solvers).all())
+        if (alternates.is_noise & [is_large or not has_omega, has_omega]).any():
             noise, alternates = np.maximum(alternates.noise, floor), None
     if noise is not None:
         has = {"is_stated": is_stated, "has_omega": has_omega}
@@ -115,7 +115,7 @@ def explained(
         if fit.is_beyond and (words := since_when(fit, motion, exact)):
             return Explanation(tuple(words), fit.verdict, is_beyond=True, measured=fit)
         # What a solver leaves is like noise, and its method has errors besides.
-        is_large = (noise > of_solvers).any()
+        is_large = bool((noise > of_solvers).any())
         is_measured = is_stated or is_large or physics.is_beyond or not fit.is_beyond
         # A method that errs in one of attitude and ω soon errs in the other.
         if is_measured or fit.right_by_itself:

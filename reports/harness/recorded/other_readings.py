@@ -60,7 +60,7 @@ def _of_times(reading: Reading) -> Iterator[tuple[str, Reading]]:
     ):
         equal = first + distance * count
         # Times that are all multiples of one distance are not rounded.
-        is_rounded = 0 < unit < (1 - ALIKE) * slope
+        is_rounded = 0 < unit < (1 - LEFT**2) * slope
         if is_rounded and np.abs(t - equal).max() < (1 + ALIKE) * unit / 2:
             words = f"the times are rounded to {unit:.6g} s: samples are {words} apart"
             yield words, reading._replace(t=equal)

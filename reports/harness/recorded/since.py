@@ -78,7 +78,8 @@ def since_exactly(scenario: Scenario, motion: Trajectory) -> list[str]:
     each = np.maximum(norms(off[:, :3]), norms(off[:, 3:]) / speed)
     first = int(np.argmax(each > FITS))
     soon = each[first : first + AT_ONCE]
-    if min(first, len(each) - first) < FEWEST or soon.max() < LEFT**2 * each.max():
+    is_at_once = soon.max() > max(FITS / LEFT**3, LEFT**2 * each.max())
+    if min(first, len(each) - first) < FEWEST or not is_at_once:
         return []
     turned, faster = norms(off[first:].reshape(-1, 3)).reshape(-1, 2).max(axis=0)
     return [
