@@ -40,8 +40,6 @@ LONGER_TIMESTEP = (
 )
 #: Noise of attitude, rad, and of ω, relative, beyond which no solver leaves it.
 SOLVERS = 1e-4
-#: Largest error of times by rounding, relative to the distance of samples.
-ROUNDED = 1e-6
 #: How many mistakes are tried with what may explain the rest.
 MOST_TRIED = 3
 
@@ -269,24 +267,13 @@ def _floor(
     speed, distances = float(norms(motion.omega_body).max()), np.diff(motion.t)
     # Rounding of ω about the axis of the largest moment turns a needle about its thin axis.
     turns = speed * float(np.median(distances)) * float(np.linalg.cond(scenario.inertia))
-    floor = (1 + turns) * rounding(motion, resolution) + _of_rounded_times(motion)
+    floor = (1 + turns) * rounding(motion, resolution)
     if not has_omega:
         distance = float(distances.max())
         # The stencil has five samples, with rounded numbers.
         found = speed * (speed * distance) ** 4 + floor[0] / float(distances.min())
         floor = np.array([floor[0] + distance * found, found])
     return floor
-
-
-def _of_rounded_times(motion: Trajectory) -> FloatArray:
-    """Return the error of attitude, rad, and ω, rad/s, by rounding of even times, (2,)."""
-    t, omega = motion.t, motion.omega_body
-    distance = (t[-1] - t[0]) / (len(t) - 1)
-    off = float(np.abs(t - t[0] - distance * np.arange(len(t))).max())
-    if off > ROUNDED * distance:
-        return np.zeros(2)
-    faster = float(norms(np.diff(omega, axis=0)).max()) / distance
-    return off * np.array([float(norms(omega).max()), faster])
 
 
 def _verdict(physics: Physics, is_beyond: bool | None = None, *, is_explained: bool = False) -> str:

@@ -17,8 +17,8 @@ from .mistakes import FITS
 
 #: Samples by which a motion that was exact is off by far more, at most: a method's error grows.
 AT_ONCE = 3
-#: Standard deviations up to which two motions are the same at a time.
-SAME = 5.0
+#: Standard deviations of noise up to which two motions meet at a time.
+MEET = 5.0
 
 
 def since_when(fit: Measured, motion: Trajectory, exact: Trajectory) -> list[str]:
@@ -54,12 +54,12 @@ def since_when(fit: Measured, motion: Trajectory, exact: Trajectory) -> list[str
     off = apart(made, states_of(exact)[back])
     distances = np.sqrt(np.mean((off / np.repeat(log.noise, 3)) ** 2, axis=1))
     nearest, words = int(np.argmin(distances)), after.explained(but=START)
-    if distances[nearest] < SAME and words:
+    if distances[nearest] < MEET and words:
         first = int(back[nearest])
     before = part(motion.until(first), exact)
     if first < FEWEST or before.is_beyond or before.explained():
         return []
-    begins = f"until t = {motion.t[max(first - 1, 0)]:.4g} s it is the exact motion; there"
+    begins = f"until t = {motion.t[first - 1]:.4g} s it is the exact motion; there"
     if words:
         return [f"{begins} it changes: from then on {one}" for one in words]
     turned, faster = norms(off[0].reshape(2, 3))
