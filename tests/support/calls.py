@@ -97,6 +97,17 @@ def close_its_output() -> str:
     return "done"
 
 
+LEAKED = []
+
+
+def leak(share: float) -> int:
+    """Of the machine's memory, as an engine does that frees nothing; its process's number."""
+    bytes_there = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
+    kept = mmap.mmap(-1, int(share * bytes_there), mmap.MAP_PRIVATE | mmap.MAP_ANONYMOUS)
+    LEAKED.append(kept)
+    return os.getpid()
+
+
 def hold(share: float) -> int:
     """Of the machine's memory; the system gives what is not written to on credit."""
     bytes_there = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")

@@ -132,7 +132,7 @@ def _is_memory_limited() -> bool:
     import resource
 
     limits = [resource.getrlimit(kind)[0] for kind in (resource.RLIMIT_DATA, resource.RLIMIT_AS)]
-    return any(0 <= limit < _own_bound() for limit in limits if limit != resource.RLIM_INFINITY)
+    return any(0 <= limit < own_bound() for limit in limits if limit != resource.RLIM_INFINITY)
 
 
 def _pipes_of_its_own() -> tuple[IO[bytes], IO[bytes], int]:
@@ -157,14 +157,14 @@ def _bound_memory() -> None:
         return
     import resource
 
-    bound = _own_bound()
+    bound = own_bound()
     lower, most = resource.getrlimit(resource.RLIMIT_DATA)
     for limit in (lower, most):
         bound = bound if limit == resource.RLIM_INFINITY else min(bound, limit)
     resource.setrlimit(resource.RLIMIT_DATA, (bound, most))
 
 
-def _own_bound() -> int:
+def own_bound() -> int:
     """Return the number of bytes that a worker may use."""
     return int(MEMORY_SHARE * os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES"))
 

@@ -125,6 +125,18 @@ class WorkerProcess:
         answer: tuple[bool, Any, Cause] = pickle.loads(self._answer)
         return answer
 
+    @property
+    def is_spent(self) -> bool:
+        """Whether it still holds half of the memory that it may: what an engine leaks adds up.
+
+        Only Linux tells.
+        """
+        try:
+            held = int(getattr(self._of_system.memory_info(), "data", 0))
+        except psutil.Error:
+            return False
+        return 2 * held > worker_main.own_bound() if held else False
+
     def printed(self) -> str:
         """Return what the call has printed; only the end if it is long."""
         return self._printed.replace(self._mark, b"").decode(errors="replace")

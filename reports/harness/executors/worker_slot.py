@@ -86,7 +86,10 @@ class WorkerSlot:
             returned, value, cause = worker.take()
         except (EOFError, OSError):
             return self._died(worker)
-        return Answer(value if returned else CallFailed(value, cause), worker.printed())
+        answer = Answer(value if returned else CallFailed(value, cause), worker.printed())
+        if worker.is_spent:
+            self._forget(worker)
+        return answer
 
     def _ready(self) -> WorkerProcess:
         """Return the worker process, a new one if the last has died."""

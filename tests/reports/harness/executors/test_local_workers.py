@@ -88,6 +88,13 @@ def test_a_call_that_holds_too_much_memory_is_refused_it(worker):
     assert worker.call(calls.hold, MEMORY_SHARE / 2).value > 0
 
 
+@pytest.mark.skipif(sys.platform != "linux", reason="only Linux tells what a process holds")
+def test_a_worker_whose_calls_leak_is_replaced_before_a_call_is_refused_memory(worker):
+    first = worker.call(calls.leak, MEMORY_SHARE / 4).value
+    assert worker.call(calls.leak, MEMORY_SHARE / 3).value == first
+    assert worker.call(calls.leak, MEMORY_SHARE / 4).value != first
+
+
 def test_of_a_full_disk_and_where_no_process_can_be_started_the_machine_is_to_blame(
     worker, monkeypatch
 ):
