@@ -132,10 +132,10 @@ class WorkerProcess:
         Only Linux tells.
         """
         try:
-            held = int(getattr(self._of_system.memory_info(), "data", 0))
+            count = int(getattr(self._of_system.memory_info(), "data", 0))
         except psutil.Error:
             return False
-        return 2 * held > worker_main.own_bound() if held else False
+        return count > 0 and 2 * count > worker_main.own_bound()
 
     def printed(self) -> str:
         """Return what the call has printed; only the end if it is long."""
