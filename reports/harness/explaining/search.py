@@ -104,7 +104,8 @@ class Search:
         """The changes, so many of them at most, that explain more than chance does.
 
         From the first ones on one is added, or left out, as long as that gains anything; then one
-        with numbers is replaced by one without, if that gains anything.
+        with numbers is replaced by one without, or two by one with one number, if that gains
+        anything.
         """
         fit = Trial(self.data, first).fit()
         while True:

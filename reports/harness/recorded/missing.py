@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from ....scenarios import FloatArray, Trajectory
+from ....reference.other_equations import equations_of
+from ....scenarios import FloatArray, Scenario, Trajectory
 from ....scenarios.rotation import matrices, norms, rotation_vectors, turned
 from ...results.change_words import vector
-from ..explaining.hypothesis import Hypothesis
 from ..explaining.search import LEFT, SAME
 from .intervals import Intervals
 from .mistakes import FITS
@@ -30,14 +30,9 @@ PART, SURE = 0.1, 8.0
 KEPT = 0.25
 
 
-def dissipated(usual: Hypothesis, motion: Trajectory) -> list[str]:
-    """Say that a free body loses energy and keeps its angular momentum; nothing if it does not.
-
-    Parameters
-    ----------
-    usual : the scene's equations
-    """
-    e = usual.equations
+def dissipated(scenario: Scenario, motion: Trajectory) -> list[str]:
+    """Say that a free body loses energy and keeps its angular momentum; nothing if it does not."""
+    e = equations_of(scenario)
     if e.pull.any() or e.torque.any() or e.torque_world.any() or e.slowing.any() or e.kept.any():
         return []
     omega, count = motion.omega_body, max(2, int(PART * len(motion.t)))

@@ -169,7 +169,7 @@ def warped(scenario: Scenario, motion: Trajectory, exact: Trajectory, noise: Flo
     later = np.zeros(len(motion.t))
     given = off = apart(made, recorded) / unit
     for _ in range(NEWTONS):
-        small = SAME * unit[3] ** -1
+        small = SAME / unit[3]
         changed = apart(made, follow(equations, made, np.full((len(later), 1), small))[:, 0]) / unit
         slopes = changed / small
         squares = np.maximum(np.sum(slopes**2, axis=1), np.finfo(float).tiny)

@@ -14,7 +14,7 @@ from ....reference.following import EXACT, KNOWN
 from ....scenarios import FloatArray, Scenario, Trajectory
 from ....scenarios.rotation import norms
 from ..explaining.fit import Fit
-from ..explaining.hypothesis import Change, Hypothesis, as_it_is
+from ..explaining.hypothesis import Change, Hypothesis
 from ..explaining.search import LEFT, MOST_OF_ALL, SAME, Search
 from .clamps import clamps
 from .gyroscope_first import after_gyroscope
@@ -258,7 +258,7 @@ class Physics:
     @property
     def dissipated(self) -> list[str]:
         """The sentence that energy is lost within the body, if it is."""
-        return dissipated(as_it_is(self.scenario), self.motion)
+        return dissipated(self.scenario, self.motion)
 
     @property
     def by_change(self) -> Fit | None:
