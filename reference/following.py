@@ -6,9 +6,7 @@ All numbers are plain doubles. If the equations are a scene's, the integrator `E
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, field
-from functools import lru_cache
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from scipy.integrate import DOP853
@@ -34,9 +32,6 @@ from .other_rates import (
 
 #: Largest turn in a step of `EXACT`, rad: its error is then an ulp.
 TURN = 0.2
-#: How many results are kept: a search for what explains a motion asks for the same ones again, and
-#: one in which a wrong tensor turns a needle fast takes ten seconds.
-RESULTS = 16
 #: Columns of a stage: q', ω' and the angular velocity at which the attitude turns.
 STAGE, TURNS = 10, 7
 
@@ -133,26 +128,8 @@ def follow_each(
     """
     numbers = np.stack([all_numbers(one) for one in equations])
     timesteps = np.zeros(len(numbers)) if timesteps is None else timesteps
-    arguments = (numbers, states, spans, *integrator[1:], timesteps, fastest)
-    key = (one.tobytes() if isinstance(one, np.ndarray) else one for one in arguments)
-    return _followed(_Query((spans.shape, *key), arguments)).copy()
-
-
-@dataclass(frozen=True)
-class _Query:
-    """The arguments of `_follow`, and a key by which they are compared."""
-
-    key: tuple[object, ...]
-    arguments: tuple[Any, ...] = field(compare=False)
-
-
-@lru_cache(RESULTS)
-def _followed(query: _Query) -> FloatArray:
-    """Return what `follow_each` does, (E, S, L, 7); it is kept, and must not be changed."""
-    _, _, spans, *_ = query.arguments
     ends = np.empty((*spans.shape, 7))
-    arguments = *query.arguments, ends
-    _follow(*arguments)
+    _follow(numbers, states, spans, *integrator[1:], timesteps, fastest, ends)
     return ends
 
 
