@@ -86,7 +86,8 @@ def _read(session: Session, strides: Sequence[int]) -> tuple[list[Any], Sampled]
     try:
         session.record(strides, snapshots.append)
     except EngineError as error:
-        blown_up = _blown_up(session)
+        # Genesis keeps the last state that was finite.
+        blown_up = error.cause if error.cause == "not-finite" else _blown_up(session)
         if blown_up and error.cause not in WRONG_AT_ANY_TIMESTEP:
             return snapshots, Sampled(NOTHING, "diverged", str(error), error.cause or blown_up)
         return snapshots, Sampled(NOTHING, "failed", str(error), error.cause or "refused")

@@ -110,6 +110,12 @@ class GaveUpInAStep(Turning):
             raise self.error
 
 
+class KeptTheLastState(GaveUpInAStep):
+    """Stops as its accelerations are no numbers; its state is that of before."""
+
+    error = EngineError("accelerations are nan", "not-finite")
+
+
 class GaveUpWithASpin(GaveUpInAStep):
     """The same, with a part that turns."""
 
@@ -161,6 +167,7 @@ FAULTS = {
     LateFault: ("diverged", "reset", "it was reset"),
     BlownUpInAStep: ("diverged", "not-finite", "a step was not possible"),
     GaveUpInAStep: ("failed", "refused", "out of memory"),
+    KeptTheLastState: ("diverged", "not-finite", "accelerations are nan"),
     Buggy: ("failed", "bug", "ZeroDivisionError: a bug"),
 }
 

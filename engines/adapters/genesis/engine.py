@@ -81,12 +81,17 @@ class GenesisSession(WorldSession):
         try:
             super().advance(steps)
         except self.module.gs.GenesisException as error:
-            raise EngineError(f"Genesis: {error}") from None
+            kind = ("not-finite",) if NOT_FINITE in str(error) else ()
+            raise EngineError(f"Genesis: {error}", *kind) from None
 
     def close(self) -> None:
         """Free the scene."""
         self.world.close()
         super().close()
+
+
+#: What Genesis says where a state is no longer finite.
+NOT_FINITE = "causing 'nan'"
 
 
 def _method(name: str, summary: str, *, as_shipped: bool = False) -> Method:

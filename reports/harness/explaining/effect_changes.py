@@ -58,7 +58,7 @@ def torques(scenario: Scenario, e: OtherEquations) -> Iterator[Change]:
 
 
 def _torques_besides(scenario: Scenario, e: OtherEquations) -> Iterator[Change]:
-    size = mean_moment(e) * _fastest(scenario, e) ** 2
+    size = usual_torque(scenario, e)
     for kind, name in (
         ("torque along body axes", "torque"),
         ("torque along world axes", "torque_world"),
@@ -171,7 +171,7 @@ def of_momentum(e: OtherEquations) -> Iterator[Change]:
 def of_attitude(scenario: Scenario, e: OtherEquations) -> Iterator[Change]:
     """Torques by the attitude, and turns of body or world besides ω, that a long motion shows."""
     rate = _fastest(scenario, e)
-    size, gravity = mean_moment(e) * rate**2, e.gravity_world
+    size, gravity = usual_torque(scenario, e), e.gravity_world
     up = -gravity / np.linalg.norm(gravity) if gravity.any() else np.eye(3)[2]
     yield Change(
         "gravity gradient",
@@ -182,12 +182,36 @@ def of_attitude(scenario: Scenario, e: OtherEquations) -> Iterator[Change]:
     yield fitted("turning besides", np.zeros(3), rate, partial(_turned, "body_turns"))
     yield world_turning(rate)
     yield fitted("gravity gradient along other axes", np.zeros(5), rate**2, _pulled)
-    yield fitted(
+    yield by_attitude(size)
+    yield from (_spring(q, size) for q in (np.eye(4)[0], scenario.start.q_world_body_wxyz))
+
+
+def by_attitude(size: float) -> Change:
+    """Torques Σ P eᵢ × Rᵀeᵢ by the attitude, of about a size, N m; all of P is fitted."""
+    return fitted(
         "torque by attitude",
         *(np.zeros(9), size),
         lambda h, n: h.of(attitude_torque=n.reshape(3, 3).copy()),
     )
-    yield from (_spring(q, size) for q in (np.eye(4)[0], scenario.start.q_world_body_wxyz))
+
+
+def dipole(P: FloatArray) -> Change:
+    """The torque of the dipole in a field that is nearest torques by the attitude, P, N m, (3, 3).
+
+    Of the dipole three numbers are fitted, N m, and of the field's direction two angles, rad.
+    """
+    of_body, sizes, of_world = np.linalg.svd(P)
+
+    def made(n: FloatArray) -> FloatArray:
+        field = Rotation.from_rotvec(n[3:] @ of_world[1:]).apply(of_world[0])
+        return np.outer(sizes[0] * of_body[:, 0] + n[:3], field)
+
+    return Change(
+        "torque by attitude",
+        lambda h, n: h.of(attitude_torque=made(n)),
+        np.array([sizes[0]] * 3 + [1.0] * 2),
+        lambda n: made(n).ravel(),
+    )
 
 
 def _spring(q_rest_wxyz: FloatArray, size: float) -> Change:
@@ -244,6 +268,11 @@ def momentum(scenario: Scenario, e: OtherEquations) -> Change:
 def mean_moment(e: OtherEquations) -> float:
     """The mean moment, kg m²."""
     return float(np.trace(e.inertia)) / 3
+
+
+def usual_torque(scenario: Scenario, e: OtherEquations) -> float:
+    """The size of a torque that changes the motion within a turn, N m."""
+    return mean_moment(e) * _fastest(scenario, e) ** 2
 
 
 def _fastest(scenario: Scenario, e: OtherEquations) -> float:

@@ -23,7 +23,7 @@ NOWHERE = 1e30
 RANK = 1e-6
 EPS = float(np.finfo(float).eps)
 #: Evaluations of a fit at most, and a step of a scaled number from which a slope is taken.
-EVALUATIONS, SMALL = 50, 1e-5
+EVALUATIONS, SMALL = 20, 1e-5
 #: Relative steps at which a fit ends, and one to a part of the data.
 NEAR, ROUGHLY = 1e-9, 1e-3
 #: Numbers that leave a larger mean square of a part of the data explain none of it, and are fitted
@@ -106,7 +106,7 @@ class Fit:
     @cached_property
     def left(self) -> float:
         """The mean square of what is left."""
-        return float(np.mean(self.rest**2))
+        return mean_square(self.rest)
 
     @property
     def errors(self) -> FloatArray:
@@ -164,9 +164,9 @@ class Linear:
     def least(self) -> float:
         """The mean square of what the best numbers leave."""
         if not self.slopes.shape[1]:
-            return float(np.mean(self.at_none**2))
+            return mean_square(self.at_none)
         best = np.linalg.lstsq(self.slopes, self.at_none, rcond=RANK)[0]
-        return float(np.mean((self.at_none - self.slopes @ best) ** 2))
+        return mean_square(self.at_none - self.slopes @ best)
 
     def with_other(self, other: "Linear", unchanged: FloatArray) -> "Linear":
         """What both leave together; without either so much is left unchanged, (m,)."""
@@ -202,20 +202,19 @@ class Trial:
         steps = SMALL * np.eye(len(self.sizes))
         return [self.hypothesis(x) for x in np.vstack([none, steps])]
 
-    def falls_at_most(self, before: Fit) -> float:
-        """How much the sum of squares falls from that of some of the changes, if it is linear.
+    def falls_if_linear(self, before: Fit) -> float:
+        """How much the sum of squares falls from that of a fit with other changes, if it is linear.
 
-        A test of whether the others are needed that takes no fit (C. R. Rao, Math. Proc. Camb.
-        Philos. Soc. 44 (1948) 50).
+        A test of whether other changes explain more that takes no fit (C. R. Rao, Math. Proc. Camb.
+        Philos. Soc. 44 (1948) 50): what both have keeps its slopes.
         """
         x, steps = self._begun(before), SMALL * np.eye(len(self.sizes))
         added = [k for k, change in enumerate(self._each) if change not in before.changes]
-        if not added:
-            return self.data.falls(before.rest, *self.data.left([self.hypothesis(x)]))
-        left = self.data.left([self.hypothesis(x + steps[k]) for k in added])
-        slopes = np.hstack([before.slopes, (left - before.rest).T / SMALL])
-        best = np.linalg.lstsq(slopes, before.rest, rcond=RANK)[0]
-        return self.data.falls(before.rest, before.rest - slopes @ best)
+        left = self.data.left([self.hypothesis(one) for one in (x, *(x + steps[added]))])
+        kept = [before.slopes[:, before.rows(one)] for one in self.changes if one in before.changes]
+        slopes = np.hstack([*kept, (left[1:] - left[0]).T / SMALL])
+        best = np.linalg.lstsq(slopes, left[0], rcond=RANK)[0]
+        return self.data.falls(before.rest, left[0] - slopes @ best)
 
     @property
     def _each(self) -> list[Change]:
@@ -310,3 +309,8 @@ class _Residuals:
         if not np.array_equal(x, self.x):
             self.at(x)
         return self.slopes
+
+
+def mean_square(numbers: FloatArray) -> float:
+    """Return the mean of the squares of numbers."""
+    return float(np.mean(numbers**2))

@@ -22,6 +22,7 @@ class Hypothesis(NamedTuple):
     read, bias, drift, lag : at a time t, s, `read` @ ω(t − `lag`) + `bias` + t `drift` is read,
         along body axes; (3, 3), rad/s (3,), rad/s² (3,) and s
     low_pass : time constant, s, of a low-pass filter of first order that ω has passed
+    is_begun : whether that filter begins at the first sample, with ω as it is there
     turned, delay : of the attitude that of `delay` s before is read, and of axes that are turned in
         the body by a rotation vector, rad, (3,)
     step : timesteps that a step takes
@@ -37,6 +38,7 @@ class Hypothesis(NamedTuple):
     turned: FloatArray
     lag: float = 0.0
     low_pass: float = 0.0
+    is_begun: bool = False
     delay: float = 0.0
     step: float = 1.0
     velocity: float = 1.0

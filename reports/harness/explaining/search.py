@@ -122,38 +122,38 @@ class Search:
             yield Trial(self.data, tuple(c for c in fit.changes if c is not one)).fit(fit)
 
     def _one_more(self, fit: Fit, most: int) -> Iterator[Fit]:
-        return (self._more(fit, one) for one in self._likeliest(fit, most))
+        """Fits with one change more, if there may be one; all if the fit explains nothing."""
+        if len(fit.changes) < most:
+            others = (one for one in self.changes if one not in fit.changes)
+            trials = [Trial(self.data, (*fit.changes, one)) for one in others]
+            likely = trials if fit.is_hopeless else self._likeliest(fit, trials)
+            yield from (self._more(fit, trial) for trial in likely)
 
     def _plainer(self, fit: Fit) -> Iterator[Fit]:
         """Fits with fewer numbers: a change replaced by one without, or two by one with one."""
-        others = [one for one in self.changes if one not in fit.changes]
-        for replaced in (one for one in fit.changes if len(one.sizes)):
-            for other in (one for one in others if not len(one.sizes)):
-                changes = (other if one is replaced else one for one in fit.changes)
-                yield Trial(self.data, tuple(changes)).fit(fit)
-        for pair in combinations(fit.changes, 2):
-            for other in (one for one in others if len(one.sizes) == 1):
-                kept = tuple(one for one in fit.changes if one not in pair)
-                yield Trial(self.data, (other, *kept)).fit(fit)
+        trials = []
+        for count, replaced in [(0, (one,)) for one in fit.changes if len(one.sizes)] + [
+            (1, pair) for pair in combinations(fit.changes, 2)
+        ]:
+            kept = tuple(one for one in fit.changes if one not in replaced)
+            others = (c for c in self.changes if c not in fit.changes and len(c.sizes) == count)
+            trials += [Trial(self.data, (other, *kept)) for other in others]
+        yield from (trial.fit(fit) for trial in self._likeliest(fit, trials))
 
-    def _likeliest(self, fit: Fit, most: int) -> list[Change]:
-        """The changes that may explain more of what a fit leaves; all if it explains nothing."""
-        others = [one for one in self.changes if one not in fit.changes]
-        if len(fit.changes) >= most or fit.is_hopeless:
-            return others if len(fit.changes) < most else []
-        falls = {
-            one: Trial(self.data, (*fit.changes, one)).falls_at_most(fit)
-            - self._by_chance(len(one.sizes))
-            for one in others
-        }
-        return sorted(others, key=lambda one: -falls[one])[:LIKELIEST]
+    def _likeliest(self, fit: Fit, trials: Sequence[Trial]) -> list[Trial]:
+        """The trials that may gain most on a fit of which they have some changes."""
 
-    def _more(self, fit: Fit, change: Change) -> Fit:
+        def gain(trial: Trial) -> float:
+            chance = sum(self._by_chance(len(change.sizes)) for change in trial.changes)
+            return trial.falls_if_linear(fit) - chance
+
+        return sorted(trials, key=gain, reverse=True)[:LIKELIEST]
+
+    def _more(self, fit: Fit, trial: Trial) -> Fit:
         """A fit with one more change; begun anew, too, where the one before leaves more than noise.
 
         From numbers that are wrong a search may end at others that noise hides.
         """
-        trial = Trial(self.data, (*fit.changes, change))
         one = trial.fit(fit)
         if fit.is_hopeless or fit.left <= within_noise(fit.rest.size):
             return one
@@ -186,9 +186,9 @@ class Search:
         best = self.unchanged
         # Of those alike the first is named.
         for fit in sorted(fits, key=lambda fit: fit.count):
-            explains = fit.left <= enough and self._beyond(self.unchanged, fit) > 0
+            explains = fit.left <= enough and self.beyond(self.unchanged, fit) > 0
             explains = explains and fit.is_possible and self._is_plain(fit)
-            if explains and (self._beyond(best, fit) > 0 or self._is_closer(fit, best)):
+            if explains and (self.beyond(best, fit) > 0 or self._is_closer(fit, best)):
                 best = fit
         return None if best is self.unchanged else best
 
@@ -203,8 +203,8 @@ class Search:
             return True
         return fit.count <= MOST_OF_ALL and not self.is_beyond(fit.rest)
 
-    def _beyond(self, before: Fit, after: Fit) -> float:
-        """How much less a fit leaves than chance makes of it."""
+    def beyond(self, before: Fit, after: Fit) -> float:
+        """How much less a fit leaves than chance makes its further numbers leave."""
         return self.data.falls(before.rest, after.rest) - self._by_chance(
             after.count - before.count
         )

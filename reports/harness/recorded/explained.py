@@ -5,6 +5,7 @@ from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
+from ....reference import ExactMotion
 from ....scenarios import FloatArray, Scenario, Trajectory
 from ....scenarios.rotation import matrices, norms
 from .alternation import Alternation, alternation
@@ -17,12 +18,12 @@ from .jumps import FAR, jumps
 from .log import log_of
 from .measured import Measured
 from .missing import is_omega_off
-from .mistakes import FEWEST, LEFT_OUT, followed, mistakes, without
+from .mistakes import FEWEST, LEFT_OUT, followed, mistakes, rounded_times, without
 from .motion import Reading, RecordedMotion, recorded_motion
 from .odd_samples import across_signs, exchanged, jitter, lost_sign, warped, wrapped
 from .other_physics import Physics, rounding
 from .read_attitude import attitude_read
-from .read_omega import omega_read
+from .read_omega import OMEGA, omega_read
 from .recording import Recording
 from .since import since_exactly, since_when
 from .starts import elsewhere
@@ -34,6 +35,7 @@ LOWER_ORDER = (
     "its method is of order {}, not {}: the scene's equations and errors of that order make this "
     "motion; look for a wrong stage or weight, or a rate that is taken at another time"
 )
+OTHER_TIMESTEP = "its timestep is not the stated {:.4g} s"
 LONGER_TIMESTEP = (
     "its timestep is longer than the stated {:.4g} s: the scene's equations and errors of order {} "
     "make this motion, with a timestep of {:.2g} s or more"
@@ -89,14 +91,14 @@ def explained(
         return _of_numbers(shown, physics, reading)
     if odd := _odd_samples(reading, numbers, physics):
         return _of_numbers([odd], physics, reading)
-    if wrong := mistakes(scenario, exact, reading):
+    if wrong := mistakes(scenario, exact, reading) or rounded_times(reading):
         of_all = scenario, exact, recording, reading, timestep, order
         rest = _without(wrong, *of_all) if is_first else ()
         return Explanation((*wrong, *rest), _verdict(physics), physics.is_beyond)
     if uneven := warped(scenario, motion, exact, of_intervals):
         return Explanation((uneven,), _verdict(physics, is_explained=True), physics.is_beyond)
     every = intervals_of(scenario, motion, timestep, order, of_intervals, near=FAR)
-    if every and not physics.clamps and (jump := jumps(every)):
+    if every and not physics.clamps and (jump := jumps(every, has_omega=has_omega)):
         return Explanation(tuple(jump), _verdict(physics, is_beyond=True), is_beyond=True)
     alternates, is_stated = alternation(scenario, motion, floor), noise is not None
     # Who states an order of more than one has computed the motion.
@@ -118,7 +120,7 @@ def explained(
         # A method that errs in one of attitude and ω soon errs in the other.
         if is_measured or fit.right_by_itself:
             return _of_measured(fit, physics)
-    is_asked = is_first and has_omega and (physics.search is None or physics.is_open)
+    is_asked = is_first and has_omega and (physics.search is None or physics.is_open_or_turning)
     if is_asked and (both := _both(physics, recording, reading)):
         return both
     return _of_computed(physics, alternates if has_omega else None, floor, has_omega=has_omega)
@@ -165,10 +167,14 @@ def _without(
 ) -> tuple[str, ...]:
     """Return what explains a recording once mistakes that were found in it are undone."""
     undone = without(wrong, reading, scenario, _first(exact))
-    if undone is None or not np.array_equal(undone.t, reading.t):
+    if undone is None or len(undone.t) != len(reading.t) or undone.t[0] < 0:
         return ()
-    motion = recorded_motion(scenario, recording, undone, exact)
-    of_it = scenario, exact, recording, undone, motion, timestep, order
+    is_same = np.array_equal(undone.t, reading.t)
+    at = exact if is_same else ExactMotion(scenario).solve(undone.t).trajectory
+    if len(at.t) < len(undone.t):
+        return ()
+    motion = recorded_motion(scenario, recording, undone, at)
+    of_it = scenario, at, recording, undone, motion, timestep, order
     return explained(*of_it, is_first=False).explained_by
 
 
@@ -216,11 +222,12 @@ def _of_computed(
     """Explain a motion that was computed."""
     of_method = physics.scenario, physics.motion, physics.timestep, physics.order
     of_spins = spins_beyond(*of_method, floor)
-    words: list[str] = []
+    words = _of_other_method(physics)
+    is_beyond = physics.is_beyond or bool(words or of_spins)
     if not physics.made_by:
-        words = _of_other_method(physics)
         words = words or (_of_readings(physics) if has_omega and not physics.clamps else [])
-        words = words or physics.explained()
+        # That only ω is wrong says less than what explains all of the motion.
+        words = physics.explained() if not words or (words == [OMEGA] and physics.is_all) else words
     if alternates and physics.is_beyond:
         words = alternates.of_omega or words
     if not words and not physics.made_by and not physics.exact.t[0]:
@@ -229,13 +236,14 @@ def _of_computed(
     # Other equations change no state at the scene's start.
     if has_omega and (not words or (physics.is_of_equations and not physics.exact.t[0])):
         words = [*words, *elsewhere(physics)]
-    is_beyond = physics.is_beyond or bool(of_spins)
     verdict = _verdict(physics, is_beyond, is_explained=bool(words))
     return Explanation(tuple(words), verdict, is_beyond, physics.made_by)
 
 
 def _of_other_method(physics: Physics) -> list[str]:
-    """Return that a method of a lower order, or a longer timestep, than the stated one was used."""
+    """Return that a method of a lower order, or another timestep, than the stated one was used."""
+    if physics.is_at_another_timestep:
+        return [OTHER_TIMESTEP.format(physics.timestep)]
     order = physics.order_made
     if order == physics.order and physics.timestep:
         return [LONGER_TIMESTEP.format(physics.timestep, order, physics.least_timestep)]
@@ -253,7 +261,7 @@ def _of_readings(physics: Physics) -> list[str]:
 def _of_measured(fit: Measured, physics: Physics) -> Explanation:
     """Explain a measured motion, by other physics if more than noise is left."""
     words = physics.dissipated if fit.search.is_called_for else []
-    if not words and fit.is_far and (physics.clamps or physics.by_change is None):
+    if not words and fit.is_beyond and (physics.clamps or physics.by_change is None):
         # A body that is limited itself turns no faster either.
         words = fit.right_by_itself
     words = words or (physics.explained() if fit.is_beyond else []) or fit.explained()

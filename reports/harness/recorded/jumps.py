@@ -21,6 +21,8 @@ FAR = 2.5
 UNDONE_BY, KINDS_TOLD = 4, 2
 #: Neighbours, on each side, that an interval is compared with; two may be jumps, too.
 AROUND = 4
+#: Samples on each side that ω is wrong at where it is found by attitudes, and they jump.
+STENCIL = 2
 #: Newton steps to the time in which a motion comes to a state, and relative error of a time.
 STEPS, ALIKE = 6, 1e-3
 
@@ -41,7 +43,7 @@ class Jump:
     words: str
 
 
-def jumps(data: Intervals) -> list[str]:
+def jumps(data: Intervals, *, has_omega: bool) -> list[str]:
     """Return the jumps of a motion in words, the first of each kind.
 
     None if there is none, or more than a tenth of all intervals are some.
@@ -49,7 +51,9 @@ def jumps(data: Intervals) -> list[str]:
     Parameters
     ----------
     data : all intervals that turn by less than `FAR`, with the noise of recorded numbers
+    has_omega : whether ω was recorded; if not, one found by attitudes is wrong around a jump
     """
+    reach = 0 if has_omega else STENCIL
     off = data.apart(data.base.equations)
     left = np.sum((off / data.scale) ** 2, axis=1)
     places, found = _places(data, off, left), list[Jump]()
@@ -60,12 +64,15 @@ def jumps(data: Intervals) -> list[str]:
             # What a filter makes of a start goes on in the samples after it.
             return []
         end = k
-        while last is None and end + 1 in later:
-            end += 1
+        while last is None and (near := [j for j in later if end < j <= end + 1 + 2 * reach]):
+            end = near[0]
         if last is not None:
             found.append(_off(data, off, k, last))
         else:
-            found.append(_stretch(data, off, k, end) if end > k else _jump(data, off, k))
+            found.append(
+                _lost(data, max(0, k - reach), min(end + reach, len(off) - 1))
+                or (_stretch(data, off, k, end) if end > k else _jump(data, off, k))
+            )
         places = [j for j in later if j > (last or end)]
     kinds = dict.fromkeys(one.kind for one in found)
     return [_sentence([one for one in found if one.kind == kind]) for kind in kinds][:KINDS_TOLD]
@@ -135,22 +142,34 @@ def _stretch(data: Intervals, off: FloatArray, k: int, end: int) -> Jump:
     return Jump("stretch", data.t[k], words)
 
 
+def _lost(data: Intervals, first: int, last: int) -> Jump | None:
+    """Return the time by which a motion goes on further than its times; None if it does not.
+
+    It does from the start of one interval to the end of another one.
+    """
+    spans, moved = data.spans[first : last + 1, 0], _moved(data, first, last)
+    if moved is None:
+        return None
+    at, span, more = (
+        data.t[(first + last) // 2],
+        float(np.median(spans)),
+        moved - float(spans.sum()),
+    )
+    lost = round(more / span)
+    if 0 < lost <= MOST_LOST and abs(more - lost * span) < ALIKE * span:
+        samples = "1 sample is" if lost == 1 else f"{lost} samples are"
+        return Jump("lost", at, f"{samples} lost before t = {at:.6g} s, or its time is too early")
+    begun = data.t[first] - data.spans[first, 0]
+    words = (
+        f"from t = {begun:.6g} s to {data.t[last]:.6g} s the motion goes on by {moved:.4g} s, and "
+        f"the times by {spans.sum():.4g} s"
+    )
+    return Jump("clock", at, words)
+
+
 def _jump(data: Intervals, off: FloatArray, k: int) -> Jump:
     """Return what a jump that lasts may come from."""
-    at, span = data.t[k], float(data.spans[k, 0])
-    moved = _moved(data, k)
-    if moved is not None:
-        lost = round(moved / span) - 1
-        if 0 < lost <= MOST_LOST and abs(moved - (lost + 1) * span) < ALIKE * span:
-            samples = "1 sample is" if lost == 1 else f"{lost} samples are"
-            words = f"{samples} lost before t = {at:.6g} s, or its time is too early"
-            return Jump("lost", at, words)
-        return Jump(
-            "clock",
-            at,
-            f"from t = {at - span:.6g} s to {at:.6g} s the motion goes on by {moved:.4g} s, and "
-            f"the times by {span:.4g} s",
-        )
+    at = data.t[k]
     if not k:
         words = (
             f"the first sample is off what follows by {_size(off[0])}, as where a state is written "
@@ -163,9 +182,9 @@ def _jump(data: Intervals, off: FloatArray, k: int) -> Jump:
     return Jump("jump", at, f"at t = {at:.6g} s it jumps, by {_size(off[k])}, as where {like}")
 
 
-def _moved(data: Intervals, k: int) -> float | None:
-    """Return the time in which the motion comes from the start of an interval to its end, s."""
-    start, end, equations = data.starts[[k]], data.ends[[k]], data.base.equations
+def _moved(data: Intervals, first: int, last: int) -> float | None:
+    """Return the time in which the motion comes from one interval's start to another's end, s."""
+    start, end, equations = data.starts[[first]], data.ends[[last]], data.base.equations
     speeds = norms(np.vstack([start, end])[:, 4:])
     if not speeds.all():
         return None
@@ -176,7 +195,7 @@ def _moved(data: Intervals, k: int) -> float | None:
         moved += float(rotation_vectors(made[:, :4], end[:, :4])[0] @ omega / (omega @ omega))
     made = follow(equations, start, np.array([[moved]]))[0, 0]
     is_later = moved > 0 and np.isfinite(made).all()
-    return moved if is_later and _is_near(made, end[0], data.scale[k]) else None
+    return moved if is_later and _is_near(made, end[0], data.scale[last]) else None
 
 
 def _sentence(alike: Sequence[Jump]) -> str:

@@ -4,6 +4,7 @@ The exact motion is fitted to all samples at once by maximum likelihood, with no
 noise.
 """
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -17,12 +18,15 @@ from ....scenarios.rotation import norms
 from ...results.change_words import KINDS
 from ..explaining.changes import is_scaled, tensor
 from ..explaining.effect_changes import (
+    by_attitude,
     com,
+    dipole,
     momentum,
     of_momentum,
     resistance,
     tilt,
     torques,
+    usual_torque,
     world_turning,
 )
 from ..explaining.fit import Fit, Trial
@@ -34,7 +38,7 @@ from .digits import where
 from .intervals import apart
 from .log import Log
 from .motion_changes import TIMES
-from .sensors import LOW_PASS, SENSORS, of_sensor
+from .sensors import OF_LOGS, of_sensor
 from .starts import started_elsewhere
 
 #: Part of the distance of samples by which a state is followed to see where it leads.
@@ -72,6 +76,11 @@ class Measured:
         return tensor(self.given.base.equations)
 
     @cached_property
+    def by_attitude(self) -> Change:
+        """The change in which torques act that depend on the attitude."""
+        return by_attitude(usual_torque(self.scenario, self.given.base.equations))
+
+    @cached_property
     def axes(self) -> Change:
         """The change in which attitude and ω are those of axes that are turned in the body."""
         omega = self.given.scene_start[4:]
@@ -93,25 +102,37 @@ class Measured:
         candidates += [*tilt(equations), *of_momentum(equations), *torques(*scene)]
         candidates.append(momentum(*scene))
         if self.given.has_omega:
-            candidates += [*SENSORS, LOW_PASS, world_turning(1.0)]
+            candidates += [*OF_LOGS, world_turning(1.0)]
         return Search(self.given, candidates)
 
     @cached_property
     def found(self) -> Fit:
         """The best fit, with all the changes that the samples require."""
         search, both = self.search, (START, self.tensor)
-        found = max((one.fit() for one in search.trials), key=search.gain)
+        single = [one.fit() for one in search.trials]
+        # It has numbers enough to explain a part of anything.
+        torque = Trial(self.given, (self.by_attitude,)).fit()
+        single += [] if self._is_beyond(torque) else [torque]
+        found = max(single, key=search.gain)
         if not found.is_hopeless:
             found = search.stepwise(found.changes, MOST)
         if self._is_beyond(found):
             # Of changes that are needed together each may explain nothing by itself.
             found = max(found, search.stepwise(both, MOST), key=search.gain)
-        if not set(both) <= set(found.changes):
-            return found
-        others = [one for one in found.changes if one not in both]
-        # Along other axes the same body starts elsewhere, and has another tensor.
-        turned = Trial(self.given, (self.axes, *others)).fit()
-        return max(found, turned, key=search.gain)
+        narrower = (one for one in self._narrower(found) if search.beyond(one, found) <= 0)
+        return max(narrower, key=search.gain, default=found)
+
+    def _narrower(self, found: Fit) -> Iterator[Fit]:
+        """Yield fits in which changes with many numbers are special ones with fewer."""
+        both = START, self.tensor
+        if set(both) <= set(found.changes):
+            others = [one for one in found.changes if one not in both]
+            # Along other axes the same body starts elsewhere, and has another tensor.
+            yield Trial(self.given, (self.axes, *others)).fit()
+        if self.by_attitude in found.changes:
+            of_dipole = dipole(found.numbers_of(self.by_attitude).reshape(3, 3))
+            others = [one for one in found.changes if one is not self.by_attitude]
+            yield Trial(self.given, (of_dipole, *others)).fit(found)
 
     def alternatives(self, change: Change) -> list[tuple[float, Change, Fit]]:
         """Return the mistakes of a gyroscope that explain about as much as the named one.
@@ -121,8 +142,9 @@ class Measured:
         left out.
         """
         fits = []
-        for other in (*SENSORS, LOW_PASS):
-            if other not in self.found.changes:
+        for other in OF_LOGS:
+            # With more numbers it explains as much by itself.
+            if other not in self.found.changes and len(other.sizes) <= len(change.sizes):
                 changes = (other if one is change else one for one in self.found.changes)
                 fit = Trial(self.given, tuple(changes)).fit(self.found)
                 gain = self.search.gain(fit) - self.search.gain(self.found)
@@ -312,7 +334,7 @@ class Measured:
     def _in_words(self, change: Change) -> str:
         rows = self.fit.rows(change)
         numbers, errors = self.fit.numbers[rows], self.fit.errors[rows] * self.inflation
-        if change in (*SENSORS, LOW_PASS):
+        if change in OF_LOGS:
             others = (
                 f", or {self._of_sensor(other, fit)} ({likely:.2g} times as likely)"
                 for likely, other, fit in self.alternatives(change)
@@ -325,7 +347,12 @@ class Measured:
         if change is self.axes:
             turn = _plus_minus(np.degrees(numbers), np.degrees(errors))
             return f"attitude and ω are those of axes that are turned by {turn}° in the body"
-        listed = ", ".join(f"{error:.2g}" for error in errors)
+        if change.kind == self.by_attitude.kind:
+            # Angles of a dipole's field have another size.
+            of_torque = errors[change.sizes == change.sizes[0]]
+            listed = f"{norms(of_torque[None])[0]:.2g} N m"
+        else:
+            listed = ", ".join(f"{error:.2g}" for error in errors)
         listed = f" (± {listed})" if listed else ""
         before = "" if KINDS[change.kind].is_kinematic else "it moves as if "
         return f"{before}{self.fit.explanation(change).words}{listed}"

@@ -19,7 +19,7 @@ from ..explaining.changes import EULER_ANGLES, OTHER_COMPONENTS
 from ..explaining.search import LEFT
 from .intervals import apart, states_of
 from .motion import OmegaFrame, QuaternionOrder, Reading
-from .other_readings import other_readings
+from .other_readings import equal_times, other_readings
 
 #: Turn of the exact motion, rad, in the beginning that is compared, and its least number of
 #: samples.
@@ -115,6 +115,12 @@ def followed(reading: Reading, scenario: Scenario) -> list[_Undone]:
     found = [(_astray(other), [words], other) for words, other in _undone(reading, scenario)]
     kept = [one for one in found if one[0] < LEFT * min(1.0, usual)]
     return [one[1:] for one in sorted(kept, key=lambda one: one[0])]
+
+
+def rounded_times(reading: Reading) -> list[str]:
+    """Return that times are rounded, where by others the attitudes follow ω far better."""
+    enough = LEFT * min(1.0, _astray(reading))
+    return [words for words, other in equal_times(reading) if _astray(other) < enough][:1]
 
 
 def _astray(reading: Reading) -> float:

@@ -10,7 +10,7 @@ from ..explaining.effect_changes import of_attitude, of_rotors
 from ..explaining.fit import Fit
 from ..explaining.hypothesis import Change, Hypothesis, as_it_is
 from .missing import KINEMATICS
-from .sensors import READINGS, of_sensor
+from .sensors import FILTERS, READINGS, of_sensor
 
 #: What a com beyond the pivot does, too: the tensor about the pivot is the same.
 MIRRORED = "gravity's size", -2.0
@@ -69,7 +69,7 @@ def sentences(found: Fit) -> list[str]:
     """Return each change of a fit in words."""
     every = []
     for change in found.changes:
-        if change in READINGS:
+        if change in (*READINGS, *FILTERS):
             numbers = found.numbers_of(change)
             every.append(of_sensor(change, numbers, _without_errors))
             continue

@@ -10,27 +10,26 @@ from functools import cached_property
 
 import numpy as np
 
-from ....reference.following import EXACT, KNOWN
+from ....reference.following import EXACT
 from ....scenarios import FloatArray, Scenario, Trajectory
 from ....scenarios.rotation import norms
-from ..explaining.fit import Fit
+from ..explaining.fit import Fit, mean_square
 from ..explaining.hypothesis import Change, Hypothesis
 from ..explaining.search import LEFT, MOST_OF_ALL, SAME, Search
 from .clamps import clamps
 from .gyroscope_first import after_gyroscope
 from .intervals import FEWEST_INTERVALS, Intervals, intervals_of, root_mean_squares
+from .known_integrators import FEW, KnownIntegrators
 from .leading_error import left_by_methods
 from .missing import dissipated, missing
 from .mistakes import FITS
 from .motion_changes import TIMES, changes_of_motion, is_of_turning, sentences
-from .recording import MULTIPLE
 from .sensors import READINGS
 from .varying import varying
 from .within_error import within_error
 
-#: Number of intervals that changes are fitted to; that known integrators are followed in, and of
-#: their steps, at most.
-MOST, FEW, MOST_STEPS = 60, 12, 300
+#: Number of intervals that changes are fitted to, and of steps of known integrators, at most.
+MOST, MOST_STEPS = 60, 300
 #: Error of a short flow by rounding, in relative distances of the numbers.
 ROUNDINGS = 8.0
 #: The next term of a method's error, relative to the leading one: so many times the angle of a
@@ -85,7 +84,17 @@ class Physics:
     @cached_property
     def made_by(self) -> str:
         """The known integrator that made the motion by the scene's equations; empty if none did."""
-        return self._integrator(self.intervals.base) if self.intervals else ""
+        if self.known is None or self.intervals is None:
+            return ""
+        base = self.intervals.base
+        return self.known.that_made(base) or self.known.at_another_timestep(base)
+
+    @property
+    def is_at_another_timestep(self) -> bool:
+        """Whether the integrator that made the motion had another timestep than is stated."""
+        if self.timestep is None or self.intervals is None:
+            return False
+        return bool(self.made_by) and not self._integrator(self.intervals.base)
 
     @property
     def next_term(self) -> float:
@@ -99,34 +108,38 @@ class Physics:
 
     @cached_property
     def order_made(self) -> int:
-        """The order of the method that made a motion beyond the error of the stated one; or 0.
+        """The order of the method that made a motion that none of the stated order made; or 0.
 
         It is lower than the stated order; or the same, with a longer timestep than the stated one.
         The leading error of methods of that order explains the difference but for the next term of
-        their errors, and no change of the equations leaves far less.
+        their errors, which those of the stated order do not, and no change of the equations leaves
+        far less.
         """
-        if self.timestep is None or self.intervals is None or self.made_by or not self.is_beyond:
+        if self.timestep is None or self.intervals is None or self.made_by:
+            return 0
+        if not self.is_beyond and (self.off <= self.least).all():
             return 0
         data = self.intervals.with_error(self.off)
-        of_noise = _mean_square(np.repeat(data.noise, 3) / data.scale)
+        of_noise = mean_square(np.repeat(data.noise, 3) / data.scale)
 
-        def explains(orders: Sequence[int], part: float) -> bool:
-            return _mean_square(left_by_methods(data, orders)) < part**2 + of_noise
+        def left(*orders: int) -> float:
+            return mean_square(left_by_methods(data, orders))
 
-        longer = replace(self, timestep=None)
-        made = [*(replace(self, order=n) for n in range(1, self.order)), longer]
-        left = {
-            one.order: _mean_square(left_by_methods(data, [one.order]))
-            for one in made
+        # What is within the stated order's error has another order if that explains far more of it.
+        enough = np.inf if self.is_beyond else LEFT**2 * left(self.order, self.order + 1)
+        made = [replace(self, order=n) for n in range(1, self.order)]
+        by_order = {
+            one.order: left(one.order)
+            for one in [*made, *([replace(self, timestep=None)] if self.is_beyond else [])]
             if not one.is_beyond
-            and explains([one.order], LARGEST_NEXT)
-            and explains([one.order, one.order + 1], one.next_term)
+            and left(one.order) < LARGEST_NEXT**2 + of_noise
+            and left(one.order, one.order + 1) < min(self.next_term**2 + of_noise, enough)
         }
-        if not left:
+        if not by_order:
             return 0
-        best = min(left, key=left.__getitem__)
-        by_change = _mean_square(data.off([self.found.hypothesis])) if self.found else np.inf
-        return best if by_change > LEFT**2 * left[best] else 0
+        best = min(by_order, key=by_order.__getitem__)
+        by_change = mean_square(data.off([self.found.hypothesis])) if self.found else np.inf
+        return best if by_change > LEFT**2 * by_order[best] else 0
 
     @property
     def least_timestep(self) -> float:
@@ -138,35 +151,13 @@ class Physics:
         return float(self.timestep * max(1.0, ratio ** (1 / self.order)))
 
     @cached_property
-    def by_known(self) -> tuple[Intervals, ...]:
-        """Few of the intervals, as steps of each known integrator; of none if they cannot be.
-
-        A timestep that is not stated is taken to be the distance of the samples.
-        """
-        if self.intervals is None:
-            return ()
-        few = self.intervals.spread(FEW)
-        h = self.timestep or float(np.median(few.spans))
-        multiples = few.spans / h
-        if (np.abs(multiples - np.rint(multiples)) > MULTIPLE * multiples).any():
-            return ()
-        return tuple(few.made_by(one, h) for one in KNOWN)
+    def known(self) -> KnownIntegrators | None:
+        """The known integrators in its intervals; None without intervals."""
+        return KnownIntegrators(self.intervals, self.timestep) if self.intervals else None
 
     def _integrator(self, hypothesis: Hypothesis) -> str:
         """Return the integrator that made the motion of a hypothesis; empty if none did."""
-        if not self.by_known:
-            return ""
-        left = [_mean_square(data.off([hypothesis])) for data in self.by_known]
-        exactly = self._exactly(hypothesis)
-        if exactly <= 1 or min(left) > max(1.0, SAME**2 * exactly):
-            return ""
-        # Of those that leave rounding alone the first is named, else the one that leaves least.
-        best = next((k for k, one in enumerate(left) if one <= 1), int(np.argmin(left)))
-        return _named(self.by_known[best])
-
-    def _exactly(self, hypothesis: Hypothesis) -> float:
-        """The mean square of what a hypothesis leaves if no integrator is in it, in noise."""
-        return _mean_square(self.by_known[0].made_by(EXACT, 0.0).off([hypothesis]))
+        return self.known.that_made(hypothesis) if self.known else ""
 
     def _leads_exactly(self, hypothesis: Hypothesis) -> bool:
         """Whether a hypothesis leads from sample to sample, but for errors that are no more."""
@@ -188,15 +179,15 @@ class Physics:
         stated: implicit damping, by a method that is not known, is another tensor's. Where
         samples are many steps apart the method's error is small, and the changes alone are found.
         """
-        if self.search is None or self.made_by or not self.by_known:
+        if self.search is None or self.made_by or self.known is None or not self.known.each:
             return None
-        data = replace(self.by_known[0], base=base)
+        data = replace(self.known.each[0], base=base)
         count = min(FEW, int(MOST_STEPS * data.timestep / float(np.median(data.spans))))
         if count < FEWEST_INTERVALS:
             return None
         is_fitted = self.timestep is not None and self.is_beyond
         changes = [one for one in self.search.changes if is_fitted or not len(one.sizes)]
-        few = [replace(data, base=base).spread(count) for data in self.by_known]
+        few = [replace(data, base=base).spread(count) for data in self.known.each]
         found = [Search(data, changes, most=MOST_NUMBERS).one() for data in few]
         fits = [fit for fit in found if fit is not None and self._integrator(fit.hypothesis)]
         return min(fits, key=lambda fit: (fit.count, fit.left), default=None)
@@ -210,7 +201,7 @@ class Physics:
         if self.intervals is None or (self.off <= self.least).all():
             return True
         data, orders = self.intervals.with_error(self.off), range(1, self.order + 1)
-        return _mean_square(left_by_methods(data, orders)) < self.next_term**2
+        return mean_square(left_by_methods(data, orders)) < self.next_term**2
 
     @cached_property
     def off(self) -> FloatArray:
@@ -265,11 +256,17 @@ class Physics:
         """The changes that explain the motion; within a method's error only if they do exactly."""
         return self.found if self.is_beyond else self.of_exact_motion or self.by_other_equations
 
-    def _varying(self, changes: Sequence[Change]) -> list[str]:
-        """Return in words the number that, changing in time, explains the motion; often none."""
+    def _varying(self, changes: Sequence[Change], base: Hypothesis | None = None) -> list[str]:
+        """Return in words the number that, changing in time, explains the motion; often none.
+
+        Parameters
+        ----------
+        base : the hypothesis to which it is added; the scene's if None
+        """
         if self.intervals is None or (self.is_of_method and not self.is_beyond):
             return []
-        found = varying(self.intervals, changes, len(changes))
+        data = replace(self.intervals, base=base or self.intervals.base)
+        found = varying(data, changes, len(changes))
         return [found.words, *self._unexplained(found.rest)] if found else []
 
     @property
@@ -294,10 +291,12 @@ class Physics:
         if self.search is None or self.intervals is None:
             return None
         found = self.search.one_or_two()
-        if (found is None or not self._integrator(found.hypothesis)) and self.by_other_equations:
+        other = None
+        if found is None or not self._integrator(found.hypothesis):
             other = self.by_other_equations
-            if found is None or other.left < SAME**2 * self._exactly(found.hypothesis):
-                found = other
+        if other and self.known:
+            left = self.known.left_exactly(found.hypothesis) if found else np.inf
+            found = other if other.left < SAME**2 * left else found
         if not self.is_beyond or (found is not None and not self._is_partial(found)):
             return found
         return after_gyroscope(self.intervals, self.search) or found
@@ -315,6 +314,20 @@ class Physics:
         if not self.is_beyond or self.clamps or self.made_by or self.order_made:
             return False
         return self.found is None or self._is_partial(self.found)
+
+    @property
+    def is_all(self) -> bool:
+        """Whether changes explain all of the motion, from sample to sample."""
+        return self.found is not None and self._leads_exactly(self.found.hypothesis)
+
+    @property
+    def is_open_or_turning(self) -> bool:
+        """Whether something is left, or one of two changes is how the attitude follows ω.
+
+        That may be a mistake in recording, beside the other change.
+        """
+        changes = self.found.changes if self.found and not self.made_by else ()
+        return self.is_open or (len(changes) > 1 and any(is_of_turning(one) for one in changes))
 
     @property
     def is_of_equations(self) -> bool:
@@ -349,7 +362,9 @@ class Physics:
         more = self._within_error(found.hypothesis)
         # The same change once more is what a method's error made of its numbers.
         is_another = more is not None and not set(more.changes) & set(found.changes)
-        return [*words, *(sentences(more) if more and is_another else [])]
+        if more and is_another:
+            return [*words, *sentences(more)]
+        return [*words, *self._varying(self._of_motion, found.hypothesis)]
 
     def _unexplained(self, rest: FloatArray) -> list[str]:
         """Return that what an explanation leaves, in units of its scale, is not explained.
@@ -360,14 +375,6 @@ class Physics:
             return []
         part = float(np.sqrt(np.mean(rest**2) / self.search.unchanged.left))
         return [UNEXPLAINED.format(100 * part)]
-
-
-def _named(data: Intervals) -> str:
-    return f"what {data.integrator.name} at {data.timestep:.4g} s makes"
-
-
-def _mean_square(numbers: FloatArray) -> float:
-    return float(np.mean(numbers**2))
 
 
 def rounding(motion: Trajectory, resolution: float) -> FloatArray:

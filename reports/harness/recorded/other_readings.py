@@ -38,7 +38,7 @@ def other_readings(
     ----------
     first : the exact attitude at the first sample, body to world, (3, 3)
     """
-    yield from _of_times(reading)
+    yield from equal_times(reading)
     yield from _of_columns(reading)
     yield from _of_angles(reading)
     if reading.omega is not None:
@@ -48,7 +48,7 @@ def other_readings(
         yield from _of_axes(reading, scenario, first)
 
 
-def _of_times(reading: Reading) -> Iterator[tuple[str, Reading]]:
+def equal_times(reading: Reading) -> Iterator[tuple[str, Reading]]:
     """Yield the recording with its times unrounded, samples equally far apart, by 1/n s perhaps."""
     t, count = reading.t, np.arange(len(reading.t))
     unit = unit_of(np.diff(t))

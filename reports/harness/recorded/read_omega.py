@@ -4,7 +4,7 @@ Between two attitudes the equations of motion lead by one ω: that of the body. 
 be it, clamped, or what a linear filter makes of it.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import product
 
@@ -15,11 +15,14 @@ from ....reference.following import follow
 from ....reference.other_equations import OtherEquations
 from ....scenarios import FloatArray
 from ....scenarios.rotation import norms, rotation_vectors
-from ..explaining.hypothesis import as_it_is
-from ..explaining.search import LEFT, LEVEL
-from .clamps import CLAMPS, TINY
+from ..explaining.fit import Data
+from ..explaining.hypothesis import Hypothesis, as_it_is
+from ..explaining.search import LEFT, LEVEL, Search
+from .clamps import CLAMPS
 from .missing import is_attitude_off, turned_off
+from .motion_changes import sentences
 from .other_physics import Physics
+from .sensors import OF_LOGS, as_read
 
 #: Newton steps to the ω that leads to the next attitude, and the relative step of its slopes.
 STEPS, SMALL = 4, 1e-6
@@ -32,6 +35,29 @@ MOST_SMOOTHED = 60
 #: Times of samples are equally far apart up to this, relative.
 EQUAL = 1e-6
 OMEGA = "the attitudes obey the scene's equations, but the recorded ω is not that of the attitudes"
+
+
+@dataclass(frozen=True, eq=False)
+class ReadOmega(Data):
+    """The ω of samples, as it was recorded and as it was.
+
+    Attributes
+    ----------
+    t : s, (n,)
+    body : q, scalar first, and the body's ω, rad/s, body axes, (n, 7)
+    read : the recorded ω, rad/s, (n, 3)
+    error : of the body's ω, rad/s
+    """
+
+    t: FloatArray
+    body: FloatArray
+    read: FloatArray
+    error: float
+
+    def off(self, hypotheses: Sequence[Hypothesis], samples: int | None = None) -> FloatArray:
+        """As in `Data`: what each leaves of ω, in units of the error, (H, n, 3)."""
+        made = as_read(hypotheses, np.repeat(self.body[None], len(hypotheses), axis=0), self.t)
+        return np.asarray((made[..., 4:] - self.read) / self.error)[:, :samples]
 
 
 def omega_read(physics: Physics, *, is_explained: bool) -> list[str]:
@@ -73,9 +99,10 @@ def omega_read(physics: Physics, *, is_explained: bool) -> list[str]:
     if clamped or is_explained or np.mean(off**2) <= error**2:
         return clamped
     return (
-        _scaled(of_body, read, error)
+        _sensed(ReadOmega(as_it_is(physics.scenario), motion.t[:-1], body, read, error))
         or _smoothed(motion.t, of_body, read, error)
         or _filtered(motion.t, of_body, read, error)
+        or [OMEGA]
     )
 
 
@@ -125,16 +152,10 @@ def _clamped(body: FloatArray, read: FloatArray, error: float) -> Iterator[list[
             yield [f"{words} is clamped to {bound:.4g} rad/s"]
 
 
-def _scaled(body: FloatArray, read: FloatArray, error: float) -> list[str]:
-    """Return the factors of the columns of the recorded ω, where some are not one, in words."""
-    factors = np.sum(read * body, axis=0) / np.maximum(np.sum(body**2, axis=0), TINY)
-    largest = np.abs(factors).max()
-    if np.abs(read - factors * body).max() > max(error * largest, LEFT**2 * np.abs(read).max()):
-        return []
-    wrong = np.flatnonzero(np.abs(factors - 1) > LEFT**2)
-    columns = ", ".join(f"w{'xyz'[k]} is {factors[k]:.6g} times that of the body" for k in wrong)
-    in_degrees = np.abs(factors[wrong] * np.pi / 180 - 1) < LEFT**2
-    return [columns + ", as in degrees" * bool(in_degrees.all())] if columns else []
+def _sensed(data: ReadOmega) -> list[str]:
+    """Return the mistakes of a gyroscope that make the recorded ω of the body's, in words."""
+    found = Search(data, OF_LOGS, part=LEFT**2).one_or_two()
+    return sentences(found) if found else []
 
 
 def _smoothed(t: FloatArray, body: FloatArray, read: FloatArray, error: float) -> list[str]:
@@ -198,7 +219,7 @@ def _filtered(t: FloatArray, body: FloatArray, read: FloatArray, error: float) -
     """Return the filter with the fewest numbers that makes the recorded ω, in words."""
     spans = np.diff(t)
     if np.ptp(spans) > EQUAL * spans.mean():
-        return [OMEGA]
+        return []
     off = float(np.mean((read - body) ** 2))
     filters = (
         _filter(body, read, outputs, inputs)
@@ -211,7 +232,7 @@ def _filtered(t: FloatArray, body: FloatArray, read: FloatArray, error: float) -
         if explains and fdtrc(numbers, count - numbers, fall) < LEVEL / (OUTPUTS + 1) / INPUTS:
             delay = one.delay * spans.mean()
             return [f"ω is filtered, which delays it by {delay:.4g} s: it is {one.words}"]
-    return [OMEGA]
+    return []
 
 
 def _filter(body: FloatArray, read: FloatArray, outputs: int, inputs: int) -> Filter:

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.polynomial.laguerre import laggauss
 from scipy.spatial.transform import Rotation
 
-from ....reference.following import follow, follow_each
+from ....reference.following import follow
 from ....reference.other_equations import inverse
 from ....scenarios import FloatArray
 from ....scenarios.rotation import norms, times
@@ -14,6 +14,8 @@ from ..explaining.hypothesis import Change, Hypothesis
 
 #: Largest turn, rad, by which ω or an attitude may be late.
 FURTHEST = 1.0
+#: Relative error of a factor by which degrees are recognised.
+DEGREES = 1e-2
 #: Nodes of a filter's quadrature: with one fewer a noise of 1e-4 of ω shows the difference.
 NODES = 4
 #: Iω + h, by mistake.
@@ -22,6 +24,17 @@ MOMENTUM = Change(
     lambda h, _: h._replace(read=h.equations.inertia, bias=h.equations.kept),
     np.empty(0),
 )
+#: Where the numbers of a gyroscope's cross-axis sensitivity are in a matrix.
+CROSSED = ~np.eye(3, dtype=bool)
+
+
+def _crossed(numbers: FloatArray) -> FloatArray:
+    """Return the matrix of axes that read so many times one another, (6,), besides themselves."""
+    read = np.eye(3)
+    read[CROSSED] = numbers
+    return read
+
+
 SENSORS = (
     Change("bias", lambda h, n: h._replace(bias=n), np.ones(3)),
     Change("scale", lambda h, n: h._replace(read=h.read @ np.diag(1 + n)), np.ones(3)),
@@ -30,15 +43,25 @@ SENSORS = (
         lambda h, n: h._replace(read=h.read @ Rotation.from_rotvec(-n).as_matrix()),
         np.ones(3),
     ),
+    Change("cross-axis", lambda h, n: h._replace(read=h.read @ _crossed(n)), np.ones(6)),
     Change("lag", lambda h, n: h._replace(lag=n[0]), np.ones(1)),
     Change("drift", lambda h, n: h._replace(drift=n), np.ones(3)),
     Change("turned attitude", lambda h, n: h._replace(turned=n), np.ones(3)),
     Change("delay", lambda h, n: h._replace(delay=n[0]), np.ones(1)),
 )
-#: A filter of ω, which is not undone: what it left out is lost.
-LOW_PASS = Change("low-pass", lambda h, n: h._replace(low_pass=n[0]), np.ones(1))
-#: All that may be wrong with how ω and the attitude are read.
+#: Filters of ω, which are not undone: what they left out is lost.
+FILTERS = (
+    Change("low-pass", lambda h, n: h._replace(low_pass=n[0]), np.ones(1)),
+    Change(
+        "low-pass from the start",
+        lambda h, n: h._replace(low_pass=n[0], is_begun=True),
+        np.ones(1),
+    ),
+)
+#: All that may be wrong with how ω and the attitude are read, and is undone from sample to sample.
 READINGS = (MOMENTUM, *SENSORS)
+#: All that may be wrong with them in a log.
+OF_LOGS = (*SENSORS, *FILTERS)
 #: By mistake, its words, and what is added to its numbers, and the factor, before they are shown.
 WORDS = {
     "bias": ("the gyroscope has a bias of {} rad/s", 0.0, 1.0),
@@ -47,8 +70,18 @@ WORDS = {
         "the gyroscope's axes are turned against the body's by {}°",
         *(0.0, 180 / np.pi),
     ),
+    "cross-axis": (
+        "the gyroscope has a cross-axis sensitivity: wx reads y and z besides, wy x and z, wz x "
+        "and y, {} times",
+        *(0.0, 1.0),
+    ),
     "momentum": ("the angular momentum is recorded in place of ω", 0.0, 1.0),
     "low-pass": ("ω is what a low-pass filter of a time constant of {} s leaves of it", 0.0, 1.0),
+    "low-pass from the start": (
+        "ω is what a low-pass filter of a time constant of {} s leaves of it, which begins with "
+        "the first sample",
+        *(0.0, 1.0),
+    ),
     "lag": ("ω lags the attitude by {} s", 0.0, 1.0),
     "drift": ("the gyroscope's bias drifts by {} rad/s²", 0.0, 1.0),
     "turned attitude": (
@@ -78,7 +111,11 @@ def of_sensor(
     words, added, factor = WORDS[change.kind]
     if change.kind in AHEAD and numbers[0] < 0:
         words, numbers = AHEAD[change.kind], -numbers
-    return words.format(in_words(added + factor * numbers, factor)) if len(numbers) else words
+    if not len(numbers):
+        return words
+    shown = added + factor * numbers
+    in_degrees = change.kind == "scale" and np.isclose(shown, 180 / np.pi, rtol=DEGREES).any()
+    return words.format(in_words(shown, factor)) + ", as in degrees" * bool(in_degrees)
 
 
 def as_read(hypotheses: Sequence[Hypothesis], states: FloatArray, t: FloatArray) -> FloatArray:
@@ -88,7 +125,7 @@ def as_read(hypotheses: Sequence[Hypothesis], states: FloatArray, t: FloatArray)
         if h.lag:
             made[:, 4:] = _later(h, of_it, -h.lag)[:, 4:]
         if h.low_pass:
-            made[:, 4:] = _filtered(h, of_it)
+            made[:, 4:] = _filtered(h, of_it, t)
         if h.delay:
             made[:, :4] = _later(h, of_it, -h.delay)[:, :4]
         made[:, :4] = _turned(made[:, :4], h.turned)
@@ -130,16 +167,18 @@ def _turned(q: FloatArray, turn: FloatArray) -> FloatArray:
     return q @ times(Rotation.from_rotvec(turn).as_quat(scalar_first=True))
 
 
-def _filtered(hypothesis: Hypothesis, states: FloatArray) -> FloatArray:
+def _filtered(hypothesis: Hypothesis, states: FloatArray, t: FloatArray) -> FloatArray:
     """Return what a low-pass filter leaves of ω, (S, 3): Gauß–Laguerre quadrature of its past."""
     constant = hypothesis.low_pass
     if not 0 <= constant * norms(states[:, 4:]).max() < FURTHEST:
         return np.full((len(states), 3), np.nan)
     nodes, weights = laggauss(NODES)
-    spans = np.broadcast_to(-constant * nodes[:, None, None], (NODES, len(states), 1))
-    equations, each = [hypothesis.equations] * NODES, np.tile(states, (NODES, 1, 1))
-    past = follow_each(equations, each, np.array(spans))[:, :, 0, 4:]
-    return np.asarray(np.tensordot(weights, past, 1))
+    spans = np.tile(-constant * np.diff(nodes, prepend=0.0), (len(states), 1))
+    past = follow(hypothesis.equations, states, spans)[..., 4:]
+    made = np.asarray(weights @ past)
+    if hypothesis.is_begun and constant:
+        made += np.exp((t[0] - t) / constant)[:, None] * (states[0, 4:] - made[0])
+    return made
 
 
 def _later(hypothesis: Hypothesis, states: FloatArray, by: float) -> FloatArray:

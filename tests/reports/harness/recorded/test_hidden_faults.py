@@ -4,17 +4,16 @@ They are those of an outsider's logs, exporters and engines, made here with noth
 them.
 """
 
-import re
-from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
 import pytest
 from case_loops import each_case
+from hidden import NOISE, NOISY, Hidden, changed, check, noisy, right, rounded
 from planted_motions import Case, Rates, case, exactly, product, rates_of
-from reported_faults import WHEEL, Arrays, euler, named, recorded, turning
+from reported_faults import WHEEL, Arrays, euler, recorded, turning
 from scipy.integrate import solve_ivp
 from scipy.interpolate import interp1d
 from scipy.spatial.transform import Rotation
@@ -55,46 +54,6 @@ TOP, SPINNING = case(323, is_pivoted=True, duration=2.0), symmetric()
 PUSH = [0.3, -0.4, 0.2]
 #: The axial moment of a rotor, kg m², and its spin, rad/s: no faster than the body turns.
 AXIAL, SPIN = 0.2, 6.0
-#: Standard deviations of a measured attitude, rad, and ω, rad/s.
-NOISE = 1e-3, 5e-3
-#: A number, with ± before it where it is a standard error.
-NUMBER = r"±? ?-?\d+\.?\d*(?:e[-+]?\d+)?"
-NOISY = {"noise_attitude": repr(NOISE[0]), "noise_omega": repr(NOISE[1])}
-
-
-@dataclass(frozen=True, eq=False)
-class Hidden:
-    """A recording with a fault, what is stated of it, and how each sentence on it begins.
-
-    Attributes
-    ----------
-    numbers : the first in the first sentence after its beginning
-    to : how far off they may be; a fiftieth of the largest if 0
-    """
-
-    scene: Scenario
-    arrays: Callable[[], Arrays]
-    said: tuple[str, ...]
-    stated: dict[str, str] = field(default_factory=dict)
-    order: int = 1
-    numbers: tuple[float, ...] = ()
-    to: float = 0.0
-
-
-def right(one: Case) -> Arrays:
-    return exactly(one, rates_of(one))
-
-
-def rounded(arrays: Arrays) -> Arrays:
-    return {name: one.round(6) for name, one in arrays.items()}
-
-
-def noisy(arrays: Arrays) -> Arrays:
-    chance = np.random.default_rng(7)
-    count = len(arrays["t"])
-    turned = Rotation.from_rotvec(chance.normal(0, NOISE[0], (count, 3)))
-    q = (Rotation.from_quat(arrays["q"], scalar_first=True) * turned).as_quat(scalar_first=True)
-    return arrays | {"q": q, "omega": arrays["omega"] + chance.normal(0, NOISE[1], (count, 3))}
 
 
 def dry_friction() -> Arrays:
@@ -310,12 +269,6 @@ def transposed() -> Arrays:
         R = Rotation.from_rotvec(h * omega_world(half)) * R
     qs, omegas = (np.array(column) for column in zip(*rows, strict=True))
     return {"t": FREE.scenario.times.copy(), "q": qs, "omega": omegas}
-
-
-def changed(one: Case, **tables: object) -> Case:
-    """The same body in a scene of which some tables are others."""
-    document = one.scenario.document.model_dump(mode="json", exclude_none=True)
-    return replace(one, scenario=from_tables(document | tables, "changed"))
 
 
 def of_a_slow_clock() -> Arrays:
@@ -772,15 +725,7 @@ HIDDEN = {
 
 @each_case("one", HIDDEN)
 def test_a_hidden_fault_is_named(one: Hidden) -> None:
-    recording = Recording(Path("motion.csv"), one.arrays(), one.stated)
-    said = named(judged_motion(one.scene, recording, one.order))
-    assert len(said) == len(one.said), said
-    assert all(words.startswith(begin) for words, begin in zip(said, one.said, strict=True)), said
-    found = re.findall(NUMBER, said[0].removeprefix(one.said[0]))
-    # Standard errors are beside measured ones.
-    found = [float(text) for text in found if not text.startswith("±")][: len(one.numbers)]
-    to = one.to or 0.02 * max(map(abs, one.numbers), default=0.0)
-    assert found == pytest.approx(one.numbers, abs=to)
+    check(one)
 
 
 def test_what_no_change_explains_of_a_measured_motion_is_beyond_its_noise() -> None:

@@ -310,7 +310,6 @@ def test_what_judge_follows_is_compiled_with_the_other_kernels(monkeypatch) -> N
         follow(*args)
 
     monkeypatch.setattr(following, "_follow", noted)
-    following._followed.cache_clear()
     compiled.compile_flow()
     of_compiled = set(calls)
     found = judged(BODY.scenario, exactly(BODY, rates_of(BODY, inertia=MOMENTS.mean() * np.eye(3))))
