@@ -1,6 +1,7 @@
 """Clamps of ω: what they bound, what they leave of it, and which of them made a motion."""
 
 from collections.abc import Iterator
+from typing import NamedTuple
 
 import numpy as np
 
@@ -51,10 +52,17 @@ CLAMPS = (
 )
 
 
+class Clamp(NamedTuple):
+    """A clamp of ω in words, and the first sample at its bound."""
+
+    words: str
+    first: int
+
+
 def clamps(
     scenario: Scenario, motion: Trajectory, exact: Trajectory, of_method: float
-) -> Iterator[str]:
-    """Yield clamps of ω, in words, that lead from the exact start, and each sample, to the next.
+) -> Iterator[Clamp]:
+    """Yield clamps of ω that lead from the exact start, and each sample, to the next.
 
     Or ω stays at the bound, to rounding, where the scene's equations lead beyond it, whatever else
     is wrong.
@@ -77,18 +85,19 @@ def clamps(
     for words, size_of, limited in CLAMPS:
         bound = float(size_of(states).max())
         is_there = size_of(states) > (1 - ROUNDING) * bound
+        first = int(np.argmax(is_there.reshape(len(states), -1).any(axis=1)))
         # What stays the same throughout may be the motion's own.
         is_there &= ~is_there.all(axis=0)
         stays = is_there[:-1] & is_there[1:] & (size_of(every) > (1 + BEYOND) * bound)
         if np.count_nonzero(stays) >= FEWEST:
-            yield f"{words} is clamped to {bound:.4g} rad/s"
+            yield Clamp(f"{words} is clamped to {bound:.4g} rad/s", first)
             continue
         bound = float(size_of(ends).max())
         clamped = limited(follow(equations, limited(starts, bound), spans)[:, 0], bound)
         is_reached = bool(size_of(states).min() < (1 - CLAMPED) * bound)
         least = of_method / LEFT if is_reached else np.inf
         if _fits(ends[:, 4:], clamped[:, 4:], wanted[:, 4:], least):
-            yield f"{words} is clamped to {bound:.4g} rad/s"
+            yield Clamp(f"{words} is clamped to {bound:.4g} rad/s", first)
 
 
 def _fits(omega: FloatArray, clamped: FloatArray, wanted: FloatArray, least: float) -> bool:

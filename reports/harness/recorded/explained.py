@@ -93,8 +93,10 @@ def explained(
         return _of_numbers([odd], physics, reading)
     if wrong := mistakes(scenario, exact, reading) or rounded_times(reading):
         of_all = scenario, exact, recording, reading, timestep, order
-        rest = _without(wrong, *of_all) if is_first else ()
-        return Explanation((*wrong, *rest), _verdict(physics), physics.is_beyond)
+        rest = _without(wrong, *of_all) if is_first else None
+        every_word = (*wrong, *(rest.explained_by if rest else ()))
+        made_by = rest.made_by if rest else ""
+        return Explanation(every_word, _verdict(physics), physics.is_beyond, made_by)
     if uneven := warped(scenario, motion, exact, of_intervals):
         return Explanation((uneven,), _verdict(physics, is_explained=True), physics.is_beyond)
     every = intervals_of(scenario, motion, timestep, order, of_intervals, near=FAR)
@@ -164,18 +166,18 @@ def _without(
     reading: Reading,
     timestep: float | None,
     order: int,
-) -> tuple[str, ...]:
-    """Return what explains a recording once mistakes that were found in it are undone."""
+) -> Explanation | None:
+    """Return what explains a recording once mistakes in it are undone; None if they cannot be."""
     undone = without(wrong, reading, scenario, _first(exact))
     if undone is None or len(undone.t) != len(reading.t) or undone.t[0] < 0:
-        return ()
+        return None
     is_same = np.array_equal(undone.t, reading.t)
     at = exact if is_same else ExactMotion(scenario).solve(undone.t).trajectory
     if len(at.t) < len(undone.t):
-        return ()
+        return None
     motion = recorded_motion(scenario, recording, undone, at)
     of_it = scenario, at, recording, undone, motion, timestep, order
-    return explained(*of_it, is_first=False).explained_by
+    return explained(*of_it, is_first=False)
 
 
 def _both(physics: Physics, recording: Recording, reading: Reading) -> Explanation | None:

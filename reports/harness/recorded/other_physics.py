@@ -16,7 +16,7 @@ from ....scenarios.rotation import norms
 from ..explaining.fit import Fit, mean_square
 from ..explaining.hypothesis import Change, Hypothesis
 from ..explaining.search import LEFT, MOST_OF_ALL, SAME, Search
-from .clamps import clamps
+from .clamps import Clamp, clamps
 from .gyroscope_first import after_gyroscope
 from .intervals import FEWEST_INTERVALS, Intervals, intervals_of, root_mean_squares
 from .known_integrators import FEW, KnownIntegrators
@@ -232,9 +232,17 @@ class Physics:
         return found if found is not None and found.count <= MOST_OF_ALL else None
 
     def explained(self) -> list[str]:
-        """Return in words the clamp, or the changes, that explain the motion; often none."""
+        """Return in words the clamp, or the changes, that explain the motion; often none.
+
+        With a clamp, also those that explain it before the bound is reached.
+        """
         if self.clamps:
-            return self.clamps[:1]
+            clamp = self.clamps[0]
+            if clamp.first <= FEWEST_INTERVALS:
+                return [clamp.words]
+            motion, exact = (one.until(clamp.first) for one in (self.motion, self.exact))
+            before = replace(self, motion=motion, exact=exact)
+            return [clamp.words, *([] if before.clamps else before.explained())]
         if self.intervals is None or self.search is None:
             return []
         if self.by_change is not None:
@@ -342,8 +350,8 @@ class Physics:
         return bool(changes) and all(is_of_turning(one) for one in changes)
 
     @cached_property
-    def clamps(self) -> list[str]:
-        """Clamps in words, the likeliest first; often none."""
+    def clamps(self) -> list[Clamp]:
+        """Clamps, the likeliest first; often none."""
         of_method = float(self.intervals.scale[:, 3:].max()) if self.intervals else np.inf
         return list(clamps(self.scenario, self.motion, self.exact, of_method))
 

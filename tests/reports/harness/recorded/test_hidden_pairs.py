@@ -124,6 +124,29 @@ def by_the_midpoint_rule() -> Arrays:
     return {"t": FREE.scenario.times.copy(), "q": table[:, :4], "omega": table[:, 4:]}
 
 
+def in_world_axes() -> Arrays:
+    arrays = by_the_midpoint_rule()
+    turn = Rotation.from_quat(arrays["q"], scalar_first=True)
+    return arrays | {"omega": turn.apply(arrays["omega"])}
+
+
+def capped_and_damped() -> Arrays:
+    """Explicit Euler with a largest ‖ω‖ that is reached late, and L slowed by 0.01 /s."""
+    rates = rates_of(SWINGING, torque=lambda omega: -0.01 * SWINGING.inertia @ omega)
+    q, omega = SWINGING.scenario.start.q_world_body_wxyz, SWINGING.scenario.start.omega_body
+    bound, rows = 0.94 * float(np.linalg.norm(right(SWINGING)["omega"], axis=1).max()), []
+    for _ in SWINGING.scenario.times:
+        rows.append(np.concatenate([q, omega]))
+        for _ in range(40):
+            turning, accelerated = rates(q, omega)
+            q, omega = q + 1e-3 * turning, omega + 1e-3 * accelerated
+            q, omega = q / np.linalg.norm(q), omega * min(1.0, bound / np.linalg.norm(omega))
+    table = np.array(rows)
+    return {"t": SWINGING.scenario.times.copy(), "q": table[:, :4], "omega": table[:, 4:]}
+
+
+#: A body whose ‖ω‖ rises by an eighth only after half of a second.
+SWINGING = case(276, samples=151, duration=6.0)
 THIRTY = changed(FREE, window={"duration": 4.0, "samples": 121})
 #: The timestep of `by`, s.
 TIMESTEP = float(FREE.scenario.times[1]) / STEPS
@@ -194,6 +217,16 @@ PAIRS = {
         ("its timestep is not the stated 0.001 s", "what the midpoint rule at 0.01 s makes"),
         {"timestep": "0.001"},
         2,
+    ),
+    "a largest ‖ω‖ that is reached late, and damping": Hidden(
+        SWINGING.scenario,
+        capped_and_damped,
+        ("‖ω‖ is clamped to ", "it moves as if L were slowed by 0.00999"),
+    ),
+    "ω along the world's axes, and a timestep that is not stated": Hidden(
+        FREE.scenario,
+        in_world_axes,
+        ("ω is in world axes", "what the midpoint rule at 0.01 s makes"),
     ),
     "a timestep that is not stated": Hidden(
         FREE.scenario, by_the_midpoint_rule, ("what the midpoint rule at 0.01 s makes",)
