@@ -44,7 +44,7 @@ def of_effects(scenario: Scenario, e: OtherEquations) -> Iterator[Change]:
         yield set_to("world vectors unturned", world_vectors=UNTURNED)
     if e.pull.any() and e.gravity_world.any():
         yield set_to("torques unturned", world_vectors=TORQUE_UNTURNED)
-    yield from _of_drag(e, rate)
+    yield from _of_drag(scenario, e)
     if e.gravity_world.any():
         size = float(np.linalg.norm(e.gravity_world))
         yield fitted("gravity", e.gravity_world, size, lambda h, g: h.of(gravity_world=g))
@@ -85,21 +85,32 @@ def _of_decay(e: OtherEquations, rate: float) -> Iterator[Change]:
     yield fitted("decays", none, np.array([rate, 1.0]), lambda h, n: _slowed(h, 0.0, *n))
 
 
-def _of_drag(e: OtherEquations, rate: float) -> Iterator[Change]:
-    """Changes of how drag depends on ω; where the scene has drag it is replaced."""
-    c, size = e.slowing[0], mean_moment(e) * rate
+def drags_law(scenario: Scenario, e: OtherEquations, power: float | None = None) -> Change:
+    """Drag by another power of ω, with another coefficient; or one that the scene lacks.
+
+    Parameters
+    ----------
+    power : of ‖ω‖ in the coefficient; fitted if None
+    """
+    c, rate = e.slowing[0], _fastest(scenario, e)
 
     def friction(n: FloatArray) -> FloatArray:
         """Return f and p of a drag that is c + n[0] times ω where ‖ω‖ is the scene's rate."""
-        power = float(np.clip(n[1], -POWER, POWER))
-        return np.array([(c + n[0]) * rate**-power, power])
+        p = float(np.clip(n[1], -POWER, POWER)) if power is None else power
+        return np.array([(c + n[0]) * rate**-p, p])
 
-    yield Change(
+    return Change(
         "drag's law",
         lambda h, n: h.of(slowing=np.zeros(3), friction=friction(n)),
-        np.array([size, 1.0]),
+        np.array([mean_moment(e) * rate, 1.0][: 2 if power is None else 1]),
         lambda n: friction(n) + np.array([0.0, 1.0]),
     )
+
+
+def _of_drag(scenario: Scenario, e: OtherEquations) -> Iterator[Change]:
+    """Changes of how drag depends on ω; where the scene has drag it is replaced."""
+    c, size = e.slowing[0], mean_moment(e) * _fastest(scenario, e)
+    yield drags_law(scenario, e)
     yield fitted(
         "drag along each axis",
         *(np.full(3, c), size),

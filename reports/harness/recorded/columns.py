@@ -13,7 +13,8 @@ FEWEST = 7
 #: and by how many standard errors of that average.
 FASTER, CERTAIN = 1e-2, 6.0
 #: That a gyroscope saturates, at a rate in rad/s and °/s.
-SATURATES = "the gyroscope saturates: each component of ω is clamped to {:.6g} rad/s ({:.4g} °/s)"
+SATURATES = "the gyroscope saturates: {} is clamped to {:.6g} rad/s ({:.4g} °/s)"
+EACH = "each component of ω"
 
 
 def stuck(numbers: Numbers, omega: FloatArray) -> Shown | None:
@@ -49,12 +50,19 @@ def saturated(numbers: Numbers, omega: FloatArray) -> Shown | None:
 
     Where the body's own rate is limited the attitudes follow it.
     """
-    bound = float(np.abs(omega).max())
-    is_cut = np.abs(omega) == bound
+    every = [(EACH, slice(None)), *((f"w{name}", slice(k, k + 1)) for k, name in enumerate("xyz"))]
+    return next(filter(None, (_saturated(numbers, omega, *which) for which in every)), None)
+
+
+def _saturated(numbers: Numbers, omega: FloatArray, which: str, columns: slice) -> Shown | None:
+    """Say that some columns of ω stay at their largest value while the attitudes turn faster."""
+    some = omega[:, columns]
+    bound = float(np.abs(some).max())
+    is_cut = np.abs(some) == bound
     # A component that is the same throughout may be the motion's own.
     is_cut &= ~is_cut.all(axis=0)
-    is_between = is_cut[1:] & (omega[1:] == omega[:-1])
-    excess = (numbers.rates * np.sign(omega[1:]))[is_between] - bound
+    is_between = is_cut[1:] & (some[1:] == some[:-1])
+    excess = (numbers.rates[:, columns] * np.sign(some[1:]))[is_between] - bound
     if len(excess) < FEWEST:
         return None
     error = float(np.std(excess)) / np.sqrt(len(excess))
@@ -62,8 +70,8 @@ def saturated(numbers: Numbers, omega: FloatArray) -> Shown | None:
         return None
     samples = np.flatnonzero(is_cut.any(axis=1))
     return Shown(
-        f"{SATURATES.format(bound, np.degrees(bound))}, {where(numbers.t, samples)}, and the "
-        "attitudes turn faster",
+        f"{SATURATES.format(which, bound, np.degrees(bound))}, {where(numbers.t, samples)}, and "
+        "the attitudes turn faster",
         int(samples[0]),
     )
 

@@ -22,9 +22,9 @@ from .recording import FEWEST_VALUES, RATES, Recording, digits_of, unit_of
 CHANGES = 10.0
 #: Least number of values that a column of rounded numbers has.
 FEWEST = 3
-#: Numbers that are multiples of a unit are coarse if the largest is fewer units than this: fewer
-#: than the three digits of any print.
-COARSE = 100
+#: Numbers that are multiples of a unit are coarse if the largest is fewer units than this, as eight
+#: bits hold: fewer than the three digits of any print.
+COARSE = 128
 #: Standard deviation of what rounding to a multiple of one makes.
 ROUNDED = 1 / np.sqrt(12)
 #: Most numbers of which digits are counted, spread over all.
@@ -273,7 +273,7 @@ def _zeros(numbers: Numbers, omega: FloatArray) -> Shown | None:
 
 
 def _rounded_attitude(numbers: Numbers) -> Shown | None:
-    """Say that quaternions are multiples of a unit so coarse that they have two digits at most."""
+    """Say that quaternions are multiples of a unit so coarse that eight bits hold them."""
     unit, values = unit_of(numbers.q), len(np.unique(numbers.q))
     which = "the quaternions"
     if not unit:

@@ -153,7 +153,11 @@ def _of_numbers(shown: Sequence[Shown], physics: Physics, reading: Reading) -> E
     wrong = []
     if first > FEWEST + LEFT_OUT:
         before = reading.rows(slice(first))
-        wrong = mistakes(physics.scenario, physics.exact.until(first), before)
+        exact, motion = physics.exact.until(first), physics.motion.until(first)
+        wrong = mistakes(physics.scenario, exact, before)
+        part = replace(physics, motion=motion, exact=exact)
+        # A rest that is not explained may be of what was found.
+        wrong = wrong or ([] if part.is_open or part.clamps else part.explained())
     words = *(one.words for one in shown), *wrong
     return Explanation(words, _verdict(physics, is_beyond), is_beyond)
 
@@ -263,7 +267,7 @@ def _of_readings(physics: Physics) -> list[str]:
 def _of_measured(fit: Measured, physics: Physics) -> Explanation:
     """Explain a measured motion, by other physics if more than noise is left."""
     words = physics.dissipated if fit.search.is_called_for else []
-    if not words and fit.is_beyond and (physics.clamps or physics.by_change is None):
+    if not words and fit.is_far and (physics.clamps or physics.by_change is None):
         # A body that is limited itself turns no faster either.
         words = fit.right_by_itself
     words = words or (physics.explained() if fit.is_beyond else []) or fit.explained()

@@ -69,8 +69,10 @@ def jumps(data: Intervals, *, has_omega: bool) -> list[str]:
         if last is not None:
             found.append(_off(data, off, k, last))
         else:
+            around = max(0, k - reach), min(end + reach, len(off) - 1)
             found.append(
-                _lost(data, max(0, k - reach), min(end + reach, len(off) - 1))
+                (_off_attitudes(data, *around) if reach else None)
+                or _lost(data, *around)
                 or (_stretch(data, off, k, end) if end > k else _jump(data, off, k))
             )
         places = [j for j in later if j > (last or end)]
@@ -140,6 +142,23 @@ def _stretch(data: Intervals, off: FloatArray, k: int, end: int) -> Jump:
         f"{_size(worst)} from one sample to the next"
     )
     return Jump("stretch", data.t[k], words)
+
+
+def _off_attitudes(data: Intervals, first: int, last: int) -> Jump | None:
+    """Return the attitudes that are off a motion that goes on after them; None if it does not.
+
+    It goes on from the start of one interval to the end of another one; ω was not recorded.
+    """
+    spans = data.spans[first : last + 1].T
+    made = follow(data.base.equations, data.starts[[first]], spans)[0]
+    ends, scale = data.ends[first : last + 1], data.scale[first : last + 1]
+    off = norms(apart(made, ends)[:, :3])
+    is_off = (off / scale[:, 0]) ** 2 > chdtri(3, LEVEL)
+    if is_off[-1] or not is_off.any():
+        return None
+    at, size = data.t[first : last + 1][is_off], float(np.degrees(off.max()))
+    which = "the sample" if len(at) == 1 else f"{len(at)} samples"
+    return Jump("off", at[0], f"{which} at t = {at[0]:.6g} s is off by {size:.3g}°: leave it out")
 
 
 def _lost(data: Intervals, first: int, last: int) -> Jump | None:

@@ -21,6 +21,7 @@ from ..explaining.effect_changes import (
     by_attitude,
     com,
     dipole,
+    drags_law,
     momentum,
     of_momentum,
     resistance,
@@ -33,7 +34,7 @@ from ..explaining.fit import Fit, Trial
 from ..explaining.hypothesis import Change, Hypothesis
 from ..explaining.search import LEFT, LEVEL, Search
 from .clamps import TINY
-from .columns import SATURATES
+from .columns import EACH, SATURATES
 from .digits import where
 from .intervals import apart
 from .log import Log
@@ -43,6 +44,8 @@ from .starts import started_elsewhere
 
 #: Part of the distance of samples by which a state is followed to see where it leads.
 SMALL = 1e-3
+#: Powers of ‖ω‖ in the coefficients of a drag that is quadratic, and of dry friction.
+POWERS = 1.0, -1.0
 #: Largest number of changes that are fitted at once.
 MOST = 4
 #: Factor by which neighbouring fourth differences, which share noise, count as fewer independent
@@ -100,7 +103,7 @@ class Measured:
         scene = self.scenario, equations
         candidates = [START, self.tensor, TIMES, *resistance(*scene), *com(*scene)]
         candidates += [*tilt(equations), *of_momentum(equations), *torques(*scene)]
-        candidates.append(momentum(*scene))
+        candidates += [momentum(*scene), *(drags_law(*scene, power) for power in POWERS)]
         if self.given.has_omega:
             candidates += [*OF_LOGS, world_turning(1.0)]
         return Search(self.given, candidates)
@@ -293,7 +296,7 @@ class Measured:
         each = norms(unchanged.reshape(-1, 3)).reshape(-1, 2)[:, wrong]
         samples = np.flatnonzero(each**2 > chdtri(3, LEVEL / len(each)))
         if bound := self._saturates_at if is_right[0] else 0.0:
-            words += f": {SATURATES.format(bound, np.degrees(bound))}"
+            words += f": {SATURATES.format(EACH, bound, np.degrees(bound))}"
         if 0 < 2 * len(samples) < len(each):
             off = float(log.noise[wrong] * each.max())
             size = f"{off:.3g} rad/s" if wrong else f"{np.degrees(off):.3g}°"

@@ -17,12 +17,12 @@ from ....scenarios import FloatArray
 from ....scenarios.rotation import norms, rotation_vectors
 from ..explaining.fit import Data
 from ..explaining.hypothesis import Hypothesis, as_it_is
-from ..explaining.search import LEFT, LEVEL, Search
+from ..explaining.search import LEFT, LEVEL, SAME, Search
 from .clamps import CLAMPS
 from .missing import is_attitude_off, turned_off
 from .motion_changes import sentences
 from .other_physics import Physics
-from .sensors import OF_LOGS, as_read
+from .sensors import CROSS_AXIS, OF_LOGS, as_read
 
 #: Newton steps to the ω that leads to the next attitude, and the relative step of its slopes.
 STEPS, SMALL = 4, 1e-6
@@ -100,8 +100,7 @@ def omega_read(physics: Physics, *, is_explained: bool) -> list[str]:
         return clamped
     return (
         _sensed(ReadOmega(as_it_is(physics.scenario), motion.t[:-1], body, read, error))
-        or _smoothed(motion.t, of_body, read, error)
-        or _filtered(motion.t, of_body, read, error)
+        or _smoothed_or_filtered(motion.t, of_body, read, error)
         or [OMEGA]
     )
 
@@ -154,20 +153,42 @@ def _clamped(body: FloatArray, read: FloatArray, error: float) -> Iterator[list[
 
 def _sensed(data: ReadOmega) -> list[str]:
     """Return the mistakes of a gyroscope that make the recorded ω of the body's, in words."""
-    found = Search(data, OF_LOGS, part=LEFT**2).one_or_two()
+    found = Search(data, (*OF_LOGS, CROSS_AXIS), part=LEFT**2).one()
     return sentences(found) if found else []
 
 
-def _smoothed(t: FloatArray, body: FloatArray, read: FloatArray, error: float) -> list[str]:
-    """Return over how many samples the recorded ω is the mean of the body's, in words."""
+def _smoothed_or_filtered(
+    t: FloatArray, body: FloatArray, read: FloatArray, error: float
+) -> list[str]:
+    """Return the mean, or else the filter, of the body's ω that the recorded one is, in words.
+
+    A mean is simpler: a filter must leave far less, of what is more than rounding.
+    """
     off = float(np.mean((read - body) ** 2))
-    for samples in range(3, min(MOST_SMOOTHED, len(read) // 2), 2):
+    mean, filter_ = (f(t, body, read, error) for f in (_smoothed, _filtered))
+    if mean and filter_ and max(filter_[0] / LEFT**2, SAME**2 * off) < mean[0]:
+        mean = None
+    found = mean or filter_
+    return [found[1]] if found else []
+
+
+def _smoothed(
+    t: FloatArray, body: FloatArray, read: FloatArray, error: float
+) -> tuple[float, str] | None:
+    """Return what the mean over some samples leaves that is the recorded ω, and it in words.
+
+    What it leaves is a mean square, (rad/s)²; None if there is no such mean.
+    """
+    off = float(np.mean((read - body) ** 2))
+    for samples in range(2, min(MOST_SMOOTHED, len(read) // 2)):
         means = np.apply_along_axis(np.convolve, 0, body, np.ones(samples) / samples, "valid")
-        within = read[samples // 2 : -(samples // 2)]
-        if np.mean((within - means) ** 2) <= max(error**2, LEFT**4 * off):
-            over = (samples - 1) * (t[-1] - t[0]) / (len(t) - 1)
-            return [f"ω is the mean over {samples} samples, {over:.4g} s, around each"]
-    return []
+        for later, words in (((samples - 1) // 2, "around each"), (samples - 1, "up to each")):
+            left = float(np.mean((read[later : later + len(means)] - means) ** 2))
+            is_even = words == "around each" and samples % 2 == 0
+            if not is_even and left <= max(error**2, LEFT**4 * off):
+                over = (samples - 1) * (t[-1] - t[0]) / (len(t) - 1)
+                return left, f"ω is the mean over {samples} samples, {over:.4g} s, {words}"
+    return None
 
 
 @dataclass(frozen=True, eq=False)
@@ -215,11 +236,13 @@ class Filter:
         return ", ".join(f"{factor:.4g} {what}" for factor, what in parts)
 
 
-def _filtered(t: FloatArray, body: FloatArray, read: FloatArray, error: float) -> list[str]:
-    """Return the filter with the fewest numbers that makes the recorded ω, in words."""
+def _filtered(
+    t: FloatArray, body: FloatArray, read: FloatArray, error: float
+) -> tuple[float, str] | None:
+    """Return what the filter with the fewest numbers leaves, as `_smoothed` does, and its words."""
     spans = np.diff(t)
     if np.ptp(spans) > EQUAL * spans.mean():
-        return []
+        return None
     off = float(np.mean((read - body) ** 2))
     filters = (
         _filter(body, read, outputs, inputs)
@@ -231,8 +254,9 @@ def _filtered(t: FloatArray, body: FloatArray, read: FloatArray, error: float) -
         explains = one.left <= max(error**2, LEFT**4 * off) and one.is_causal
         if explains and fdtrc(numbers, count - numbers, fall) < LEVEL / (OUTPUTS + 1) / INPUTS:
             delay = one.delay * spans.mean()
-            return [f"ω is filtered, which delays it by {delay:.4g} s: it is {one.words}"]
-    return []
+            words = f"ω is filtered, which delays it by {delay:.4g} s: it is {one.words}"
+            return one.left, words
+    return None
 
 
 def _filter(body: FloatArray, read: FloatArray, outputs: int, inputs: int) -> Filter:

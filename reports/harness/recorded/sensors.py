@@ -43,12 +43,13 @@ SENSORS = (
         lambda h, n: h._replace(read=h.read @ Rotation.from_rotvec(-n).as_matrix()),
         np.ones(3),
     ),
-    Change("cross-axis", lambda h, n: h._replace(read=h.read @ _crossed(n)), np.ones(6)),
     Change("lag", lambda h, n: h._replace(lag=n[0]), np.ones(1)),
     Change("drift", lambda h, n: h._replace(drift=n), np.ones(3)),
     Change("turned attitude", lambda h, n: h._replace(turned=n), np.ones(3)),
     Change("delay", lambda h, n: h._replace(delay=n[0]), np.ones(1)),
 )
+#: The six numbers of this one are told apart from those of others where there is no noise alone.
+CROSS_AXIS = Change("cross-axis", lambda h, n: h._replace(read=h.read @ _crossed(n)), np.ones(6))
 #: Filters of ω, which are not undone: what they left out is lost.
 FILTERS = (
     Change("low-pass", lambda h, n: h._replace(low_pass=n[0]), np.ones(1)),
@@ -59,7 +60,7 @@ FILTERS = (
     ),
 )
 #: All that may be wrong with how ω and the attitude are read, and is undone from sample to sample.
-READINGS = (MOMENTUM, *SENSORS)
+READINGS = (MOMENTUM, *SENSORS, CROSS_AXIS)
 #: All that may be wrong with them in a log.
 OF_LOGS = (*SENSORS, *FILTERS)
 #: By mistake, its words, and what is added to its numbers, and the factor, before they are shown.

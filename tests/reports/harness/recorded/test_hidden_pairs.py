@@ -147,6 +147,54 @@ def capped_and_damped() -> Arrays:
 
 #: A body whose ‖ω‖ rises by an eighth only after half of a second.
 SWINGING = case(276, samples=151, duration=6.0)
+
+
+def of_eight_bits() -> Arrays:
+    arrays = right(FREE)
+    return arrays | {"q": np.rint(127 * arrays["q"]) / 127}
+
+
+def one_column_cut() -> Arrays:
+    """wx at four fifths of its largest value, and the other columns beyond it."""
+    arrays = right(FREE)
+    omega, column = arrays["omega"].copy(), int(np.abs(arrays["omega"]).max(axis=0).argmin())
+    bound = 0.8 * float(np.abs(omega[:, column]).max())
+    omega[:, column] = np.clip(omega[:, column], -bound, bound)
+    return arrays | {"omega": omega}
+
+
+def trailing_means() -> Arrays:
+    """ω as the mean of thirteen samples up to each."""
+    arrays = right(changed(FREE, window={"duration": 4.48, "samples": 113}))
+    means = [arrays["omega"][k - 12 : k + 1].mean(axis=0) for k in range(12, 113)]
+    return {"t": arrays["t"][12:], "q": arrays["q"][12:], "omega": np.array(means)}
+
+
+def of_drag_in_air() -> Arrays:
+    """Quadratic drag, in noise."""
+    rates = rates_of(FREE, torque=lambda omega: -AIR * np.linalg.norm(omega) * omega)
+    return noisy(exactly(FREE, rates))
+
+
+def with_a_glitch() -> Arrays:
+    """Attitudes alone, one of them off by 5 degrees."""
+    arrays = right(FREE)
+    q = arrays["q"].copy()
+    turn = Rotation.from_rotvec(np.radians([3.0, 4.0, 0.0]))
+    q[60] = (Rotation.from_quat(q[60], scalar_first=True) * turn).as_quat(scalar_first=True)
+    return {"t": arrays["t"], "q": q}
+
+
+def halted() -> Arrays:
+    """A body without the scene's drag, whose rows repeat for a while."""
+    arrays = right(FREE)
+    kept = np.r_[0:70, [70] * 8, 78:101]
+    return {"t": arrays["t"], "q": arrays["q"][kept], "omega": arrays["omega"][kept]}
+
+
+#: The coefficient of a quadratic drag, N m s².
+AIR = 0.05
+DRAGGED = changed(FREE, effects={"drag": {"rotational": 0.1}})
 THIRTY = changed(FREE, window={"duration": 4.0, "samples": 121})
 #: The timestep of `by`, s.
 TIMESTEP = float(FREE.scenario.times[1]) / STEPS
@@ -222,6 +270,30 @@ PAIRS = {
         SWINGING.scenario,
         capped_and_damped,
         ("‖ω‖ is clamped to ", "it moves as if L were slowed by 0.00999"),
+    ),
+    "quaternions of eight bits": Hidden(
+        FREE.scenario, of_eight_bits, ("the quaternions are rounded to 0.007874",)
+    ),
+    "a gyroscope that saturates in one column": Hidden(
+        FREE.scenario, one_column_cut, ("the gyroscope saturates: w",)
+    ),
+    "a mean of the last thirteen samples": Hidden(
+        FREE.scenario, trailing_means, ("ω is the mean over 13 samples, 0.48 s, up to each",)
+    ),
+    "drag in air, in noise": Hidden(
+        FREE.scenario,
+        of_drag_in_air,
+        ("it moves as if drag were ",),
+        NOISY,
+        numbers=(AIR,),
+    ),
+    "an attitude that is off, of attitudes alone": Hidden(
+        FREE.scenario, with_a_glitch, ("the sample at t = 2.4 s is off by 5°",)
+    ),
+    "rows that repeat, and no drag": Hidden(
+        DRAGGED.scenario,
+        halted,
+        ("it stands still, to the last digit, for 7 samples, ", "it moves as if there were no dr"),
     ),
     "ω along the world's axes, and a timestep that is not stated": Hidden(
         FREE.scenario,

@@ -37,7 +37,7 @@ READ: dict[str, tuple[Callable[[np.ndarray], np.ndarray], str]] = {
         f"delays it by {KEPT / (1 - KEPT) * DISTANCE:.4g} s: it is 0.75 of itself a sample before, "
         "0.25 of the body's",
     ),
-    "mean of four": (mean_of_four, "0.25 of the body's 3 samples before"),
+    "mean of four": (mean_of_four, "ω is the mean over 4 samples, 0.06 s, up to each"),
 }
 
 
@@ -75,7 +75,7 @@ def test_what_is_smooth_is_no_filter() -> None:
     one = case(151, samples=801)
     right = exactly(one, rates_of(one))
     other = right["omega"] * [1, 1, 180 / np.pi]
-    assert _filtered(right["t"], right["omega"], other, 1e-3) == []
+    assert _filtered(right["t"], right["omega"], other, 1e-3) is None
 
 
 def test_an_omega_of_other_equations_is_not_read_through_a_filter() -> None:
