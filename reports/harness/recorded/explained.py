@@ -5,12 +5,12 @@ from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
-from ....reference import ExactMotion
 from ....scenarios import FloatArray, Scenario, Trajectory
 from ....scenarios.rotation import matrices, norms
 from .alternation import Alternation, alternation
 from .columns import saturated, stuck
 from .digits import Numbers, Shown, numbers_of, shown_by_digits
+from .exact_at import exact_at
 from .hinges import spins_beyond
 from .interpolated import interpolated
 from .intervals import intervals_of
@@ -24,7 +24,7 @@ from .odd_samples import across_signs, exchanged, jitter, lost_sign, warped, wra
 from .other_physics import Physics, rounding
 from .read_attitude import attitude_read
 from .read_omega import OMEGA, omega_read
-from .recording import Recording
+from .recording import Recording, RecordingError
 from .since import since_exactly, since_when
 from .starts import elsewhere
 
@@ -94,9 +94,9 @@ def explained(
     if wrong := mistakes(scenario, exact, reading) or rounded_times(reading):
         of_all = scenario, exact, recording, reading, timestep, order
         rest = _without(wrong, *of_all) if is_first else None
-        every_word = (*wrong, *(rest.explained_by if rest else ()))
+        sentences = (*wrong, *(rest.explained_by if rest else ()))
         made_by = rest.made_by if rest else ""
-        return Explanation(every_word, _verdict(physics), physics.is_beyond, made_by)
+        return Explanation(sentences, _verdict(physics), physics.is_beyond, made_by)
     if uneven := warped(scenario, motion, exact, of_intervals):
         return Explanation((uneven,), _verdict(physics, is_explained=True), physics.is_beyond)
     every = intervals_of(scenario, motion, timestep, order, of_intervals, near=FAR)
@@ -175,9 +175,10 @@ def _without(
     undone = without(wrong, reading, scenario, _first(exact))
     if undone is None or len(undone.t) != len(reading.t) or undone.t[0] < 0:
         return None
-    is_same = np.array_equal(undone.t, reading.t)
-    at = exact if is_same else ExactMotion(scenario).solve(undone.t).trajectory
-    if len(at.t) < len(undone.t):
+    try:
+        is_same = np.array_equal(undone.t, reading.t)
+        at = exact if is_same else exact_at(scenario, undone.t).trajectory
+    except RecordingError:
         return None
     motion = recorded_motion(scenario, recording, undone, at)
     of_it = scenario, at, recording, undone, motion, timestep, order

@@ -7,18 +7,17 @@ from typing import Any
 
 import numpy as np
 
-from ....reference import ExactMotion, IntegrationError, Solution, drifts
+from ....reference import Solution, drifts
 from ....scenarios import (
     SIGNAL,
     ErrorSeries,
     FloatArray,
-    Misfit,
     Scenario,
-    check_scales,
     error_series,
 )
 from ...results.records import Defect
 from ..comparison.defects import defects
+from .exact_at import exact_at
 from .explained import explained
 from .measured import Measured
 from .motion import RecordedMotion, reading_of, recorded_motion
@@ -28,9 +27,6 @@ from .translation import mistakes_of_translation, other_translation
 EPS = float(np.finfo(float).eps)
 #: Bound on the attitude, rad, that is reported if the user names none.
 DEGREE = pi / 180
-#: Largest time, in windows of the scene: longer times are in another unit than s, and would take
-#: long to solve. Times in ms, of one window, are explained: they go on for 1000 windows.
-MOST_WINDOWS = 2000
 #: Error of printed times, relative to a timestep.
 ALIKE = 1e-2
 #: Quantities that a recording of a free body may lack.
@@ -195,32 +191,3 @@ def _check_timestep(timestep: float | None, times: FloatArray) -> None:
             f"its timestep is stated as {timestep:g} s, but no two samples are more than "
             f"{distance:g} s apart; state that of its steps, or leave out samples in between"
         )
-
-
-def exact_at(scenario: Scenario, times: FloatArray) -> Solution:
-    """Return the exact motion at given times, s, (n,).
-
-    Raises
-    ------
-    RecordingError
-        If it is not known up to the last time, or times are in another unit.
-    """
-    windows = float(times[-1]) / scenario.window.duration
-    if windows > MOST_WINDOWS:
-        raise RecordingError(
-            f"its times reach {times[-1]:.6g} s, {windows:.3g} times the "
-            f"{scenario.window.duration:g} s of {scenario.name}; they must be counted from its "
-            "start, and another unit than s named in the heading, such as t [us]"
-        )
-    try:
-        check_scales(scenario, until=max(scenario.window.duration, float(times[-1])))
-        solution = ExactMotion(scenario).solve(times)
-    except (Misfit, IntegrationError) as error:
-        raise RecordingError(f"{scenario.name} until {times[-1]:g} s: {error}") from None
-    known = len(solution.trajectory.t)
-    if known < len(times):
-        raise RecordingError(
-            f"the exact motion of {scenario.name} is not known at sample {known + 1}, at "
-            f"{times[known]:.6g} s: {solution.ending}; leave out what comes after"
-        )
-    return solution

@@ -157,8 +157,13 @@ def _off_attitudes(data: Intervals, first: int, last: int) -> Jump | None:
     if is_off[-1] or not is_off.any():
         return None
     at, size = data.t[first : last + 1][is_off], float(np.degrees(off.max()))
-    which = "the sample" if len(at) == 1 else f"{len(at)} samples"
-    return Jump("off", at[0], f"{which} at t = {at[0]:.6g} s is off by {size:.3g}°: leave it out")
+    words = f"the sample at t = {at[0]:.6g} s is off by {size:.3g}°: leave it out"
+    if len(at) > 1:
+        words = (
+            f"{len(at)} samples, from t = {at[0]:.6g} s to {at[-1]:.6g} s, are off by up to "
+            f"{size:.3g}°: leave them out"
+        )
+    return Jump("off", at[0], words)
 
 
 def _lost(data: Intervals, first: int, last: int) -> Jump | None:
@@ -169,11 +174,8 @@ def _lost(data: Intervals, first: int, last: int) -> Jump | None:
     spans, moved = data.spans[first : last + 1, 0], _moved(data, first, last)
     if moved is None:
         return None
-    at, span, more = (
-        data.t[(first + last) // 2],
-        float(np.median(spans)),
-        moved - float(spans.sum()),
-    )
+    at, span = data.t[(first + last) // 2], float(np.median(spans))
+    more = moved - float(spans.sum())
     lost = round(more / span)
     if 0 < lost <= MOST_LOST and abs(more - lost * span) < ALIKE * span:
         samples = "1 sample is" if lost == 1 else f"{lost} samples are"

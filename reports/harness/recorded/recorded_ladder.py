@@ -27,7 +27,8 @@ from ..measuring.places import Places, states_of
 from ..measuring.step_evidence import evidence_of
 from ..measuring.steps import Steps, flowed, step_gains
 from ..timesteps.ladder import Ladder, Rung
-from .judged import JudgedMotion, exact_at
+from .exact_at import exact_at
+from .judged import JudgedMotion
 from .recording import RecordingError
 
 #: Two times are the same if they differ by less than this, relative to the last time.

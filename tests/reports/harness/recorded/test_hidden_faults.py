@@ -18,7 +18,8 @@ from scipy.integrate import solve_ivp
 from scipy.interpolate import interp1d
 from scipy.spatial.transform import Rotation
 from spincheck.reference.other_equations import equations_of
-from spincheck.reports.harness.recorded.judged import exact_at, judged_motion
+from spincheck.reports.harness.recorded.exact_at import exact_at
+from spincheck.reports.harness.recorded.judged import judged_motion
 from spincheck.reports.harness.recorded.log import log_of
 from spincheck.reports.harness.recorded.measured import Measured
 from spincheck.reports.harness.recorded.motion import reading_of, recorded_motion

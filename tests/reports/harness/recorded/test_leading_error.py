@@ -7,8 +7,9 @@ import pytest
 from planted_motions import case, rates_of
 from reported_faults import Arrays
 from spincheck.reports.harness.explaining.search import LEFT
+from spincheck.reports.harness.recorded.exact_at import exact_at
 from spincheck.reports.harness.recorded.intervals import Intervals, intervals_of, root_mean_squares
-from spincheck.reports.harness.recorded.judged import exact_at, judged_motion
+from spincheck.reports.harness.recorded.judged import judged_motion
 from spincheck.reports.harness.recorded.leading_error import (
     ATTITUDE,
     BOTH,
