@@ -22,6 +22,8 @@ from .other_tensors import tensor_of_entries
 
 #: Largest power of ‖ω‖ that the coefficient of a drag may grow or fall with.
 POWER = 4.0
+#: Powers of ‖ω‖ in the coefficients of a drag that is quadratic, and of dry friction.
+POWERS = 1.0, -1.0
 
 
 def of_effects(scenario: Scenario, e: OtherEquations) -> Iterator[Change]:
@@ -105,6 +107,11 @@ def drags_law(scenario: Scenario, e: OtherEquations, power: float | None = None)
         np.array([mean_moment(e) * rate, 1.0][: 2 if power is None else 1]),
         lambda n: friction(n) + np.array([0.0, 1.0]),
     )
+
+
+def resistance_of_other_powers(scenario: Scenario, e: OtherEquations) -> Iterator[Change]:
+    """Quadratic drag, and dry friction, of a coefficient that is fitted."""
+    yield from (drags_law(scenario, e, power) for power in POWERS)
 
 
 def _of_drag(scenario: Scenario, e: OtherEquations) -> Iterator[Change]:

@@ -21,10 +21,10 @@ from ..explaining.effect_changes import (
     by_attitude,
     com,
     dipole,
-    drags_law,
     momentum,
     of_momentum,
     resistance,
+    resistance_of_other_powers,
     tilt,
     torques,
     usual_torque,
@@ -44,8 +44,6 @@ from .starts import started_elsewhere
 
 #: Part of the distance of samples by which a state is followed to see where it leads.
 SMALL = 1e-3
-#: Powers of ‖ω‖ in the coefficients of a drag that is quadratic, and of dry friction.
-POWERS = 1.0, -1.0
 #: Largest number of changes that are fitted at once.
 MOST = 4
 #: Factor by which neighbouring fourth differences, which share noise, count as fewer independent
@@ -103,7 +101,7 @@ class Measured:
         scene = self.scenario, equations
         candidates = [START, self.tensor, TIMES, *resistance(*scene), *com(*scene)]
         candidates += [*tilt(equations), *of_momentum(equations), *torques(*scene)]
-        candidates += [momentum(*scene), *(drags_law(*scene, power) for power in POWERS)]
+        candidates += [momentum(*scene), *resistance_of_other_powers(*scene)]
         if self.given.has_omega:
             candidates += [*OF_LOGS, world_turning(1.0)]
         return Search(self.given, candidates)
