@@ -12,7 +12,7 @@ FEWEST = 7
 #: By which part of the largest rate that a gyroscope reads the body must turn faster, on average,
 #: and by how many standard errors of that average.
 FASTER, CERTAIN = 1e-2, 6.0
-#: That a gyroscope saturates, at a rate in rad/s and °/s.
+#: That a gyroscope saturates, in which components, at a rate in rad/s and °/s; and all of them.
 SATURATES = "the gyroscope saturates: {} is clamped to {:.6g} rad/s ({:.4g} °/s)"
 EACH = "each component of ω"
 

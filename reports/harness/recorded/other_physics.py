@@ -84,17 +84,17 @@ class Physics:
     @cached_property
     def made_by(self) -> str:
         """The known integrator that made the motion by the scene's equations; empty if none did."""
-        if self.known is None or self.intervals is None:
+        if self.known is None:
             return ""
-        base = self.intervals.base
+        base = self.known.intervals.base
         return self.known.that_made(base) or self.known.at_another_timestep(base)
 
     @property
     def is_at_another_timestep(self) -> bool:
         """Whether the integrator that made the motion had another timestep than is stated."""
-        if self.timestep is None or self.intervals is None:
+        if self.timestep is None or self.known is None:
             return False
-        return bool(self.made_by) and not self._integrator(self.intervals.base)
+        return bool(self.made_by) and not self.known.that_made(self.known.intervals.base)
 
     @property
     def next_term(self) -> float:
@@ -128,9 +128,11 @@ class Physics:
         # What is within the stated order's error has another order if that explains far more of it.
         enough = np.inf if self.is_beyond else LEFT**2 * left(self.order, self.order + 1)
         made = [replace(self, order=n) for n in range(1, self.order)]
+        if self.is_beyond:
+            made.append(replace(self, timestep=None))
         by_order = {
             one.order: left(one.order)
-            for one in [*made, *([replace(self, timestep=None)] if self.is_beyond else [])]
+            for one in made
             if not one.is_beyond
             and left(one.order) < LARGEST_NEXT**2 + of_noise
             and left(one.order, one.order + 1) < min(self.next_term**2 + of_noise, enough)

@@ -98,7 +98,10 @@ def _clipped(off: FloatArray) -> FloatArray:
 
 
 def _in_words(t: FloatArray, change: Change, numbers: FloatArray) -> str:
-    """Return a change whose number is another at times, s, (S,)."""
+    """Return a change whose number is another at times, s, (S,), or the same at all of them."""
+    same = {_of(change, number) for number in numbers}
+    if len(same) == 1:
+        return same.pop()
     splits = [_spread(numbers[:k]) + _spread(numbers[k:]) for k in range(1, len(numbers))]
     k = 1 + int(np.argmin(splits))
     before, after = np.median(numbers[:k]), np.median(numbers[k:])
