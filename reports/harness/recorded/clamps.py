@@ -60,7 +60,7 @@ class Clamp(NamedTuple):
 
 
 def clamps(
-    scenario: Scenario, motion: Trajectory, exact: Trajectory, of_method: float
+    scenario: Scenario, motion: Trajectory, exact: Trajectory, of_method: float, of_noise: float
 ) -> Iterator[Clamp]:
     """Yield clamps of ω that lead from the exact start, and each sample, to the next.
 
@@ -70,15 +70,18 @@ def clamps(
     Parameters
     ----------
     motion, exact : the recorded motion, and the exact one at the same times
-    of_method : bound of a method's error of ω in an interval, rad/s
+    of_method, of_noise : bounds of a method's error of ω in an interval, and of noise, rad/s
     """
     states = states_of(motion)
-    if len(states) <= FEWEST:
+    start = states_of(exact.until(1))[0]
+    changes = float(np.abs(states[:, 4:] - start[4:]).max())
+    # An ω that stays what it was at first is no clamp's: so it is without a gyroscopic torque.
+    if len(states) <= FEWEST or changes <= ROUNDING * np.abs(states[:, 4:]).max():
         return
     kept = np.unique(np.linspace(0, len(states) - 2, FEW).astype(int))
     spans, starts, ends = np.diff(motion.t)[kept, None], states[kept], states[kept + 1]
     # The first sample may be recorded before or after it was clamped.
-    starts[0] = states_of(exact.until(1))[0]
+    starts[0] = start
     equations = as_it_is(scenario).equations
     wanted = follow(equations, starts, spans)[:, 0]
     every = follow(equations, states[:-1], np.diff(motion.t)[:, None])[:, 0]
@@ -88,7 +91,8 @@ def clamps(
         first = int(np.argmax(is_there.reshape(len(states), -1).any(axis=1)))
         # What stays the same throughout may be the motion's own.
         is_there &= ~is_there.all(axis=0)
-        stays = is_there[:-1] & is_there[1:] & (size_of(every) > (1 + BEYOND) * bound)
+        is_beyond = size_of(every) > bound + max(BEYOND * bound, of_noise)
+        stays = is_there[:-1] & is_there[1:] & is_beyond
         if np.count_nonzero(stays) >= FEWEST:
             yield Clamp(f"{words} is clamped to {bound:.4g} rad/s", first)
             continue

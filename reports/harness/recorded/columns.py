@@ -23,6 +23,9 @@ def stuck(numbers: Numbers, omega: FloatArray) -> Shown | None:
     A clamp keeps a component at the largest value that any has.
     """
     bound, least = float(np.abs(omega).max()), CHANGES * numbers.resolution_omega
+    if not np.ptp(omega, axis=0).any():
+        # So it is without a gyroscopic torque, whatever is wrong with the attitudes.
+        return None
     for axis in range(3):
         column, exact = omega[:, axis], numbers.omega_exact[:, axis]
         a, b = max(runs(column[1:] == column[:-1]), key=lambda run: run[1] - run[0], default=(0, 0))
@@ -40,7 +43,7 @@ def stuck(numbers: Numbers, omega: FloatArray) -> Shown | None:
                 f"w{'xyz'[axis]} is {column[a]:.6g} rad/s, to the last digit, "
                 f"{_when(numbers.t, a, b)}, though the attitudes show it change: its column is "
                 f"{how}",
-                a + 1 if a else 0,
+                np.arange(a + 1 if a else 0, b + 1),
             )
     return None
 
@@ -58,9 +61,9 @@ def _saturated(numbers: Numbers, omega: FloatArray, which: str, columns: slice) 
     """Say that some columns of ω stay at their largest value while the attitudes turn faster."""
     some = omega[:, columns]
     bound = float(np.abs(some).max())
-    is_cut = np.abs(some) == bound
+    is_there = np.abs(some) == bound
     # A component that is the same throughout may be the motion's own.
-    is_cut &= ~is_cut.all(axis=0)
+    is_cut = is_there & ~is_there.all(axis=0)
     is_between = is_cut[1:] & (some[1:] == some[:-1])
     excess = (numbers.rates[:, columns] * np.sign(some[1:]))[is_between] - bound
     if len(excess) < FEWEST:
@@ -68,11 +71,11 @@ def _saturated(numbers: Numbers, omega: FloatArray, which: str, columns: slice) 
     error = float(np.std(excess)) / np.sqrt(len(excess))
     if np.mean(excess) < max(FASTER * bound, CERTAIN * error):
         return None
-    samples = np.flatnonzero(is_cut.any(axis=1))
+    samples = np.flatnonzero(is_there.any(axis=1))
     return Shown(
         f"{SATURATES.format(which, bound, np.degrees(bound))}, {where(numbers.t, samples)}, and "
         "the attitudes turn faster",
-        int(samples[0]),
+        samples,
     )
 
 

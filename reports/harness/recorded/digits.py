@@ -105,13 +105,13 @@ class Shown:
     Attributes
     ----------
     words : a sentence
-    first : index of the first sample that it is about; what comes before may be explained
+    wrong : indices of the samples that it is about; the others may be explained, (k,)
     rounding : standard deviations of attitude, rad, and ω, rad/s, if the numbers are rounded
         coarsely
     """
 
     words: str
-    first: int
+    wrong: NDArray[np.intp]
     rounding: tuple[float, float] = (0.0, 0.0)
 
 
@@ -186,7 +186,7 @@ def _still(numbers: Numbers) -> Shown | None:
             return Shown(
                 f"from t = {t[first]:.6g} s on, for {last + 1 - first} samples, it is asleep: ω is "
                 "exactly 0, and the attitude stays the same to the last digit",
-                first,
+                np.arange(first, count),
             )
     found = runs(same & numbers.turns)
     # A first state that is written twice is of times that count on; of a whole file it is a start.
@@ -198,7 +198,7 @@ def _still(numbers: Numbers) -> Shown | None:
     again = np.concatenate([np.arange(a + 1, b + 1) for a, b in found])
     return Shown(
         f"rows are those before them again, to the last digit, {where(t, again)}: leave them out",
-        int(again[0]),
+        again,
     )
 
 
@@ -208,19 +208,20 @@ def _one_run(numbers: Numbers, a: int, b: int) -> Shown:
     samples = "1 sample" if b == a + 1 else f"{b - a} samples"
     if b == len(t) - 1:
         return Shown(
-            f"from t = {t[a]:.6g} s on it stands still, to the last digit, for {samples}", a + 1
+            f"from t = {t[a]:.6g} s on it stands still, to the last digit, for {samples}",
+            np.arange(a + 1, len(t)),
         )
     turn = float(2 * np.arccos(min(1.0, abs(float(q[a] @ q[b + 1])))))
     speeds = norms(numbers.omega_exact if numbers.omega is None else numbers.omega)
     goes_on, counts_on = speeds[b + 1] * (t[b + 1] - t[b]), speeds[b + 1] * (t[b + 1] - t[a])
-    is_late = abs(turn - goes_on) < abs(turn - counts_on)
+    is_late, after = abs(turn - goes_on) < abs(turn - counts_on), np.arange(a + 1, len(t))
     if b == a + 1:
         late = f", and what follows is {t[b] - t[a]:.6g} s late" if is_late else ""
         how = "a row is repeated" if is_late else "leave it out"
         return Shown(
             f"the row at t = {t[b]:.6g} s is the one before it again, to the last digit{late}: "
             f"{how}",
-            b,
+            after if is_late else np.array([b]),
         )
     how = (
         f", and goes on from there, {t[b] - t[a]:.6g} s late, as a simulation that is paused while "
@@ -231,7 +232,7 @@ def _one_run(numbers: Numbers, a: int, b: int) -> Shown:
     return Shown(
         f"it stands still, to the last digit, for {samples}, from t = {t[a]:.6g} s to "
         f"{t[b]:.6g} s{how}",
-        a + 1,
+        after if is_late else np.arange(a + 1, b + 1),
     )
 
 
@@ -253,10 +254,11 @@ def _stale(numbers: Numbers) -> Shown | None:
             f"the attitude is held: it is new at one sample in {lengths[0]} only; record those "
             "alone"
         )
-    else:
-        which = where(numbers.t, repeated)
-        words = f"the attitude is that of the sample before, to the last digit, {which}"
-    return Shown(words, int(repeated[0]))
+        is_new = np.arange(len(numbers.t)) % lengths[0] == new[0] % lengths[0]
+        return Shown(words, np.flatnonzero(~is_new))
+    which = where(numbers.t, repeated)
+    words = f"the attitude is that of the sample before, to the last digit, {which}"
+    return Shown(words, repeated)
 
 
 def _zeros(numbers: Numbers, omega: FloatArray) -> Shown | None:
@@ -269,7 +271,7 @@ def _zeros(numbers: Numbers, omega: FloatArray) -> Shown | None:
     if is_zero.all() or not len(zeros):
         return None
     words = f"ω is exactly 0, though the attitude goes on turning, {where(numbers.t, zeros)}"
-    return Shown(f"{words}: leave {'it' if len(zeros) == 1 else 'them'} out", int(zeros[0]))
+    return Shown(f"{words}: leave {'it' if len(zeros) == 1 else 'them'} out", zeros)
 
 
 def _rounded_attitude(numbers: Numbers) -> Shown | None:
@@ -288,7 +290,7 @@ def _rounded_attitude(numbers: Numbers) -> Shown | None:
         return None
     rounding = 2 * ROUNDED * unit
     words = f"{which} are rounded to {unit:.4g}, which makes attitudes off by {rounding:.2g} rad"
-    return Shown(words, len(numbers.q), (rounding, 0.0))
+    return Shown(words, np.arange(0), (rounding, 0.0))
 
 
 def _unit_of_three(q: FloatArray) -> float:
@@ -322,4 +324,4 @@ def _rounded(numbers: Numbers, omega: FloatArray) -> Shown | None:
     name = min(found, key=lambda name: digits_of(found[name]))
     unit = found[name]
     rounding = 0.0, ROUNDED * unit * RATES[name]
-    return Shown(f"ω is rounded to {unit:.6g} {name}", len(omega), rounding)
+    return Shown(f"ω is rounded to {unit:.6g} {name}", np.arange(0), rounding)

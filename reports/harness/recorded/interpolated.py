@@ -23,21 +23,24 @@ def interpolated(numbers: Numbers) -> Shown | None:
         count = int(lengths[0]) + 1
         # At either end a line may be missing.
         if len(t) <= 1 + (len(every) + 2) * count:
-            return _at_one_in(count, "interpolated linearly", every[0][0] + 1)
+            return _at_one_in(count, "interpolated linearly", every[0][0], len(t))
     gaps = [(a, b) for a, b in every if b - a >= FEWEST_ON_A_LINE]
     if not gaps:
         return None
     samples = np.concatenate([np.arange(a + 1, b + 1) for a, b in gaps])
     of_gaps = f", in {len(gaps)} gaps" if len(gaps) > 1 else ""
     if not np.abs(omega[samples] - omega[samples - 1]).any():
+        # Where a line ends with a kink the last sample that is held is no more on it.
+        ends = np.array([b + 1 for _, b in gaps])
+        samples = np.union1d(samples, ends[(omega[ends] == omega[ends - 1]).all(axis=1)])
         return Shown(
             f"ω is held, as in the sample before, {where(t, samples)}{of_gaps}: leave it out",
-            int(samples[0]),
+            samples,
         )
     return Shown(
         f"ω is on a straight line from the sample before to the one after {where(t, samples)}"
         f"{of_gaps}: what was lost was interpolated; leave it out",
-        int(samples[0]),
+        samples,
     )
 
 
@@ -48,13 +51,14 @@ def _zero_order_hold(numbers: Numbers, omega: FloatArray) -> Shown | None:
     count = int(np.median(np.diff(new))) if len(new) >= FEWEST else 1
     # A motion that comes to rest is new at every sample, and then no more.
     if count > 1 and np.sum(changes <= least / CHANGES) >= (count - 1) * (len(new) - 1):
-        return _at_one_in(count, "held", 1)
+        return _at_one_in(count, "held", int(new[0]) + 1, len(omega))
     return None
 
 
-def _at_one_in(count: int, how: str, first: int) -> Shown:
+def _at_one_in(count: int, how: str, first: int, samples: int) -> Shown:
+    """Say that ω is new at one sample in some, the first of these by its index."""
     words = f"ω is {how}: it is new at one sample in {count} only; record those alone"
-    return Shown(words, first)
+    return Shown(words, np.flatnonzero((np.arange(samples) - first) % count))
 
 
 def _lines(

@@ -1,7 +1,7 @@
 """Judges a recorded motion: its errors against the exact motion, and what explains them."""
 
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass
 from math import pi
 from typing import Any
 
@@ -17,6 +17,7 @@ from ....scenarios import (
 )
 from ...results.records import Defect
 from ..comparison.defects import defects
+from .case import Case
 from .exact_at import exact_at
 from .explained import explained
 from .measured import Measured
@@ -148,31 +149,35 @@ def judged_motion(scenario: Scenario, recording: Recording, order: int = 1) -> J
     solution = exact_at(scenario, recording.arrays["t"])
     exact, reading = solution.trajectory, reading_of(recording)
     recorded = recorded_motion(scenario, recording, reading, exact)
+    case = Case(scenario, recording, reading, exact, recorded, timestep, order)
     series = error_series(scenario, recorded.trajectory, exact)
     lacks = [name for name in OPTIONAL if name not in recording.arrays]
     absent = lacks if not scenario.constraint.is_pivot else []
     absent += ["omega"] * (not recorded.has_omega) + ["spins"] * (not recorded.has_spins)
     errors = dict(series.worst()) | dict.fromkeys(absent)
     of_steps = defects(scenario, recorded.trajectory, exact)
-    explanation = explained(scenario, exact, recording, reading, recorded, timestep, order)
+    explanation = explained(case)
     of_places = mistakes_of_translation(scenario, exact, recording, recorded.trajectory)
     if not (of_places or explanation.explained_by or explanation.is_beyond):
         lever = float(np.linalg.norm(scenario.constraint.lever))
         of_places = other_translation(exact, recording, recorded.trajectory, lever, timestep)
-    explanation = replace(explanation, explained_by=(*explanation.explained_by, *of_places))
     return JudgedMotion(
         recorded,
         solution,
         timestep,
+        explanation.verdict,
+        explanation.is_beyond,
         errors=errors,
         series=series,
         drifts=_drifts(scenario, recorded),
         defects=of_steps.summary(len(exact.t) - 1, EPS) if of_steps else {},
+        explained_by=(*explanation.explained_by, *of_places),
+        made_by=explanation.made_by,
+        measured=explanation.measured,
         remarks=tuple(filter(None, [recording.drift_off_the_sphere])),
         ignored=recording.ignored,
         is_single=recording.is_single,
         resolution=recording.resolution,
-        **vars(explanation),
     )
 
 

@@ -1,7 +1,7 @@
 """Says where a recorded motion jumps, though it is the exact one from nearly every sample on."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.special import chdtri, fdtri
@@ -34,7 +34,7 @@ class Jump:
     Attributes
     ----------
     kind : jumps of one kind are counted together
-    at : s, at the end of the interval
+    at : time of the first sample that is off the motion before it, s
     words : a sentence
     """
 
@@ -43,8 +43,8 @@ class Jump:
     words: str
 
 
-def jumps(data: Intervals, *, has_omega: bool) -> list[str]:
-    """Return the jumps of a motion in words, the first of each kind.
+def jumps(data: Intervals, *, has_omega: bool) -> list[Jump]:
+    """Return the jumps of a motion, the first of each kind, with how many there are in words.
 
     None if there is none, or more than a tenth of all intervals are some.
 
@@ -77,7 +77,7 @@ def jumps(data: Intervals, *, has_omega: bool) -> list[str]:
             )
         places = [j for j in later if j > (last or end)]
     kinds = dict.fromkeys(one.kind for one in found)
-    return [_sentence([one for one in found if one.kind == kind]) for kind in kinds][:KINDS_TOLD]
+    return [_counted([one for one in found if one.kind == kind]) for kind in kinds][:KINDS_TOLD]
 
 
 def _places(data: Intervals, off: FloatArray, left: FloatArray) -> list[int]:
@@ -219,11 +219,13 @@ def _moved(data: Intervals, first: int, last: int) -> float | None:
     return moved if is_later and _is_near(made, end[0], data.scale[last]) else None
 
 
-def _sentence(alike: Sequence[Jump]) -> str:
-    """Return the first of jumps of one kind in words, and how many there are."""
-    if len(alike) == 1:
-        return alike[0].words
-    return f"{alike[0].words} (one of {len(alike)} such places, the last at {alike[-1].at:.6g} s)"
+def _counted(alike: Sequence[Jump]) -> Jump:
+    """Return the first of jumps of one kind, and in its words how many there are."""
+    first, count = alike[0], len(alike)
+    if count == 1:
+        return first
+    also = f"(one of {count} such places, the last at {alike[-1].at:.6g} s)"
+    return replace(first, words=f"{first.words} {also}")
 
 
 def _is_near(made: FloatArray, recorded: FloatArray, scale: FloatArray) -> bool:

@@ -4,7 +4,8 @@ In a step h a one-step method of order p is off by h^(p+1) times a combination o
 differentials of order p + 1, one for each rooted tree with as many vertices (Hairer, Lubich &
 Wanner, Geometric Numerical Integration, §III.1). One that treats attitude and ω differently, such
 as semi-implicit Euler, has one for each way to colour the vertices (§III.2). Over many steps these
-errors add up, carried along by the exact flow.
+errors add up, carried along by the exact flow. The coefficients are of no method larger than about
+one: explicit Euler's is ½, and those of higher orders are smaller (§III.1.3).
 """
 
 from collections.abc import Sequence
@@ -13,12 +14,12 @@ from itertools import product
 
 import numpy as np
 from numpy.polynomial.legendre import leggauss
+from scipy.optimize import lsq_linear
 
 from ....reference.following import follow, rates
 from ....reference.other_equations import OtherEquations
 from ....scenarios import FloatArray
 from ....scenarios.rotation import cross, norms
-from ..explaining.fit import RANK
 from .intervals import Intervals, apart
 
 #: Order up to which vertices are coloured: of higher ones there would be too many trees.
@@ -26,6 +27,8 @@ COLOURED = 2
 #: Nodes of the quadrature along an interval; relative differences of states by which derivatives
 #: are taken, and with which errors are carried along.
 NODES, SMALL, CARRIED = 3, 1e-3, 1e-4
+#: Largest coefficient of an elementary differential.
+LARGEST = 2.0
 #: Colours of vertices: of the attitude's equation and Euler's as one, of either alone, and from
 #: `TERMS` on of the terms of Euler's.
 BOTH, ATTITUDE, OMEGA, TERMS = 0, 1, 2, 3
@@ -42,34 +45,49 @@ _TERMS = (
 Tree = tuple[int, tuple["Tree", ...]]
 
 
-def left_by_methods(data: Intervals, orders: Sequence[int]) -> FloatArray:
+def left_by_methods(
+    data: Intervals, orders: Sequence[int], timestep: float | None = None
+) -> FloatArray:
     """Return what the leading errors of no method of these orders explain, (6 S,).
 
     It is in units of `data.scale`, with the coefficients of elementary differentials that leave
     least.
+
+    Parameters
+    ----------
+    timestep : of the method, s; that of the samples if None
     """
-    off, basis = data.off([data.base]).ravel(), basis_of(leading_errors(data, orders), data.scale)
-    return np.asarray(off - basis @ (basis.T @ off))
+    off, errors = data.off([data.base]).ravel(), leading_errors(data, orders, timestep)
+    columns = (errors / data.scale).reshape(len(errors), -1).T
+    # What one coefficient makes at most is the unit, so that no column is too small to count.
+    units = np.linalg.norm(columns, axis=0)
+    columns = columns[:, units > 0] / units[units > 0]
+    best = lsq_linear(columns, off, (-LARGEST * units[units > 0], LARGEST * units[units > 0]))
+    return np.asarray(off - columns @ best.x)
 
 
-def basis_of(errors: FloatArray, scale: FloatArray) -> FloatArray:
-    """Return orthonormal columns that span errors, (k, S, 6), in units of a scale, (6 S, n)."""
-    columns = (errors / scale).reshape(len(errors), -1).T
-    columns /= np.maximum(np.linalg.norm(columns, axis=0), np.finfo(float).tiny)
-    basis, sizes, _ = np.linalg.svd(columns, full_matrices=False)
-    return np.asarray(basis[:, sizes > RANK * sizes[0]])
-
-
-def leading_errors(data: Intervals, orders: Sequence[int]) -> FloatArray:
+def leading_errors(
+    data: Intervals, orders: Sequence[int], timestep: float | None = None
+) -> FloatArray:
     """Return the errors in intervals of one elementary differential each, rad and rad/s, (k, S, 6).
 
-    Of all elementary differentials of methods of these orders; the coefficients are arbitrary.
+    Of all elementary differentials of methods of these orders, each with a coefficient of one.
+
+    Parameters
+    ----------
+    timestep : of the method, s; that of the samples if None
     """
+    steps = np.minimum(timestep or np.inf, data.spans)
     equations = data.base.equations
     rate = max(float(norms(data.starts[:, 4:]).max()), equations.rate)
     units = np.array([1.0, rate]).repeat([4, 3])
     terms = _terms(equations)
-    every = [tree for order in orders for tree in trees(order + 1, _colours(order, len(terms)))]
+    # In units in which the rate is one, that of the error is the step's angle to the order.
+    every, sizes = [], []
+    for order in orders:
+        more = trees(order + 1, _colours(order, len(terms)))
+        every += more
+        sizes += len(more) * [(rate * steps) ** order * rate / CARRIED]
     errors = np.zeros((len(every), *data.scale.shape))
     nodes, weights = leggauss(NODES)
     for part, weight in zip((1 + nodes) / 2, weights, strict=True):
@@ -77,10 +95,11 @@ def leading_errors(data: Intervals, orders: Sequence[int]) -> FloatArray:
         remaining = (1 - part) * data.spans
         ends = follow(equations, here, remaining)[:, 0]
         differentials = _Differentials((*[equations] * TERMS, *terms), here, rate)
-        for error, tree in zip(errors, every, strict=True):
+        for error, tree, size in zip(errors, every, sizes, strict=True):
             moved = here + CARRIED * units * differentials.of(tree)
             moved[:, :4] /= norms(moved[:, :4])[:, None]
-            error += weight * data.spans * apart(ends, follow(equations, moved, remaining)[:, 0])
+            carried = apart(ends, follow(equations, moved, remaining)[:, 0])
+            error += weight * data.spans * size * carried
     return errors
 
 

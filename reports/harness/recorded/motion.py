@@ -11,6 +11,12 @@ from ....scenarios import FloatArray, Scenario, Trajectory
 from ....scenarios.rotation import matrices, norms, turned, turned_back
 from .recording import Recording, RecordingError
 
+#: Number of samples that ω is computed from.
+STENCIL = 5
+#: Largest turn between two samples, rad: over the four intervals of a stencil the direction of a
+#: turn must not be ambiguous.
+FURTHEST = 0.75
+
 QuaternionOrder = Literal["wxyz", "xyzw"]
 OmegaFrame = Literal["body", "world"]
 
@@ -34,8 +40,8 @@ class Reading(NamedTuple):
     frame: OmegaFrame
     spins: FloatArray | None
 
-    def rows(self, rows: slice) -> "Reading":
-        """Return some of the samples."""
+    def rows(self, rows: slice | NDArray[np.intp]) -> "Reading":
+        """Return some of the samples, as a slice or by their indices."""
         omega, spins = (None if one is None else one[rows] for one in (self.omega, self.spins))
         return self._replace(t=self.t[rows], q=self.q[rows], omega=omega, spins=spins)
 
@@ -112,11 +118,17 @@ def recorded_motion(
     return RecordedMotion(motion, has_omega, reading.spins is not None)
 
 
-def omega_of_attitudes(t: FloatArray, q_world_body_wxyz: FloatArray) -> FloatArray:
-    """Return ω along body axes, rad/s, (n, 3), from n attitudes, to fourth order in their distance.
+def omega_of_attitudes(
+    t: FloatArray, q_world_body_wxyz: FloatArray, samples: int = STENCIL
+) -> FloatArray:
+    """Return ω along body axes, rad/s, (n, 3), from n attitudes.
 
     At a sample ω is the derivative of the rotation vector to its neighbours, computed by the
-    polynomial through five of them (B. Fornberg, Math. Comp. 51 (1988) 699, for its weights).
+    polynomial through some of them (B. Fornberg, Math. Comp. 51 (1988) 699, for its weights).
+
+    Parameters
+    ----------
+    samples : of the polynomial; its order in their distance is one less
 
     Raises
     ------
@@ -131,7 +143,7 @@ def omega_of_attitudes(t: FloatArray, q_world_body_wxyz: FloatArray) -> FloatArr
             f"the body turns by {np.degrees(turns[k]):.0f}° between samples {k + 1} and {k + 2}: "
             "ω cannot be told from attitudes so far apart; write ω, or more samples"
         )
-    points = min(STENCIL, len(t))
+    points = min(samples, len(t))
     first = np.clip(np.arange(len(t)) - points // 2, 0, len(t) - points)
     omega_body = np.zeros((len(t), 3))
     for j in range(points):
@@ -153,10 +165,3 @@ def _weight(t: FloatArray, first: NDArray[np.intp], points: int, j: int) -> Floa
             apart = t[first + j] - t[first + i]
             weight *= np.where(own == i, 1.0, t - t[first + i]) / apart
     return weight
-
-
-#: Number of samples that ω is computed from.
-STENCIL = 5
-#: Largest turn between two samples, rad: over the four intervals of a stencil the direction of a
-#: turn must not be ambiguous.
-FURTHEST = 0.75

@@ -35,7 +35,7 @@ def lost_sign(reading: Reading, numbers: Numbers) -> Shown | None:
     return Shown(
         f"the sign of qw is lost, it is never negative: conjugating {len(wrong)} of {len(q)} "
         f"samples, the first at t = {first:.6g} s, the last at {last:.6g} s, mends all",
-        int(wrong[0]),
+        wrong,
     )
 
 
@@ -58,7 +58,7 @@ def across_signs(numbers: Numbers) -> Shown | None:
     return Shown(
         f"attitudes are interpolated between quaternions of opposite signs, {where(t, wrong)}: "
         "change the sign of one of the two before",
-        int(wrong[0]),
+        wrong,
     )
 
 
@@ -90,7 +90,7 @@ def wrapped(numbers: Numbers, omega: FloatArray) -> Shown | None:
     return Shown(
         f"ω wraps around, off by {jump:.4g} rad/s as numbers do that leave ±{jump / 2:.4g} rad/s, "
         f"{where(t, wrong)}",
-        int(wrong[0]),
+        wrong,
     )
 
 
@@ -121,14 +121,15 @@ def exchanged(scenario: Scenario, motion: Trajectory) -> Shown | None:
     pairs = second[left < LEFT * before[second - 1]]
     if not len(pairs):
         return None
+    both = np.union1d(pairs, pairs + 1)
     times = f"t = {t[pairs[0]]:.6g} s and {t[pairs[0] + 1]:.6g} s"
     if len(pairs) == 1:
-        return Shown(f"the rows at {times} are exchanged", int(pairs[0]))
+        return Shown(f"the rows at {times} are exchanged", both)
     last = f"at {t[pairs[-1]]:.6g} s and {t[pairs[-1] + 1]:.6g} s"
     return Shown(
         f"{len(pairs)} pairs of successive rows are exchanged, the first at {times}, the last "
         f"{last}",
-        int(pairs[0]),
+        both,
     )
 
 
@@ -153,7 +154,7 @@ def jitter(motion: Trajectory) -> Shown | None:
     return Shown(
         f"the times jitter, by up to {1e3 * off:.2g} ms: attitudes follow ω if the samples are "
         f"taken to be {slope:.6g} s apart",
-        1,
+        np.arange(1, len(t)),
     )
 
 

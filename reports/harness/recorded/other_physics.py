@@ -13,7 +13,7 @@ import numpy as np
 from ....reference.following import EXACT
 from ....scenarios import FloatArray, Scenario, Trajectory
 from ....scenarios.rotation import norms
-from ..explaining.fit import Fit, mean_square
+from ..explaining.fit import Fit, Trial, mean_square
 from ..explaining.hypothesis import Change, Hypothesis
 from ..explaining.search import LEFT, MOST_OF_ALL, SAME, Search
 from .clamps import Clamp, clamps
@@ -30,11 +30,11 @@ from .within_error import within_error
 
 #: Number of intervals that changes are fitted to, and of steps of known integrators, at most.
 MOST, MOST_STEPS = 60, 300
-#: Error of a short flow by rounding, in relative distances of the numbers.
-ROUNDINGS = 8.0
 #: The next term of a method's error, relative to the leading one: so many times the angle of a
 #: step, and at most that part.
 NEXT_TERM, LARGEST_NEXT = 4.0, 0.3
+#: Standard deviations of noise by which equations lead beyond a bound that is certain.
+CERTAIN = 6.0
 #: How many numbers are fitted, at most, where more is left than a method makes.
 MOST_NUMBERS = 3
 UNEXPLAINED = (
@@ -122,8 +122,8 @@ class Physics:
         data = self.intervals.with_error(self.off)
         of_noise = mean_square(np.repeat(data.noise, 3) / data.scale)
 
-        def left(*orders: int) -> float:
-            return mean_square(left_by_methods(data, orders))
+        def left(*orders: int, timestep: float | None = self.timestep) -> float:
+            return mean_square(left_by_methods(data, orders, timestep))
 
         # What is within the stated order's error has another order if that explains far more of it.
         enough = np.inf if self.is_beyond else LEFT**2 * left(self.order, self.order + 1)
@@ -131,11 +131,12 @@ class Physics:
         if self.is_beyond:
             made.append(replace(self, timestep=None))
         by_order = {
-            one.order: left(one.order)
+            one.order: left(one.order, timestep=one.timestep)
             for one in made
             if not one.is_beyond
-            and left(one.order) < LARGEST_NEXT**2 + of_noise
-            and left(one.order, one.order + 1) < min(self.next_term**2 + of_noise, enough)
+            and left(one.order, timestep=one.timestep) < LARGEST_NEXT**2 + of_noise
+            and left(one.order, one.order + 1, timestep=one.timestep)
+            < min(self.next_term**2 + of_noise, enough)
         }
         if not by_order:
             return 0
@@ -196,14 +197,15 @@ class Physics:
 
     @cached_property
     def is_of_method(self) -> bool:
-        """Whether noise or the leading errors of methods explain the difference.
+        """Whether noise or the errors of methods explain the difference.
 
-        These errors explain it but for their next term.
+        The leading errors explain it but for their next term; of a motion that makes the leading
+        ones small, the next terms do.
         """
         if self.intervals is None or (self.off <= self.least).all():
             return True
-        data, orders = self.intervals.with_error(self.off), range(1, self.order + 1)
-        return mean_square(left_by_methods(data, orders)) < self.next_term**2
+        data, orders = self.intervals.with_error(self.off), range(1, self.order + 2)
+        return mean_square(left_by_methods(data, orders, self.timestep)) < self.next_term**2
 
     @cached_property
     def off(self) -> FloatArray:
@@ -234,26 +236,18 @@ class Physics:
         return found if found is not None and found.count <= MOST_OF_ALL else None
 
     def explained(self) -> list[str]:
-        """Return in words the clamp, or the changes, that explain the motion; often none.
-
-        With a clamp, also those that explain it before the bound is reached.
-        """
-        if self.clamps:
-            clamp = self.clamps[0]
-            if clamp.first <= FEWEST_INTERVALS:
-                return [clamp.words]
-            motion, exact = (one.until(clamp.first) for one in (self.motion, self.exact))
-            before = replace(self, motion=motion, exact=exact)
-            return [clamp.words, *([] if before.clamps else before.explained())]
+        """Return in words the changes that explain the motion; often none."""
         if self.intervals is None or self.search is None:
             return []
         if self.by_change is not None:
             return self._in_words(self.by_change)
         if not self.is_beyond:
             fit = self._within_error(self.intervals.base)
-            words = sentences(fit) if fit else self._varying(self._of_motion)
+            words = sentences(self._and_read(fit) or fit) if fit else []
+            words = words or self._varying(self._of_motion)
             return words or ([] if self.is_of_method else self.dissipated)
-        words = self._varying([TIMES, *self.search.changes]) or self.dissipated
+        of_equations = [one for one in self.search.changes if one not in READINGS]
+        words = self._varying([TIMES, *of_equations]) or self.dissipated
         return words or missing(self.intervals)
 
     @property
@@ -293,7 +287,8 @@ class Physics:
         if self.intervals is None or self.search is None:
             return None
         orders, every = range(1, self.order + 1), self._of_motion
-        return within_error(self.intervals, every, MOST_NUMBERS, base, orders, self.next_term)
+        of_method = orders, self.timestep, self.next_term
+        return within_error(self.intervals, every, MOST_NUMBERS, base, *of_method)
 
     @cached_property
     def found(self) -> Fit | None:
@@ -355,7 +350,8 @@ class Physics:
     def clamps(self) -> list[Clamp]:
         """Clamps, the likeliest first; often none."""
         of_method = float(self.intervals.scale[:, 3:].max()) if self.intervals else np.inf
-        return list(clamps(self.scenario, self.motion, self.exact, of_method))
+        of_noise = CERTAIN * float(self.noise[1])
+        return list(clamps(self.scenario, self.motion, self.exact, of_method, of_noise))
 
     def _in_words(self, found: Fit) -> list[str]:
         words = sentences(found)
@@ -367,6 +363,8 @@ class Physics:
             return [*words, *unexplained]
         if len(found.changes) > 1:
             return words
+        if both := self._and_read(found):
+            return sentences(both)
         if more := self._by_integrators(found.hypothesis):
             return [*words, *self._in_words(more)]
         more = self._within_error(found.hypothesis)
@@ -375,6 +373,23 @@ class Physics:
         if more and is_another:
             return [*words, *sentences(more)]
         return [*words, *self._varying(self._of_motion, found.hypothesis)]
+
+    def _and_read(self, found: Fit) -> Fit | None:
+        """The changes of a fit and a mistake in reading, or of times, that leave nothing; or None.
+
+        None is looked for where the fit leaves little of the difference.
+        """
+        if self.intervals is None:
+            return None
+        exact = self.intervals.made_by(EXACT, 0.0)
+        (rest,) = exact.off([found.hypothesis]) * exact.scale
+        off = root_mean_squares(rest)
+        if (off < LEFT**2 * self.off).all():
+            return None
+        data = replace(exact, noise=np.maximum(self.least, SAME * off))
+        more = [one for one in (TIMES, *READINGS) if one not in found.changes]
+        fits = [Trial(data, (*found.changes, one)).fit(found) for one in more]
+        return min((fit for fit in fits if fit.left <= 1), key=lambda fit: fit.count, default=None)
 
     def _unexplained(self, rest: FloatArray) -> list[str]:
         """Return that what an explanation leaves, in units of its scale, is not explained.
@@ -385,14 +400,3 @@ class Physics:
             return []
         part = float(np.sqrt(np.mean(rest**2) / self.search.unchanged.left))
         return [UNEXPLAINED.format(100 * part)]
-
-
-def rounding(motion: Trajectory, resolution: float) -> FloatArray:
-    """Return the error of attitude, rad, and ω, rad/s, by rounding of the numbers, (2,).
-
-    Parameters
-    ----------
-    resolution : relative distance of the numbers
-    """
-    speed = float(norms(motion.omega_body).max()) or 1.0
-    return ROUNDINGS * resolution * np.array([1.0, speed])

@@ -13,12 +13,13 @@ from scipy.special import fdtrc
 
 from ....reference.following import follow
 from ....reference.other_equations import OtherEquations
-from ....scenarios import FloatArray
+from ....scenarios import FloatArray, Trajectory
 from ....scenarios.rotation import norms, rotation_vectors
 from ..explaining.fit import Data
 from ..explaining.hypothesis import Hypothesis, as_it_is
 from ..explaining.search import LEFT, LEVEL, SAME, Search
 from .clamps import CLAMPS
+from .intervals import NEAR
 from .missing import is_attitude_off, turned_off
 from .motion_changes import sentences
 from .other_physics import Physics
@@ -70,8 +71,9 @@ def omega_read(physics: Physics, *, is_explained: bool) -> list[str]:
         has one number, is simpler
     """
     motion = physics.motion
-    if is_attitude_off(motion, physics.exact):
-        # Attitudes that are late obey the equations, too.
+    turns = norms(motion.omega_body)[:-1] * np.diff(motion.t)
+    # Attitudes that are late obey the equations, too.
+    if is_attitude_off(motion, physics.exact) or turns.max() > NEAR:
         return []
     states = np.hstack([motion.q_world_body_wxyz, motion.omega_body])
     of_body = _omega_between(as_it_is(physics.scenario).equations, states, np.diff(motion.t))
@@ -94,10 +96,10 @@ def omega_read(physics: Physics, *, is_explained: bool) -> list[str]:
     if by_attitudes.search is None or by_attitudes.is_beyond or np.max(off) * LEFT < error:
         return []
     body = np.hstack([states[:-1, :4], of_body])
-    clamped = next(_clamped(body, read, error), [])
+    simple = next(_clamped(body, read, error), []) or _differences(motion)
     # What filters make of ω is off throughout, and not at some samples alone.
-    if clamped or is_explained or np.mean(off**2) <= error**2:
-        return clamped
+    if simple or is_explained or np.mean(off**2) <= error**2:
+        return simple
     return (
         _sensed(ReadOmega(as_it_is(physics.scenario), motion.t[:-1], body, read, error))
         or _smoothed_or_filtered(motion.t, of_body, read, error)
@@ -149,6 +151,22 @@ def _clamped(body: FloatArray, read: FloatArray, error: float) -> Iterator[list[
         is_clamp = size_of(body).min() < bound and changed > error / LEFT
         if is_clamp and off <= max(error, LEFT**2 * changed):
             yield [f"{words} is clamped to {bound:.4g} rad/s"]
+
+
+def _differences(motion: Trajectory) -> list[str]:
+    """Return that ω is a difference of the recorded attitudes, in words, if it is one."""
+    t, q, omega = motion.t, motion.q_world_body_wxyz, motion.omega_body
+    rates = rotation_vectors(q[:-1], q[1:]) / np.diff(t)[:, None]
+    least = LEFT**2 * float(norms(np.diff(rates, axis=0)).max())
+    over_two = rotation_vectors(q[:-2], q[2:]) / (t[2:] - t[:-2])[:, None]
+    for words, made, read in (
+        ("since the sample before, which is half a sample late", rates, omega[1:]),
+        ("until the next sample, which is half a sample early", rates, omega[:-1]),
+        ("from the sample before to the next one", over_two, omega[1:-1]),
+    ):
+        if norms(read - made).max() < least:
+            return [f"ω is the mean rate of the recorded attitudes {words}"]
+    return []
 
 
 def _sensed(data: ReadOmega) -> list[str]:
@@ -270,8 +288,10 @@ def _filter(body: FloatArray, read: FloatArray, outputs: int, inputs: int) -> Fi
     a, b = numbers[:outputs], numbers[outputs:]
     # By what was read before, anything smooth is found; a filter makes it of the body's ω alone.
     made = [*read[:first]]
-    for k in rows:
-        before = sum((w * made[k - 1 - i] for i, w in enumerate(a)), np.zeros(3))
-        made.append(before + b @ body[k - np.arange(inputs)])
-    left = float(np.mean((read - np.array(made))[first:] ** 2))
-    return Filter(a, b, left)
+    # One that is not stable grows without bounds.
+    with np.errstate(over="ignore", invalid="ignore"):
+        for k in rows:
+            before = sum((w * made[k - 1 - i] for i, w in enumerate(a)), np.zeros(3))
+            made.append(before + b @ body[k - np.arange(inputs)])
+        left = float(np.mean((read - np.array(made))[first:] ** 2))
+    return Filter(a, b, left if np.isfinite(left) else np.inf)

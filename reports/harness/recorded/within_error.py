@@ -14,7 +14,7 @@ from ..explaining.fit import RANK, Data, Fit, Trial, linear
 from ..explaining.hypothesis import Change, Hypothesis
 from ..explaining.search import LEFT, Search
 from .intervals import Intervals, root_mean_squares
-from .leading_error import basis_of, leading_errors
+from .leading_error import LARGEST, leading_errors
 from .mistakes import FITS
 
 #: With changes that explain the rest, methods may make so much more than their error was taken for:
@@ -24,15 +24,24 @@ ROOM = 2.0
 
 @dataclass(frozen=True, eq=False)
 class BesideMethods(Data):
-    """Intervals, less all that leading errors of methods explain.
+    """Intervals in which leading errors of methods count as errors.
 
     Attributes
     ----------
-    basis : orthonormal columns that span these errors, in units of the intervals' scale, (6 S, n)
+    directions : orthonormal columns that span these errors, (6 S, n)
+    sizes : how large the errors may be along each, in units of the intervals' scale, (n,)
     """
 
     intervals: Intervals
-    basis: FloatArray
+    directions: FloatArray
+    sizes: FloatArray
+
+    @staticmethod
+    def of(intervals: Intervals, errors: FloatArray) -> "BesideMethods":
+        """Take errors of methods, (k, S, 6), with coefficients of up to `LARGEST`, into account."""
+        columns = (LARGEST * errors / intervals.scale).reshape(len(errors), -1).T
+        directions, sizes, _ = np.linalg.svd(columns, full_matrices=False)
+        return BesideMethods(intervals.base, intervals, directions, sizes)
 
     @property
     def at_once(self) -> float:
@@ -40,9 +49,10 @@ class BesideMethods(Data):
         return self.intervals.at_once
 
     def off(self, hypotheses: Sequence[Hypothesis], samples: int | None = None) -> FloatArray:
-        """As in `Data`, without what methods explain, (H, 6 S)."""
+        """As in `Data`, in units of the scale and of the errors of methods together, (H, 6 S)."""
         off = self.intervals.off(hypotheses).reshape(len(hypotheses), -1)
-        return np.asarray(off - (off @ self.basis) @ self.basis.T)[:, :samples]
+        of_methods = (off @ self.directions) * (1 - 1 / np.hypot(1.0, self.sizes))
+        return np.asarray(off - of_methods @ self.directions.T)[:, :samples]
 
 
 def within_error(
@@ -51,6 +61,7 @@ def within_error(
     most: int,
     base: Hypothesis,
     orders: Sequence[int],
+    timestep: float | None,
     next_term: float,
 ) -> Fit | None:
     """Return the change, or two, that explain what no method leaves; None if none does.
@@ -59,11 +70,11 @@ def within_error(
     ----------
     most : how many numbers are fitted, at most
     base : the hypothesis, to which changes are added
-    orders : of methods that may have made the motion
+    orders, timestep : of methods that may have made the motion; s, None if unknown
     next_term : the next term of a method's error, relative to the leading one
     """
     data = replace(data, base=base)
-    errors = leading_errors(data, orders)
+    errors = leading_errors(data, orders, timestep)
     for size in _sizes(data, errors, changes):
         found, size = _beside(data, errors, changes, most, next_term, size)
         if found is not None and found.count <= most:
@@ -90,7 +101,7 @@ def _beside(
     """
     while True:
         nearly = data.with_error(np.maximum(next_term * size, FITS))
-        beside = BesideMethods(data.base, nearly, basis_of(errors, nearly.scale))
+        beside = BesideMethods.of(nearly, errors)
         search = Search(beside, changes, most, part=0.0)
         found = search.one_or_two()
         made = [_made(data, errors, data.off([fit.hypothesis])) for fit in search.single]

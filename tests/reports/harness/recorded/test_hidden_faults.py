@@ -569,7 +569,7 @@ HIDDEN = {
         ("the times are 1.004 times too short",),
     ),
     "a gyroscope that stops for a while": Hidden(
-        FREE.scenario, frozen, ("ω is held, as in the sample before, at 13 samples, ",)
+        FREE.scenario, frozen, ("ω is held, as in the sample before, at 14 samples, ",)
     ),
     "times that scatter": Hidden(FREE.scenario, scattered, ("the times are off by 0.004",), NOISY),
     "arms that are drawn in": Hidden(

@@ -1,0 +1,175 @@
+"""A recording that is to be explained: read in one way, beside the exact motion at its times."""
+
+from dataclasses import dataclass, field, fields, replace
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ....scenarios import FloatArray, Misfit, Scenario, Trajectory
+from ....scenarios.rotation import norms
+from ....scenarios.scenario import started_at
+from ..explaining.hypothesis import Hypothesis
+from .digits import Numbers, numbers_of
+from .exact_at import exact_at
+from .intervals import FEWEST_INTERVALS, intervals_of
+from .jumps import FAR, Jump, jumps
+from .motion import STENCIL, Reading, RecordedMotion, omega_of_attitudes, recorded_motion
+from .other_physics import Physics
+from .recording import Recording, RecordingError
+
+#: Names of the settings by which a file states the noise of attitude, rad, and of ω, rad/s.
+NOISE = ("noise_attitude", "noise_omega")
+#: Error of a short flow by rounding, in relative distances of the numbers.
+ROUNDINGS = 8.0
+#: Errors of ω that is computed from attitudes, in the largest one of nearly all samples: it is
+#: larger at either end.
+STENCIL_ERRORS, NEARLY_ALL = 4.0, 0.9
+
+
+@dataclass(frozen=True, eq=False)
+class Case:
+    """A recording that is to be explained.
+
+    Attributes
+    ----------
+    reading : one way to read the recording
+    exact, recorded : the exact motion, and the recorded one as it is so read, at its times
+    timestep : the timestep that the motion was made with, s; None if unknown
+    order : order of accuracy of the method that made it
+    noise : standard deviations of attitude, rad, and ω, rad/s, that have been found in the numbers,
+        by coarse rounding or as noise, (2,)
+    undone : how many mistakes have been undone in the reading
+    is_trial : whether the reading is one that is tried: it is left open as soon as it is known to
+        be
+    """
+
+    scenario: Scenario
+    recording: Recording
+    reading: Reading
+    exact: Trajectory
+    recorded: RecordedMotion
+    timestep: float | None
+    order: int
+    noise: FloatArray = field(default_factory=lambda: np.zeros(2))
+    undone: int = 0
+    is_trial: bool = False
+
+    @property
+    def motion(self) -> Trajectory:
+        """The recorded motion."""
+        return self.recorded.trajectory
+
+    @property
+    def has_omega(self) -> bool:
+        """Whether ω was recorded."""
+        return self.recorded.has_omega
+
+    def of(self, samples: NDArray[np.intp]) -> "Case | None":
+        """Return the case of some samples, by their indices; None if they are too few."""
+        if len(samples) <= FEWEST_INTERVALS:
+            return None
+        try:
+            return self._of_samples(self.reading.rows(samples), samples)
+        except RecordingError:
+            return None
+
+    def read(self, reading: Reading) -> "Case | None":
+        """Return the recording read otherwise, at other times or with fewer samples.
+
+        None if the exact motion is not known at its times.
+        """
+        t = self.reading.t
+        kept = np.flatnonzero(np.isin(t, reading.t))
+        if len(kept) == len(reading.t):
+            return self._of_samples(reading, kept)
+        if len(reading.t) != len(t) or reading.t[0] < 0:
+            return None
+        try:
+            exact = exact_at(self.scenario, reading.t).trajectory
+            return self._beside(self.recording, reading, exact)
+        except RecordingError:
+            return None
+
+    def _of_samples(self, reading: Reading, kept: NDArray[np.intp]) -> "Case":
+        """Return the case of some samples, by their indices, read in some way."""
+        arrays = {name: array[kept] for name, array in self.recording.arrays.items()}
+        return self._beside(replace(self.recording, arrays=arrays), reading, self.exact.at(kept))
+
+    def _beside(self, recording: Recording, reading: Reading, exact: Trajectory) -> "Case":
+        """Return the case of a recording that is read in some way, beside the exact motion."""
+        recorded = recorded_motion(self.scenario, recording, reading, exact)
+        return replace(self, recording=recording, reading=reading, exact=exact, recorded=recorded)
+
+    @property
+    def stated(self) -> FloatArray | None:
+        """Standard deviations of attitude, rad, and ω, rad/s, that are stated; None if none is."""
+        stated = [float(self.recording.settings.get(name, 0.0)) for name in NOISE]
+        return np.maximum(stated, self.floor) if any(stated) else None
+
+    @cached_property
+    def floor(self) -> FloatArray:
+        """The error of attitude, rad, and ω, rad/s, by rounding, or by deriving ω, (2,)."""
+        motion = self.motion
+        speed, distances = float(norms(motion.omega_body).max()), np.diff(motion.t)
+        # Rounding of ω about the axis of the largest moment turns a needle about its thin axis.
+        turns = speed * float(np.median(distances)) * float(np.linalg.cond(self.scenario.inertia))
+        rounding = ROUNDINGS * self.recording.resolution * np.array([1.0, speed or 1.0])
+        floor = (1 + turns) * rounding
+        if not self.has_omega:
+            # A stencil of more samples is off by far less.
+            q, made = self.reading.q, motion.omega_body
+            better = omega_of_attitudes(motion.t, q, STENCIL + 2)
+            of_stencil = float(np.quantile(norms(made - better), NEARLY_ALL))
+            # The attitudes of a method are off by other errors than its ω.
+            turn = speed * (self.timestep or 0.0)
+            of_method = turn**2 * speed**2 * float(distances.max()) / 12
+            found = STENCIL_ERRORS * of_stencil + of_method + floor[0] / float(distances.min())
+            floor = np.array([floor[0] + float(distances.max()) * found, found])
+        return floor
+
+    @cached_property
+    def of_intervals(self) -> FloatArray:
+        """Standard deviations of attitude, rad, and ω, rad/s, in an interval, (2,).
+
+        It has the noise of two samples.
+        """
+        least = self.floor if self.stated is None else np.sqrt(2) * self.stated
+        return np.maximum(least, np.sqrt(2) * self.noise)
+
+    @cached_property
+    def physics(self) -> Physics:
+        """What the equations of motion make of the recorded motion."""
+        of_method = self.timestep, self.order, self.of_intervals
+        return Physics(self.scenario, self.motion, self.exact, *of_method)
+
+    @cached_property
+    def numbers(self) -> Numbers:
+        """The columns of the recording, as they are read, beside the exact motion."""
+        return numbers_of(self.recording, self.reading, self.exact)
+
+    def jumps(self, base: Hypothesis | None = None) -> list[Jump]:
+        """Return where the motion jumps, though from nearly every sample on it is as it should be.
+
+        Parameters
+        ----------
+        base : the equations by which it should be; the scene's if None
+        """
+        of_method = self.timestep, self.order, self.of_intervals
+        every = intervals_of(self.scenario, self.motion, *of_method, near=FAR)
+        if every and base:
+            every = replace(every, base=base)
+        return jumps(every, has_omega=self.has_omega) if every else []
+
+    def as_it_begins(self) -> "Case | None":
+        """Return the case of a scene that starts as the recording does; None without its ω."""
+        if not self.has_omega or self.exact.t[0]:
+            return None
+        first = {f.name: getattr(self.motion, f.name)[0] for f in fields(self.motion)}
+        del first["t"]
+        try:
+            scenario = started_at(self.scenario, **first)
+            exact = exact_at(scenario, self.reading.t).trajectory
+            return replace(self, scenario=scenario)._beside(self.recording, self.reading, exact)
+        except (RecordingError, Misfit):
+            return None

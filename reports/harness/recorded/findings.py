@@ -1,0 +1,112 @@
+"""What is found in a recording before any equation is changed, and what is left without it."""
+
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ....scenarios.rotation import matrices
+from .case import Case
+from .columns import saturated, stuck
+from .digits import Shown, shown_by_digits
+from .interpolated import interpolated
+from .mistakes import mistakes, rounded_times, without
+from .odd_samples import across_signs, exchanged, jitter, lost_sign, warped, wrapped
+
+#: How many mistakes are undone, one after the other, at most.
+MOST_UNDONE = 2
+
+
+class Finding(NamedTuple):
+    """What is found in a recording.
+
+    Attributes
+    ----------
+    words : sentences
+    left : what remains to be explained, in several ways: the first that is explained counts
+    is_beyond : whether it is beyond the error of a method; None if the motion tells
+    is_all : whether what is left has all that was recorded, and not some samples alone
+    """
+
+    words: tuple[str, ...]
+    left: tuple[Case, ...] = ()
+    is_beyond: bool | None = None
+    is_all: bool = False
+
+
+def finding(case: Case) -> Finding | None:
+    """Return what is found in a recording first; None if nothing is.
+
+    What is certain by the numbers themselves comes before what they may mean.
+    """
+    return _of_numbers(case) or _of_mistakes(case) or _of_times(case) or _of_jumps(case)
+
+
+def _of_numbers(case: Case) -> Finding | None:
+    """Return what numbers show; the other samples are left, or those before all of these."""
+    shown = shown_by_digits(case.numbers)
+    if case.noise.any():
+        shown = [one for one in shown if not any(one.rounding)]
+    if not shown and (odd := _odd_samples(case)):
+        shown = [odd]
+    if not shown:
+        return None
+    noise = np.max([case.noise, *(one.rounding for one in shown)], axis=0)
+    every, wrong = np.arange(len(case.motion.t)), np.concatenate([one.wrong for one in shown])
+    samples = [np.setdiff1d(every, wrong)]
+    samples += [every[: wrong.min()]] if len(wrong) else []
+    left = parts_of(replace(case, noise=noise), *samples)
+    # Only what is rounded may be within a method's error.
+    is_beyond = None if all(any(one.rounding) for one in shown) else True
+    return Finding(tuple(one.words for one in shown), left, is_beyond)
+
+
+def _odd_samples(case: Case) -> Shown | None:
+    """Return what samples show by themselves, beyond their digits; None if nothing."""
+    numbers, motion = case.numbers, case.motion
+    found = interpolated(numbers) or lost_sign(case.reading, numbers) or across_signs(numbers)
+    if found or numbers.omega is None:
+        return found
+    return (
+        saturated(numbers, numbers.omega)
+        or stuck(numbers, numbers.omega)
+        or wrapped(numbers, numbers.omega)
+        or exchanged(case.scenario, motion)
+        or jitter(motion)
+    )
+
+
+def _of_mistakes(case: Case) -> Finding | None:
+    """Return mistakes in recording; the recording without them is left."""
+    reading, scenario = case.reading, case.scenario
+    if case.undone > MOST_UNDONE:
+        return None
+    wrong = mistakes(scenario, case.exact, reading) or rounded_times(reading)
+    if not wrong:
+        return None
+    first = matrices(case.exact.q_world_body_wxyz[:1])[0]
+    undone = without(wrong, reading, scenario, first)
+    left = case.read(undone) if undone else None
+    lefts = (replace(left, undone=case.undone + 1),) if left else ()
+    return Finding(tuple(wrong), lefts, is_all=True)
+
+
+def _of_times(case: Case) -> Finding | None:
+    """Return that each state is that of another time."""
+    words = warped(case.scenario, case.motion, case.exact, case.of_intervals)
+    return Finding((words,)) if words else None
+
+
+def _of_jumps(case: Case) -> Finding | None:
+    """Return jumps of the motion; what is recorded before the first of them is left."""
+    if case.physics.clamps or not (found := case.jumps()):
+        return None
+    first = int(np.searchsorted(case.motion.t, min(one.at for one in found)))
+    left = parts_of(case, np.arange(first))
+    return Finding(tuple(one.words for one in found), left, is_beyond=True)
+
+
+def parts_of(case: Case, *samples: NDArray[np.intp]) -> tuple[Case, ...]:
+    """Return the cases of some samples, by their indices, that are enough to be explained."""
+    return tuple(filter(None, map(case.of, samples)))
