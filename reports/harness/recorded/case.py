@@ -10,6 +10,7 @@ from ....scenarios import FloatArray, Misfit, Scenario, Trajectory
 from ....scenarios.rotation import norms
 from ....scenarios.scenario import started_at
 from ..explaining.hypothesis import Hypothesis
+from ..explaining.search import LEFT
 from .digits import Numbers, numbers_of
 from .exact_at import exact_at
 from .intervals import FEWEST_INTERVALS, intervals_of
@@ -158,7 +159,9 @@ class Case:
         of_method = self.timestep, self.order, self.of_intervals
         every = intervals_of(self.scenario, self.motion, *of_method, near=FAR)
         if every and base:
-            every = replace(every, base=base)
+            # What is far less than the base explains is no jump of the motion.
+            noise = np.maximum(every.noise, LEFT**2 * self.physics.off)
+            every = replace(every, base=base, noise=noise)
         return jumps(every, has_omega=self.has_omega) if every else []
 
     def as_it_begins(self) -> "Case | None":

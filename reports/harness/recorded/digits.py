@@ -108,11 +108,13 @@ class Shown:
     wrong : indices of the samples that it is about; the others may be explained, (k,)
     rounding : standard deviations of attitude, rad, and ω, rad/s, if the numbers are rounded
         coarsely
+    mended : all samples without what is wrong, if they can be mended
     """
 
     words: str
     wrong: NDArray[np.intp]
     rounding: tuple[float, float] = (0.0, 0.0)
+    mended: Reading | None = None
 
 
 def numbers_of(recording: Recording, reading: Reading, exact: Trajectory) -> Numbers:

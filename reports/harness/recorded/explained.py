@@ -3,12 +3,9 @@
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.special import chdtri
 
 from ....scenarios import FloatArray
 from ....scenarios.rotation import norms
-from ..explaining.hypothesis import Hypothesis
-from ..explaining.search import LEVEL
 from .alternation import Alternation, alternation
 from .case import Case
 from .findings import Finding, finding, parts_of
@@ -37,7 +34,11 @@ LONGER_TIMESTEP = (
 SOLVERS = 1e-4
 #: Parts of a motion, from its beginning, of which one may be explained where all of it is not.
 PARTS = (2, 4)
-UNTIL = "that explains it until t = {:.4g} s, and not what follows: look for what changed there"
+UNTIL = "that explains it until t = {:.4g} s, and not all that follows: look for what changed"
+EXACT_UNTIL = (
+    "until t = {:.4g} s it is the exact motion with noise, and not in all that follows: look for "
+    "what changed"
+)
 #: How many mistakes are tried with what may explain the rest.
 MOST_TRIED = 3
 
@@ -103,16 +104,21 @@ def _by_equations(case: Case) -> Explanation:
         # A method that errs in one of attitude and ω soon errs in the other.
         if is_measured or fit.right_by_itself:
             is_asked = fit.is_beyond and _may_be_mistaken(case)
-            return (is_asked and _beside_a_mistake(case)) or _of_measured(fit, case)
+            both = _beside_a_mistake(case) if is_asked else None
+            found = both or _of_measured(fit, case)
+            is_asked = not (found.explained_by or case.is_trial) and fit.is_beyond
+            return (_by_its_beginning(case) if is_asked else None) or found
     physics = case.physics
     if case.is_trial and (physics.search is None or physics.is_open):
         return Explanation((), "", physics.is_beyond, is_open=True)
     is_asked = physics.search is None or physics.is_open_or_turning
     if is_asked and _may_be_mistaken(case) and (both := _beside_a_mistake(case)):
         return both
-    if physics.is_open and not case.is_trial and (part := _by_its_beginning(case)):
-        return part
-    return _of_computed(case, alternates if case.has_omega else None)
+    found = _of_computed(case, alternates if case.has_omega else None)
+    if case.is_trial or not physics.is_unexplained or (found.explained_by and not found.is_open):
+        return found
+    both = _beside_a_mistake(case) if _may_be_mistaken(case) and not is_asked else None
+    return both or _by_its_beginning(case) or found
 
 
 def _may_be_mistaken(case: Case) -> bool:
@@ -126,21 +132,17 @@ def _by_its_beginning(case: Case) -> Explanation | None:
     for part in PARTS:
         left = case.of(np.arange(len(t) // part))
         rest = _by_equations(replace(left, is_trial=True)) if left else None
-        if left is None or rest is None or rest.is_open or not left.physics.is_of_equations:
+        if left is None or rest is None or rest.is_open:
             continue
-        base = left.physics.by_change.hypothesis
-        later = [one.words for one in case.jumps(base)]
-        found = Finding((*rest.explained_by, *(later or _until(case, base))), is_beyond=True)
-        return _with_rest(case, found)
+        # Noise that is estimated may be an engine's.
+        if not rest.explained_by and case.stated is None:
+            continue
+        fit = left.physics.by_change if left.physics.is_of_equations else None
+        later = [one.words for one in case.jumps(fit.hypothesis)] if fit else []
+        until = UNTIL if rest.explained_by else EXACT_UNTIL
+        words = *rest.explained_by, *(later or [until.format(left.motion.t[-1])])
+        return _with_rest(case, Finding(words, is_beyond=True))
     return None
-
-
-def _until(case: Case, base: Hypothesis) -> list[str]:
-    """Return until when a motion is that of a hypothesis."""
-    physics = case.physics
-    off = norms(physics.intervals.off([base])[0])
-    first = int(np.argmax(off > np.sqrt(chdtri(off.size, LEVEL))))
-    return [UNTIL.format(physics.intervals.t[first])]
 
 
 def _beside_a_mistake(case: Case) -> Explanation | None:
@@ -160,14 +162,15 @@ def _noise_of(case: Case) -> tuple[FloatArray | None, Alternation | None]:
     Else what alternates without being noise, if anything does.
     """
     alternates = alternation(case.scenario, case.motion, case.floor)
+    if case.stated is None and case.noise.any():
+        return np.maximum(case.noise, case.floor), None
     if case.stated is not None or not alternates:
         return case.stated, alternates
     # Who states an order of more than one has computed the motion.
     is_computed = case.timestep is not None and case.order > 1
     is_large = bool((alternates.noise > _of_solvers(case)).all())
     is_noise = alternates.is_noise & [is_large or not case.has_omega, case.has_omega]
-    # What is rounded coarsely alternates, too.
-    if is_computed or not is_noise.any() or case.noise.any():
+    if is_computed or not is_noise.any():
         return None, alternates
     return np.maximum(alternates.noise, case.floor), None
 
@@ -187,7 +190,10 @@ def _of_computed(case: Case, alternates: Alternation | None) -> Explanation:
         words = words or (_of_readings(physics) if case.has_omega and not physics.clamps else [])
         # That only ω is wrong says less than what explains all of the motion.
         if not words or (words == [OMEGA] and physics.is_all):
-            words, is_open = _of_equations(case), physics.is_open
+            words = _of_equations(case)
+            is_open = physics.is_open and not physics.unlike_any_change
+            if words and physics.is_of_equations and (fit := physics.by_change):
+                words = [*words, *(one.words for one in case.jumps(fit.hypothesis))]
     if alternates and physics.is_beyond:
         words = alternates.of_omega or words
     if not words and not physics.made_by and not physics.exact.t[0]:

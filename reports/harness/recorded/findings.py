@@ -53,18 +53,22 @@ def _of_numbers(case: Case) -> Finding | None:
     if not shown:
         return None
     noise = np.max([case.noise, *(one.rounding for one in shown)], axis=0)
+    if mended := shown[0].mended:
+        left = case.read(mended)
+        return Finding((shown[0].words,), (left,) if left else (), is_beyond=True, is_all=True)
     every, wrong = np.arange(len(case.motion.t)), np.concatenate([one.wrong for one in shown])
     samples = [np.setdiff1d(every, wrong)]
     samples += [every[: wrong.min()]] if len(wrong) else []
     left = parts_of(replace(case, noise=noise), *samples)
     # Only what is rounded may be within a method's error.
     is_beyond = None if all(any(one.rounding) for one in shown) else True
-    return Finding(tuple(one.words for one in shown), left, is_beyond)
+    words = tuple(one.words for one in shown)
+    return Finding(words, left, is_beyond, is_all=not len(wrong))
 
 
 def _odd_samples(case: Case) -> Shown | None:
     """Return what samples show by themselves, beyond their digits; None if nothing."""
-    numbers, motion = case.numbers, case.motion
+    numbers = case.numbers
     found = interpolated(numbers) or lost_sign(case.reading, numbers) or across_signs(numbers)
     if found or numbers.omega is None:
         return found
@@ -72,8 +76,8 @@ def _odd_samples(case: Case) -> Shown | None:
         saturated(numbers, numbers.omega)
         or stuck(numbers, numbers.omega)
         or wrapped(numbers, numbers.omega)
-        or exchanged(case.scenario, motion)
-        or jitter(motion)
+        or exchanged(case.scenario, case.motion)
+        or jitter(case.reading, case.motion.omega_body)
     )
 
 

@@ -21,9 +21,9 @@ from .intervals import apart, states_of
 from .motion import OmegaFrame, QuaternionOrder, Reading
 from .other_readings import equal_times, other_readings
 
-#: Turn of the exact motion, rad, in the beginning that is compared, and its least number of
-#: samples.
-BEGINNING, FEWEST = 3.0, 3
+#: Turns of the exact motion, rad, in the beginnings that are compared: by other equations the
+#: shorter one is nearer to it; and their least number of samples.
+BEGINNINGS, FEWEST = (3.0, 0.75), 3
 #: Least number of samples that must be left when a recording is read differently: steps show from
 #: two samples on. At most one sample is left out: an ω that is half a sample older and half a
 #: sample newer is smoothed, which is no mistake.
@@ -67,10 +67,11 @@ def mistakes(scenario: Scenario, exact: Trajectory, reading: Reading) -> list[st
     ----------
     exact : the exact motion at the recording's times
     """
-    beginning, given = _Beginning(scenario, exact), reading.rows(slice(_beginning(exact)))
-    fewest = max(FEWEST_LEFT, len(given.t) - LEFT_OUT)
+    beginning = _Beginning(scenario, exact)
+    given, shorter = (reading.rows(slice(_beginning(exact, turn))) for turn in BEGINNINGS)
 
-    def undone(words: list[str], one: Reading) -> Iterator[_Undone]:
+    def undone(words: list[str], one: Reading, of: Reading = given) -> Iterator[_Undone]:
+        fewest = max(FEWEST_LEFT, len(of.t) - LEFT_OUT)
         for word, other in _undone(one, scenario) if len(one.t) >= fewest else ():
             if len(other.t) >= fewest:
                 yield [*words, word], other
@@ -79,6 +80,12 @@ def mistakes(scenario: Scenario, exact: Trajectory, reading: Reading) -> list[st
     if not best[0]:
         rare = other_readings(given, scenario, matrices(beginning.start[:, :4])[0])
         best = beginning.better((([word], one) for word, one in rare if len(one.t) >= FEWEST), best)
+    if not best[0]:
+        # Few samples tell mistakes of ω apart less well; without them the attitude follows ω.
+        every = undone([], shorter, shorter)
+        of_attitudes = ((words, one) for words, one in every if one.omega is shorter.omega)
+        if words := beginning.better(of_attitudes, ([], shorter))[0]:
+            return words
     if best[0]:
         return beginning.better(undone(*best), best)[0]
     if beginning.error(given) > LEFT:
@@ -238,10 +245,10 @@ class _Beginning:
         return [f"the times are {times:.4g} times {how}"]
 
 
-def _beginning(exact: Trajectory) -> int:
-    """Return the number of samples that are compared."""
+def _beginning(exact: Trajectory, turn: float) -> int:
+    """Return the number of samples that are compared, in which the motion turns so far, rad."""
     turned = np.cumsum(norms(exact.omega_body)[1:] * np.diff(exact.t))
-    return max(FEWEST + LEFT_OUT, int(np.searchsorted(turned, BEGINNING)) + 1)
+    return max(FEWEST + LEFT_OUT, int(np.searchsorted(turned, turn)) + 1)
 
 
 def _undone(reading: Reading, scenario: Scenario) -> Iterator[tuple[str, Reading]]:

@@ -36,6 +36,7 @@ def lost_sign(reading: Reading, numbers: Numbers) -> Shown | None:
         f"the sign of qw is lost, it is never negative: conjugating {len(wrong)} of {len(q)} "
         f"samples, the first at t = {first:.6g} s, the last at {last:.6g} s, mends all",
         wrong,
+        mended=reading._replace(q=np.where((conjugated < given)[:, None], conjugate(q), q)),
     )
 
 
@@ -133,9 +134,14 @@ def exchanged(scenario: Scenario, motion: Trajectory) -> Shown | None:
     )
 
 
-def jitter(motion: Trajectory) -> Shown | None:
-    """Say that times jitter about even ones, by which attitudes follow ω far better."""
-    t, omega = motion.t, motion.omega_body
+def jitter(reading: Reading, omega: FloatArray) -> Shown | None:
+    """Say that times jitter about even ones, by which attitudes follow ω far better.
+
+    Parameters
+    ----------
+    omega : ω along body axes, rad/s, (n, 3)
+    """
+    t, q = reading.t, reading.q
     count = np.arange(len(t))
     slope, start = np.polyfit(count, t, 1)
     off = float(np.abs(t - start - slope * count).max())
@@ -145,16 +151,17 @@ def jitter(motion: Trajectory) -> Shown | None:
     if np.mean(np.abs(spans - np.median(spans)) > ALIKE * slope) < LEFT:
         # A clock that is set makes one span another one.
         return None
-    q = motion.q_world_body_wxyz
     turned, rates = rotation_vectors(q[:-1], q[1:]), (omega[1:] + omega[:-1]) / 2
     given = norms(turned - rates * np.diff(t)[:, None])
     even = norms(turned - rates * slope)
-    if np.sum(even**2) >= LEFT**2 * np.sum(given**2):
+    # Single samples that are off say nothing of times.
+    if np.median(even) >= LEFT * np.median(given):
         return None
     return Shown(
         f"the times jitter, by up to {1e3 * off:.2g} ms: attitudes follow ω if the samples are "
         f"taken to be {slope:.6g} s apart",
         np.arange(1, len(t)),
+        mended=reading._replace(t=t[0] + slope * count),
     )
 
 

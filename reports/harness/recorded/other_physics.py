@@ -33,6 +33,8 @@ MOST, MOST_STEPS = 60, 300
 #: The next term of a method's error, relative to the leading one: so many times the angle of a
 #: step, and at most that part.
 NEXT_TERM, LARGEST_NEXT = 4.0, 0.3
+#: Least difference of ω in an interval, relative to ω, that two changes are looked for to explain.
+LEAST_OF_TWO = 1e-4
 #: Standard deviations of noise by which equations lead beyond a bound that is certain.
 CERTAIN = 6.0
 #: How many numbers are fitted, at most, where more is left than a method makes.
@@ -233,6 +235,11 @@ class Physics:
         noise = np.maximum(self.least, SAME * self.off)
         data = replace(self.intervals.made_by(EXACT, 0.0), noise=noise)
         found = Search(data, self._of_motion, part=SAME).one()
+        speed = float(norms(self.motion.omega_body).max())
+        if found is None and self.off[1] > LEAST_OF_TWO * speed:
+            found = Search(data, [TIMES, *READINGS, *self._of_motion], part=SAME).one_or_two()
+            # What is read otherwise alone may be an error of a method about a steady axis.
+            found = None if found is None or not {*found.changes} - {*READINGS} else found
         return found if found is not None and found.count <= MOST_OF_ALL else None
 
     def explained(self) -> list[str]:
@@ -246,9 +253,14 @@ class Physics:
             words = sentences(self._and_read(fit) or fit) if fit else []
             words = words or self._varying(self._of_motion)
             return words or ([] if self.is_of_method else self.dissipated)
-        of_equations = [one for one in self.search.changes if one not in READINGS]
-        words = self._varying([TIMES, *of_equations]) or self.dissipated
-        return words or missing(self.intervals)
+        return self.unlike_any_change or missing(self.intervals)
+
+    @cached_property
+    def unlike_any_change(self) -> list[str]:
+        """The sentence that a number varies in time, or that energy is lost; often none."""
+        changes = self.search.changes if self.search else ()
+        of_equations = [one for one in changes if one not in READINGS]
+        return self._varying([TIMES, *of_equations]) or self.dissipated
 
     @property
     def dissipated(self) -> list[str]:
@@ -319,6 +331,13 @@ class Physics:
         if not self.is_beyond or self.clamps or self.made_by or self.order_made:
             return False
         return self.found is None or self._is_partial(self.found)
+
+    @property
+    def is_unexplained(self) -> bool:
+        """Whether something is left open, be it within a method's error, but not like one."""
+        if self.is_beyond or self.clamps or self.made_by:
+            return self.is_open
+        return not self.is_of_method and self.by_change is None
 
     @property
     def is_all(self) -> bool:

@@ -71,7 +71,7 @@ def omega_read(physics: Physics, *, is_explained: bool) -> list[str]:
         has one number, is simpler
     """
     motion = physics.motion
-    turns = norms(motion.omega_body)[:-1] * np.diff(motion.t)
+    turns = norms(physics.exact.omega_body)[:-1] * np.diff(motion.t)
     # Attitudes that are late obey the equations, too.
     if is_attitude_off(motion, physics.exact) or turns.max() > NEAR:
         return []
@@ -203,7 +203,8 @@ def _smoothed(
         for later, words in (((samples - 1) // 2, "around each"), (samples - 1, "up to each")):
             left = float(np.mean((read[later : later + len(means)] - means) ** 2))
             is_even = words == "around each" and samples % 2 == 0
-            if not is_even and left <= max(error**2, LEFT**4 * off):
+            explains = left <= min(max(error**2, LEFT**4 * off), LEFT**2 * off)
+            if not is_even and explains:
                 over = (samples - 1) * (t[-1] - t[0]) / (len(t) - 1)
                 return left, f"ω is the mean over {samples} samples, {over:.4g} s, {words}"
     return None
@@ -269,7 +270,8 @@ def _filtered(
     for one in filters:
         count, numbers = 3 * len(read), len(one.outputs) + len(one.inputs)
         fall = (off - one.left) / max(one.left, error**2) * (count - numbers) / numbers
-        explains = one.left <= max(error**2, LEFT**4 * off) and one.is_causal
+        enough = min(max(error**2, LEFT**4 * off), LEFT**2 * off)
+        explains = one.left <= enough and one.is_causal
         if explains and fdtrc(numbers, count - numbers, fall) < LEVEL / (OUTPUTS + 1) / INPUTS:
             delay = one.delay * spans.mean()
             words = f"ω is filtered, which delays it by {delay:.4g} s: it is {one.words}"
