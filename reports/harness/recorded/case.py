@@ -41,6 +41,7 @@ class Case:
     noise : standard deviations of attitude, rad, and ω, rad/s, that have been found in the numbers,
         by coarse rounding or as noise, (2,)
     undone : how many mistakes have been undone in the reading
+    is_smooth : whether it is what is left without jumps
     is_trial : whether the reading is one that is tried: it is left open as soon as it is known to
         be
     """
@@ -54,6 +55,7 @@ class Case:
     order: int
     noise: FloatArray = field(default_factory=lambda: np.zeros(2))
     undone: int = 0
+    is_smooth: bool = False
     is_trial: bool = False
 
     @property

@@ -32,8 +32,9 @@ LONGER_TIMESTEP = (
 )
 #: Noise of attitude, rad, and of ω, relative, beyond which no solver leaves it.
 SOLVERS = 1e-4
-#: Parts of a motion, from its beginning, of which one may be explained where all of it is not.
-PARTS = (2, 4)
+#: Parts of a motion, from its beginning, of which one may be explained where all of it is not, and
+#: their least number of samples.
+PARTS, FEWEST = (2, 4), 20
 UNTIL = "that explains it until t = {:.4g} s, and not all that follows: look for what changed"
 EXACT_UNTIL = (
     "until t = {:.4g} s it is the exact motion with noise, and not in all that follows: look for "
@@ -130,7 +131,7 @@ def _by_its_beginning(case: Case) -> Explanation | None:
     """Return what explains the beginning of a motion, and where it no longer does; often None."""
     t = case.motion.t
     for part in PARTS:
-        left = case.of(np.arange(len(t) // part))
+        left = case.of(np.arange(len(t) // part)) if len(t) >= part * FEWEST else None
         rest = _by_equations(replace(left, is_trial=True)) if left else None
         if left is None or rest is None or rest.is_open:
             continue
@@ -141,7 +142,7 @@ def _by_its_beginning(case: Case) -> Explanation | None:
         later = [one.words for one in case.jumps(fit.hypothesis)] if fit else []
         until = UNTIL if rest.explained_by else EXACT_UNTIL
         words = *rest.explained_by, *(later or [until.format(left.motion.t[-1])])
-        return _with_rest(case, Finding(words, is_beyond=True))
+        return _with_rest(case, Finding(words))
     return None
 
 
@@ -197,7 +198,7 @@ def _of_computed(case: Case, alternates: Alternation | None) -> Explanation:
     if alternates and physics.is_beyond:
         words = alternates.of_omega or words
     if not words and not physics.made_by and not physics.exact.t[0]:
-        words = since_exactly(case.scenario, motion)
+        words = since_exactly(case.scenario, motion, physics.least)
     words = [*words, *of_spins]
     # Other equations change no state at the scene's start.
     is_of_start = bool(of_method) or (physics.is_of_equations and not physics.exact.t[0])

@@ -104,10 +104,10 @@ def _of_times(case: Case) -> Finding | None:
 
 def _of_jumps(case: Case) -> Finding | None:
     """Return jumps of the motion; what is recorded before the first of them is left."""
-    if case.physics.clamps or not (found := case.jumps()):
+    if case.is_smooth or case.physics.clamps or not (found := case.jumps()):
         return None
     first = int(np.searchsorted(case.motion.t, min(one.at for one in found)))
-    left = parts_of(case, np.arange(first))
+    left = parts_of(replace(case, is_smooth=True), np.arange(first))
     return Finding(tuple(one.words for one in found), left, is_beyond=True)
 
 

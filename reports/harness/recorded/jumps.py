@@ -56,7 +56,9 @@ def jumps(data: Intervals, *, has_omega: bool) -> list[Jump]:
     reach = 0 if has_omega else STENCIL
     off = data.apart(data.base.equations)
     left = np.sum((off / data.scale) ** 2, axis=1)
-    places, found = _places(data, off, left), list[Jump]()
+    # At either end ω is found by samples on one side of it, with larger errors.
+    inner = range(reach, len(off) - reach)
+    places, found = [k for k in _places(data, off, left) if k in inner], list[Jump]()
     while places:
         k, *later = places
         last = next((j for j in later[:UNDONE_BY] if _goes_on(data, k, j, left[k])), None)

@@ -197,6 +197,11 @@ class Physics:
         fits = [fit for fit in found if fit is not None and self._integrator(fit.hypothesis)]
         return min(fits, key=lambda fit: (fit.count, fit.left), default=None)
 
+    @property
+    def is_of_noise(self) -> bool:
+        """Whether the difference is not much more than noise, so that no change shows exactly."""
+        return bool((LEFT * self.off <= self.least).all())
+
     @cached_property
     def is_of_method(self) -> bool:
         """Whether noise or the errors of methods explain the difference.
@@ -204,7 +209,7 @@ class Physics:
         The leading errors explain it but for their next term; of a motion that makes the leading
         ones small, the next terms do.
         """
-        if self.intervals is None or (self.off <= self.least).all():
+        if self.intervals is None or self.is_of_noise:
             return True
         data, orders = self.intervals.with_error(self.off), range(1, self.order + 2)
         return mean_square(left_by_methods(data, orders, self.timestep)) < self.next_term**2
@@ -239,7 +244,7 @@ class Physics:
         if found is None and self.off[1] > LEAST_OF_TWO * speed:
             found = Search(data, [TIMES, *READINGS, *self._of_motion], part=SAME).one_or_two()
             # What is read otherwise alone may be an error of a method about a steady axis.
-            found = None if found is None or not {*found.changes} - {*READINGS} else found
+            found = found if found and not {*found.changes} <= {*READINGS} else None
         return found if found is not None and found.count <= MOST_OF_ALL else None
 
     def explained(self) -> list[str]:
@@ -249,6 +254,8 @@ class Physics:
         if self.by_change is not None:
             return self._in_words(self.by_change)
         if not self.is_beyond:
+            if self.is_of_noise:
+                return []
             fit = self._within_error(self.intervals.base)
             words = sentences(self._and_read(fit) or fit) if fit else []
             words = words or self._varying(self._of_motion)

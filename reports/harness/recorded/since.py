@@ -7,13 +7,12 @@ out of place.
 import numpy as np
 from scipy.special import chdtrc
 
-from ....scenarios import Scenario, Trajectory
+from ....scenarios import FloatArray, Scenario, Trajectory
 from ....scenarios.rotation import norms
 from ..explaining.search import LEFT, LEVEL
 from .intervals import apart, gained, states_of
 from .log import FEWEST, log_of
 from .measured import START, Measured
-from .mistakes import FITS
 
 #: Samples by which a motion that was exact is off by far more, at most: a method's error grows.
 AT_ONCE = 3
@@ -69,16 +68,20 @@ def since_when(fit: Measured, motion: Trajectory, exact: Trajectory) -> list[str
     ]
 
 
-def since_exactly(scenario: Scenario, motion: Trajectory) -> list[str]:
+def since_exactly(scenario: Scenario, motion: Trajectory, least: FloatArray) -> list[str]:
     """Return until when a motion without noise is the exact one; nothing if always, or never.
 
     From sample to sample it follows the equations, to rounding, and then at once it does not.
+
+    Parameters
+    ----------
+    least : differences of attitude, rad, and ω, rad/s, that may be rounding, (2,)
     """
-    off, speed = gained(scenario, motion), float(norms(motion.omega_body).max()) or 1.0
-    each = np.maximum(norms(off[:, :3]), norms(off[:, 3:]) / speed)
-    first = int(np.argmax(each > FITS))
+    off = gained(scenario, motion)
+    each = (norms(off.reshape(-1, 3)).reshape(-1, 2) / least).max(axis=1)
+    first = int(np.argmax(each > 1))
     soon = each[first : first + AT_ONCE]
-    is_at_once = soon.max() > max(FITS / LEFT**3, LEFT**2 * each.max())
+    is_at_once = soon.max() > max(1 / LEFT, LEFT**2 * each.max())
     if min(first, len(each) - first) < FEWEST or not is_at_once:
         return []
     turned, faster = norms(off[first:].reshape(-1, 3)).reshape(-1, 2).max(axis=0)
