@@ -127,7 +127,6 @@ def _record(
         "torque_world": scenario.pushed["torque_world"].tolist(),
         "plane": sphere_and_plane(scenario)[1] if representation.by_contact else None,
         "rotors": [rotor.hinge for rotor in scenario.rotors.each],
-        "spins": scenario.rotors.start_spins.tolist(),
         "motor": (0, 0, 0) if MOTOR in left_in else 0,
         "is_exact": bool(drives or (is_pivot and not hung)),
     }

@@ -1,6 +1,5 @@
 """A body in a PyBullet world, read and set in spincheck's frames."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
@@ -8,7 +7,7 @@ from typing import Any
 import numpy as np
 import pybullet as p
 from scipy.spatial.transform import Rotation
-from spincheck.engine import BodyReading, FloatArray, Scenario, State, composed
+from spincheck.engine import BodyReading, FloatArray, Scenario, State, composed, start_state
 
 from ....scenarios.rotation import (
     across,
@@ -26,24 +25,6 @@ from .world import BASE, World
 AXIS, PLACE, TURN, PARENT = 13, 14, 15, 16
 #: Orders of a quaternion's components: PyBullet's of the scalar first, and back.
 XYZW, WXYZ = [1, 2, 3, 0], [3, 0, 1, 2]
-
-
-@dataclass(frozen=True, eq=False)
-class Placed:
-    """Attitude and ω of a state in PyBullet's coordinates.
-
-    Attributes
-    ----------
-    q_xyzw, omega : of the base, world axes; if the body hangs, of its joint, principal axes
-    arm_world : to the com of the whole from the point that is set, m, (3,): the joint, or the com
-        of the base alone
-    swing_world : ω × `arm_world`, m/s, (3,)
-    """
-
-    q_xyzw: Sequence[float] | FloatArray
-    omega: FloatArray
-    arm_world: FloatArray
-    swing_world: FloatArray
 
 
 @dataclass(frozen=True, eq=False)
@@ -151,35 +132,31 @@ class Model:
         sliding = (states.velocity_world - swing_world)[:, : self.world.link]
         return np.hstack([sliding, turning, states.spins])
 
-    def placed(self, state: State) -> Placed:
-        """Return a state in PyBullet's coordinates; if the body hangs by a joint, turn that joint.
+    def motion(self, state: State) -> dict[str, Any]:
+        """Return a state as `World.restart` takes it; if the body hangs by a joint, turn that joint.
 
         A joint's angle is counted along the principal axes.
         """
         world, times_q_body_principal = self.world, times(self._q_body_principal)
         q_world_body = state.q_world_body_wxyz / np.linalg.norm(state.q_world_body_wxyz)
         R_world_body = matrix(q_world_body)
-        omega = R_world_body @ state.omega_body
-        is_base = world.link == BASE
-        arm_world = R_world_body @ (self._arm if is_base else self._lever)
-        swing_world = cross(omega, arm_world)
-        if is_base:
+        omega = omega_world = R_world_body @ state.omega_body
+        if world.link == BASE:
+            arm_world = R_world_body @ self._arm
             q_xyzw = (q_world_body @ times_q_body_principal)[XYZW]
         else:
+            arm_world = R_world_body @ self._lever
             turned = conjugate(self._q_body_principal) @ times(q_world_body)
-            world.move((turned @ times_q_body_principal)[XYZW], np.zeros(3), np.zeros(3))
+            world.turn_joint((turned @ times_q_body_principal)[XYZW], np.zeros(3))
             q_xyzw, *_ = p.getJointStateMultiDof(world.body, world.link, world.client)
             omega = omega @ matrix(np.array(world.motion()[1])[WXYZ])
-        return Placed(q_xyzw, omega, arm_world, swing_world)
-
-    def place(self, placed: Placed, com_world: FloatArray, velocity_world: FloatArray) -> None:
-        """Set the body to a state; if it hangs by a joint, the joint stays at its height."""
-        world, at, speed = self.world, com_world - placed.arm_world, placed.swing_world
-        if world.link == BASE:
-            p.resetBasePositionAndOrientation(world.body, at, placed.q_xyzw, world.client)
-        else:
-            world.slide(at, velocity_world - speed)
-        world.move(placed.q_xyzw, velocity_world - speed, placed.omega)
+        return {
+            "turn": q_xyzw,
+            "omega": omega,
+            "place": state.com_world - arm_world,
+            "velocity": state.velocity_world - cross(omega_world, arm_world),
+            "spins": state.spins,
+        }
 
     def in_its_axes(self, scenario: Scenario) -> dict[str, Any]:
         """Return the rest of the record for `set_up`: start and torque along principal axes."""
@@ -191,22 +168,16 @@ class Model:
         if is_pivot:
             com_world = world_from_body.apply(np.array(scenario.body.com))
             velocity_world = cross(omega_world, com_world)
-        at_rest = State(start.q_world_body_wxyz, start.omega_body, np.zeros(3), np.zeros(3))
-        placed = self.placed(at_rest)
-        arm_world = world_from_body.apply(self._lever)
-        of_link = velocity_world
-        if is_base and self._arm.any():
-            of_link = velocity_world - cross(omega_world, self.R_world_body() @ self._arm)
-        torque = principal_from_body.apply(np.array(scenario.pushed["torque_body"]))
+        motion = self.motion(start_state(scenario))
+        # A base is where it was loaded, which its attitude tells to the last bit.
+        arm_world = self.R_world_body() @ self._arm if is_base else world_from_body.apply(self._lever)
+        motion["place"] = start.position_world - arm_world
+        motion["velocity"] = velocity_world - cross(omega_world, arm_world)
         return {
             "axes": self.body_from_principal.as_quat(scalar_first=True).tolist(),
             "pivot": principal_from_body.apply(-self.link_com).tolist()
             if is_pivot and is_base
             else None,
-            "place": (start.position_world - arm_world).tolist(),
-            "speed": (velocity_world - cross(omega_world, arm_world)).tolist(),
-            "joint": None if is_base else placed.q_xyzw,
-            "velocity": of_link.tolist(),
-            "omega": placed.omega.tolist(),
-            "torque_body": torque.tolist(),
+            "torque_body": principal_from_body.apply(np.array(scenario.pushed["torque_body"])).tolist(),
+            **{name: np.array(numbers).tolist() for name, numbers in motion.items()},
         }

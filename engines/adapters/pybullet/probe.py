@@ -38,7 +38,6 @@ class Probe:
     def __init__(self, advance: Callable[[int], None], model: Model, scenario: Scenario) -> None:
         self.model, self.scenario, self._advance = model, scenario, advance
         p.setGravity(0, 0, 0, physicsClientId=model.world.client)
-        model.world.set_timestep(PROBE_STEP)
         model.world.set_spins(np.full(len(scenario.rotors.each), PROBE_SPIN))
         R_world_body = model.R_world_body()
         self.spin_world = R_world_body @ np.full(3, PROBE_SPIN)
@@ -65,7 +64,7 @@ class Probe:
             velocity_world = cross(omega_world, com_world)
         omega_body = R_world_body.T @ omega_world
         set_to = State(now.q_world_body_wxyz, omega_body, com_world, velocity_world)
-        self.model.place(self.model.placed(set_to), com_world, velocity_world)
+        self.model.world.restart(self.model.motion(set_to), PROBE_STEP)
         before = self.model.read_state()
         self._advance(1)
         return before, self.model.read_state()

@@ -1,10 +1,9 @@
 """A scene running in PyBullet: its steps, and the torques that no model element gives."""
 
 from collections.abc import Collection, Sequence
-from dataclasses import replace
 from math import isnan
 from struct import pack
-from typing import final
+from typing import Any, final
 
 import numpy as np
 import pybullet as p
@@ -14,7 +13,7 @@ from ....scenarios.rotation import matrix
 from ...native_output import native_output
 from .audit import what_acts
 from .load import BodyRepresentation, load
-from .model import Model, Placed
+from .model import Model
 from .pivot_limit import check_borne
 from .world import BASE, CLAMP, UNREACHED
 from .worlds import give_back, take_world
@@ -52,7 +51,7 @@ class PyBulletSession(Session):
         self.model = _open(scenario, representation, timestep, left_in)
         self.world, self.client = self.model.world, self.model.world.client
         self._clamp = DEFAULT_CLAMP if CLAMP in representation.defaults else UNREACHED
-        self._placed: dict[bytes, Placed] = {}
+        self._motions: dict[bytes, dict[str, Any]] = {}
         self._is_sound = True
 
     def read_body(self) -> BodyReading:
@@ -78,24 +77,18 @@ class PyBulletSession(Session):
         timestep = self.world.timestep if timestep is None else timestep
         if self._is_maximal and self._scenario.constraint.is_pivot:
             check_borne(self._scenario, state, timestep)
-        # `placed` is kept, as the same few states are set at many timesteps.
-        turned = state.q_world_body_wxyz.tobytes() + state.omega_body.tobytes()
-        if turned not in self._placed:
-            self._placed[turned] = self.model.placed(state)
-        placed = self._placed[turned]
+        # Motions are kept, as the same few states are set at many timesteps.
+        key = b"".join(column.tobytes() for column in state.columns)
+        if key not in self._motions:
+            self._motions[key] = self.model.motion(state)
         if self._is_maximal:
-            self._renew_inertia(placed, state)
-        self.model.place(placed, state.com_world, state.velocity_world)
-        self.world.set_spins(state.spins)
-        self.world.set_timestep(timestep)
+            self._renew_inertia(self._motions[key], state)
+        self.world.restart(self._motions[key], timestep)
 
-    def _renew_inertia(self, placed: Placed, state: State) -> None:
+    def _renew_inertia(self, motion: dict[str, Any], state: State) -> None:
         """Make PyBullet rotate a rigid body's inertia, which it only does at the end of a step."""
-        rest = com_world = np.zeros(3)
-        if self._scenario.constraint.is_pivot:
-            com_world = matrix(state.q_world_body_wxyz) @ self.model.body.com
-        self.model.place(replace(placed, omega=rest, swing_world=rest), com_world, rest)
-        self.world.set_timestep(IDLE)
+        rest, on_pivot = np.zeros(3), matrix(state.q_world_body_wxyz) @ self.model.body.com
+        self.world.restart({**motion, "place": on_pivot, "omega": rest, "velocity": rest}, IDLE)
         self.advance(1)
 
     def advance(self, steps: int) -> None:

@@ -43,7 +43,8 @@ def calls(steps, timestep):
 class World:
     """One body in a PyBullet world of its own.
 
-    It is loaded in its start pose: a rigid body keeps its inertia in world axes during a step.
+    It is loaded in its start pose: a rigid body keeps its inertia in world axes during a step. The
+    record of its scene is also one of its motion, as `restart` takes it.
 
     Parameters
     ----------
@@ -51,12 +52,12 @@ class World:
         hangs by a spherical joint, on `slides` along so many axes; `defaults` of PyBullet that are
         kept; `position`, m, and `attitude`, x y z w, that it is loaded at; `gravity`, m/s²; `drag`,
         N m s; `torque_world`, N m; `plane`, the height of the plane that it lies on, m, or None;
-        `rotors`, the hinge of each, and their `spins`, rad/s; `motor`, the gain of the joint's
-        motor; `is_exact`, whether constraints are solved directly. Along the principal axes that
-        PyBullet has found, and needed by `set_up` only: `axes`, w x y z, in the body's; `pivot`, m,
-        where it is tied to the world's origin, or None; `torque_body`, N m; `joint`, x y z w, and
-        its `omega`, rad/s; `place` and `speed` of slides, m and m/s; of a base, `omega` and
-        `velocity`, m/s, are along the world's axes.
+        `rotors`, the hinge of each; `motor`, the gain of the joint's motor; `is_exact`, whether
+        constraints are solved directly. Along the principal axes that PyBullet has found, and
+        needed by `set_up` only: `axes`, w x y z, in the body's; `pivot`, m, where it is tied to the
+        world's origin, or None; `torque_body`, N m. The motion, needed by `set_up` only: `turn`,
+        x y z w, and `omega`, rad/s, of the joint along the principal axes, of a base along the
+        world's; `place`, m, and `velocity`, m/s, of a base or of slides; `spins` of rotors, rad/s.
     client, file : PyBullet's number of an empty world, and the path of a URDF
     """
 
@@ -98,11 +99,9 @@ class World:
             self.tie()
         if scene["plane"] is not None:
             self.lay_under()
-        self.slide(scene["place"], scene["speed"])
-        self.move(scene["joint"], scene["velocity"], scene["omega"])
         if not has_motors:
             self.take_away_motors()
-        self.set_spins(scene["spins"])
+        self.set_moving(scene)
         p.setGravity(*scene["gravity"], physicsClientId=client)
         self.set_torques()
         self.set_timestep(timestep)
@@ -172,19 +171,28 @@ class World:
         for body in (plane, self.body):
             p.changeDynamics(body, BASE, **FRICTIONLESS, physicsClientId=client)
 
-    def move(self, joint, velocity, omega):
-        """Set the velocities of a base, or a joint's attitude and ω along the principal axes."""
+    def restart(self, motion, timestep):
+        """Set the body to a motion, and the length of the steps from now on, s."""
+        if self.link == BASE:
+            place, turn = motion["place"], motion["turn"]
+            p.resetBasePositionAndOrientation(self.body, place, turn, self.client)
+        self.set_moving(motion)
+        self.set_timestep(timestep)
+
+    def set_moving(self, motion):
+        """Set a motion but for the pose of a base."""
+        place, velocity, omega = motion["place"], motion["velocity"], motion["omega"]
         if self.link == BASE:
             p.resetBaseVelocity(self.body, velocity, omega, self.client)
         else:
-            p.resetJointStateMultiDof(
-                self.body, self.link, joint, omega, physicsClientId=self.client
-            )
-
-    def slide(self, place, speed):
-        """Set place, m, and velocity, m/s, of the slides, if the body is on any."""
+            self.turn_joint(motion["turn"], omega)
         for link in range(self.link):
-            p.resetJointState(self.body, link, place[link], speed[link], self.client)
+            p.resetJointState(self.body, link, place[link], velocity[link], self.client)
+        self.set_spins(motion["spins"])
+
+    def turn_joint(self, turn, omega):
+        """Set the attitude of the joint that the body hangs by, x y z w, and its ω, rad/s."""
+        p.resetJointStateMultiDof(self.body, self.link, turn, omega, physicsClientId=self.client)
 
     def set_spins(self, spins):
         """Set the spins of all rotors, rad/s, at the model's angles, and their drives."""
