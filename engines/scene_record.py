@@ -125,15 +125,31 @@ class RecordFrame:
 
     def body(self, body: WorldBody) -> BodyReading:
         """Return an engine's body in the scene's body axes and from the scene's origin."""
-        reading = BodyReading(float(body.mass), np.array(body.com), np.array(body.inertia_com))
-        if body.rotors:
-            axial = [one.axis * (one.axis @ one.inertia_com @ one.axis) for one in body.rotors]
-            parts = [BodyReading(one.mass, one.com, one.inertia_com) for one in body.rotors]
-            reading = replace(composed([reading, *parts]), axial=np.array(axial))
+        alone = BodyReading(float(body.mass), np.array(body.com), np.array(body.inertia_com))
+        rotors = [BodyReading(one.mass, one.com, one.inertia_com) for one in body.rotors]
+        reading = with_rotors([alone, *rotors], [one.axis for one in body.rotors])
         R_body_axes, arm = self.body_from_axes.as_matrix(), body.arm
         # The arm is where the scene's body is held; a free body has the scene's origin.
         at = self.com_body if arm is None else self.held_body - R_body_axes @ np.array(arm)
         return reading.placed(at, R_body_axes)
+
+
+def with_rotors(
+    parts: Sequence[BodyReading], axes: Sequence[FloatArray] | FloatArray
+) -> BodyReading:
+    """Return rigidly joined parts, in the same axes, as one body; the last of them are its rotors.
+
+    Parameters
+    ----------
+    axes : of each rotor the axis that it turns about, a unit vector, or zeros if it is locked, (3,)
+    """
+    if len(parts) == 1:
+        return parts[0]
+    rotors = parts[len(parts) - len(axes) :]
+    axial = [
+        axis * (axis @ rotor.inertia_com @ axis) for axis, rotor in zip(axes, rotors, strict=True)
+    ]
+    return replace(composed(parts), axial=np.reshape(axial, (-1, 3)))
 
 
 def scene_record(scenario: Scenario) -> dict[str, Any]:

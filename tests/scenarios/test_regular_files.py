@@ -18,7 +18,7 @@ MODES = ("w", "x", "a", "wb", "xb", "ab", "r+", "w+", "r+b", "w+b")
 #: Where it is allowed besides: in temporary folders of their own, in the cache, on descriptors.
 ALLOWED = {
     "scenarios/regular_files.py",
-    "engines/adapters/pybullet/load.py",
+    "engines/adapters/pybullet/world.py",
     "engines/adapters/node/__main__.py",
     "engines/users_models/layout.py",
     "reports/cli/stopping.py",

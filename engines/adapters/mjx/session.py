@@ -46,7 +46,7 @@ class MJXSession(PortSession):
         before = self._world.data()
         after, jacobian = jacobians.jacobian(self._world, way, steps)
         # In qpos the quaternion comes before the angles of rotors.
-        turning = self._coordinates.turning
+        turning = self.turning
         kept = np.concatenate([np.arange(4) + turning[0], self._world.model.nq + turning])
         q, q_after = np.array(before.qpos, dtype=float)[kept[:4]], after[kept[:4]]
         numbers = jacobian[np.ix_(kept, kept)]

@@ -4,43 +4,39 @@ Forces in MuJoCo come from the model, from what was applied to its data, and fro
 process; all three are checked.
 """
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 import mujoco
 import numpy as np
+from numpy.typing import NDArray
 from spincheck.engine import FloatArray, Rotor, Scenario
 
 from ...models.mjcf import armature
 from ...models.mjcf_contact import PASSES, sphere_and_plane
+from .coordinates import BODY
 from .world import disabling, flags
 
-#: Fields of a model that no scene calls for, with their names; those with non-zero values are
-#: reported.
-FOREIGN: dict[str, Callable[[Any], Any]] = {
-    # Bodies welded to the first body are parts of it, and so are not a second body.
-    "a second body": lambda m: m.body_weldid[2:] != m.body_weldid[1],
-    "a second joint": lambda m: m.jnt_bodyid != 1,
-    "equality constraints": lambda m: m.neq,
-    "tendons": lambda m: m.ntendon,
-    "flexible bodies": lambda m: m.nflex,
-    "sensors": lambda m: m.nsensor,
-    "plugins": lambda m: m.nplugin,
-    "actuator dynamics": lambda m: m.na,
-    "actuator delays": lambda m: m.nhistory,
-    "actuator limits": lambda m: [*m.actuator_forcelimited, *m.jnt_actfrclimited],
-    "joint springs": lambda m: [*m.jnt_stiffness, *m.jnt_stiffnesspoly.flat],
-    "joint limits": lambda m: m.jnt_limited,
-    "joint friction": lambda m: m.dof_frictionloss,
-    "nonlinear damping": lambda m: m.dof_dampingpoly,
-    "added rotor inertia": lambda m: m.dof_armature,
-    "gravity compensation": lambda m: m.body_gravcomp,
-    "wind": lambda m: m.opt.wind,
-    "air": lambda m: [m.opt.density, m.opt.viscosity],
+#: What no scene calls for, and the fields of a model or its options that are zero without it; not
+#: every version has all of them.
+FOREIGN = {
+    "equality constraints": ("neq",),
+    "tendons": ("ntendon",),
+    "flexible bodies": ("nflex",),
+    "sensors": ("nsensor",),
+    "plugins": ("nplugin",),
+    "actuator dynamics": ("na",),
+    "actuator delays": ("nhistory",),
+    "actuator limits": ("actuator_forcelimited", "jnt_actfrclimited"),
+    "joint springs": ("jnt_stiffness", "jnt_stiffnesspoly"),
+    "joint limits": ("jnt_limited",),
+    "joint friction": ("dof_frictionloss",),
+    "nonlinear damping": ("dof_dampingpoly",),
+    "gravity compensation": ("body_gravcomp",),
+    "wind": ("wind",),
+    "air": ("density", "viscosity"),
 }
 
-#: Names, among these, of what rotors on hinges are in a MuJoCo model.
-OF_ROTORS = {"a second body", "a second joint", "added rotor inertia"}
 #: Relative tolerance of numbers that went through text, in double precision; and in single
 #: precision the number of roundings allowed.
 HINGE_SLACK, ROUNDINGS = 1e-12, 4
@@ -78,27 +74,44 @@ def acting(model: Any, data: Any, scenario: Scenario) -> frozenset[str]:
 
     An effect whose strength differs from the scene's is described too.
     """
-    strengths, other = read_strengths(model)
-    held_by, of_joints = _joints(model, scenario)
+    strengths, others = read_strengths(model)
     drag = strengths["drag"]
+    # By name, numbers that are zero unless it acts.
     named = {
-        held_by: held_by,
-        **{name: got.any() for name, got in strengths.items()},
-        "uneven drag": (drag != drag[0, 0] * np.eye(3)).any(),
+        **strengths,
+        "uneven drag": drag != drag[0, 0] * np.eye(3),
         "applied forces": data.qfrc_applied.any() or data.xfrc_applied.any(),
+        **{
+            name: [np.any(getattr(model, field, getattr(model.opt, field, 0))) for field in fields]
+            for name, fields in FOREIGN.items()
+        },
+        **{f"callback {n}": getattr(mujoco, f"get_mjcb_{n}")() is not None for n in CALLBACKS},
     }
-    names_acting = {name for name, acts in named.items() if acts}
-    foreign = {name for name, part in FOREIGN.items() if _has(model, part)}
-    if scenario.rotors:
-        wrong = list(_wrong_hinges(model, scenario.rotors.each))
-        names_acting |= set(wrong) or {"rotors"}
-        foreign -= set() if wrong else OF_ROTORS
-    names_acting |= foreign
-    names_acting |= {
-        f"callback {n}" for n in CALLBACKS if getattr(mujoco, f"get_mjcb_{n}")() is not None
+    return frozenset(
+        {
+            *(name for name, numbers in named.items() if np.any(numbers)),
+            *others,
+            *_wrong_strengths(strengths, scenario),
+            *_joints(model, scenario),
+            *_further_parts(model, scenario.rotors.each),
+            *_idle_passes(model),
+        }
+    )
+
+
+def _further_parts(model: Any, rotors: Sequence[Rotor]) -> set[str]:
+    """Return in words what parts there are beside the body, "rotors" if they are the scene's.
+
+    Bodies welded to the first body are parts of it.
+    """
+    if rotors:
+        return {*_wrong_hinges(model, rotors)} or {"rotors"}
+    further = {
+        "a second body": model.body_weldid[BODY + 1 :] != model.body_weldid[BODY],
+        "a second joint": model.jnt_bodyid != BODY,
+        "added rotor inertia": model.dof_armature,
     }
-    names_acting |= {*_wrong_strengths(strengths, scenario), *other, *of_joints}
-    return frozenset(names_acting) | _idle_passes(model)
+    return {name for name, numbers in further.items() if np.any(numbers)}
 
 
 def _wrong_hinges(model: Any, rotors: Sequence[Rotor]) -> Iterator[str]:
@@ -126,14 +139,6 @@ def _wrong_hinges(model: Any, rotors: Sequence[Rotor]) -> Iterator[str]:
             yield f"rotor {number} on a hinge beside its centre of mass"
 
 
-def _has(model: Any, part: Callable[[Any], Any]) -> bool:
-    """Whether `part` finds something in a model; False if this MuJoCo has no such field."""
-    try:
-        return bool(np.any(part(model)))
-    except AttributeError:
-        return False
-
-
 def _wrong_strengths(strengths: dict[str, FloatArray], scenario: Scenario) -> Iterator[str]:
     """Yield in words the effects whose strength differs from the scene's."""
     wanted_of = {"gravity": scenario.gravity_world, **scenario.pushed}
@@ -152,14 +157,30 @@ def read_strengths(model: Any) -> tuple[dict[str, FloatArray], list[str]]:
     3).
     It is zero for an effect whose pass is switched off.
     """
-    numbers = model.opt.gravity.dtype
-    strengths: dict[str, FloatArray] = {
-        "gravity": model.opt.gravity * _is_on(model, "gravity"),
-        "drag": np.diag(_joint_damping(model)),
-        "torque_body": np.zeros(3, numbers),
-        "torque_world": np.zeros(3, numbers),
+    drag, others = np.diag(_joint_damping(model)), []
+    torque_body, torque_world = np.zeros((2, 3), model.opt.gravity.dtype)
+    # Both are constant torques; they differ in the axes in which the gear is written.
+    constant_along = {
+        int(mujoco.mjtTrn.mjTRN_JOINT): torque_body,
+        int(mujoco.mjtTrn.mjTRN_JOINTINPARENT): torque_world,
     }
-    return strengths, _add_actuators(model, strengths) if _is_on(model, "actuation") else []
+    is_free = model.jnt_type[0] == mujoco.mjtJoint.mjJNT_FREE
+    for i in range(model.nu if _is_on(model, "actuation") else 0):
+        first, last = model.actuator_gear[i][:3], model.actuator_gear[i][3:]
+        torque, force = (last, first) if is_free else (first, last)
+        constant, per_length, per_velocity = model.actuator_biasprm[i][:3]
+        turned_by = constant_along.get(int(model.actuator_trntype[i]))
+        if turned_by is None or model.actuator_gainprm[i].any() or per_length or force.any():
+            others.append("an actuator that is neither a constant torque nor drag")
+            continue
+        turned_by += constant * torque
+        if turned_by is torque_body:
+            drag = drag - per_velocity * np.outer(torque, torque)
+        elif per_velocity:
+            others.append("drag along world axes")
+    gravity = model.opt.gravity * _is_on(model, "gravity")
+    strengths = {"gravity": gravity, "drag": drag}
+    return strengths | {"torque_body": torque_body, "torque_world": torque_world}, others
 
 
 def _joint_damping(model: Any) -> FloatArray:
@@ -167,52 +188,41 @@ def _joint_damping(model: Any) -> FloatArray:
     return damping
 
 
-def _own_joints(model: Any) -> int:
-    """Return the number of joints of the body itself, which come before those of its rotors."""
-    return int(np.count_nonzero(model.jnt_bodyid == 1))
-
-
 def _turning(model: Any) -> slice:
-    """Return the indices of the velocities that are the body's ω."""
-    last = _own_joints(model) - 1
-    if last < 0:
-        return slice(0, 3)
-    first = model.jnt_dofadr[last] + 3 * (model.jnt_type[last] == mujoco.mjtJoint.mjJNT_FREE)
-    return slice(first, first + 3)
+    """Return the indices of the velocities that are the body's ω, the last of its own."""
+    end = _own(model.dof_bodyid)
+    return slice(end - 3, end)
 
 
-def _joints(model: Any, scenario: Scenario) -> tuple[str, set[str]]:
-    """Return the effect that the body's joints implement, and in words what else they are or do.
+def _own(bodies: NDArray[np.integer]) -> int:
+    """Return how many joints, or velocities, are the body's own; those of its rotors follow."""
+    return int(np.count_nonzero(bodies == bodies[0]))
 
-    The effect is "pivot", "table" or, if the body is free or held otherwise, empty.
-    """
-    if model.njnt == 0:
-        return "", {"a weld to the world"}
+
+def _joints(model: Any, scenario: Scenario) -> Iterator[str]:
+    """Yield the effect that the body's joints implement, and in words what else they are or do."""
     if model.ngeom:
-        rests = scenario.effects.table is not None and _rests(model, scenario)
-        return ("table", set()) if rests else ("", {"collision geometry"})
-    last, turning = _own_joints(model) - 1, _turning(model)
-    slides, ball = model.jnt_type[:last], model.jnt_type[last]
-    other = {"drag on the translation"} if model.dof_damping[: turning.start].any() else set()
-    if len(slides) == 0 and ball == mujoco.mjtJoint.mjJNT_FREE:
-        return "", other
-    constraint = scenario.constraint
-    wanted = [
-        axis for axis, is_held in zip(np.eye(3), constraint.is_held, strict=True) if not is_held
-    ]
+        yield "table" if _rests(model, scenario) else "collision geometry"
+        return
+    last, constraint = _own(model.jnt_bodyid) - 1, scenario.constraint
+    kinds = model.jnt_type[: last + 1].tolist()
+    is_free = kinds == [mujoco.mjtJoint.mjJNT_FREE]
+    moving = np.eye(3)[~np.array(constraint.is_held)]
     point_body = scenario.body.com - constraint.lever
     place_world = np.array(constraint.place_exact, dtype=float)
     is_held = (
-        ball == mujoco.mjtJoint.mjJNT_BALL
-        and (slides == mujoco.mjtJoint.mjJNT_SLIDE).all()
-        and np.array_equal(model.jnt_axis[:last], np.reshape(wanted, (-1, 3)))
+        kinds == [mujoco.mjtJoint.mjJNT_SLIDE] * len(moving) + [mujoco.mjtJoint.mjJNT_BALL]
+        and np.array_equal(model.jnt_axis[:last], moving)
         and _same(model.jnt_pos[last], point_body)
-        and _same(model.body_pos[1], place_world - point_body)
-        and np.array_equal(model.body_quat[1], (1, 0, 0, 0))
+        and _same(model.body_pos[BODY], place_world - point_body)
+        and np.array_equal(model.body_quat[BODY], (1, 0, 0, 0))
     )
-    if not is_held:
-        return "", {"a joint that is no ball where the scene holds the body"}
-    return "pivot" if constraint.is_pivot else "table", other
+    if is_held:
+        yield "pivot" if constraint.is_pivot else "table"
+    elif not is_free:
+        yield "a joint that is no ball where the scene holds the body"
+    if (is_held or is_free) and model.dof_damping[: _turning(model).start].any():
+        yield "drag on the translation"
 
 
 def _same(got: FloatArray, wanted: FloatArray) -> bool:
@@ -222,43 +232,17 @@ def _same(got: FloatArray, wanted: FloatArray) -> bool:
 
 def _rests(model: Any, scenario: Scenario) -> bool:
     """Whether a free body's sphere lies on a plane as the scene's tip does, without friction."""
-    kinds = [mujoco.mjtGeom.mjGEOM_PLANE, mujoco.mjtGeom.mjGEOM_SPHERE]
-    radius, height = sphere_and_plane(scenario)
     table = scenario.effects.table
-    assert table is not None
+    if table is None:
+        return False
+    radius, height = sphere_and_plane(scenario)
     return (
-        _own_joints(model) == 1
-        and model.jnt_type[0] == mujoco.mjtJoint.mjJNT_FREE
-        and model.geom_type.tolist() == kinds
+        model.jnt_type[: _own(model.jnt_bodyid)].tolist() == [mujoco.mjtJoint.mjJNT_FREE]
+        and model.geom_type.tolist() == [mujoco.mjtGeom.mjGEOM_PLANE, mujoco.mjtGeom.mjGEOM_SPHERE]
         and model.geom_condim.tolist() == [1, 1]
         and np.array_equal(model.geom_pos, [(0.0, 0.0, height), table.tip])
         and model.geom_size[1, 0] == radius
     )
-
-
-def _add_actuators(model: Any, strengths: dict[str, FloatArray]) -> list[str]:
-    """Add constant torques and servos to the strengths; return other actuators in words."""
-    other = []
-    for i in range(model.nu):
-        gear = model.actuator_gear[i]
-        is_free = model.jnt_type[0] == mujoco.mjtJoint.mjJNT_FREE
-        torque, force = (gear[3:], gear[:3]) if is_free else (gear[:3], gear[3:])
-        constant, per_length, per_velocity = model.actuator_biasprm[i][:3]
-        # Both effects are constant torques; they differ in the axes in which the gear is written.
-        turned_by = {
-            int(mujoco.mjtTrn.mjTRN_JOINT): strengths["torque_body"],
-            int(mujoco.mjtTrn.mjTRN_JOINTINPARENT): strengths["torque_world"],
-        }.get(int(model.actuator_trntype[i]))
-        is_servo = turned_by is strengths["torque_body"]
-        if turned_by is None or model.actuator_gainprm[i].any() or per_length or force.any():
-            other.append("an actuator that is neither a constant torque nor drag")
-            continue
-        turned_by += constant * torque
-        if is_servo:
-            strengths["drag"] -= per_velocity * np.outer(torque, torque)
-        elif per_velocity:
-            other.append("drag along world axes")
-    return other
 
 
 def _idle_passes(model: Any) -> frozenset[str]:

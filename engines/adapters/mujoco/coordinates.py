@@ -1,6 +1,5 @@
 """Converts between spincheck's bodies and states and MuJoCo's tables, qpos and qvel."""
 
-from dataclasses import replace
 from typing import Any
 
 import mujoco
@@ -14,11 +13,11 @@ from spincheck.engine import (
     Session,
     State,
     UnsupportedError,
-    composed,
 )
 
 from ....scenarios.rotation import across, cross, matrices, matrix, turned
 from ...models.hinged import hinged, unhinged
+from ...scene_record import with_rotors
 
 #: MuJoCo's index of the body; index 0 is the world, with which every model begins.
 WORLD, BODY = 0, 1
@@ -40,15 +39,20 @@ def _rotation(q_wxyz: FloatArray) -> Rotation:
     return Rotation.from_quat(q_wxyz, scalar_first=True)
 
 
-class Coordinates:
-    """The body of a compiled model, converted between states and the model's coordinates.
+class CoordinateSession(Session):
+    """A scene in MuJoCo or in a port of it, which is read and set by its coordinates alone.
 
     The body is free, or on a ball joint or three hinges. Coordinates of slides come first, those of
     rotors that turn last.
+
+    Parameters
+    ----------
+    model : MuJoCo's compiled model of the scene
     """
 
-    def __init__(self, model: Any, scenario: Scenario) -> None:
-        self._model, self._is_turning = model, scenario.rotors.is_turning
+    def __init__(self, scenario: Scenario, model: Any) -> None:
+        self._scenario, self._compiled = scenario, model
+        self._is_turning = scenario.rotors.is_turning
         self._spins = int(np.count_nonzero(self._is_turning))
         self._moving = model.nv - self._spins - TURNING
         last = model.body_jntadr[BODY] + model.body_jntnum[BODY] - 1
@@ -60,6 +64,11 @@ class Coordinates:
         if model.jnt_type[last] != mujoco.mjtJoint.mjJNT_FREE:
             self._arm_body = self._arm_body - model.jnt_pos[last]
             self._place_world = model.body_pos[BODY] + model.jnt_pos[last]
+
+    @property
+    def can_restart(self) -> bool:
+        """True: coordinates can be set at any time."""
+        return True
 
     @property
     def restarts_to_the_last_bit(self) -> bool:
@@ -81,23 +90,23 @@ class Coordinates:
 
     def read_body(self) -> BodyReading:
         """Return the body with the bodies welded to it and its rotors, in its own axes."""
-        model = self._model
-        parts, poses = [one_body(model, BODY)], {BODY: (np.zeros(3), np.eye(3))}
+        model, poses = self._compiled, {BODY: (np.zeros(3), np.eye(3))}
+        parts = [one_body(model, BODY)]
         for body in range(BODY + 1, model.nbody):
             at, R = poses[model.body_parentid[body]]
             at, R = at + R @ model.body_pos[body], R @ _rotation(model.body_quat[body]).as_matrix()
             poses[body] = at, R
             parts.append(one_body(model, body).placed(at, R))
-        # Axis times the moment about it; zero for a rotor that is welded.
-        axial = np.zeros((len(self._is_turning), 3))
-        for joint in range(model.body_jntnum[BODY], model.njnt):
-            body = model.jnt_bodyid[joint]
-            axis = _rotation(model.body_quat[body]).apply(np.array(model.jnt_axis[joint]))
-            moment = axis @ one_body(model, body).inertia_com @ axis
-            axial[body - model.nbody + len(axial)] = axis * moment
-        return replace(composed(parts) if len(parts) > 1 else parts[0], axial=axial)
+        axes = np.zeros((len(self._is_turning), 3))
+        for joint, rotor in enumerate(np.flatnonzero(self._is_turning), -self._spins):
+            axes[rotor] = poses[model.jnt_bodyid[joint]][1] @ model.jnt_axis[joint]
+        return with_rotors(parts, axes)
 
-    def states(self, qpos: FloatArray, qvel: FloatArray) -> State:
+    def read_state(self) -> State:
+        """Return the state now."""
+        return self.states([self.snapshot()]).rows(0)
+
+    def states_at(self, qpos: FloatArray, qvel: FloatArray) -> State:
         """Return the states of n rows of coordinates, (n, nq), and velocities, (n, nv).
 
         The first coordinates are the place of a point of the body; on a ball joint, which has none,
@@ -119,8 +128,8 @@ class Coordinates:
         com_world += self._place_world
         return State(q_world_body_wxyz, omega_body, com_world, velocity_world, spins)
 
-    def of(self, state: State) -> tuple[FloatArray, FloatArray]:
-        """Return a state's coordinates, (nq,), and velocities, (nv,): the inverse of `states`."""
+    def coordinates(self, state: State) -> tuple[FloatArray, FloatArray]:
+        """Return a state's coordinates, (nq,), and velocities, (nv,), as of `states_at`."""
         q_world_body_wxyz, omega_body = state.q_world_body_wxyz, state.omega_body
         spins, moving = state.spins[self._is_turning], self._moving
         R_world_body = matrix(q_world_body_wxyz)
@@ -129,33 +138,3 @@ class Coordinates:
         qpos = np.concatenate([place_world[:moving], q_world_body_wxyz, np.zeros_like(spins)])
         qvel = np.concatenate([speed_world[:moving], omega_body, spins])
         return hinged(qpos, qvel) if self._on_hinges else (qpos, qvel)
-
-
-class CoordinateSession(Session):
-    """A scene in MuJoCo or in a port of it, which is read and set by its coordinates alone.
-
-    Parameters
-    ----------
-    model : MuJoCo's compiled model of the scene
-    """
-
-    def __init__(self, scenario: Scenario, model: Any) -> None:
-        self._scenario, self._coordinates = scenario, Coordinates(model, scenario)
-
-    @property
-    def can_restart(self) -> bool:
-        """True: coordinates can be set at any time."""
-        return True
-
-    @property
-    def restarts_to_the_last_bit(self) -> bool:
-        """Whether a restart rounds nothing: on a pivot, or if the coordinates move the com."""
-        return self._coordinates.restarts_to_the_last_bit
-
-    def read_body(self) -> BodyReading:
-        """Return the body of the model."""
-        return self._coordinates.read_body()
-
-    def read_state(self) -> State:
-        """Return the state now."""
-        return self.states([self.snapshot()]).rows(0)

@@ -2,11 +2,13 @@
 
 from collections.abc import Collection
 from copy import copy
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import lru_cache
+from pathlib import Path
 from typing import Any, final
 
 import mujoco
+import numpy as np
 from spincheck.engine import (
     COMMON_EFFECTS,
     PLAIN,
@@ -18,21 +20,37 @@ from spincheck.engine import (
     UnsupportedError,
 )
 
-from ...models.mjcf import mjcf, switched_off
+from ...models.mjcf import JOINT, armature, mjcf, switched_off
 from ...models.mjcf_contact import PASSES, off_its_table, with_contact
+from ...models.text import python_text
+from ...models.urdf import BODY_LINK, urdf
 from ...version_numbers import numbers_of
-from .clock import CLOCK, SHIPPED
-from .script import script
+from ...world_session import run_script
+from . import clock
+from .clock import CLOCK
+from .editable import free, set_scene, spec_of_urdf, with_start
 from .session import MuJoCoSession, check_not_too_small, compiled
-from .urdf_reader import spec_of_urdf
 from .world import disable
 
-#: The MuJoCo version that introduced an integrator, from the changelog.
-SINCE = {"discrete": "3.13.0"}
+#: The MuJoCo version that introduced the newest integrator, `discrete`, from the changelog.
+SINCE = "3.13.0"
 #: Number of compiled models kept: a ladder of timesteps uses the same model at each.
 KEPT = 16
 #: Timestep of a compiled model, s, until that of the run is set.
 ANY_TIMESTEP = 1e-3
+#: Relative margin of the triangle inequality. The reader of URDF diagonalises the three principal
+#: moments again, with errors of up to 12 ulp each, and without a margin refuses every third flat
+#: body.
+READER_ROUNDOFF = 3 * 12 * float(np.finfo(float).eps)
+#: Shortest time constant of a contact that MuJoCo takes to be stable, in timesteps.
+STIFFEST = 2.0
+#: Passes that are switched off for a body on a contact, so that a step depends on the state alone.
+OF_CONTACTS = ("warmstart",)
+#: Prefix of the names of methods that hold a body on a table by a contact; in all others it is on
+#: two slides under a ball joint.
+BY_CONTACT = "contact-"
+#: MuJoCo as shipped, as a method's name has it in place of an integrator.
+SHIPPED = "default"
 
 
 def setup(integrator: str) -> str:
@@ -44,82 +62,35 @@ model.opt.integrator = mujoco.mjtIntegrator.mjINT_{integrator.upper()}
 model.opt.timestep = TIMESTEP"""
 
 
-#: Shortest time constant of a contact that MuJoCo takes to be stable, in timesteps.
-STIFFEST = 2.0
-#: Passes that are switched off for a body on a contact, so that a step depends on the state alone.
-OF_CONTACTS = ("warmstart",)
 CONTACT_SETUP = """
 # of the plane and of the sphere at the tip, whenever the timestep is set:
 model.geom_solref[:, 0] = 2 * TIMESTEP"""
-
-
-@dataclass(frozen=True)
-class Way:
-    """How a method steps a body and holds it.
-
-    Attributes
-    ----------
-    order : order of accuracy, in ω and in attitude
-    integrator : as MJCF names it; None for MuJoCo as shipped
-    by_contact : whether a table is a contact; otherwise it is two slides under a ball joint
-    tied : time constant of a contact, in timesteps; 0 for MuJoCo's own
-    """
-
-    order: int
-    summary: str
-    integrator: str | None
-    by_contact: bool = False
-    tied: float = 0.0
-
-    def method(self, name: str) -> Method:
-        """Return the method, with the effects that its joints and contacts can simulate."""
-        of_contact = COMMON_EFFECTS | {"table"}
-        return Method(
-            name,
-            self.order,
-            self.order,
-            self.summary,
-            of_contact if self.by_contact else of_contact | {"rotors"},
-            requires=frozenset({"table"} if self.by_contact else ()),
-            as_shipped=self.integrator is None,
-            setup=setup(self.integrator) + CONTACT_SETUP * self.by_contact
-            if self.integrator
-            else "",
-        )
-
-    def alone(self, scenario: Scenario) -> Scenario:
-        """Return the scene as the joints see it: a body that lies on a contact is free."""
-        return off_its_table(scenario) if self.by_contact else scenario
-
-    def switched_off(self, scenario: Scenario) -> tuple[str, ...]:
-        """Return MuJoCo's names of the passes that the method does not need."""
-        passes = switched_off(self.alone(scenario))
-        return tuple(name for name in passes if not (self.by_contact and name in PASSES))
-
-
 CONTACT = "{}, the table as a contact as stiff as the timestep allows"
-# Orders as in MuJoCo's documentation, "Numerical integration", and changelog 4.0.0, item 5;
-# measured in docs/measured/engines-mujoco.md.
-WAYS = {
-    "Euler": Way(1, "semi-implicit Euler, joint damping implicit", "Euler"),
-    "implicitfast": Way(
-        1, "implicit in velocity; gyroscopic terms of free bodies only", "implicitfast"
-    ),
-    "implicit": Way(1, "implicit in velocity, gyroscopic terms included", "implicit"),
-    "RK4": Way(4, "Runge-Kutta of fourth order", "RK4"),
-    "discrete": Way(
-        1, "implicit in velocity and position, one solve with the constraints", "discrete"
-    ),
-    "default": Way(1, "as shipped: Euler, with every pass on", None),
-    "contact-RK4": Way(2, CONTACT.format("RK4"), "RK4", by_contact=True, tied=STIFFEST),
-    "contact-Euler": Way(1, CONTACT.format("Euler"), "Euler", by_contact=True, tied=STIFFEST),
-    "contact-default": Way(
-        1,
-        "as shipped: Euler, the table as a contact with a time constant of 20 ms",
-        None,
-        by_contact=True,
-    ),
-}
+_MADE = """\
+{mjcf}
+model = mujoco.MjModel.from_xml_string(MJCF)
+# What this scene has no use for; not every version of MuJoCo has all of it.
+disable(model, {off!r})
+set_timestep(model, TIMESTEP, {tied!r})
+data = at_start(model)"""
+_STATE = f"""\
+joint = data.joint("{JOINT}")
+return joint.qpos[-4:].copy(), joint.qvel[-3:].copy()"""
+
+
+def _method(name: str, order: int, summary: str) -> Method:
+    """Return a method, with the effects that its joints and contacts can simulate."""
+    integrator, is_contact = name.removeprefix(BY_CONTACT), name.startswith(BY_CONTACT)
+    return Method(
+        name,
+        order,
+        order,
+        summary,
+        COMMON_EFFECTS | ({"table"} if is_contact else {"table", "rotors"}),
+        requires=frozenset({"table"} if is_contact else ()),
+        as_shipped=integrator == SHIPPED,
+        setup="" if integrator == SHIPPED else setup(integrator) + CONTACT_SETUP * is_contact,
+    )
 
 
 @final
@@ -131,7 +102,23 @@ class MuJoCo(Engine):
     # Default of the documentation, XML reference, option/timestep.
     stock_timestep = 0.002
     describes = frozenset({"parts", "full tensor", "shape", "joint", "compensated", "urdf"})
-    methods = tuple(way.method(name) for name, way in WAYS.items())
+    # Orders as in MuJoCo's documentation, "Numerical integration", and changelog 4.0.0, item 5;
+    # measured in docs/measured/engines-mujoco.md.
+    methods = (
+        _method("Euler", 1, "semi-implicit Euler, joint damping implicit"),
+        _method("implicitfast", 1, "implicit in velocity; gyroscopic terms of free bodies only"),
+        _method("implicit", 1, "implicit in velocity, gyroscopic terms included"),
+        _method("RK4", 4, "Runge-Kutta of fourth order"),
+        _method("discrete", 1, "implicit in velocity and position, one solve with the constraints"),
+        _method("default", 1, "as shipped: Euler, with every pass on"),
+        _method("contact-RK4", 2, CONTACT.format("RK4")),
+        _method("contact-Euler", 1, CONTACT.format("Euler")),
+        _method(
+            "contact-default",
+            1,
+            "as shipped: Euler, the table as a contact with a time constant of 20 ms",
+        ),
+    )
 
     @property
     def version(self) -> str:
@@ -157,37 +144,41 @@ class MuJoCo(Engine):
         Flags are set after compiling, as older versions refuse some of them in MJCF.
         """
         check_not_too_small(scenario)
-        way = WAYS[method.name]
-        if way.integrator is not None:
-            _check_has(way.integrator)
-        off = way.switched_off(scenario)
-        if method.as_shipped and description == PLAIN:
+        integrator, off = _integrator(method), _switched_off(scenario, method)
+        if integrator and f"mjINT_{integrator.upper()}" not in mujoco.mjtIntegrator.__members__:
+            raise UnsupportedError(
+                f"MuJoCo {self.version} has no integrator '{integrator}'; {SINCE} has", "effects"
+            )
+        if integrator is None:
             left_in = (*switched_off(scenario), CLOCK)
         if description.compensated:
             # Damping is one of the passive forces.
             left_in = ("gravity", "spring", "damper")
-        model = copy(_model(scenario, way, description))
+        model = copy(_model(scenario, method, description))
+        if description.urdf:
+            set_scene(model, scenario, integrator or "Euler")
         disable(model, (name for name in off if name not in left_in))
-        start = model.key(0)
-        session = MuJoCoSession(scenario, model, start.qpos, start.qvel, CLOCK in left_in, way.tied)
+        session = MuJoCoSession(scenario, model, CLOCK in left_in, _tied(method))
         session.set_timestep(timestep)
         return session
 
     def script(self, scenario: Scenario, method: Method, timestep: float) -> str:
         """Return the MJCF, and the few calls that step it, as Python."""
-        way = WAYS[method.name]
-        off = () if method.as_shipped else way.switched_off(scenario)
-        moving = 3 if way.by_contact else 3 - sum(scenario.constraint.is_held)
-        return script(_text(scenario, timestep, way), off, way.tied, moving)
+        made = _MADE.format(
+            mjcf=python_text("MJCF", _text(scenario, timestep, method)),
+            off=() if method.as_shipped else _switched_off(scenario, method),
+            tied=_tied(method),
+        )
+        world = Path(__file__).with_name("world.py")
+        return run_script(world, made, _STATE, "mujoco.mj_step(model, data, count)")
 
     def left_out(self, scenario: Scenario, method: Method) -> tuple[str, ...]:
         """Return the names of the passes that a method switches off, and the clock's name."""
         if method.as_shipped:
             return ()
-        way = WAYS[method.name]
-        kept = OF_CONTACTS if way.by_contact else ()
-        passes = [name for name in way.switched_off(scenario) if name not in kept]
-        return (*passes, *([CLOCK] if SHIPPED else ()))
+        kept = OF_CONTACTS if _is_by_contact(method) else ()
+        passes = [name for name in _switched_off(scenario, method) if name not in kept]
+        return (*passes, *([CLOCK] if clock.SHIPPED else ()))
 
     def at_version(self, version: str) -> Release:
         """Return another version, with its differences according to MuJoCo's changelog."""
@@ -206,33 +197,59 @@ def release(version: str, methods: tuple[Method, ...]) -> Release:
     return Release(tuple(f"{part}=={version}" for part in parts), methods, MuJoCo.name)
 
 
+def _integrator(method: Method) -> str | None:
+    """Return a method's integrator as MJCF names it; None for MuJoCo as shipped."""
+    return None if method.as_shipped else method.name.removeprefix(BY_CONTACT)
+
+
+def _is_by_contact(method: Method) -> bool:
+    return "table" in method.requires
+
+
+def _tied(method: Method) -> float:
+    """Return the time constant of a method's contacts, in timesteps; 0 for MuJoCo's own."""
+    return STIFFEST if _is_by_contact(method) and not method.as_shipped else 0.0
+
+
+def _alone(scenario: Scenario, method: Method) -> Scenario:
+    """Return the scene as the joints see it: a body that lies on a contact is free."""
+    return off_its_table(scenario) if _is_by_contact(method) else scenario
+
+
+def _switched_off(scenario: Scenario, method: Method) -> tuple[str, ...]:
+    """Return MuJoCo's names of the passes that a method does not need."""
+    needed = PASSES if _is_by_contact(method) else ()
+    return tuple(name for name in switched_off(_alone(scenario, method)) if name not in needed)
+
+
 @lru_cache(maxsize=KEPT)
-def _model(scenario: Scenario, way: Way, description: Description) -> Any:
+def _model(scenario: Scenario, method: Method, description: Description) -> Any:
     """Return the compiled model of a scene, with every pass on."""
     if description.urdf:
-        integrator = way.integrator or "Euler"
-        return compiled(lambda: spec_of_urdf(scenario, integrator, description).compile())
-    text = _text(scenario, ANY_TIMESTEP, way, description)
+        return compiled(lambda: _of_urdf(scenario, description))
+    text = _text(scenario, ANY_TIMESTEP, method, description)
     if not hasattr(getattr(mujoco, "MjsJoint", None), "align"):
         # Versions without this attribute behave as if it were set.
         text = text.replace(' align="false"', "")
     return compiled(lambda: mujoco.MjModel.from_xml_string(text))
 
 
-def _text(scenario: Scenario, timestep: float, way: Way, description: Description = PLAIN) -> str:
+def _of_urdf(scenario: Scenario, description: Description) -> Any:
+    spec = spec_of_urdf(urdf(scenario, READER_ROUNDOFF, description=description))
+    if scenario.constraint.is_free:
+        free(spec.body(BODY_LINK))
+    for number, rotor in enumerate(scenario.rotors.each, start=1):
+        if rotor.hinge != "locked":
+            spec.joint(f"hinge{number}").armature = armature(rotor)
+    return with_start(spec)
+
+
+def _text(
+    scenario: Scenario, timestep: float, method: Method, description: Description = PLAIN
+) -> str:
     """Return the MJCF of a scene, with every pass on."""
-    alone = way.alone(scenario)
-    text = mjcf(alone, timestep, way.integrator, switched_off(alone), description)
-    if not way.by_contact:
+    alone, tied = _alone(scenario, method), _tied(method)
+    text = mjcf(alone, timestep, _integrator(method), switched_off(alone), description)
+    if not _is_by_contact(method):
         return text
-    return with_contact(text, scenario, (way.tied * timestep, 1.0) if way.tied else None)
-
-
-def _check_has(integrator: str) -> None:
-    """Raise `UnsupportedError` if this version of MuJoCo has no such integrator."""
-    if f"mjINT_{integrator.upper()}" not in mujoco.mjtIntegrator.__members__:
-        since = SINCE.get(integrator)
-        newer = f"; {since} has" if since else ""
-        raise UnsupportedError(
-            f"MuJoCo {mujoco.mj_versionString()} has no integrator '{integrator}'{newer}", "effects"
-        )
+    return with_contact(text, scenario, (tied * timestep, 1.0) if tied else None)

@@ -9,8 +9,9 @@ from typing import Any, final
 import mujoco
 from spincheck.engine import Method, Release, Scenario
 
-from ...models.mjcf import start_coordinates, switched_off
+from ...models.mjcf import switched_off
 from ...users_models import FileEngine, UsersLink, body_alone, users_link
+from .editable import free, set_scene, spec_of_urdf, with_start
 from .engine import KEPT, MuJoCo, release
 from .model_reader import MuJoCoModelReader, spec_of
 from .session import MuJoCoSession, check_not_too_small, compiled
@@ -43,11 +44,10 @@ class MuJoCoFile(FileEngine):
         """Read the link, give it a free joint, and set what the file does not contain."""
         check_not_too_small(scenario)
         model = copy(_model(users_link(scenario)))
+        set_scene(model, scenario, method.name)
         model.opt.timestep = timestep
-        model.opt.gravity = scenario.gravity_world
-        model.opt.integrator = mujoco.mjtIntegrator.__members__[f"mjINT_{method.name}"]
         disable(model, switched_off(scenario))
-        return MuJoCoSession(scenario, model, *start_coordinates(scenario))
+        return MuJoCoSession(scenario, model)
 
     def at_version(self, version: str) -> Release:
         """Return another version of the `mujoco` engine, with this engine's method."""
@@ -63,10 +63,9 @@ def _model(users: UsersLink) -> Any:
 def _of_urdf(users: UsersLink) -> Any:
     """Return the model of the link's element, without shapes: its inertia is stated."""
     text, _ = body_alone(users.model, users.body)
-    spec = mujoco.MjSpec.from_string(text.decode(errors="replace"))
-    # By default the reader would fuse a single link with the world.
-    spec.compiler.fusestatic = False
-    return _freed(spec, spec.body(users.body.host.name))
+    spec = spec_of_urdf(text.decode(errors="replace"))
+    free(spec.body(users.body.host.name))
+    return with_start(spec)
 
 
 def _of_mjcf(users: UsersLink) -> Any:
@@ -81,23 +80,13 @@ def _alone(whole: Any, users: UsersLink) -> Any:
     for name in (name for name in dir(spec.option) if not name.startswith("_")):
         setattr(whole.option, name, getattr(spec.option, name))
     body = spec.worldbody.add_frame().attach_body(whole.body(users.body.host.name), PREFIX, "")
-    for parts in (spec.sensors, spec.actuators, spec.tendons, spec.equalities, spec.keys):
+    others = spec.sensors, spec.actuators, spec.tendons, spec.equalities, spec.keys
+    for parts in (*others, spec.joints, spec.geoms, spec.sites, spec.cameras, spec.lights):
         for part in list(parts):
             spec.delete(part)
     kept = {f"{PREFIX}{link.name}" for link, _ in users.body.parts}
     for inner in [one for one in spec.bodies if one.name.startswith(PREFIX)]:
         if inner.name not in kept and inner.parent.name in kept:
             spec.delete(inner)
-    for parts in (spec.joints, spec.geoms, spec.sites, spec.cameras, spec.lights):
-        for part in list(parts):
-            spec.delete(part)
-    return _freed(spec, body)
-
-
-def _freed(spec: Any, body: Any) -> Any:
-    """Return the compiled model in which the body has a free joint."""
-    joint = body.add_freejoint()
-    if hasattr(joint, "align"):
-        # A free joint aligned with the inertial frame would have qpos and qvel along other axes.
-        joint.align = False
-    return spec.compile()
+    free(body)
+    return with_start(spec)

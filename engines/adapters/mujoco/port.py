@@ -42,7 +42,7 @@ class PortSession(CoordinateSession):
         """Set the coordinates of the state in the data of the start; nothing is compiled again."""
         if timestep is not None:
             self._world.set_timestep(timestep)
-        self._world.restart(*self._coordinates.of(state))
+        self._world.restart(*self.coordinates(state))
 
     def snapshot(self) -> FloatArray:
         """Return coordinates qpos and velocities qvel now, in one row."""
@@ -52,7 +52,7 @@ class PortSession(CoordinateSession):
     def states(self, snapshots: Sequence[FloatArray]) -> State:
         """Return the states of n snapshots, computed from qpos and qvel alone."""
         rows = np.array(snapshots, dtype=float)
-        return self._coordinates.states(*np.split(rows, [self._world.model.nq], axis=1))
+        return self.states_at(*np.split(rows, [self._world.model.nq], axis=1))
 
     def advance(self, steps: int) -> None:
         """Take steps as the world does."""

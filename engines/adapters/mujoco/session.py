@@ -41,27 +41,21 @@ Snapshot = bytes
 class MuJoCoSession(CoordinateSession):
     """One body on a ball joint, which may be on slides, or free, and what is welded to it.
 
+    It starts at the model's first keyframe.
+
     Parameters
     ----------
     scenario : the scene that is simulated; only the audit reads it
     model : compiled, options and effects set
-    qpos, qvel : the start, as `mjcf.start_coordinates` gives it
     has_clock : whether MuJoCo reads the clock that its Python package installs
     tied : time constant of contacts, in timesteps; 0 for that of the model
     """
 
     def __init__(
-        self,
-        scenario: Scenario,
-        model: Any,
-        qpos: Sequence[float],
-        qvel: Sequence[float],
-        has_clock: bool = False,
-        tied: float = 0.0,
+        self, scenario: Scenario, model: Any, has_clock: bool = False, tied: float = 0.0
     ) -> None:
         super().__init__(scenario, model)
-        self.model, self._tied = model, tied
-        self.data = at_start(model, qpos, qvel)
+        self.model, self.data, self._tied = model, at_start(model), tied
         # One array for all snapshots: fetching MuJoCo's own arrays would double the time.
         self._reading = np.empty(1 + mujoco.mj_stateSize(model, READ))
         self._read = self._reading[1:]
@@ -82,7 +76,7 @@ class MuJoCoSession(CoordinateSession):
         if timestep is not None:
             self.set_timestep(timestep)
         mujoco.mj_resetData(self.model, self.data)
-        self.data.qpos[:], self.data.qvel[:] = self._coordinates.of(state)
+        self.data.qpos[:], self.data.qvel[:] = self.coordinates(state)
         self._steps = 0
         self._warnings.clear()
 
@@ -134,7 +128,7 @@ class MuJoCoSession(CoordinateSession):
     def states(self, snapshots: Sequence[Snapshot]) -> State:
         """Return states from qpos and qvel alone: derived data (xipos, cvel) is one step old."""
         _, qpos, qvel = np.split(_rows(snapshots), [2, 2 + self.model.nq], axis=1)
-        return self._coordinates.states(qpos, qvel)
+        return self.states_at(qpos, qvel)
 
     def first_fault(
         self,
@@ -177,7 +171,7 @@ class MuJoCoSession(CoordinateSession):
             mujoco.mjd_transitionFD(self.model, self.data, EPSILON, centred, A, None, None, None)
         except mujoco.FatalError as error:
             raise UnsupportedError(f"MuJoCo: {error}") from None
-        kept = self._coordinates.turning
+        kept = self.turning
         kept = np.concatenate([kept, kept + nv])
         return A[np.ix_(kept, kept)]
 

@@ -40,9 +40,8 @@ def set_timestep(model, timestep, tied):
         model.geom_solref[:, 0] = tied * timestep
 
 
-def at_start(model, qpos, qvel):
-    """Return data of the model at the given coordinates and velocities."""
+def at_start(model):
+    """Return data of the model at its first keyframe."""
     data = mujoco.MjData(model)
-    data.qpos[:] = qpos
-    data.qvel[:] = qvel
+    mujoco.mj_resetDataKeyframe(model, data, 0)
     return data

@@ -27,7 +27,7 @@ from ...version_numbers import numbers_of
 
 with native_output():
     # On import, Bullet prints its build date, which is caught here.
-    from .load import BodyRepresentation
+    from .load import MOTOR, SHAPE, BodyRepresentation
     from .pivot_limit import check_borne
     from .script import script, setup
     from .session import PyBulletSession
@@ -147,7 +147,10 @@ class PyBullet(Engine):
 
     def left_out(self, scenario: Scenario, method: Method) -> tuple[str, ...]:
         """Return the parts left out: the collision shape, and on a joint the forceless motor."""
-        return REPRESENTATIONS[method.name].left_out(scenario)
+        representation = REPRESENTATIONS[method.name]
+        if representation.as_shipped or representation.by_contact:
+            return ()
+        return (SHAPE, MOTOR) if representation.hangs(scenario) else (SHAPE,)
 
     def at_version(self, version: str) -> Release:
         """Return another version, with the same methods."""

@@ -6,10 +6,10 @@ from spincheck.engine import Method, Release, Scenario
 
 from ...users_models import MESHES, FileEngine, body_alone, users_link
 from .engine import PyBullet, bullet_method, release
-from .load import BodyRepresentation, OwnURDF
+from .load import BodyRepresentation
 from .model_reader import DEFAULT, FROM_FILE, PyBulletModelReader
 from .session import PyBulletSession
-from .world import DEFAULTS, INERTIA
+from .world import DEFAULTS, FILE, INERTIA
 
 #: Defaults of PyBullet that are kept, by method.
 LEFT = {DEFAULT: frozenset(DEFAULTS), FROM_FILE: frozenset[str]()}
@@ -44,8 +44,7 @@ class PyBulletFile(FileEngine):
         # Shapes are needed only if PyBullet computes tensors from them.
         endings = MESHES if INERTIA in left else None
         text, meshes = body_alone(users.model, users.body, endings)
-        own = OwnURDF(text, tuple(meshes.items()))
-        representation = BodyRepresentation(defaults=left, own=own)
+        representation = BodyRepresentation(defaults=left, own={**meshes, FILE: text})
         return PyBulletSession(scenario, representation, timestep)
 
     def at_version(self, version: str) -> Release:

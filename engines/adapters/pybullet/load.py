@@ -1,10 +1,7 @@
 """Puts a scene's body into a PyBullet world: the numbers it is given, and the body read back."""
 
-import tempfile
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
-from itertools import count
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -15,20 +12,12 @@ from spincheck.engine import PLAIN, Description, EngineError, Scenario, Unsuppor
 from ...models.mjcf_contact import sphere_and_plane
 from ...models.urdf import urdf
 from .model import Model
-from .world import DEFAULTS, World
+from .world import DEFAULTS, FILE, World
 
-#: Names of the parts that are left out because they change no motion.
+#: Names of the parts of the body that `left_in` keeps, and that otherwise are left out.
 SHAPE, MOTOR = "collision shape", "idle joint motor"
 #: SIMD_EPSILON of Bullet's LinearMath/btScalar.h: values not above it are taken for zero.
 TAKEN_FOR_ZERO = float(np.finfo(float).eps)
-
-
-@dataclass(frozen=True)
-class OwnURDF:
-    """A user's URDF of one link, and its meshes by their names, which are written beside it."""
-
-    data: bytes
-    meshes: tuple[tuple[str, bytes], ...] = ()
 
 
 @dataclass(frozen=True)
@@ -43,7 +32,7 @@ class BodyRepresentation:
         pivot
         is a point-to-point constraint
     defaults : the names, among `DEFAULTS`, of PyBullet's defaults that are kept
-    own : the file that is loaded; the scene's URDF if None
+    own : the contents of the files that are loaded, by their names; the scene's URDF if None
     by_contact : whether a table is a contact of a sphere and a plane
     description : how the scene's URDF describes the body
     """
@@ -51,7 +40,7 @@ class BodyRepresentation:
     maximal: bool = False
     hung: bool = False
     defaults: frozenset[str] = frozenset()
-    own: OwnURDF | None = None
+    own: Mapping[str, bytes] | None = None
     description: Description = PLAIN
     by_contact: bool = False
 
@@ -63,12 +52,6 @@ class BodyRepresentation:
     def hangs(self, scenario: Scenario) -> bool:
         """Whether the scene's body hangs by a joint."""
         return self.hung and not scenario.constraint.is_free
-
-    def left_out(self, scenario: Scenario) -> tuple[str, ...]:
-        """Return the names of parts left out of the body, which would change no motion."""
-        if self.as_shipped or self.own or self.by_contact:
-            return ()
-        return (SHAPE, MOTOR) if self.hangs(scenario) else (SHAPE,)
 
 
 def load(
@@ -91,12 +74,15 @@ def load(
     EngineError
         If PyBullet cannot load the body.
     OSError
-        If there is no file to load it from.
+        If its file cannot be written.
     """
     if not representation.as_shipped:
         _check_not_lost(scenario, representation)
     own = representation.own or scenes_own(scenario, representation, left_in)
-    world = _loaded(own, _record(scenario, representation, left_in), client)
+    try:
+        world = World(_record(scenario, representation, left_in), client, own)
+    except p.error as error:
+        raise EngineError(f"PyBullet cannot load the body: {error}") from None
     of_body = _model_of_rigid_body if representation.maximal else _model_of_link
     model = of_body(world, scenario)
     world.scene |= model.in_its_axes(scenario)
@@ -134,7 +120,7 @@ def _record(
 
 def scenes_own(
     scenario: Scenario, representation: BodyRepresentation, left_in: Collection[str] = ()
-) -> OwnURDF:
+) -> dict[str, bytes]:
     """Return the scene as URDF; only a body that hangs by a joint has what holds it in the URDF."""
     hung = representation.hangs(scenario)
     sphere: tuple[tuple[float, ...], float] | None = None
@@ -153,30 +139,7 @@ def scenes_own(
         description=representation.description,
         is_loose=not hung,
     )
-    return OwnURDF(text.encode())
-
-
-def _loaded(model: OwnURDF, record: dict[str, Any], client: int) -> World:
-    """Return a world with a model loaded.
-
-    PyBullet caches files and meshes by name, so each model has a folder of its own. The folder is
-    removed before the run begins, because a worker may be killed during the run.
-    """
-    prefix = f"spincheck-{next(_numbers)}-"
-    with tempfile.TemporaryDirectory(prefix=prefix, ignore_cleanup_errors=True) as folder:
-        for name, mesh in model.meshes:
-            Path(folder, name).write_bytes(mesh)
-        file = Path(folder, "body.urdf")
-        file.write_bytes(model.data)
-        try:
-            return World(record, client, str(file))
-        except p.error as error:
-            # Raises the system's own error if the file cannot be opened.
-            file.read_bytes()
-            raise EngineError(f"PyBullet cannot load the body: {error}") from None
-
-
-_numbers = count()
+    return {FILE: text.encode()}
 
 
 def _model_of_link(world: World, scenario: Scenario) -> Model:

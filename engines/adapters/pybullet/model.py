@@ -1,13 +1,11 @@
 """A body in a PyBullet world, read and set in spincheck's frames."""
 
-from dataclasses import dataclass, replace
-from functools import cached_property
 from typing import Any
 
 import numpy as np
 import pybullet as p
 from scipy.spatial.transform import Rotation
-from spincheck.engine import BodyReading, FloatArray, Scenario, State, composed, start_state
+from spincheck.engine import BodyReading, FloatArray, Scenario, State, start_state
 
 from ....scenarios.rotation import (
     across,
@@ -19,6 +17,7 @@ from ....scenarios.rotation import (
     turned,
     turned_back,
 )
+from ...scene_record import with_rotors
 from .world import BASE, World
 
 #: Indices into what `getJointInfo` returns: axis, place and turn of a joint, and its parent link.
@@ -27,25 +26,43 @@ AXIS, PLACE, TURN, PARENT = 13, 14, 15, 16
 XYZW, WXYZ = [1, 2, 3, 0], [3, 0, 1, 2]
 
 
-@dataclass(frozen=True, eq=False)
+def attitude(state: State) -> FloatArray:
+    """Return the matrix, (3, 3), of a state's normalised quaternion."""
+    q_wxyz = state.q_world_body_wxyz
+    return matrix(q_wxyz / np.linalg.norm(q_wxyz))
+
+
 class Model:
     """The body in the world of one physics client.
 
-    Attributes
+    Parameters
     ----------
     body_from_principal : takes components along the engine's axes (principal) to body components
     link_com : com of the base or hung link alone, as the engine holds it, m, body axes, (3,)
     joint_body : the point that the body hangs by, m, body axes, (3,); for a base, its origin
+
+    Attributes
+    ----------
+    body : mass, com and tensor of the link with all that is welded to it, and its rotors
     """
 
-    world: World
-    body_from_principal: Rotation
-    link_com: FloatArray
-    joint_body: FloatArray
+    def __init__(
+        self,
+        world: World,
+        body_from_principal: Rotation,
+        link_com: FloatArray,
+        joint_body: FloatArray,
+    ) -> None:
+        self.world, self.link_com = world, link_com
+        self.body_from_principal = body_from_principal
+        self._q_body_principal = body_from_principal.as_quat(scalar_first=True)
+        self._times_q_principal_body = times(conjugate(self._q_body_principal))
+        self.body = self._read_body()
+        # The com of the whole from the link's com, and from the joint, m, body axes.
+        self._arm, self._lever = self.body.com - link_com, self.body.com - joint_body
 
-    @cached_property
-    def body(self) -> BodyReading:
-        """Mass, com and tensor of the link with all that is welded to it, and its rotors.
+    def _read_body(self) -> BodyReading:
+        """Return all links as one body.
 
         PyBullet keeps for each link its principal moments, the place of its joint in the axes of
         the link before it, and its rotation relative to that link: joints are at angle 0.
@@ -55,7 +72,7 @@ class Model:
         tensor = R_body_principal @ np.diag(moments) @ R_body_principal.T
         parts = [BodyReading(mass, self.link_com, tensor)]
         poses = {world.link: (self.link_com, self.body_from_principal)}
-        axial = np.zeros((len(world.scene["rotors"]), 3))
+        axes_of_rotors = np.zeros((len(world.scene["rotors"]), 3))
         for link in range(world.link + 1, p.getNumJoints(world.body, world.client)):
             joint = p.getJointInfo(world.body, link, world.client)
             mass, _, moments, com, q_own_xyzw, *_ = p.getDynamicsInfo(
@@ -69,20 +86,8 @@ class Model:
             alone = BodyReading(mass, np.zeros(3), np.diag(moments))
             parts.append(alone.placed(its_com, axes.as_matrix()))
             if link in world.hinges:
-                axis = np.array(joint[AXIS])
-                moment = float(axis @ (np.array(moments) * axis))
-                axial[link - world.first_rotor] = axes.apply(axis) * moment
-        return parts[0] if len(parts) == 1 else replace(composed(parts), axial=axial)
-
-    @cached_property
-    def _arm(self) -> FloatArray:
-        """The com of the whole from the link's com, m, body axes, (3,)."""
-        return self.body.com - self.link_com
-
-    @cached_property
-    def _lever(self) -> FloatArray:
-        """The com of the whole from the joint, m, body axes, (3,)."""
-        return self.body.com - self.joint_body
+                axes_of_rotors[link - world.first_rotor] = axes.apply(np.array(joint[AXIS]))
+        return with_rotors(parts, axes_of_rotors)
 
     def read_state(self) -> State:
         """The state now."""
@@ -108,19 +113,6 @@ class Model:
         spins[:, [link - self.world.first_rotor for link in self.world.hinges]] = rows[:, 13:]
         return State(q_world_body, omega_body, com_world, velocity_world, spins)
 
-    def R_world_body(self) -> FloatArray:
-        """Return the body's attitude now, as a matrix, (3, 3)."""
-        q_world_body = self.read_state().q_world_body_wxyz
-        return matrix(q_world_body / np.linalg.norm(q_world_body))
-
-    @cached_property
-    def _q_body_principal(self) -> FloatArray:
-        return np.asarray(self.body_from_principal.as_quat(scalar_first=True))
-
-    @cached_property
-    def _times_q_principal_body(self) -> FloatArray:
-        return times(conjugate(self._q_body_principal))
-
     def coordinates(self, states: State) -> FloatArray:
         """Return the velocity coordinates that PyBullet clamps, rad/s and m/s, a row a state."""
         R_world_body = matrices(states.q_world_body_wxyz)
@@ -133,9 +125,10 @@ class Model:
         return np.hstack([sliding, turning, states.spins])
 
     def motion(self, state: State) -> dict[str, Any]:
-        """Return a state as `World.restart` takes it; if the body hangs by a joint, turn that joint.
+        """Return a state as `World.restart` takes it.
 
-        A joint's angle is counted along the principal axes.
+        If the body hangs by a joint, that joint is turned. Its angle is counted along the principal
+        axes.
         """
         world, times_q_body_principal = self.world, times(self._q_body_principal)
         q_world_body = state.q_world_body_wxyz / np.linalg.norm(state.q_world_body_wxyz)
@@ -168,16 +161,19 @@ class Model:
         if is_pivot:
             com_world = world_from_body.apply(np.array(scenario.body.com))
             velocity_world = cross(omega_world, com_world)
+        pivot = principal_from_body.apply(-self.link_com)
         motion = self.motion(start_state(scenario))
-        # A base is where it was loaded, which its attitude tells to the last bit.
-        arm_world = self.R_world_body() @ self._arm if is_base else world_from_body.apply(self._lever)
+        arm_world = world_from_body.apply(self._lever)
+        if is_base:
+            # Where it was loaded, which its attitude tells to the last bit.
+            arm_world = attitude(self.read_state()) @ self._arm
         motion["place"] = start.position_world - arm_world
         motion["velocity"] = velocity_world - cross(omega_world, arm_world)
         return {
             "axes": self.body_from_principal.as_quat(scalar_first=True).tolist(),
-            "pivot": principal_from_body.apply(-self.link_com).tolist()
-            if is_pivot and is_base
-            else None,
-            "torque_body": principal_from_body.apply(np.array(scenario.pushed["torque_body"])).tolist(),
+            "pivot": pivot.tolist() if is_pivot and is_base else None,
+            "torque_body": principal_from_body.apply(
+                np.array(scenario.pushed["torque_body"])
+            ).tolist(),
             **{name: np.array(numbers).tolist() for name, numbers in motion.items()},
         }

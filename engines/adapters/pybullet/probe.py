@@ -7,8 +7,8 @@ import pybullet as p
 from spincheck.engine import FloatArray, Scenario, State
 
 from ....scenarios.effects.push import push
-from ....scenarios.rotation import cross, matrix
-from .model import Model
+from ....scenarios.rotation import cross
+from .model import Model, attitude
 
 #: Timestep h of a probe, s. The torque, gain of L over h, has a rounding error of EPS L / h and a
 #: truncation error proportional to h: their sum is least at h = √EPS.
@@ -39,7 +39,7 @@ class Probe:
         self.model, self.scenario, self._advance = model, scenario, advance
         p.setGravity(0, 0, 0, physicsClientId=model.world.client)
         model.world.set_spins(np.full(len(scenario.rotors.each), PROBE_SPIN))
-        R_world_body = model.R_world_body()
+        R_world_body = attitude(model.read_state())
         self.spin_world = R_world_body @ np.full(3, PROBE_SPIN)
         # The scene's torques at rest, N m, and their change by that spin.
         self._push_world = push(scenario.pushed, R_world_body, np.zeros(3))
@@ -57,7 +57,8 @@ class Probe:
 
         A body that is not on a pivot also starts with a velocity: the same vector in m/s.
         """
-        now, R_world_body = self.model.read_state(), self.model.R_world_body()
+        now = self.model.read_state()
+        R_world_body = attitude(now)
         com_world, velocity_world = now.com_world, omega_world
         if self._is_held.all():
             com_world = R_world_body @ self.model.body.com
@@ -79,12 +80,13 @@ class Probe:
         mass, velocity_world = self.model.body.mass, before.velocity_world
         force = mass * (after.velocity_world - velocity_world) / PROBE_STEP
         gain = (self._momentum(after) - self._momentum(before)) / PROBE_STEP
-        swing_world = _attitude(before) @ cross(before.omega_body, self._lever_body)
+        swing_world = attitude(before) @ cross(before.omega_body, self._lever_body)
         return force, gain + mass * cross(velocity_world - swing_world, velocity_world)
 
     def _momentum(self, state: State) -> FloatArray:
         """Return L about the held point, or else the com, world axes, kg m²/s, (3,)."""
-        body, R_world_body = self.model.body, _attitude(state)
+        # Normalised, as differences of momenta are divided by a short time.
+        body, R_world_body = self.model.body, attitude(state)
         L_body = body.inertia_com @ state.omega_body + state.spins @ body.axial
         about_world = cross(R_world_body @ self._lever_body, state.velocity_world)
         return np.asarray(R_world_body @ L_body + body.mass * about_world)
@@ -138,12 +140,6 @@ class Probe:
         dragged = float(np.linalg.norm(self._dragged_world))
         turned = (pushed + dragged) * largest_moment / float(moments[0])
         return SLACK * (PROBE_SPIN * (largest_moment + turned) + pushed)
-
-
-def _attitude(state: State) -> FloatArray:
-    """Return the normalised attitude matrix: its differences are divided by a short time."""
-    q_wxyz = state.q_world_body_wxyz
-    return matrix(q_wxyz / np.linalg.norm(q_wxyz))
 
 
 def near(got: FloatArray, wanted: FloatArray, noise: float) -> bool:

@@ -8,18 +8,14 @@ from ...models.text import python_text
 from ...world_session import run_script
 from .load import BodyRepresentation, scenes_own
 from .session import PyBulletSession
-from .world import FRICTIONLESS
+from .world import FILE, FRICTIONLESS
 
 _MADE = """\
 {urdf}
 SCENE = {{
 {scene}
 }}
-with tempfile.TemporaryDirectory() as folder:
-    path = os.path.join(folder, "body.urdf")
-    with open(path, "w") as file:
-        file.write(URDF)
-    world = World(SCENE, p.connect(p.DIRECT), path)
+world = World(SCENE, p.connect(p.DIRECT), {{FILE: URDF.encode()}})
 world.set_up(TIMESTEP)"""
 _STATE = """\
 _, (x, y, z, w), _, omega_world = world.motion()
@@ -57,6 +53,6 @@ def script(scenario: Scenario, representation: BodyRepresentation, timestep: flo
     with PyBulletSession(scenario, representation, timestep) as session:
         entries = [f'    "{key}": {value!r},' for key, value in session.world.scene.items()]
     world = Path(__file__).with_name("world.py")
-    text = python_text("URDF", scenes_own(scenario, representation).data.decode())
+    text = python_text("URDF", scenes_own(scenario, representation)[FILE].decode())
     made = _MADE.format(urdf=text, scene="\n".join(entries))
-    return f"import os\nimport tempfile\n{run_script(world, made, _STATE)}"
+    return run_script(world, made, _STATE)

@@ -3,7 +3,10 @@
 Why each call is there, and what happens without it: docs/measured/engines-pybullet.md.
 """
 
+import tempfile
 from functools import cache, partial
+from itertools import count
+from pathlib import Path
 
 import pybullet as p
 
@@ -19,6 +22,8 @@ UNREACHED = 1e100
 FRICTIONLESS = dict.fromkeys(
     ("lateralFriction", "spinningFriction", "rollingFriction", "restitution"), 0
 )
+#: Name of the model's file, and numbers of models in this process.
+FILE, numbers = "body.urdf", count()
 #: Largest number of steps in a native call, some 20 ms, as a call cannot be interrupted.
 MOST_STEPS_A_CALL = 2**14
 
@@ -58,20 +63,28 @@ class World:
         world's origin, or None; `torque_body`, N m. The motion, needed by `set_up` only: `turn`,
         x y z w, and `omega`, rad/s, of the joint along the principal axes, of a base along the
         world's; `place`, m, and `velocity`, m/s, of a base or of slides; `spins` of rotors, rad/s.
-    client, file : PyBullet's number of an empty world, and the path of a URDF
+    client : PyBullet's number of an empty world
+    files : the contents of `FILE`, a URDF, and of its meshes, by their names
     """
 
-    def __init__(self, scene, client, file):
+    def __init__(self, scene, client, files):
         self.scene, self.client = scene, client
         self.link = scene["slides"] if scene["hung"] else BASE
-        self.body = p.loadURDF(
-            file,
-            scene["position"],
-            scene["attitude"],
-            useMaximalCoordinates=scene["maximal"],
-            flags=0 if INERTIA in scene["defaults"] else p.URDF_USE_INERTIA_FROM_FILE,
-            physicsClientId=client,
-        )
+        flags = 0 if INERTIA in scene["defaults"] else p.URDF_USE_INERTIA_FROM_FILE
+        # PyBullet keeps files and meshes by name, so each model has a folder of its own, which is
+        # removed before the run begins: a process may be killed during the run.
+        prefix = f"spincheck-{next(numbers)}-"
+        with tempfile.TemporaryDirectory(prefix=prefix, ignore_cleanup_errors=True) as folder:
+            for name, content in files.items():
+                Path(folder, name).write_bytes(content)
+            self.body = p.loadURDF(
+                str(Path(folder, FILE)),
+                scene["position"],
+                scene["attitude"],
+                useMaximalCoordinates=scene["maximal"],
+                flags=flags,
+                physicsClientId=client,
+            )
         # Hinges of rotors by their links, which come last.
         self.first_rotor = p.getNumJoints(self.body, client) - len(scene["rotors"])
         hinges = dict(enumerate(scene["rotors"], start=self.first_rotor))

@@ -34,7 +34,7 @@ COARSE_TIMESTEP = 1e-2
 def session_of(scene: Scenario, integrator: str = "RK4") -> MuJoCoSession:
     """A session as the adapter opens it: at the first keyframe of its model."""
     model = mujoco.MjModel.from_xml_string(mjcf(scene, TIMESTEP, integrator))
-    return MuJoCoSession(scene, model, model.key(0).qpos, model.key(0).qvel)
+    return MuJoCoSession(scene, model)
 
 
 def sample(session: MuJoCoSession) -> Trajectory:

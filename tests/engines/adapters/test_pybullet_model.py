@@ -25,8 +25,7 @@ from pybullet_planted import (
 )
 from scipy.spatial.transform import Rotation
 from spincheck.engines import Method
-from spincheck.engines.adapters.pybullet import load as pybullet_load
-from spincheck.engines.adapters.pybullet import session, worlds
+from spincheck.engines.adapters.pybullet import session, world, worlds
 from spincheck.engines.checks.faults import Bounds, faults
 from spincheck.engines.checks.read_back import READ_BACK_SLACK
 from spincheck.reports.harness.measuring.examine import physics_in_words
@@ -54,7 +53,7 @@ def test_a_world_that_has_read_another_of_its_name_does_not_read_it(
 ) -> None:
     """So that each scene has a world of its own."""
     one_place = SimpleNamespace(TemporaryDirectory=lambda **_: nullcontext(str(tmp_path)))
-    monkeypatch.setattr(pybullet_load, "tempfile", one_place)
+    monkeypatch.setattr(world, "tempfile", one_place)
     monkeypatch.setattr(worlds, "_empty", [])
     assert run(SCENES["free-tilted"], MULTIBODY).outcome == "ok"
     worlds._empty.clear()

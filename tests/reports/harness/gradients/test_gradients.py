@@ -159,7 +159,7 @@ def differences(epsilon: float, centred: bool) -> Callable[[Step], FloatArray]:
         model, data = step.session.model, step.session.data
         A = np.zeros((2 * model.nv, 2 * model.nv))
         mujoco.mjd_transitionFD(model, data, epsilon, centred, A, None, None, None)
-        kept = step.session._coordinates.turning
+        kept = step.session.turning
         kept = np.concatenate([kept, kept + model.nv])
         return A[np.ix_(kept, kept)]
 
