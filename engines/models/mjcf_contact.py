@@ -35,20 +35,16 @@ def sphere_and_plane(scenario: Scenario) -> tuple[float, float]:
     return radius, height + TOUCHING * (abs(table.height) + table.radius + radius + lever)
 
 
-def with_contact(text: str, scenario: Scenario, solref: tuple[float, float] | None) -> str:
+def with_contact(text: str, scenario: Scenario) -> str:
     """Return the MJCF of a free body, with every pass on, with the contact added.
 
-    Parameters
-    ----------
-    solref : time constant, s, and damping ratio of the contact; None for MuJoCo's own
+    Its time constant and damping ratio (`solref`) are MuJoCo's own.
     """
     table, (radius, height) = scenario.effects.table, sphere_and_plane(scenario)
     assert table is not None
     root = ET.fromstring(text)
-    shape = FRICTIONLESS | ({"solref": decimals(solref)} if solref else {})
     world, body = next(root.iter("worldbody")), next(root.iter("body"))
-    ET.SubElement(world, "geom", shape, type="plane", size="1 1 1", pos=f"0 0 {height!r}")
-    ET.SubElement(
-        body, "geom", shape, type="sphere", mass="0", size=repr(radius), pos=decimals(table.tip)
-    )
+    ET.SubElement(world, "geom", FRICTIONLESS, type="plane", size="1 1 1", pos=f"0 0 {height!r}")
+    sphere = ET.SubElement(body, "geom", FRICTIONLESS, type="sphere", mass="0", size=repr(radius))
+    sphere.set("pos", decimals(table.tip))
     return xml_text(root)

@@ -248,8 +248,6 @@ def _text(
     scenario: Scenario, timestep: float, method: Method, description: Description = PLAIN
 ) -> str:
     """Return the MJCF of a scene, with every pass on."""
-    alone, tied = _alone(scenario, method), _tied(method)
+    alone = _alone(scenario, method)
     text = mjcf(alone, timestep, _integrator(method), switched_off(alone), description)
-    if not _is_by_contact(method):
-        return text
-    return with_contact(text, scenario, (tied * timestep, 1.0) if tied else None)
+    return with_contact(text, scenario) if _is_by_contact(method) else text

@@ -46,46 +46,41 @@ SHIPPED = frozenset(DEFAULTS)
 bullet_method = partial(
     Method, order=1, attitude_order=1, max_rotation_per_step=MOST_ROTATION_A_STEP
 )
-#: By method: how the body is represented, a summary, the effects it can simulate, and those it
-#: requires.
+#: By method: how the body is represented, a summary, and the effects it can simulate.
 METHODS = {
     "multibody": (
         BodyRepresentation(hung=True),
         "joint coordinates, a pivot as a spherical joint, a table as one on two slides",
         JOINTED | ON_TABLE,
-        set(),
     ),
     "multibody-p2p": (
         BodyRepresentation(),
         "joint coordinates, the pivot as a point-to-point constraint",
         JOINTED,
-        {"pivot"},
     ),
     "maximal": (
         BodyRepresentation(maximal=True),
         "six coordinates a body, gyroscopic term implicit, the pivot as a constraint",
         COMMON_EFFECTS,
-        set(),
     ),
     "contact": (
         BodyRepresentation(by_contact=True),
         "joint coordinates, the table as a contact of a sphere and a plane",
         COMMON_EFFECTS | ON_TABLE,
-        ON_TABLE,
     ),
     "default": (
         BodyRepresentation(hung=True, defaults=SHIPPED),
         "as shipped: the URDF without flags, with damping, joint motor and velocity clamp",
         JOINTED,
-        set(),
     ),
     "default-inertia-from-file": (
         BodyRepresentation(hung=True, defaults=SHIPPED - {INERTIA}),
         "as shipped, but for the inertia, which is the file's (URDF_USE_INERTIA_FROM_FILE)",
         JOINTED,
-        set(),
     ),
 }
+#: The effects that some methods require.
+REQUIRED = {"multibody-p2p": frozenset({"pivot"}), "contact": ON_TABLE}
 REPRESENTATIONS = {name: representation for name, (representation, *_) in METHODS.items()}
 
 
@@ -102,11 +97,11 @@ class PyBullet(Engine):
             name=name,
             summary=summary,
             effects=effects,
-            requires=frozenset(requires),
+            requires=REQUIRED.get(name, frozenset()),
             as_shipped=representation.as_shipped,
             setup="" if representation.as_shipped else setup(representation),
         )
-        for name, (representation, summary, effects, requires) in METHODS.items()
+        for name, (representation, summary, effects) in METHODS.items()
     )
 
     @property

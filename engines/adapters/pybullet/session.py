@@ -147,13 +147,11 @@ class PyBulletSession(Session):
 
     def close(self) -> None:
         """Return the world for reuse; if something went wrong in it, disconnect it."""
-        try:
-            is_finite = bool(np.isfinite(self.read_state().omega_body).all())
-        except p.error:
-            is_finite = False
-        if self._is_sound and is_finite:
+        if not p.isConnected(self.client):
+            return
+        if self._is_sound and np.isfinite(self.read_state().omega_body).all():
             give_back(self.client)
-        elif p.isConnected(self.client):
+        else:
             p.disconnect(self.client)
 
 
