@@ -26,20 +26,17 @@ HELD_BY = {0: "pivot", 2: "table"}
 EMPTY_MARGIN = 0.001
 
 
-def what_acts(
-    advance: Callable[[int], None], model: Model, scenario: Scenario, *, rests: bool = False
-) -> frozenset[str]:
+def what_acts(advance: Callable[[int], None], model: Model, scenario: Scenario) -> frozenset[str]:
     """Names of the effects that act, and descriptions of anything else that does.
 
     Parameters
     ----------
     advance : takes whole steps, with the torques that belong to the scene
-    rests : whether the body lies on a plane by contact
 
     The probes change the body's state, and switch PyBullet's defaults off.
     """
     world = model.world
-    acting = _engine(world, scenario) | _holds(world) | _beside(world, scenario, rests)
+    acting = _engine(world, scenario) | _holds(world) | _beside(world, scenario)
     if np.isfinite(model.read_state().omega_body).all():
         acting |= _acting(Probe(advance, model, scenario))
     return frozenset(acting)
@@ -75,7 +72,7 @@ def _holds(world: World) -> set[str]:
     return acting
 
 
-def _beside(world: World, scenario: Scenario, rests: bool) -> set[str]:
+def _beside(world: World, scenario: Scenario) -> set[str]:
     """Return in words what else is in the world, or can collide with the body.
 
     The plane that a body rests on is removed, so that nothing pushes the body in the probes.
@@ -83,7 +80,7 @@ def _beside(world: World, scenario: Scenario, rests: bool) -> set[str]:
     client, acting = world.client, set()
     bodies = [p.getBodyUniqueId(i, client) for i in range(p.getNumBodies(client))]
     others = [body for body in bodies if body != world.body]
-    if rests:
+    if world.scene["plane"] is not None:
         _, height = sphere_and_plane(scenario)
         has_tip = _has_shape(client, world.body, BASE)
         for body in others:

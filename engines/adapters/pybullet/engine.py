@@ -129,12 +129,14 @@ class PyBullet(Engine):
 
         A body that is described by its shape is a collision box.
         """
-        representation = replace(REPRESENTATIONS[method.name], description=description)
+        representation = REPRESENTATIONS[method.name]
         if description.shape:
             defaults = {INERTIA}
-        if defaults is not None:
-            representation = replace(representation, defaults=frozenset(defaults))
-        return PyBulletSession(scenario, representation, timestep, left_in)
+        kept = representation.defaults if defaults is None else frozenset(defaults)
+        representation = replace(
+            representation, left_in=frozenset(left_in), defaults=kept, description=description
+        )
+        return PyBulletSession(scenario, representation, timestep)
 
     def script(self, scenario: Scenario, method: Method, timestep: float) -> str:
         """Return the URDF, and the calls that remove PyBullet's defaults and step it, as Python."""

@@ -1,6 +1,6 @@
 """Puts a scene's body into a PyBullet world: the numbers it is given, and the body read back."""
 
-from collections.abc import Collection, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -14,7 +14,7 @@ from ...models.urdf import urdf
 from .model import Model
 from .world import DEFAULTS, FILE, World
 
-#: Names of the parts of the body that `left_in` keeps, and that otherwise are left out.
+#: Names of the parts that are left out because they change no motion.
 SHAPE, MOTOR = "collision shape", "idle joint motor"
 #: SIMD_EPSILON of Bullet's LinearMath/btScalar.h: values not above it are taken for zero.
 TAKEN_FOR_ZERO = float(np.finfo(float).eps)
@@ -29,8 +29,8 @@ class BodyRepresentation:
     maximal : whether the body has six coordinates (btRigidBody), not joint coordinates
         (btMultiBody)
     hung : whether a pivot is a spherical joint, and a table such a joint on slides; otherwise a
-        pivot
-        is a point-to-point constraint
+        pivot is a point-to-point constraint
+    left_in : the names, among `SHAPE` and `MOTOR`, of parts that are kept, to measure their cost
     defaults : the names, among `DEFAULTS`, of PyBullet's defaults that are kept
     own : the contents of the files that are loaded, by their names; the scene's URDF if None
     by_contact : whether a table is a contact of a sphere and a plane
@@ -39,6 +39,7 @@ class BodyRepresentation:
 
     maximal: bool = False
     hung: bool = False
+    left_in: frozenset[str] = frozenset()
     defaults: frozenset[str] = frozenset()
     own: Mapping[str, bytes] | None = None
     description: Description = PLAIN
@@ -55,17 +56,9 @@ class BodyRepresentation:
 
 
 def load(
-    client: int,
-    scenario: Scenario,
-    representation: BodyRepresentation,
-    timestep: float,
-    left_in: Collection[str] = (),
+    client: int, scenario: Scenario, representation: BodyRepresentation, timestep: float
 ) -> Model:
     """Put the scene's body into an empty world, at its start, held as the scene says.
-
-    Parameters
-    ----------
-    left_in : names of parts, among those in `left_out`, that are kept
 
     Raises
     ------
@@ -78,9 +71,9 @@ def load(
     """
     if not representation.as_shipped:
         _check_not_lost(scenario, representation)
-    own = representation.own or scenes_own(scenario, representation, left_in)
+    own = representation.own or scenes_own(scenario, representation)
     try:
-        world = World(_record(scenario, representation, left_in), client, own)
+        world = World(_record(scenario, representation), client, own)
     except p.error as error:
         raise EngineError(f"PyBullet cannot load the body: {error}") from None
     of_body = _model_of_rigid_body if representation.maximal else _model_of_link
@@ -90,9 +83,7 @@ def load(
     return model
 
 
-def _record(
-    scenario: Scenario, representation: BodyRepresentation, left_in: Collection[str]
-) -> dict[str, Any]:
+def _record(scenario: Scenario, representation: BodyRepresentation) -> dict[str, Any]:
     """Return the world's record of the scene, without numbers along the principal axes."""
     start, is_pivot = scenario.start, scenario.constraint.is_pivot
     hung = representation.hangs(scenario)
@@ -113,14 +104,12 @@ def _record(
         "torque_world": scenario.pushed["torque_world"].tolist(),
         "plane": sphere_and_plane(scenario)[1] if representation.by_contact else None,
         "rotors": [rotor.hinge for rotor in scenario.rotors.each],
-        "motor": (0, 0, 0) if MOTOR in left_in else 0,
+        "motor": (0, 0, 0) if MOTOR in representation.left_in else 0,
         "is_exact": bool(drives or (is_pivot and not hung)),
     }
 
 
-def scenes_own(
-    scenario: Scenario, representation: BodyRepresentation, left_in: Collection[str] = ()
-) -> dict[str, bytes]:
+def scenes_own(scenario: Scenario, representation: BodyRepresentation) -> dict[str, bytes]:
     """Return the scene as URDF; only a body that hangs by a joint has what holds it in the URDF."""
     hung = representation.hangs(scenario)
     sphere: tuple[tuple[float, ...], float] | None = None
@@ -128,7 +117,7 @@ def scenes_own(
         table = scenario.effects.table
         assert table is not None
         sphere = table.tip, sphere_and_plane(scenario)[0]
-    elif SHAPE in left_in:
+    elif SHAPE in representation.left_in:
         # A size for the shape about that of the body: the radius of gyration.
         radius = np.sqrt(scenario.body.principal_moments[-1] / scenario.body.mass)
         sphere = tuple(scenario.body.com), float(radius)

@@ -1,6 +1,6 @@
 """A scene running in PyBullet: its steps, and the torques that no model element gives."""
 
-from collections.abc import Collection, Sequence
+from collections.abc import Sequence
 from math import isnan
 from struct import pack
 from typing import Any, final
@@ -40,15 +40,10 @@ class PyBulletSession(Session):
     """
 
     def __init__(
-        self,
-        scenario: Scenario,
-        representation: BodyRepresentation,
-        timestep: float,
-        left_in: Collection[str] = (),
+        self, scenario: Scenario, representation: BodyRepresentation, timestep: float
     ) -> None:
         self._scenario, self._is_maximal = scenario, representation.maximal
-        self._rests = representation.by_contact
-        self.model = _open(scenario, representation, timestep, left_in)
+        self.model = _open(scenario, representation, timestep)
         self.world, self.client = self.model.world, self.model.world.client
         self._clamp = DEFAULT_CLAMP if CLAMP in representation.defaults else UNREACHED
         self._motions: dict[bytes, dict[str, Any]] = {}
@@ -65,7 +60,7 @@ class PyBulletSession(Session):
     @property
     def can_restart(self) -> bool:
         """Whether the body lies on no contact: Bullet keeps a contact's impulses."""
-        return not self._rests
+        return self.world.scene["plane"] is None
 
     @property
     def restarts_to_the_last_bit(self) -> bool:
@@ -143,7 +138,7 @@ class PyBulletSession(Session):
 
     def active(self) -> frozenset[str]:
         """Return what acts, as read back and measured: see `audit`."""
-        return what_acts(self.advance, self.model, self._scenario, rests=self._rests)
+        return what_acts(self.advance, self.model, self._scenario)
 
     def close(self) -> None:
         """Return the world for reuse; if something went wrong in it, disconnect it."""
@@ -155,18 +150,13 @@ class PyBulletSession(Session):
             p.disconnect(self.client)
 
 
-def _open(
-    scenario: Scenario,
-    representation: BodyRepresentation,
-    timestep: float,
-    left_in: Collection[str],
-) -> Model:
+def _open(scenario: Scenario, representation: BodyRepresentation, timestep: float) -> Model:
     """Return the scene's body in a world of its own."""
     client = -1
     try:
         with native_output() as printed:
             client = take_world()
-            model = load(client, scenario, representation, timestep, left_in)
+            model = load(client, scenario, representation, timestep)
         if WARNING in printed.text:
             raise EngineError("PyBullet warns")
     except EngineError as error:
