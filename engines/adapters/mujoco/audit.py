@@ -17,8 +17,8 @@ from ...models.mjcf_contact import PASSES, sphere_and_plane
 from .coordinates import BODY
 from .world import disabling, flags
 
-#: What no scene calls for, and the fields of a model or its options that are zero without it; not
-#: every version has all of them.
+#: What no scene calls for, and the fields of a model, or of its options, that are zero without it;
+#: not every version has all of them.
 FOREIGN = {
     "equality constraints": ("neq",),
     "tendons": ("ntendon",),
@@ -33,9 +33,8 @@ FOREIGN = {
     "joint friction": ("dof_frictionloss",),
     "nonlinear damping": ("dof_dampingpoly",),
     "gravity compensation": ("body_gravcomp",),
-    "wind": ("wind",),
-    "air": ("density", "viscosity"),
 }
+FOREIGN_OPTIONS = {"wind": ("wind",), "air": ("density", "viscosity")}
 
 #: Relative tolerance of numbers that went through text, in double precision; and in single
 #: precision the number of roundings allowed.
@@ -76,20 +75,20 @@ def acting(model: Any, data: Any, scenario: Scenario) -> frozenset[str]:
     """
     strengths, others = read_strengths(model)
     drag = strengths["drag"]
-    # By name, numbers that are zero unless it acts.
     named = {
-        **strengths,
-        "uneven drag": drag != drag[0, 0] * np.eye(3),
+        **{name: strength.any() for name, strength in strengths.items()},
+        "uneven drag": (drag != drag[0, 0] * np.eye(3)).any(),
         "applied forces": data.qfrc_applied.any() or data.xfrc_applied.any(),
         **{
-            name: [np.any(getattr(model, field, getattr(model.opt, field, 0))) for field in fields]
-            for name, fields in FOREIGN.items()
+            name: any(np.any(getattr(holder, field, 0)) for field in fields)
+            for holder, foreign in ((model, FOREIGN), (model.opt, FOREIGN_OPTIONS))
+            for name, fields in foreign.items()
         },
         **{f"callback {n}": getattr(mujoco, f"get_mjcb_{n}")() is not None for n in CALLBACKS},
     }
     return frozenset(
         {
-            *(name for name, numbers in named.items() if np.any(numbers)),
+            *(name for name, acts in named.items() if acts),
             *others,
             *_wrong_strengths(strengths, scenario),
             *_joints(model, scenario),

@@ -76,8 +76,7 @@ def load(
         world = World(_record(scenario, representation), client, own)
     except p.error as error:
         raise EngineError(f"PyBullet cannot load the body: {error}") from None
-    of_body = _model_of_rigid_body if representation.maximal else _model_of_link
-    model = of_body(world, scenario)
+    model = Model(world, scenario)
     world.scene |= model.in_its_axes(scenario)
     world.set_up(timestep)
     return model
@@ -129,27 +128,6 @@ def scenes_own(scenario: Scenario, representation: BodyRepresentation) -> dict[s
         is_loose=not hung,
     )
     return {FILE: text.encode()}
-
-
-def _model_of_link(world: World, scenario: Scenario) -> Model:
-    of_link = p.getDynamicsInfo(world.body, world.link, world.client)
-    # A link's frame is at its joint.
-    at = scenario.body.com - scenario.constraint.lever if world.scene["hung"] else np.zeros(3)
-    return Model(world, Rotation.from_quat(of_link[4]), at + of_link[3], at)
-
-
-def _model_of_rigid_body(world: World, scenario: Scenario) -> Model:
-    """Return the model of a rigid body, whose frame is computed from the pose after loading.
-
-    PyBullet does not report this frame: for rigid bodies `getDynamicsInfo` returns uninitialised
-    memory.
-    """
-    com_world, q_world_principal_xyzw = p.getBasePositionAndOrientation(world.body, world.client)
-    q_world_body_wxyz = scenario.start.q_world_body_wxyz
-    body_from_world = Rotation.from_quat(q_world_body_wxyz, scalar_first=True).inv()
-    body_from_principal = body_from_world * Rotation.from_quat(q_world_principal_xyzw)
-    com = body_from_world.apply(np.array(com_world) - world.scene["position"])
-    return Model(world, body_from_principal, com, np.zeros(3))
 
 
 def _check_not_lost(scenario: Scenario, representation: BodyRepresentation) -> None:

@@ -35,31 +35,31 @@ def attitude(state: State) -> FloatArray:
 class Model:
     """The body in the world of one physics client.
 
-    Parameters
-    ----------
-    body_from_principal : takes components along the engine's axes (principal) to body components
-    link_com : com of the base or hung link alone, as the engine holds it, m, body axes, (3,)
-    joint_body : the point that the body hangs by, m, body axes, (3,); for a base, its origin
+    It is made as soon as the body is loaded.
 
     Attributes
     ----------
+    body_from_principal : takes components along the engine's axes (principal) to body components
+    link_com : com of the base or hung link alone, as the engine holds it, m, body axes, (3,)
     body : mass, com and tensor of the link with all that is welded to it, and its rotors
     """
 
-    def __init__(
-        self,
-        world: World,
-        body_from_principal: Rotation,
-        link_com: FloatArray,
-        joint_body: FloatArray,
-    ) -> None:
-        self.world, self.link_com = world, link_com
-        self.body_from_principal = body_from_principal
-        self._q_body_principal = body_from_principal.as_quat(scalar_first=True)
+    def __init__(self, world: World, scenario: Scenario) -> None:
+        self.world, joint_body = world, np.zeros(3)
+        if world.scene["hung"]:
+            joint_body = scenario.body.com - scenario.constraint.lever
+        if world.scene["maximal"]:
+            self.body_from_principal, self.link_com = _frame_of_rigid_body(world, scenario)
+        else:
+            of_link = p.getDynamicsInfo(world.body, world.link, world.client)
+            self.body_from_principal = Rotation.from_quat(of_link[4])
+            # A link's frame is at its joint.
+            self.link_com = joint_body + of_link[3]
+        self._q_body_principal = self.body_from_principal.as_quat(scalar_first=True)
         self._times_q_principal_body = times(conjugate(self._q_body_principal))
         self.body = self._read_body()
         # The com of the whole from the link's com, and from the joint, m, body axes.
-        self._arm, self._lever = self.body.com - link_com, self.body.com - joint_body
+        self._arm, self._lever = self.body.com - self.link_com, self.body.com - joint_body
 
     def _read_body(self) -> BodyReading:
         """Return all links as one body.
@@ -177,3 +177,16 @@ class Model:
             ).tolist(),
             **{name: np.array(numbers).tolist() for name, numbers in motion.items()},
         }
+
+
+def _frame_of_rigid_body(world: World, scenario: Scenario) -> tuple[Rotation, FloatArray]:
+    """Return `body_from_principal` and `link_com` of a rigid body from its pose after loading.
+
+    PyBullet does not report this frame: for rigid bodies `getDynamicsInfo` returns uninitialised
+    memory.
+    """
+    com_world, q_world_principal_xyzw = p.getBasePositionAndOrientation(world.body, world.client)
+    q_world_body_wxyz = scenario.start.q_world_body_wxyz
+    body_from_world = Rotation.from_quat(q_world_body_wxyz, scalar_first=True).inv()
+    body_from_principal = body_from_world * Rotation.from_quat(q_world_principal_xyzw)
+    return body_from_principal, body_from_world.apply(com_world - np.array(world.scene["position"]))
