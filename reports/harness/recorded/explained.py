@@ -13,7 +13,7 @@ from .hinges import spins_beyond
 from .log import log_of
 from .measured import Measured
 from .missing import is_omega_off
-from .mistakes import followed
+from .mistakes import FITS, followed
 from .other_physics import Physics
 from .read_attitude import attitude_read
 from .read_omega import OMEGA, omega_read
@@ -83,7 +83,9 @@ def _with_rest(case: Case, found: Finding) -> Explanation:
     is_beyond = case.physics.is_beyond if found.is_beyond is None else found.is_beyond
     # What is left of some samples, and not explained, may be of what was found.
     is_told = rest is not None and (found.is_all or not rest.is_open)
-    words = (*found.words, *(rest.explained_by if rest and is_told else ()))
+    # That ω is not that of the attitudes says nothing beside what explains most of it.
+    of_rest = [one for one in rest.explained_by if one != OMEGA] if rest and is_told else []
+    words = (*found.words, *of_rest)
     made_by = rest.made_by if rest and found.is_all else ""
     is_open = rest is not None and rest.is_open
     verdict = _verdict(physics, is_beyond, is_explained=True)
@@ -164,7 +166,8 @@ def _noise_of(case: Case) -> tuple[FloatArray | None, Alternation | None]:
     """
     alternates = alternation(case.scenario, case.motion, case.floor)
     if case.stated is None and case.noise.any():
-        return np.maximum(case.noise, case.floor), None
+        fits = FITS * np.array([1.0, norms(case.motion.omega_body).max()])
+        return np.maximum(case.noise, np.maximum(case.floor, fits)), None
     if case.stated is not None or not alternates:
         return case.stated, alternates
     # Who states an order of more than one has computed the motion.

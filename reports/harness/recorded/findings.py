@@ -103,11 +103,15 @@ def _of_times(case: Case) -> Finding | None:
 
 
 def _of_jumps(case: Case) -> Finding | None:
-    """Return jumps of the motion; what is recorded before the first of them is left."""
+    """Return jumps of the motion; what is recorded before the first of them is left.
+
+    Of a first sample that is off all others are left.
+    """
     if case.is_smooth or case.physics.clamps or not (found := case.jumps()):
         return None
     first = int(np.searchsorted(case.motion.t, min(one.at for one in found)))
-    left = parts_of(replace(case, is_smooth=True), np.arange(first))
+    samples = np.arange(first) if first > 1 else np.arange(1, len(case.motion.t))
+    left = parts_of(replace(case, is_smooth=True), samples)
     return Finding(tuple(one.words for one in found), left, is_beyond=True)
 
 

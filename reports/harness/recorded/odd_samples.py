@@ -147,6 +147,9 @@ def jitter(reading: Reading, omega: FloatArray) -> Shown | None:
     off = float(np.abs(t - start - slope * count).max())
     if len(t) < FEWEST or off <= FITS * slope or off < unit_of(np.diff(t)):
         return None
+    # Samples are usually a round time apart.
+    rounded = float(f"{slope:.2g}")
+    slope = rounded if abs(rounded - slope) * len(t) < off else slope
     spans = np.diff(t)
     if np.mean(np.abs(spans - np.median(spans)) > ALIKE * slope) < LEFT:
         # A clock that is set makes one span another one.

@@ -239,9 +239,13 @@ class Physics:
             return None
         noise = np.maximum(self.least, SAME * self.off)
         data = replace(self.intervals.made_by(EXACT, 0.0), noise=noise)
-        found = Search(data, self._of_motion, part=SAME).one()
-        speed = float(norms(self.motion.omega_body).max())
-        if found is None and self.off[1] > LEAST_OF_TWO * speed:
+        search = Search(data, self._of_motion, part=SAME)
+        found, speed = search.one(), float(norms(self.motion.omega_body).max())
+        # What one change leaves, if it is little, may be a method's error.
+        is_much = min((fit.left for fit in search.single), default=np.inf) > LEFT**4 * (
+            search.unchanged.left
+        )
+        if found is None and is_much and self.off[1] > LEAST_OF_TWO * speed:
             found = Search(data, [TIMES, *READINGS, *self._of_motion], part=SAME).one_or_two()
             # What is read otherwise alone may be an error of a method about a steady axis.
             found = found if found and not {*found.changes} <= {*READINGS} else None
