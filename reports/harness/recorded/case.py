@@ -138,13 +138,14 @@ class Case:
         It has the noise of two samples.
         """
         least = self.floor if self.stated is None else np.sqrt(2) * self.stated
-        return np.maximum(least, np.sqrt(2) * self.noise)
+        return np.asarray(np.maximum(least, np.sqrt(2) * self.noise))
 
     @cached_property
     def physics(self) -> Physics:
         """What the equations of motion make of the recorded motion."""
         of_method = self.timestep, self.order, self.of_intervals
-        return Physics(self.scenario, self.motion, self.exact, *of_method)
+        is_derived = not self.has_omega
+        return Physics(self.scenario, self.motion, self.exact, *of_method, is_derived)
 
     @cached_property
     def numbers(self) -> Numbers:

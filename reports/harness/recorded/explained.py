@@ -255,8 +255,8 @@ def _of_measured(fit: Measured, case: Case) -> Explanation:
         # A body that is limited itself turns no faster either.
         words = fit.right_by_itself
     words = words or (_of_equations(case) if fit.is_beyond else []) or fit.explained()
-    words, is_beyond = tuple(words), fit.is_beyond
-    return Explanation(words, fit.verdict, is_beyond, measured=fit, is_open=is_beyond)
+    said, is_beyond = tuple(words), fit.is_beyond
+    return Explanation(said, fit.verdict, is_beyond, measured=fit, is_open=is_beyond)
 
 
 def _verdict(physics: Physics, is_beyond: bool, *, is_explained: bool) -> str:

@@ -52,10 +52,10 @@ def _of_numbers(case: Case) -> Finding | None:
         shown = [odd]
     if not shown:
         return None
-    noise = np.max([case.noise, *(one.rounding for one in shown)], axis=0)
+    noise = np.max([case.noise, *(np.array(one.rounding) for one in shown)], axis=0)
     if mended := shown[0].mended:
-        left = case.read(mended)
-        return Finding((shown[0].words,), (left,) if left else (), is_beyond=True, is_all=True)
+        whole = tuple(filter(None, [case.read(mended)]))
+        return Finding((shown[0].words,), whole, is_beyond=True, is_all=True)
     every, wrong = np.arange(len(case.motion.t)), np.concatenate([one.wrong for one in shown])
     samples = [np.setdiff1d(every, wrong)]
     samples += [every[: wrong.min()]] if len(wrong) else []

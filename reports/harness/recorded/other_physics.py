@@ -56,6 +56,7 @@ class Physics:
         used
     order : order of accuracy of the method that made it
     noise : standard deviations of attitude, rad, and ω, rad/s, (2,)
+    is_derived : whether ω was not recorded, but computed from the attitudes
     """
 
     scenario: Scenario
@@ -64,6 +65,7 @@ class Physics:
     timestep: float | None
     order: int
     noise: FloatArray
+    is_derived: bool = False
 
     @cached_property
     def intervals(self) -> Intervals | None:
@@ -199,8 +201,9 @@ class Physics:
 
     @property
     def is_of_noise(self) -> bool:
-        """Whether the difference is not much more than noise, so that no change shows exactly."""
-        return bool((LEFT * self.off <= self.least).all())
+        """Whether the difference is no more than noise; of an ω that is computed, not much more."""
+        off = LEFT * self.off if self.is_derived else self.off
+        return bool((off <= self.least).all())
 
     @cached_property
     def is_of_method(self) -> bool:

@@ -23,6 +23,8 @@ ACCUSED = {
     "it started elsewhere, of numbers rounded before it rests": [285],
     "it jumps, of a solver's first step": [86],
     "ω is interpolated, of a body at rest": [260],
+    "another torque, of an ω that is computed from attitudes": [3160, 3192, 3457],
+    "other equations, of the first six samples of twelve": [3354],
 }
 
 
