@@ -73,7 +73,7 @@ class World:
         flags = 0 if INERTIA in scene["defaults"] else p.URDF_USE_INERTIA_FROM_FILE
         # PyBullet keeps files and meshes by name, so each model has a folder of its own, which is
         # removed before the run begins: a process may be killed during the run.
-        prefix = f"spincheck-{next(numbers)}-"
+        prefix = f"scene-{next(numbers)}-"
         with tempfile.TemporaryDirectory(prefix=prefix, ignore_cleanup_errors=True) as folder:
             for name, content in files.items():
                 Path(folder, name).write_bytes(content)

@@ -80,19 +80,19 @@ class Case:
     def read(self, reading: Reading) -> "Case | None":
         """Return the recording read otherwise, at other times or with fewer samples.
 
-        None if the exact motion is not known at its times.
+        None if the exact motion is not known at its times, or ω not by attitudes so far apart.
         """
         t = self.reading.t
         kept = np.flatnonzero(np.isin(t, reading.t))
-        if len(kept) == len(reading.t):
-            return self._of_samples(reading, kept)
-        if len(reading.t) != len(t) or reading.t[0] < 0:
-            return None
         try:
-            exact = exact_at(self.scenario, reading.t).trajectory
-            return self._beside(self.recording, reading, exact)
+            if len(kept) == len(reading.t):
+                return self._of_samples(reading, kept)
+            if len(reading.t) == len(t) and reading.t[0] >= 0:
+                exact = exact_at(self.scenario, reading.t).trajectory
+                return self._beside(self.recording, reading, exact)
         except RecordingError:
-            return None
+            pass
+        return None
 
     def _of_samples(self, reading: Reading, kept: NDArray[np.intp]) -> "Case":
         """Return the case of some samples, by their indices, read in some way."""
