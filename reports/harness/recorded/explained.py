@@ -200,18 +200,16 @@ def _of_computed(case: Case, alternates: Alternation | None) -> Explanation:
                 words = [*words, *(one.words for one in case.jumps(fit.hypothesis))]
     if alternates and physics.is_beyond:
         words = alternates.of_omega or words
-    if not words and not physics.made_by and not physics.exact.t[0]:
-        words = since_exactly(case.scenario, motion, physics.least)
-    words = [*words, *of_spins]
     # Other equations change no state at the scene's start.
     is_of_start = bool(of_method) or (physics.is_of_equations and not physics.exact.t[0])
-    if case.has_omega and (is_of_start or not words):
-        start = elsewhere(physics)
-        is_asked = start and not words and not physics.made_by
-        if is_asked and (left := case.as_it_begins()):
+    start = elsewhere(physics) if case.has_omega and (is_of_start or not words) else []
+    if not words and not physics.made_by:
+        if start and (left := case.as_it_begins()):
             found = Finding(tuple(start), (replace(left, is_trial=True),), is_beyond)
             return _with_rest(case, found)
-        words = [*words, *start]
+        if not physics.exact.t[0]:
+            words = since_exactly(case.scenario, motion, physics.least)
+    words = [*words, *of_spins, *start]
     verdict = _verdict(physics, is_beyond, is_explained=bool(words))
     return Explanation(tuple(words), verdict, is_beyond, physics.made_by, is_open=is_open)
 

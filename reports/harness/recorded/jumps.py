@@ -181,13 +181,14 @@ def _lost(data: Intervals, first: int, last: int) -> Jump | None:
     lost = round(more / span)
     if 0 < lost <= MOST_LOST and abs(more - lost * span) < ALIKE * span:
         samples = "1 sample is" if lost == 1 else f"{lost} samples are"
-        return Jump("lost", at, f"{samples} lost before t = {at:.6g} s, or its time is too early")
+        words = f"{samples} lost before t = {at:.6g} s, or its time is too early"
+        return Jump("lost", data.t[first], words)
     begun = data.t[first] - data.spans[first, 0]
     words = (
         f"from t = {begun:.6g} s to {data.t[last]:.6g} s the motion goes on by {moved:.4g} s, and "
         f"the times by {spans.sum():.4g} s"
     )
-    return Jump("clock", at, words)
+    return Jump("clock", data.t[first], words)
 
 
 def _jump(data: Intervals, off: FloatArray, k: int) -> Jump:

@@ -1,10 +1,12 @@
 """Methods of an order are known by the leading term of their error, whichever methods they are."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
-from planted_motions import case, rates_of
+from hidden import changed
+from planted_motions import case, exactly, rates_of
 from reported_faults import Arrays
 from spincheck.reports.harness.explaining.search import LEFT
 from spincheck.reports.harness.recorded.exact_at import exact_at
@@ -89,3 +91,13 @@ def test_a_method_of_a_lower_order_than_the_stated_one_is_named(wrong: str) -> N
     (words,) = found.explained_by
     assert words.startswith(f"its method is of order {order}, not 4")
     assert not judged_motion(TOP.scenario, recording, order).explained_by
+
+
+def test_a_drag_of_the_other_sign_is_no_error_of_a_method() -> None:
+    """Of linear drag the leading error is a drag, too, but a small part of it."""
+    sphere = {"mass": 1.5, "inertia": np.diag([0.5, 0.5, 0.5]).tolist()}
+    drag = {"effects": {"drag": {"rotational": 0.05}}}
+    one = replace(changed(BODY, body=sphere, **drag), inertia=0.5 * np.eye(3))
+    arrays = exactly(one, rates_of(one, torque=lambda omega: 0.05 * omega))
+    of_omega = left_by_methods(intervals(one, arrays), [1]).reshape(-1, 2, 3)[:, 1]
+    assert np.mean(of_omega**2) > 1 - LEFT
