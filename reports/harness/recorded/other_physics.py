@@ -251,7 +251,9 @@ class Physics:
         if found is None and is_much and self.off[1] > LEAST_OF_TWO * speed:
             found = Search(data, [TIMES, *READINGS, *self._of_motion], part=SAME).one_or_two()
             # What is read otherwise alone may be an error of a method about a steady axis.
-            found = found if found and not {*found.changes} <= {*READINGS} else None
+            is_of_reading = found is not None and {*found.changes} <= {*READINGS}
+            if found and (is_of_reading or found.count > 2 * MOST_NUMBERS):
+                found = None
         return found if found is not None and found.count <= MOST_OF_ALL else None
 
     def explained(self) -> list[str]:
