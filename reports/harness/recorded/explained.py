@@ -79,7 +79,6 @@ def _with_rest(case: Case, found: Finding) -> Explanation:
         rest = explained(left)
         if not rest.is_open:
             break
-    physics = case.physics
     is_beyond = case.physics.is_beyond if found.is_beyond is None else found.is_beyond
     # What is left of some samples, and not explained, may be of what was found.
     is_told = rest is not None and (found.is_all or not rest.is_open)
@@ -88,7 +87,7 @@ def _with_rest(case: Case, found: Finding) -> Explanation:
     words = (*found.words, *of_rest)
     made_by = rest.made_by if rest and found.is_all else ""
     is_open = rest is not None and rest.is_open
-    verdict = _verdict(physics, is_beyond, is_explained=True)
+    verdict = _verdict(case.physics, is_beyond, is_explained=True)
     return Explanation(words, verdict, is_beyond, made_by, is_open=is_open)
 
 
@@ -106,11 +105,11 @@ def _by_equations(case: Case) -> Explanation:
         is_measured = is_measured or case.physics.is_beyond or not fit.is_beyond
         # A method that errs in one of attitude and ω soon errs in the other.
         if is_measured or fit.right_by_itself:
-            is_asked = fit.is_beyond and _may_be_mistaken(case)
-            both = _beside_a_mistake(case) if is_asked else None
+            both = _beside_a_mistake(case) if fit.is_beyond and _may_be_mistaken(case) else None
             found = both or _of_measured(fit, case)
-            is_asked = not (found.explained_by or case.is_trial) and fit.is_beyond
-            return (_by_its_beginning(case) if is_asked else None) or found
+            if case.is_trial or not fit.is_beyond or found.explained_by:
+                return found
+            return _by_its_beginning(case) or found
     physics = case.physics
     if case.is_trial and (physics.search is None or physics.is_open):
         return Explanation((), "", physics.is_beyond, is_open=True)
