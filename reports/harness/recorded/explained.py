@@ -163,7 +163,7 @@ def _noise_of(case: Case) -> tuple[FloatArray | None, Alternation | None]:
 
     Else what alternates without being noise, if anything does.
     """
-    alternates = alternation(case.scenario, case.motion, case.floor)
+    alternates = alternation(case.scenario, case.motion, case.rounding)
     if case.stated is None and case.noise.any():
         fits = FITS * np.array([1.0, norms(case.motion.omega_body).max()])
         return np.maximum(case.noise, np.maximum(case.floor, fits)), None

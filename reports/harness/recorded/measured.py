@@ -248,6 +248,8 @@ class Measured:
         """
         if self.is_far:
             return self.right_by_itself
+        if not self.given.is_stated and self.uneven_times:
+            return self.uneven_times
         required = [one for one in self.fit.changes if one is not but and self._is_required(one)]
         return [self._in_words(change) for change in required]
 
@@ -255,7 +257,8 @@ class Measured:
     def uneven_times(self) -> list[str]:
         """The sentence that each state is the scene's at another time, within noise; none if not.
 
-        By how much each is late is fitted, as if the motion were straight for so long.
+        By how much each is late is fitted, as if the motion were straight for so long. Noise that
+        is not stated is no noise if nearly all of it is along the motion.
         """
         log, unchanged = self.given, self.search.unchanged.rest
         (made,) = log.made([log.base], log.t)
@@ -265,11 +268,12 @@ class Measured:
         rest = unchanged.reshape(len(made), -1)
         late = np.sum(slopes * rest, axis=1) / np.maximum(np.sum(slopes**2, axis=1), TINY)
         left = rest - late[:, None] * slopes
-        is_noise = [
-            chdtrc(one.size - fewer, float(np.sum(one**2))) > LEVEL
-            for one, fewer in ((rest, 0), (left, len(late)))
-        ]
-        if is_noise != [False, True]:
+        before, after = float(np.sum(rest**2)), float(np.sum(left**2))
+        is_noise = chdtrc(rest.size, before) > LEVEL
+        is_along = chdtrc(rest.size - len(late), after) > LEVEL
+        if not log.is_stated:
+            is_noise, is_along = False, after < LEFT**2 * before
+        if is_noise or not is_along:
             return []
         return [
             f"the times are off by {float(np.std(late)):.2g} s, standard deviation, and by "

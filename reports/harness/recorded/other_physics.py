@@ -56,7 +56,7 @@ class Physics:
         used
     order : order of accuracy of the method that made it
     noise : standard deviations of attitude, rad, and ω, rad/s, (2,)
-    is_derived : whether ω was not recorded, but computed from the attitudes
+    reach : samples at either end whose ω has larger errors, as it is computed from attitudes
     """
 
     scenario: Scenario
@@ -65,13 +65,14 @@ class Physics:
     timestep: float | None
     order: int
     noise: FloatArray
-    is_derived: bool = False
+    reach: int = 0
 
     @cached_property
     def intervals(self) -> Intervals | None:
         """The motion from sample to sample; None if intervals are too few, or too long."""
         of_method = self.timestep, self.order, self.noise
-        return intervals_of(self.scenario, self.motion, *of_method, most=MOST)
+        inner = self.motion.at(np.arange(self.reach, len(self.motion.t) - self.reach))
+        return intervals_of(self.scenario, inner, *of_method, most=MOST)
 
     @cached_property
     def search(self) -> Search | None:
@@ -201,9 +202,8 @@ class Physics:
 
     @property
     def is_of_noise(self) -> bool:
-        """Whether the difference is no more than noise; of an ω that is computed, not much more."""
-        off = LEFT * self.off if self.is_derived else self.off
-        return bool((off <= self.least).all())
+        """Whether the difference is no more than noise."""
+        return bool((self.off <= self.least).all())
 
     @cached_property
     def is_of_method(self) -> bool:
