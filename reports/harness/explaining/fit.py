@@ -8,6 +8,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import combinations
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,6 +29,8 @@ EPS, TINY = float(np.finfo(float).eps), float(np.finfo(float).tiny)
 EVALUATIONS, SMALL = 20, 1e-5
 #: Relative steps at which a fit ends, and one to a part of the data.
 NEAR, ROUGHLY = 1e-9, 1e-3
+#: How many trials of a race that are not near the best go on, at least, if they may; or a quarter.
+FINALISTS = 8
 #: Numbers that leave a larger mean square of a part of the data explain none of it, and are fitted
 #: to no more: further on there are local minima alone.
 HOPELESS = 100.0
@@ -231,23 +234,45 @@ class Trial:
         before : a fit of some of the changes, from whose numbers the search begins; else, and where
             they explain nothing, it begins where they are zero, with a part of the data
         """
-        x, parts, most = np.zeros(len(self.sizes)), self.data.parts, EVALUATIONS
+        x, parts, most = np.zeros(len(self.sizes)), self.data.parts[:-1], EVALUATIONS
+        if before is not None and not before.is_hopeless:
+            x, parts = self._begun(before), ()
+        for samples in parts if len(x) else ():
+            x, squares = self.nearest(x, samples)
+            if squares > HOPELESS:
+                most = 1
+                break
+        return self.fit_from(x, most)
+
+    def nearest(self, x: FloatArray, samples: int | None) -> tuple[FloatArray, float]:
+        """The numbers that explain some of the first samples best, and the mean square they leave.
+
+        Parameters
+        ----------
+        x : where the search for them begins, in units of their sizes, (k,), like what is returned
+        """
+        if not len(x):
+            return x, mean_square(self.data.left([self.hypothesis(x)], samples))
+        found = self._searched(x, samples, ROUGHLY, EVALUATIONS)
+        return found.x, mean_square(found.fun)
+
+    def _searched(self, x: FloatArray, samples: int | None, near: float, most: int) -> Any:
+        residuals = _Residuals(self, samples)
+        return least_squares(residuals.at, x, jac=residuals.slopes_at, xtol=near, max_nfev=most)
+
+    def fit_from(self, x: FloatArray, most: int = EVALUATIONS) -> Fit:
+        """Fit the numbers to all data, from given ones in units of their sizes, (k,).
+
+        Parameters
+        ----------
+        most : evaluations of the fit, at most
+        """
         if not len(x):
             (rest,) = self.data.left([self.hypothesis(x)])
             none = np.empty((0, 0)), rest, 0, np.empty((len(rest), 0))
             return Fit(self.changes, self.hypothesis(x), x, *none)
-        if before is not None and not before.is_hopeless:
-            x, parts = self._begun(before), (None,)
-        for samples in parts:
-            if most == 1 and samples is not None:
-                continue
-            residuals, near = _Residuals(self, samples), NEAR if samples is None else ROUGHLY
-            found = least_squares(
-                residuals.at, x, jac=residuals.slopes_at, xtol=near, max_nfev=most
-            )
-            x = found.x
-            if len(parts) > 1 and np.mean(found.fun**2) > HOPELESS:
-                most = 1
+        found = self._searched(x, None, NEAR, most)
+        x = found.x
         J = np.asarray(found.jac)
         measured = len(J) - len(self.data.unlikely(self.data.base))
         seen = np.linalg.svd(J[:measured], compute_uv=False)
@@ -275,6 +300,30 @@ def linear(trials: Sequence[Trial]) -> list[Linear]:
     left = trials[0].data.left([one for each in around for one in each])
     parts = np.split(left, np.cumsum([len(each) for each in around])[:-1])
     return [Linear(part[0], (part[1:] - part[0]).T / SMALL) for part in parts]
+
+
+def race(trials: Sequence[Trial], margin: float, factor: float = 1.0) -> list[Fit]:
+    """Fit those of many trials of the same data that keep up with the best of them.
+
+    They are fitted to more and more of the data (successive halving: K. Jamieson & A. Talwalkar,
+    AISTATS 2016), and left out as soon as they explain less of it.
+
+    Parameters
+    ----------
+    margin : how much more than the best a trial may leave, as a sum of squares
+    factor : how many times as much the best quarter of all others may leave
+    """
+    if not trials:
+        return []
+    data, running = trials[0].data, [(trial, np.zeros(len(trial.sizes))) for trial in trials]
+    for samples in data.parts[:-1]:
+        tried = [(*trial.nearest(x, samples), trial) for trial, x in running]
+        tried = sorted(tried, key=lambda one: one[1])
+        count, least = data.left([data.base], samples).size, tried[0][1]
+        near = [one for one in tried if one[1] <= least + margin / count]
+        far = [one for one in tried[len(near) :] if one[1] <= factor * least]
+        running = [(trial, x) for x, _, trial in near + far[: max(FINALISTS, len(far) // 4)]]
+    return [trial.fit_from(x) for trial, x in running]
 
 
 def of_pairs(

@@ -15,6 +15,7 @@ from .digits import Numbers, numbers_of
 from .exact_at import exact_at
 from .intervals import FEWEST_INTERVALS, intervals_of
 from .jumps import FAR, Jump, jumps
+from .mistakes import FITS
 from .motion import Reading, RecordedMotion, recorded_motion
 from .other_physics import Physics
 from .recording import Recording, RecordingError
@@ -130,11 +131,10 @@ class Case:
         derived, of_attitude = self.recorded.derived, self.rounding[0]
         if derived is None:
             return self.rounding
-        distances, speed = np.diff(self.motion.t), float(norms(self.motion.omega_body).max())
-        # The attitudes of a method are off by other errors than its ω.
-        turn = speed * (self.timestep or 0.0)
-        of_method = turn**2 * speed**2 * float(distances.max()) / 12
-        found = STENCIL_ERRORS * derived.error + of_method + of_attitude / float(distances.min())
+        distances = np.diff(self.motion.t)
+        # What needs no explanation of two attitudes needs none of the rate between them.
+        of_rounding = 2 * max(of_attitude, FITS) / float(distances.min())
+        found = STENCIL_ERRORS * derived.error + of_rounding
         return np.array([of_attitude + float(distances.max()) * found, found])
 
     @cached_property

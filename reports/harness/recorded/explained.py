@@ -20,16 +20,6 @@ from .read_omega import OMEGA, omega_read
 from .since import since_exactly, since_when
 from .starts import elsewhere
 
-#: That a method's order is lower than the stated one.
-LOWER_ORDER = (
-    "its method is of order {}, not {}: the scene's equations and errors of that order make this "
-    "motion; look for a wrong stage or weight, or a rate that is taken at another time"
-)
-OTHER_TIMESTEP = "its timestep is not the stated {:.4g} s"
-LONGER_TIMESTEP = (
-    "its timestep is longer than the stated {:.4g} s: the scene's equations and errors of order {} "
-    "make this motion, with a timestep of {:.2g} s or more"
-)
 #: Noise of attitude, rad, and of ω, relative, beyond which no solver leaves it.
 SOLVERS = 1e-4
 #: Parts of a motion, from its beginning, of which one may be explained where all of it is not, and
@@ -98,6 +88,10 @@ def _by_equations(case: Case) -> Explanation:
         has = {"is_stated": case.stated is not None, "has_omega": case.has_omega}
         log = log_of(case.scenario, case.motion, case.exact, noise, **has)
         fit, case = Measured(case.scenario, log), replace(case, noise=noise)
+        # Without ω that was read wrongly it is another log.
+        is_asked = fit.search.is_called_for and _may_be_mistaken(case)
+        if is_asked and (both := _beside_a_mistake(case)):
+            return both
         if fit.is_beyond and (words := since_when(fit, case.motion, case.exact)):
             return Explanation(tuple(words), fit.verdict, is_beyond=True, measured=fit)
         # What a solver leaves is like noise, and its method has errors besides.
@@ -105,8 +99,7 @@ def _by_equations(case: Case) -> Explanation:
         is_measured = is_measured or case.physics.is_beyond or not fit.is_beyond
         # A method that errs in one of attitude and ω soon errs in the other.
         if is_measured or fit.right_by_itself:
-            both = _beside_a_mistake(case) if fit.is_beyond and _may_be_mistaken(case) else None
-            found = both or _of_measured(fit, case)
+            found = _of_measured(fit, case)
             if case.is_trial or not fit.is_beyond or found.explained_by:
                 return found
             return _by_its_beginning(case) or found
@@ -187,7 +180,7 @@ def _of_computed(case: Case, alternates: Alternation | None) -> Explanation:
     """Explain a motion that was computed."""
     physics, motion = case.physics, case.motion
     of_spins = spins_beyond(case.scenario, motion, case.timestep, case.order, case.floor)
-    words = of_method = _of_other_method(physics)
+    words = of_method = physics.of_other_method
     is_open, is_beyond = False, physics.is_beyond or bool(words or of_spins)
     if not physics.made_by:
         words = words or (_of_readings(physics) if case.has_omega and not physics.clamps else [])
@@ -224,16 +217,6 @@ def _of_equations(case: Case) -> list[str]:
     left = parts_of(case, np.arange(clamp.first))
     found = Finding((clamp.words,), left, is_beyond=True)
     return list(_with_rest(case, found).explained_by)
-
-
-def _of_other_method(physics: Physics) -> list[str]:
-    """Return that a method of a lower order, or another timestep, than the stated one was used."""
-    if physics.is_at_another_timestep:
-        return [OTHER_TIMESTEP.format(physics.timestep)]
-    order = physics.order_made
-    if order == physics.order and physics.timestep:
-        return [LONGER_TIMESTEP.format(physics.timestep, order, physics.least_timestep)]
-    return [LOWER_ORDER.format(order, physics.order)] if order else []
 
 
 def _of_readings(physics: Physics) -> list[str]:

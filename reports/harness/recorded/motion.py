@@ -152,7 +152,7 @@ def omega_of_attitudes(t: FloatArray, q_world_body_wxyz: FloatArray) -> DerivedO
         If the body turns too far between two samples.
     """
     turns = norms(rotation_vectors(q_world_body_wxyz[:-1], q_world_body_wxyz[1:]))
-    if turns.max() > FURTHEST:
+    if turns.max(initial=0.0) > FURTHEST:
         k = int(np.argmax(turns))
         raise RecordingError(
             f"the body turns by {np.degrees(turns[k]):.0f}° between samples {k + 1} and {k + 2}: "

@@ -5,7 +5,7 @@ of its series: what is left beside them is compared with that term alone.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -59,7 +59,6 @@ def within_error(
     data: Intervals,
     changes: Sequence[Change],
     most: int,
-    base: Hypothesis,
     orders: Sequence[int],
     timestep: float | None,
     next_term: float,
@@ -69,11 +68,9 @@ def within_error(
     Parameters
     ----------
     most : how many numbers are fitted, at most
-    base : the hypothesis, to which changes are added
     orders, timestep : of methods that may have made the motion; s, None if unknown
     next_term : the next term of a method's error, relative to the leading one
     """
-    data = replace(data, base=base)
     errors = leading_errors(data, orders, timestep)
     for size in _sizes(data, errors, changes):
         found, size = _beside(data, errors, changes, most, next_term, size)
