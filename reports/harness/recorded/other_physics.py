@@ -26,7 +26,7 @@ from .mistakes import FITS
 from .motion_changes import TIMES, changes_of_motion, is_of_turning, sentences
 from .sensors import READINGS
 from .varying import varying
-from .within_error import within_error
+from .within_error import refitted, within_error
 
 #: Number of intervals that changes are fitted to, and of steps of known integrators, at most.
 MOST, MOST_STEPS = 60, 300
@@ -192,7 +192,7 @@ class Physics:
         """Return the integrator that made the motion of a hypothesis; empty if none did."""
         return self.known.that_made(hypothesis) if self.known else ""
 
-    def _after(self, found: Fit) -> "Physics":
+    def after(self, found: Fit) -> "Physics":
         """The same motion, with changes that were found as what others are added to."""
         return replace(self, base=found.hypothesis)
 
@@ -372,7 +372,7 @@ class Physics:
     @property
     def is_all(self) -> bool:
         """Whether changes explain all of the motion, from sample to sample."""
-        return self.found is not None and self._after(self.found).is_of_noise
+        return self.found is not None and self.after(self.found).is_of_noise
 
     @property
     def is_open_or_turning(self) -> bool:
@@ -403,15 +403,13 @@ class Physics:
         return list(clamps(self.scenario, self.motion, self.exact, of_method, of_noise))
 
     def _in_words(self, found: Fit) -> list[str]:
-        words, rest = sentences(found), self._after(found)
+        words, rest = sentences(found), self.after(found)
         if rest.is_of_noise:
             return words
         if rest.known and (made := rest.known.that_made(found.hypothesis)):
             return [*words, f"what is left is {made}"]
-        if method := rest.of_other_method:
-            return [*words, *method]
         if unexplained := self._unexplained(found.rest):
-            return [*words, *unexplained]
+            return self._of_lower_order(found) or [*words, *unexplained]
         if len(found.changes) > 1:
             return words
         if both := self._and_read(found):
@@ -424,6 +422,19 @@ class Physics:
         if more and is_another:
             return [*words, *sentences(more)]
         return [*words, *rest._varying(self._of_motion)]
+
+    def _of_lower_order(self, found: Fit) -> list[str]:
+        """Return in words changes beside the errors of a lower order than the stated one, or none.
+
+        They were fitted without these errors, and so have other numbers.
+        """
+        if self.intervals is None or self.timestep is None:
+            return []
+        for order in range(1, self.order):
+            of_method = order, self.timestep, self.next_term
+            if fit := refitted(self.intervals, found, *of_method):
+                return [*sentences(fit), LOWER_ORDER.format(order, self.order, "these")]
+        return []
 
     def _and_read(self, found: Fit) -> Fit | None:
         """The changes of a fit and a mistake in reading, or of times, that leave nothing; or None.

@@ -5,7 +5,7 @@ of its series: what is left beside them is compared with that term alone.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -79,6 +79,24 @@ def within_error(
             if (made <= ROOM * np.maximum(size, data.noise)).all():
                 return found
     return None
+
+
+def refitted(
+    data: Intervals, found: Fit, order: int, timestep: float | None, next_term: float
+) -> Fit | None:
+    """Return changes fitted beside the errors of methods of an order; None if more is left.
+
+    Parameters
+    ----------
+    found : a fit of the changes alone
+    order, timestep, next_term : as in `within_error`
+    """
+    of_changes = replace(data, base=found.hypothesis)
+    errors = leading_errors(of_changes, [order], timestep)
+    size = root_mean_squares(data.off([found.hypothesis])[0] * data.scale)
+    nearly = data.with_error(np.maximum(next_term * size, FITS))
+    fit = Trial(BesideMethods.of(nearly, errors), found.changes).fit(found)
+    return fit if fit.left <= 1 else None
 
 
 def _beside(
