@@ -147,7 +147,7 @@ def _by_its_beginning(case: Case) -> Explanation | None:
 
 
 def _since_exactly(case: Case) -> Explanation | None:
-    """Return since when a motion is not the exact one, and what explains it then; None if always."""
+    """Return since when a motion is not the exact one, and what explains it then; often None."""
     physics = case.physics
     of_method = case.timestep, case.order, case.of_intervals
     data = intervals_of(case.scenario, case.motion, *of_method)
@@ -227,10 +227,10 @@ def _of_computed(case: Case, alternates: Alternation | None) -> Explanation:
     # Other equations change no state at the scene's start.
     is_of_start = bool(of_method) or (physics.is_of_equations and not physics.exact.t[0])
     start = elsewhere(physics) if case.has_omega and (is_of_start or not words) else []
-    if not words and not physics.made_by:
-        if start and (left := case.as_it_begins()):
-            found = Finding(tuple(start), (replace(left, is_trial=True),), is_beyond)
-            return _with_rest(case, found)
+    left = case.as_it_begins() if start and not words and not physics.made_by else None
+    if left:
+        found = Finding(tuple(start), (replace(left, is_trial=True),), is_beyond)
+        return _with_rest(case, found)
     words = [*words, *of_spins, *start]
     verdict = _verdict(physics, is_beyond, is_explained=bool(words))
     return Explanation(tuple(words), verdict, is_beyond, physics.made_by, is_open=is_open)
@@ -239,11 +239,12 @@ def _of_computed(case: Case, alternates: Alternation | None) -> Explanation:
 def _of_attitudes(case: Case) -> list[str]:
     """Return the changes that explain the attitudes alone, and what was made of ω beside them.
 
-    Nothing if what explains the whole motion leaves no more than noise.
+    Nothing if what explains the whole motion leaves no more than noise, or a method's errors.
     """
     physics = case.physics
     found = physics.found or physics.by_change
-    if case.is_trial or not case.has_omega or (found and physics.after(found).is_of_noise):
+    rest = physics.after(found) if found else None
+    if case.is_trial or not case.has_omega or (rest and (rest.made_by or rest.is_of_method)):
         return []
     left = case.read(case.reading._replace(omega=None))
     fit = left.physics.by_change if left and left.physics.is_of_equations else None

@@ -1,0 +1,175 @@
+"""Logs with noise are explained by the same changes of the equations as computed motions."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from case_loops import each_case
+from hidden import NOISY, Hidden, changed, check, noisy, right
+from planted_motions import case, cross, exactly, rates_of
+from reported_faults import Arrays
+from scipy.spatial.transform import Rotation
+from spincheck.reports.harness.recorded.judged import judged_motion
+from spincheck.reports.harness.recorded.recording import Recording
+from spincheck.scenarios import Scenario
+
+pytestmark = pytest.mark.slow
+
+FREE, HEAVY = case(303, samples=201), case(402, is_pivoted=True, samples=201)
+MOMENT = float(np.trace(FREE.inertia)) / 3
+SPEED = float(np.linalg.norm(FREE.scenario.start.omega_body))
+#: A tensor whose products of inertia have the other sign, and drag, N m s.
+OTHER = FREE.inertia * (2 * np.eye(3) - 1)
+DRAGGED = changed(FREE, effects={"drag": {"rotational": 0.1 * MOMENT}})
+RATE = 0.15
+CROSSED = np.eye(3) + np.outer([0, 0, 1], [0.08, 0, 0])
+
+
+def with_omega(arrays: Arrays, matrix: np.ndarray) -> Arrays:
+    return arrays | {"omega": arrays["omega"] @ matrix.T}
+
+
+def with_a_world_torque_for_gravity() -> Arrays:
+    """The arm of gravity is not turned with the body, so that its torque is constant in space."""
+    torque = np.cross(HEAVY.com, HEAVY.scenario.body.mass * HEAVY.gravity)
+
+    def rates(q: np.ndarray, omega: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        turning, accelerated = rates_of(HEAVY, scale=0.0)(q, omega)
+        R = Rotation.from_quat(q, scalar_first=True).as_matrix()
+        return turning, accelerated + np.linalg.solve(HEAVY.inertia, R.T @ torque)
+
+    return exactly(HEAVY, rates)
+
+
+def with_torques_unturned() -> Arrays:
+    """The torque of gravity is right along world axes, and taken for one along the body's."""
+
+    def rates(q: np.ndarray, omega: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        turning, accelerated = rates_of(HEAVY, scale=0.0)(q, omega)
+        R = Rotation.from_quat(q, scalar_first=True).as_matrix()
+        torque = cross(R @ HEAVY.com, HEAVY.scenario.body.mass * HEAVY.gravity)
+        return turning, accelerated + np.linalg.solve(HEAVY.inertia, torque)
+
+    return exactly(HEAVY, rates)
+
+
+def slowed_by_a_rate() -> Arrays:
+    """L is slowed at a rate, in place of ω by a torque."""
+    return exactly(DRAGGED, rates_of(DRAGGED, torque=lambda omega: -RATE * DRAGGED.inertia @ omega))
+
+
+def attitudes_of(arrays: Arrays) -> Arrays:
+    return {"t": arrays["t"], "q": arrays["q"]}
+
+
+def rows_of_uneven_times() -> Arrays:
+    """Attitudes of times that jitter about those that are recorded."""
+    times = np.linspace(0, 4, 4001)
+    fine = right(changed(FREE, window={"duration": 4.0, "samples": 4001}))
+    off = np.random.default_rng(3).integers(-4, 5, 200)
+    taken = np.array([0, *(20 * np.arange(1, 201) + np.where(np.arange(200) < 199, off, 0))])
+    return {"t": times[::20], "q": fine["q"][taken]}
+
+
+def a_little_late(arrays: Arrays, seconds: float) -> Arrays:
+    """Attitudes of the exact motion some time after the recorded times."""
+    kept = arrays["t"] >= seconds
+    return {"t": arrays["t"][kept] - seconds, "q": arrays["q"][kept]}
+
+
+START = changed(
+    FREE,
+    start={
+        "quaternion_wxyz": FREE.scenario.start.q_world_body_wxyz.tolist(),
+        "omega_body": (FREE.scenario.start.omega_body * [0.94, 1.03, 1]).tolist(),
+    },
+)
+LOGS: dict[str, Hidden] = {
+    "products of the other sign": Hidden(
+        FREE.scenario,
+        lambda: noisy(exactly(FREE, rates_of(FREE, inertia=OTHER))),
+        ("it moves as if the products of inertia had the other sign",),
+        NOISY,
+    ),
+    "half of the gyroscopic torque, without stated noise": Hidden(
+        FREE.scenario,
+        lambda: noisy(exactly(FREE, rates_of(FREE, gyroscopic=FREE.inertia / 2))),
+        ("it moves as if the gyroscopic torque ω × Iω were ",),
+        numbers=(0.5,),
+    ),
+    "torques along other axes": Hidden(
+        HEAVY.scenario,
+        lambda: noisy(with_torques_unturned()),
+        ("it moves as if gravity's torque along world axes were along the body's",),
+        NOISY,
+    ),
+    "an arm that is not turned, and a gyroscope's scale": Hidden(
+        HEAVY.scenario,
+        lambda: noisy(with_omega(with_a_world_torque_for_gravity(), np.diag([0.95, 1, 1.04]))),
+        (
+            "it moves as if there were no gravity",
+            "it moves as if a torque of ",
+            "the gyroscope's axes read ",
+        ),
+        NOISY,
+    ),
+    "a rate for drag, and a cross-axis sensitivity": Hidden(
+        DRAGGED.scenario,
+        lambda: noisy(with_omega(slowed_by_a_rate(), CROSSED)),
+        (
+            "it moves as if L were slowed by ",
+            "the gyroscope has a cross-axis sensitivity: ",
+        ),
+        NOISY,
+        numbers=(RATE,),
+    ),
+    "another start, of attitudes alone": Hidden(
+        FREE.scenario,
+        lambda: attitudes_of(noisy(right(START))),
+        ("it started elsewhere: at t = 0 s ",),
+    ),
+    "times that jitter, of attitudes alone": Hidden(
+        FREE.scenario, rows_of_uneven_times, ("the times are off by 0.0026 s",)
+    ),
+    "attitudes that are early": Hidden(
+        FREE.scenario,
+        lambda: noisy_attitudes(a_little_late(right(FREE), 0.06)),
+        ("each state is that of ",),
+        numbers=(0.06,),
+    ),
+}
+
+
+def noisy_attitudes(arrays: Arrays) -> Arrays:
+    return attitudes_of(noisy(arrays | {"omega": np.zeros((len(arrays["t"]), 3))}))
+
+
+@each_case("one", LOGS)
+def test_a_log_is_explained_by_other_equations(one: Hidden) -> None:
+    check(one)
+
+
+def test_a_tensor_that_is_no_special_one_stays_a_tensor() -> None:
+    tensor = FREE.inertia + MOMENT * np.array([[0.05, 0.03, 0], [0.03, -0.04, 0.02], [0, 0.02, 0]])
+    arrays = noisy(exactly(FREE, rates_of(FREE, inertia=tensor)))
+    check(Hidden(FREE.scenario, lambda: arrays, ("it moves as if the tensor were ",), NOISY))
+
+
+def assert_right(scene: Scenario, arrays: Arrays, stated: dict[str, str]) -> None:
+    found = judged_motion(scene, Recording(Path("motion.csv"), arrays, stated))
+    assert found.explained_by == ()
+    assert not found.is_beyond
+
+
+def test_right_logs_stay_right() -> None:
+    for one in (FREE, HEAVY, DRAGGED):
+        for stated in (NOISY, {}):
+            assert_right(one.scenario, noisy(right_of(one)), stated)
+    assert_right(START.scenario, attitudes_of(noisy(right(START))), {})
+
+
+def right_of(one: object) -> Arrays:
+    if one is DRAGGED:
+        drag = 0.1 * MOMENT
+        return exactly(one, rates_of(one, torque=lambda omega: -drag * omega))
+    return right(one)
