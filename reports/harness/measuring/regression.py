@@ -11,7 +11,7 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import chdtrc
+from scipy.special import chdtrc, softmax
 
 from ....scenarios import FloatArray
 from ...results.evidence import LEVEL
@@ -102,7 +102,8 @@ class Measured:
 class Regression:
     """The regression of J gains of K states, for one order and each of A pairs of the grid.
 
-    A pair is a radius and an amplitude, amplitudes running fastest.
+    A pair is a radius and an amplitude, amplitudes running fastest. The prior over them is
+    estimated from all states.
 
     Attributes
     ----------
@@ -110,15 +111,18 @@ class Regression:
     noise : standard deviation of what is added to the series at each timestep, (R, J); beyond the
         radius of convergence as large as the largest gain
     basis : the powers of the timestep, zero beyond the radius, (R, J, TERMS)
+    has_constant : whether a constant, which may be as large as any gain, is added to the series
     """
 
     measured: Measured
+    order: int
     radii: FloatArray
     noise: FloatArray
     basis: FloatArray
+    has_constant: bool = False
 
     @staticmethod
-    def of(measured: Measured, order: int) -> "Regression":
+    def of(measured: Measured, order: int, *, has_constant: bool = False) -> "Regression":
         """The regression of all gains by one order.
 
         A gain beyond the radius of convergence may be as large as the largest of all.
@@ -129,12 +133,13 @@ class Regression:
         within = scaled < 1
         beyond = np.where(within, 0.0, measured.largest)
         basis = np.where(within[:, :, None], powers, 0.0)
-        return Regression(measured, radii, np.hypot(measured.noise, beyond), basis)
+        noise = np.hypot(measured.noise, beyond)
+        return Regression(measured, order, radii, noise, basis, has_constant)
 
     def before(self, j: int) -> "Regression":
         """The regression of the first j gains, by the same pairs."""
         of_first = self.measured.part(0, j)
-        return Regression(of_first, self.radii, self.noise[:, :j], self.basis[:, :j])
+        return replace(self, measured=of_first, noise=self.noise[:, :j], basis=self.basis[:, :j])
 
     @cached_property
     def _decomposed(self) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
@@ -185,24 +190,51 @@ class Regression:
             self.evidence + gained + 3 * np.log(error / self.measured.largest)[:, None]
         )
 
-    def limit(self, prior: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+    @cached_property
+    def _log_prior(self) -> FloatArray:
+        """The logarithm of the prior, (R A, 1).
+
+        One half of it is the same everywhere, the other is the mean of what the states show.
+        """
+        evidence = self.evidence_with_constant if self.has_constant else self.evidence
+        shown = softmax(evidence, axis=0).mean(axis=1, keepdims=True)
+        return np.asarray(np.log((1 / len(evidence) + shown) / 2))
+
+    @cached_property
+    def each(self) -> FloatArray:
+        """The logarithm of the likelihood of the gains of each state, (K,)."""
+        evidence = self.evidence_with_constant if self.has_constant else self.evidence
+        joint = evidence + self._log_prior
+        largest = joint.max(axis=0)
+        # The function of scipy takes ten times as long.
+        return np.asarray(largest + np.log(np.exp(joint - largest).sum(axis=0)))
+
+    @property
+    def total(self) -> float:
+        """The logarithm of the likelihood of the gains of all states."""
+        return float(self.each.sum())
+
+    @cached_property
+    def limit(self) -> tuple[FloatArray, FloatArray, FloatArray]:
         """The limit, (K, 3), its standard error, (K,), and the tail of its being zero, (K,)."""
-        constants, error = self.constants
-        weights = normalised(self.evidence_with_constant + np.log(prior)[:, None])
+        (constants, error), units = self.constants, self.measured.units
+        weights = softmax(self.evidence_with_constant + self._log_prior, axis=0)
         limit = (weights[..., None] * constants).sum(axis=0)
         spread = _squared(constants - limit) / 3 + error[:, None] ** 2
         squares = _squared(constants / error[:, None, None])
         tails = (weights * chdtrc(3, squares)).sum(axis=0)
-        return limit, np.sqrt((weights * spread).sum(axis=0)), tails
+        return limit * units[:, None], np.sqrt((weights * spread).sum(axis=0)) * units, tails
 
-    def beyond(self, prior: FloatArray) -> NDArray[np.intp]:
+    @cached_property
+    def beyond(self) -> NDArray[np.intp]:
         """How many of the longest timesteps are certainly beyond the radius, (K,)."""
-        weights = normalised(self.evidence + np.log(prior)[:, None])
+        weights = softmax(self.evidence + self._log_prior, axis=0)
         of_radius = weights.reshape(len(self.radii), -1, weights.shape[1]).sum(axis=1)
         is_beyond = self.radii[:, None] * self.measured.x >= 1
         return np.asarray((is_beyond.T @ of_radius >= 1 - LEVEL).sum(axis=0))
 
-    def innovations(self, prior: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+    @cached_property
+    def innovations(self) -> tuple[FloatArray, FloatArray, FloatArray]:
         """How far each gain is off its prediction from those with longer timesteps.
 
         Returns
@@ -213,16 +245,17 @@ class Regression:
         J, K, _ = self.measured.gains.shape
         tails, means, errors = np.ones((J, K)), np.zeros((J, K, 3)), np.zeros((J, K))
         for j in range(J):
-            mean, variance, weights = self._predicted(j, prior)
+            mean, variance, weights = self._predicted(j)
             means[j] = (weights[..., None] * mean).sum(axis=0)
             spread = _squared(mean - means[j]) / 3 + variance[:, None]
             errors[j] = np.sqrt((weights * spread).sum(axis=0))
             if j >= PREDICTED_FROM:
                 squares = _squared(self.measured.gains[j] - mean) / variance[:, None]
                 tails[j] = (weights * chdtrc(3, squares)).sum(axis=0)
-        return tails, means, errors
+        units = self.measured.units
+        return tails, means * units[:, None], errors * units
 
-    def _predicted(self, j: int, prior: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+    def _predicted(self, j: int) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Predict a gain from those with longer timesteps, by the n pairs that are not impossible.
 
         Returns
@@ -231,7 +264,7 @@ class Regression:
         before, (n, K)
         """
         known, row, K = self.before(j), self.basis[:, j], self.measured.gains.shape[1]
-        weights = normalised(known.evidence + np.log(prior)[:, None])
+        weights = softmax(known.evidence + self._log_prior, axis=0)
         _, squares, right, turned = known._decomposed
         # Pairs that are less probable change no tail that is compared with the level.
         pairs = np.flatnonzero((weights > LEVEL**2).any(axis=1))
@@ -263,15 +296,3 @@ def _squared(vectors: FloatArray) -> FloatArray:
     """The squares of vectors along the last axis; its sum by numpy takes several times as long."""
     x, y, z = np.moveaxis(vectors**2, -1, 0)
     return np.asarray(x + y + z)
-
-
-def log_sum(logarithms: FloatArray) -> FloatArray:
-    """The logarithm of the sum over the first axis; scipy's takes ten times as long."""
-    largest = logarithms.max(axis=0)
-    return np.asarray(largest + np.log(np.exp(logarithms - largest).sum(axis=0)))
-
-
-def normalised(logarithms: FloatArray) -> FloatArray:
-    """Probabilities over the first axis."""
-    weights = np.exp(logarithms - logarithms.max(axis=0))
-    return np.asarray(weights / weights.sum(axis=0))
