@@ -4,9 +4,9 @@ What a hypothesis leaves of the data is in units of what noise and a method's er
 """
 
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
-from dataclasses import dataclass, field
-from functools import cached_property
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
 
 import numpy as np
 from scipy.optimize import least_squares
@@ -17,6 +17,7 @@ from .changes import FITTED_TENSORS, GYROSCOPIC_TENSOR
 from .hypothesis import Change, Hypothesis
 from .other_tensors import is_of_a_body
 
+Function = Callable[[FloatArray], FloatArray]
 #: What is left where numbers are nan: no motion is that far off.
 NOWHERE = 1e30
 #: Numbers that are seen less than this, relative to those seen best, do not count.
@@ -226,6 +227,26 @@ class Trial:
         each = [before.numbers_of(one) / one.sizes for one in self.changes]
         return np.concatenate([np.empty(0), *each])
 
+    def _minimised(self, samples: int | None) -> tuple[Function, Function]:
+        """What is minimised, and its slopes, which are computed at once: that takes less time.
+
+        Returns
+        -------
+        Functions of the numbers: what is left, (m,), then how far the numbers are from what is
+        known beforehand, (p,); and the derivative of all these by each number, (m + p, k)
+        """
+
+        @lru_cache(1)
+        def both(numbers: bytes) -> tuple[FloatArray, FloatArray]:
+            x = np.frombuffer(numbers)
+            steps = np.sqrt(EPS) * np.maximum(1.0, np.abs(x))
+            hypotheses = [self.hypothesis(one) for one in np.vstack([x, x + np.diag(steps)])]
+            unlikely = np.stack([self.data.unlikely(one) for one in hypotheses])
+            off = np.hstack([self.data.left(hypotheses, samples), unlikely])
+            return off[0], (off[1:] - off[0]).T / steps
+
+        return lambda x: both(x.tobytes())[0], lambda x: both(x.tobytes())[1]
+
     def fit(self, before: Fit | None = None) -> Fit:
         """Fit the numbers by least squares.
 
@@ -244,10 +265,9 @@ class Trial:
         for samples in parts:
             if most == 1 and samples is not None:
                 continue
-            residuals, near = _Residuals(self, samples), NEAR if samples is None else ROUGHLY
-            found = least_squares(
-                residuals.at, x, jac=residuals.slopes_at, xtol=near, max_nfev=most
-            )
+            left, slopes = self._minimised(samples)
+            near = NEAR if samples is None else ROUGHLY
+            found = least_squares(left, x, slopes, xtol=near, max_nfev=most)
             x = found.x
             if len(parts) > 1 and np.mean(found.fun**2) > HOPELESS:
                 most = 1
@@ -278,37 +298,6 @@ def linear(trials: Sequence[Trial]) -> list[Linear]:
     left = trials[0].data.left([one for each in around for one in each])
     parts = np.split(left, np.cumsum([len(each) for each in around])[:-1])
     return [Linear(part[0], (part[1:] - part[0]).T / SMALL) for part in parts]
-
-
-@dataclass(eq=False)
-class _Residuals:
-    """What is minimised, with its slopes, which are computed at once: that takes less time.
-
-    Attributes
-    ----------
-    x, slopes : the latest numbers, (k,), and the slopes there
-    """
-
-    trial: Trial
-    samples: int | None
-    x: FloatArray = field(default_factory=lambda: np.empty(0))
-    slopes: FloatArray = field(default_factory=lambda: np.empty((0, 0)))
-
-    def at(self, x: FloatArray) -> FloatArray:
-        """What is left, (m,), then how far the numbers are from what is known beforehand, (p,)."""
-        steps = np.sqrt(EPS) * np.maximum(1.0, np.abs(x))
-        hypotheses = [self.trial.hypothesis(one) for one in np.vstack([x, x + np.diag(steps)])]
-        data = self.trial.data
-        unlikely = np.stack([data.unlikely(one) for one in hypotheses])
-        off = np.hstack([data.left(hypotheses, self.samples), unlikely])
-        self.x, self.slopes = x.copy(), (off[1:] - off[0]).T / steps
-        return np.asarray(off[0])
-
-    def slopes_at(self, x: FloatArray) -> FloatArray:
-        """The derivative of all these by each number, (m + p, k)."""
-        if not np.array_equal(x, self.x):
-            self.at(x)
-        return self.slopes
 
 
 def mean_square(numbers: FloatArray) -> float:
