@@ -77,7 +77,7 @@ class Intervals:
         """
         timestep, ends = self.run.rung.timestep, []
         for k, parts in enumerate(self.parts_of(kept)):
-            ends.append(restarted(self.sessions, starts.rows(k), timestep, parts)[-1])
+            ends.append(restarted(self.sessions, starts.rows(k), timestep, parts))
         return stacked(ends)
 
     def parts_of(self, kept: Sequence[int] | NDArray[np.intp]) -> NDArray[np.int64]:
@@ -198,18 +198,14 @@ class Replay:
     passage: Passage
 
 
-def restarted(
-    sessions: Sessions, state: State, timestep: float, counts: Iterable[int]
-) -> list[State]:
-    """The states after each of several stretches of steps; the session is restarted before each."""
-    states = []
+def restarted(sessions: Sessions, state: State, timestep: float, counts: Iterable[int]) -> State:
+    """The state after stretches of steps, before each of which the session is restarted."""
     for count in map(int, counts):
         with sessions.at(state, timestep) as session:
             if count:
                 session.advance(count)
             state = session.read_state()
-        states.append(state)
-    return states
+    return state
 
 
 def beginning_of(sessions: Sessions, at: Places) -> MadeRun:

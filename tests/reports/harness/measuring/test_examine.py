@@ -323,7 +323,7 @@ def test_a_velocity_off_the_pivot_by_what_timesteps_make_it_shows_a_constraint()
     scenario, engine = library_scene(PLAIN), SteppedEngine(Stepped)
     at = prepare(scenario, (), FEW).places
     method, shortest = engine.method("RK4"), at.timesteps[-2:]
-    opening = steps.sessions_of(lambda one, h: engine.open(one, method, h), scenario, shortest[0])
+    opening = steps.sessions_of(engine, method, scenario, shortest[0])
     with opening as sessions:
         honest = steps.steps_from(sessions, at.states, shortest)
     velocity_world = honest.after.velocity_world
