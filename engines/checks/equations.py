@@ -18,14 +18,9 @@ class Equations:
     scenario: Scenario
 
     @cached_property
-    def inertia(self) -> FloatArray:
-        """Tensor of inertia by which ω' is multiplied, as `Scenario.inertia`, kg m², (3, 3)."""
-        return self.scenario.inertia
-
-    @cached_property
     def inverse(self) -> FloatArray:
-        """Inverse of the tensor, (3, 3)."""
-        return np.asarray(np.linalg.inv(self.inertia), dtype=float)
+        """Inverse of the tensor of inertia by which ω' is multiplied, (3, 3)."""
+        return np.asarray(np.linalg.inv(self.scenario.inertia), dtype=float)
 
     @cached_property
     def arm(self) -> float:
@@ -54,13 +49,13 @@ class Equations:
             bears &= force(self.scenario, *at) > 0
         return bears
 
-    def borne(self, states: State, others: State) -> State:
+    def bearable(self, states: State, others: State) -> State:
         """Each of n states, or the other one where what holds the body cannot hold it there."""
         bears = self.bears(states)[:, None]
         pairs = zip(states.columns, others.columns, strict=True)
         return State(*(np.where(bears, column, other) for column, other in pairs))
 
-    def held(self, states: State) -> State:
+    def on_constraint(self, states: State) -> State:
         """States, n of them, with com and velocity where attitude and ω put them if it is held."""
         constraint, R_world_body = self.scenario.constraint, matrices(states.q_world_body_wxyz)
         swing_world = turned(R_world_body, cross(states.omega_body, np.array(constraint.lever)))

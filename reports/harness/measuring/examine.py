@@ -1,14 +1,16 @@
 """Examines a method by single steps from known states, with the model of `gain_series.py`."""
 
+from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from scipy.ndimage import maximum_filter1d
 
 from ....engines import Engine, EngineError, Method, UnsupportedError
 from ....engines.checks.equations import Equations
-from ....engines.checks.read_back import stacked
+from ....engines.checks.read_back import State
 from ....reference import ExactMotion
 from ....scenarios import FloatArray, Scenario
 from ....scenarios.rotation import norms
@@ -89,11 +91,11 @@ def _examined(
         longest = float(tried.timesteps[0])
         with suppress(UnsupportedError), sessions_of(engine, method, scenario, longest) as sessions:
             states = tried if sessions.first.can_restart else tried.thinned(FEW)
-            if fault := _misread(sessions, states):
+            examination = _Examination(sessions, states)
+            if fault := examination.misread:
                 return StepEvidence(len(states.times), 0.0, 0.0, 0.0, 0, fault=fault)
-            look = _Examination(sessions, states).look
             order = 0 if engine.single_precision else method.order
-            return evidence_of(look, states, order, explains=explains)
+            return evidence_of(examination.look, states, order, explains=explains)
     return None
 
 
@@ -104,35 +106,59 @@ class _Examination:
     sessions: Sessions
     at: Places
 
+    @cached_property
+    def first(self) -> Look:
+        """Steps from the states themselves, or from few repeats of them in single precision."""
+        return self._taken(0, self._repeats[0], self.at.timesteps)
+
+    @property
+    def _repeats(self) -> Sequence[int]:
+        return REPEATS if self.sessions.engine.single_precision else (1,)
+
+    @property
+    def misread(self) -> StepFault | None:
+        """The fault that a state is not read back as it was set; None if every state is."""
+        look, engine, states = self.first, self.sessions.engine, self._states(self._repeats[0])
+        # Com and velocity are left out, as a contact or a joint may move them to where it holds
+        # them.
+        read = look.steps.before.rows(slice(len(states.omega_body)))
+        off = state_differences(states, read, look.equations.reach)[:, [0, 1, 4]]
+        worst = int(np.abs(off).max(axis=(1, 2)).argmax())
+        within = 2 * ULPS * max(engine.slack, rounding_of_body(self.at.condition))
+        if np.abs(off[worst]).max() <= within:
+            return None
+        turn, omega, spins = map(float, norms(off[worst]))
+        changes = misreading(read, states, is_single=engine.single_precision)
+        at = float(self.at.times[worst % len(self.at.times)])
+        time, zero = None if np.isnan(at) else at, (0.0, 0.0, 0.0)
+        return StepFault("misread", "attitude", time, 0.0, (omega, turn, spins), zero, changes)
+
     @property
     def look(self) -> Look:
         """The steps and series by which the method is judged.
 
         More steps are taken until a limit is known well enough for a verdict.
         """
-        is_single = self.sessions.engine.single_precision
-        settle, settling, repeats = 0, SETTLING // (1 + is_single), REPEATS[0] if is_single else 1
-        look = self._taken(0, repeats, self.at.timesteps)
+        is_single, look, repeats = self.sessions.engine.single_precision, self.first, self._repeats
+        settle, settling = 0, SETTLING // (1 + is_single)
         if self.at.gives_way or gives_way(look.equations, self.sessions.engine, look.steps):
-            settle, look = settling, self._settled(settling, repeats)
+            settle, look = settling, self._settled(settling, repeats[0])
         elif self._may_give_in(look) and gives_in(
-            look, settled := self._settled(settling, repeats)
+            look, settled := self._settled(settling, repeats[0])
         ):
             settle, look = settling, settled
         elif look.tail < LEVEL and not is_single and not _is_clear_fault(look):
             return self._with_shorter_steps()
-        for repeats in REPEATS[1:] if is_single else ():
+        for count in repeats[1:]:
             if look.is_known:
                 break
-            more = (
-                self._settled(settle, repeats)
-                if settle
-                else self._taken(0, repeats, self.at.timesteps)
-            )
-            # Four times as many repeats halve an error that is random.
-            is_in_vain = max(more.known_to) ** 2 > max(look.known_to) ** 2 / 2
-            look = more
-            if is_in_vain:
+            before = look
+            if settle:
+                look = self._settled(settle, count)
+            else:
+                look = self._taken(0, count, self.at.timesteps)
+            # Four times as many repeats halve an error that is random; else more are in vain.
+            if max(look.known_to) ** 2 > max(before.known_to) ** 2 / 2:
                 break
         return self._as_if_biased(look) if is_single and look.tail < LEVEL else look
 
@@ -195,16 +221,19 @@ class _Examination:
         may_split : whether a second series is looked for, as shorter steps are taken, too
         is_changed : whether a single repeat is changed as well
         """
-        engine, scenario, states = self.sessions.engine, self.sessions.scenario, self.at.states
-        if repeats > 1 or is_changed:
-            states = self.at.changed(scenario, NUDGE * engine.ulp, repeats)
+        engine, states = self.sessions.engine, self._states(repeats, is_changed=is_changed)
         steps = steps_from(self.sessions, states, self._timesteps(halved), settle, repeats)
-        equations, is_single = Equations(scenario), engine.single_precision
+        equations, is_single = Equations(self.sessions.scenario), engine.single_precision
         gains = step_gains(equations, steps).mean(axis=1)
         noise = noise_of(equations, steps, engine, self.at.condition, settled=bool(settle))
         # A formula for small angles differs by less than single precision shows.
         split, apart = may_split and not is_single, self.at.are_apart
         return Look(equations, steps, gains, noise, settle, is_single, split, apart)
+
+    def _states(self, repeats: int, *, is_changed: bool = False) -> State:
+        if repeats == 1 and not is_changed:
+            return self.at.states
+        return self.at.changed(self.sessions.scenario, NUDGE * self.sessions.engine.ulp, repeats)
 
     def _timesteps(self, halved: FloatArray) -> FloatArray:
         """The timesteps of steps, s, long to short.
@@ -281,25 +310,3 @@ def _noisier(look: Look, again: Look, most: FloatArray) -> Look:
     around = maximum_filter1d(drawn, 3, axis=0, mode="nearest")
     noise = np.hypot(look.noise, np.minimum(around, most)[:, None])
     return replace(look, noise=noise)
-
-
-def _misread(sessions: Sessions, at: Places) -> StepFault | None:
-    """The fault that a state is not read back as it was set; None if every state is."""
-    starts, engine = [], sessions.engine
-    for k in range(len(at.times)):
-        with sessions.at(at.states.rows(k), float(at.timesteps[0])) as one:
-            starts.append(one.read_state())
-    reach = Equations(sessions.scenario).reach
-    # Com and velocity are left out, as a contact or a joint may move them to where it holds them.
-    read = stacked(starts)
-    off = state_differences(at.states, read, reach)[:, [0, 1, 4]]
-    k = int(np.abs(off).max(axis=(1, 2)).argmax())
-    if np.abs(off[k]).max() <= 2 * ULPS * max(engine.slack, rounding_of_body(at.condition)):
-        return None
-    turn, omega, spins = norms(off[k])
-    is_single = engine.single_precision
-    zero, changes = (0.0, 0.0, 0.0), misreading(read, at.states, is_single=is_single)
-    time = None if np.isnan(at.times[k]) else float(at.times[k])
-    return StepFault(
-        "misread", "attitude", time, 0.0, (float(omega), float(turn), float(spins)), zero, changes
-    )

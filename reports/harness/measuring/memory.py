@@ -47,7 +47,8 @@ def explained_by_memory(replay: Replay, settled: int) -> ReplayEvidence:
     before, starts = _earlier(replay, max(FEW, settled))
     parts = intervals.parts_of(replay.worst)
     lost = _lost(intervals.sessions, starts, shown.timestep, before, parts)
-    off, without = np.linalg.norm([replay.off, replay.off - lost], axis=(2, 3)).max(axis=1)
+    with np.errstate(invalid="ignore"):
+        off, without = np.linalg.norm([replay.off, replay.off - lost], axis=(2, 3)).max(axis=1)
     # What an iterative solver leaves is of a size alone.
     left = off - np.linalg.norm(lost, axis=(1, 2)).max() if off <= SOLVED else without
     if not left <= off / 2:
@@ -85,8 +86,8 @@ def _vanishing(replay: Replay, declared: int) -> tuple[int, float]:
     parts = np.stack([before // 2, before // 2], axis=1)
     lost = np.stack([_lost(sessions, starts, float(h), before, parts) for h in timesteps])
     noise = max(NOISE, ULPS * sessions.engine.ulp) * np.sqrt(FEW)
-    gains, table = lost / timesteps[:, None, None, None], np.empty(lost.shape[:2])
-    table[:] = noise / timesteps[:, None]
+    gains = lost / timesteps[:, None, None, None]
+    table = np.outer(noise / timesteps, np.ones(len(before)))
     series = [fitted(timesteps, gains[:, :, q], table, LEVEL) for q in range(lost.shape[2])]
     seen = np.abs(lost).max(axis=(1, 3)) > SURE * noise
     if not seen.any():

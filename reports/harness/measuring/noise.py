@@ -170,4 +170,4 @@ def _kept(equations: Equations, states: State) -> FloatArray:
 
 
 def _largest_moment(equations: Equations) -> float:
-    return float(np.linalg.norm(equations.inertia, 2))
+    return float(np.linalg.norm(equations.scenario.inertia, 2))

@@ -78,7 +78,7 @@ def places(scenario: Scenario, motion: Trajectory, coarsest: float | None) -> Pl
     rate = fastest_rate(scenario, motion.omega_body) or 1 / scenario.window.duration
     speed = float(norms(motion.omega_body).max()) or rate
     first = states_of(along).rows(np.zeros(len(ASKEW), dtype=int))
-    askew = equations.held(replace(first, omega_body=speed * np.array(ASKEW)))
+    askew = equations.on_constraint(replace(first, omega_body=speed * np.array(ASKEW)))
     states = stacked([states_of(along), askew])
     bears = equations.bears(states)
     when = np.append(along.t, [np.nan] * len(ASKEW))
@@ -129,7 +129,7 @@ def changed_at_random(
         states.spins,
     )
     equations = Equations(scenario)
-    return equations.borne(equations.held(other), states)
+    return equations.bearable(equations.on_constraint(other), states)
 
 
 def _by(vectors: FloatArray, share: FloatArray) -> FloatArray:

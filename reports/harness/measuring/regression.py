@@ -11,7 +11,7 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import chdtrc, softmax
+from scipy.special import chdtrc
 
 from ....scenarios import FloatArray
 from ...results.evidence import LEVEL
@@ -197,17 +197,14 @@ class Regression:
         One half of it is the same everywhere, the other is the mean of what the states show.
         """
         evidence = self.evidence_with_constant if self.has_constant else self.evidence
-        shown = softmax(evidence, axis=0).mean(axis=1, keepdims=True)
+        shown = _weighed(evidence)[0].mean(axis=1, keepdims=True)
         return np.asarray(np.log((1 / len(evidence) + shown) / 2))
 
     @cached_property
     def each(self) -> FloatArray:
         """The logarithm of the likelihood of the gains of each state, (K,)."""
         evidence = self.evidence_with_constant if self.has_constant else self.evidence
-        joint = evidence + self._log_prior
-        largest = joint.max(axis=0)
-        # The function of scipy takes ten times as long.
-        return np.asarray(largest + np.log(np.exp(joint - largest).sum(axis=0)))
+        return _weighed(evidence + self._log_prior)[1]
 
     @property
     def total(self) -> float:
@@ -218,7 +215,7 @@ class Regression:
     def limit(self) -> tuple[FloatArray, FloatArray, FloatArray]:
         """The limit, (K, 3), its standard error, (K,), and the tail of its being zero, (K,)."""
         (constants, error), units = self.constants, self.measured.units
-        weights = softmax(self.evidence_with_constant + self._log_prior, axis=0)
+        weights = _weighed(self.evidence_with_constant + self._log_prior)[0]
         limit = (weights[..., None] * constants).sum(axis=0)
         spread = _squared(constants - limit) / 3 + error[:, None] ** 2
         squares = _squared(constants / error[:, None, None])
@@ -228,7 +225,7 @@ class Regression:
     @cached_property
     def beyond(self) -> NDArray[np.intp]:
         """How many of the longest timesteps are certainly beyond the radius, (K,)."""
-        weights = softmax(self.evidence + self._log_prior, axis=0)
+        weights = _weighed(self.evidence + self._log_prior)[0]
         of_radius = weights.reshape(len(self.radii), -1, weights.shape[1]).sum(axis=1)
         is_beyond = self.radii[:, None] * self.measured.x >= 1
         return np.asarray((is_beyond.T @ of_radius >= 1 - LEVEL).sum(axis=0))
@@ -237,6 +234,8 @@ class Regression:
     def innovations(self) -> tuple[FloatArray, FloatArray, FloatArray]:
         """How far each gain is off its prediction from those with longer timesteps.
 
+        The gains with the longest timesteps have none.
+
         Returns
         -------
         The probability of a gain so far off, (J, K), the predictions, (J, K, 3), and their
@@ -244,14 +243,13 @@ class Regression:
         """
         J, K, _ = self.measured.gains.shape
         tails, means, errors = np.ones((J, K)), np.zeros((J, K, 3)), np.zeros((J, K))
-        for j in range(J):
+        for j in range(PREDICTED_FROM, J):
             mean, variance, weights = self._predicted(j)
             means[j] = (weights[..., None] * mean).sum(axis=0)
             spread = _squared(mean - means[j]) / 3 + variance[:, None]
             errors[j] = np.sqrt((weights * spread).sum(axis=0))
-            if j >= PREDICTED_FROM:
-                squares = _squared(self.measured.gains[j] - mean) / variance[:, None]
-                tails[j] = (weights * chdtrc(3, squares)).sum(axis=0)
+            squares = _squared(self.measured.gains[j] - mean) / variance[:, None]
+            tails[j] = (weights * chdtrc(3, squares)).sum(axis=0)
         units = self.measured.units
         return tails, means * units[:, None], errors * units
 
@@ -264,7 +262,7 @@ class Regression:
         before, (n, K)
         """
         known, row, K = self.before(j), self.basis[:, j], self.measured.gains.shape[1]
-        weights = softmax(known.evidence + self._log_prior, axis=0)
+        weights = _weighed(known.evidence + self._log_prior)[0]
         _, squares, right, turned = known._decomposed
         # Pairs that are less probable change no tail that is compared with the level.
         pairs = np.flatnonzero((weights > LEVEL**2).any(axis=1))
@@ -296,3 +294,14 @@ def _squared(vectors: FloatArray) -> FloatArray:
     """The squares of vectors along the last axis; its sum by numpy takes several times as long."""
     x, y, z = np.moveaxis(vectors**2, -1, 0)
     return np.asarray(x + y + z)
+
+
+def _weighed(logarithms: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Probabilities over the first axis, and the logarithm of the sum over it.
+
+    The functions of scipy take several times as long.
+    """
+    largest = logarithms.max(axis=0)
+    weights = np.exp(logarithms - largest)
+    summed = weights.sum(axis=0)
+    return weights / summed, largest + np.log(summed)

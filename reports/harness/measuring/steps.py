@@ -13,6 +13,7 @@ from ....scenarios import FloatArray, Scenario, Trajectory
 from ....scenarios.fastest_rate import decay_rate
 from ....scenarios.rotation import norms, rotation_vectors
 from ....scenarios.scenario import started_at
+from ...results.records import LARGEST
 from .places import states_of
 
 #: A few: states or intervals at most, where each takes long; and steps in which a method, or the
@@ -112,11 +113,7 @@ def steps_from(
                 session.advance(1)
                 after.append(session.snapshot())
     befores, ends = sessions.first.states(before), sessions.first.states(after)
-    with np.errstate(over="ignore"):
-        are_finite = all(
-            np.isfinite(column**2).all() for column in (*befores.columns, *ends.columns)
-        )
-    if not are_finite:
+    if not np.abs(np.hstack([*befores.columns, *ends.columns])).max() <= LARGEST:
         raise EngineError("a step from an exact state ends in numbers whose squares overflow")
     spans = np.repeat(timesteps, count)
     return Steps(timesteps, spans, befores, ends, flowed(scenario, befores, spans), repeats)
@@ -147,7 +144,7 @@ def _earlier(scenario: Scenario, states: State, span: float) -> State:
     if not span:
         return states
     earlier = flowed(scenario, states, np.full(len(states.omega_body), -span))
-    return Equations(scenario).borne(earlier, states)
+    return Equations(scenario).bearable(earlier, states)
 
 
 def step_gains(equations: Equations, steps: Steps) -> FloatArray:
@@ -160,7 +157,7 @@ def step_gains(equations: Equations, steps: Steps) -> FloatArray:
     """
     spans, after, exact = steps.spans[:, None], steps.after, steps.exact
     attitude = rotation_vectors(exact.q_world_body_wxyz, after.q_world_body_wxyz) / spans
-    torque = (after.omega_body - exact.omega_body) @ equations.inertia.T / spans
+    torque = (after.omega_body - exact.omega_body) @ equations.scenario.inertia.T / spans
     if equations.scenario.constraint.is_pivot:
         velocity, place = off_the_constraint(equations, after)
     else:
@@ -170,13 +167,11 @@ def step_gains(equations: Equations, steps: Steps) -> FloatArray:
         place = (after.com_world - exact.com_world - off_place) / spans
     gains = [attitude, torque, velocity, place]
     if after.spins.size:
-        kept = (equations.scenario.kept(*_turning(state)) for state in (after, exact))
-        gains.append(np.subtract(*kept) @ _directions(after.spins.shape[1]) / spans)
+        kept, wanted = (
+            equations.scenario.kept(state.omega_body, state.spins) for state in (after, exact)
+        )
+        gains.append((kept - wanted) @ _directions(after.spins.shape[1]) / spans)
     return steps.by_timestep(np.stack(gains, axis=1))
-
-
-def _turning(state: State) -> tuple[FloatArray, FloatArray]:
-    return state.omega_body, state.spins
 
 
 def _directions(parts: int) -> FloatArray:
@@ -191,8 +186,8 @@ def _directions(parts: int) -> FloatArray:
 
 def off_the_constraint(equations: Equations, states: State) -> tuple[FloatArray, FloatArray]:
     """How far velocity, m/s, and com, m, are from what ω and attitude demand, (n, 3) each."""
-    held = equations.held(states)
-    return states.velocity_world - held.velocity_world, states.com_world - held.com_world
+    on = equations.on_constraint(states)
+    return states.velocity_world - on.velocity_world, states.com_world - on.com_world
 
 
 def state_differences(
