@@ -210,17 +210,13 @@ class Trial:
         Philos. Soc. 44 (1948) 50): what both have keeps its slopes.
         """
         x, steps = self._begun(before), SMALL * np.eye(len(self.sizes))
-        added = [k for k, change in enumerate(self._each) if change not in before.changes]
+        each = [change for change in self.changes for _ in change.sizes]
+        added = [k for k, change in enumerate(each) if change not in before.changes]
         left = self.data.left([self.hypothesis(one) for one in (x, *(x + steps[added]))])
         kept = [before.slopes[:, before.rows(one)] for one in self.changes if one in before.changes]
         slopes = np.hstack([*kept, (left[1:] - left[0]).T / SMALL])
         best = np.linalg.lstsq(slopes, left[0], rcond=RANK)[0]
         return self.data.falls(before.rest, left[0] - slopes @ best)
-
-    @property
-    def _each(self) -> list[Change]:
-        """The change that each number is of, (k,)."""
-        return [change for change in self.changes for _ in change.sizes]
 
     def _begun(self, before: Fit) -> FloatArray:
         """The numbers of a fit of some of the changes, in units of their sizes, (k,)."""

@@ -14,7 +14,7 @@ from ....engines.checks.read_back import State
 from ....reference import ExactMotion
 from ....scenarios import FloatArray, Scenario
 from ....scenarios.rotation import norms
-from ...results.evidence import CONSISTENT, LEVEL, StepEvidence, StepFault
+from ...results.evidence import CONSISTENT, LEVEL, StepEvidence, StepFault, is_known
 from ...results.reasons import fault_in_words
 from ..explaining.readings import misreading
 from ..timesteps.stock import stock_timesteps
@@ -150,7 +150,7 @@ class _Examination:
         elif look.tail < LEVEL and not is_single and not _is_clear_fault(look):
             return self._with_shorter_steps()
         for count in repeats[1:]:
-            if look.is_known:
+            if is_known(*look.known_to):
                 break
             before = look
             if settle:

@@ -112,9 +112,10 @@ class Intervals:
         start, strides, kept = self.starts.rows(k), list[int](), list[Any]()
         for count in self.parts_of([k])[0].tolist():
             part = [0, *np.diff([*range(0, count, each), count]).tolist()]
+            if kept:
+                start = self.sessions.first.states(kept[-1:]).rows(0)
             with self.sessions.at(start, self.run.rung.timestep) as session:
                 session.record(part, kept.append)
-                start = session.read_state()
             strides += part
         return strides, kept
 

@@ -31,7 +31,7 @@ class Measured:
     Attributes
     ----------
     x : timesteps, relative to the longest, (J,)
-    gains, noise : (J, K, 3) and (J,)
+    gains, noise : (J, 3, K) and (J,)
     units : the size of each state's unit, by which its gains were divided, (K,)
     amplitudes : those that are integrated over, (A,)
     turns : the angle by which each step turns the body, or the angle's rank, (J, K)
@@ -56,7 +56,7 @@ class Measured:
         The noise of all states is taken to depend on the timestep alike: the largest is used.
         """
         units = np.median(noise / np.median(noise, axis=1, keepdims=True), axis=0)
-        scaled, alike = gains / units[:, None], (noise / units).max(axis=1)
+        scaled, alike = np.swapaxes(gains, 1, 2) / units, (noise / units).max(axis=1)
         least, largest = 0.1 * alike.min(), 1e3 * (np.abs(scaled).max() + alike.max())
         count = int(np.ceil(np.log(largest / least) / np.log(RATIO**2)))
         amplitudes = least * RATIO ** (2 * np.arange(count + 1))
@@ -148,15 +148,15 @@ class Regression:
         Returns
         -------
         Uᵀ over the noise, (R, J, J), S², (R, J), Vᵀ, (R, TERMS, TERMS), and the gains multiplied
-        by the first of these, (R, J, K, 3)
+        by the first of these, (R, J, 3, K)
         """
         U, values, right = np.linalg.svd(self.basis / self.noise[:, :, None])
-        J, K, _ = self.measured.gains.shape
+        J, _, K = self.measured.gains.shape
         left = np.swapaxes(U, 1, 2) / self.noise[:, None, :]
         squares = np.zeros((len(self.radii), J))
         squares[:, : values.shape[1]] = values**2
         turned = left @ self.measured.gains.reshape(J, 3 * K)
-        return left, squares, right, turned.reshape(len(left), J, K, 3)
+        return left, squares, right, turned.reshape(len(left), J, 3, K)
 
     @cached_property
     def _shrunk(self) -> FloatArray:
@@ -168,24 +168,24 @@ class Regression:
     def evidence(self) -> FloatArray:
         """The logarithm of the density of all gains of each state, by each pair, (R A, K)."""
         _, _, _, turned = self._decomposed
-        each = self._shrunk @ _squared(turned)
+        each = self._shrunk @ (turned**2).sum(axis=2)
         scale = np.log(self._shrunk).sum(axis=2) - 2 * np.log(self.noise).sum(axis=1)[:, None]
-        return np.asarray((3 * scale[..., None] - each) / 2).reshape(-1, turned.shape[2])
+        return np.asarray((3 * scale[..., None] - each) / 2).reshape(-1, turned.shape[3])
 
     @cached_property
     def constants(self) -> tuple[FloatArray, FloatArray]:
-        """The constant that fits best, (R A, K, 3), and its standard error, (R A,)."""
+        """The constant that fits best, (R A, 3, K), and its standard error, (R A,)."""
         left, _, _, turned = self._decomposed
-        ones, (R, J, K, _) = left.sum(axis=2), turned.shape
+        ones, (R, J, _, K) = left.sum(axis=2), turned.shape
         precision = (self._shrunk @ (ones**2)[:, :, None]).reshape(-1)
         summed = (self._shrunk * ones[:, None]) @ turned.reshape(R, J, -1)
-        return summed.reshape(-1, K, 3) / precision[:, None, None], 1 / np.sqrt(precision)
+        return summed.reshape(-1, 3, K) / precision[:, None, None], 1 / np.sqrt(precision)
 
     @cached_property
     def evidence_with_constant(self) -> FloatArray:
         """The evidence if a constant is added, which may be as large as any gain, (R A, K)."""
         constants, error = self.constants
-        gained = _squared(constants / error[:, None, None]) / 2
+        gained = ((constants / error[:, None, None]) ** 2).sum(axis=1) / 2
         return np.asarray(
             self.evidence + gained + 3 * np.log(error / self.measured.largest)[:, None]
         )
@@ -216,11 +216,11 @@ class Regression:
         """The limit, (K, 3), its standard error, (K,), and the tail of its being zero, (K,)."""
         (constants, error), units = self.constants, self.measured.units
         weights = _weighed(self.evidence_with_constant + self._log_prior)[0]
-        limit = (weights[..., None] * constants).sum(axis=0)
-        spread = _squared(constants - limit) / 3 + error[:, None] ** 2
-        squares = _squared(constants / error[:, None, None])
+        limit = (weights[:, None] * constants).sum(axis=0)
+        spread = ((constants - limit) ** 2).mean(axis=1) + error[:, None] ** 2
+        squares = ((constants / error[:, None, None]) ** 2).sum(axis=1)
         tails = (weights * chdtrc(3, squares)).sum(axis=0)
-        return limit * units[:, None], np.sqrt((weights * spread).sum(axis=0)) * units, tails
+        return (limit * units).T, np.sqrt((weights * spread).sum(axis=0)) * units, tails
 
     @cached_property
     def beyond(self) -> NDArray[np.intp]:
@@ -241,27 +241,27 @@ class Regression:
         The probability of a gain so far off, (J, K), the predictions, (J, K, 3), and their
         standard deviations, (J, K)
         """
-        J, K, _ = self.measured.gains.shape
-        tails, means, errors = np.ones((J, K)), np.zeros((J, K, 3)), np.zeros((J, K))
+        J, _, K = self.measured.gains.shape
+        tails, means, errors = np.ones((J, K)), np.zeros((J, 3, K)), np.zeros((J, K))
         for j in range(PREDICTED_FROM, J):
             mean, variance, weights = self._predicted(j)
-            means[j] = (weights[..., None] * mean).sum(axis=0)
-            spread = _squared(mean - means[j]) / 3 + variance[:, None]
+            means[j] = (weights[:, None] * mean).sum(axis=0)
+            spread = ((mean - means[j]) ** 2).mean(axis=1) + variance[:, None]
             errors[j] = np.sqrt((weights * spread).sum(axis=0))
-            squares = _squared(self.measured.gains[j] - mean) / variance[:, None]
+            squares = ((self.measured.gains[j] - mean) ** 2).sum(axis=1) / variance[:, None]
             tails[j] = (weights * chdtrc(3, squares)).sum(axis=0)
         units = self.measured.units
-        return tails, means * units[:, None], errors * units
+        return tails, np.swapaxes(means * units, 1, 2), errors * units
 
     def _predicted(self, j: int) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Predict a gain from those with longer timesteps, by the n pairs that are not impossible.
 
         Returns
         -------
-        Its mean, (n, K, 3), its variance, (n,), and the probability of each pair, given the gains
+        Its mean, (n, 3, K), its variance, (n,), and the probability of each pair, given the gains
         before, (n, K)
         """
-        known, row, K = self.before(j), self.basis[:, j], self.measured.gains.shape[1]
+        known, row, K = self.before(j), self.basis[:, j], self.measured.gains.shape[2]
         weights = _weighed(known.evidence + self._log_prior)[0]
         _, squares, right, turned = known._decomposed
         # Pairs that are less probable change no tail that is compared with the level.
@@ -275,7 +275,7 @@ class Regression:
         variance = (shares * seen).sum(axis=1) + self.noise[of_radius, j] ** 2
         weighed = shares[:, None, :count] * np.sqrt(squares)[:, None]
         mean = weighed @ turned[of_radius, :count].reshape(len(pairs), count, 3 * K)
-        return mean.reshape(len(pairs), K, 3), variance, weights[pairs]
+        return mean.reshape(len(pairs), 3, K), variance, weights[pairs]
 
 
 def _inverse_radii(measured: Measured) -> FloatArray:
@@ -288,12 +288,6 @@ def _inverse_radii(measured: Measured) -> FloatArray:
     radii = RATIO ** (count + 0.5) / 4
     within = (radii[:, None] * measured.x < 1).sum(axis=1)
     return np.asarray(radii[within >= min(LEAST, len(measured.x))])
-
-
-def _squared(vectors: FloatArray) -> FloatArray:
-    """The squares of vectors along the last axis; its sum by numpy takes several times as long."""
-    x, y, z = np.moveaxis(vectors**2, -1, 0)
-    return np.asarray(x + y + z)
 
 
 def _weighed(logarithms: FloatArray) -> tuple[FloatArray, FloatArray]:

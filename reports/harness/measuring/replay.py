@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import chdtrc
 
-from ....engines import Engine, EngineError, State
+from ....engines import Engine, EngineError
 from ....engines.checks.equations import Equations
 from ....reference import IntegrationError
 from ....scenarios import FloatArray, Scenario
@@ -74,8 +74,7 @@ def examine_runs(
 
 def _replay(sessions: Sessions, run: MadeRun, condition: float) -> Replay:
     """Run all intervals of a run again, and compare how they differ with the noise of that."""
-    intervals, engine = Intervals.of(sessions, run), sessions.engine
-    states, reach = states_of(run.motion), Equations(sessions.scenario).reach
+    intervals, reach = Intervals.of(sessions, run), Equations(sessions.scenario).reach
     passage = intervals.all_again()
     off = state_differences(passage.ends, intervals.ends, reach)
     sizes = np.linalg.norm(off, axis=(1, 2))
@@ -85,7 +84,7 @@ def _replay(sessions: Sessions, run: MadeRun, condition: float) -> Replay:
     twice = state_differences(intervals.some_again(worst, starts), ends, reach, intervals.ends)
     spread = np.linalg.norm(twice, axis=(1, 2))
     # So large a change is far above the engine's own noise, which must not enlarge `growth`.
-    change = float(np.sqrt(max(NOISE, engine.ulp)))
+    change = float(np.sqrt(max(NOISE, sessions.engine.ulp)))
     chance = np.random.default_rng(FEW)
     changed = changed_at_random(sessions.scenario, starts, change, chance)
     grown = state_differences(intervals.some_again(worst, changed), ends, reach)
@@ -93,7 +92,7 @@ def _replay(sessions: Sessions, run: MadeRun, condition: float) -> Replay:
     # Nothing can be said of an interval in which the change has grown as large as the motion.
     is_lost = (grown > LOST) & (spread <= LOST * change)
     growth = float(max(1.0, (np.minimum(grown, LOST) / change).max()))
-    noise = growth * _noise(sessions.scenario, engine, run, states, condition, intervals.steps)
+    noise = growth * _noise(intervals, condition)
     squares = np.linalg.norm(off / noise[..., None], axis=(1, 2)) ** 2
     again = np.linalg.norm(twice / noise[worst][..., None], axis=(1, 2)) ** 2
     squares[worst] = np.where(is_lost, 0.0, np.maximum(squares[worst], again))
@@ -133,19 +132,15 @@ def _evidence(
     return replace(evidence, since=since, spread=min(LARGEST, float(differs)))
 
 
-def _noise(
-    scenario: Scenario,
-    engine: Engine,
-    run: MadeRun,
-    states: State,
-    condition: float,
-    steps: NDArray[np.int64],
-) -> FloatArray:
+def _noise(intervals: Intervals, condition: float) -> FloatArray:
     """The noise of the differences of n intervals, from the sources of `noise.py`, (n, 5).
 
     Most rounding errors add up as a random walk, and those of a torque or force that hardly changes
     add up in one direction.
     """
+    engine, scenario = intervals.sessions.engine, intervals.sessions.scenario
+    run, steps = intervals.run, intervals.steps
+    states = states_of(run.motion)
     # In double precision a body may be composed of its parts anew at each restart.
     composed = 0.0 if engine.single_precision else rounding_of_body(condition)
     walk = max(NOISE, ULPS * engine.ulp, composed) * np.sqrt(steps)

@@ -102,11 +102,13 @@ def steps_from(
         If squares of a state are not finite, as where an engine's numbers overflow.
     """
     scenario, count = sessions.scenario, len(states.omega_body)
-    before, after = [], []
+    before, after, starts = [], [], [states.rows(k) for k in range(count)]
     for timestep in map(float, timesteps):
-        earlier = _earlier(scenario, states, settle * timestep)
-        for k in range(count):
-            with sessions.at(earlier.rows(k), timestep) as session:
+        if settle:
+            earlier = _earlier(scenario, states, settle * timestep)
+            starts = [earlier.rows(k) for k in range(count)]
+        for start in starts:
+            with sessions.at(start, timestep) as session:
                 if settle:
                     session.advance(settle)
                 before.append(session.snapshot())
@@ -141,8 +143,6 @@ def _earlier(scenario: Scenario, states: State, span: float) -> State:
     """
     decay = decay_rate(scenario)
     span = min(span, 1 / decay) if decay else span
-    if not span:
-        return states
     earlier = flowed(scenario, states, np.full(len(states.omega_body), -span))
     return Equations(scenario).bearable(earlier, states)
 
