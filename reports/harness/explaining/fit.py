@@ -4,11 +4,14 @@ What a hypothesis leaves of the data is in units of what noise and a method's er
 """
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
+from itertools import combinations
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
 from ....scenarios import FloatArray
@@ -17,16 +20,17 @@ from .changes import FITTED_TENSORS, GYROSCOPIC_TENSOR
 from .hypothesis import Change, Hypothesis
 from .other_tensors import is_of_a_body
 
-Function = Callable[[FloatArray], FloatArray]
 #: What is left where numbers are nan: no motion is that far off.
 NOWHERE = 1e30
 #: Numbers that are seen less than this, relative to those seen best, do not count.
 RANK = 1e-6
-EPS = float(np.finfo(float).eps)
+EPS, TINY = float(np.finfo(float).eps), float(np.finfo(float).tiny)
 #: Evaluations of a fit at most, and a step of a scaled number from which a slope is taken.
 EVALUATIONS, SMALL = 20, 1e-5
 #: Relative steps at which a fit ends, and one to a part of the data.
 NEAR, ROUGHLY = 1e-9, 1e-3
+#: How many trials of a race that are not near the best go on, at least, if they may; or a quarter.
+FINALISTS = 8
 #: Numbers that leave a larger mean square of a part of the data explain none of it, and are fitted
 #: to no more: further on there are local minima alone.
 HOPELESS = 100.0
@@ -169,11 +173,6 @@ class Linear:
         best = np.linalg.lstsq(self.slopes, self.at_none, rcond=RANK)[0]
         return mean_square(self.at_none - self.slopes @ best)
 
-    def with_other(self, other: "Linear", unchanged: FloatArray) -> "Linear":
-        """What both leave together; without either so much is left unchanged, (m,)."""
-        at_none = self.at_none + other.at_none - unchanged
-        return Linear(at_none, np.hstack([self.slopes, other.slopes]))
-
 
 @dataclass(frozen=True, eq=False)
 class Trial:
@@ -210,38 +209,22 @@ class Trial:
         Philos. Soc. 44 (1948) 50): what both have keeps its slopes.
         """
         x, steps = self._begun(before), SMALL * np.eye(len(self.sizes))
-        each = [change for change in self.changes for _ in change.sizes]
-        added = [k for k, change in enumerate(each) if change not in before.changes]
+        added = [k for k, change in enumerate(self._each) if change not in before.changes]
         left = self.data.left([self.hypothesis(one) for one in (x, *(x + steps[added]))])
         kept = [before.slopes[:, before.rows(one)] for one in self.changes if one in before.changes]
         slopes = np.hstack([*kept, (left[1:] - left[0]).T / SMALL])
         best = np.linalg.lstsq(slopes, left[0], rcond=RANK)[0]
         return self.data.falls(before.rest, left[0] - slopes @ best)
 
+    @property
+    def _each(self) -> list[Change]:
+        """The change that each number is of, (k,)."""
+        return [change for change in self.changes for _ in change.sizes]
+
     def _begun(self, before: Fit) -> FloatArray:
         """The numbers of a fit of some of the changes, in units of their sizes, (k,)."""
         each = [before.numbers_of(one) / one.sizes for one in self.changes]
         return np.concatenate([np.empty(0), *each])
-
-    def _minimised(self, samples: int | None) -> tuple[Function, Function]:
-        """What is minimised, and its slopes, which are computed at once: that takes less time.
-
-        Returns
-        -------
-        Functions of the numbers: what is left, (m,), then how far the numbers are from what is
-        known beforehand, (p,); and the derivative of all these by each number, (m + p, k)
-        """
-
-        @lru_cache(1)
-        def both(numbers: bytes) -> tuple[FloatArray, FloatArray]:
-            x = np.frombuffer(numbers)
-            steps = np.sqrt(EPS) * np.maximum(1.0, np.abs(x))
-            hypotheses = [self.hypothesis(one) for one in np.vstack([x, x + np.diag(steps)])]
-            unlikely = np.stack([self.data.unlikely(one) for one in hypotheses])
-            off = np.hstack([self.data.left(hypotheses, samples), unlikely])
-            return off[0], (off[1:] - off[0]).T / steps
-
-        return lambda x: both(x.tobytes())[0], lambda x: both(x.tobytes())[1]
 
     def fit(self, before: Fit | None = None) -> Fit:
         """Fit the numbers by least squares.
@@ -251,22 +234,62 @@ class Trial:
         before : a fit of some of the changes, from whose numbers the search begins; else, and where
             they explain nothing, it begins where they are zero, with a part of the data
         """
-        x, parts, most = np.zeros(len(self.sizes)), self.data.parts, EVALUATIONS
+        x, parts, most = np.zeros(len(self.sizes)), self.data.parts[:-1], EVALUATIONS
+        if before is not None and not before.is_hopeless:
+            x, parts = self._begun(before), ()
+        for samples in parts if len(x) else ():
+            x, squares = self.nearest(x, samples)
+            if squares > HOPELESS:
+                most = 1
+                break
+        return self.fit_from(x, most)
+
+    def nearest(self, x: FloatArray, samples: int | None) -> tuple[FloatArray, float]:
+        """The numbers that explain some of the first samples best, and the mean square they leave.
+
+        Parameters
+        ----------
+        x : where the search for them begins, in units of their sizes, (k,), like what is returned
+        """
+        if not len(x):
+            return x, mean_square(self.data.left([self.hypothesis(x)], samples))
+        found = self._searched(x, samples, ROUGHLY, EVALUATIONS)
+        return found.x, mean_square(found.fun)
+
+    def _searched(self, x: FloatArray, samples: int | None, near: float, most: int) -> Any:
+        """The numbers that leave least; slopes are computed with what is left, in less time."""
+
+        @lru_cache(1)
+        def both(numbers: bytes) -> tuple[FloatArray, FloatArray]:
+            """What is left, (m,), and how far from what is known, (p,); and the slopes of these."""
+            x = np.frombuffer(numbers)
+            steps = np.sqrt(EPS) * np.maximum(1.0, np.abs(x))
+            hypotheses = [self.hypothesis(one) for one in np.vstack([x, x + np.diag(steps)])]
+            unlikely = np.stack([self.data.unlikely(one) for one in hypotheses])
+            off = np.hstack([self.data.left(hypotheses, samples), unlikely])
+            return off[0], (off[1:] - off[0]).T / steps
+
+        def left(x: FloatArray) -> FloatArray:
+            return both(x.tobytes())[0]
+
+        def slopes(x: FloatArray) -> FloatArray:
+            return both(x.tobytes())[1]
+
+        return least_squares(left, x, slopes, xtol=near, max_nfev=most)
+
+    def fit_from(self, x: FloatArray, most: int = EVALUATIONS) -> Fit:
+        """Fit the numbers to all data, from given ones in units of their sizes, (k,).
+
+        Parameters
+        ----------
+        most : evaluations of the fit, at most
+        """
         if not len(x):
             (rest,) = self.data.left([self.hypothesis(x)])
             none = np.empty((0, 0)), rest, 0, np.empty((len(rest), 0))
             return Fit(self.changes, self.hypothesis(x), x, *none)
-        if before is not None and not before.is_hopeless:
-            x, parts = self._begun(before), (None,)
-        for samples in parts:
-            if most == 1 and samples is not None:
-                continue
-            left, slopes = self._minimised(samples)
-            near = NEAR if samples is None else ROUGHLY
-            found = least_squares(left, x, slopes, xtol=near, max_nfev=most)
-            x = found.x
-            if len(parts) > 1 and np.mean(found.fun**2) > HOPELESS:
-                most = 1
+        found = self._searched(x, None, NEAR, most)
+        x = found.x
         J = np.asarray(found.jac)
         measured = len(J) - len(self.data.unlikely(self.data.base))
         seen = np.linalg.svd(J[:measured], compute_uv=False)
@@ -294,6 +317,69 @@ def linear(trials: Sequence[Trial]) -> list[Linear]:
     left = trials[0].data.left([one for each in around for one in each])
     parts = np.split(left, np.cumsum([len(each) for each in around])[:-1])
     return [Linear(part[0], (part[1:] - part[0]).T / SMALL) for part in parts]
+
+
+def race(trials: Sequence[Trial], margin: float, factor: float = 1.0) -> list[Fit]:
+    """Fit those of many trials of the same data that keep up with the best of them.
+
+    They are fitted to more and more of the data (successive halving: K. Jamieson & A. Talwalkar,
+    AISTATS 2016), and left out as soon as they explain less of it.
+
+    Parameters
+    ----------
+    margin : how much more than the best a trial may leave, as a sum of squares
+    factor : how many times as much the best quarter of all others may leave
+    """
+    if not trials:
+        return []
+    data, running = trials[0].data, [(trial, np.zeros(len(trial.sizes))) for trial in trials]
+    for samples in data.parts[:-1]:
+        tried = [(*trial.nearest(x, samples), trial) for trial, x in running]
+        tried = sorted(tried, key=lambda one: one[1])
+        count, least = data.left([data.base], samples).size, tried[0][1]
+        near = [one for one in tried if one[1] <= least + margin / count]
+        far = [one for one in tried[len(near) :] if one[1] <= factor * least]
+        running = [(trial, x) for x, _, trial in near + far[: max(FINALISTS, len(far) // 4)]]
+    return [trial.fit_from(x) for trial, x in running]
+
+
+def of_pairs(
+    each: Sequence[Linear], unchanged: FloatArray
+) -> Iterator[tuple[FloatArray, NDArray[np.intp]]]:
+    """What two changes leave together, where both are taken as linear, for every pair of them.
+
+    The normal equations of many pairs at once take a twentieth of the time of a fit of each pair.
+
+    Parameters
+    ----------
+    unchanged : what is left without any change, (m,)
+
+    Yields
+    ------
+    Of the n pairs with as many numbers: the mean squares of what they leave, (n,), and their
+    indices, (n, 2)
+    """
+    slopes = np.hstack([one.slopes for one in each])
+    none = np.column_stack([unchanged, *(one.at_none for one in each)])
+    squares, seen, among = none.T @ none, slopes.T @ none, slopes.T @ slopes
+    counts = np.array([one.slopes.shape[1] for one in each])
+    numbers = np.split(np.arange(counts.sum()), np.cumsum(counts)[:-1])
+    every = np.array(list(combinations(range(len(each)), 2)), dtype=np.intp)
+    for count in np.unique(counts[every].sum(axis=1)):
+        pairs = every[counts[every].sum(axis=1) == count]
+        # What both leave is the sum of what either leaves, less what is left unchanged.
+        first, second = 1 + pairs.T
+        least = squares[first, first] + squares[second, second] + squares[0, 0]
+        least += 2 * (squares[first, second] - squares[first, 0] - squares[second, 0])
+        if count:
+            at = np.array([[*numbers[i], *numbers[j]] for i, j in pairs])
+            sums = seen[at, first[:, None]] + seen[at, second[:, None]] - seen[at, 0]
+            sizes, directions = np.linalg.eigh(among[at[:, :, None], at[:, None, :]])
+            along = (sums[:, None] @ directions)[:, 0] ** 2
+            is_seen = sizes > np.maximum(RANK**2 * sizes[:, -1:], TINY)
+            explained = np.where(is_seen, along / np.where(is_seen, sizes, 1.0), 0.0).sum(axis=1)
+            least = np.maximum(least - explained, EPS * least)
+        yield least / len(unchanged), pairs
 
 
 def mean_square(numbers: FloatArray) -> float:

@@ -6,7 +6,6 @@ makes it fall with so many more numbers, among so many changes (S. S. Wilks, Ann
 (1938) 60).
 """
 
-from collections import defaultdict
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -16,7 +15,7 @@ import numpy as np
 from scipy.special import chdtri
 
 from ....scenarios import FloatArray
-from .fit import Data, Fit, Linear, Trial, linear
+from .fit import Data, Fit, Linear, Trial, linear, of_pairs
 from .hypothesis import Change
 
 #: The probability that a change is named where noise alone made the data other ones.
@@ -170,14 +169,13 @@ class Search:
 
         Of those with as many numbers those are fitted that leave least where they are linear.
         """
-        by_count: dict[int, list[tuple[float, int, int]]] = defaultdict(list)
-        for (i, one), (j, other) in combinations(enumerate(self.linear), 2):
-            both = one.with_other(other, self.unchanged.rest)
-            if both.least <= PROMISING**2 * min(one.least, other.least):
-                by_count[both.slopes.shape[1]].append((both.least, i, j))
-        best = {(i, j) for pairs in by_count.values() for _, i, j in sorted(pairs)[:PAIRS]}
+        alone, best = np.array([one.least for one in self.linear]), []
+        for both, pairs in of_pairs(self.linear, self.unchanged.rest):
+            needed = np.flatnonzero(both <= PROMISING**2 * alone[pairs].min(axis=1))
+            best += [pairs[k] for k in needed[np.argsort(both[needed], kind="stable")[:PAIRS]]]
         # Of those alike the first is named.
-        return [Trial(self.data, (self.changes[i], self.changes[j])).fit() for i, j in sorted(best)]
+        changes = [(self.changes[i], self.changes[j]) for i, j in sorted(map(tuple, best))]
+        return [Trial(self.data, both).fit() for both in changes]
 
     def _simplest(self, fits: Sequence[Fit]) -> Fit | None:
         """The simplest fit that leaves little, if none with more numbers leaves much less."""

@@ -15,7 +15,8 @@ from .digits import Numbers, numbers_of
 from .exact_at import exact_at
 from .intervals import FEWEST_INTERVALS, intervals_of
 from .jumps import FAR, Jump, jumps
-from .motion import STENCIL, Reading, RecordedMotion, omega_of_attitudes, recorded_motion
+from .mistakes import FITS
+from .motion import Reading, RecordedMotion, recorded_motion
 from .other_physics import Physics
 from .recording import Recording, RecordingError
 
@@ -23,9 +24,8 @@ from .recording import Recording, RecordingError
 NOISE = ("noise_attitude", "noise_omega")
 #: Error of a short flow by rounding, in relative distances of the numbers.
 ROUNDINGS = 8.0
-#: Errors of ω that is computed from attitudes, in the largest one of nearly all samples: it is
-#: larger at either end.
-STENCIL_ERRORS, NEARLY_ALL = 4.0, 0.9
+#: Error of ω that is computed from attitudes, in that of nearly all samples.
+STENCIL_ERRORS = 4.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,6 +67,11 @@ class Case:
     def has_omega(self) -> bool:
         """Whether ω was recorded."""
         return self.recorded.has_omega
+
+    @property
+    def reach(self) -> int:
+        """How many samples on each side ω is computed from; 0 if it was recorded."""
+        return self.recorded.derived.reach if self.recorded.derived else 0
 
     def of(self, samples: NDArray[np.intp]) -> "Case | None":
         """Return the case of some samples, by their indices; None if they are too few."""
@@ -111,25 +116,26 @@ class Case:
         return np.maximum(stated, self.floor) if any(stated) else None
 
     @cached_property
+    def rounding(self) -> FloatArray:
+        """The error of attitude, rad, and ω, rad/s, by the rounding of printed numbers, (2,)."""
+        motion = self.motion
+        speed, distance = float(norms(motion.omega_body).max()), float(np.median(np.diff(motion.t)))
+        # Rounding of ω about the axis of the largest moment turns a needle about its thin axis.
+        turns = speed * distance * float(np.linalg.cond(self.scenario.inertia))
+        rounding = ROUNDINGS * self.recording.resolution * np.array([1.0, speed or 1.0])
+        return np.asarray((1 + turns) * rounding)
+
+    @cached_property
     def floor(self) -> FloatArray:
         """The error of attitude, rad, and ω, rad/s, by rounding, or by deriving ω, (2,)."""
-        motion = self.motion
-        speed, distances = float(norms(motion.omega_body).max()), np.diff(motion.t)
-        # Rounding of ω about the axis of the largest moment turns a needle about its thin axis.
-        turns = speed * float(np.median(distances)) * float(np.linalg.cond(self.scenario.inertia))
-        rounding = ROUNDINGS * self.recording.resolution * np.array([1.0, speed or 1.0])
-        floor = (1 + turns) * rounding
-        if not self.has_omega:
-            # A stencil of more samples is off by far less.
-            q, made = self.reading.q, motion.omega_body
-            better = omega_of_attitudes(motion.t, q, STENCIL + 2)
-            of_stencil = float(np.quantile(norms(made - better), NEARLY_ALL))
-            # The attitudes of a method are off by other errors than its ω.
-            turn = speed * (self.timestep or 0.0)
-            of_method = turn**2 * speed**2 * float(distances.max()) / 12
-            found = STENCIL_ERRORS * of_stencil + of_method + floor[0] / float(distances.min())
-            floor = np.array([floor[0] + float(distances.max()) * found, found])
-        return floor
+        derived, of_attitude = self.recorded.derived, self.rounding[0]
+        if derived is None:
+            return self.rounding
+        distances = np.diff(self.motion.t)
+        # What needs no explanation of two attitudes needs none of the rate between them.
+        of_rounding = 2 * max(of_attitude, FITS) / float(distances.min())
+        found = STENCIL_ERRORS * derived.error + of_rounding
+        return np.array([of_attitude + float(distances.max()) * found, found])
 
     @cached_property
     def of_intervals(self) -> FloatArray:
@@ -144,8 +150,7 @@ class Case:
     def physics(self) -> Physics:
         """What the equations of motion make of the recorded motion."""
         of_method = self.timestep, self.order, self.of_intervals
-        is_derived = not self.has_omega
-        return Physics(self.scenario, self.motion, self.exact, *of_method, is_derived)
+        return Physics(self.scenario, self.motion, self.exact, *of_method, self.reach)
 
     @cached_property
     def numbers(self) -> Numbers:
@@ -165,7 +170,7 @@ class Case:
             # What is far less than the base explains is no jump of the motion.
             noise = np.maximum(every.noise, LEFT**2 * self.physics.off)
             every = replace(every, base=base, noise=noise)
-        return jumps(every, has_omega=self.has_omega) if every else []
+        return jumps(every, self.reach) if every else []
 
     def as_it_begins(self) -> "Case | None":
         """Return the case of a scene that starts as the recording does; None without its ω."""

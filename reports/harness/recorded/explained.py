@@ -10,26 +10,18 @@ from .alternation import Alternation, alternation
 from .case import Case
 from .findings import Finding, finding, parts_of
 from .hinges import spins_beyond
+from .intervals import intervals_of
 from .log import log_of
 from .measured import Measured
 from .missing import is_omega_off
 from .mistakes import FITS, followed
+from .motion_changes import sentences
 from .other_physics import Physics
 from .read_attitude import attitude_read
 from .read_omega import OMEGA, omega_read
 from .since import since_exactly, since_when
 from .starts import elsewhere
 
-#: That a method's order is lower than the stated one.
-LOWER_ORDER = (
-    "its method is of order {}, not {}: the scene's equations and errors of that order make this "
-    "motion; look for a wrong stage or weight, or a rate that is taken at another time"
-)
-OTHER_TIMESTEP = "its timestep is not the stated {:.4g} s"
-LONGER_TIMESTEP = (
-    "its timestep is longer than the stated {:.4g} s: the scene's equations and errors of order {} "
-    "make this motion, with a timestep of {:.2g} s or more"
-)
 #: Noise of attitude, rad, and of ω, relative, beyond which no solver leaves it.
 SOLVERS = 1e-4
 #: Parts of a motion, from its beginning, of which one may be explained where all of it is not, and
@@ -39,6 +31,10 @@ UNTIL = "that explains it until t = {:.4g} s, and not all that follows: look for
 EXACT_UNTIL = (
     "until t = {:.4g} s it is the exact motion with noise, and not in all that follows: look for "
     "what changed"
+)
+CHANGED = (
+    "{}; from then on it is another one, off by up to {:.2g}° and {:.2g} rad/s from sample to "
+    "sample: look for what changed there"
 )
 #: How many mistakes are tried with what may explain the rest.
 MOST_TRIED = 3
@@ -98,6 +94,10 @@ def _by_equations(case: Case) -> Explanation:
         has = {"is_stated": case.stated is not None, "has_omega": case.has_omega}
         log = log_of(case.scenario, case.motion, case.exact, noise, **has)
         fit, case = Measured(case.scenario, log), replace(case, noise=noise)
+        # Without ω that was read wrongly it is another log.
+        is_asked = fit.search.is_called_for and _may_be_mistaken(case)
+        if is_asked and (both := _beside_a_mistake(case)):
+            return both
         if fit.is_beyond and (words := since_when(fit, case.motion, case.exact)):
             return Explanation(tuple(words), fit.verdict, is_beyond=True, measured=fit)
         # What a solver leaves is like noise, and its method has errors besides.
@@ -105,8 +105,7 @@ def _by_equations(case: Case) -> Explanation:
         is_measured = is_measured or case.physics.is_beyond or not fit.is_beyond
         # A method that errs in one of attitude and ω soon errs in the other.
         if is_measured or fit.right_by_itself:
-            both = _beside_a_mistake(case) if fit.is_beyond and _may_be_mistaken(case) else None
-            found = both or _of_measured(fit, case)
+            found = _of_measured(fit, case)
             if case.is_trial or not fit.is_beyond or found.explained_by:
                 return found
             return _by_its_beginning(case) or found
@@ -120,7 +119,7 @@ def _by_equations(case: Case) -> Explanation:
     if case.is_trial or not physics.is_unexplained or (found.explained_by and not found.is_open):
         return found
     both = _beside_a_mistake(case) if _may_be_mistaken(case) and not is_asked else None
-    return both or _by_its_beginning(case) or found
+    return both or _since_exactly(case) or _by_its_beginning(case) or found
 
 
 def _may_be_mistaken(case: Case) -> bool:
@@ -147,6 +146,32 @@ def _by_its_beginning(case: Case) -> Explanation | None:
     return None
 
 
+def _since_exactly(case: Case) -> Explanation | None:
+    """Return since when a motion is not the exact one, and what explains it then; None if always."""
+    physics = case.physics
+    of_method = case.timestep, case.order, case.of_intervals
+    data = intervals_of(case.scenario, case.motion, *of_method)
+    if data is None or len(data.spans) < len(case.motion.t) - 1 or physics.exact.t[0]:
+        return None
+    since = since_exactly(data, physics.least, case.reach)
+    if since is None:
+        return None
+    t, but_for = (
+        case.motion.t,
+        "but for the errors of its method" if since.is_method else "to rounding",
+    )
+    begins = f"until t = {t[since.last]:.4g} s it is the exact motion, {but_for}"
+    later = case.of(np.arange(since.first, len(t)))
+    rest = explained(replace(later, is_trial=True)) if later else None
+    if rest and rest.explained_by and not rest.is_open:
+        words = [f"{begins}; there it changes: from then on {one}" for one in rest.explained_by]
+    else:
+        turned, faster = since.off
+        words = [CHANGED.format(begins, np.degrees(turned), faster)]
+    verdict = _verdict(physics, physics.is_beyond, is_explained=True)
+    return Explanation(tuple(words), verdict, physics.is_beyond)
+
+
 def _beside_a_mistake(case: Case) -> Explanation | None:
     """Return a mistake without which the attitude follows ω, and what explains all that is left."""
     for words, reading in followed(case.reading, case.scenario)[:MOST_TRIED]:
@@ -163,7 +188,7 @@ def _noise_of(case: Case) -> tuple[FloatArray | None, Alternation | None]:
 
     Else what alternates without being noise, if anything does.
     """
-    alternates = alternation(case.scenario, case.motion, case.floor)
+    alternates = alternation(case.scenario, case.motion, case.rounding)
     if case.stated is None and case.noise.any():
         fits = FITS * np.array([1.0, norms(case.motion.omega_body).max()])
         return np.maximum(case.noise, np.maximum(case.floor, fits)), None
@@ -187,13 +212,13 @@ def _of_computed(case: Case, alternates: Alternation | None) -> Explanation:
     """Explain a motion that was computed."""
     physics, motion = case.physics, case.motion
     of_spins = spins_beyond(case.scenario, motion, case.timestep, case.order, case.floor)
-    words = of_method = _of_other_method(physics)
+    words = of_method = physics.of_other_method
     is_open, is_beyond = False, physics.is_beyond or bool(words or of_spins)
     if not physics.made_by:
         words = words or (_of_readings(physics) if case.has_omega and not physics.clamps else [])
         # That only ω is wrong says less than what explains all of the motion.
         if not words or (words == [OMEGA] and physics.is_all):
-            words = _of_equations(case)
+            words = _of_attitudes(case) or _of_equations(case)
             is_open = physics.is_open and not physics.unlike_any_change
             if words and physics.is_of_equations and (fit := physics.by_change):
                 words = [*words, *(one.words for one in case.jumps(fit.hypothesis))]
@@ -206,11 +231,26 @@ def _of_computed(case: Case, alternates: Alternation | None) -> Explanation:
         if start and (left := case.as_it_begins()):
             found = Finding(tuple(start), (replace(left, is_trial=True),), is_beyond)
             return _with_rest(case, found)
-        if not physics.exact.t[0]:
-            words = since_exactly(case.scenario, motion, physics.least)
     words = [*words, *of_spins, *start]
     verdict = _verdict(physics, is_beyond, is_explained=bool(words))
     return Explanation(tuple(words), verdict, is_beyond, physics.made_by, is_open=is_open)
+
+
+def _of_attitudes(case: Case) -> list[str]:
+    """Return the changes that explain the attitudes alone, and what was made of ω beside them.
+
+    Nothing if what explains the whole motion leaves no more than noise.
+    """
+    physics = case.physics
+    found = physics.found or physics.by_change
+    if case.is_trial or not case.has_omega or (found and physics.after(found).is_of_noise):
+        return []
+    left = case.read(case.reading._replace(omega=None))
+    fit = left.physics.by_change if left and left.physics.is_of_equations else None
+    if left is None or fit is None or not left.physics.after(fit).is_of_noise:
+        return []
+    read = omega_read(physics.after(fit), is_explained=False)
+    return [*sentences(fit), *read] if read and read != [OMEGA] else []
 
 
 def _of_equations(case: Case) -> list[str]:
@@ -224,16 +264,6 @@ def _of_equations(case: Case) -> list[str]:
     left = parts_of(case, np.arange(clamp.first))
     found = Finding((clamp.words,), left, is_beyond=True)
     return list(_with_rest(case, found).explained_by)
-
-
-def _of_other_method(physics: Physics) -> list[str]:
-    """Return that a method of a lower order, or another timestep, than the stated one was used."""
-    if physics.is_at_another_timestep:
-        return [OTHER_TIMESTEP.format(physics.timestep)]
-    order = physics.order_made
-    if order == physics.order and physics.timestep:
-        return [LONGER_TIMESTEP.format(physics.timestep, order, physics.least_timestep)]
-    return [LOWER_ORDER.format(order, physics.order)] if order else []
 
 
 def _of_readings(physics: Physics) -> list[str]:

@@ -40,6 +40,7 @@ class Intervals(Data):
     noise : standard deviations of recorded attitude, rad, and ω, rad/s, (2,)
     method : bounds of a method's error in an interval, in attitude, rad, and ω, rad/s, (S, 2)
     integrator, timestep : by which hypotheses are followed, s
+    is_derived : whether ω was not recorded, but is the rate at which the attitudes turn
     """
 
     starts: FloatArray
@@ -50,6 +51,7 @@ class Intervals(Data):
     method: FloatArray
     integrator: Integrator = EXACT
     timestep: float = 0.0
+    is_derived: bool = False
 
     @cached_property
     def scale(self) -> FloatArray:
@@ -192,6 +194,8 @@ def intervals_of(
     most : how many of them, spread over all; None for all
     near : how far the body may turn in them, rad
     """
+    if len(motion.t) <= FEWEST_INTERVALS:
+        return None
     base = as_it_is(scenario)
     spans, equations = np.diff(motion.t), base.equations
     rates = np.maximum(norms(motion.omega_body), equations.rate)[:-1]

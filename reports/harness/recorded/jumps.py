@@ -21,8 +21,6 @@ FAR = 2.5
 UNDONE_BY, KINDS_TOLD = 4, 2
 #: Neighbours, on each side, that an interval is compared with; two may be jumps, too.
 AROUND = 4
-#: Samples on each side that ω is wrong at where it is found by attitudes, and they jump.
-STENCIL = 2
 #: Newton steps to the time in which a motion comes to a state, and relative error of a time.
 STEPS, ALIKE = 6, 1e-3
 
@@ -43,7 +41,7 @@ class Jump:
     words: str
 
 
-def jumps(data: Intervals, *, has_omega: bool) -> list[Jump]:
+def jumps(data: Intervals, reach: int) -> list[Jump]:
     """Return the jumps of a motion, the first of each kind, with how many there are in words.
 
     None if there is none, or more than a tenth of all intervals are some.
@@ -51,9 +49,8 @@ def jumps(data: Intervals, *, has_omega: bool) -> list[Jump]:
     Parameters
     ----------
     data : all intervals that turn by less than `FAR`, with the noise of recorded numbers
-    has_omega : whether ω was recorded; if not, one found by attitudes is wrong around a jump
+    reach : samples on each side of a jump at which ω is wrong, as it is found by attitudes
     """
-    reach = 0 if has_omega else STENCIL
     off = data.apart(data.base.equations)
     left = np.sum((off / data.scale) ** 2, axis=1)
     # At either end ω is found by samples on one side of it, with larger errors.

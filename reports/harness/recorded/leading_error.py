@@ -87,10 +87,10 @@ def leading_errors(
     for order in orders:
         more = trees(order + 1, _colours(order, len(terms)))
         every += more
-        sizes += len(more) * [(rate * steps) ** order * rate / CARRIED]
+        sizes += len(more) * [(rate * steps) ** order / CARRIED]
     errors = np.zeros((len(every), *data.scale.shape))
     nodes, weights = leggauss(NODES)
-    for part, weight in zip((1 + nodes) / 2, weights, strict=True):
+    for part, weight in zip((1 + nodes) / 2, weights / 2, strict=True):
         here = follow(equations, data.starts, part * data.spans)[:, 0]
         remaining = (1 - part) * data.spans
         ends = follow(equations, here, remaining)[:, 0]
@@ -99,7 +99,18 @@ def leading_errors(
             moved = here + CARRIED * units * differentials.of(tree)
             moved[:, :4] /= norms(moved[:, :4])[:, None]
             carried = apart(ends, follow(equations, moved, remaining)[:, 0])
-            error += weight * data.spans * size * carried
+            error += weight * data.spans * rate * size * carried
+    if data.is_derived:
+        ends = follow(equations, data.starts, data.spans)[:, 0]
+        first, last = (
+            _Differentials((*[equations] * TERMS, *terms), states, rate)
+            for states in (data.starts, ends)
+        )
+        for error, tree, size in zip(errors, every, sizes, strict=True):
+            began, ended = (CARRIED * rate * one.turning_of(tree) for one in (first, last))
+            moved = data.starts + np.hstack([np.zeros_like(began[:, :1]), 0 * began, began])
+            error -= size * apart(ends, follow(equations, moved, data.spans)[:, 0])
+            error[:, 3:] += size * ended
     return errors
 
 
@@ -174,6 +185,15 @@ class _Differentials:
         total /= (2 * SMALL) ** len(hung) * self.rate * units
         is_kept = np.repeat([root <= ATTITUDE, root != ATTITUDE], [4, 3])
         return np.where(is_kept, total, 0.0)
+
+    def turning_of(self, tree: Tree) -> FloatArray:
+        """Return by how much the rate is off at which the attitude turns, body axes, (n, 3).
+
+        It is in units of `rate`.
+        """
+        q, off = self.states[:, :4], self.of(tree)[:, :4]
+        w, v = q[:, :1], q[:, 1:]
+        return np.asarray(2 * (w * off[:, 1:] - off[:, :1] * v - cross(v, off[:, 1:])))
 
     def _slopes(self, colour: int, states: FloatArray) -> FloatArray:
         """Return q' and ω' of states with quaternions of any length, (n, 7)."""

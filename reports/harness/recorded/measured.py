@@ -4,9 +4,10 @@ The exact motion is fitted to all samples at once by maximum likelihood, with no
 noise.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import combinations
 
 import numpy as np
 from scipy.spatial.transform import Rotation
@@ -30,7 +31,7 @@ from ..explaining.effect_changes import (
     usual_torque,
     world_turning,
 )
-from ..explaining.fit import Fit, Trial
+from ..explaining.fit import Fit, Trial, race
 from ..explaining.hypothesis import Change, Hypothesis
 from ..explaining.search import LEFT, LEVEL, Search
 from .clamps import TINY
@@ -38,14 +39,17 @@ from .columns import EACH, SATURATES
 from .digits import where
 from .intervals import apart
 from .log import Log
-from .motion_changes import TIMES
-from .sensors import OF_LOGS, of_sensor
+from .motion_changes import TIMES, changes_of_motion
+from .sensors import OF_LOGS, READINGS, of_sensor
 from .starts import started_elsewhere
 
 #: Part of the distance of samples by which a state is followed to see where it leads.
 SMALL = 1e-3
-#: Largest number of changes that are fitted at once.
-MOST = 4
+#: Largest number of changes that are fitted at once, and of numbers of a special change.
+MOST, MOST_NUMBERS = 4, 3
+#: How much more than the best the first samples may leave, as a sum of squares, for a change to be
+#: fitted to more of them: by chance it is more of one in 10⁹.
+KEEPS_UP = 50.0
 #: Factor by which neighbouring fourth differences, which share noise, count as fewer independent
 #: numbers, Σ (8 over 4+k)² / (8 over 4)².
 SHARED = 2.63
@@ -95,6 +99,18 @@ class Measured:
         return Change("axes of the body", turned, np.ones(3))
 
     @cached_property
+    def late(self) -> Change:
+        """The change in which each state is that of a time, so many seconds before its own."""
+        start = self.given.scene_start[None]
+        rate = max(float(norms(start[:, 4:])[0]), self.given.base.equations.rate)
+
+        def shifted(h: Hypothesis, time: FloatArray) -> Hypothesis:
+            before = follow(h.equations, start, np.array([-time]))[:, 0]
+            return h._replace(start=apart(start, before)[0])
+
+        return Change("late", shifted, np.array([1 / rate]))
+
+    @cached_property
     def search(self) -> Search:
         """The search for changes that the samples require, given the noise before any fit."""
         equations = self.given.base.equations
@@ -120,12 +136,41 @@ class Measured:
         if self._is_beyond(found):
             # Of changes that are needed together each may explain nothing by itself.
             found = max(found, search.stepwise(both, MOST), key=search.gain)
+        if self._is_beyond(found):
+            # What is wrong besides leaves far more than noise at first.
+            first = max(self._raced([(), (START,)], 1 / LEFT), key=search.gain, default=found)
+            found = max(found, search.stepwise(first.changes, MOST), key=search.gain)
         narrower = (one for one in self._narrower(found) if search.beyond(one, found) <= 0)
-        return max(narrower, key=search.gain, default=found)
+        found = max(narrower, key=search.gain, default=found)
+        return self._special(found) or found
+
+    def _special(self, found: Fit) -> Fit | None:
+        """Return a fit with a special change of the equations in place of one or two general ones.
+
+        Tensors and torques that are fitted explain, in part, what is wrong otherwise, too. None is
+        returned if no such fit explains as much.
+        """
+        general = [one for one in found.changes if one is not START and one not in OF_LOGS]
+        for replaced in [*combinations(general, 2), *((one,) for one in general)]:
+            kept = tuple(one for one in found.changes if one not in replaced)
+            fits = [one for one in self._raced([kept]) if self.search.beyond(one, found) <= 0]
+            if fits:
+                return min(fits, key=lambda fit: len(fit.numbers))
+        return None
+
+    def _raced(self, besides: Sequence[tuple[Change, ...]], factor: float = 1.0) -> list[Fit]:
+        """Return the best fits of each change of the equations, beside some other changes."""
+        others = [one for one in changes_of_motion(self.scenario) if one not in READINGS]
+        special = [one for one in others if len(one.sizes) <= MOST_NUMBERS]
+        trials = [Trial(self.given, (one, *more)) for more in besides for one in special]
+        return [fit for fit in race(trials, KEEPS_UP, factor) if fit.is_possible]
 
     def _narrower(self, found: Fit) -> Iterator[Fit]:
         """Yield fits in which changes with many numbers are special ones with fewer."""
         both = START, self.tensor
+        if START in found.changes:
+            others = [one for one in found.changes if one is not START]
+            yield Trial(self.given, (*others, self.late)).fit(found)
         if set(both) <= set(found.changes):
             others = [one for one in found.changes if one not in both]
             # Along other axes the same body starts elsewhere, and has another tensor.
@@ -248,6 +293,8 @@ class Measured:
         """
         if self.is_far:
             return self.right_by_itself
+        if not self.given.is_stated and self.uneven_times:
+            return self.uneven_times
         required = [one for one in self.fit.changes if one is not but and self._is_required(one)]
         return [self._in_words(change) for change in required]
 
@@ -255,7 +302,8 @@ class Measured:
     def uneven_times(self) -> list[str]:
         """The sentence that each state is the scene's at another time, within noise; none if not.
 
-        By how much each is late is fitted, as if the motion were straight for so long.
+        By how much each is late is fitted, as if the motion were straight for so long. Noise that
+        is not stated is no noise if nearly all of it is along the motion.
         """
         log, unchanged = self.given, self.search.unchanged.rest
         (made,) = log.made([log.base], log.t)
@@ -265,11 +313,14 @@ class Measured:
         rest = unchanged.reshape(len(made), -1)
         late = np.sum(slopes * rest, axis=1) / np.maximum(np.sum(slopes**2, axis=1), TINY)
         left = rest - late[:, None] * slopes
-        is_noise = [
-            chdtrc(one.size - fewer, float(np.sum(one**2))) > LEVEL
-            for one, fewer in ((rest, 0), (left, len(late)))
-        ]
-        if is_noise != [False, True]:
+        before, after = float(np.sum(rest**2)), float(np.sum(left**2))
+        # Where all are late alike, it is no matter of each time.
+        is_even = abs(float(np.mean(late))) > float(np.std(late))
+        is_noise = is_even or bool(chdtrc(rest.size, before) > LEVEL)
+        is_along = bool(chdtrc(rest.size - len(late), after) > LEVEL)
+        if not log.is_stated:
+            is_noise, is_along = is_even, after < LEFT**2 * before
+        if is_noise or not is_along:
             return []
         return [
             f"the times are off by {float(np.std(late)):.2g} s, standard deviation, and by "
@@ -343,6 +394,10 @@ class Measured:
             return self._of_sensor(change, self.fit) + "".join(others)
         if change is START:
             return started_elsewhere(self.log.t[0], norms(numbers.reshape(2, 3)))
+        if change is self.late:
+            when = "before" if numbers[0] > 0 else "after"
+            late = _plus_minus(np.abs(numbers), errors)
+            return f"each state is that of {late} s {when} its time"
         if change.kind == "tilt":
             return f"{self.fit.explanation(change).words} (± {np.degrees(errors.max()):.2g}°)"
         if change is self.axes:

@@ -1,18 +1,19 @@
 """Turns a recording into a motion, with frames and order of components as its columns have them."""
 
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial.transform import Rotation
 
 from ....scenarios import FloatArray, Scenario, Trajectory
-from ....scenarios.rotation import matrices, norms, turned, turned_back
+from ....scenarios.rotation import matrices, norms, rotation_vectors, turned, turned_back
 from .recording import Recording, RecordingError
 
-#: Number of samples that ω is computed from.
-STENCIL = 5
+#: Numbers of samples that ω is computed from, and the part of samples in which errors are compared:
+#: they are larger at either end.
+STENCILS, NEARLY_ALL = (5, 7, 9), 0.9
 #: Largest turn between two samples, rad: over the four intervals of a stencil the direction of a
 #: turn must not be ambiguous.
 FURTHEST = 0.75
@@ -64,6 +65,21 @@ def reading_of(recording: Recording) -> Reading:
     return Reading(arrays["t"], q, arrays.get("omega"), order, frame, arrays.get("spins"))
 
 
+class DerivedOmega(NamedTuple):
+    """ω that is computed from attitudes.
+
+    Attributes
+    ----------
+    omega_body : rad/s, body axes, (n, 3)
+    error : of nearly all samples at most, rad/s: how far ω of two samples more is from it
+    reach : how many samples on each side it is computed from
+    """
+
+    omega_body: FloatArray
+    error: float
+    reach: int
+
+
 @dataclass(frozen=True, eq=False)
 class RecordedMotion:
     """A motion, and which of its quantities were recorded.
@@ -71,13 +87,18 @@ class RecordedMotion:
     Attributes
     ----------
     trajectory : at the file's own times; a com or velocity that was not recorded is the exact one
-    has_omega : whether ω was recorded; if not, it is the derivative of the attitudes
+    derived : ω as the derivative of the attitudes; None if it was recorded
     has_spins : whether spins were recorded; if not, rotors keep the constants of their hinges
     """
 
     trajectory: Trajectory
-    has_omega: bool
+    derived: DerivedOmega | None
     has_spins: bool
+
+    @property
+    def has_omega(self) -> bool:
+        """Whether ω was recorded."""
+        return self.derived is None
 
 
 def recorded_motion(
@@ -99,9 +120,10 @@ def recorded_motion(
     com = arrays.get("com", exact.com_world)
     if "com" not in arrays:
         com = constraint.com_world(R_world_body @ constraint.lever, com)
-    omega_body, has_omega = reading.omega_body, True
+    omega_body, derived = reading.omega_body, None
     if omega_body is None:
-        omega_body, has_omega = omega_of_attitudes(t, q), False
+        derived = omega_of_attitudes(t, q)
+        omega_body = derived.omega_body
     velocity = arrays.get("velocity", exact.velocity_world)
     if "velocity" not in arrays:
         swing_world = turned(R_world_body, np.cross(omega_body, constraint.lever))
@@ -115,48 +137,55 @@ def recorded_motion(
             )
         spins = reading.spins
     motion = Trajectory(t, q, omega_body, com, velocity, spins)
-    return RecordedMotion(motion, has_omega, reading.spins is not None)
+    return RecordedMotion(motion, derived, reading.spins is not None)
 
 
-def omega_of_attitudes(
-    t: FloatArray, q_world_body_wxyz: FloatArray, samples: int = STENCIL
-) -> FloatArray:
-    """Return ω along body axes, rad/s, (n, 3), from n attitudes.
+def omega_of_attitudes(t: FloatArray, q_world_body_wxyz: FloatArray) -> DerivedOmega:
+    """Return ω from n attitudes.
 
-    At a sample ω is the derivative of the rotation vector to its neighbours, computed by the
-    polynomial through some of them (B. Fornberg, Math. Comp. 51 (1988) 699, for its weights).
-
-    Parameters
-    ----------
-    samples : of the polynomial; its order in their distance is one less
+    More samples have a smaller error where attitudes have digits enough; the fewest are used whose
+    error is not much larger than that of others.
 
     Raises
     ------
     RecordingError
         If the body turns too far between two samples.
     """
-    attitudes = Rotation.from_quat(q_world_body_wxyz, scalar_first=True)
-    turns = np.atleast_1d((attitudes[:-1].inv() * attitudes[1:]).magnitude())
-    if turns.max() > FURTHEST:
+    turns = norms(rotation_vectors(q_world_body_wxyz[:-1], q_world_body_wxyz[1:]))
+    if turns.max(initial=0.0) > FURTHEST:
         k = int(np.argmax(turns))
         raise RecordingError(
             f"the body turns by {np.degrees(turns[k]):.0f}° between samples {k + 1} and {k + 2}: "
             "ω cannot be told from attitudes so far apart; write ω, or more samples"
         )
+    every = [_derived(t, q_world_body_wxyz, samples) for samples in (*STENCILS, STENCILS[-1] + 2)]
+    errors = [float(np.quantile(norms(a - b), NEARLY_ALL)) for a, b in pairwise(every)]
+    best = next(k for k, error in enumerate(errors) if error <= 2 * min(errors))
+    return DerivedOmega(every[best], errors[best], STENCILS[best] // 2)
+
+
+def _derived(t: FloatArray, q_world_body_wxyz: FloatArray, samples: int) -> FloatArray:
+    """Return ω along body axes, rad/s, (n, 3), by polynomials of q through so many samples.
+
+    ω is 2 q⁻¹ q', with weights of q' by B. Fornberg, Math. Comp. 51 (1988) 699.
+    """
+    # q and -q are one attitude.
+    signs = np.sign(np.sum(q_world_body_wxyz[:-1] * q_world_body_wxyz[1:], axis=1))
+    q = np.cumprod([1.0, *signs])[:, None] * q_world_body_wxyz
     points = min(samples, len(t))
     first = np.clip(np.arange(len(t)) - points // 2, 0, len(t) - points)
-    omega_body = np.zeros((len(t), 3))
+    rates = np.zeros_like(q)
     for j in range(points):
-        to_neighbour = (attitudes.inv() * attitudes[first + j]).as_rotvec()
-        omega_body += _weight(t, first, points, j)[:, None] * to_neighbour
-    return omega_body
+        rates += _weight(t, first, points, j)[:, None] * (q[first + j] - q)
+    w, v = q[:, :1], q[:, 1:]
+    return 2 * (w * rates[:, 1:] - rates[:, :1] * v - np.cross(v, rates[:, 1:]))
 
 
 def _weight(t: FloatArray, first: NDArray[np.intp], points: int, j: int) -> FloatArray:
     """Return the derivative, 1/s, (n,), at each sample, of the Lagrange polynomial of point j.
 
-    j counts the points of the sample's stencil. The sample's own point is not needed, as its
-    rotation vector is zero.
+    j counts the points of the sample's stencil. The sample's own weight is not needed: what is
+    added up is how far others are from it.
     """
     own = np.arange(len(t)) - first
     weight = np.where(own == j, 0.0, 1.0)

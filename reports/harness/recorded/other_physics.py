@@ -26,7 +26,7 @@ from .mistakes import FITS
 from .motion_changes import TIMES, changes_of_motion, is_of_turning, sentences
 from .sensors import READINGS
 from .varying import varying
-from .within_error import within_error
+from .within_error import refitted, within_error
 
 #: Number of intervals that changes are fitted to, and of steps of known integrators, at most.
 MOST, MOST_STEPS = 60, 300
@@ -39,6 +39,16 @@ LEAST_OF_TWO = 1e-4
 CERTAIN = 6.0
 #: How many numbers are fitted, at most, where more is left than a method makes.
 MOST_NUMBERS = 3
+#: That a method's order is lower than the stated one.
+LOWER_ORDER = (
+    "its method is of order {}, not {}: {} equations and errors of that order make this "
+    "motion; look for a wrong stage or weight, or a rate that is taken at another time"
+)
+OTHER_TIMESTEP = "its timestep is not the stated {:.4g} s"
+LONGER_TIMESTEP = (
+    "its timestep is longer than the stated {:.4g} s: {} equations and errors of order {} "
+    "make this motion, with a timestep of {:.2g} s or more"
+)
 UNEXPLAINED = (
     "this is most of it: what is left, {:.2g} % of the difference, is beyond the method, and not "
     "explained"
@@ -56,7 +66,8 @@ class Physics:
         used
     order : order of accuracy of the method that made it
     noise : standard deviations of attitude, rad, and ω, rad/s, (2,)
-    is_derived : whether ω was not recorded, but computed from the attitudes
+    reach : samples at either end whose ω has larger errors, as it is computed from attitudes
+    base : what changes are added to, as where one has been found; the scene's equations if None
     """
 
     scenario: Scenario
@@ -65,13 +76,18 @@ class Physics:
     timestep: float | None
     order: int
     noise: FloatArray
-    is_derived: bool = False
+    reach: int = 0
+    base: Hypothesis | None = None
 
     @cached_property
     def intervals(self) -> Intervals | None:
         """The motion from sample to sample; None if intervals are too few, or too long."""
         of_method = self.timestep, self.order, self.noise
-        return intervals_of(self.scenario, self.motion, *of_method, most=MOST)
+        inner = self.motion.at(np.arange(self.reach, len(self.motion.t) - self.reach))
+        data = intervals_of(self.scenario, inner, *of_method, most=MOST)
+        if data is None:
+            return None
+        return replace(data, base=self.base or data.base, is_derived=self.reach > 0)
 
     @cached_property
     def search(self) -> Search | None:
@@ -149,6 +165,16 @@ class Physics:
         return best if by_change > LEFT**2 * by_order[best] else 0
 
     @property
+    def of_other_method(self) -> list[str]:
+        """The sentence that the method has a lower order, or another timestep; often none."""
+        if self.is_at_another_timestep:
+            return [OTHER_TIMESTEP.format(self.timestep)]
+        order, equations = self.order_made, "these" if self.base else "the scene's"
+        if order == self.order and self.timestep:
+            return [LONGER_TIMESTEP.format(self.timestep, equations, order, self.least_timestep)]
+        return [LOWER_ORDER.format(order, self.order, equations)] if order else []
+
+    @property
     def least_timestep(self) -> float:
         """The least timestep, s, with which a method of the stated order may be off by so much."""
         if self.intervals is None or self.search is None or self.timestep is None:
@@ -166,21 +192,13 @@ class Physics:
         """Return the integrator that made the motion of a hypothesis; empty if none did."""
         return self.known.that_made(hypothesis) if self.known else ""
 
-    def _leads_exactly(self, hypothesis: Hypothesis) -> bool:
-        """Whether a hypothesis leads from sample to sample, but for errors that are no more."""
-        if self.intervals is None:
-            return False
-        exact = self.intervals.made_by(EXACT, 0.0)
-        (off,) = exact.off([hypothesis]) * exact.scale
-        return bool((root_mean_squares(off) <= self.least).all())
+    def after(self, found: Fit) -> "Physics":
+        """The same motion, with changes that were found as what others are added to."""
+        return replace(self, base=found.hypothesis)
 
     @cached_property
     def by_other_equations(self) -> Fit | None:
-        """The change by which a known integrator made the motion, to rounding; None if none did."""
-        return self._by_integrators(self.intervals.base) if self.intervals else None
-
-    def _by_integrators(self, base: Hypothesis) -> Fit | None:
-        """The change of a hypothesis by which a known integrator made the motion; None if none.
+        """The change by which a known integrator made the motion, to rounding; None if none did.
 
         Numbers are fitted only where the motion is beyond a method's error with a timestep that is
         stated: implicit damping, by a method that is not known, is another tensor's. Where
@@ -188,22 +206,21 @@ class Physics:
         """
         if self.search is None or self.made_by or self.known is None or not self.known.each:
             return None
-        data = replace(self.known.each[0], base=base)
+        data = self.known.each[0]
         count = min(FEW, int(MOST_STEPS * data.timestep / float(np.median(data.spans))))
         if count < FEWEST_INTERVALS:
             return None
         is_fitted = self.timestep is not None and self.is_beyond
         changes = [one for one in self.search.changes if is_fitted or not len(one.sizes)]
-        few = [replace(data, base=base).spread(count) for data in self.known.each]
+        few = [data.spread(count) for data in self.known.each]
         found = [Search(data, changes, most=MOST_NUMBERS).one() for data in few]
         fits = [fit for fit in found if fit is not None and self._integrator(fit.hypothesis)]
         return min(fits, key=lambda fit: (fit.count, fit.left), default=None)
 
     @property
     def is_of_noise(self) -> bool:
-        """Whether the difference is no more than noise; of an ω that is computed, not much more."""
-        off = LEFT * self.off if self.is_derived else self.off
-        return bool((off <= self.least).all())
+        """Whether the difference is no more than noise."""
+        return bool((self.off <= self.least).all())
 
     @cached_property
     def is_of_method(self) -> bool:
@@ -219,10 +236,12 @@ class Physics:
 
     @cached_property
     def off(self) -> FloatArray:
-        """How far attitude, rad, and ω, rad/s, are off where the scene's equations lead, (2,)."""
+        """How far attitude, rad, and ω, rad/s, are off where the equations lead, (2,)."""
         if self.intervals is None:
             return np.zeros(2)
-        return root_mean_squares(self.intervals.apart(self.intervals.base.equations))
+        exact = self.intervals.made_by(EXACT, 0.0)
+        (off,) = exact.off([exact.base]) * exact.scale
+        return root_mean_squares(off)
 
     @cached_property
     def least(self) -> FloatArray:
@@ -265,7 +284,7 @@ class Physics:
         if not self.is_beyond:
             if self.is_of_noise:
                 return []
-            fit = self._within_error(self.intervals.base)
+            fit = self._within_error
             words = sentences(self._and_read(fit) or fit) if fit else []
             words = words or self._varying(self._of_motion)
             return words or ([] if self.is_of_method else self.dissipated)
@@ -288,17 +307,11 @@ class Physics:
         """The changes that explain the motion; within a method's error only if they do exactly."""
         return self.found if self.is_beyond else self.of_exact_motion or self.by_other_equations
 
-    def _varying(self, changes: Sequence[Change], base: Hypothesis | None = None) -> list[str]:
-        """Return in words the number that, changing in time, explains the motion; often none.
-
-        Parameters
-        ----------
-        base : the hypothesis to which it is added; the scene's if None
-        """
+    def _varying(self, changes: Sequence[Change]) -> list[str]:
+        """Return in words the number that, changing in time, explains the motion; often none."""
         if self.intervals is None or (self.is_of_method and not self.is_beyond):
             return []
-        data = replace(self.intervals, base=base or self.intervals.base)
-        found = varying(data, changes, len(changes))
+        found = varying(self.intervals, changes, len(changes))
         return [found.words, *self._unexplained(found.rest)] if found else []
 
     @property
@@ -310,13 +323,14 @@ class Physics:
         changes = self.search.changes if self.search else ()
         return [one for one in changes if not (len(one.sizes) and is_of_turning(one))]
 
-    def _within_error(self, base: Hypothesis) -> Fit | None:
-        """The changes that explain what a hypothesis leaves within a method's error, if any do."""
+    @property
+    def _within_error(self) -> Fit | None:
+        """The changes that explain what is left within a method's error, if any do."""
         if self.intervals is None or self.search is None:
             return None
         orders, every = range(1, self.order + 1), self._of_motion
         of_method = orders, self.timestep, self.next_term
-        return within_error(self.intervals, every, MOST_NUMBERS, base, *of_method)
+        return within_error(self.intervals, every, MOST_NUMBERS, *of_method)
 
     @cached_property
     def found(self) -> Fit | None:
@@ -358,7 +372,7 @@ class Physics:
     @property
     def is_all(self) -> bool:
         """Whether changes explain all of the motion, from sample to sample."""
-        return self.found is not None and self._leads_exactly(self.found.hypothesis)
+        return self.found is not None and self.after(self.found).is_of_noise
 
     @property
     def is_open_or_turning(self) -> bool:
@@ -389,25 +403,38 @@ class Physics:
         return list(clamps(self.scenario, self.motion, self.exact, of_method, of_noise))
 
     def _in_words(self, found: Fit) -> list[str]:
-        words = sentences(found)
-        if self._leads_exactly(found.hypothesis):
+        words, rest = sentences(found), self.after(found)
+        if rest.is_of_noise:
             return words
-        if made := self._integrator(found.hypothesis):
+        if rest.known and (made := rest.known.that_made(found.hypothesis)):
             return [*words, f"what is left is {made}"]
         if unexplained := self._unexplained(found.rest):
-            return [*words, *unexplained]
+            return self._of_lower_order(found) or [*words, *unexplained]
         if len(found.changes) > 1:
             return words
         if both := self._and_read(found):
             return sentences(both)
-        if more := self._by_integrators(found.hypothesis):
-            return [*words, *self._in_words(more)]
-        more = self._within_error(found.hypothesis)
+        if more := rest.by_other_equations:
+            return [*words, *rest._in_words(more)]
+        more = rest._within_error
         # The same change once more is what a method's error made of its numbers.
         is_another = more is not None and not set(more.changes) & set(found.changes)
         if more and is_another:
             return [*words, *sentences(more)]
-        return [*words, *self._varying(self._of_motion, found.hypothesis)]
+        return [*words, *rest._varying(self._of_motion)]
+
+    def _of_lower_order(self, found: Fit) -> list[str]:
+        """Return in words changes beside the errors of a lower order than the stated one, or none.
+
+        They were fitted without these errors, and so have other numbers.
+        """
+        if self.intervals is None or self.timestep is None:
+            return []
+        for order in range(1, self.order):
+            of_method = order, self.timestep, self.next_term
+            if fit := refitted(self.intervals, found, *of_method):
+                return [*sentences(fit), LOWER_ORDER.format(order, self.order, "these")]
+        return []
 
     def _and_read(self, found: Fit) -> Fit | None:
         """The changes of a fit and a mistake in reading, or of times, that leave nothing; or None.

@@ -1,4 +1,4 @@
-"""What was made of the body's ω, where the attitudes alone obey the scene's equations.
+"""What was made of the body's ω, where the attitudes alone obey equations of motion.
 
 Between two attitudes the equations of motion lead by one ω: that of the body. The recorded ω may
 be it, clamped, or what a linear filter makes of it.
@@ -66,24 +66,27 @@ def omega_read(physics: Physics, *, is_explained: bool) -> list[str]:
 
     Parameters
     ----------
-    physics : of the motion with the recorded ω
+    physics : of the motion with the recorded ω; by its `base`, if it has one, the attitudes go
     is_explained : whether other mistakes of reading ω explain the motion: then a clamp alone, which
         has one number, is simpler
     """
     motion = physics.motion
     turns = norms(physics.exact.omega_body)[:-1] * np.diff(motion.t)
     # Attitudes that are late obey the equations, too.
-    if is_attitude_off(motion, physics.exact) or turns.max() > NEAR:
+    is_late = physics.base is None and is_attitude_off(motion, physics.exact)
+    if is_late or turns.max() > NEAR:
         return []
+    base = physics.base or as_it_is(physics.scenario)
     states = np.hstack([motion.q_world_body_wxyz, motion.omega_body])
-    of_body = _omega_between(as_it_is(physics.scenario).equations, states, np.diff(motion.t))
+    of_body = _omega_between(base.equations, states, np.diff(motion.t))
     if of_body is None or physics.intervals is None:
         return []
     read = motion.omega_body[:-1]
     # What an attitude is off by, ω is off by over the distance of two.
     attitude = np.hypot(physics.noise[0], physics.intervals.method[:, 0].max())
     # Attitudes that are the exact motion's at their times are no further off than that.
-    attitude = min(attitude, max(physics.noise[0], turned_off(motion, physics.exact)))
+    off = 0.0 if physics.base else turned_off(motion, physics.exact)
+    attitude = min(attitude, max(physics.noise[0], off))
     error = physics.noise[1] + 2 * attitude / float(np.diff(motion.t).min())
     cut = motion.until(len(read))
     by_attitudes = replace(
@@ -92,16 +95,16 @@ def omega_read(physics: Physics, *, is_explained: bool) -> list[str]:
         exact=physics.exact.until(len(read)),
         noise=np.array([physics.noise[0], error]),
     )
-    off = norms(read - of_body)
-    if by_attitudes.search is None or by_attitudes.is_beyond or np.max(off) * LEFT < error:
+    apart = norms(read - of_body)
+    if by_attitudes.search is None or by_attitudes.is_beyond or np.max(apart) * LEFT < error:
         return []
     body = np.hstack([states[:-1, :4], of_body])
     simple = next(_clamped(body, read, error), []) or _differences(motion)
     # What filters make of ω is off throughout, and not at some samples alone.
-    if simple or is_explained or np.mean(off**2) <= error**2:
+    if simple or is_explained or np.mean(apart**2) <= error**2:
         return simple
     return (
-        _sensed(ReadOmega(as_it_is(physics.scenario), motion.t[:-1], body, read, error))
+        _sensed(ReadOmega(base, motion.t[:-1], body, read, error))
         or _smoothed_or_filtered(motion.t, of_body, read, error)
         or [OMEGA]
     )

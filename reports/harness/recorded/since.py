@@ -4,13 +4,15 @@ So it is where a boom unfolds, a thruster stops, something strikes the body, or 
 out of place.
 """
 
+from typing import NamedTuple
+
 import numpy as np
 from scipy.special import chdtrc
 
-from ....scenarios import FloatArray, Scenario, Trajectory
+from ....scenarios import FloatArray, Trajectory
 from ....scenarios.rotation import norms
 from ..explaining.search import LEFT, LEVEL
-from .intervals import apart, gained, states_of
+from .intervals import Intervals, apart, states_of
 from .log import FEWEST, log_of
 from .measured import START, Measured
 
@@ -68,25 +70,44 @@ def since_when(fit: Measured, motion: Trajectory, exact: Trajectory) -> list[str
     ]
 
 
-def since_exactly(scenario: Scenario, motion: Trajectory, least: FloatArray) -> list[str]:
-    """Return until when a motion without noise is the exact one; nothing if always, or never.
+class Since(NamedTuple):
+    """A motion that is the exact one until it is another one.
 
-    From sample to sample it follows the equations, to rounding, and then at once it does not.
+    Attributes
+    ----------
+    last, first : the last sample that is the exact motion's, and the first of those that surely
+        are not
+    is_method : whether it is the exact motion but for a method's error; else to rounding
+    off : how far the motion is off afterwards, from sample to sample, rad and rad/s, (2,)
+    """
+
+    last: int
+    first: int
+    is_method: bool
+    off: FloatArray
+
+
+def since_exactly(data: Intervals, least: FloatArray, reach: int) -> Since | None:
+    """Return since when a motion without noise is not the exact one; None if always, or never.
+
+    From sample to sample it follows the equations, and then at once it does not.
 
     Parameters
     ----------
+    data : all intervals of the motion
     least : differences of attitude, rad, and ω, rad/s, that may be rounding, (2,)
+    reach : how many samples on each side ω is computed from
     """
-    off = gained(scenario, motion)
-    each = (norms(off.reshape(-1, 3)).reshape(-1, 2) / least).max(axis=1)
-    first = int(np.argmax(each > 1))
-    soon = each[first : first + AT_ONCE]
-    is_at_once = soon.max() > max(1 / LEFT, LEFT**2 * each.max())
-    if min(first, len(each) - first) < FEWEST or not is_at_once:
-        return []
-    turned, faster = norms(off[first:].reshape(-1, 3)).reshape(-1, 2).max(axis=0)
-    return [
-        f"until t = {motion.t[first]:.4g} s it is the exact motion, to rounding; from then on it "
-        f"is another one, off by up to {np.degrees(turned):.2g}° and {faster:.2g} rad/s from "
-        "sample to sample: look for what changed there"
-    ]
+    off = norms(data.apart(data.base.equations).reshape(-1, 3)).reshape(-1, 2)
+    for is_method in (False, True):
+        each = (off / np.hypot(least, is_method * data.method)).max(axis=1)[
+            reach : len(off) - reach
+        ]
+        last = int(np.argmax(each > 1))
+        first = last + 2 * reach
+        soon = each[last : first + AT_ONCE]
+        is_at_once = soon.max() > max(1 / LEFT, LEFT**2 * each.max())
+        if min(last, len(each) - first) >= FEWEST and is_at_once:
+            # What ω is computed from reaches so far.
+            return Since(first, first + reach, is_method, off[last + reach :].max(axis=0))
+    return None

@@ -59,7 +59,6 @@ def within_error(
     data: Intervals,
     changes: Sequence[Change],
     most: int,
-    base: Hypothesis,
     orders: Sequence[int],
     timestep: float | None,
     next_term: float,
@@ -69,11 +68,9 @@ def within_error(
     Parameters
     ----------
     most : how many numbers are fitted, at most
-    base : the hypothesis, to which changes are added
     orders, timestep : of methods that may have made the motion; s, None if unknown
     next_term : the next term of a method's error, relative to the leading one
     """
-    data = replace(data, base=base)
     errors = leading_errors(data, orders, timestep)
     for size in _sizes(data, errors, changes):
         found, size = _beside(data, errors, changes, most, next_term, size)
@@ -82,6 +79,24 @@ def within_error(
             if (made <= ROOM * np.maximum(size, data.noise)).all():
                 return found
     return None
+
+
+def refitted(
+    data: Intervals, found: Fit, order: int, timestep: float | None, next_term: float
+) -> Fit | None:
+    """Return changes fitted beside the errors of methods of an order; None if more is left.
+
+    Parameters
+    ----------
+    found : a fit of the changes alone
+    order, timestep, next_term : as in `within_error`
+    """
+    of_changes = replace(data, base=found.hypothesis)
+    errors = leading_errors(of_changes, [order], timestep)
+    size = root_mean_squares(data.off([found.hypothesis])[0] * data.scale)
+    nearly = data.with_error(np.maximum(next_term * size, FITS))
+    fit = Trial(BesideMethods.of(nearly, errors), found.changes).fit(found)
+    return fit if fit.left <= 1 else None
 
 
 def _beside(
