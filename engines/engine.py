@@ -248,16 +248,16 @@ class Engine(Adapted, ABC):
                 most_turn = method.max_rotation_per_step
                 bounds = Bounds(timestep, most_turn, _arm(scenario, body))
                 sampled = sample(session, sample_steps, bounds)
-                audited = audit(session, scenario, sampled)
+                active, differs = audit(session, scenario, sampled)
         except UnsupportedError as error:
             return ended("unsupported", str(error), error.cause)
         except EngineError as error:
             return ended("failed", str(error), error.cause or "refused")
-        ending = _samples(sampled, sample_steps, timestep) | {"active": audited.active}
-        if audited.differs and is_strict:
-            return ended("failed", audited.differs, "model", **ending)
-        remarks = [*(one.remark for one in unlike), audited.differs, sampled.reason]
-        cause = sampled.cause or ("read-back" if unlike else "model" if audited.differs else "")
+        ending = _samples(sampled, sample_steps, timestep) | {"active": active}
+        if differs and is_strict:
+            return ended("failed", differs, "model", **ending)
+        remarks = [*(one.remark for one in unlike), differs, sampled.reason]
+        cause = sampled.cause or ("read-back" if unlike else "model" if differs else "")
         return ended(sampled.outcome, "; ".join(filter(None, remarks)), cause, **ending)
 
 

@@ -1,7 +1,5 @@
 """Compares what acted on the body in a run with what the scene calls for, after the last step."""
 
-from dataclasses import dataclass
-
 from ...scenarios import Scenario
 from ..fault import ENVIRONMENTAL
 from ..sampling import Sampled
@@ -9,22 +7,13 @@ from ..session import Session
 from .read_back import EngineError
 
 
-@dataclass(frozen=True)
-class Audit:
-    """The effects that acted, and how they differ from the scene.
+def audit(session: Session, scenario: Scenario, sampled: Sampled) -> tuple[frozenset[str], str]:
+    """Audit a session whose run has ended.
 
-    Attributes
-    ----------
-    active : as returned by `Session.active`
-    differs : in words; empty if exactly what the scene calls for acted
-    """
-
-    active: frozenset[str] = frozenset()
-    differs: str = ""
-
-
-def audit(session: Session, scenario: Scenario, sampled: Sampled) -> Audit:
-    """Audit a session whose run has ended; `differs` is empty unless the run is ok.
+    Returns
+    -------
+    The effects that acted, as returned by `Session.active`; and how they differ from the scene, in
+    words, which are empty if exactly what the scene calls for acted, or if the run is not ok
 
     Raises
     ------
@@ -32,15 +21,15 @@ def audit(session: Session, scenario: Scenario, sampled: Sampled) -> Audit:
         If it cannot be audited and the machine is to blame.
     """
     if sampled.outcome == "failed":
-        return Audit()
+        return frozenset(), ""
     try:
         active = session.active()
     except EngineError as error:
         if error.cause in ENVIRONMENTAL:
             raise
         # After a blow-up the engine may not be usable any more.
-        return Audit(differs=f"cannot be audited: {error}" if sampled.outcome == "ok" else "")
-    return Audit(active, _differs(active, scenario.called_for) if sampled.outcome == "ok" else "")
+        return frozenset(), f"cannot be audited: {error}" if sampled.outcome == "ok" else ""
+    return active, _differs(active, scenario.called_for) if sampled.outcome == "ok" else ""
 
 
 def _differs(active: frozenset[str], called_for: frozenset[str]) -> str:

@@ -1,36 +1,26 @@
-"""A scene's equations of motion, with which the gains of an engine's states are compared.
+"""What a scene's equations of motion say of states: their sizes, and where the body can be held."""
 
-Euler's about the pivot, or the com where there is none, and Newton's (Goldstein, Classical
-Mechanics, eq. 5.39 and 1.23).
-"""
-
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ...scenarios import PUSHED, FloatArray, Scenario, push
-from ...scenarios.effects import gravity
-from ...scenarios.rotation import cross, matrices
+from ...scenarios import FloatArray, Scenario
+from ...scenarios.rotation import cross, matrices, turned
 from .read_back import READ_BACK_SLACK, State
 
 
 @dataclass(frozen=True, eq=False)
 class Equations:
-    """The right-hand sides for one scene; vectors (3,), SI."""
+    """The coefficients of one scene's equations of motion, SI, and what holds its body."""
 
     scenario: Scenario
 
     @cached_property
-    def inertia(self) -> FloatArray:
-        """Tensor of inertia by which ω' is multiplied, as `Scenario.inertia`, kg m², (3, 3)."""
-        return self.scenario.inertia
-
-    @cached_property
     def inverse(self) -> FloatArray:
-        """Inverse of the tensor, (3, 3)."""
-        return np.asarray(np.linalg.inv(self.inertia), dtype=float)
+        """Inverse of the tensor of inertia by which ω' is multiplied, (3, 3)."""
+        return np.asarray(np.linalg.inv(self.scenario.inertia), dtype=float)
 
     @cached_property
     def arm(self) -> float:
@@ -47,25 +37,6 @@ class Equations:
         gyration = float(np.sqrt(body.principal_moments[-1] / body.mass))
         return self.arm if self.arm > READ_BACK_SLACK * gyration else gyration
 
-    def outer_body(self, R_world_body: FloatArray, omega_body: FloatArray) -> FloatArray:
-        """Torque of the scene's effects, N m."""
-        pulled = gravity.torque_body(self.scenario, R_world_body)
-        if not self.scenario.called_for & PUSHED:
-            return pulled
-        pushed: FloatArray = push(self.scenario.pushed, R_world_body, R_world_body @ omega_body)
-        return pulled + pushed @ R_world_body
-
-    def torque_body(
-        self, R_world_body: FloatArray, omega_body: FloatArray, kept_body: FloatArray
-    ) -> FloatArray:
-        """I dω/dt, N m, given the angular momentum that parts keep, kg m²/s."""
-        gyroscopic = cross(omega_body, self.inertia @ omega_body + kept_body)
-        torque_body = self.outer_body(R_world_body, omega_body) - gyroscopic
-        if self.scenario.answer is None:
-            return torque_body
-        acting = R_world_body[2], omega_body, torque_body, self.scenario.gravity_world
-        return self.scenario.answer(self.scenario, *acting)[0]
-
     def kept_body(self, state: State) -> FloatArray:
         """The angular momentum that parts keep, kg m²/s, (3,) or (n, 3)."""
         return self.scenario.kept_body(self.scenario.kept(state.omega_body, state.spins))
@@ -77,3 +48,19 @@ class Equations:
             at = matrices(states.q_world_body_wxyz), states.omega_body, self.kept_body(states)
             bears &= force(self.scenario, *at) > 0
         return bears
+
+    def bearable(self, states: State, others: State) -> State:
+        """Each of n states, or the other one where what holds the body cannot hold it there."""
+        bears = self.bears(states)[:, None]
+        pairs = zip(states.columns, others.columns, strict=True)
+        return State(*(np.where(bears, column, other) for column, other in pairs))
+
+    def on_constraint(self, states: State) -> State:
+        """States, n of them, with com and velocity where attitude and ω put them if it is held."""
+        constraint, R_world_body = self.scenario.constraint, matrices(states.q_world_body_wxyz)
+        swing_world = turned(R_world_body, cross(states.omega_body, np.array(constraint.lever)))
+        return replace(
+            states,
+            com_world=constraint.com_world(R_world_body @ constraint.lever, states.com_world),
+            velocity_world=constraint.velocity_world(swing_world, states.velocity_world),
+        )

@@ -248,10 +248,5 @@ def _rounded(values: FloatArray) -> str:
     """A number or nested lists of numbers, to three digits, with round-off set to zero."""
     least = float(np.finfo(float).eps) * np.abs(values).max()
     shown = np.where(np.abs(values) > least, values, 0.0)
-
-    def written(part: object) -> str:
-        if isinstance(part, list):
-            return f"[{', '.join(written(item) for item in part)}]"
-        return f"{part:.3g}"
-
-    return written(shown.tolist())
+    written = np.array2string(shown, separator=", ", formatter={"float_kind": "{:.3g}".format})
+    return written.replace("\n", "")

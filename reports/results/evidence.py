@@ -106,6 +106,11 @@ class GainCurve:
         return self
 
 
+def is_known(known_to: float, of_an_effect: float) -> bool:
+    """Whether a limit is known well enough for a verdict: see `StepEvidence`."""
+    return known_to <= CONSISTENT and of_an_effect <= SEEN
+
+
 @dataclass(frozen=True)
 class StepEvidence:
     """Evidence from a method's single steps from known states.
@@ -147,7 +152,7 @@ class StepEvidence:
     @property
     def is_known(self) -> bool:
         """Whether the limit is known well enough for a verdict."""
-        return self.known_to <= CONSISTENT and self.of_an_effect <= SEEN
+        return is_known(self.known_to, self.of_an_effect)
 
 
 @dataclass(frozen=True)

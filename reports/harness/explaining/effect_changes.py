@@ -197,7 +197,7 @@ def of_attitude(scenario: Scenario, e: OtherEquations) -> Iterator[Change]:
         np.array([rate**2]),
         lambda n: np.array([n[0], *up]),
     )
-    yield fitted("turning besides", np.zeros(3), rate, partial(_turned, "body_turns"))
+    yield fitted("turning besides", np.zeros(3), rate, lambda h, n: h.of(body_turns=n))
     yield world_turning(rate)
     yield fitted("gravity gradient along other axes", np.zeros(5), rate**2, _pulled)
     yield by_attitude(size)
@@ -245,11 +245,7 @@ def _spring(q_rest_wxyz: FloatArray, size: float) -> Change:
 
 def world_turning(rate: float) -> Change:
     """A change in which attitudes drift about an axis of the world, by about `rate`, rad/s."""
-    return fitted("world turning", np.zeros(3), rate, partial(_turned, "world_turns"))
-
-
-def _turned(name: str, h: Hypothesis, rate: FloatArray) -> Hypothesis:
-    return h.of(**{name: rate})
+    return fitted("world turning", np.zeros(3), rate, lambda h, n: h.of(world_turns=n))
 
 
 def _pulled(h: Hypothesis, n: FloatArray) -> Hypothesis:

@@ -5,8 +5,8 @@ What a hypothesis leaves of the data is in units of what noise and a method's er
 
 from abc import ABC, abstractmethod
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
-from functools import cached_property
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
 from itertools import combinations
 from typing import Any
 
@@ -257,8 +257,25 @@ class Trial:
         return found.x, mean_square(found.fun)
 
     def _searched(self, x: FloatArray, samples: int | None, near: float, most: int) -> Any:
-        residuals = _Residuals(self, samples)
-        return least_squares(residuals.at, x, jac=residuals.slopes_at, xtol=near, max_nfev=most)
+        """The numbers that leave least; slopes are computed with what is left, in less time."""
+
+        @lru_cache(1)
+        def both(numbers: bytes) -> tuple[FloatArray, FloatArray]:
+            """What is left, (m,), and how far from what is known, (p,); and the slopes of these."""
+            x = np.frombuffer(numbers)
+            steps = np.sqrt(EPS) * np.maximum(1.0, np.abs(x))
+            hypotheses = [self.hypothesis(one) for one in np.vstack([x, x + np.diag(steps)])]
+            unlikely = np.stack([self.data.unlikely(one) for one in hypotheses])
+            off = np.hstack([self.data.left(hypotheses, samples), unlikely])
+            return off[0], (off[1:] - off[0]).T / steps
+
+        def left(x: FloatArray) -> FloatArray:
+            return both(x.tobytes())[0]
+
+        def slopes(x: FloatArray) -> FloatArray:
+            return both(x.tobytes())[1]
+
+        return least_squares(left, x, slopes, xtol=near, max_nfev=most)
 
     def fit_from(self, x: FloatArray, most: int = EVALUATIONS) -> Fit:
         """Fit the numbers to all data, from given ones in units of their sizes, (k,).
@@ -363,37 +380,6 @@ def of_pairs(
             explained = np.where(is_seen, along / np.where(is_seen, sizes, 1.0), 0.0).sum(axis=1)
             least = np.maximum(least - explained, EPS * least)
         yield least / len(unchanged), pairs
-
-
-@dataclass(eq=False)
-class _Residuals:
-    """What is minimised, with its slopes, which are computed at once: that takes less time.
-
-    Attributes
-    ----------
-    x, slopes : the latest numbers, (k,), and the slopes there
-    """
-
-    trial: Trial
-    samples: int | None
-    x: FloatArray = field(default_factory=lambda: np.empty(0))
-    slopes: FloatArray = field(default_factory=lambda: np.empty((0, 0)))
-
-    def at(self, x: FloatArray) -> FloatArray:
-        """What is left, (m,), then how far the numbers are from what is known beforehand, (p,)."""
-        steps = np.sqrt(EPS) * np.maximum(1.0, np.abs(x))
-        hypotheses = [self.trial.hypothesis(one) for one in np.vstack([x, x + np.diag(steps)])]
-        data = self.trial.data
-        unlikely = np.stack([data.unlikely(one) for one in hypotheses])
-        off = np.hstack([data.left(hypotheses, self.samples), unlikely])
-        self.x, self.slopes = x.copy(), (off[1:] - off[0]).T / steps
-        return np.asarray(off[0])
-
-    def slopes_at(self, x: FloatArray) -> FloatArray:
-        """The derivative of all these by each number, (m + p, k)."""
-        if not np.array_equal(x, self.x):
-            self.at(x)
-        return self.slopes
 
 
 def mean_square(numbers: FloatArray) -> float:

@@ -275,7 +275,7 @@ class _Rates:
             torque = torque + push(scenario.pushed, Rp, Rp @ op) @ Rp
             spin = omega0 if frozen in ("ω", "gyroscopic torque") else omega
             omega_of_L = omega0 if frozen in ("I ω", "gyroscopic torque") else omega
-            torque = torque - cross(spin, equations.inertia @ omega_of_L + kept)
+            torque = torque - cross(spin, equations.scenario.inertia @ omega_of_L + kept)
             if scenario.answer is not None:
                 torque = self._with_table(R, omega, torque, at["gravity"])
             rows.append(equations.inverse @ torque)

@@ -106,9 +106,7 @@ def _study(
     outline = ExactMotion(scenario).outline(scenario.times)
     at = places(scenario, outline, None).thinned(STATES)
     rate = fastest_rate(scenario, outline.omega_body) or 1 / scenario.window.duration
-    with sessions_of(
-        lambda scene, h: engine.open(scene, method, h), scenario, float(at.timesteps[0])
-    ) as sessions:
+    with sessions_of(engine, method, scenario, float(at.timesteps[0])) as sessions:
         h = timestep or float(at.timesteps[FINE])
         counts = counts_to(STEPS if window is None else max(1, round(window / h)))
         yield MethodStudy(sessions, engine, method, at, units_of(engine, rate), h, counts)

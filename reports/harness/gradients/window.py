@@ -200,7 +200,7 @@ def useless_from(gradients: tuple[Gradient, ...]) -> float | None:
 def _slopes(equations: Equations, state: State, target: FloatArray) -> list[FloatArray]:
     """Return the derivatives of both losses by attitude and ω at a state, (6,) each."""
     turn = rotation_vectors(target[None], state.q_world_body_wxyz[None])[0]
-    momentum = equations.inertia @ state.omega_body
+    momentum = equations.scenario.inertia @ state.omega_body
     return [np.append(turn, np.zeros(3)), np.append(np.zeros(3), momentum)]
 
 

@@ -62,7 +62,7 @@ class Gains(Data):
         R_world_body = matrices(self.states.q_world_body_wxyz)
         omega = self.states.omega_body @ inverse(hypothesis.read).T
         turning, omega_rate = np.split(self._rates(hypothesis, omega), 2, axis=1)
-        torque = omega_rate @ hypothesis.read.T @ self.equations.inertia.T
+        torque = omega_rate @ hypothesis.read.T @ scenario.inertia.T
         if scenario.constraint.is_pivot:
             com = np.tile(e.pull / scenario.body.mass, (len(omega), 1))
             place, step = turned(R_world_body, com), 1.0

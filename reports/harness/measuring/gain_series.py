@@ -17,7 +17,6 @@ over, with a prior that is estimated from all states (Kiefer & Wolfowitz, Ann. M
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
 from itertools import pairwise
 from typing import TypeVar
 
@@ -26,12 +25,12 @@ from numpy.typing import NDArray
 from scipy.special import chdtrc
 
 from ....scenarios import FloatArray
-from .regression import LEAST, PREDICTED_FROM, Measured, Regression, log_sum, normalised
+from .regression import LEAST, PREDICTED_FROM, Measured, Regression
 
 #: Orders that are tried.
 ORDERS = (1, 2, 3, 4, 5, 6)
 
-T = TypeVar("T", "_Fit", "_Splits")
+T = TypeVar("T", Regression, "_Splits")
 
 
 @dataclass(frozen=True, eq=False)
@@ -128,8 +127,8 @@ def fitted(
     is_pooled : whether the limits of the states are independent, so that they are tested together
     """
     measured = Measured.of(timesteps, gains, noise, turns)
-    fit = _likeliest(lambda order: _Fit.of(measured, order))
-    one = replace(_one_series(fit), is_pooled=is_pooled)
+    fit = _likeliest(lambda order: Regression.of(measured, order))
+    one = _one_series(fit, is_pooled=is_pooled)
     if one.tail >= level:
         return one
     lone_timestep, total = _off_alone(measured)
@@ -141,66 +140,14 @@ def fitted(
             two = _two_series(one, splits, changes)
             if two.tail >= level:
                 return two
-    off = _likeliest(lambda order: _Fit.of(measured, order, constant=True))
+    off = _likeliest(lambda order: Regression.of(measured, order, has_constant=True))
     limit, limit_error, _ = off.limit
-    units = measured.units
     return replace(
         one,
-        limit=limit * units[:, None],
-        limit_error=limit_error * units,
+        limit=limit,
+        limit_error=limit_error,
         lone_timestep=lone_timestep if total > max(off.total, fit.total - np.log(level)) else None,
     )
-
-
-def _prior(evidence: FloatArray) -> FloatArray:
-    """The prior over the grid of radii and amplitudes, (A,).
-
-    One half of it is the same everywhere, the other is the mean of what the states show.
-    """
-    return np.asarray((1 / len(evidence) + normalised(evidence).mean(axis=1)) / 2)
-
-
-@dataclass(frozen=True, eq=False)
-class _Fit:
-    """A regression by one order, and the prior that goes with it.
-
-    Attributes
-    ----------
-    each : the logarithm of the likelihood of the gains of each state, (K,)
-    """
-
-    order: int
-    each: FloatArray
-    prior: FloatArray
-    regression: Regression
-
-    @staticmethod
-    def of(measured: Measured, order: int, *, constant: bool = False) -> "_Fit":
-        """Fit a series of one order, with a constant added or without."""
-        regression = Regression.of(measured, order)
-        evidence = regression.evidence_with_constant if constant else regression.evidence
-        prior = _prior(evidence)
-        return _Fit(order, log_sum(evidence + np.log(prior)[:, None]), prior, regression)
-
-    @property
-    def total(self) -> float:
-        """The logarithm of the likelihood of the gains of all states."""
-        return float(self.each.sum())
-
-    @cached_property
-    def limit(self) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """The limit at vanishing timesteps, as `Regression.limit` returns it."""
-        return self.regression.limit(self.prior)
-
-    @cached_property
-    def innovations(self) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """How far gains are off their predictions, as `Regression.innovations` returns it."""
-        return self.regression.innovations(self.prior)
-
-    @cached_property
-    def beyond(self) -> NDArray[np.intp]:
-        """How many of the longest timesteps are certainly beyond the radius, (K,)."""
-        return self.regression.beyond(self.prior)
 
 
 def _likeliest(fit: Callable[[int], T]) -> T:
@@ -214,21 +161,19 @@ def _likeliest(fit: Callable[[int], T]) -> T:
     return best
 
 
-def _one_series(fit: _Fit) -> GainSeries:
+def _one_series(fit: Regression, *, is_pooled: bool) -> GainSeries:
     """Tails, limits and predictions where all timesteps follow one series."""
     limit, limit_error, limit_tails = fit.limit
-    tails, predicted, error = fit.innovations
-    units = fit.regression.measured.units
     return GainSeries(
         fit.order,
-        tails,
+        fit.innovations[0],
         limit_tails,
-        limit * units[:, None],
-        limit_error * units,
-        predicted * units[:, None],
-        error * units,
-        np.zeros(len(units), dtype=int),
+        limit,
+        limit_error,
+        *fit.innovations[1:],
+        np.zeros(len(limit), dtype=int),
         fit.beyond,
+        is_pooled,
     )
 
 
@@ -241,16 +186,15 @@ def _two_series(one: GainSeries, splits: "_Splits", changes: NDArray[np.intp]) -
     """
     tails, limit_tails = one.tails.copy(), one.limit_tails.copy()
     limit, limit_error = one.limit.copy(), one.limit_error.copy()
-    units, beyond = splits.parts[0][0].regression.measured.units, one.beyond.copy()
+    beyond = one.beyond.copy()
     for change in np.unique(changes):
         states, parts = changes == change, splits.parts[change]
         tails[:, states] = np.concatenate([part.innovations[0] for part in parts])[:, states]
         beyond[states] = parts[0].beyond[states]
         # With fewer gains a limit cannot be told from a series.
-        found = [part.limit for part in parts if len(part.regression.measured.x) >= LEAST]
+        found = [part.limit for part in parts if len(part.measured.x) >= LEAST]
         finest, error, _ = found[-1]
-        limit[states] = (finest * units[:, None])[states]
-        limit_error[states] = (error * units)[states]
+        limit[states], limit_error[states] = finest[states], error[states]
         limit_tails[states] = np.min([of_limit for _, _, of_limit in found], axis=0)[states]
     return replace(
         one,
@@ -278,7 +222,7 @@ def _off_alone(measured: Measured) -> tuple[int, float]:
         noise = measured.noise.copy()
         noise[j] += np.abs(measured.gains[j]).max()
         others = replace(measured, noise=noise)
-        return _likeliest(lambda order: _Fit.of(others, order)).total
+        return _likeliest(lambda order: Regression.of(others, order)).total
 
     totals = [total(j) for j in range(len(measured.x))]
     return int(np.argmax(totals)), max(totals)
@@ -297,7 +241,7 @@ class _Splits:
     """
 
     order: int
-    parts: list[tuple[_Fit, ...]]
+    parts: list[tuple[Regression, ...]]
     changes: NDArray[np.intp]
     totals: FloatArray
 
@@ -307,7 +251,7 @@ class _Splits:
         count = len(measured.x)
         edges = [(0, count), *((0, change, count) for change in range(1, count))]
         parts = [
-            tuple(_Fit.of(measured.part(*ends), order) for ends in pairwise(of_one))
+            tuple(Regression.of(measured.part(*ends), order) for ends in pairwise(of_one))
             for of_one in edges
         ]
         each = np.array([sum(part.each for part in one) for one in parts])

@@ -77,7 +77,7 @@ class Intervals:
         """
         timestep, ends = self.run.rung.timestep, []
         for k, parts in enumerate(self.parts_of(kept)):
-            ends.append(restarted(self.sessions, starts.rows(k), timestep, parts)[-1])
+            ends.append(restarted(self.sessions, starts.rows(k), timestep, parts))
         return stacked(ends)
 
     def parts_of(self, kept: Sequence[int] | NDArray[np.intp]) -> NDArray[np.int64]:
@@ -90,37 +90,34 @@ class Intervals:
 
         Of a run of more than `DECIDED_STEPS` steps every n-th state is read.
         """
-        chance = np.random.default_rng(len(self.steps))
-        each, order = (
-            -(-int(self.steps.sum()) // DECIDED_STEPS),
-            chance.permutation(len(self.steps)),
-        )
+        order = np.random.default_rng(len(self.steps)).permutation(len(self.steps))
+        each = -(-int(self.steps.sum()) // DECIDED_STEPS)
         made = {k: self._recorded(k, each) for k in map(int, order)}
-        parts = [part for k in sorted(made) for part in made[k]]
+        parts = [made[k] for k in sorted(made)]
         strides = np.concatenate([strides for strides, _ in parts])
         states = self.sessions.first.states([one for _, kept in parts for one in kept])
-        last = np.cumsum([len(strides) for strides, _ in parts]) - 1
+        last = np.cumsum([len(kept) for _, kept in parts]) - 1
         taken, timestep = np.cumsum(strides), self.run.rung.timestep
         after = np.flatnonzero(strides)
         return Passage(
-            states.rows(last[1::2]),
+            states.rows(last),
             states.rows(after - 1),
             states.rows(after),
             (taken[after - 1] + self.run.rung.sample_steps[0]) * timestep,
             strides[after] * timestep,
         )
 
-    def _recorded(self, k: int, each: int) -> list[tuple[list[int], list[Any]]]:
-        """The strides of both parts of an interval, and the snapshots after them."""
-        start, parts = self.starts.rows(k), []
+    def _recorded(self, k: int, each: int) -> tuple[list[int], list[Any]]:
+        """The strides in which an interval is run again, and the snapshots after them."""
+        start, strides, kept = self.starts.rows(k), list[int](), list[Any]()
         for count in self.parts_of([k])[0].tolist():
-            strides = [0, *np.diff([*range(0, count, each), count]).tolist()]
-            kept: list[Any] = []
+            part = [0, *np.diff([*range(0, count, each), count]).tolist()]
+            if kept:
+                start = self.sessions.first.states(kept[-1:]).rows(0)
             with self.sessions.at(start, self.run.rung.timestep) as session:
-                session.record(strides, kept.append)
-                start = session.read_state()
-            parts.append((strides, kept))
-        return parts
+                session.record(part, kept.append)
+            strides += part
+        return strides, kept
 
 
 @dataclass(frozen=True, eq=False)
@@ -198,18 +195,14 @@ class Replay:
     passage: Passage
 
 
-def restarted(
-    sessions: Sessions, state: State, timestep: float, counts: Iterable[int]
-) -> list[State]:
-    """The states after each of several stretches of steps; the session is restarted before each."""
-    states = []
+def restarted(sessions: Sessions, state: State, timestep: float, counts: Iterable[int]) -> State:
+    """The state after stretches of steps, before each of which the session is restarted."""
     for count in map(int, counts):
         with sessions.at(state, timestep) as session:
             if count:
                 session.advance(count)
             state = session.read_state()
-        states.append(state)
-    return states
+    return state
 
 
 def beginning_of(sessions: Sessions, at: Places) -> MadeRun:

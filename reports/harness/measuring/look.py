@@ -8,7 +8,7 @@ import numpy as np
 from ....engines.checks.equations import Equations
 from ....scenarios import FloatArray
 from ....scenarios.rotation import norms, rotation_vectors
-from ...results.evidence import CONSISTENT, LEVEL, SEEN
+from ...results.evidence import LEVEL
 from .gain_series import GainSeries, fitted
 from .noise import largest_terms, weakest_effects
 from .steps import Steps
@@ -97,9 +97,3 @@ class Look:
         errors = np.array([size.max() for size in sizes])
         weakest = weakest_effects(self.equations, self.steps)
         return float((errors / self.sizes).max()), float((errors / weakest).max())
-
-    @property
-    def is_known(self) -> bool:
-        """Whether the limit is known well enough for a verdict."""
-        known_to, of_an_effect = self.known_to
-        return known_to <= CONSISTENT and of_an_effect <= SEEN

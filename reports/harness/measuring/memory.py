@@ -10,7 +10,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ....engines import Engine, State
+from ....engines import State
 from ....engines.checks.equations import Equations
 from ....engines.checks.read_back import stacked
 from ....scenarios import FloatArray
@@ -23,9 +23,7 @@ from .regression import PREDICTED_FROM
 from .steps import FEW, Sessions, state_differences
 
 
-def explained_by_memory(
-    replay: Replay, engine: Engine, declared: int, settled: int
-) -> ReplayEvidence:
+def explained_by_memory(replay: Replay, settled: int) -> ReplayEvidence:
     """Return what a replay shows, without a fault if a memory that vanishes explains it.
 
     The intervals in which the run differs the most are run again, from a state of the run some
@@ -40,29 +38,25 @@ def explained_by_memory(
 
     Parameters
     ----------
-    declared : the method's order
     settled : steps in which a constraint settled before those that were examined
     """
     shown, intervals = replay.evidence, replay.intervals
+    declared = intervals.sessions.method.order
     if shown.tail >= LEVEL or shown.spread:
         return shown
     before, starts = _earlier(replay, max(FEW, settled))
     parts = intervals.parts_of(replay.worst)
     lost = _lost(intervals.sessions, starts, shown.timestep, before, parts)
-    off, left = _largest(replay.off), _largest(replay.off - lost)
-    if off <= SOLVED:
-        # What an iterative solver leaves is of a size alone.
-        left = off - _largest(lost)
+    with np.errstate(invalid="ignore"):
+        off, without = np.linalg.norm([replay.off, replay.off - lost], axis=(2, 3)).max(axis=1)
+    # What an iterative solver leaves is of a size alone.
+    left = off - np.linalg.norm(lost, axis=(1, 2)).max() if off <= SOLVED else without
     if not left <= off / 2:
         return shown
-    order, tail = (declared, 1.0) if settled else _vanishing(replay, engine, declared)
+    order, tail = (declared, 1.0) if settled else _vanishing(replay, declared)
     if tail < LEVEL:
         return shown
     return replace(shown, tail=tail, order=order, declared=declared)
-
-
-def _largest(off: FloatArray) -> float:
-    return float(np.sqrt((off**2).sum(axis=(1, 2))).max())
 
 
 def _earlier(replay: Replay, steps: int) -> tuple[NDArray[np.int64], State]:
@@ -80,7 +74,7 @@ def _earlier(replay: Replay, steps: int) -> tuple[NDArray[np.int64], State]:
     return taken[edges] - taken[samples], states_of(run.motion).rows(samples)
 
 
-def _vanishing(replay: Replay, engine: Engine, declared: int) -> tuple[int, float]:
+def _vanishing(replay: Replay, declared: int) -> tuple[int, float]:
     """The order with which the effect of a memory vanishes, and the tail of its gains.
 
     The tail is 0 if there is no effect. The order is the declared one if only the longest timesteps
@@ -91,9 +85,9 @@ def _vanishing(replay: Replay, engine: Engine, declared: int) -> tuple[int, floa
     before = np.full(len(replay.worst), FEW)
     parts = np.stack([before // 2, before // 2], axis=1)
     lost = np.stack([_lost(sessions, starts, float(h), before, parts) for h in timesteps])
-    noise = max(NOISE, ULPS * engine.ulp) * np.sqrt(FEW)
-    gains, table = lost / timesteps[:, None, None, None], np.empty(lost.shape[:2])
-    table[:] = noise / timesteps[:, None]
+    noise = max(NOISE, ULPS * sessions.engine.ulp) * np.sqrt(FEW)
+    gains = lost / timesteps[:, None, None, None]
+    table = np.outer(noise / timesteps, np.ones(len(before)))
     series = [fitted(timesteps, gains[:, :, q], table, LEVEL) for q in range(lost.shape[2])]
     seen = np.abs(lost).max(axis=(1, 3)) > SURE * noise
     if not seen.any():
@@ -128,6 +122,6 @@ def _lost(
             state = session.read_state()
             session.advance(int(each.sum()))
             at_once.append(session.read_state())
-        others.append(restarted(sessions, state, timestep, each)[-1])
+        others.append(restarted(sessions, state, timestep, each))
     reach = Equations(sessions.scenario).reach
     return state_differences(stacked(others), stacked(at_once), reach)

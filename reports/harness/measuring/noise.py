@@ -1,7 +1,7 @@
 """The noise of what steps gain: every source, with its standard deviation, and the sizes beside it.
 
 - Reading: `ULPS` ulp of each number of a state; a step of an engine rounds a few times. It is less
-  in a mean of repeats, unless it goes one way (`noise_of_bias`).
+  in a mean of repeats, unless it goes one way (`examine.py`).
 - The body as it is held: what it may differ by when it is read back (`Engine.slack`); in single
   precision what rounding of its moments makes.
 - Moments that differ: `ULPS` ulp times the condition number of the tensor, or of the mass matrix
@@ -13,8 +13,8 @@
   about their axes (`Scenario.cancelling`); noise of I dω/dt turns them, too.
 - Places that are held: `ULPS` ulp of the com's place, which a constraint corrects within a step.
 - A turn that a solver leaves out in a step, as the adapter declares (`Engine.least_turn`).
-- A constraint's solver: measured, by settling further, up to `CONSISTENT` of the largest terms
-  (`examine.py`), and `SOLVED`.
+- A constraint's solver: `SOLVED` of the largest terms; and measured, by settling further, up to
+  `CONSISTENT` of them (`examine.py`).
 - Noise of the engine that is no fault: measured, and `NOISE` a step at most (`examine.py`).
 """
 
@@ -62,10 +62,11 @@ def noise_of(
     spans, sizes = steps.timesteps[:, None], largest_terms(equations, steps)
     of_body = rounding * condition
     of_reading = of_body if engine.single_precision else max(engine.slack, of_body)
-    read = steps.by_timestep(_roundings(equations, steps)).max(axis=1)
-    variance = (rounding * read) ** 2 / steps.repeats + (of_reading * sizes) ** 2
+    variance = (rounding * roundings(equations, steps)) ** 2 / steps.repeats
+    variance += (of_reading * sizes) ** 2
     variance[..., 1] += (of_body * sizes[1]) ** 2
     if settled:
+        variance += (SOLVED * sizes) ** 2
         variance[..., 0] += (engine.least_turn / spans) ** 2
     if not scenario.constraint.is_pivot:
         before = steps.before
@@ -90,34 +91,14 @@ def noise_of(
     return np.asarray(np.maximum(np.sqrt(variance), NO_SIZE))
 
 
-def noise_of_bias(equations: Equations, steps: Steps, engine: Engine) -> FloatArray:
-    """The noise of gains by rounding that goes one way, which a mean of repeats has whole.
-
-    Newton's rounding was measured to add up to 3 ulp to the angular momentum in every step, and
-    Rapier's 2 to 3, whatever the timestep.
-
-    Returns
-    -------
-    In the units of the gains, (J, K, Q).
-    """
-    read = steps.by_timestep(_roundings(equations, steps)).max(axis=1)
-    return np.asarray(ULPS * engine.ulp * read)
-
-
 def noise_of_steps(equations: Equations, steps: Steps) -> FloatArray:
     """The noise of gains if each step changes the fastest state by `NOISE`, (J, 1, Q)."""
-    read = steps.by_timestep(_roundings(equations, steps)).max(axis=(1, 2))
-    return np.asarray(NOISE * read[:, None])
+    return np.asarray(NOISE * roundings(equations, steps).max(axis=1, keepdims=True))
 
 
 def largest_terms(equations: Equations, steps: Steps) -> FloatArray:
     """The largest of the terms that the gains of all steps are sums of, (Q,)."""
-    return np.asarray(np.maximum(term_sizes(equations, steps.before).max(axis=0), NO_SIZE))
-
-
-def term_sizes(equations: Equations, states: State) -> FloatArray:
-    """Sizes of the terms that gains are sums of, (n, Q)."""
-    scenario, reach = equations.scenario, equations.reach
+    scenario, reach, states = equations.scenario, equations.reach, steps.before
     speeds = norms(states.omega_body)
     g = float(np.linalg.norm(scenario.gravity_world))
     if scenario.constraint.is_pivot:
@@ -130,7 +111,7 @@ def term_sizes(equations: Equations, states: State) -> FloatArray:
     if states.spins.size:
         turned = float(np.linalg.norm(equations.inverse, 2)) * torque
         sizes.append(_kept(equations, states) * speeds + equations.scenario.largest_part * turned)
-    return np.stack(sizes, axis=1)
+    return np.maximum([size.max() for size in sizes], NO_SIZE)
 
 
 def weakest_effects(equations: Equations, steps: Steps) -> FloatArray:
@@ -163,8 +144,8 @@ def _torques(equations: Equations, states: State) -> FloatArray:
     return np.stack(np.broadcast_arrays(*sizes), axis=1)
 
 
-def _roundings(equations: Equations, steps: Steps) -> FloatArray:
-    """The derivative of gains by relative changes of the states that are read, (n, Q)."""
+def roundings(equations: Equations, steps: Steps) -> FloatArray:
+    """The largest derivative of gains by relative changes of the states read, (J, K, Q)."""
     states, spans = steps.before, steps.spans
     speeds = np.maximum(norms(states.omega_body), norms(steps.after.omega_body))
     fast = norms(states.velocity_world) + equations.reach * speeds
@@ -178,7 +159,8 @@ def _roundings(equations: Equations, steps: Steps) -> FloatArray:
         sizes[2:] = fast / spans, far / spans
     if states.spins.size:
         sizes.append(_kept(equations, states) / spans)
-    return np.stack(np.broadcast_arrays(*sizes), axis=1)
+    each = steps.by_timestep(np.stack(np.broadcast_arrays(*sizes), axis=1))
+    return np.asarray(each.max(axis=1))
 
 
 def _kept(equations: Equations, states: State) -> FloatArray:
@@ -188,4 +170,4 @@ def _kept(equations: Equations, states: State) -> FloatArray:
 
 
 def _largest_moment(equations: Equations) -> float:
-    return float(np.linalg.norm(equations.inertia, 2))
+    return float(np.linalg.norm(equations.scenario.inertia, 2))

@@ -9,7 +9,7 @@ from ....engines.checks.equations import Equations
 from ....engines.checks.read_back import State, stacked
 from ....scenarios import FloatArray, Scenario, Trajectory, angular_momentum_world
 from ....scenarios.fastest_rate import fastest_rate
-from ....scenarios.rotation import cross, matrices, matrix, norms, times, turned, turned_back
+from ....scenarios.rotation import norms, times, turned_back
 from ..timesteps.ladder import COARSEST_TURN
 
 #: States spread evenly over the window, beside those in which some quantity is largest or least.
@@ -74,12 +74,13 @@ def places(scenario: Scenario, motion: Trajectory, coarsest: float | None) -> Pl
     ----------
     coarsest : s, the ladder's coarsest timestep; None if the motion has no ladder
     """
-    along = motion.at(_chosen(scenario, motion))
+    equations, along = Equations(scenario), motion.at(_chosen(scenario, motion))
     rate = fastest_rate(scenario, motion.omega_body) or 1 / scenario.window.duration
     speed = float(norms(motion.omega_body).max()) or rate
-    askew = [_askew(scenario, along, speed * np.array(direction)) for direction in ASKEW]
-    states = stacked([states_of(along), *askew])
-    bears = Equations(scenario).bears(states)
+    first = states_of(along).rows(np.zeros(len(ASKEW), dtype=int))
+    askew = equations.on_constraint(replace(first, omega_body=speed * np.array(ASKEW)))
+    states = stacked([states_of(along), askew])
+    bears = equations.bears(states)
     when = np.append(along.t, [np.nan] * len(ASKEW))
     timesteps = (coarsest or COARSEST_TURN / rate) / 2.0 ** np.arange(HALVINGS)
     condition = float(np.linalg.cond(scenario.inertia))
@@ -108,16 +109,6 @@ def _chosen(scenario: Scenario, motion: Trajectory) -> NDArray[np.intp]:
     return np.unique([*spread, *extremes])
 
 
-def _askew(scenario: Scenario, along: Trajectory, omega_body: FloatArray) -> State:
-    """The first state of a motion with another ω, and the velocity that goes with it."""
-    q, com_world = along.q_world_body_wxyz[0], along.com_world[0]
-    constraint = scenario.constraint
-    swing_world = matrix(q) @ cross(omega_body, constraint.lever)
-    velocity_world = constraint.velocity_world(swing_world, along.velocity_world[0])
-    rows = q, omega_body, com_world, velocity_world, along.spins[0]
-    return State(*(row[None] for row in rows))
-
-
 def changed_at_random(
     scenario: Scenario, states: State, size: float, chance: np.random.Generator
 ) -> State:
@@ -130,19 +121,15 @@ def changed_at_random(
     """
     turn, spin, thrown, put = size * chance.standard_normal((4, 3))
     q = states.q_world_body_wxyz @ times(np.append(1.0, turn / 2) / np.sqrt(1 + turn @ turn / 4))
-    omega_body = _by(states.omega_body, spin)
-    constraint, R_world_body = scenario.constraint, matrices(q)
-    swing_world = turned(R_world_body, cross(omega_body, np.array(constraint.lever)))
     other = State(
         q,
-        omega_body,
-        constraint.com_world(R_world_body @ constraint.lever, _by(states.com_world, put)),
-        constraint.velocity_world(swing_world, _by(states.velocity_world, thrown)),
+        _by(states.omega_body, spin),
+        _by(states.com_world, put),
+        _by(states.velocity_world, thrown),
         states.spins,
     )
-    bears = Equations(scenario).bears(other)[:, None]
-    pairs = zip(other.columns, states.columns, strict=True)
-    return State(*(np.where(bears, new, column) for new, column in pairs))
+    equations = Equations(scenario)
+    return equations.bearable(equations.on_constraint(other), states)
 
 
 def _by(vectors: FloatArray, share: FloatArray) -> FloatArray:

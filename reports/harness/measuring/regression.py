@@ -31,7 +31,7 @@ class Measured:
     Attributes
     ----------
     x : timesteps, relative to the longest, (J,)
-    gains, noise : (J, K, 3) and (J,)
+    gains, noise : (J, 3, K) and (J,)
     units : the size of each state's unit, by which its gains were divided, (K,)
     amplitudes : those that are integrated over, (A,)
     turns : the angle by which each step turns the body, or the angle's rank, (J, K)
@@ -56,7 +56,7 @@ class Measured:
         The noise of all states is taken to depend on the timestep alike: the largest is used.
         """
         units = np.median(noise / np.median(noise, axis=1, keepdims=True), axis=0)
-        scaled, alike = gains / units[:, None], (noise / units).max(axis=1)
+        scaled, alike = np.swapaxes(gains, 1, 2) / units, (noise / units).max(axis=1)
         least, largest = 0.1 * alike.min(), 1e3 * (np.abs(scaled).max() + alike.max())
         count = int(np.ceil(np.log(largest / least) / np.log(RATIO**2)))
         amplitudes = least * RATIO ** (2 * np.arange(count + 1))
@@ -102,7 +102,8 @@ class Measured:
 class Regression:
     """The regression of J gains of K states, for one order and each of A pairs of the grid.
 
-    A pair is a radius and an amplitude, amplitudes running fastest.
+    A pair is a radius and an amplitude, amplitudes running fastest. The prior over them is
+    estimated from all states.
 
     Attributes
     ----------
@@ -110,15 +111,18 @@ class Regression:
     noise : standard deviation of what is added to the series at each timestep, (R, J); beyond the
         radius of convergence as large as the largest gain
     basis : the powers of the timestep, zero beyond the radius, (R, J, TERMS)
+    has_constant : whether a constant, which may be as large as any gain, is added to the series
     """
 
     measured: Measured
+    order: int
     radii: FloatArray
     noise: FloatArray
     basis: FloatArray
+    has_constant: bool = False
 
     @staticmethod
-    def of(measured: Measured, order: int) -> "Regression":
+    def of(measured: Measured, order: int, *, has_constant: bool = False) -> "Regression":
         """The regression of all gains by one order.
 
         A gain beyond the radius of convergence may be as large as the largest of all.
@@ -129,12 +133,13 @@ class Regression:
         within = scaled < 1
         beyond = np.where(within, 0.0, measured.largest)
         basis = np.where(within[:, :, None], powers, 0.0)
-        return Regression(measured, radii, np.hypot(measured.noise, beyond), basis)
+        noise = np.hypot(measured.noise, beyond)
+        return Regression(measured, order, radii, noise, basis, has_constant)
 
     def before(self, j: int) -> "Regression":
         """The regression of the first j gains, by the same pairs."""
         of_first = self.measured.part(0, j)
-        return Regression(of_first, self.radii, self.noise[:, :j], self.basis[:, :j])
+        return replace(self, measured=of_first, noise=self.noise[:, :j], basis=self.basis[:, :j])
 
     @cached_property
     def _decomposed(self) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
@@ -143,15 +148,15 @@ class Regression:
         Returns
         -------
         Uᵀ over the noise, (R, J, J), S², (R, J), Vᵀ, (R, TERMS, TERMS), and the gains multiplied
-        by the first of these, (R, J, K, 3)
+        by the first of these, (R, J, 3, K)
         """
         U, values, right = np.linalg.svd(self.basis / self.noise[:, :, None])
-        J, K, _ = self.measured.gains.shape
+        J, _, K = self.measured.gains.shape
         left = np.swapaxes(U, 1, 2) / self.noise[:, None, :]
         squares = np.zeros((len(self.radii), J))
         squares[:, : values.shape[1]] = values**2
         turned = left @ self.measured.gains.reshape(J, 3 * K)
-        return left, squares, right, turned.reshape(len(left), J, K, 3)
+        return left, squares, right, turned.reshape(len(left), J, 3, K)
 
     @cached_property
     def _shrunk(self) -> FloatArray:
@@ -163,75 +168,101 @@ class Regression:
     def evidence(self) -> FloatArray:
         """The logarithm of the density of all gains of each state, by each pair, (R A, K)."""
         _, _, _, turned = self._decomposed
-        each = self._shrunk @ _squared(turned)
+        each = self._shrunk @ (turned**2).sum(axis=2)
         scale = np.log(self._shrunk).sum(axis=2) - 2 * np.log(self.noise).sum(axis=1)[:, None]
-        return np.asarray((3 * scale[..., None] - each) / 2).reshape(-1, turned.shape[2])
+        return np.asarray((3 * scale[..., None] - each) / 2).reshape(-1, turned.shape[3])
 
     @cached_property
     def constants(self) -> tuple[FloatArray, FloatArray]:
-        """The constant that fits best, (R A, K, 3), and its standard error, (R A,)."""
+        """The constant that fits best, (R A, 3, K), and its standard error, (R A,)."""
         left, _, _, turned = self._decomposed
-        ones, (R, J, K, _) = left.sum(axis=2), turned.shape
+        ones, (R, J, _, K) = left.sum(axis=2), turned.shape
         precision = (self._shrunk @ (ones**2)[:, :, None]).reshape(-1)
         summed = (self._shrunk * ones[:, None]) @ turned.reshape(R, J, -1)
-        return summed.reshape(-1, K, 3) / precision[:, None, None], 1 / np.sqrt(precision)
+        return summed.reshape(-1, 3, K) / precision[:, None, None], 1 / np.sqrt(precision)
 
     @cached_property
     def evidence_with_constant(self) -> FloatArray:
         """The evidence if a constant is added, which may be as large as any gain, (R A, K)."""
         constants, error = self.constants
-        gained = _squared(constants / error[:, None, None]) / 2
+        gained = ((constants / error[:, None, None]) ** 2).sum(axis=1) / 2
         return np.asarray(
             self.evidence + gained + 3 * np.log(error / self.measured.largest)[:, None]
         )
 
-    def limit(self, prior: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """The limit, (K, 3), its standard error, (K,), and the tail of its being zero, (K,)."""
-        constants, error = self.constants
-        weights = normalised(self.evidence_with_constant + np.log(prior)[:, None])
-        limit = (weights[..., None] * constants).sum(axis=0)
-        spread = _squared(constants - limit) / 3 + error[:, None] ** 2
-        squares = _squared(constants / error[:, None, None])
-        tails = (weights * chdtrc(3, squares)).sum(axis=0)
-        return limit, np.sqrt((weights * spread).sum(axis=0)), tails
+    @cached_property
+    def _log_prior(self) -> FloatArray:
+        """The logarithm of the prior, (R A, 1).
 
-    def beyond(self, prior: FloatArray) -> NDArray[np.intp]:
+        One half of it is the same everywhere, the other is the mean of what the states show.
+        """
+        evidence = self.evidence_with_constant if self.has_constant else self.evidence
+        shown = _weighed(evidence)[0].mean(axis=1, keepdims=True)
+        return np.asarray(np.log((1 / len(evidence) + shown) / 2))
+
+    @cached_property
+    def each(self) -> FloatArray:
+        """The logarithm of the likelihood of the gains of each state, (K,)."""
+        evidence = self.evidence_with_constant if self.has_constant else self.evidence
+        return _weighed(evidence + self._log_prior)[1]
+
+    @property
+    def total(self) -> float:
+        """The logarithm of the likelihood of the gains of all states."""
+        return float(self.each.sum())
+
+    @cached_property
+    def limit(self) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """The limit, (K, 3), its standard error, (K,), and the tail of its being zero, (K,)."""
+        (constants, error), units = self.constants, self.measured.units
+        weights = _weighed(self.evidence_with_constant + self._log_prior)[0]
+        limit = (weights[:, None] * constants).sum(axis=0)
+        spread = ((constants - limit) ** 2).mean(axis=1) + error[:, None] ** 2
+        squares = ((constants / error[:, None, None]) ** 2).sum(axis=1)
+        tails = (weights * chdtrc(3, squares)).sum(axis=0)
+        return (limit * units).T, np.sqrt((weights * spread).sum(axis=0)) * units, tails
+
+    @cached_property
+    def beyond(self) -> NDArray[np.intp]:
         """How many of the longest timesteps are certainly beyond the radius, (K,)."""
-        weights = normalised(self.evidence + np.log(prior)[:, None])
+        weights = _weighed(self.evidence + self._log_prior)[0]
         of_radius = weights.reshape(len(self.radii), -1, weights.shape[1]).sum(axis=1)
         is_beyond = self.radii[:, None] * self.measured.x >= 1
         return np.asarray((is_beyond.T @ of_radius >= 1 - LEVEL).sum(axis=0))
 
-    def innovations(self, prior: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+    @cached_property
+    def innovations(self) -> tuple[FloatArray, FloatArray, FloatArray]:
         """How far each gain is off its prediction from those with longer timesteps.
+
+        The gains with the longest timesteps have none.
 
         Returns
         -------
         The probability of a gain so far off, (J, K), the predictions, (J, K, 3), and their
         standard deviations, (J, K)
         """
-        J, K, _ = self.measured.gains.shape
-        tails, means, errors = np.ones((J, K)), np.zeros((J, K, 3)), np.zeros((J, K))
-        for j in range(J):
-            mean, variance, weights = self._predicted(j, prior)
-            means[j] = (weights[..., None] * mean).sum(axis=0)
-            spread = _squared(mean - means[j]) / 3 + variance[:, None]
+        J, _, K = self.measured.gains.shape
+        tails, means, errors = np.ones((J, K)), np.zeros((J, 3, K)), np.zeros((J, K))
+        for j in range(PREDICTED_FROM, J):
+            mean, variance, weights = self._predicted(j)
+            means[j] = (weights[:, None] * mean).sum(axis=0)
+            spread = ((mean - means[j]) ** 2).mean(axis=1) + variance[:, None]
             errors[j] = np.sqrt((weights * spread).sum(axis=0))
-            if j >= PREDICTED_FROM:
-                squares = _squared(self.measured.gains[j] - mean) / variance[:, None]
-                tails[j] = (weights * chdtrc(3, squares)).sum(axis=0)
-        return tails, means, errors
+            squares = ((self.measured.gains[j] - mean) ** 2).sum(axis=1) / variance[:, None]
+            tails[j] = (weights * chdtrc(3, squares)).sum(axis=0)
+        units = self.measured.units
+        return tails, np.swapaxes(means * units, 1, 2), errors * units
 
-    def _predicted(self, j: int, prior: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+    def _predicted(self, j: int) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Predict a gain from those with longer timesteps, by the n pairs that are not impossible.
 
         Returns
         -------
-        Its mean, (n, K, 3), its variance, (n,), and the probability of each pair, given the gains
+        Its mean, (n, 3, K), its variance, (n,), and the probability of each pair, given the gains
         before, (n, K)
         """
-        known, row, K = self.before(j), self.basis[:, j], self.measured.gains.shape[1]
-        weights = normalised(known.evidence + np.log(prior)[:, None])
+        known, row, K = self.before(j), self.basis[:, j], self.measured.gains.shape[2]
+        weights = _weighed(known.evidence + self._log_prior)[0]
         _, squares, right, turned = known._decomposed
         # Pairs that are less probable change no tail that is compared with the level.
         pairs = np.flatnonzero((weights > LEVEL**2).any(axis=1))
@@ -244,7 +275,7 @@ class Regression:
         variance = (shares * seen).sum(axis=1) + self.noise[of_radius, j] ** 2
         weighed = shares[:, None, :count] * np.sqrt(squares)[:, None]
         mean = weighed @ turned[of_radius, :count].reshape(len(pairs), count, 3 * K)
-        return mean.reshape(len(pairs), K, 3), variance, weights[pairs]
+        return mean.reshape(len(pairs), 3, K), variance, weights[pairs]
 
 
 def _inverse_radii(measured: Measured) -> FloatArray:
@@ -259,19 +290,12 @@ def _inverse_radii(measured: Measured) -> FloatArray:
     return np.asarray(radii[within >= min(LEAST, len(measured.x))])
 
 
-def _squared(vectors: FloatArray) -> FloatArray:
-    """The squares of vectors along the last axis; its sum by numpy takes several times as long."""
-    x, y, z = np.moveaxis(vectors**2, -1, 0)
-    return np.asarray(x + y + z)
+def _weighed(logarithms: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Probabilities over the first axis, and the logarithm of the sum over it.
 
-
-def log_sum(logarithms: FloatArray) -> FloatArray:
-    """The logarithm of the sum over the first axis; scipy's takes ten times as long."""
+    The functions of scipy take several times as long.
+    """
     largest = logarithms.max(axis=0)
-    return np.asarray(largest + np.log(np.exp(logarithms - largest).sum(axis=0)))
-
-
-def normalised(logarithms: FloatArray) -> FloatArray:
-    """Probabilities over the first axis."""
-    weights = np.exp(logarithms - logarithms.max(axis=0))
-    return np.asarray(weights / weights.sum(axis=0))
+    weights = np.exp(logarithms - largest)
+    summed = weights.sum(axis=0)
+    return weights / summed, largest + np.log(summed)

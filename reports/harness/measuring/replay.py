@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import chdtrc
 
-from ....engines import Engine, EngineError, Session, State
+from ....engines import Engine, EngineError
 from ....engines.checks.equations import Equations
 from ....reference import IntegrationError
 from ....scenarios import FloatArray, Scenario
@@ -56,17 +56,14 @@ def examine_runs(
     """
     method, settled, shown = engine.method(method_name), found.settled, []
 
-    def open_at(scene: Scenario, timestep: float) -> Session:
-        return engine.open(scene, method, timestep)
-
     try:
         runs = [*ladder[-1:], *others]
         timestep = runs[0].rung.timestep if runs else float(at.timesteps[0])
-        with sessions_of(open_at, scenario, timestep) as sessions:
+        with sessions_of(engine, method, scenario, timestep) as sessions:
             runs = runs or [beginning_of(sessions, at)]
-            replays = [_replay(sessions, engine, run, at.condition) for run in runs]
+            replays = [_replay(sessions, run, at.condition) for run in runs]
             shown = [one.evidence for one in replays]
-            shown = [explained_by_memory(one, engine, method.order, settled) for one in replays]
+            shown = [explained_by_memory(one, settled) for one in replays]
             exact, is_single = replace(at, gives_way=bool(settled)), engine.single_precision
             own = replays[0].passage.places(scenario, exact, is_single=is_single)
     except (EngineError, IntegrationError) as error:
@@ -75,32 +72,30 @@ def examine_runs(
     return tuple(shown), own_steps, ""
 
 
-def _replay(sessions: Sessions, engine: Engine, run: MadeRun, condition: float) -> Replay:
+def _replay(sessions: Sessions, run: MadeRun, condition: float) -> Replay:
     """Run all intervals of a run again, and compare how they differ with the noise of that."""
-    intervals = Intervals.of(sessions, run)
-    states, reach = states_of(run.motion), Equations(sessions.scenario).reach
+    intervals, reach = Intervals.of(sessions, run), Equations(sessions.scenario).reach
     passage = intervals.all_again()
-    off = _off(passage.ends, intervals.ends, reach)
-    sizes = _sizes(off)
+    off = state_differences(passage.ends, intervals.ends, reach)
+    sizes = np.linalg.norm(off, axis=(1, 2))
     worst = np.argsort(sizes)[-FEW:]
     starts, ends = intervals.starts.rows(worst), passage.ends.rows(worst)
     # The worst are run once more, without reading states on the way.
-    twice = _off(intervals.some_again(worst, starts), ends, reach, intervals.ends)
-    spread = _sizes(twice)
+    twice = state_differences(intervals.some_again(worst, starts), ends, reach, intervals.ends)
+    spread = np.linalg.norm(twice, axis=(1, 2))
     # So large a change is far above the engine's own noise, which must not enlarge `growth`.
-    change = float(np.sqrt(max(NOISE, engine.ulp)))
+    change = float(np.sqrt(max(NOISE, sessions.engine.ulp)))
     chance = np.random.default_rng(FEW)
     changed = changed_at_random(sessions.scenario, starts, change, chance)
-    grown = np.abs(state_differences(intervals.some_again(worst, changed), ends, reach)).max(
-        axis=(1, 2)
-    )
+    grown = state_differences(intervals.some_again(worst, changed), ends, reach)
+    grown = np.abs(grown).max(axis=(1, 2))
     # Nothing can be said of an interval in which the change has grown as large as the motion.
     is_lost = (grown > LOST) & (spread <= LOST * change)
-    growth = float(max(1.0, np.nan_to_num(np.minimum(grown, LOST) / change, nan=1.0).max()))
-    noise = growth * _noise(sessions.scenario, engine, run, states, condition, intervals.steps)
-    squares = _sizes(off / noise[..., None]) ** 2
-    squares[worst] = np.maximum(squares[worst], _sizes(twice / noise[worst][..., None]) ** 2)
-    squares[worst[is_lost]] = 0.0
+    growth = float(max(1.0, (np.minimum(grown, LOST) / change).max()))
+    noise = growth * _noise(intervals, condition)
+    squares = np.linalg.norm(off / noise[..., None], axis=(1, 2)) ** 2
+    again = np.linalg.norm(twice / noise[worst][..., None], axis=(1, 2)) ** 2
+    squares[worst] = np.where(is_lost, 0.0, np.maximum(squares[worst], again))
     sizes[worst] = np.maximum(sizes[worst], spread)
     is_chance = spread > noise[worst].max(axis=1)
     evidence = _evidence(intervals, squares, sizes, worst, np.where(is_chance, spread, 0.0))
@@ -137,29 +132,15 @@ def _evidence(
     return replace(evidence, since=since, spread=min(LARGEST, float(differs)))
 
 
-def _off(states: State, others: State, reach: float, among: State | None = None) -> FloatArray:
-    """What `state_differences` returns, but infinite where numbers are not finite."""
-    return np.nan_to_num(state_differences(states, others, reach, among), nan=np.inf)
-
-
-def _sizes(off: FloatArray) -> FloatArray:
-    """The root of the sum of squares of each of n differences, (n,)."""
-    return np.asarray(np.sqrt((off**2).sum(axis=(1, 2))))
-
-
-def _noise(
-    scenario: Scenario,
-    engine: Engine,
-    run: MadeRun,
-    states: State,
-    condition: float,
-    steps: NDArray[np.int64],
-) -> FloatArray:
+def _noise(intervals: Intervals, condition: float) -> FloatArray:
     """The noise of the differences of n intervals, from the sources of `noise.py`, (n, 5).
 
     Most rounding errors add up as a random walk, and those of a torque or force that hardly changes
     add up in one direction.
     """
+    engine, scenario = intervals.sessions.engine, intervals.sessions.scenario
+    run, steps = intervals.run, intervals.steps
+    states = states_of(run.motion)
     # In double precision a body may be composed of its parts anew at each restart.
     composed = 0.0 if engine.single_precision else rounding_of_body(condition)
     walk = max(NOISE, ULPS * engine.ulp, composed) * np.sqrt(steps)

@@ -1,25 +1,24 @@
 """Single steps of a method from given states, and what they gain beyond the exact motion."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 
 import numpy as np
 
-from ....engines import EngineError, Session, State
+from ....engines import Engine, EngineError, Method, Session, State
 from ....engines.checks.equations import Equations
 from ....reference import flow
 from ....scenarios import FloatArray, Scenario, Trajectory
 from ....scenarios.fastest_rate import decay_rate
-from ....scenarios.rotation import matrices, norms, rotation_vectors, turned
+from ....scenarios.rotation import norms, rotation_vectors
 from ....scenarios.scenario import started_at
+from ...results.records import LARGEST
 from .places import states_of
 
 #: A few: states or intervals at most, where each takes long; and steps in which a method, or the
 #: solver of a constraint, may still remember a state.
 FEW = 8
-
-Open = Callable[[Scenario, float], Session]
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,13 +30,17 @@ class Sessions:
 
     Attributes
     ----------
-    open_at : opens a scene with a timestep, s
     first : the one that is kept
     """
 
-    open_at: Open
+    engine: Engine
+    method: Method
     scenario: Scenario
     first: Session
+
+    def open_at(self, scenario: Scenario, timestep: float) -> Session:
+        """A further session on a scene, with a timestep, s."""
+        return self.engine.open(scenario, self.method, timestep)
 
     @contextmanager
     def at(self, state: State, timestep: float) -> Iterator[Session]:
@@ -51,10 +54,12 @@ class Sessions:
 
 
 @contextmanager
-def sessions_of(open_at: Open, scenario: Scenario, timestep: float) -> Iterator[Sessions]:
+def sessions_of(
+    engine: Engine, method: Method, scenario: Scenario, timestep: float
+) -> Iterator[Sessions]:
     """Sessions of a method, the first of them with a timestep, s."""
-    with open_at(scenario, timestep) as first:
-        yield Sessions(open_at, scenario, first)
+    with engine.open(scenario, method, timestep) as first:
+        yield Sessions(engine, method, scenario, first)
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,22 +102,20 @@ def steps_from(
         If squares of a state are not finite, as where an engine's numbers overflow.
     """
     scenario, count = sessions.scenario, len(states.omega_body)
-    before, after = [], []
+    before, after, starts = [], [], [states.rows(k) for k in range(count)]
     for timestep in map(float, timesteps):
-        earlier = _earlier(scenario, states, settle * timestep)
-        for k in range(count):
-            with sessions.at(earlier.rows(k), timestep) as session:
+        if settle:
+            earlier = _earlier(scenario, states, settle * timestep)
+            starts = [earlier.rows(k) for k in range(count)]
+        for start in starts:
+            with sessions.at(start, timestep) as session:
                 if settle:
                     session.advance(settle)
                 before.append(session.snapshot())
                 session.advance(1)
                 after.append(session.snapshot())
     befores, ends = sessions.first.states(before), sessions.first.states(after)
-    with np.errstate(over="ignore"):
-        are_finite = all(
-            np.isfinite(column**2).all() for column in (*befores.columns, *ends.columns)
-        )
-    if not are_finite:
+    if not np.abs(np.hstack([*befores.columns, *ends.columns])).max() <= LARGEST:
         raise EngineError("a step from an exact state ends in numbers whose squares overflow")
     spans = np.repeat(timesteps, count)
     return Steps(timesteps, spans, befores, ends, flowed(scenario, befores, spans), repeats)
@@ -140,12 +143,8 @@ def _earlier(scenario: Scenario, states: State, span: float) -> State:
     """
     decay = decay_rate(scenario)
     span = min(span, 1 / decay) if decay else span
-    if not span:
-        return states
     earlier = flowed(scenario, states, np.full(len(states.omega_body), -span))
-    bears = Equations(scenario).bears(earlier)[:, None]
-    pairs = zip(vars(earlier).values(), vars(states).values(), strict=True)
-    return State(*(np.where(bears, came, column) for came, column in pairs))
+    return Equations(scenario).bearable(earlier, states)
 
 
 def step_gains(equations: Equations, steps: Steps) -> FloatArray:
@@ -158,7 +157,7 @@ def step_gains(equations: Equations, steps: Steps) -> FloatArray:
     """
     spans, after, exact = steps.spans[:, None], steps.after, steps.exact
     attitude = rotation_vectors(exact.q_world_body_wxyz, after.q_world_body_wxyz) / spans
-    torque = (after.omega_body - exact.omega_body) @ equations.inertia.T / spans
+    torque = (after.omega_body - exact.omega_body) @ equations.scenario.inertia.T / spans
     if equations.scenario.constraint.is_pivot:
         velocity, place = off_the_constraint(equations, after)
     else:
@@ -168,13 +167,11 @@ def step_gains(equations: Equations, steps: Steps) -> FloatArray:
         place = (after.com_world - exact.com_world - off_place) / spans
     gains = [attitude, torque, velocity, place]
     if after.spins.size:
-        kept = (equations.scenario.kept(*_turning(state)) for state in (after, exact))
-        gains.append(np.subtract(*kept) @ _directions(after.spins.shape[1]) / spans)
+        kept, wanted = (
+            equations.scenario.kept(state.omega_body, state.spins) for state in (after, exact)
+        )
+        gains.append((kept - wanted) @ _directions(after.spins.shape[1]) / spans)
     return steps.by_timestep(np.stack(gains, axis=1))
-
-
-def _turning(state: State) -> tuple[FloatArray, FloatArray]:
-    return state.omega_body, state.spins
 
 
 def _directions(parts: int) -> FloatArray:
@@ -189,14 +186,8 @@ def _directions(parts: int) -> FloatArray:
 
 def off_the_constraint(equations: Equations, states: State) -> tuple[FloatArray, FloatArray]:
     """How far velocity, m/s, and com, m, are from what ω and attitude demand, (n, 3) each."""
-    constraint = equations.scenario.constraint
-    R_world_body = matrices(states.q_world_body_wxyz)
-    swing_world = turned(R_world_body, np.cross(states.omega_body, constraint.lever))
-    lever_world = R_world_body @ constraint.lever
-    return (
-        states.velocity_world - constraint.velocity_world(swing_world, states.velocity_world),
-        states.com_world - constraint.com_world(lever_world, states.com_world),
-    )
+    on = equations.on_constraint(states)
+    return states.velocity_world - on.velocity_world, states.com_world - on.com_world
 
 
 def state_differences(
@@ -205,7 +196,8 @@ def state_differences(
     """How far states are from others, (n, 5, 3).
 
     The quantities are attitude, rad; ω, the com's velocity and the com, relative to their sizes;
-    and in the first component of the last the spins of all parts, relative likewise.
+    and in the first component of the last the spins of all parts, relative likewise. They are
+    infinite where numbers are not finite.
 
     Parameters
     ----------
@@ -226,4 +218,4 @@ def state_differences(
     if states.spins.size:
         fastest = speed + float(np.abs(among.spins).max())
         spins[:, 0] = norms(states.spins - others.spins) / fastest
-    return np.stack([*off, spins], axis=1)
+    return np.nan_to_num(np.stack([*off, spins], axis=1), nan=np.inf)
