@@ -210,7 +210,7 @@ class Physics:
         count = min(FEW, int(MOST_STEPS * data.timestep / float(np.median(data.spans))))
         if count < FEWEST_INTERVALS:
             return None
-        is_fitted = self.timestep is not None and self.is_beyond
+        is_fitted = self.timestep is not None and (self.is_beyond or self.base is not None)
         changes = [one for one in self.search.changes if is_fitted or not len(one.sizes)]
         few = [data.spread(count) for data in self.known.each]
         found = [Search(data, changes, most=MOST_NUMBERS).one() for data in few]
@@ -328,7 +328,7 @@ class Physics:
         """The changes that explain what is left within a method's error, if any do."""
         if self.intervals is None or self.search is None:
             return None
-        orders, every = range(1, self.order + 1), self._of_motion
+        orders, every = range(1, self.order + 2), self._of_motion
         of_method = orders, self.timestep, self.next_term
         return within_error(self.intervals, every, MOST_NUMBERS, *of_method)
 
