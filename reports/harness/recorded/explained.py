@@ -279,7 +279,7 @@ def _of_measured(fit: Measured, case: Case) -> Explanation:
     """Explain a measured motion, by other physics if more than noise is left."""
     physics = case.physics
     words = physics.dissipated if fit.search.is_called_for else []
-    if not words and fit.is_beyond and (physics.clamps or physics.by_change is None):
+    if not words and fit.is_far and (physics.clamps or physics.by_change is None):
         # A body that is limited itself turns no faster either.
         words = fit.right_by_itself
     words = words or (_of_equations(case) if fit.is_beyond else []) or fit.explained()

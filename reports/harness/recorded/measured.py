@@ -5,7 +5,7 @@ noise.
 """
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import combinations
 
@@ -39,14 +39,17 @@ from .columns import EACH, SATURATES
 from .digits import where
 from .intervals import apart
 from .log import Log
+from .missing import KINEMATICS
 from .motion_changes import TIMES, changes_of_motion
-from .sensors import OF_LOGS, READINGS, of_sensor
+from .sensors import CROSS_AXIS, OF_LOGS, READINGS, of_sensor
 from .starts import started_elsewhere
 
 #: Part of the distance of samples by which a state is followed to see where it leads.
 SMALL = 1e-3
 #: Largest number of changes that are fitted at once, and of numbers of a special change.
 MOST, MOST_NUMBERS = 4, 3
+#: Largest turn of the body, rad, in the time by which all states are late.
+LATEST = 30.0
 #: How much more than the best the first samples may leave, as a sum of squares, for a change to be
 #: fitted to more of them: by chance it is more of one in 10⁹.
 KEEPS_UP = 50.0
@@ -102,10 +105,11 @@ class Measured:
     def late(self) -> Change:
         """The change in which each state is that of a time, so many seconds before its own."""
         start = self.given.scene_start[None]
-        rate = max(float(norms(start[:, 4:])[0]), self.given.base.equations.rate)
+        rate = max(float(norms(start[:, 4:])[0]), self.given.base.equations.rate) or 1.0
+        most = LATEST / rate
 
         def shifted(h: Hypothesis, time: FloatArray) -> Hypothesis:
-            before = follow(h.equations, start, np.array([-time]))[:, 0]
+            before = follow(h.equations, start, -np.clip(time, -most, most)[None])[:, 0]
             return h._replace(start=apart(start, before)[0])
 
         return Change("late", shifted, np.array([1 / rate]))
@@ -139,7 +143,9 @@ class Measured:
         if self._is_beyond(found):
             # What is wrong besides leaves far more than noise at first.
             first = max(self._raced([(), (START,)], 1 / LEFT), key=search.gain, default=found)
-            found = max(found, search.stepwise(first.changes, MOST), key=search.gain)
+            every = replace(search, changes=[*search.changes, CROSS_AXIS])
+            other = every.stepwise(first.changes, len(first.changes) + 1)
+            found = found if self._is_beyond(other) else other
         narrower = (one for one in self._narrower(found) if search.beyond(one, found) <= 0)
         found = max(narrower, key=search.gain, default=found)
         return self._special(found) or found
@@ -154,6 +160,7 @@ class Measured:
         for replaced in [*combinations(general, 2), *((one,) for one in general)]:
             kept = tuple(one for one in found.changes if one not in replaced)
             fits = [one for one in self._raced([kept]) if self.search.beyond(one, found) <= 0]
+            fits = [one for one in fits if len(one.numbers) < len(found.numbers)]
             if fits:
                 return min(fits, key=lambda fit: len(fit.numbers))
         return None
@@ -386,7 +393,7 @@ class Measured:
     def _in_words(self, change: Change) -> str:
         rows = self.fit.rows(change)
         numbers, errors = self.fit.numbers[rows], self.fit.errors[rows] * self.inflation
-        if change in OF_LOGS:
+        if change in (*OF_LOGS, CROSS_AXIS):
             others = (
                 f", or {self._of_sensor(other, fit)} ({likely:.2g} times as likely)"
                 for likely, other, fit in self.alternatives(change)
@@ -411,6 +418,8 @@ class Measured:
             listed = ", ".join(f"{error:.2g}" for error in errors)
         listed = f" (± {listed})" if listed else ""
         before = "" if KINDS[change.kind].is_kinematic else "it moves as if "
+        if change not in self.search.changes and not before:
+            before = f"{KINEMATICS}: "
         return f"{before}{self.fit.explanation(change).words}{listed}"
 
     def tensor_entries(self) -> tuple[FloatArray, FloatArray]:

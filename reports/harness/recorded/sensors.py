@@ -62,7 +62,7 @@ FILTERS = (
 #: All that may be wrong with how ω and the attitude are read, and is undone from sample to sample.
 READINGS = (MOMENTUM, *SENSORS, CROSS_AXIS)
 #: All that may be wrong with them in a log.
-OF_LOGS = (*SENSORS, CROSS_AXIS, *FILTERS)
+OF_LOGS = (*SENSORS, *FILTERS)
 #: By mistake, its words, and what is added to its numbers, and the factor, before they are shown.
 WORDS = {
     "bias": ("the gyroscope has a bias of {} rad/s", 0.0, 1.0),
