@@ -323,7 +323,7 @@ def race(trials: Sequence[Trial], margin: float, factor: float = 1.0) -> list[Fi
     """Fit those of many trials of the same data that keep up with the best of them.
 
     They are fitted to more and more of the data (successive halving: K. Jamieson & A. Talwalkar,
-    AISTATS 2016), and left out as soon as they explain less of it.
+    AISTATS 2016), and left out as soon as they explain less of it; all, if none explains a part.
 
     Parameters
     ----------
@@ -337,6 +337,8 @@ def race(trials: Sequence[Trial], margin: float, factor: float = 1.0) -> list[Fi
         tried = [(*trial.nearest(x, samples), trial) for trial, x in running]
         tried = sorted(tried, key=lambda one: one[1])
         count, least = data.left([data.base], samples).size, tried[0][1]
+        if least > HOPELESS:
+            return []
         near = [one for one in tried if one[1] <= least + margin / count]
         far = [one for one in tried[len(near) :] if one[1] <= factor * least]
         running = [(trial, x) for x, _, trial in near + far[: max(FINALISTS, len(far) // 4)]]

@@ -140,7 +140,7 @@ class Measured:
         if self._is_beyond(found):
             # Of changes that are needed together each may explain nothing by itself.
             found = max(found, search.stepwise(both, MOST), key=search.gain)
-        if self._is_beyond(found):
+        if self._is_beyond(found) and not self.right_by_itself:
             # What is wrong besides leaves far more than noise at first.
             first = max(self._raced([(), (START,)], 1 / LEFT), key=search.gain, default=found)
             every = replace(search, changes=[*search.changes, CROSS_AXIS])
@@ -154,9 +154,11 @@ class Measured:
         """Return a fit with a special change of the equations in place of one or two general ones.
 
         Tensors and torques that are fitted explain, in part, what is wrong otherwise, too. None is
-        returned if no such fit explains as much.
+        returned if no such fit explains as much, or more is left than noise.
         """
         general = [one for one in found.changes if one is not START and one not in OF_LOGS]
+        if len(general) > 2 or self._is_beyond(found):
+            return None
         for replaced in [*combinations(general, 2), *((one,) for one in general)]:
             kept = tuple(one for one in found.changes if one not in replaced)
             fits = [one for one in self._raced([kept]) if self.search.beyond(one, found) <= 0]
