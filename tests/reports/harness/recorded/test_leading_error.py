@@ -16,6 +16,7 @@ from spincheck.reports.harness.recorded.leading_error import (
     ATTITUDE,
     BOTH,
     OMEGA,
+    leading_errors,
     left_by_methods,
     trees,
 )
@@ -79,6 +80,16 @@ def test_the_leading_error_of_its_order_alone_explains_a_method(one: object, ste
         # The next term is as much smaller as a step turns the body, and no other order's is.
         assert left.pop(order) < NEXT_TERM * turn
         assert min(left.values()) > LEFT
+
+
+def test_the_coefficients_of_explicit_euler_are_one_half() -> None:
+    """Its step is off by h²/2 of the second derivative, whose sign is that of what is left out."""
+    data = intervals(TOP, made_by(TOP, [[]], np.ones(1), 10))
+    errors = leading_errors(data, [1], float(data.spans[0, 0]) / 10)
+    columns = (errors / data.scale).reshape(len(errors), -1).T
+    seen = np.linalg.norm(columns, axis=0) > LEFT**2 * np.linalg.norm(columns, axis=0).max()
+    best = np.linalg.lstsq(columns[:, seen], data.off([data.base]).ravel(), rcond=None)[0]
+    assert best == pytest.approx(-0.5, abs=0.02)
 
 
 @pytest.mark.parametrize("wrong", WRONG)

@@ -134,6 +134,44 @@ def struck_for_a_while() -> Arrays:
     return arrays
 
 
+def then(arrays: Arrays, first: int, second: object, **other: object) -> Arrays:
+    """A motion that goes on by other equations from a sample on."""
+    start = {
+        "quaternion_wxyz": arrays["q"][first].tolist(),
+        "omega_body": arrays["omega"][first].tolist(),
+    }
+    window = {"duration": float(T[-1] - T[first]), "samples": len(T) - first}
+    part = changed(second, start=start, window=window)
+    made = exactly(part, rates_of(part, **other))
+    return {name: np.vstack([arrays[name][:first], made[name]]) for name in ("q", "omega")} | {
+        "t": arrays["t"]
+    }
+
+
+def filtered(arrays: Arrays, constant: float) -> Arrays:
+    """ω through a low-pass filter of first order, which begins with the first sample."""
+    t, omega = arrays["t"], CubicSpline(arrays["t"], arrays["omega"])
+    fine = np.linspace(t[0], t[-1], 40 * (len(t) - 1) + 1)
+    part, made = np.exp(-(fine[1] - fine[0]) / constant), [omega(t[0])]
+    for at in (fine[1:] + fine[:-1]) / 2:
+        made.append(part * made[-1] + (1 - part) * omega(at))
+    return arrays | {"omega": np.array(made)[::40]}
+
+
+def by_euler_of_the_diagonal() -> Arrays:
+    """Semi-implicit in ω, of a body whose gyroscopic torque is of the diagonal alone."""
+    rates, h = rates_of(FREE, gyroscopic=DIAGONAL), float(T[1]) / 20
+    y = np.concatenate([FREE.scenario.start.q_world_body_wxyz, FREE.scenario.start.omega_body])
+    rows = [y]
+    for _ in T[1:]:
+        for _ in range(20):
+            omega = y[4:] + h * rates(y[:4], y[4:])[1]
+            q = y[:4] + h * rates(y[:4], omega)[0]
+            y = np.concatenate([q / np.linalg.norm(q), omega])
+        rows.append(y)
+    return {"t": T.copy(), "q": np.array(rows)[:, :4]}
+
+
 PRODUCTS = "it moves as if the products of inertia had the other sign"
 OF_DIAGONAL = "it moves as if the gyroscopic torque ω × Iω were of the tensor's diagonal alone"
 LEFT: dict[str, Hidden] = {
@@ -184,6 +222,37 @@ LEFT: dict[str, Hidden] = {
         FREE.scenario,
         of_differences,
         ("ω is half a sample older than the attitude",),
+    ),
+    "a torque that begins": Hidden(
+        FREE.scenario,
+        lambda: then(right(FREE), 90, FREE, torque=lambda _: PUSH),
+        (
+            "until t = 1.8 s it is the exact motion, to rounding; there it changes: from then on "
+            "it moves as if a torque of ",
+        ),
+    ),
+    "a torque that begins, of attitudes alone": Hidden(
+        FREE.scenario,
+        lambda: attitudes_of(then(right(FREE), 90, FREE, torque=lambda _: PUSH)),
+        (
+            "until t = 1.8 s it is the exact motion, to rounding; there it changes: from then on "
+            "it moves as if a torque of ",
+        ),
+    ),
+    "half of a torque, and a low-pass filter": Hidden(
+        FREE.scenario,
+        lambda: filtered(exactly(FREE, rates_of(FREE, gyroscopic=FREE.inertia / 2)), 0.05),
+        (
+            "it moves as if the gyroscopic torque ω × Iω were 0.5 ",
+            "ω is what a low-pass filter of a time constant of 0.05 s leaves of it",
+        ),
+    ),
+    "part of a torque by a method of a lower order, of attitudes alone": Hidden(
+        FREE.scenario,
+        by_euler_of_the_diagonal,
+        (OF_DIAGONAL, "its method is of order 1, not 4: these equations"),
+        {"timestep": "0.001"},
+        4,
     ),
     "drag of the other sign, of attitudes alone": Hidden(
         DRAGGED.scenario,
