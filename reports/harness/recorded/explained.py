@@ -94,7 +94,7 @@ def _by_equations(case: Case) -> Explanation:
         has = {"is_stated": case.stated is not None, "has_omega": case.has_omega}
         log = log_of(case.scenario, case.motion, case.exact, noise, **has)
         fit, case = Measured(case.scenario, log), replace(case, noise=noise)
-        # Without ω that was read wrongly it is another log.
+        # A log whose ω was read wrongly is fitted after that has been undone.
         is_asked = fit.search.is_called_for and _may_be_mistaken(case)
         if is_asked and (both := _beside_a_mistake(case)):
             return both
@@ -156,12 +156,9 @@ def _since_exactly(case: Case) -> Explanation | None:
     since = since_exactly(data, physics.least, case.reach)
     if since is None:
         return None
-    t, but_for = (
-        case.motion.t,
-        "but for the errors of its method" if since.is_method else "to rounding",
-    )
-    begins = f"until t = {t[since.last]:.4g} s it is the exact motion, {but_for}"
-    later = case.of(np.arange(since.first, len(t)))
+    but_for = "but for the errors of its method" if since.is_method else "to rounding"
+    begins = f"until t = {case.motion.t[since.last]:.4g} s it is the exact motion, {but_for}"
+    later = case.of(np.arange(since.first, len(case.motion.t)))
     rest = explained(replace(later, is_trial=True)) if later else None
     if rest and rest.explained_by and not rest.is_open:
         words = [f"{begins}; there it changes: from then on {one}" for one in rest.explained_by]

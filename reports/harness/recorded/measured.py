@@ -151,15 +151,17 @@ class Measured:
         return self._special(found) or found
 
     def _special(self, found: Fit) -> Fit | None:
-        """Return a fit with a special change of the equations in place of one or two general ones.
+        """Return a fit with a special change of the equations in place of general ones.
 
         Tensors and torques that are fitted explain, in part, what is wrong otherwise, too. None is
         returned if no such fit explains as much, or more is left than noise.
         """
         general = [one for one in found.changes if one is not START and one not in OF_LOGS]
-        if len(general) > 2 or self._is_beyond(found):
+        if not general or self._is_beyond(found):
             return None
-        for replaced in [*combinations(general, 2), *((one,) for one in general)]:
+        # Of more than two they are no more than what fits.
+        fewer = [*combinations(general, 2), *((one,) for one in general)]
+        for replaced in fewer if len(general) <= 2 else [general]:
             kept = tuple(one for one in found.changes if one not in replaced)
             fits = [one for one in self._raced([kept]) if self.search.beyond(one, found) <= 0]
             fits = [one for one in fits if len(one.numbers) < len(found.numbers)]
@@ -221,7 +223,10 @@ class Measured:
     def with_tensor(self) -> Fit:
         """The best fit, with start and tensor added even if the samples do not require them."""
         more = [one for one in (START, self.tensor) if one not in self.found.changes]
-        return Trial(self.log, (*self.found.changes, *more)).fit(self.found)
+        trial = Trial(self.log, (*self.found.changes, *more))
+        fit = trial.fit(self.found)
+        # A tensor that takes the place of what was found begins anew.
+        return trial.fit() if self._is_beyond(fit) else fit
 
     @cached_property
     def freedom(self) -> int:
@@ -277,7 +282,12 @@ class Measured:
 
     @property
     def shows_tensor(self) -> bool:
-        """Whether any entry of the tensor is known, beside what the samples require."""
+        """Whether any entry of the tensor is known, beside what the samples require.
+
+        A tensor that is fitted may take the place of what explains the samples.
+        """
+        if self._is_beyond(self.with_tensor) and not self.is_beyond:
+            return False
         entries, errors = self.tensor_entries()
         return bool(errors.max() <= np.abs(entries).max())
 

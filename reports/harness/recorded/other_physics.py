@@ -46,7 +46,7 @@ LOWER_ORDER = (
 )
 OTHER_TIMESTEP = "its timestep is not the stated {:.4g} s"
 LONGER_TIMESTEP = (
-    "its timestep is longer than the stated {:.4g} s: {} equations and errors of order {} "
+    "its timestep is longer than the stated {:.4g} s: the scene's equations and errors of order {} "
     "make this motion, with a timestep of {:.2g} s or more"
 )
 UNEXPLAINED = (
@@ -169,10 +169,10 @@ class Physics:
         """The sentence that the method has a lower order, or another timestep; often none."""
         if self.is_at_another_timestep:
             return [OTHER_TIMESTEP.format(self.timestep)]
-        order, equations = self.order_made, "these" if self.base else "the scene's"
+        order = self.order_made
         if order == self.order and self.timestep:
-            return [LONGER_TIMESTEP.format(self.timestep, equations, order, self.least_timestep)]
-        return [LOWER_ORDER.format(order, self.order, equations)] if order else []
+            return [LONGER_TIMESTEP.format(self.timestep, order, self.least_timestep)]
+        return [LOWER_ORDER.format(order, self.order, "the scene's")] if order else []
 
     @property
     def least_timestep(self) -> float:
@@ -222,17 +222,22 @@ class Physics:
         """Whether the difference is no more than noise."""
         return bool((self.off <= self.least).all())
 
-    @cached_property
+    @property
     def is_of_method(self) -> bool:
         """Whether noise or the errors of methods explain the difference.
 
         The leading errors explain it but for their next term; of a motion that makes the leading
         ones small, the next terms do.
         """
+        return self._left_by_methods < self.next_term**2
+
+    @cached_property
+    def _left_by_methods(self) -> float:
+        """What methods' errors leave of the difference, as a mean square of parts of it."""
         if self.intervals is None or self.is_of_noise:
-            return True
+            return 0.0
         data, orders = self.intervals.with_error(self.off), range(1, self.order + 2)
-        return mean_square(left_by_methods(data, orders, self.timestep)) < self.next_term**2
+        return mean_square(left_by_methods(data, orders, self.timestep))
 
     @cached_property
     def off(self) -> FloatArray:
@@ -282,7 +287,7 @@ class Physics:
         if self.by_change is not None:
             return self._in_words(self.by_change)
         if not self.is_beyond:
-            if self.is_of_noise:
+            if self._left_by_methods < SAME**2:
                 return []
             fit = self._within_error
             words = sentences(self._and_read(fit) or fit) if fit else []
@@ -328,7 +333,7 @@ class Physics:
         """The changes that explain what is left within a method's error, if any do."""
         if self.intervals is None or self.search is None:
             return None
-        orders, every = range(1, self.order + 2), self._of_motion
+        orders, every = range(1, self.order + 1), self._of_motion
         of_method = orders, self.timestep, self.next_term
         return within_error(self.intervals, every, MOST_NUMBERS, *of_method)
 

@@ -99,10 +99,11 @@ def since_exactly(data: Intervals, least: FloatArray, reach: int) -> Since | Non
     reach : how many samples on each side ω is computed from
     """
     off = norms(data.apart(data.base.equations).reshape(-1, 3)).reshape(-1, 2)
+    inner = slice(reach, len(off) - reach)
+    if len(off[inner]) < 2 * FEWEST:
+        return None
     for is_method in (False, True):
-        each = (off / np.hypot(least, is_method * data.method)).max(axis=1)[
-            reach : len(off) - reach
-        ]
+        each = (off / np.hypot(least, is_method * data.method)).max(axis=1)[inner]
         last = int(np.argmax(each > 1))
         first = last + 2 * reach
         soon = each[last : first + AT_ONCE]

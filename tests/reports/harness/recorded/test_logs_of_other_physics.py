@@ -149,6 +149,18 @@ def test_a_log_is_explained_by_other_equations(one: Hidden) -> None:
     check(one)
 
 
+def test_a_tensor_is_given_only_beside_what_explains_the_log() -> None:
+    for name, is_given in {
+        "products of the other sign": True,
+        "half of the gyroscopic torque, without stated noise": False,
+    }.items():
+        one = LOGS[name]
+        recording = Recording(Path("motion.csv"), one.arrays(), one.stated)
+        measured = judged_motion(one.scene, recording).measured
+        assert measured is not None
+        assert measured.tensor_in_words().startswith("No tensor is given") != is_given
+
+
 def test_a_tensor_that_is_no_special_one_stays_a_tensor() -> None:
     tensor = FREE.inertia + MOMENT * np.array([[0.05, 0.03, 0], [0.03, -0.04, 0.02], [0, 0.02, 0]])
     arrays = noisy(exactly(FREE, rates_of(FREE, inertia=tensor)))

@@ -158,20 +158,6 @@ def filtered(arrays: Arrays, constant: float) -> Arrays:
     return arrays | {"omega": np.array(made)[::40]}
 
 
-def by_euler_of_the_diagonal() -> Arrays:
-    """Semi-implicit in ω, of a body whose gyroscopic torque is of the diagonal alone."""
-    rates, h = rates_of(FREE, gyroscopic=DIAGONAL), float(T[1]) / 20
-    y = np.concatenate([FREE.scenario.start.q_world_body_wxyz, FREE.scenario.start.omega_body])
-    rows = [y]
-    for _ in T[1:]:
-        for _ in range(20):
-            omega = y[4:] + h * rates(y[:4], y[4:])[1]
-            q = y[:4] + h * rates(y[:4], omega)[0]
-            y = np.concatenate([q / np.linalg.norm(q), omega])
-        rows.append(y)
-    return {"t": T.copy(), "q": np.array(rows)[:, :4]}
-
-
 PRODUCTS = "it moves as if the products of inertia had the other sign"
 OF_DIAGONAL = "it moves as if the gyroscopic torque ω × Iω were of the tensor's diagonal alone"
 LEFT: dict[str, Hidden] = {
@@ -246,13 +232,6 @@ LEFT: dict[str, Hidden] = {
             "it moves as if the gyroscopic torque ω × Iω were 0.5 ",
             "ω is what a low-pass filter of a time constant of 0.05 s leaves of it",
         ),
-    ),
-    "part of a torque by a method of a lower order, of attitudes alone": Hidden(
-        FREE.scenario,
-        by_euler_of_the_diagonal,
-        (OF_DIAGONAL, "its method is of order 1, not 4: these equations"),
-        {"timestep": "0.001"},
-        4,
     ),
     "drag of the other sign, of attitudes alone": Hidden(
         DRAGGED.scenario,
