@@ -1,12 +1,13 @@
 """Logs with noise are explained by the same changes of the equations as computed motions."""
 
+import re
 from pathlib import Path
 
 import numpy as np
 import pytest
 from case_loops import each_case
 from hidden import NOISY, Hidden, changed, check, noisy, right
-from planted_motions import case, cross, exactly, rates_of
+from planted_motions import Rates, case, cross, exactly, rates_of
 from reported_faults import Arrays
 from scipy.spatial.transform import Rotation
 from spincheck.reports.harness.recorded.judged import judged_motion
@@ -31,6 +32,10 @@ def with_omega(arrays: Arrays, matrix: np.ndarray) -> Arrays:
 
 def with_a_world_torque_for_gravity() -> Arrays:
     """The arm of gravity is not turned with the body, so that its torque is constant in space."""
+    return exactly(HEAVY, rates_of_a_world_torque())
+
+
+def rates_of_a_world_torque() -> Rates:
     torque = np.cross(HEAVY.com, HEAVY.scenario.body.mass * HEAVY.gravity)
 
     def rates(q: np.ndarray, omega: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -38,7 +43,20 @@ def with_a_world_torque_for_gravity() -> Arrays:
         R = Rotation.from_quat(q, scalar_first=True).as_matrix()
         return turning, accelerated + np.linalg.solve(HEAVY.inertia, R.T @ torque)
 
-    return exactly(HEAVY, rates)
+    return rates
+
+
+def by_semi_implicit_euler(rates: Rates, steps: int) -> Arrays:
+    """Attitudes alone of so many steps from sample to sample, ω first."""
+    times, start = HEAVY.scenario.times, HEAVY.scenario.start
+    y, rows, h = np.array([*start.q_world_body_wxyz, *start.omega_body]), [], times[1] / steps
+    for _ in times:
+        rows.append(y[:4])
+        for _ in range(steps):
+            omega = y[4:] + h * rates(y[:4], y[4:])[1]
+            q = y[:4] + h * rates(y[:4], omega)[0]
+            y = np.concatenate([q / np.linalg.norm(q), omega])
+    return {"t": times.copy(), "q": np.array(rows)}
 
 
 def with_torques_unturned() -> Arrays:
@@ -185,3 +203,14 @@ def right_of(one: object) -> Arrays:
         drag = 0.1 * MOMENT
         return exactly(one, rates_of(one, torque=lambda omega: -drag * omega))
     return right(one)
+
+
+def test_a_lower_order_than_the_stated_one_is_named_beside_a_change() -> None:
+    arrays = by_semi_implicit_euler(rates_of_a_world_torque(), 20)
+    recording = Recording(Path("motion.csv"), arrays, {"timestep": "0.001"})
+    gravity, torque, order = judged_motion(HEAVY.scenario, recording, 4).explained_by
+    assert gravity == "it moves as if there were no gravity"
+    x, y, z = np.cross(HEAVY.com, HEAVY.scenario.body.mass * HEAVY.gravity)
+    wanted = [float(number) for number in re.findall(r"-?\d+\.\d+(?:e-\d+)?", torque)]
+    assert wanted == pytest.approx([x, y, z], abs=5e-3 * max(abs(x), abs(y)))
+    assert order.startswith("its method is of order 1, not 4")
