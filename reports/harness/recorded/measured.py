@@ -17,7 +17,7 @@ from ....reference.following import follow
 from ....scenarios import FloatArray, Scenario
 from ....scenarios.rotation import norms
 from ...results.change_words import KINDS
-from ..explaining.changes import is_scaled, tensor
+from ..explaining.changes import FITTED_TENSORS, is_scaled, tensor
 from ..explaining.effect_changes import (
     by_attitude,
     com,
@@ -171,7 +171,9 @@ class Measured:
 
     def _raced(self, besides: Sequence[tuple[Change, ...]], factor: float = 1.0) -> list[Fit]:
         """Return the best fits of each change of the equations, beside some other changes."""
+        # That a tensor has special axes is not said where noise hides that it has others.
         others = [one for one in changes_of_motion(self.scenario) if one not in READINGS]
+        others = [one for one in others if one.kind not in FITTED_TENSORS]
         special = [one for one in others if len(one.sizes) <= MOST_NUMBERS]
         trials = [Trial(self.given, (one, *more)) for more in besides for one in special]
         return [fit for fit in race(trials, KEEPS_UP, factor) if fit.is_possible]

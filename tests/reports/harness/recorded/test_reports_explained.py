@@ -178,7 +178,7 @@ def test_another_moment_is_found_in_noise_with_its_standard_error() -> None:
     heavier = (axes * (moments * [1.0, 1.05, 1.0])) @ axes.T
     found = judged(LOG.scenario, measured(LOG, np.radians(0.06), 0.001, inertia=heavier))
     assert [words.partition(" were ")[0] for words in found.explained_by] == [
-        "it moves as if the moments"
+        "it moves as if the tensor"
     ]
     assert found.measured is not None
     entries, errors = found.measured.tensor_entries()
