@@ -111,3 +111,14 @@ def rotation_vectors(q_from_wxyz: FloatArray, q_to_wxyz: FloatArray) -> FloatArr
     angle = 2 * np.arctan2(sine, np.abs(w))
     # For no rotation the vector is zero, whatever the factor is.
     return np.asarray(v * (np.copysign(angle, w) / np.where(sine == 0, 1, sine))[:, None])
+
+
+def turning_of(q_wxyz: FloatArray, rates: FloatArray) -> FloatArray:
+    """Return 2 q⁻¹ q', the angular velocity along body axes, rad/s, (n, 3).
+
+    Parameters
+    ----------
+    q_wxyz, rates : unit quaternions, scalar first, and their derivatives, 1/s, (n, 4) each
+    """
+    w, v = q_wxyz[:, :1], q_wxyz[:, 1:]
+    return np.asarray(2 * (w * rates[:, 1:] - rates[:, :1] * v - cross(v, rates[:, 1:])))

@@ -19,7 +19,7 @@ from scipy.optimize import lsq_linear
 from ....reference.following import follow, rates
 from ....reference.other_equations import OtherEquations
 from ....scenarios import FloatArray
-from ....scenarios.rotation import cross, norms
+from ....scenarios.rotation import cross, norms, turning_of
 from .intervals import Intervals, apart
 
 #: Order up to which vertices are coloured: of higher ones there would be too many trees.
@@ -191,9 +191,7 @@ class _Differentials:
 
         It is in units of `rate`.
         """
-        q, off = self.states[:, :4], self.of(tree)[:, :4]
-        w, v = q[:, :1], q[:, 1:]
-        return np.asarray(2 * (w * off[:, 1:] - off[:, :1] * v - cross(v, off[:, 1:])))
+        return turning_of(self.states[:, :4], self.of(tree)[:, :4])
 
     def _slopes(self, colour: int, states: FloatArray) -> FloatArray:
         """Return q' and ω' of states with quaternions of any length, (n, 7)."""

@@ -8,7 +8,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ....scenarios import FloatArray, Scenario, Trajectory
-from ....scenarios.rotation import matrices, norms, rotation_vectors, turned, turned_back
+from ....scenarios.rotation import (
+    matrices,
+    norms,
+    rotation_vectors,
+    turned,
+    turned_back,
+    turning_of,
+)
 from .recording import Recording, RecordingError
 
 #: Numbers of samples that ω is computed from, and the part of samples in which errors are compared:
@@ -177,8 +184,7 @@ def _derived(t: FloatArray, q_world_body_wxyz: FloatArray, samples: int) -> Floa
     rates = np.zeros_like(q)
     for j in range(points):
         rates += _weight(t, first, points, j)[:, None] * (q[first + j] - q)
-    w, v = q[:, :1], q[:, 1:]
-    return 2 * (w * rates[:, 1:] - rates[:, :1] * v - np.cross(v, rates[:, 1:]))
+    return turning_of(q, rates)
 
 
 def _weight(t: FloatArray, first: NDArray[np.intp], points: int, j: int) -> FloatArray:

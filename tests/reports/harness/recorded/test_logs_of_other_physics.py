@@ -146,6 +146,7 @@ LOGS: dict[str, Hidden] = {
         lambda: attitudes_of(noisy(right(START))),
         ("it started elsewhere: at t = 0 s ",),
     ),
+    # From −4 to 4 ms, of which the standard deviation is √(80/12) ms.
     "times that jitter, of attitudes alone": Hidden(
         FREE.scenario, rows_of_uneven_times, ("the times are off by 0.0026 s",)
     ),
