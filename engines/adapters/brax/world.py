@@ -1,7 +1,7 @@
 """A Brax system of one body, which needs `brax`, `mujoco`, `jax` and numpy."""
 
 import warnings
-from functools import partial
+from functools import cache, partial
 
 import jax
 import mujoco
@@ -105,28 +105,51 @@ def hinge_axes(q):
     return np.column_stack([np.eye(3)[0], first[:, 1], second[:, 2]])
 
 
-@partial(jax.jit, static_argnums=0)
-def begun(pipeline, system, q, qd):
+class Structure:
+    """The structure of systems that differ in numbers alone.
+
+    JAX finds what it has compiled for it by this object: to compare the constant arrays of two
+    structures takes longer than a step.
+    """
+
+    def __init__(self, tree):
+        self.tree = tree
+
+
+#: One structure for all trees that are equal.
+structure_of = cache(Structure)
+
+
+def system_of(structure, numbers, timestep):
+    """Return the system with these numbers, whose steps take so long, s."""
+    system = jax.tree.unflatten(structure.tree, numbers)
+    return system.replace(opt=system.opt.replace(timestep=timestep))
+
+
+@partial(jax.jit, static_argnums=(0, 1))
+def begun(pipeline, structure, numbers, timestep, q, qd):
     """Return the state with coordinates q and qd."""
-    return pipeline.init(system, q, qd)
+    return pipeline.init(system_of(structure, numbers, timestep), q, qd)
 
 
-@jax.jit
-def moved(system, state, place, turning):
+@partial(jax.jit, static_argnums=0)
+def moved(structure, numbers, timestep, state, place, turning):
     """Return a state whose bodies have other positions and velocities of their coms.
 
     The function `init` gives a body on several hinges a wrong velocity: "fix qd->jd calculation
     for stacked/offset joints" (brax/kinematics.py).
     """
+    system = system_of(structure, numbers, timestep)
     x, xd = com.to_world(system, place, turning)
     j, jd, a_p, a_c = kinematics.world_to_joint(system, x, xd)
     found = {"x": x, "xd": xd, "j": j, "jd": jd, "a_p": a_p, "a_c": a_c}
     return state.replace(x_i=place, xd_i=turning, **found)
 
 
-@partial(jax.jit, static_argnums=0)
-def stepped(pipeline, system, state, count):
+@partial(jax.jit, static_argnums=(0, 1))
+def stepped(pipeline, structure, numbers, timestep, state, count):
     """Return the state after `count` steps."""
+    system = system_of(structure, numbers, timestep)
     without_actuators = np.zeros(0, np.float32)
     return jax.lax.fori_loop(
         0, count, lambda _, now: pipeline.step(system, now, without_actuators), state
@@ -148,13 +171,13 @@ class World:
             system = system.replace(link=system.link.replace(transform=place))
         # Without the name, only numbers differ between systems, and JAX compiles them once.
         self.system = jax.tree.map(np.asarray, system.replace(mj_model=None))
+        numbers, tree = jax.tree.flatten(self.system)
+        self.structure, self.numbers = structure_of(tree), jax.device_put(numbers)
         self.restart(scene, timestep)
 
     def restart(self, motion, timestep):
         """Set another motion and timestep; leave nothing of earlier steps."""
-        system = self.system
-        option = system.opt.replace(timestep=np.asarray(timestep, system.opt.timestep.dtype))
-        self.system = system.replace(opt=option)
+        self.timestep = single(timestep)
         R, omega = matrix(motion["q"]), np.array(motion["omega"])
         if self.is_free:
             # The angular velocity of a free joint is along the body's axes.
@@ -164,11 +187,16 @@ class World:
             q = angles(FRAME.T @ R)
             qd = np.linalg.solve(FRAME @ hinge_axes(q), omega)
         with warnings.catch_warnings(**WARNINGS):
-            self.state = begun(self.pipeline, self.system, single(q), single(qd))
+            self.state = begun(self.pipeline, *self.held, single(q), single(qd))
             if not self.is_generalized:
                 place = Transform(pos=single([motion["com"]]), rot=single([motion["q"]]))
                 turning = Motion(ang=single([omega]), vel=single([motion["velocity"]]))
-                self.state = moved(self.system, self.state, place, turning)
+                self.state = moved(*self.held, self.state, place, turning)
+
+    @property
+    def held(self):
+        """Structure, numbers and timestep of the system, as `system_of` takes them."""
+        return self.structure, self.numbers, self.timestep
 
     def motion(self):
         """Attitude, w x y z, ω, com and its velocity, world axes."""
@@ -191,7 +219,7 @@ class World:
     def advance(self, steps):
         """Take steps."""
         with warnings.catch_warnings(**WARNINGS):
-            ended = stepped(self.pipeline, self.system, self.state, np.int32(steps))
+            ended = stepped(self.pipeline, *self.held, self.state, np.int32(steps))
         self.state = jax.block_until_ready(ended)
 
 
@@ -213,7 +241,8 @@ class Worlds:
 
     def __init__(self, worlds):
         self.worlds, self.pipeline = worlds, worlds[0].pipeline
-        self.systems = jax.device_put(stacked([world.system for world in worlds]))
+        systems = [jax.tree.map(np.asarray, system_of(*world.held)) for world in worlds]
+        self.systems = jax.device_put(stacked(systems))
         self.states = jax.device_put(stacked([world.state for world in worlds]))
 
     def advance(self, steps):
