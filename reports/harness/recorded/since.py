@@ -14,7 +14,8 @@ from ....scenarios.rotation import norms
 from ..explaining.search import LEFT, LEVEL
 from .intervals import Intervals, apart, states_of
 from .log import FEWEST, log_of
-from .measured import START, Measured
+from .log_fit import START
+from .measured import Measured
 
 #: Samples by which a motion that was exact is off by far more, at most: a method's error grows.
 AT_ONCE = 3

@@ -1,0 +1,294 @@
+"""The fit of a measured motion: the start, tensor and mistakes that its samples require.
+
+The exact motion is fitted to all samples at once by maximum likelihood, with normal and independent
+noise.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from itertools import combinations
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+from scipy.special import chdtrc, chdtri, fdtrc
+
+from ....reference.following import follow
+from ....scenarios import FloatArray, Scenario
+from ....scenarios.rotation import norms
+from ..explaining.changes import FITTED_TENSORS, tensor
+from ..explaining.effect_changes import (
+    by_attitude,
+    com,
+    dipole,
+    momentum,
+    of_momentum,
+    resistance,
+    resistance_of_other_powers,
+    tilt,
+    torques,
+    usual_torque,
+    world_turning,
+)
+from ..explaining.fit import Fit, Trial, race
+from ..explaining.hypothesis import Change, Hypothesis
+from ..explaining.search import LEFT, LEVEL, Search
+from .intervals import apart
+from .log import Log
+from .motion_changes import TIMES, changes_of_motion
+from .right_by_itself import right_by_itself
+from .sensors import CROSS_AXIS, OF_LOGS, READINGS
+
+#: Largest number of changes that are fitted at once, and of numbers of a special change.
+MOST, MOST_NUMBERS = 4, 3
+#: Largest turn of the body, rad, in the time by which all states are late.
+LATEST = 30.0
+#: How much more than the best the first samples may leave, as a sum of squares, for a change to be
+#: fitted to more of them: by chance it is more of one in 10⁹.
+KEEPS_UP = 50.0
+#: Factor by which neighbouring fourth differences, which share noise, count as fewer independent
+#: numbers, Σ (8 over 4+k)² / (8 over 4)².
+SHARED = 2.63
+
+START = Change("start", lambda h, n: h._replace(start=h.start + n), np.ones(6))
+
+
+@dataclass(frozen=True, eq=False)
+class LogFit:
+    """The fit of a measured motion, with all the changes that its samples require.
+
+    Attributes
+    ----------
+    given : its samples, with noise as it is stated or was estimated before any fit
+    """
+
+    scenario: Scenario
+    given: Log
+
+    @cached_property
+    def tensor(self) -> Change:
+        """The change of the scene's tensor that is fitted."""
+        return tensor(self.given.base.equations)
+
+    @cached_property
+    def by_attitude(self) -> Change:
+        """The change in which torques act that depend on the attitude."""
+        return by_attitude(usual_torque(self.scenario, self.given.base.equations))
+
+    @cached_property
+    def axes(self) -> Change:
+        """The change in which attitude and ω are those of axes that are turned in the body."""
+        omega = self.given.scene_start[4:]
+
+        def turned(h: Hypothesis, turn: FloatArray) -> Hypothesis:
+            R, e = Rotation.from_rotvec(turn).as_matrix(), h.equations
+            of_body = {name: R.T @ getattr(e, name) for name in ("pull", "torque", "kept")}
+            start = np.concatenate([turn, R.T @ omega - omega])
+            return h.of_tensor(R.T @ e.inertia @ R).of(**of_body)._replace(start=start)
+
+        return Change("axes of the body", turned, np.ones(3))
+
+    @cached_property
+    def late(self) -> Change:
+        """The change in which each state is that of a time, so many seconds before its own."""
+        start = self.given.scene_start[None]
+        rate = max(float(norms(start[:, 4:])[0]), self.given.base.equations.rate) or 1.0
+        most = LATEST / rate
+
+        def shifted(h: Hypothesis, time: FloatArray) -> Hypothesis:
+            before = follow(h.equations, start, -np.clip(time, -most, most)[None])[:, 0]
+            return h._replace(start=apart(start, before)[0])
+
+        return Change("late", shifted, np.array([1 / rate]))
+
+    @cached_property
+    def search(self) -> Search:
+        """The search for changes that the samples require, given the noise before any fit."""
+        equations = self.given.base.equations
+        scene = self.scenario, equations
+        candidates = [START, self.tensor, TIMES, *resistance(*scene), *com(*scene)]
+        candidates += [*tilt(equations), *of_momentum(equations), *torques(*scene)]
+        candidates += [momentum(*scene), *resistance_of_other_powers(*scene)]
+        if self.given.has_omega:
+            candidates += [*OF_LOGS, world_turning(1.0)]
+        return Search(self.given, candidates)
+
+    @cached_property
+    def found(self) -> Fit:
+        """The best fit, with all the changes that the samples require."""
+        search, both = self.search, (START, self.tensor)
+        single = [one.fit() for one in search.trials]
+        # It has numbers enough to explain a part of anything.
+        torque = Trial(self.given, (self.by_attitude,)).fit()
+        single += [] if self._is_beyond(torque) else [torque]
+        found = max(single, key=search.gain)
+        if not found.is_hopeless:
+            found = search.stepwise(found.changes, MOST)
+        if self._is_beyond(found):
+            # Of changes that are needed together each may explain nothing by itself.
+            found = max(found, search.stepwise(both, MOST), key=search.gain)
+        if self._is_beyond(found) and not self.right_by_itself:
+            # What is wrong besides leaves far more than noise at first.
+            first = max(self._raced([(), (START,)], 1 / LEFT), key=search.gain, default=found)
+            every = replace(search, changes=[*search.changes, CROSS_AXIS])
+            other = every.stepwise(first.changes, len(first.changes) + 1)
+            found = found if self._is_beyond(other) else other
+        narrower = (one for one in self._narrower(found) if search.beyond(one, found) <= 0)
+        found = max(narrower, key=search.gain, default=found)
+        return self._special(found) or found
+
+    def _special(self, found: Fit) -> Fit | None:
+        """Return a fit with a special change of the equations in place of general ones.
+
+        Tensors and torques that are fitted explain, in part, what is wrong otherwise, too. None is
+        returned if no such fit explains as much, or more is left than noise.
+        """
+        general = [one for one in found.changes if one is not START and one not in OF_LOGS]
+        if not general or self._is_beyond(found):
+            return None
+        # Of more than two they are no more than what fits.
+        fewer = [*combinations(general, 2), *((one,) for one in general)]
+        for replaced in fewer if len(general) <= 2 else [general]:
+            kept = tuple(one for one in found.changes if one not in replaced)
+            fits = [one for one in self._raced([kept]) if self.search.beyond(one, found) <= 0]
+            fits = [one for one in fits if len(one.numbers) < len(found.numbers)]
+            if fits:
+                return min(fits, key=lambda fit: len(fit.numbers))
+        return None
+
+    def _raced(self, besides: Sequence[tuple[Change, ...]], factor: float = 1.0) -> list[Fit]:
+        """Return the best fits of each change of the equations, beside some other changes."""
+        # That a tensor has special axes is not said where noise hides that it has others.
+        others = [one for one in changes_of_motion(self.scenario) if one not in READINGS]
+        others = [one for one in others if one.kind not in FITTED_TENSORS]
+        special = [one for one in others if len(one.sizes) <= MOST_NUMBERS]
+        trials = [Trial(self.given, (one, *more)) for more in besides for one in special]
+        return [fit for fit in race(trials, KEEPS_UP, factor) if fit.is_possible]
+
+    def _narrower(self, found: Fit) -> Iterator[Fit]:
+        """Yield fits in which changes with many numbers are special ones with fewer."""
+        both = START, self.tensor
+        if START in found.changes:
+            others = [one for one in found.changes if one is not START]
+            yield Trial(self.given, (*others, self.late)).fit(found)
+        if set(both) <= set(found.changes):
+            others = [one for one in found.changes if one not in both]
+            # Along other axes the same body starts elsewhere, and has another tensor.
+            yield Trial(self.given, (self.axes, *others)).fit()
+        if self.by_attitude in found.changes:
+            of_dipole = dipole(found.numbers_of(self.by_attitude).reshape(3, 3))
+            others = [one for one in found.changes if one is not self.by_attitude]
+            yield Trial(self.given, (of_dipole, *others)).fit(found)
+
+    def alternatives(self, change: Change) -> list[tuple[float, Change, Fit]]:
+        """Return the mistakes of a gyroscope that explain about as much as the named one.
+
+        Each comes with its likelihood relative to the named one and its fit, the likeliest first.
+        If ω hardly changes, a bias and a scale are alike. Mistakes less likely than `LEVEL` are
+        left out.
+        """
+        fits = []
+        for other in OF_LOGS:
+            # With more numbers it explains as much by itself.
+            if other not in self.found.changes and len(other.sizes) <= len(change.sizes):
+                changes = (other if one is change else one for one in self.found.changes)
+                fit = Trial(self.given, tuple(changes)).fit(self.found)
+                gain = self.search.gain(fit) - self.search.gain(self.found)
+                fits.append((float(np.exp(min(gain, 0.0) / 2)), other, fit))
+        return sorted((one for one in fits if one[0] > LEVEL), key=lambda one: -one[0])
+
+    @cached_property
+    def right_by_itself(self) -> list[str]:
+        """As `right_by_itself` says of the log."""
+        return right_by_itself(self.given, self.search.unchanged.rest)
+
+    @cached_property
+    def log(self) -> Log:
+        """The samples with noise as stated, or else as the best fit leaves it."""
+        is_noise = self.given.is_stated or self.is_beyond
+        return self.given if is_noise else self.given.with_noise_of(self.found)
+
+    @cached_property
+    def fit(self) -> Fit:
+        """The best fit, given that noise."""
+        return Trial(self.log, self.found.changes).fit(self.found)
+
+    @cached_property
+    def with_tensor(self) -> Fit:
+        """The best fit, with start and tensor added even if the samples do not require them."""
+        more = [one for one in (START, self.tensor) if one not in self.found.changes]
+        trial = Trial(self.log, (*self.found.changes, *more))
+        fit = trial.fit(self.found)
+        # A tensor that takes the place of what was found begins anew.
+        return trial.fit() if self._is_beyond(fit) else fit
+
+    @cached_property
+    def freedom(self) -> int:
+        """Number of measured numbers less the number of fitted ones."""
+        return self.found.rest.size - len(self.found.numbers)
+
+    @cached_property
+    def is_beyond(self) -> bool:
+        """Whether more is left than noise explains."""
+        return self._is_beyond(self.found)
+
+    def _is_beyond(self, fit: Fit) -> bool:
+        """Whether a fit leaves more than noise explains."""
+        squares, freedom = self.given.squares(fit.rest), fit.rest.size - len(fit.numbers)
+        if self.given.is_stated:
+            return float(chdtrc(freedom, squares.sum())) < LEVEL
+        each = freedom / len(squares)
+        ratios = squares / each
+        return float(fdtrc(each, 3 * len(self.given.t) / SHARED, ratios.max())) < LEVEL
+
+    @property
+    def is_far(self) -> bool:
+        """Whether so much more than noise is left that its standard errors say nothing."""
+        return self.is_beyond and self.chi2 > self.freedom / LEFT
+
+    @property
+    def chi2(self) -> float:
+        """The sum of squares of what is left, in units of the noise."""
+        return float(np.sum(self.fit.rest**2))
+
+    @property
+    def inflation(self) -> float:
+        """Factor of standard errors by what is left beyond noise, √(χ² / degrees of freedom).
+
+        So do the Particle Data Group where measurements differ by more than their errors (R. L.
+        Workman et al., Prog. Theor. Exp. Phys. 2022, 083C01, §5.2.2).
+        """
+        return float(np.sqrt(self.chi2 / self.freedom)) if self.is_beyond else 1.0
+
+    def is_required(self, change: Change) -> bool:
+        """Whether a change is significant beside what is left."""
+        if not len(change.sizes):
+            return True
+        rows, numbers = self.fit.rows(change), self.fit.numbers_of(change)
+        errors = self.fit.errors[rows] * self.inflation
+        in_errors = numbers / errors
+        # Numbers that are known together only have a correlation that is nearly singular.
+        correlation = self.fit.covariance[rows, rows] * self.inflation**2 / np.outer(errors, errors)
+        squares = in_errors @ np.linalg.lstsq(correlation, in_errors, rcond=None)[0]
+        return bool(squares > chdtri(len(numbers), LEVEL))
+
+    @property
+    def shows_tensor(self) -> bool:
+        """Whether any entry of the tensor is known, beside what the samples require.
+
+        A tensor that is fitted may take the place of what explains the samples.
+        """
+        if self._is_beyond(self.with_tensor) and not self.is_beyond:
+            return False
+        entries, errors = self.tensor_entries()
+        return bool(errors.max() <= np.abs(entries).max())
+
+    def tensor_entries(self) -> tuple[FloatArray, FloatArray]:
+        """Return the entries Ixx, Iyy, Izz, Ixy, Ixz, Iyz, kg m², and their standard errors."""
+        fit, entries = self.with_tensor, self.tensor.shown
+        rows, count = fit.rows(self.tensor), len(self.tensor.sizes)
+        usual = np.asarray(entries(np.zeros(count)))
+        slopes = np.array([entries(unit) for unit in np.eye(count)]) - usual
+        covariance = slopes.T @ fit.covariance[rows, rows] @ slopes
+        errors = np.sqrt(np.diag(covariance)) * self.inflation
+        return np.asarray(entries(fit.numbers[rows])), errors
