@@ -13,11 +13,10 @@ import numpy as np
 from ....reference.following import EXACT
 from ....scenarios import FloatArray, Scenario, Trajectory
 from ....scenarios.rotation import norms
-from ..explaining.fit import Fit, Trial, mean_square
+from ..explaining.fit import Fit, mean_square
 from ..explaining.hypothesis import Change, Hypothesis
 from ..explaining.search import LEFT, MOST_OF_ALL, SAME, Search
 from .clamps import Clamp, clamps
-from .gyroscope_first import after_gyroscope
 from .intervals import FEWEST_INTERVALS, Intervals, intervals_of, root_mean_squares
 from .known_integrators import FEW, KnownIntegrators
 from .leading_error import left_by_methods
@@ -290,7 +289,7 @@ class Physics:
             if self._left_by_methods < SAME**2:
                 return []
             fit = self._within_error
-            words = sentences(self._and_read(fit) or fit) if fit else []
+            words = sentences(fit) if fit else []
             words = words or self._varying(self._of_motion)
             return words or ([] if self.is_of_method else self.dissipated)
         return self.unlike_any_change or missing(self.intervals)
@@ -349,9 +348,7 @@ class Physics:
         if other and self.known:
             left = self.known.left_exactly(found.hypothesis) if found else np.inf
             found = other if other.left < SAME**2 * left else found
-        if not self.is_beyond or (found is not None and not self._is_partial(found)):
-            return found
-        return after_gyroscope(self.intervals, self.search) or found
+        return found
 
     def _is_partial(self, found: Fit) -> bool:
         """Whether changes leave more than a method makes, and no known integrator made that."""
@@ -417,8 +414,6 @@ class Physics:
             return self._of_lower_order(found) or [*words, *unexplained]
         if len(found.changes) > 1:
             return words
-        if both := self._and_read(found):
-            return sentences(both)
         if more := rest.by_other_equations:
             return [*words, *rest._in_words(more)]
         more = rest._within_error
@@ -440,23 +435,6 @@ class Physics:
             if fit := refitted(self.intervals, found, *of_method):
                 return [*sentences(fit), LOWER_ORDER.format(order, self.order, "these")]
         return []
-
-    def _and_read(self, found: Fit) -> Fit | None:
-        """The changes of a fit and a mistake in reading, or of times, that leave nothing; or None.
-
-        None is looked for where the fit leaves little of the difference.
-        """
-        if self.intervals is None:
-            return None
-        exact = self.intervals.made_by(EXACT, 0.0)
-        (rest,) = exact.off([found.hypothesis]) * exact.scale
-        off = root_mean_squares(rest)
-        if (off < LEFT**2 * self.off).all():
-            return None
-        data = replace(exact, noise=np.maximum(self.least, SAME * off))
-        more = [one for one in (TIMES, *READINGS) if one not in found.changes]
-        fits = [Trial(data, (*found.changes, one)).fit(found) for one in more]
-        return min((fit for fit in fits if fit.left <= 1), key=lambda fit: fit.count, default=None)
 
     def _unexplained(self, rest: FloatArray) -> list[str]:
         """Return that what an explanation leaves, in units of its scale, is not explained.
