@@ -14,6 +14,7 @@ from spincheck.engine import (
     EngineError,
     FloatArray,
     Method,
+    State,
     along,
     in_chart,
 )
@@ -54,10 +55,11 @@ class DrakeSession(WorldSession):
         If the ball joint is singular, at a pitch of 90°; with Drake's message.
     """
 
-    @property
-    def can_restart(self) -> bool:
-        """Whether the plant does not step itself, which would build the timestep into it."""
-        return not self.world.is_discrete
+    def restart(self, state: State, timestep: float | None = None) -> None:
+        """Set the body to a state; a plant that steps itself is built anew for another timestep."""
+        if self.world.is_discrete and timestep not in (None, self.timestep):
+            self.world = self.module.World(self.scene, self.world.method, timestep)
+        super().restart(state, timestep)
 
     def world_body(self) -> WorldBody:
         """The body as the plant's context holds it, from the joint."""

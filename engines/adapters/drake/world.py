@@ -34,7 +34,8 @@ class World:
     """One body, on a ball joint of roll, pitch and yaw at its pivot, or on a quaternion joint."""
 
     def __init__(self, scene, method, timestep):
-        self.is_discrete, self.is_free = method in DISCRETE, scene["arm"] is None
+        self.method, self.is_discrete = method, method in DISCRETE
+        self.is_free = scene["arm"] is None
         builder = drake.DiagramBuilder()
         own_timestep = timestep if self.is_discrete else 0.0
         if method == "default":

@@ -6,9 +6,8 @@ from typing import Any
 import jax
 import jax.numpy as jnp
 import numpy as np
-from mujoco import mjx
 
-from .world import in_precision
+from .world import in_precision, one_step
 
 
 @cache
@@ -20,7 +19,7 @@ def _compiled(trees: Any, way: str) -> Any:
         model = jax.tree.unflatten(model_tree, still)
         data = jax.tree.unflatten(data_tree, moving)
         data = data.replace(qpos=x[: model.nq], qvel=x[model.nq :])
-        data = jax.lax.fori_loop(0, steps, lambda _, data: mjx.step(model, data), data)
+        data = jax.lax.fori_loop(0, steps, lambda _, data: one_step(model, data), data)
         after = jnp.concatenate([data.qpos, data.qvel])
         return after, after
 

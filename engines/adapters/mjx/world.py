@@ -16,6 +16,8 @@ with redirect_stdout(StringIO()):  # MJX prints that Warp is not installed
 SAMPLES_A_CALL = 256
 #: Fields that mark bodies aligned with their inertial frame.
 MARKS = ("body_sameframe", "body_simple", "dof_simplenum")
+#: MJX's step, which JAX traces once for all loops of it: each trace takes a second.
+one_step = jax.jit(mjx.step)
 
 
 def in_precision(is_double):
@@ -60,12 +62,12 @@ def loop(trees, still, moving):
     def run(still, moving, strides, count):
         model = jax.tree.unflatten(model_tree, still)
 
-        def step(_, moving):
-            return jax.tree.leaves(mjx.step(model, jax.tree.unflatten(data_tree, moving)))
+        def stepped(_, moving):
+            return jax.tree.leaves(one_step(model, jax.tree.unflatten(data_tree, moving)))
 
         def sample(k, carried):
             moving, rows = carried
-            moving = jax.lax.fori_loop(0, strides[k], step, moving)
+            moving = jax.lax.fori_loop(0, strides[k], stepped, moving)
             data = jax.tree.unflatten(data_tree, moving)
             return moving, rows.at[k].set(jnp.concatenate([data.qpos, data.qvel]))
 
@@ -91,10 +93,13 @@ class World:
     def __init__(self, model, data, timestep, qpos, qvel):
         self.is_double = data.qpos.dtype == np.float64
         in_precision(self.is_double)
-        self.at_rest, self.trees = data, (jax.tree.structure(model), jax.tree.structure(data))
-        self.model = model
+        self.trees = jax.tree.structure(model), jax.tree.structure(data)
+        self.model, self.precision = model, data.qpos.dtype
+        self.still, self.at_rest = jax.device_put((jax.tree.leaves(model), jax.tree.leaves(data)))
+        self.still_at, self.moving_at = (
+            jax.tree.unflatten(tree, range(tree.num_leaves)) for tree in self.trees
+        )
         self.set_timestep(timestep)
-        self.still = jax.device_put(self.still)
         self.restart(qpos, qvel)
         self.loop = loop(self.trees, kinds(self.still), kinds(self.moving))
         self.run([])
@@ -102,13 +107,13 @@ class World:
     def set_timestep(self, timestep):
         """Set the length of the steps from now on, s."""
         self.model = at_timestep(self.model, timestep)
-        self.still = jax.tree.leaves(self.model)
+        self.still[self.still_at.opt.timestep] = self.model.opt.timestep
 
     def restart(self, qpos, qvel):
         """Set other coordinates, and remove every trace of earlier steps."""
-        of_data = self.at_rest.qpos.dtype
-        qpos, qvel = (np.asarray(numbers, dtype=of_data) for numbers in (qpos, qvel))
-        self.moving = jax.tree.leaves(self.at_rest.replace(qpos=qpos, qvel=qvel))
+        self.moving = [*self.at_rest]
+        for at, numbers in (self.moving_at.qpos, qpos), (self.moving_at.qvel, qvel):
+            self.moving[at] = np.asarray(numbers, dtype=self.precision)
 
     def run(self, strides):
         """Take some steps before each sample; return qpos and qvel at each sample, one a row."""
@@ -125,8 +130,8 @@ class World:
 
     def motions(self, places):
         """Return qpos and qvel in one row."""
-        data = self.data()
-        return np.concatenate([data.qpos, data.qvel])[None][places]
+        at = self.moving_at.qpos, self.moving_at.qvel
+        return np.concatenate([self.moving[one] for one in at])[None][places]
 
     def data(self):
         """Return MJX's data now, in numpy's arrays."""
