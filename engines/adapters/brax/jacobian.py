@@ -40,7 +40,7 @@ def jacobian(world: Any, way: str, steps: int) -> FloatArray:
     """Return the Jacobian of a world's next steps, along the axes of its body, (6, 6)."""
     x = np.concatenate([world.state.q, world.state.qd])
     with warnings.catch_warnings(**parts.WARNINGS):
-        made = _JACOBIANS[way](steps, x, parts.system_of(*world.held))
+        made = _JACOBIANS[way](steps, x, parts.system_of(*world.system_parts))
     by_before, after = (np.asarray(array, dtype=float) for array in made)
     (q, qd), (q_after, qd_after) = (
         np.split(one.astype(float), [world.system.q_size()]) for one in (x, after)

@@ -187,14 +187,14 @@ class World:
             q = angles(FRAME.T @ R)
             qd = np.linalg.solve(FRAME @ hinge_axes(q), omega)
         with warnings.catch_warnings(**WARNINGS):
-            self.state = begun(self.pipeline, *self.held, single(q), single(qd))
+            self.state = begun(self.pipeline, *self.system_parts, single(q), single(qd))
             if not self.is_generalized:
                 place = Transform(pos=single([motion["com"]]), rot=single([motion["q"]]))
                 turning = Motion(ang=single([omega]), vel=single([motion["velocity"]]))
-                self.state = moved(*self.held, self.state, place, turning)
+                self.state = moved(*self.system_parts, self.state, place, turning)
 
     @property
-    def held(self):
+    def system_parts(self):
         """Structure, numbers and timestep of the system, as `system_of` takes them."""
         return self.structure, self.numbers, self.timestep
 
@@ -219,7 +219,7 @@ class World:
     def advance(self, steps):
         """Take steps."""
         with warnings.catch_warnings(**WARNINGS):
-            ended = stepped(self.pipeline, *self.held, self.state, np.int32(steps))
+            ended = stepped(self.pipeline, *self.system_parts, self.state, np.int32(steps))
         self.state = jax.block_until_ready(ended)
 
 
@@ -241,7 +241,7 @@ class Worlds:
 
     def __init__(self, worlds):
         self.worlds, self.pipeline = worlds, worlds[0].pipeline
-        systems = [jax.tree.map(np.asarray, system_of(*world.held)) for world in worlds]
+        systems = [jax.tree.map(np.asarray, system_of(*world.system_parts)) for world in worlds]
         self.systems = jax.device_put(stacked(systems))
         self.states = jax.device_put(stacked([world.state for world in worlds]))
 
