@@ -7,7 +7,7 @@ import pytest
 from planted_motions import Case, case, exactly, rates_of
 from reported_faults import Arrays
 from scipy.spatial.transform import Rotation
-from spincheck.reports.harness.recorded import measured
+from spincheck.reports.harness.recorded import right_by_itself
 from spincheck.reports.harness.recorded.judged import JudgedMotion, judged_motion
 from spincheck.reports.harness.recorded.recording import Recording
 from spincheck.scenarios import from_tables
@@ -41,7 +41,7 @@ def test_what_is_far_beyond_noise_gives_no_tensor(is_drifting: bool) -> None:
     assert fit.is_far == is_drifting
     assert (fit.as_record()["tensor"] is None) == is_drifting
     assert fit.tensor_in_words().startswith("No tensor is given") == is_drifting
-    assert fit.explained() == [measured.ATTITUDE_ALONE] * is_drifting
+    assert fit.explained() == [right_by_itself.ATTITUDE_ALONE] * is_drifting
 
 
 def test_far_beyond_noise_attitudes_or_omega_may_be_right_by_themselves() -> None:
@@ -50,11 +50,11 @@ def test_far_beyond_noise_attitudes_or_omega_may_be_right_by_themselves() -> Non
     chance = np.random.default_rng(5)
     arrays = right | {"omega": omega + chance.normal(0, NOISE, omega.shape)}
     found = judged(arrays, STATED)
-    assert found.explained_by == (measured.ATTITUDE_ALONE,)
+    assert found.explained_by == (right_by_itself.ATTITUDE_ALONE,)
     q = np.array([np.interp(0.9 * late["t"], late["t"], one) for one in late["q"].T]).T
     q += chance.normal(0, NOISE / 2, q.shape)
     arrays = right | {"q": q / np.linalg.norm(q, axis=1)[:, None]}
-    assert judged(arrays, STATED).explained_by == (measured.OMEGA_ALONE,)
+    assert judged(arrays, STATED).explained_by == (right_by_itself.OMEGA_ALONE,)
 
 
 def test_a_gyroscopes_filter_is_named_without_a_stated_noise_too() -> None:
