@@ -36,7 +36,7 @@ from ..explaining.search import LEFT, LEVEL, Search
 from .intervals import apart
 from .log import Log
 from .motion_changes import TIMES, changes_of_motion
-from .right_by_itself import right_by_itself
+from .right_by_itself import right_by_itself, uneven_times
 from .sensors import CROSS_AXIS, OF_LOGS, READINGS
 
 #: Largest number of changes that are fitted at once, and of numbers of a special change.
@@ -198,9 +198,14 @@ class LogFit:
         return sorted((one for one in fits if one[0] > LEVEL), key=lambda one: -one[0])
 
     @cached_property
+    def uneven_times(self) -> list[str]:
+        """The sentence that each state is the scene's at another time, within noise, if it is."""
+        return uneven_times(self.given, self.search.unchanged.rest)
+
+    @cached_property
     def right_by_itself(self) -> list[str]:
-        """As `right_by_itself` says of the log."""
-        return right_by_itself(self.given, self.search.unchanged.rest)
+        """The sentence that attitude, ω, or each state at another time, is the scene's, if so."""
+        return self.uneven_times or right_by_itself(self.given, self.search.unchanged.rest)
 
     @cached_property
     def log(self) -> Log:

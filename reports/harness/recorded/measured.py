@@ -10,7 +10,6 @@ from ..explaining.fit import Fit
 from ..explaining.hypothesis import Change
 from .log_fit import START, LogFit
 from .missing import KINEMATICS
-from .right_by_itself import uneven_times
 from .sensors import CROSS_AXIS, OF_LOGS, of_sensor
 from .starts import started_elsewhere
 
@@ -62,9 +61,8 @@ class Measured(LogFit):
         """
         if self.is_far:
             return self.right_by_itself
-        uneven = uneven_times(self.given, self.search.unchanged.rest)
-        if not self.given.is_stated and uneven:
-            return uneven
+        if not self.given.is_stated and self.uneven_times:
+            return self.uneven_times
         required = [one for one in self.fit.changes if one is not but and self.is_required(one)]
         return [self._in_words(change) for change in required]
 

@@ -342,13 +342,13 @@ class Physics:
         if self.search is None or self.intervals is None:
             return None
         found = self.search.one_or_two()
-        other = None
-        if found is None or not self._integrator(found.hypothesis):
-            other = self.by_other_equations
-        if other and self.known:
-            left = self.known.left_exactly(found.hypothesis) if found else np.inf
-            found = other if other.left < SAME**2 * left else found
-        return found
+        if found is not None and self._integrator(found.hypothesis):
+            return found
+        other = self.by_other_equations
+        if other is None or self.known is None:
+            return found
+        left = self.known.left_exactly(found.hypothesis) if found else np.inf
+        return other if other.left < SAME**2 * left else found
 
     def _is_partial(self, found: Fit) -> bool:
         """Whether changes leave more than a method makes, and no known integrator made that."""

@@ -57,12 +57,11 @@ def uneven_times(log: Log, unchanged: FloatArray) -> list[str]:
 def right_by_itself(log: Log, unchanged: FloatArray) -> list[str]:
     """Return the sentence that either attitude or ω is the scene's, within noise, if one is.
 
-    Or that each state is, at another time. If less than half of the samples of the other are off,
-    the sentence says which. The parameters are those of `uneven_times`.
+    If less than half of the samples of the other are off, it says which. The parameters are those
+    of `uneven_times`.
     """
-    uneven = uneven_times(log, unchanged)
-    if not log.has_omega or uneven:
-        return uneven
+    if not log.has_omega:
+        return []
     squares = log.squares(unchanged)
     is_right = chdtrc(3 * len(log.t), squares) > LEVEL
     if is_right.all() or not is_right.any():
