@@ -59,6 +59,14 @@ SINGLE = (
 SAMPLES = 41
 #: Verdicts that accuse an honest method.
 ACCUSING = ("disagrees", "failed")
+#: Why a method is accused, where that was found out, by scene and method.
+CAUSES = {
+    "random-123, newton featherstone": "It falls to 36 m from the world's origin, about which the "
+    "solver has inertia and torques: what single precision leaves of them there is off so much "
+    "(engines-more.md, Newton).",
+    "random-177, brax generalized": "There the body is 2.0° from the pole of the three hinges that "
+    "stand for a ball joint.",
+}
 #: Smallest tails that are printed.
 SHOWN = 10
 KEPT = Path("build")
@@ -74,6 +82,8 @@ origin of a body that is free. A pair is judged by single steps and by replays o
 | method | {words} |
 |---|{rule}|
 {table}
+
+A row adds up to the scenes that the method was run on and supports.
 
 False accusations (`disagrees` or `failed`): {accused}.
 
@@ -229,8 +239,12 @@ class Counts:
             expected=1 / max(1, pairs),
             level=LEVEL,
             smallest=_lines(smallest),
-            wrong="\n".join(f"- {line}" for line in self.wrong) or "None.",
+            wrong="\n".join(map(_with_cause, self.wrong)) or "None.",
         )
+
+
+def _with_cause(line: str) -> str:
+    return f"- {line}. {CAUSES.get(line.split(': ')[0], '')}".rstrip()
 
 
 def _lines(rows: Sequence[Sequence[str]]) -> str:
