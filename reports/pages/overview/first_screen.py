@@ -190,12 +190,15 @@ def _instead(shipped: Usual, clean: Sequence[Usual]) -> Usual | None:
 
 
 def _price(seconds: Mapping[str, float | None], base: Mapping[str, float | None]) -> str:
-    """Return the median ratio of a step's times over scenes, and its quartiles; "" without."""
+    """Return the median ratio of a step's times over scenes, and its quartiles; "" without.
+
+    The quartiles are left out where they are the same number, as of a single scene.
+    """
     ratios = [dear / cheap for name, dear in seconds.items() if dear and (cheap := base.get(name))]
     if not ratios:
         return ""
     low, middle, high = (readable(float(q)) for q in np.percentile(ratios, [25, 50, 75]))
-    return f"{middle} ({low} to {high})"
+    return middle if low == high else f"{middle} ({low} to {high})"
 
 
 def _degrees(error: float) -> str:

@@ -64,7 +64,7 @@ def at_stock(gathered: ReportData) -> str:
     return (
         "Where a method converges, the model is right, and a short enough timestep gives the exact "
         f"motion. Stock timesteps are often too long: at them {close} of these {runs} runs "
-        "keep the attitude within 1°."
+        f"{'keeps' if close == 1 else 'keep'} the attitude within 1°."
     )
 
 
