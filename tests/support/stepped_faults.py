@@ -470,6 +470,19 @@ class HeldByImpulses(HonestSingle):
         self.omega[:] += ulp / self.timestep * CHANCE.normal(size=3)
 
 
+class RoundedGyroscopic(HonestSingle):
+    """Each component of the gyroscopic torque is rounded to 24 bits of the largest product in it.
+
+    Where a restart changes a state by an ulp, its rounding is another one.
+    """
+
+    def after_step(self):
+        product = np.linalg.norm(self.omega) * np.linalg.norm(self.inertia @ self.omega)
+        rounded = np.finfo(np.float32).eps * product * CHANCE.normal(size=3)
+        self.omega[:] += self.timestep * np.linalg.solve(self.inertia, rounded)
+        super().after_step()
+
+
 class BiasedSingle(HonestSingle):
     """Rounding makes ω longer in each step, by `size` ulp, as in Rapier and Newton."""
 

@@ -146,6 +146,10 @@ def _noise(intervals: Intervals, condition: float) -> FloatArray:
     walk = max(NOISE, ULPS * engine.ulp, composed) * np.sqrt(steps)
     noise = np.repeat(walk[:, None], len(QUANTITIES), axis=1)
     speed = float(norms(states.omega_body).max())
+    # The gyroscopic torque is rounded, too, and may be that of the largest moment about the axis of
+    # the smallest.
+    turned = speed * run.rung.timestep * steps[:, None]
+    noise += rounding_of_body(condition, engine.ulp) * turned
     if scenario.constraint.is_pivot:
         # The pivot's place is rounded, and a constraint that holds it turns the body back by that
         # in a step.

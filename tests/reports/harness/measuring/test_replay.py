@@ -89,6 +89,13 @@ def test_rounding_to_24_bits_is_none_either() -> None:
     assert not replayed(planted.HonestSingle, 0.0, "Euler", single_precision=True).is_wrong
 
 
+@pytest.mark.parametrize("name", [BOOK, TOP, "rod-1e-6"])
+def test_nor_is_rounding_of_the_gyroscopic_torque(name: str) -> None:
+    """About the axis of a moment that is much smaller than the others it is most of the torque."""
+    found = replayed(planted.RoundedGyroscopic, 0.0, "Euler", name, single_precision=True)
+    assert not found.is_wrong
+
+
 @pytest.mark.parametrize(
     ("kind", "size", "is_wrong"),
     [
