@@ -175,6 +175,16 @@ def test_pages_of_results_are_those_of_their_data(publish: ModuleType) -> None:
     assert (DOCS / "results/index.md").read_text(encoding="utf-8") == publish.index()
 
 
+def test_no_page_of_results_is_there_whose_verdicts_a_newer_one_has(publish: ModuleType) -> None:
+    """And a page with other scenes or methods stays: the newest is then no more than a part."""
+    for record in results().values():
+        assert publish.superseded(record) == []
+    path, newest = max(results().items(), key=lambda item: item[1]["date"])
+    later = newest | {"date": "9999-01-01"}
+    assert path in publish.superseded(later)
+    assert path not in publish.superseded(later | {"verdicts": newest["verdicts"][1:]})
+
+
 def test_a_version_is_shown_the_known_issues_that_it_has(publish: ModuleType) -> None:
     """And only those; RK4's attitude was mended in 4.0.0, which its errors show."""
     rk4 = {}

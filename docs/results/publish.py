@@ -1,8 +1,9 @@
 """Runs the library and writes dated pages of every engine's version: `make results`.
 
 A page and a JSON file a version go to docs/results/DATE, the report with a page a scene to
-build/results/DATE. What was written on other days stays, and is in the history of index.md. All
-runs are kept in build/results/spincheck.sqlite: after a stop the next call goes on with them.
+build/results/DATE. Of a version's pages of other days those stay that have a verdict which the
+newest has not. All runs are kept in build/results/spincheck.sqlite: after a stop the next call goes
+on with them.
 """
 
 import argparse
@@ -41,9 +42,9 @@ HEAD = """# Results by date and version
 
 Each page shows what one version of an engine did: its known issues with what to do about them, the
 verdicts and errors of each method, and each scene. The engines that are installed with spincheck
-are run on the whole library, as `spincheck run` does; optional engines on all of its scenes but the
-hard ones, and older versions on the free and the heavy tops, both with the fewer timesteps of
-`spincheck run --quick`; where fewer scenes or methods are listed, the others were not run yet.
+are run on the whole library, as `spincheck run` does; optional engines on the whole library, and
+older versions on the free and the heavy tops, both with the fewer timesteps of `spincheck run
+--quick`; where fewer scenes or methods are listed, the others were not run yet.
 
 *Error* is that of the attitude at the timestep that users of the engine get who set none. The
 method `default` is the engine as shipped; in the others everything that a scene does not call for
@@ -72,7 +73,7 @@ def runs() -> Iterator[tuple[list[str], tuple[object, ...]]]:
     every = [one for one in engines().values() if not one.of_file]
     for one in every:
         if one.is_optional:
-            yield [one.name], ("--quick", "--engine", one.name)
+            yield [one.name], (LIBRARY, "--quick", "--engine", one.name)
     for name, method in VERSIONS.items():
         methods = ("--method", "default", "--method", method)
         yield [name], (*TOPS, *methods, "--quick", "--engine", name)
@@ -277,6 +278,25 @@ def index() -> str:
     return f"{HEAD}\n{table(columns, lines)}\n```{{toctree}}\n:hidden:\n\n{pages}\n```\n"
 
 
+def judged(one: Record) -> set[tuple[str, str]]:
+    """The method and scene of each verdict."""
+    return {(method, scene) for method, scene, *_ in one["verdicts"]}
+
+
+def superseded(one: Record) -> list[Path]:
+    """The files of the same version of earlier days whose verdicts it all has anew."""
+    earlier = [
+        path
+        for path in sorted(FOLDER.glob(f"*/{name_of(one)}.json"))
+        if path.parent.name < one["date"]
+    ]
+    return [
+        path
+        for path in earlier
+        if judged(json.loads(path.read_text(encoding="utf-8"))) <= judged(one)
+    ]
+
+
 def publish(stored: Any, names: list[str], day: str) -> None:
     """Write the pages of the engines named, and the page of all days."""
     folder = FOLDER / day
@@ -284,6 +304,9 @@ def publish(stored: Any, names: list[str], day: str) -> None:
     for one in records(stored, names, day):
         (folder / f"{name_of(one)}.md").write_text(page(one), encoding="utf-8")
         (folder / f"{name_of(one)}.json").write_text(as_json(one), encoding="utf-8")
+        for path in superseded(one):
+            path.unlink()
+            path.with_suffix(".md").unlink()
     (FOLDER / "index.md").write_text(index(), encoding="utf-8")
 
 
