@@ -186,7 +186,7 @@ class _Varied:
 
 
 def _varied(scenario: Scenario, problem: Problem) -> Callable[[Change], _Varied]:
-    """Return what makes the numbers of a march along a change."""
+    """Return a function that gives, for a change, the numbers that its derivative is marched by."""
     # The effects of the scene, not only those that turn the body: a lever that is zero may have a
     # derivative that is not.
     terms = terms_of(problem, scenario.called_for & TERMS.keys())

@@ -98,7 +98,13 @@ def _clipped(off: FloatArray) -> FloatArray:
 
 
 def _in_words(t: FloatArray, change: Change, numbers: FloatArray) -> str:
-    """Return a change whose number is another at times, s, (S,), or the same at all of them."""
+    """Return in words how a change's number varies with time, or that it is the same throughout.
+
+    Parameters
+    ----------
+    t : when each number was found, s, (S,)
+    numbers : (S,)
+    """
     same = {_of(change, number) for number in numbers}
     if len(same) == 1:
         return same.pop()
