@@ -148,8 +148,8 @@ def _noise(intervals: Intervals, condition: float) -> FloatArray:
     speed = float(norms(states.omega_body).max())
     # The gyroscopic torque is rounded, too, and may be that of the largest moment about the axis of
     # the smallest.
-    turned = speed * run.rung.timestep * steps[:, None]
-    noise += rounding_of_body(condition, engine.ulp) * turned
+    turned = speed * run.rung.timestep * np.sqrt(steps)
+    noise += rounding_of_body(condition, engine.ulp) * turned[:, None]
     if scenario.constraint.is_pivot:
         # The pivot's place is rounded, and a constraint that holds it turns the body back by that
         # in a step.
