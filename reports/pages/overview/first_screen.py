@@ -38,8 +38,8 @@ MEASURES = (
 OWN_RATIO = "1"
 #: Sentence about CPU times, if there are any.
 COST = (
-    " CPU time: of a step, as a multiple of the default's, with quartiles if they differ; pruned: with "
-    "everything switched off that the scenes do not call for."
+    " CPU time: of a step, as a multiple of the default's, with quartiles if they differ; pruned: "
+    "with everything switched off that the scenes do not call for."
 )
 
 
