@@ -169,6 +169,15 @@ def test_it_keeps_the_contract(check: Check, name: str, method: str) -> None:
         check(engine, one)
 
 
+@pytest.mark.parametrize("method", ["RK44", "TrapezoidalIndex2"])
+def test_exudyn_takes_as_many_steps_as_asked_for_where_they_are_of_hours(method: str) -> None:
+    """Its clock then has an ulp that is more than what it allows for at the end of a call."""
+    engine = installed("exudyn")
+    with engine.open(library_scene("spin-of-1e-6"), engine.method(method), 125_000 / 6) as session:
+        for steps in (1, 34, 129, 512):
+            session.advance(steps)
+
+
 def test_mjx_compiles_once_for_scenes_that_differ_in_numbers_alone() -> None:
     """Once for each precision, whichever was used before."""
     installed("mjx")
