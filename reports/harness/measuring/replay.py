@@ -31,6 +31,8 @@ from .steps import FEW, Sessions, sessions_of, state_differences
 
 #: rad, or relative: a change that has grown to this is as large as the motion itself.
 LOST = 0.1
+#: Random changes of a state, at most, whose growth is measured.
+CHANGES = 3
 
 
 def examine_runs(
@@ -85,20 +87,25 @@ def _replay(sessions: Sessions, run: MadeRun, condition: float) -> Replay:
     spread = np.linalg.norm(twice, axis=(1, 2))
     # So large a change is far above the engine's own noise, which must not enlarge `growth`.
     change = float(np.sqrt(max(NOISE, sessions.engine.ulp)))
-    chance = np.random.default_rng(FEW)
-    changed = changed_at_random(sessions.scenario, starts, change, chance)
-    grown = state_differences(intervals.some_again(worst, changed), ends, reach)
-    grown = np.abs(grown).max(axis=(1, 2))
-    # Nothing can be said of an interval in which the change has grown as large as the motion.
-    is_lost = (grown > LOST) & (spread <= LOST * change)
-    growth = float(max(1.0, (np.minimum(grown, LOST) / change).max()))
-    noise = growth * _noise(intervals, condition)
-    squares = np.linalg.norm(off / noise[..., None], axis=(1, 2)) ** 2
-    again = np.linalg.norm(twice / noise[worst][..., None], axis=(1, 2)) ** 2
-    squares[worst] = np.where(is_lost, 0.0, np.maximum(squares[worst], again))
-    sizes[worst] = np.maximum(sizes[worst], spread)
-    is_chance = spread > noise[worst].max(axis=1)
-    evidence = _evidence(intervals, squares, sizes, worst, np.where(is_chance, spread, 0.0))
+    chance, grown = np.random.default_rng(FEW), np.zeros(len(worst))
+    for _ in range(CHANGES):
+        changed = changed_at_random(sessions.scenario, starts, change, chance)
+        apart = state_differences(intervals.some_again(worst, changed), ends, reach)
+        grown = np.maximum(grown, np.abs(apart).max(axis=(1, 2)))
+        # Nothing can be said of an interval in which the change has grown as large as the motion.
+        is_lost = (grown > LOST) & (spread <= LOST * change)
+        growth = float(max(1.0, (np.minimum(grown, LOST) / change).max()))
+        noise = growth * _noise(intervals, condition)
+        squares = np.linalg.norm(off / noise[..., None], axis=(1, 2)) ** 2
+        again = np.linalg.norm(twice / noise[worst][..., None], axis=(1, 2)) ** 2
+        squares[worst] = np.where(is_lost, 0.0, np.maximum(squares[worst], again))
+        sizes[worst] = np.maximum(sizes[worst], spread)
+        is_chance = spread > noise[worst].max(axis=1)
+        evidence = _evidence(intervals, squares, sizes, worst, np.where(is_chance, spread, 0.0))
+        # By chance a change may be one that hardly grows: another one is tried before a difference
+        # counts.
+        if evidence.tail >= LEVEL:
+            break
     of_worst = state_differences(ends, intervals.ends.rows(worst), reach)
     return Replay(intervals, evidence, worst, of_worst, passage)
 

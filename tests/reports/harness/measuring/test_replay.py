@@ -8,13 +8,15 @@ import pytest
 import stepped_faults as planted
 from library_scenes import library_scene
 from looked_at import in_words
-from spincheck.engines import EngineError
+from spincheck.engines import EngineError, State
 from spincheck.reports.harness.convergence_study import ConvergenceStudy
 from spincheck.reports.harness.judging import judge
-from spincheck.reports.harness.measuring import intervals
+from spincheck.reports.harness.measuring import intervals, replay
+from spincheck.reports.harness.measuring.places import changed_at_random
 from spincheck.reports.harness.prepared import prepare
 from spincheck.reports.harness.study import convergence_study_of
 from spincheck.reports.results.evidence import LEVEL, ReplayEvidence
+from spincheck.scenarios import Scenario
 from stepped import Stepped, SteppedEngine
 from studies import verdict_of
 
@@ -83,6 +85,22 @@ def test_noise_of_a_step_is_no_memory(method: str) -> None:
     assert not replayed(planted.Noisy, 1e-12, method).is_wrong
     # Single steps show more of it, and are not run again.
     assert studied(planted.Noisy, 1e-9, method).steps.fault
+
+
+def test_a_change_that_hardly_grows_by_chance_does_not_make_noise_a_memory(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """The first change does not grow at all; another one does."""
+    drawn: list[State] = []
+
+    def changed(scenario: Scenario, states: State, *how: object) -> State:
+        drawn.append(states)
+        return states if len(drawn) == 1 else changed_at_random(scenario, states, *how)
+
+    monkeypatch.setattr(replay, "changed_at_random", changed)
+    found = replayed(planted.Noisy, 1e-12, "RK4")
+    assert len(drawn) > 1
+    assert not found.is_wrong
 
 
 def test_rounding_to_24_bits_is_none_either() -> None:
