@@ -285,15 +285,11 @@ def judged(one: Record) -> set[tuple[str, str]]:
 
 def superseded(one: Record) -> list[Path]:
     """The files of the same version of earlier days whose verdicts it all has anew."""
-    earlier = [
+    return [
         path
         for path in sorted(FOLDER.glob(f"*/{name_of(one)}.json"))
         if path.parent.name < one["date"]
-    ]
-    return [
-        path
-        for path in earlier
-        if judged(json.loads(path.read_text(encoding="utf-8"))) <= judged(one)
+        and judged(json.loads(path.read_text(encoding="utf-8"))) <= judged(one)
     ]
 
 

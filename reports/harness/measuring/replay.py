@@ -85,6 +85,7 @@ def _replay(sessions: Sessions, run: MadeRun, condition: float) -> Replay:
     # The worst are run once more, without reading states on the way.
     twice = state_differences(intervals.some_again(worst, starts), ends, reach, intervals.ends)
     spread = np.linalg.norm(twice, axis=(1, 2))
+    sizes[worst] = np.maximum(sizes[worst], spread)
     # So large a change is far above the engine's own noise, which must not enlarge `growth`.
     change = float(np.sqrt(max(NOISE, sessions.engine.ulp)))
     chance, grown = np.random.default_rng(FEW), np.zeros(len(worst))
@@ -99,7 +100,6 @@ def _replay(sessions: Sessions, run: MadeRun, condition: float) -> Replay:
         squares = np.linalg.norm(off / noise[..., None], axis=(1, 2)) ** 2
         again = np.linalg.norm(twice / noise[worst][..., None], axis=(1, 2)) ** 2
         squares[worst] = np.where(is_lost, 0.0, np.maximum(squares[worst], again))
-        sizes[worst] = np.maximum(sizes[worst], spread)
         is_chance = spread > noise[worst].max(axis=1)
         evidence = _evidence(intervals, squares, sizes, worst, np.where(is_chance, spread, 0.0))
         # By chance a change may be one that hardly grows: another one is tried before a difference
