@@ -218,16 +218,16 @@ def dipole(P: FloatArray) -> Change:
 
     Of the dipole three numbers are fitted, N m, and of the field's direction two angles, rad.
     """
-    of_body, sizes, of_world = np.linalg.svd(P)
+    of_body, scales, of_world = np.linalg.svd(P)
 
     def made(n: FloatArray) -> FloatArray:
         field = Rotation.from_rotvec(n[3:] @ of_world[1:]).apply(of_world[0])
-        return np.outer(sizes[0] * of_body[:, 0] + n[:3], field)
+        return np.outer(scales[0] * of_body[:, 0] + n[:3], field)
 
     return Change(
         "torque by attitude",
         lambda h, n: h.of(attitude_torque=made(n)),
-        np.array([sizes[0]] * 3 + [1.0] * 2),
+        np.array([scales[0]] * 3 + [1.0] * 2),
         lambda n: made(n).ravel(),
     )
 

@@ -1,6 +1,7 @@
-"""Fits the numbers of changes to data, by least squares.
+"""Fits the parameters of changes to data, by nonlinear least squares.
 
-What a hypothesis leaves of the data is in units of what noise and a method's error make of it.
+Residuals are in units of their standard deviation, which noise and a method's error make. Their
+sum of squares is χ².
 """
 
 from abc import ABC, abstractmethod
@@ -20,20 +21,20 @@ from .changes import FITTED_TENSORS, GYROSCOPIC_TENSOR
 from .hypothesis import Change, Hypothesis
 from .other_tensors import is_of_a_body
 
-#: What is left where numbers are nan: no motion is that far off.
-NOWHERE = 1e30
-#: Numbers that are seen less than this, relative to those seen best, do not count.
+#: The residual where a hypothesis leads to nan: no motion is that far off.
+NOT_FINITE = 1e30
+#: Singular values of a Jacobian below this, relative to the largest, count as zero.
 RANK = 1e-6
 EPS, TINY = float(np.finfo(float).eps), float(np.finfo(float).tiny)
-#: Evaluations of a fit at most, and a step of a scaled number from which a slope is taken.
+#: Evaluations of a fit at most, and the step of a scaled parameter for a finite difference.
 EVALUATIONS, SMALL = 20, 1e-5
-#: Relative steps at which a fit ends, and one to a part of the data.
-NEAR, ROUGHLY = 1e-9, 1e-3
+#: Tolerances of scaled parameters at which a fit ends: to all data, and to a part of them.
+TOLERANCE, ROUGH = 1e-9, 1e-3
 #: How many trials of a race that are not near the best go on, at least, if they may; or a quarter.
 FINALISTS = 8
-#: Numbers that leave a larger mean square of a part of the data explain none of it, and are fitted
-#: to no more: further on there are local minima alone.
-HOPELESS = 100.0
+#: If a fit to a part of the data leaves a larger mean square than this, it is not continued: with
+#: more of the data there are only local minima.
+UNEXPLAINED = 100.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,87 +49,86 @@ class Data(ABC):
     base: Hypothesis
 
     @abstractmethod
-    def off(self, hypotheses: Sequence[Hypothesis], samples: int | None = None) -> FloatArray:
-        """What each of H hypotheses leaves, in units of its scale; nan where it leads nowhere.
+    def deviations(
+        self, hypotheses: Sequence[Hypothesis], samples: int | None = None
+    ) -> FloatArray:
+        """The residuals of H hypotheses; nan where a hypothesis leads to no finite motion.
 
         Parameters
         ----------
-        samples : the first ones that count; all of them if None
+        samples : how many of the first samples count; all of them if None
 
         Returns
         -------
         (H, ...), of any shape beyond the first axis
         """
 
-    def unlikely(self, hypothesis: Hypothesis) -> FloatArray:  # noqa: ARG002
-        """How far a hypothesis is from what is known beforehand, in standard deviations, (p,)."""
+    def prior_residuals(self, hypothesis: Hypothesis) -> FloatArray:  # noqa: ARG002
+        """How far a hypothesis is from its prior mean, in prior standard deviations, (p,)."""
         return np.empty(0)
 
     @property
-    def at_once(self) -> float:
-        """How many of the numbers left count as one."""
+    def correlated(self) -> float:
+        """How many residuals are correlated, so that they count as one."""
         return 1.0
 
     @property
     def parts(self) -> Sequence[int | None]:
-        """How many of the first samples numbers are fitted to, one after the other."""
+        """The numbers of first samples that a fit proceeds through; None for all samples."""
         return (None,)
 
-    def falls(self, before: FloatArray, after: FloatArray) -> float:
-        """The sum of squares of what is left before a change, less that of the rest after it.
+    def chi2_decrease(self, before: FloatArray, after: FloatArray) -> float:
+        """How much smaller χ² of the residuals after a change is than χ² before it."""
+        return float(np.sum(before**2) - np.sum(after**2)) / self.correlated
 
-        Numbers that are one count once.
-        """
-        return float(np.sum(before**2) - np.sum(after**2)) / self.at_once
-
-    def left(self, hypotheses: Sequence[Hypothesis], samples: int | None = None) -> FloatArray:
-        """What each of H hypotheses leaves, in units of its scale, (H, m)."""
-        off = np.nan_to_num(self.off(hypotheses, samples), nan=NOWHERE)
-        return np.clip(off, -NOWHERE, NOWHERE).reshape(len(hypotheses), -1)
+    def residuals(self, hypotheses: Sequence[Hypothesis], samples: int | None = None) -> FloatArray:
+        """The residuals of H hypotheses, all of them finite, (H, m)."""
+        finite = np.nan_to_num(self.deviations(hypotheses, samples), nan=NOT_FINITE)
+        return np.clip(finite, -NOT_FINITE, NOT_FINITE).reshape(len(hypotheses), -1)
 
 
 @dataclass(frozen=True, eq=False)
 class Fit:
-    """Changes made together, with the numbers for them that explain data best.
+    """Changes made together, with the parameters that explain the data best.
 
     Attributes
     ----------
-    numbers : of all changes, (k,)
-    covariance : of the numbers, if noise alone is left, by what is known beforehand too, (k, k)
-    rest : what is left, in units of its scale, (m,)
-    count : of numbers that the data show
-    slopes : the derivative of what is left by each number in units of its size, (m, k)
+    parameters : of all changes, (k,)
+    covariance : of the parameters, with their prior, if only noise is left, (k, k)
+    residuals : (m,)
+    rank : how many parameters the data determine
+    jacobian : derivatives of the residuals by the scaled parameters, (m, k)
     """
 
     changes: tuple[Change, ...]
     hypothesis: Hypothesis
-    numbers: FloatArray
+    parameters: FloatArray
     covariance: FloatArray
-    rest: FloatArray
-    count: int
-    slopes: FloatArray
+    residuals: FloatArray
+    rank: int
+    jacobian: FloatArray
 
     @cached_property
-    def left(self) -> float:
-        """The mean square of what is left."""
-        return mean_square(self.rest)
+    def mean_square(self) -> float:
+        """The mean square of the residuals."""
+        return mean_square(self.residuals)
 
     @property
     def errors(self) -> FloatArray:
-        """Standard errors of the numbers, (k,)."""
+        """Standard errors of the parameters, (k,)."""
         return np.sqrt(np.diag(self.covariance))
 
     @property
-    def is_hopeless(self) -> bool:
-        """Whether it leaves so much that its numbers explain nothing."""
-        return self.left > HOPELESS
+    def explains_nothing(self) -> bool:
+        """Whether the residuals are so large that the fitted parameters mean nothing."""
+        return self.mean_square > UNEXPLAINED
 
     @property
-    def is_possible(self) -> bool:
-        """Whether a motion may have been computed with such tensors.
+    def is_physical(self) -> bool:
+        """Whether a motion may have been computed with such tensors of inertia.
 
-        A mistake may make a tensor that no body has; one that is fitted, and that no body has, is
-        numbers that fit.
+        A mistake may lead to a tensor that no rigid body has. A fitted tensor must be that of a
+        rigid body, as else the fit only mimics the data.
         """
         equations, kinds = self.hypothesis.equations, {change.kind for change in self.changes}
         possible = [np.linalg.eigvalsh(equations.inertia)[0] > 0]
@@ -137,185 +137,188 @@ class Fit:
         possible += [is_of_a_body(equations.gyroscopic)] * (GYROSCOPIC_TENSOR in kinds)
         return all(possible)
 
-    def rows(self, change: Change) -> slice:
-        """Where the numbers of one change are among those of all."""
-        at = sum(len(one.sizes) for one in self.changes[: self.changes.index(change)])
-        return slice(at, at + len(change.sizes))
+    def columns(self, change: Change) -> slice:
+        """The indices of one change's parameters among all parameters."""
+        at = sum(len(one.scales) for one in self.changes[: self.changes.index(change)])
+        return slice(at, at + len(change.scales))
 
-    def numbers_of(self, change: Change) -> FloatArray:
-        """The fitted numbers of one change; zeros where it is not among the changes."""
+    def parameters_of(self, change: Change) -> FloatArray:
+        """The fitted parameters of one change; zeros if it is not among the changes."""
         is_made = change in self.changes
-        return self.numbers[self.rows(change)] if is_made else np.zeros(len(change.sizes))
+        return self.parameters[self.columns(change)] if is_made else np.zeros(len(change.scales))
 
     def explanation(self, change: Change) -> Explanation:
-        """One change with its fitted numbers, as it is stored."""
-        return change.explanation(self.numbers_of(change))
+        """One change with its fitted parameters, as it is stored."""
+        return change.explanation(self.parameters_of(change))
 
 
 @dataclass(frozen=True, eq=False)
 class Linear:
-    """What changes leave, where it is taken as linear in their k numbers.
+    """A trial whose residuals are taken as linear in its k parameters.
 
     Attributes
     ----------
-    at_none : what is left with numbers of zero, (m,)
-    slopes : its derivative by each number, (m, k)
+    residuals : with parameters of zero, (m,)
+    jacobian : their derivatives by the scaled parameters, (m, k)
     """
 
-    at_none: FloatArray
-    slopes: FloatArray
+    residuals: FloatArray
+    jacobian: FloatArray
 
     @cached_property
-    def least(self) -> float:
-        """The mean square of what the best numbers leave."""
-        if not self.slopes.shape[1]:
-            return mean_square(self.at_none)
-        best = np.linalg.lstsq(self.slopes, self.at_none, rcond=RANK)[0]
-        return mean_square(self.at_none - self.slopes @ best)
+    def mean_square(self) -> float:
+        """The mean square of the residuals with the best parameters."""
+        if not self.jacobian.shape[1]:
+            return mean_square(self.residuals)
+        best = np.linalg.lstsq(self.jacobian, self.residuals, rcond=RANK)[0]
+        return mean_square(self.residuals - self.jacobian @ best)
 
 
 @dataclass(frozen=True, eq=False)
 class Trial:
-    """Changes whose numbers are to be fitted."""
+    """Changes whose parameters are to be fitted."""
 
     data: Data
     changes: tuple[Change, ...]
 
     @cached_property
-    def sizes(self) -> FloatArray:
-        """The sizes of all numbers, (k,)."""
-        return np.concatenate([np.empty(0), *(change.sizes for change in self.changes)])
+    def scales(self) -> FloatArray:
+        """The scales of all parameters, (k,)."""
+        return np.concatenate([np.empty(0), *(change.scales for change in self.changes)])
 
     def hypothesis(self, x: FloatArray) -> Hypothesis:
-        """All changes made, with numbers in units of their sizes, (k,)."""
+        """All changes made, with given scaled parameters, (k,)."""
         hypothesis, at = self.data.base, 0
         for change in self.changes:
-            end = at + len(change.sizes)
-            hypothesis = change.apply(hypothesis, self.sizes[at:end] * x[at:end])
+            end = at + len(change.scales)
+            hypothesis = change.apply(hypothesis, self.scales[at:end] * x[at:end])
             at = end
         return hypothesis
 
     @property
-    def around_none(self) -> list[Hypothesis]:
-        """The hypotheses with numbers of zero, and with each of them a small one, k + 1."""
-        none = np.zeros((1, len(self.sizes)))
-        steps = SMALL * np.eye(len(self.sizes))
-        return [self.hypothesis(x) for x in np.vstack([none, steps])]
+    def around_zero(self) -> list[Hypothesis]:
+        """The hypotheses with parameters of zero, and with a small step in each, k + 1."""
+        zero = np.zeros((1, len(self.scales)))
+        steps = SMALL * np.eye(len(self.scales))
+        return [self.hypothesis(x) for x in np.vstack([zero, steps])]
 
-    def falls_if_linear(self, before: Fit) -> float:
-        """How much the sum of squares falls from that of a fit with other changes, if it is linear.
+    def chi2_decrease_if_linear(self, before: Fit) -> float:
+        """How much smaller χ² is than that of a fit with other changes, to first order.
 
-        A test of whether other changes explain more that takes no fit (C. R. Rao, Math. Proc. Camb.
-        Philos. Soc. 44 (1948) 50): what both have keeps its slopes.
+        This is a score test (C. R. Rao, Math. Proc. Camb. Philos. Soc. 44 (1948) 50), which takes
+        no fit: the changes that both have keep the derivatives of the earlier fit.
         """
-        x, steps = self._begun(before), SMALL * np.eye(len(self.sizes))
+        x, steps = self._start(before), SMALL * np.eye(len(self.scales))
         added = [k for k, change in enumerate(self._each) if change not in before.changes]
-        left = self.data.left([self.hypothesis(one) for one in (x, *(x + steps[added]))])
-        kept = [before.slopes[:, before.rows(one)] for one in self.changes if one in before.changes]
-        slopes = np.hstack([*kept, (left[1:] - left[0]).T / SMALL])
-        best = np.linalg.lstsq(slopes, left[0], rcond=RANK)[0]
-        return self.data.falls(before.rest, left[0] - slopes @ best)
+        residuals = self.data.residuals([self.hypothesis(one) for one in (x, *(x + steps[added]))])
+        common = [one for one in self.changes if one in before.changes]
+        kept = [before.jacobian[:, before.columns(one)] for one in common]
+        jacobian = np.hstack([*kept, (residuals[1:] - residuals[0]).T / SMALL])
+        best = np.linalg.lstsq(jacobian, residuals[0], rcond=RANK)[0]
+        return self.data.chi2_decrease(before.residuals, residuals[0] - jacobian @ best)
 
     @property
     def _each(self) -> list[Change]:
-        """The change that each number is of, (k,)."""
-        return [change for change in self.changes for _ in change.sizes]
+        """The change that each parameter belongs to, (k,)."""
+        return [change for change in self.changes for _ in change.scales]
 
-    def _begun(self, before: Fit) -> FloatArray:
-        """The numbers of a fit of some of the changes, in units of their sizes, (k,)."""
-        each = [before.numbers_of(one) / one.sizes for one in self.changes]
+    def _start(self, before: Fit) -> FloatArray:
+        """The scaled parameters of a fit of some of the changes; zeros for the others, (k,)."""
+        each = [before.parameters_of(one) / one.scales for one in self.changes]
         return np.concatenate([np.empty(0), *each])
 
     def fit(self, before: Fit | None = None) -> Fit:
-        """Fit the numbers by least squares.
+        """Fit the parameters by least squares.
 
         Parameters
         ----------
-        before : a fit of some of the changes, from whose numbers the search begins; else, and where
-            they explain nothing, it begins where they are zero, with a part of the data
+        before : a fit of some of the changes, whose parameters the search starts from. Without one,
+            or if it explains nothing, the search starts from zero, with a part of the data
         """
-        x, parts, most = np.zeros(len(self.sizes)), self.data.parts[:-1], EVALUATIONS
-        if before is not None and not before.is_hopeless:
-            x, parts = self._begun(before), ()
+        x, parts, most = np.zeros(len(self.scales)), self.data.parts[:-1], EVALUATIONS
+        if before is not None and not before.explains_nothing:
+            x, parts = self._start(before), ()
         for samples in parts if len(x) else ():
-            x, squares = self.nearest(x, samples)
-            if squares > HOPELESS:
+            x, square = self.fit_part(x, samples)
+            if square > UNEXPLAINED:
                 most = 1
                 break
         return self.fit_from(x, most)
 
-    def nearest(self, x: FloatArray, samples: int | None) -> tuple[FloatArray, float]:
-        """The numbers that explain some of the first samples best, and the mean square they leave.
+    def fit_part(self, x: FloatArray, samples: int | None) -> tuple[FloatArray, float]:
+        """Fit the scaled parameters roughly to the first samples.
 
         Parameters
         ----------
-        x : where the search for them begins, in units of their sizes, (k,), like what is returned
+        x : scaled parameters that the search starts from, (k,)
+
+        Returns
+        -------
+        The fitted ones, and the mean square of the residuals
         """
         if not len(x):
-            return x, mean_square(self.data.left([self.hypothesis(x)], samples))
-        found = self._searched(x, samples, ROUGHLY, EVALUATIONS)
+            return x, mean_square(self.data.residuals([self.hypothesis(x)], samples))
+        found = self._least_squares(x, samples, ROUGH, EVALUATIONS)
         return found.x, mean_square(found.fun)
 
-    def _searched(self, x: FloatArray, samples: int | None, near: float, most: int) -> Any:
-        """The numbers that leave least; slopes are computed with what is left, in less time."""
+    def _least_squares(
+        self, x: FloatArray, samples: int | None, tolerance: float, evaluations: int
+    ) -> Any:
+        """The result of `scipy.optimize.least_squares`, started from scaled parameters, (k,)."""
 
+        # The residuals of all finite differences are computed at once, which takes less time.
         @lru_cache(1)
-        def both(numbers: bytes) -> tuple[FloatArray, FloatArray]:
-            """What is left, (m,), and how far from what is known, (p,); and the slopes of these."""
-            x = np.frombuffer(numbers)
+        def both(parameters: bytes) -> tuple[FloatArray, FloatArray]:
+            """The residuals and prior residuals, (m + p,), and their Jacobian."""
+            x = np.frombuffer(parameters)
             steps = np.sqrt(EPS) * np.maximum(1.0, np.abs(x))
             hypotheses = [self.hypothesis(one) for one in np.vstack([x, x + np.diag(steps)])]
-            unlikely = np.stack([self.data.unlikely(one) for one in hypotheses])
-            off = np.hstack([self.data.left(hypotheses, samples), unlikely])
-            return off[0], (off[1:] - off[0]).T / steps
+            prior = np.stack([self.data.prior_residuals(one) for one in hypotheses])
+            residuals = np.hstack([self.data.residuals(hypotheses, samples), prior])
+            return residuals[0], (residuals[1:] - residuals[0]).T / steps
 
-        def left(x: FloatArray) -> FloatArray:
+        def residuals(x: FloatArray) -> FloatArray:
             return both(x.tobytes())[0]
 
-        def slopes(x: FloatArray) -> FloatArray:
+        def jacobian(x: FloatArray) -> FloatArray:
             return both(x.tobytes())[1]
 
-        return least_squares(left, x, slopes, xtol=near, max_nfev=most)
+        return least_squares(residuals, x, jacobian, xtol=tolerance, max_nfev=evaluations)
 
-    def fit_from(self, x: FloatArray, most: int = EVALUATIONS) -> Fit:
-        """Fit the numbers to all data, from given ones in units of their sizes, (k,).
-
-        Parameters
-        ----------
-        most : evaluations of the fit, at most
-        """
+    def fit_from(self, x: FloatArray, evaluations: int = EVALUATIONS) -> Fit:
+        """Fit the parameters to all data, starting from given scaled ones, (k,)."""
         if not len(x):
-            (rest,) = self.data.left([self.hypothesis(x)])
-            none = np.empty((0, 0)), rest, 0, np.empty((len(rest), 0))
+            (residuals,) = self.data.residuals([self.hypothesis(x)])
+            none = np.empty((0, 0)), residuals, 0, np.empty((len(residuals), 0))
             return Fit(self.changes, self.hypothesis(x), x, *none)
-        found = self._searched(x, None, NEAR, most)
+        found = self._least_squares(x, None, TOLERANCE, evaluations)
         x = found.x
         J = np.asarray(found.jac)
-        measured = len(J) - len(self.data.unlikely(self.data.base))
+        measured = len(J) - len(self.data.prior_residuals(self.data.base))
         seen = np.linalg.svd(J[:measured], compute_uv=False)
-        count = int(np.count_nonzero(seen > RANK * seen[0]))
+        rank = int(np.count_nonzero(seen > RANK * seen[0]))
         _, known, directions = np.linalg.svd(J, full_matrices=False)
-        # What is neither seen nor known beforehand has a large error, not none.
+        # A direction that neither the data nor the prior determine has a large error, not none.
         one_error = directions / np.maximum(known, EPS * (known[0] or 1.0))[:, None]
         covariance = one_error.T @ one_error
         return Fit(
             self.changes,
             self.hypothesis(x),
-            self.sizes * x,
-            covariance * np.outer(self.sizes, self.sizes),
+            self.scales * x,
+            covariance * np.outer(self.scales, self.scales),
             found.fun[:measured],
-            count,
+            rank,
             J[:measured],
         )
 
 
 def linear(trials: Sequence[Trial]) -> list[Linear]:
-    """What each trial, of the same data, leaves if it is linear in its numbers."""
+    """Trials of the same data, linearised around parameters of zero."""
     if not trials:
         return []
-    around = [trial.around_none for trial in trials]
-    left = trials[0].data.left([one for each in around for one in each])
-    parts = np.split(left, np.cumsum([len(each) for each in around])[:-1])
+    around = [trial.around_zero for trial in trials]
+    residuals = trials[0].data.residuals([one for each in around for one in each])
+    parts = np.split(residuals, np.cumsum([len(each) for each in around])[:-1])
     return [Linear(part[0], (part[1:] - part[0]).T / SMALL) for part in parts]
 
 
@@ -323,21 +326,22 @@ def race(trials: Sequence[Trial], margin: float, factor: float = 1.0) -> list[Fi
     """Fit those of many trials of the same data that keep up with the best of them.
 
     They are fitted to more and more of the data (successive halving: K. Jamieson & A. Talwalkar,
-    AISTATS 2016), and left out as soon as they explain less of it; all, if none explains a part.
+    AISTATS 2016). A trial is dropped as soon as it explains a part much worse than the best one;
+    all are dropped if none explains a part.
 
     Parameters
     ----------
-    margin : how much more than the best a trial may leave, as a sum of squares
-    factor : how many times as much the best quarter of all others may leave
+    margin : by how much χ² of a trial may exceed that of the best
+    factor : by which the mean square of the best quarter of all others may exceed it
     """
     if not trials:
         return []
-    data, running = trials[0].data, [(trial, np.zeros(len(trial.sizes))) for trial in trials]
+    data, running = trials[0].data, [(trial, np.zeros(len(trial.scales))) for trial in trials]
     for samples in data.parts[:-1]:
-        tried = [(*trial.nearest(x, samples), trial) for trial, x in running]
+        tried = [(*trial.fit_part(x, samples), trial) for trial, x in running]
         tried = sorted(tried, key=lambda one: one[1])
-        count, least = data.left([data.base], samples).size, tried[0][1]
-        if least > HOPELESS:
+        count, least = data.residuals([data.base], samples).size, tried[0][1]
+        if least > UNEXPLAINED:
             return []
         near = [one for one in tried if one[1] <= least + margin / count]
         far = [one for one in tried[len(near) :] if one[1] <= factor * least]
@@ -348,33 +352,32 @@ def race(trials: Sequence[Trial], margin: float, factor: float = 1.0) -> list[Fi
 def of_pairs(
     each: Sequence[Linear], unchanged: FloatArray
 ) -> Iterator[tuple[FloatArray, NDArray[np.intp]]]:
-    """What two changes leave together, where both are taken as linear, for every pair of them.
+    """The mean squares of all pairs of linearised trials made together.
 
     The normal equations of many pairs at once take far less time than a fit of each pair.
 
     Parameters
     ----------
-    unchanged : what is left without any change, (m,)
+    unchanged : the residuals without any change, (m,)
 
     Yields
     ------
-    Of the n pairs with as many numbers: the mean squares of what they leave, (n,), and their
-    indices, (n, 2)
+    Of the n pairs with as many parameters: their mean squares, (n,), and their indices, (n, 2)
     """
-    slopes = np.hstack([one.slopes for one in each])
-    none = np.column_stack([unchanged, *(one.at_none for one in each)])
-    squares, seen, among = none.T @ none, slopes.T @ none, slopes.T @ slopes
-    counts = np.array([one.slopes.shape[1] for one in each])
-    numbers = np.split(np.arange(counts.sum()), np.cumsum(counts)[:-1])
+    jacobian = np.hstack([one.jacobian for one in each])
+    zero = np.column_stack([unchanged, *(one.residuals for one in each)])
+    squares, seen, among = zero.T @ zero, jacobian.T @ zero, jacobian.T @ jacobian
+    counts = np.array([one.jacobian.shape[1] for one in each])
+    parameters = np.split(np.arange(counts.sum()), np.cumsum(counts)[:-1])
     every = np.array(list(combinations(range(len(each)), 2)), dtype=np.intp)
     for count in np.unique(counts[every].sum(axis=1)):
         pairs = every[counts[every].sum(axis=1) == count]
-        # What both leave is the sum of what either leaves, less what is left unchanged.
+        # The residuals of both are the sum of those of either, less those without any change.
         first, second = 1 + pairs.T
         least = squares[first, first] + squares[second, second] + squares[0, 0]
         least += 2 * (squares[first, second] - squares[first, 0] - squares[second, 0])
         if count:
-            at = np.array([[*numbers[i], *numbers[j]] for i, j in pairs])
+            at = np.array([[*parameters[i], *parameters[j]] for i, j in pairs])
             sums = seen[at, first[:, None]] + seen[at, second[:, None]] - seen[at, 0]
             sizes, directions = np.linalg.eigh(among[at[:, :, None], at[:, None, :]])
             along = (sums[:, None] @ directions)[:, 0] ** 2
@@ -384,6 +387,6 @@ def of_pairs(
         yield least / len(unchanged), pairs
 
 
-def mean_square(numbers: FloatArray) -> float:
-    """Return the mean of the squares of numbers."""
-    return float(np.mean(numbers**2))
+def mean_square(values: FloatArray) -> float:
+    """Return the mean of the squares of values of any shape."""
+    return float(np.mean(values**2))

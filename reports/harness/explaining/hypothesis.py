@@ -1,4 +1,4 @@
-"""What may have been computed instead of a scene's exact motion, and changes that make it."""
+"""Hypotheses of what was computed instead of a scene's exact motion, and changes that make them."""
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
@@ -12,7 +12,7 @@ from ...results.evidence import Explanation
 
 
 class Hypothesis(NamedTuple):
-    """What may have been computed, and how states of it are read.
+    """Equations that may have been integrated, and how the states of that motion are read.
 
     Attributes
     ----------
@@ -44,9 +44,9 @@ class Hypothesis(NamedTuple):
     velocity: float = 1.0
     braking: float = 0.0
 
-    def of(self, **numbers: Any) -> "Hypothesis":
-        """A hypothesis in which some numbers of the equations are replaced by these."""
-        return self._replace(equations=self.equations._replace(**numbers))
+    def of(self, **terms: Any) -> "Hypothesis":
+        """A hypothesis in which some terms of the equations are replaced by these."""
+        return self._replace(equations=self.equations._replace(**terms))
 
     def of_tensor(self, inertia: FloatArray) -> "Hypothesis":
         """A hypothesis in which the body has another tensor of inertia, kg m², (3, 3)."""
@@ -61,52 +61,60 @@ def as_it_is(scenario: Scenario) -> Hypothesis:
 
 @dataclass(frozen=True, eq=False)
 class Change:
-    """A change of what is computed or read.
+    """A change of the equations of motion, or of how states are read, with k parameters.
 
     Attributes
     ----------
     kind : of `KINDS`
-    apply : makes it in a hypothesis, with its k numbers
-    sizes : of its numbers where the change is neither small nor large, (k,)
-    shown : the numbers of its kind, of those that are fitted
+    apply : makes the change in a hypothesis, with given parameters, (k,); zeros change nothing
+    scales : of the parameters: values with which the change is neither small nor large, (k,)
+    shown : the numbers that its words state, computed from the parameters
     """
 
     kind: str
     apply: Callable[[Hypothesis, FloatArray], Hypothesis]
-    sizes: FloatArray
+    scales: FloatArray
     shown: Callable[[FloatArray], Sequence[float] | FloatArray] = np.asarray
 
-    def explanation(self, numbers: FloatArray) -> Explanation:
-        """The change with fitted numbers, as it is stored and put in words."""
-        return Explanation(self.kind, tuple(map(float, self.shown(numbers))))
+    def explanation(self, parameters: FloatArray) -> Explanation:
+        """The change with fitted parameters, as it is stored and put in words."""
+        return Explanation(self.kind, tuple(map(float, self.shown(parameters))))
 
 
-def set_to(kind: str, shown: Sequence[float] = (), **numbers: Any) -> Change:
-    """A change that sets numbers of the equations to given values, with nothing to fit."""
-    return Change(kind, lambda h, _: h.of(**numbers), np.empty(0), lambda _: shown)
+def set_to(kind: str, shown: Sequence[float] = (), **terms: Any) -> Change:
+    """A change without parameters, which sets terms of the equations to given values."""
+    return Change(kind, lambda h, _: h.of(**terms), np.empty(0), lambda _: shown)
 
 
 def fitted(
     kind: str,
-    usual: FloatArray,
-    size: float | FloatArray,
+    nominal: FloatArray,
+    scale: float | FloatArray,
     apply: Callable[[Hypothesis, FloatArray], Hypothesis],
 ) -> Change:
-    """A change of k numbers from the usual ones; `apply` takes those that there are."""
-    sizes = np.broadcast_to(size, usual.shape).astype(float)
-    return Change(kind, lambda h, n: apply(h, usual + n), sizes, lambda n: usual + n)
-
-
-def factors(kind: str, *wholes: float, sign: float = 1.0, **terms: FloatArray) -> Iterator[Change]:
-    """Changes of terms by a factor: by whole factors, then by one that is fitted.
+    """A change of k numbers of the equations, whose parameters are their deviations from nominal.
 
     Parameters
     ----------
-    sign : of the kind's number where the factor is larger than one
+    nominal : the numbers without the change, (k,)
+    scale : of the deviations
+    apply : puts the changed numbers into a hypothesis
+    """
+    scales = np.broadcast_to(scale, nominal.shape).astype(float)
+    return Change(kind, lambda h, n: apply(h, nominal + n), scales, lambda n: nominal + n)
+
+
+def factors(kind: str, *wholes: float, sign: float = 1.0, **terms: FloatArray) -> Iterator[Change]:
+    """Changes that multiply terms by a factor: by given ones, then by one that is fitted.
+
+    Parameters
+    ----------
+    wholes : the given factors
+    sign : of the number in the change's words where the factor is larger than one
     """
     for whole in wholes:
-        numbers: Any = {name: whole * term for name, term in terms.items()}
-        yield set_to(kind, (sign * (whole - 1),), **numbers)
+        multiplied: Any = {name: whole * term for name, term in terms.items()}
+        yield set_to(kind, (sign * (whole - 1),), **multiplied)
     yield Change(
         kind,
         lambda h, n: h.of(**{name: (1 + n[0]) * term for name, term in terms.items()}),

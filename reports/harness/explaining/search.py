@@ -1,9 +1,9 @@
-"""The changes of a scene's equations, or of how states are read, that data call for.
+"""Searches for the changes of a scene's equations, or of how states are read, that data call for.
 
-What a hypothesis leaves of the data, in units of what noise and a method's error make of it, is
-squared and summed. A change is preferred to a simpler one if the sum falls by more than chance
-makes it fall with so many more numbers, among so many changes (S. S. Wilks, Ann. Math. Statist. 9
-(1938) 60).
+Changes are compared by χ², the sum of squares of the residuals in units of their standard
+deviation. A change is preferred to a simpler one if it lowers χ² by more than chance does with as
+many more parameters, among as many changes: a likelihood-ratio test (S. S. Wilks, Ann. Math.
+Statist. 9 (1938) 60) with Bonferroni's correction.
 """
 
 from collections.abc import Iterator, Sequence
@@ -18,20 +18,20 @@ from ....scenarios import FloatArray
 from .fit import Data, Fit, Linear, Trial, linear, of_pairs
 from .hypothesis import Change
 
-#: The probability that a change is named where noise alone made the data other ones.
+#: The significance level: the probability that noise alone makes a search find a change.
 LEVEL = 1e-6
-#: A change explains what noise and a method's error do not if no more than this fraction is left.
+#: A change explains residuals if it reduces their root mean square to this fraction or less.
 LEFT = 0.1
-#: Changes that leave no more than this fraction are the same, but for rounding.
+#: A change that reduces them to this fraction or less explains them exactly, but for rounding.
 SAME = 1e-3
-#: How many numbers are fitted, at most, if `Search.most` bounds them: with more a smooth motion of
-#: some radians is matched by equations that are not its own.
+#: The most parameters of a fit that leaves no more than noise, if `Search.most` is given. A smooth
+#: motion of some radians can be matched with more of them by equations that are not its own.
 MOST_OF_ALL = 10
-#: Changes are fitted that leave no more than this fraction where they are taken as linear; pairs of
-#: changes, no more than this fraction of what either alone leaves, and so many of them at most with
-#: as many numbers.
+#: A change is fitted if it reduces the residuals to this fraction where it is linearised; a pair of
+#: changes, if it does that to the residuals of either change alone. Of the pairs with as many
+#: parameters the best `PAIRS` are fitted.
 PROMISING, PAIRS = 0.5, 3
-#: How many changes are fitted of those that explain most of what a fit leaves, if it is linear.
+#: How many changes of one kind are fitted in each step of a stepwise search: the best linearised.
 LIKELIEST = 3
 
 
@@ -41,9 +41,9 @@ class Search:
 
     Attributes
     ----------
-    most : how many numbers are fitted, at most, where more is left than noise and a method's error:
-        many numbers make little of anything; any number if None
-    part : which part of what the scene's own equations leave a change that explains it may leave
+    most : the most parameters of a fit that leaves more than noise and a method's error, as many
+        parameters explain a little of anything; no limit if None
+    part : the fraction to which a change must reduce the residuals to explain them
     """
 
     data: Data
@@ -53,64 +53,74 @@ class Search:
 
     @cached_property
     def unchanged(self) -> Fit:
-        """What the scene's own equations leave."""
+        """The fit without any change."""
         return Trial(self.data, ()).fit()
 
     @property
     def is_called_for(self) -> bool:
-        """Whether the scene's own equations leave more than noise and a method's error."""
-        rest = self.unchanged.rest
-        return self.data.falls(rest, 0 * rest) > self._by_chance(1)
+        """Whether the residuals without any change exceed noise and a method's error."""
+        residuals = self.unchanged.residuals
+        return self.data.chi2_decrease(residuals, 0 * residuals) > self._critical(1)
 
-    def is_beyond(self, rest: FloatArray) -> bool:
-        """Whether what is left, (m,), is more than noise and a method's error."""
-        numbers, level = rest.size / self.data.at_once, LEVEL / len(self.changes)
-        return self.data.falls(rest, 0 * rest) > float(chdtri(numbers, level))
+    def exceed_noise(self, residuals: FloatArray) -> bool:
+        """Whether residuals, (m,), are larger than noise and a method's error make them."""
+        degrees, level = residuals.size / self.data.correlated, LEVEL / len(self.changes)
+        chi2 = self.data.chi2_decrease(residuals, 0 * residuals)
+        return chi2 > float(chdtri(degrees, level))
 
     @cached_property
     def trials(self) -> list[Trial]:
-        """Each change by itself, its numbers to be fitted."""
+        """Each change by itself, before it is fitted."""
         return [Trial(self.data, (change,)) for change in self.changes]
 
     def one_or_two(self) -> Fit | None:
-        """The change, or pair of changes, that explains the data; None if none does, or need be."""
+        """The change, or pair of changes, that explains the data.
+
+        Returns
+        -------
+        None if none does, or if none is called for
+        """
         if not self.is_called_for:
             return None
         best = self.one()
-        if best is not None and best.left <= 1:
+        if best is not None and best.mean_square <= 1:
             return best
         return self._simplest([*self.single, *self._pairs()])
 
     def one(self) -> Fit | None:
-        """The change that explains the data by itself; None if none does."""
+        """The single change that explains the data; None if none does."""
         return self._simplest(self.single)
 
     @cached_property
     def single(self) -> list[Fit]:
-        """The fits of each change by itself that may explain the data; none if none need be."""
+        """The fits of single changes that may explain the data; none if none is called for."""
         if not self.is_called_for:
             return []
-        enough = PROMISING**2 * self.unchanged.left
+        enough = PROMISING**2 * self.unchanged.mean_square
         pairs = zip(self.trials, self.linear, strict=True)
-        return [trial.fit() for trial, one in pairs if one.least <= enough]
+        return [trial.fit() for trial, one in pairs if one.mean_square <= enough]
 
     @cached_property
     def linear(self) -> list[Linear]:
-        """What each change leaves where it is taken as linear in its numbers."""
+        """Each change by itself, linearised."""
         return linear(self.trials)
 
     def stepwise(self, first: tuple[Change, ...], most: int) -> Fit:
-        """The changes, so many of them at most, that explain more than chance does.
+        """The best set of changes by stepwise regression.
 
-        From the first ones on one is added, or left out, as long as that gains anything; then one
-        with numbers is replaced by one without, or two by one with one number, if that gains
-        anything.
+        In each step a change is added or left out, whichever improves the score most. Where neither
+        does, one with parameters is replaced by one without, or two by one with one parameter.
+
+        Parameters
+        ----------
+        first : the changes that the search starts from
+        most : how many changes there may be
         """
         fit = Trial(self.data, first).fit()
         while True:
-            best = max([fit, *self._fewer(fit), *self._one_more(fit, most)], key=self.gain)
+            best = max([fit, *self._fewer(fit), *self._one_more(fit, most)], key=self.score)
             if best is fit:
-                best = max([fit, *self._plainer(fit)], key=self.gain)
+                best = max([fit, *self._plainer(fit)], key=self.score)
             if best is fit:
                 return fit
             fit = best
@@ -121,56 +131,60 @@ class Search:
             yield Trial(self.data, tuple(c for c in fit.changes if c is not one)).fit(fit)
 
     def _one_more(self, fit: Fit, most: int) -> Iterator[Fit]:
-        """Fits with one change more, if there may be one; all if the fit explains nothing."""
+        """Fits with one more change, if there may be one.
+
+        The likeliest are fitted, or all where the fit so far explains nothing.
+        """
         if len(fit.changes) < most:
             others = (one for one in self.changes if one not in fit.changes)
             trials = [Trial(self.data, (*fit.changes, one)) for one in others]
-            likely = trials if fit.is_hopeless else self._likeliest(fit, trials)
+            likely = trials if fit.explains_nothing else self._likeliest(fit, trials)
             yield from (self._more(fit, trial) for trial in likely)
 
     def _plainer(self, fit: Fit) -> Iterator[Fit]:
-        """Fits with fewer numbers: a change replaced by one without, or two by one with one."""
+        """Fits with one change that has no parameters for another, or with one for two changes."""
         trials = []
-        for count, replaced in [(0, (one,)) for one in fit.changes if len(one.sizes)] + [
+        for count, replaced in [(0, (one,)) for one in fit.changes if len(one.scales)] + [
             (1, pair) for pair in combinations(fit.changes, 2)
         ]:
             kept = tuple(one for one in fit.changes if one not in replaced)
-            others = (c for c in self.changes if c not in fit.changes and len(c.sizes) == count)
+            others = (c for c in self.changes if c not in fit.changes and len(c.scales) == count)
             trials += [Trial(self.data, (other, *kept)) for other in others]
         yield from (trial.fit(fit) for trial in self._likeliest(fit, trials))
 
     def _likeliest(self, fit: Fit, trials: Sequence[Trial]) -> list[Trial]:
-        """The trials that may gain most on a fit of which they have some changes."""
+        """The trials, which share changes with a fit, that lower its χ² most to first order."""
 
-        def gain(trial: Trial) -> float:
-            chance = sum(self._by_chance(len(change.sizes)) for change in trial.changes)
-            return trial.falls_if_linear(fit) - chance
+        def score(trial: Trial) -> float:
+            penalty = sum(self._critical(len(change.scales)) for change in trial.changes)
+            return trial.chi2_decrease_if_linear(fit) - penalty
 
-        return sorted(trials, key=gain, reverse=True)[:LIKELIEST]
+        return sorted(trials, key=score, reverse=True)[:LIKELIEST]
 
     def _more(self, fit: Fit, trial: Trial) -> Fit:
-        """A fit with one more change; begun anew, too, where the one before leaves more than noise.
+        """The fit of a trial with one more change than a fit has.
 
-        From numbers that are wrong a search may end at others that noise hides.
+        Where that fit leaves more than noise, the trial is also fitted from zero, as its parameters
+        may lead to a local minimum.
         """
         one = trial.fit(fit)
-        if fit.is_hopeless or fit.left <= within_noise(fit.rest.size):
+        if fit.explains_nothing or fit.mean_square <= largest_of_noise(fit.residuals.size):
             return one
-        return max(one, trial.fit(), key=self.gain)
+        return max(one, trial.fit(), key=self.score)
 
-    def gain(self, fit: Fit) -> float:
-        """How much more its changes explain than chance makes each of them explain."""
-        chance = sum(self._by_chance(len(change.sizes)) for change in fit.changes)
-        chance += float(np.sum(self.data.unlikely(fit.hypothesis) ** 2))
-        return self.data.falls(self.unchanged.rest, fit.rest) - chance
+    def score(self, fit: Fit) -> float:
+        """How much its changes lower χ², less what chance makes each of them lower it."""
+        penalty = sum(self._critical(len(change.scales)) for change in fit.changes)
+        penalty += float(np.sum(self.data.prior_residuals(fit.hypothesis) ** 2))
+        return self.data.chi2_decrease(self.unchanged.residuals, fit.residuals) - penalty
 
     def _pairs(self) -> list[Fit]:
-        """Two changes at once, of which both are needed.
+        """Fits of pairs of changes both of which are needed.
 
-        Of those with as many numbers those are fitted that leave least where they are linear.
+        Of the pairs with as many parameters the best linearised ones are fitted.
         """
-        alone, best = np.array([one.least for one in self.linear]), []
-        for both, pairs in of_pairs(self.linear, self.unchanged.rest):
+        alone, best = np.array([one.mean_square for one in self.linear]), []
+        for both, pairs in of_pairs(self.linear, self.unchanged.residuals):
             needed = np.flatnonzero(both <= PROMISING**2 * alone[pairs].min(axis=1))
             best += [pairs[k] for k in needed[np.argsort(both[needed], kind="stable")[:PAIRS]]]
         # Of those alike the first is named.
@@ -178,39 +192,45 @@ class Search:
         return [Trial(self.data, both).fit() for both in changes]
 
     def _simplest(self, fits: Sequence[Fit]) -> Fit | None:
-        """The simplest fit that leaves little, if none with more numbers leaves much less."""
-        count = self.unchanged.rest.size
-        enough = max(within_noise(count), self.part**2 * self.unchanged.left)
+        """The fit with the fewest parameters that explains the data, unless more explain far more.
+
+        Returns
+        -------
+        None if no fit explains the data
+        """
+        count = self.unchanged.residuals.size
+        enough = max(largest_of_noise(count), self.part**2 * self.unchanged.mean_square)
         best = self.unchanged
         # Of those alike the first is named.
-        for fit in sorted(fits, key=lambda fit: fit.count):
-            explains = fit.left <= enough and self.beyond(self.unchanged, fit) > 0
-            explains = explains and fit.is_possible and self._is_plain(fit)
-            if explains and (self.beyond(best, fit) > 0 or self._is_closer(fit, best)):
+        for fit in sorted(fits, key=lambda fit: fit.rank):
+            explains = fit.mean_square <= enough and self.improvement(self.unchanged, fit) > 0
+            explains = explains and fit.is_physical and self._has_few_parameters(fit)
+            if explains and (self.improvement(best, fit) > 0 or self._is_closer(fit, best)):
                 best = fit
         return None if best is self.unchanged else best
 
     def _is_closer(self, fit: Fit, best: Fit) -> bool:
-        """Whether a fit of as few numbers leaves far less, of what is more than rounding."""
-        is_more = best.left > SAME**2 * self.unchanged.left
-        return fit.count == best.count and is_more and fit.left < LEFT**2 * best.left
+        """Whether a fit of as few parameters leaves far less than the best, which leaves some."""
+        is_more = best.mean_square > SAME**2 * self.unchanged.mean_square
+        is_far_less = fit.mean_square < LEFT**2 * best.mean_square
+        return fit.rank == best.rank and is_more and is_far_less
 
-    def _is_plain(self, fit: Fit) -> bool:
-        """Whether a fit has few numbers; or leaves no more than noise, and has not too many."""
-        if self.most is None or fit.count <= self.most:
+    def _has_few_parameters(self, fit: Fit) -> bool:
+        """Whether a fit has no more parameters than it may have, given what it leaves."""
+        if self.most is None or fit.rank <= self.most:
             return True
-        return fit.count <= MOST_OF_ALL and not self.is_beyond(fit.rest)
+        return fit.rank <= MOST_OF_ALL and not self.exceed_noise(fit.residuals)
 
-    def beyond(self, before: Fit, after: Fit) -> float:
-        """How much less a fit leaves than chance makes its further numbers leave."""
-        return self.data.falls(before.rest, after.rest) - self._by_chance(
-            after.count - before.count
-        )
+    def improvement(self, before: Fit, after: Fit) -> float:
+        """How much further parameters lower χ², less what chance makes them lower it."""
+        decrease = self.data.chi2_decrease(before.residuals, after.residuals)
+        return decrease - self._critical(after.rank - before.rank)
 
-    def _by_chance(self, numbers: int) -> float:
-        return float(chdtri(max(1, numbers), LEVEL / len(self.changes)))
+    def _critical(self, parameters: int) -> float:
+        """The decrease of χ² by so many parameters that is significant among all changes."""
+        return float(chdtri(max(1, parameters), LEVEL / len(self.changes)))
 
 
-def within_noise(count: int) -> float:
-    """The mean square of so many numbers that noise makes seldom larger."""
+def largest_of_noise(count: int) -> float:
+    """The largest mean square that noise makes of so many residuals, at the significance level."""
     return float(chdtri(count, LEVEL)) / count

@@ -39,7 +39,9 @@ class Gains(Data):
     excess: FloatArray
     noise: FloatArray
 
-    def off(self, hypotheses: Sequence[Hypothesis], samples: int | None = None) -> FloatArray:
+    def deviations(
+        self, hypotheses: Sequence[Hypothesis], samples: int | None = None
+    ) -> FloatArray:
         """What each hypothesis leaves of the gains, in units of `scale`, (H, K, 4, 3)."""
         made = np.stack([self.made(one) for one in hypotheses])
         off = (self.excess - made + self.exact) / self.scale[..., None]

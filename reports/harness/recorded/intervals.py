@@ -70,14 +70,16 @@ class Intervals(Data):
         return np.asarray(np.mean(self.method**2 / (self.noise**2 + self.method**2), axis=1))
 
     @cached_property
-    def at_once(self) -> float:
+    def correlated(self) -> float:
         """As in `Data`: all numbers count as one if a method's error is larger than noise.
 
         A method's error is the same throughout, however many samples show it.
         """
         return 1 + (self.scale.size - 1) * float(np.mean(self.of_method))
 
-    def off(self, hypotheses: Sequence[Hypothesis], samples: int | None = None) -> FloatArray:
+    def deviations(
+        self, hypotheses: Sequence[Hypothesis], samples: int | None = None
+    ) -> FloatArray:
         """As in `Data`: what each leaves of the ends, in units of `scale`, (H, S, 6)."""
         starts = as_it_was(hypotheses, self.starts, self.t - self.spans[:, 0])
         steps = np.array([one.step for one in hypotheses])

@@ -67,7 +67,7 @@ class KnownIntegrators:
 
     def left_exactly(self, hypothesis: Hypothesis) -> float:
         """The mean square of what a hypothesis leaves if no integrator is in it, in noise."""
-        return mean_square(self.intervals.spread(FEW).made_by(EXACT, 0.0).off([hypothesis]))
+        return mean_square(self.intervals.spread(FEW).made_by(EXACT, 0.0).deviations([hypothesis]))
 
     def _best(
         self, each: tuple[Intervals, ...], hypothesis: Hypothesis, noise: float
@@ -81,7 +81,7 @@ class KnownIntegrators:
         exactly = self.left_exactly(hypothesis)
         if not each or exactly <= 1:
             return None
-        left = [mean_square(one.off([hypothesis])) for one in each]
+        left = [mean_square(one.deviations([hypothesis])) for one in each]
         if min(left) > max(noise, SAME**2 * exactly):
             return None
         # Of those that leave rounding alone the first is named, else the one that leaves least.

@@ -57,7 +57,7 @@ def left_by_methods(
     ----------
     timestep : of the method, s; that of the samples if None
     """
-    off, errors = data.off([data.base]).ravel(), leading_errors(data, orders, timestep)
+    off, errors = data.deviations([data.base]).ravel(), leading_errors(data, orders, timestep)
     columns = (errors / data.scale).reshape(len(errors), -1).T
     # What one coefficient makes at most is the unit, so that no column is too small to count.
     units = np.linalg.norm(columns, axis=0)

@@ -68,7 +68,9 @@ class Log(Data):
         """How many numbers a sample has."""
         return 6 if self.has_omega else 3
 
-    def off(self, hypotheses: Sequence[Hypothesis], samples: int | None = None) -> FloatArray:
+    def deviations(
+        self, hypotheses: Sequence[Hypothesis], samples: int | None = None
+    ) -> FloatArray:
         """As in `Data`: what each leaves, in units of noise, (H, n, 6), without ω (H, n, 3)."""
         t = self.t[:samples]
         read = as_read(hypotheses, self.made(hypotheses, t), t)
@@ -92,7 +94,7 @@ class Log(Data):
         equations = [one.equations for one in hypotheses]
         return follow_each(equations, starts, spans, fastest=self.fastest)[:, 0]
 
-    def unlikely(self, hypothesis: Hypothesis) -> FloatArray:
+    def prior_residuals(self, hypothesis: Hypothesis) -> FloatArray:
         """As in `Data`: how far a tensor's ratios are from the scene's, standardised, (9,)."""
         made, usual = (h.equations.inertia for h in (hypothesis, self.base))
         off = made / np.trace(made) - usual / np.trace(usual)
@@ -107,18 +109,18 @@ class Log(Data):
         fits = FITS * np.array([1.0, self.fastest / FASTER]) / self.noise
         return np.asarray(squares + 3 * len(self.t) * fits[: len(squares)] ** 2)
 
-    def falls(self, before: FloatArray, after: FloatArray) -> float:
+    def chi2_decrease(self, before: FloatArray, after: FloatArray) -> float:
         """As in `Data`; noise that is not stated is estimated from what is left."""
         if self.is_stated:
-            return super().falls(before, after)
+            return super().chi2_decrease(before, after)
         ratios = self.squares(before) / self.squares(after)
         return float(3 * len(self.t) * np.sum(np.log(ratios)))
 
     def with_noise_of(self, fit: Fit) -> "Log":
         """Return the samples, their noise the standard deviation of what a fit leaves of them."""
-        squares = self.squares(fit.rest)
+        squares = self.squares(fit.residuals)
         # Degrees of freedom: each fitted number takes one, half from attitude and half from ω.
-        share = 3 * len(self.t) - len(fit.numbers) / len(squares)
+        share = 3 * len(self.t) - len(fit.parameters) / len(squares)
         noise = self.noise.copy()
         noise[: len(squares)] *= np.sqrt(squares / share)
         return replace(self, noise=noise)

@@ -121,20 +121,20 @@ class LogFit:
         # It has numbers enough to explain a part of anything.
         torque = Trial(self.given, (self.by_attitude,)).fit()
         single += [] if self._is_beyond(torque) else [torque]
-        found = max(single, key=search.gain)
-        if not found.is_hopeless:
+        found = max(single, key=search.score)
+        if not found.explains_nothing:
             found = search.stepwise(found.changes, MOST)
         if self._is_beyond(found):
             # Of changes that are needed together each may explain nothing by itself.
-            found = max(found, search.stepwise(both, MOST), key=search.gain)
+            found = max(found, search.stepwise(both, MOST), key=search.score)
         if self._is_beyond(found) and not self.right_by_itself:
             # What is wrong besides leaves far more than noise at first.
-            first = max(self._raced([(), (START,)], 1 / LEFT), key=search.gain, default=found)
+            first = max(self._raced([(), (START,)], 1 / LEFT), key=search.score, default=found)
             every = replace(search, changes=[*search.changes, CROSS_AXIS])
             other = every.stepwise(first.changes, len(first.changes) + 1)
             found = found if self._is_beyond(other) else other
-        narrower = (one for one in self._narrower(found) if search.beyond(one, found) <= 0)
-        found = max(narrower, key=search.gain, default=found)
+        narrower = (one for one in self._narrower(found) if search.improvement(one, found) <= 0)
+        found = max(narrower, key=search.score, default=found)
         return self._special(found) or found
 
     def _special(self, found: Fit) -> Fit | None:
@@ -150,10 +150,10 @@ class LogFit:
         fewer = [*combinations(general, 2), *((one,) for one in general)]
         for replaced in fewer if len(general) <= 2 else [general]:
             kept = tuple(one for one in found.changes if one not in replaced)
-            fits = [one for one in self._raced([kept]) if self.search.beyond(one, found) <= 0]
-            fits = [one for one in fits if len(one.numbers) < len(found.numbers)]
+            fits = [one for one in self._raced([kept]) if self.search.improvement(one, found) <= 0]
+            fits = [one for one in fits if len(one.parameters) < len(found.parameters)]
             if fits:
-                return min(fits, key=lambda fit: len(fit.numbers))
+                return min(fits, key=lambda fit: len(fit.parameters))
         return None
 
     def _raced(self, besides: Sequence[tuple[Change, ...]], factor: float = 1.0) -> list[Fit]:
@@ -161,9 +161,9 @@ class LogFit:
         # That a tensor has special axes is not said where noise hides that it has others.
         others = [one for one in changes_of_motion(self.scenario) if one not in READINGS]
         others = [one for one in others if one.kind not in FITTED_TENSORS]
-        special = [one for one in others if len(one.sizes) <= MOST_NUMBERS]
+        special = [one for one in others if len(one.scales) <= MOST_NUMBERS]
         trials = [Trial(self.given, (one, *more)) for more in besides for one in special]
-        return [fit for fit in race(trials, KEEPS_UP, factor) if fit.is_possible]
+        return [fit for fit in race(trials, KEEPS_UP, factor) if fit.is_physical]
 
     def _narrower(self, found: Fit) -> Iterator[Fit]:
         """Yield fits in which changes with many numbers are special ones with fewer."""
@@ -176,7 +176,7 @@ class LogFit:
             # Along other axes the same body starts elsewhere, and has another tensor.
             yield Trial(self.given, (self.axes, *others)).fit()
         if self.by_attitude in found.changes:
-            of_dipole = dipole(found.numbers_of(self.by_attitude).reshape(3, 3))
+            of_dipole = dipole(found.parameters_of(self.by_attitude).reshape(3, 3))
             others = [one for one in found.changes if one is not self.by_attitude]
             yield Trial(self.given, (of_dipole, *others)).fit(found)
 
@@ -190,22 +190,22 @@ class LogFit:
         fits = []
         for other in OF_LOGS:
             # With more numbers it explains as much by itself.
-            if other not in self.found.changes and len(other.sizes) <= len(change.sizes):
+            if other not in self.found.changes and len(other.scales) <= len(change.scales):
                 changes = (other if one is change else one for one in self.found.changes)
                 fit = Trial(self.given, tuple(changes)).fit(self.found)
-                gain = self.search.gain(fit) - self.search.gain(self.found)
+                gain = self.search.score(fit) - self.search.score(self.found)
                 fits.append((float(np.exp(min(gain, 0.0) / 2)), other, fit))
         return sorted((one for one in fits if one[0] > LEVEL), key=lambda one: -one[0])
 
     @cached_property
     def uneven_times(self) -> list[str]:
         """The sentence that each state is the scene's at another time, within noise, if it is."""
-        return uneven_times(self.given, self.search.unchanged.rest)
+        return uneven_times(self.given, self.search.unchanged.residuals)
 
     @cached_property
     def right_by_itself(self) -> list[str]:
         """The sentence that attitude, ω, or each state at another time, is the scene's, if so."""
-        return self.uneven_times or right_by_itself(self.given, self.search.unchanged.rest)
+        return self.uneven_times or right_by_itself(self.given, self.search.unchanged.residuals)
 
     @cached_property
     def log(self) -> Log:
@@ -230,7 +230,7 @@ class LogFit:
     @cached_property
     def freedom(self) -> int:
         """Number of measured numbers less the number of fitted ones."""
-        return self.found.rest.size - len(self.found.numbers)
+        return self.found.residuals.size - len(self.found.parameters)
 
     @cached_property
     def is_beyond(self) -> bool:
@@ -239,7 +239,10 @@ class LogFit:
 
     def _is_beyond(self, fit: Fit) -> bool:
         """Whether a fit leaves more than noise explains."""
-        squares, freedom = self.given.squares(fit.rest), fit.rest.size - len(fit.numbers)
+        squares, freedom = (
+            self.given.squares(fit.residuals),
+            fit.residuals.size - len(fit.parameters),
+        )
         if self.given.is_stated:
             return float(chdtrc(freedom, squares.sum())) < LEVEL
         each = freedom / len(squares)
@@ -254,7 +257,7 @@ class LogFit:
     @property
     def chi2(self) -> float:
         """The sum of squares of what is left, in units of the noise."""
-        return float(np.sum(self.fit.rest**2))
+        return float(np.sum(self.fit.residuals**2))
 
     @property
     def inflation(self) -> float:
@@ -267,9 +270,9 @@ class LogFit:
 
     def is_required(self, change: Change) -> bool:
         """Whether a change is significant beside what is left."""
-        if not len(change.sizes):
+        if not len(change.scales):
             return True
-        rows, numbers = self.fit.rows(change), self.fit.numbers_of(change)
+        rows, numbers = self.fit.columns(change), self.fit.parameters_of(change)
         errors = self.fit.errors[rows] * self.inflation
         in_errors = numbers / errors
         # Numbers that are known together only have a correlation that is nearly singular.
@@ -291,9 +294,9 @@ class LogFit:
     def tensor_entries(self) -> tuple[FloatArray, FloatArray]:
         """Return the entries Ixx, Iyy, Izz, Ixy, Ixz, Iyz, kg m², and their standard errors."""
         fit, entries = self.with_tensor, self.tensor.shown
-        rows, count = fit.rows(self.tensor), len(self.tensor.sizes)
+        rows, count = fit.columns(self.tensor), len(self.tensor.scales)
         usual = np.asarray(entries(np.zeros(count)))
         slopes = np.array([entries(unit) for unit in np.eye(count)]) - usual
         covariance = slopes.T @ fit.covariance[rows, rows] @ slopes
         errors = np.sqrt(np.diag(covariance)) * self.inflation
-        return np.asarray(entries(fit.numbers[rows])), errors
+        return np.asarray(entries(fit.parameters[rows])), errors

@@ -67,8 +67,8 @@ class Measured(LogFit):
         return [self._in_words(change) for change in required]
 
     def _in_words(self, change: Change) -> str:
-        rows = self.fit.rows(change)
-        numbers, errors = self.fit.numbers[rows], self.fit.errors[rows] * self.inflation
+        rows = self.fit.columns(change)
+        numbers, errors = self.fit.parameters[rows], self.fit.errors[rows] * self.inflation
         if change in (*OF_LOGS, CROSS_AXIS):
             others = (
                 f", or {self._of_sensor(other, fit)} ({likely:.2g} times as likely)"
@@ -88,7 +88,7 @@ class Measured(LogFit):
             return f"attitude and ω are those of axes that are turned by {turn}° in the body"
         if change.kind == self.by_attitude.kind:
             # Angles of a dipole's field have another size.
-            of_torque = errors[change.sizes == change.sizes[0]]
+            of_torque = errors[change.scales == change.scales[0]]
             listed = f"{norms(of_torque[None])[0]:.2g} N m"
         else:
             listed = ", ".join(f"{error:.2g}" for error in errors)
@@ -100,8 +100,8 @@ class Measured(LogFit):
 
     def _of_sensor(self, change: Change, fit: Fit) -> str:
         """Return a mistake of a gyroscope in words, with its numbers in a fit."""
-        rows = fit.rows(change)
-        numbers, errors = fit.numbers[rows], fit.errors[rows] * self.inflation
+        rows = fit.columns(change)
+        numbers, errors = fit.parameters[rows], fit.errors[rows] * self.inflation
         return of_sensor(change, numbers, lambda n, unit: _plus_minus(n, unit * errors))
 
 

@@ -70,7 +70,7 @@ def sentences(found: Fit) -> list[str]:
     every = []
     for change in found.changes:
         if change in (*READINGS, *FILTERS):
-            numbers = found.numbers_of(change)
+            numbers = found.parameters_of(change)
             every.append(of_sensor(change, numbers, _without_errors))
             continue
         before = f"{KINEMATICS}: " if KINDS[change.kind].is_kinematic else "it moves as if "

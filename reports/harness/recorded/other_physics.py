@@ -98,7 +98,7 @@ class Physics:
     @property
     def is_beyond(self) -> bool:
         """Whether the recording is beyond the error of a method of its order and timestep."""
-        return self.search is not None and self.search.is_beyond(self.search.unchanged.rest)
+        return self.search is not None and self.search.exceed_noise(self.search.unchanged.residuals)
 
     @cached_property
     def made_by(self) -> str:
@@ -160,7 +160,7 @@ class Physics:
         if not by_order:
             return 0
         best = min(by_order, key=by_order.__getitem__)
-        by_change = mean_square(data.off([self.found.hypothesis])) if self.found else np.inf
+        by_change = mean_square(data.deviations([self.found.hypothesis])) if self.found else np.inf
         return best if by_change > LEFT**2 * by_order[best] else 0
 
     @property
@@ -179,7 +179,7 @@ class Physics:
         if self.intervals is None or self.search is None or self.timestep is None:
             return 0.0
         of_method = float(np.mean(self.intervals.of_method))
-        ratio = float(np.sqrt(self.search.unchanged.left / of_method))
+        ratio = float(np.sqrt(self.search.unchanged.mean_square / of_method))
         return float(self.timestep * max(1.0, ratio ** (1 / self.order)))
 
     @cached_property
@@ -210,11 +210,11 @@ class Physics:
         if count < FEWEST_INTERVALS:
             return None
         is_fitted = self.timestep is not None and (self.is_beyond or self.base is not None)
-        changes = [one for one in self.search.changes if is_fitted or not len(one.sizes)]
+        changes = [one for one in self.search.changes if is_fitted or not len(one.scales)]
         few = [data.spread(count) for data in self.known.each]
         found = [Search(data, changes, most=MOST_NUMBERS).one() for data in few]
         fits = [fit for fit in found if fit is not None and self._integrator(fit.hypothesis)]
-        return min(fits, key=lambda fit: (fit.count, fit.left), default=None)
+        return min(fits, key=lambda fit: (fit.rank, fit.mean_square), default=None)
 
     @property
     def is_of_noise(self) -> bool:
@@ -244,7 +244,7 @@ class Physics:
         if self.intervals is None:
             return np.zeros(2)
         exact = self.intervals.made_by(EXACT, 0.0)
-        (off,) = exact.off([exact.base]) * exact.scale
+        (off,) = exact.deviations([exact.base]) * exact.scale
         return root_mean_squares(off)
 
     @cached_property
@@ -268,16 +268,16 @@ class Physics:
         search = Search(data, self._of_motion, part=SAME)
         found, speed = search.one(), float(norms(self.motion.omega_body).max())
         # What one change leaves, if it is little, may be a method's error.
-        is_much = min((fit.left for fit in search.single), default=np.inf) > LEFT**4 * (
-            search.unchanged.left
+        is_much = min((fit.mean_square for fit in search.single), default=np.inf) > LEFT**4 * (
+            search.unchanged.mean_square
         )
         if found is None and is_much and self.off[1] > LEAST_OF_TWO * speed:
             found = Search(data, [TIMES, *READINGS, *self._of_motion], part=SAME).one_or_two()
             # What is read otherwise alone may be an error of a method about a steady axis.
             is_of_reading = found is not None and {*found.changes} <= {*READINGS}
-            if found and (is_of_reading or found.count > 2 * MOST_NUMBERS):
+            if found and (is_of_reading or found.rank > 2 * MOST_NUMBERS):
                 found = None
-        return found if found is not None and found.count <= MOST_OF_ALL else None
+        return found if found is not None and found.rank <= MOST_OF_ALL else None
 
     def explained(self) -> list[str]:
         """Return in words the changes that explain the motion; often none."""
@@ -325,7 +325,7 @@ class Physics:
         About a steady axis the error of any method is like one of those.
         """
         changes = self.search.changes if self.search else ()
-        return [one for one in changes if not (len(one.sizes) and is_of_turning(one))]
+        return [one for one in changes if not (len(one.scales) and is_of_turning(one))]
 
     @property
     def _within_error(self) -> Fit | None:
@@ -348,13 +348,13 @@ class Physics:
         if other is None or self.known is None:
             return found
         left = self.known.left_exactly(found.hypothesis) if found else np.inf
-        return other if other.left < SAME**2 * left else found
+        return other if other.mean_square < SAME**2 * left else found
 
     def _is_partial(self, found: Fit) -> bool:
         """Whether changes leave more than a method makes, and no known integrator made that."""
         if self.search is None or self.intervals is None:
             return False
-        is_beyond = self.search.is_beyond(found.rest)
+        is_beyond = self.search.exceed_noise(found.residuals)
         return is_beyond and not self._integrator(found.hypothesis)
 
     @property
@@ -410,7 +410,7 @@ class Physics:
             return words
         if rest.known and (made := rest.known.that_made(found.hypothesis)):
             return [*words, f"what is left is {made}"]
-        if unexplained := self._unexplained(found.rest):
+        if unexplained := self._unexplained(found.residuals):
             return self._of_lower_order(found) or [*words, *unexplained]
         if len(found.changes) > 1:
             return words
@@ -441,7 +441,7 @@ class Physics:
 
         Nothing if it is what noise and a method's error make.
         """
-        if self.search is None or not self.search.is_beyond(rest):
+        if self.search is None or not self.search.exceed_noise(rest):
             return []
-        part = float(np.sqrt(np.mean(rest**2) / self.search.unchanged.left))
+        part = float(np.sqrt(np.mean(rest**2) / self.search.unchanged.mean_square))
         return [UNEXPLAINED.format(100 * part)]

@@ -55,7 +55,9 @@ class ReadOmega(Data):
     read: FloatArray
     error: float
 
-    def off(self, hypotheses: Sequence[Hypothesis], samples: int | None = None) -> FloatArray:
+    def deviations(
+        self, hypotheses: Sequence[Hypothesis], samples: int | None = None
+    ) -> FloatArray:
         """As in `Data`: what each leaves of ω, in units of the error, (H, n, 3)."""
         made = as_read(hypotheses, np.repeat(self.body[None], len(hypotheses), axis=0), self.t)
         return np.asarray((made[..., 4:] - self.read) / self.error)[:, :samples]

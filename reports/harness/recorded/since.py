@@ -36,7 +36,7 @@ def since_when(fit: Measured, motion: Trajectory, exact: Trajectory) -> list[str
     motion, exact : the recorded and the exact motion
     """
     scenario, log = fit.scenario, fit.given
-    squares = np.sum(fit.search.unchanged.rest.reshape(len(motion.t), -1) ** 2, axis=1)
+    squares = np.sum(fit.search.unchanged.residuals.reshape(len(motion.t), -1) ** 2, axis=1)
     by_then = np.arange(1, len(squares) + 1) * log.measured
     first = int(np.argmax(chdtrc(by_then, np.cumsum(squares)) < LEVEL))
     if min(first, len(motion.t) - first) < FEWEST:

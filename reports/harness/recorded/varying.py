@@ -11,9 +11,9 @@ from scipy.special import chdtri
 
 from ....scenarios import FloatArray
 from ...results.change_words import KINDS
-from ..explaining.fit import NOWHERE
+from ..explaining.fit import NOT_FINITE
 from ..explaining.hypothesis import Change
-from ..explaining.search import LEFT, LEVEL, SAME, within_noise
+from ..explaining.search import LEFT, LEVEL, SAME, largest_of_noise
 from .intervals import Intervals
 
 #: Steps of a fit, and the step of a scaled number from which a slope is taken.
@@ -42,10 +42,10 @@ def varying(data: Intervals, changes: Sequence[Change], among: int) -> Varying |
     changes : of which each has one number or more; those with one are tried
     among : how many changes have been tried already
     """
-    single = [one for one in changes if len(one.sizes) == 1]
-    (unchanged,) = data.off([data.base])
+    single = [one for one in changes if len(one.scales) == 1]
+    (unchanged,) = data.deviations([data.base])
     count = unchanged.size
-    enough = max(within_noise(count), LEFT**2 * float(np.mean(unchanged**2)))
+    enough = max(largest_of_noise(count), LEFT**2 * float(np.mean(unchanged**2)))
     by_chance = float(chdtri(len(unchanged), LEVEL / (among + len(single))))
     # No method's error, and no chance, makes one number explain all six of an interval so well.
     exactly = SAME**2 * float(np.mean(unchanged**2))
@@ -54,7 +54,7 @@ def varying(data: Intervals, changes: Sequence[Change], among: int) -> Varying |
     for change in single:
         numbers, rest = _fit(data, parts, change, unchanged)
         left = float(np.mean(rest**2))
-        is_seen = left <= exactly or data.falls(unchanged, rest) > by_chance
+        is_seen = left <= exactly or data.chi2_decrease(unchanged, rest) > by_chance
         if left <= enough and is_seen:
             found.append((left, change, numbers, rest))
     best = min((left for left, *_ in found), default=0.0)
@@ -70,12 +70,12 @@ def _fit(
     data: Intervals, parts: Sequence[Intervals], change: Change, unchanged: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
     """Return the number of each interval, (S,), and what is left with them, (S, 6)."""
-    numbers, size = np.zeros(len(parts)), float(change.sizes[0])
+    numbers, size = np.zeros(len(parts)), float(change.scales[0])
     both = [change.apply(data.base, np.array([step * size])) for step in (0, SMALL)]
-    rest, stepped = _clipped(data.off(both))
+    rest, stepped = _clipped(data.deviations(both))
     slopes = (stepped - rest) / SMALL
     for _ in range(STEPS):
-        squares = np.maximum(np.sum(slopes**2, axis=1), 1 / NOWHERE)
+        squares = np.maximum(np.sum(slopes**2, axis=1), 1 / NOT_FINITE)
         numbers = numbers - size * np.sum(slopes * rest, axis=1) / squares
         rest = _off(parts, change, numbers)
         if np.mean(rest**2) > PROMISING * np.mean(unchanged**2):
@@ -86,15 +86,15 @@ def _fit(
 def _off(parts: Sequence[Intervals], change: Change, numbers: FloatArray) -> FloatArray:
     """Return what is left of each interval with its own number, (S, 6)."""
     off = [
-        part.off([change.apply(part.base, number[None])])[0]
+        part.deviations([change.apply(part.base, number[None])])[0]
         for part, number in zip(parts, numbers, strict=True)
     ]
     return _clipped(np.vstack(off))
 
 
 def _clipped(off: FloatArray) -> FloatArray:
-    """Return what is left, with `NOWHERE` in place of what is larger or no number."""
-    return np.clip(np.nan_to_num(off, nan=NOWHERE), -NOWHERE, NOWHERE)
+    """Return what is left, with `NOT_FINITE` in place of what is larger or no number."""
+    return np.clip(np.nan_to_num(off, nan=NOT_FINITE), -NOT_FINITE, NOT_FINITE)
 
 
 def _in_words(t: FloatArray, change: Change, numbers: FloatArray) -> str:
@@ -124,7 +124,7 @@ def _in_words(t: FloatArray, change: Change, numbers: FloatArray) -> str:
 
 def _of(change: Change, number: float) -> str:
     """Return a change with one number in words, to four digits."""
-    if abs(number) < OWN * change.sizes[0]:
+    if abs(number) < OWN * change.scales[0]:
         return "all were as in the scene"
     rounded = float(f"{number:.3g}")
     return KINDS[change.kind].words(change.explanation(np.array([rounded])).numbers)

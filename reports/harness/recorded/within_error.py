@@ -44,13 +44,15 @@ class BesideMethods(Data):
         return BesideMethods(intervals.base, intervals, directions, sizes)
 
     @property
-    def at_once(self) -> float:
+    def correlated(self) -> float:
         """As in `Data`: the next term of a method's error counts as one number."""
-        return self.intervals.at_once
+        return self.intervals.correlated
 
-    def off(self, hypotheses: Sequence[Hypothesis], samples: int | None = None) -> FloatArray:
+    def deviations(
+        self, hypotheses: Sequence[Hypothesis], samples: int | None = None
+    ) -> FloatArray:
         """As in `Data`, in units of the scale and of the errors of methods together, (H, 6 S)."""
-        off = self.intervals.off(hypotheses).reshape(len(hypotheses), -1)
+        off = self.intervals.deviations(hypotheses).reshape(len(hypotheses), -1)
         of_methods = (off @ self.directions) * (1 - 1 / np.hypot(1.0, self.sizes))
         return np.asarray(off - of_methods @ self.directions.T)[:, :samples]
 
@@ -74,8 +76,8 @@ def within_error(
     errors = leading_errors(data, orders, timestep)
     for size in _sizes(data, errors, changes):
         found, size = _beside(data, errors, changes, most, next_term, size)
-        if found is not None and found.count <= most:
-            made = _made(data, errors, data.off([found.hypothesis]))
+        if found is not None and found.rank <= most:
+            made = _made(data, errors, data.deviations([found.hypothesis]))
             if (made <= ROOM * np.maximum(size, data.noise)).all():
                 return found
     return None
@@ -93,10 +95,10 @@ def refitted(
     """
     of_changes = replace(data, base=found.hypothesis)
     errors = leading_errors(of_changes, [order], timestep)
-    size = root_mean_squares(data.off([found.hypothesis])[0] * data.scale)
+    size = root_mean_squares(data.deviations([found.hypothesis])[0] * data.scale)
     nearly = data.with_error(np.maximum(next_term * size, FITS))
     fit = Trial(BesideMethods.of(nearly, errors), found.changes).fit(found)
-    return fit if fit.left <= 1 else None
+    return fit if fit.mean_square <= 1 else None
 
 
 def _beside(
@@ -119,7 +121,7 @@ def _beside(
         beside = BesideMethods.of(nearly, errors)
         search = Search(beside, changes, most, part=0.0)
         found = search.one_or_two()
-        made = [_made(data, errors, data.off([fit.hypothesis])) for fit in search.single]
+        made = [_made(data, errors, data.deviations([fit.hypothesis])) for fit in search.single]
         least = min(made, key=lambda one: float(np.max(one / np.maximum(size, FITS))), default=size)
         if (least > LEFT * size).any() or (size <= FITS).all():
             return found, size
@@ -132,12 +134,12 @@ def _sizes(data: Intervals, errors: FloatArray, changes: Sequence[Change]) -> li
     That is as large as without any change, or as with the change that leaves least of it, or
     between these.
     """
-    most = _made(data, errors, data.off([data.base]))
+    most = _made(data, errors, data.deviations([data.base]))
     units = np.maximum(most, FITS)
     of_changes = []
     for one in linear([Trial(data, (change,)) for change in changes]):
-        columns = one.slopes.T.reshape(-1, *data.scale.shape) * data.scale
-        of_changes.append(_made(data, errors, one.at_none, columns))
+        columns = one.jacobian.T.reshape(-1, *data.scale.shape) * data.scale
+        of_changes.append(_made(data, errors, one.residuals, columns))
     least = min(of_changes, key=lambda size: float(np.sum((size / units) ** 2)))
     return [most, np.sqrt(most * least), least]
 

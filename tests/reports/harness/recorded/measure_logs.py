@@ -116,8 +116,8 @@ def deviations(k: int) -> tuple[str, dict[str, np.ndarray], bool]:
         found = next((instead for _, other, instead in others if other.kind == "bias"), found)
     for change in found.changes:
         if change.kind == "bias":
-            rows = found.rows(change)
-            z["bias"] = (found.numbers[rows] - bias) / found.errors[rows]
+            rows = found.columns(change)
+            z["bias"] = (found.parameters[rows] - bias) / found.errors[rows]
     is_right = {"start", "tensor, up to a factor", *(["bias"] if bias.any() else [])}
     is_wrong = not is_right.issuperset(one.kind for one in found.changes)
     if is_wrong or np.abs(z["tensor"]).max() > FAR:

@@ -44,9 +44,9 @@ def of_parts(part: float, off: float = 0.0) -> Intervals:
 def test_numbers_count_as_one_as_far_as_they_are_a_methods_error(part: float) -> None:
     data = of_parts(part)
     count = data.scale.size
-    assert data.at_once == pytest.approx((1 - part) * 1 + part * count)
+    assert data.correlated == pytest.approx((1 - part) * 1 + part * count)
     before = np.ones(data.scale.shape)
-    assert data.falls(before, 0 * before) == pytest.approx(count / data.at_once)
+    assert data.chi2_decrease(before, 0 * before) == pytest.approx(count / data.correlated)
 
 
 @pytest.mark.parametrize("part", PARTS)

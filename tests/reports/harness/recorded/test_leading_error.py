@@ -88,7 +88,7 @@ def test_the_coefficients_of_explicit_euler_are_one_half() -> None:
     errors = leading_errors(data, [1], float(data.spans[0, 0]) / 10)
     columns = (errors / data.scale).reshape(len(errors), -1).T
     seen = np.linalg.norm(columns, axis=0) > LEFT**2 * np.linalg.norm(columns, axis=0).max()
-    best = np.linalg.lstsq(columns[:, seen], data.off([data.base]).ravel(), rcond=None)[0]
+    best = np.linalg.lstsq(columns[:, seen], data.deviations([data.base]).ravel(), rcond=None)[0]
     assert best == pytest.approx(-0.5, abs=0.02)
 
 

@@ -35,14 +35,14 @@ def test_only_a_fitted_tensor_need_be_of_a_body(kind: str) -> None:
     base = as_it_is(ONE.scenario)
     of_it = base.of_tensor(thin) if "box" in kind else base.of(gyroscopic=thin)
     numbers = np.empty(0), np.empty((0, 0)), np.empty(0), 0, np.empty((0, 0))
-    assert not Fit((change,), of_it, *numbers).is_possible
-    assert Fit((), of_it, *numbers).is_possible
+    assert not Fit((change,), of_it, *numbers).is_physical
+    assert Fit((), of_it, *numbers).is_physical
 
 
 def test_many_numbers_that_leave_nothing_are_no_explanation() -> None:
     class Kept(Search):
-        def is_beyond(self, rest: np.ndarray) -> bool:
-            return bool(rest.any())
+        def exceed_noise(self, residuals: np.ndarray) -> bool:
+            return bool(residuals.any())
 
     search = Kept(None, (), most=3)
 
@@ -51,8 +51,8 @@ def test_many_numbers_that_leave_nothing_are_no_explanation() -> None:
         return Fit((), as_it_is(ONE.scenario), none, none, np.full(6, left), count, none)
 
     assert MOST_OF_ALL == 10
-    assert [search._is_plain(fit(0.0, n)) for n in (3, 10, 11)] == [True, True, False]
-    assert not search._is_plain(fit(1.0, 4))
+    assert [search._has_few_parameters(fit(0.0, n)) for n in (3, 10, 11)] == [True, True, False]
+    assert not search._has_few_parameters(fit(1.0, 4))
     assert Kept(None, ()).most is None
 
 

@@ -20,7 +20,9 @@ def test_what_pairs_leave_is_what_each_leaves_that_is_fitted() -> None:
         for count in (0, 0, 1, 1, 3, 2)
     ]
     # One that is seen no better than a multiple of another one.
-    each.append(Linear(unchanged, np.hstack([each[4].slopes[:, :1], 2 * each[4].slopes[:, :1]])))
+    each.append(
+        Linear(unchanged, np.hstack([each[4].jacobian[:, :1], 2 * each[4].jacobian[:, :1]]))
+    )
     found = {
         (int(i), int(j)): one
         for left, pairs in of_pairs(each, unchanged)
@@ -28,10 +30,10 @@ def test_what_pairs_leave_is_what_each_leaves_that_is_fitted() -> None:
     }
     assert set(found) == set(combinations(range(len(each)), 2))
     for (i, j), left in found.items():
-        slopes = np.hstack([each[i].slopes, each[j].slopes])
-        off = each[i].at_none + each[j].at_none - unchanged
-        best = np.linalg.lstsq(slopes, off, rcond=1e-6)[0] if slopes.size else np.empty(0)
-        assert left == pytest.approx(np.mean((off - slopes @ best) ** 2), rel=1e-9)
+        jacobian = np.hstack([each[i].jacobian, each[j].jacobian])
+        off = each[i].residuals + each[j].residuals - unchanged
+        best = np.linalg.lstsq(jacobian, off, rcond=1e-6)[0] if jacobian.size else np.empty(0)
+        assert left == pytest.approx(np.mean((off - jacobian @ best) ** 2), rel=1e-9)
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,7 +46,9 @@ class Line(Data):
     def parts(self) -> Sequence[int | None]:
         return (4, 16, None)
 
-    def off(self, hypotheses: Sequence[Hypothesis], samples: int | None = None) -> np.ndarray:
+    def deviations(
+        self, hypotheses: Sequence[Hypothesis], samples: int | None = None
+    ) -> np.ndarray:
         x = np.arange(len(self.wanted))
         made = np.stack([one.step - 1 + one.braking * x**2 for one in hypotheses])
         return (made - self.wanted)[:, :samples]
@@ -62,7 +66,7 @@ def test_a_trial_that_explains_less_of_more_data_is_left_out() -> None:
     data = Line(base, 0.05 * np.arange(64.0) ** 2 + noise)
     (found,) = race(trials(data), 50.0)
     assert found.changes[0].kind == "braking"
-    assert found.numbers == pytest.approx(0.05, rel=0.01)
+    assert found.parameters == pytest.approx(0.05, rel=0.01)
     # What keeps near the best goes on, and all end where none explains a part.
     assert len(race(trials(Line(base, noise)), 50.0)) == 2
     assert race(trials(Line(base, 1e3 * (-1.0) ** np.arange(64))), 50.0) == []

@@ -219,11 +219,11 @@ def test_mistakes_of_a_gyroscope_that_a_log_does_not_tell_apart_are_both_named()
     assert re.fullmatch(r"0\.\d+ times as likely\)", likely)
     scale = next(change for change in fit.fit.changes if change.kind == "scale")
     ((times, other, instead),) = fit.alternatives(scale)
-    falls = np.sum(fit.found.rest**2) - np.sum(instead.rest**2)
+    falls = np.sum(fit.found.residuals**2) - np.sum(instead.residuals**2)
     # The noise is estimated: its variance is known to five standard errors of so many numbers.
     assert np.log(times) == pytest.approx(falls / 2, rel=5 * np.sqrt(2 * SHARED / fit.freedom))
-    rows = instead.rows(other)
-    assert np.all(np.abs(instead.numbers[rows] - bias) < 5 * instead.errors[rows])
+    rows = instead.columns(other)
+    assert np.all(np.abs(instead.parameters[rows] - bias) < 5 * instead.errors[rows])
 
 
 def test_a_timestep_longer_than_samples_are_apart_is_refused() -> None:
