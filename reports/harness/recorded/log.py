@@ -17,12 +17,12 @@ from .mistakes import FITS
 from .sensors import as_read
 
 #: Turn of the body, rad, in the samples that are fitted first, and their least number; then twice
-#: as many are fitted, until it is all.
+#: as many are fitted, until all are.
 BEGINNING, FEWEST = 2.0, 12
-#: Standard deviation of a tensor that is assumed before any fit, relative to its mean moment, in
-#: each of its directions: the root mean square difference of two bodies of one trace whose second
-#: moments share it at random (uniform on the simplex) about axes at random, √(2 · 3/8 / 5).
-SPREAD = 0.387
+#: Prior standard deviation of a tensor, relative to its mean moment, in each of its directions: the
+#: root mean square difference of two bodies of one trace whose second moments share it at random
+#: (uniform on the simplex) about axes at random, √(2 · 3/8 / 5).
+PRIOR_SPREAD = 0.387
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,13 +49,13 @@ class Log(Data):
 
     @cached_property
     def fastest(self) -> float:
-        """The largest rate of a motion that is tried, rad/s."""
+        """The largest rate up to which motions are followed, rad/s."""
         speeds = norms(np.vstack([self.states[:, 4:], self.scene_start[None, 4:]]))
         return FASTER * float(max(speeds.max(), self.base.equations.rate, self.noise[1]))
 
     @cached_property
     def parts(self) -> Sequence[int | None]:
-        """As in `Data`: from samples in which the motion is nearly linear in its start to all."""
+        """As in `Data`: first samples, whose motion is nearly linear in its start, to all."""
         turned = np.cumsum(norms(self.states[1:, 4:]) * np.diff(self.t))
         length, lengths = max(FEWEST, int(np.searchsorted(turned, BEGINNING))), []
         while length < len(self.t):
@@ -65,17 +65,22 @@ class Log(Data):
 
     @property
     def measured(self) -> int:
-        """How many numbers a sample has."""
+        """How many numbers each sample has that are fitted."""
         return 6 if self.has_omega else 3
 
     def deviations(
         self, hypotheses: Sequence[Hypothesis], samples: int | None = None
     ) -> FloatArray:
-        """As in `Data`: what each leaves, in units of noise, (H, n, 6), without ω (H, n, 3)."""
+        """As in `Data`: the residuals of H hypotheses, in standard deviations of noise.
+
+        Returns
+        -------
+        (H, n, 6): of attitude and ω; (H, n, 3) without ω
+        """
         t = self.t[:samples]
         read = as_read(hypotheses, self.made(hypotheses, t), t)
-        off = apart(read, self.states[:samples]) / np.repeat(self.noise, 3)
-        return off[..., : self.measured]
+        deviation = apart(read, self.states[:samples]) / np.repeat(self.noise, 3)
+        return deviation[..., : self.measured]
 
     def made(self, hypotheses: Sequence[Hypothesis], t: FloatArray) -> FloatArray:
         """Return the states of H hypotheses at times from the first sample's on, (H, n, 7).
@@ -83,6 +88,10 @@ class Log(Data):
         Parameters
         ----------
         t : s, (n,), in the order in which they follow, or precede, the first sample
+
+        Returns
+        -------
+        q, scalar first, and ω, rad/s, body axes
         """
         changed = np.stack([one.start for one in hypotheses])
         turn = Rotation.from_rotvec(changed[:, :3])
@@ -95,34 +104,45 @@ class Log(Data):
         return follow_each(equations, starts, spans, fastest=self.fastest)[:, 0]
 
     def prior_residuals(self, hypothesis: Hypothesis) -> FloatArray:
-        """As in `Data`: how far a tensor's ratios are from the scene's, standardised, (9,)."""
-        made, usual = (h.equations.inertia for h in (hypothesis, self.base))
-        off = made / np.trace(made) - usual / np.trace(usual)
-        return np.asarray(3 * off.ravel() / SPREAD)
+        """As in `Data`: of the tensor relative to its trace, (9,).
 
-    def squares(self, rest: FloatArray) -> FloatArray:
-        """Return the sum of squares of attitude and, if it is fitted, of ω: (2,) or (1,).
-
-        Errors that need no explanation are added to it, as rounding is no noise to be explained.
+        Its prior mean is the tensor of the scene.
         """
-        squares = np.sum(rest.reshape(len(self.t), -1, 3) ** 2, axis=(0, 2))
+        made, usual = (h.equations.inertia for h in (hypothesis, self.base))
+        deviation = made / np.trace(made) - usual / np.trace(usual)
+        return np.asarray(3 * deviation.ravel() / PRIOR_SPREAD)
+
+    def squares(self, standardised: FloatArray) -> FloatArray:
+        """Return χ² of residuals of attitude and, if it is fitted, of ω: (2,) or (1,).
+
+        Deviations of `FITS`, which need no explanation, are added, so that rounding is not taken
+        for noise.
+
+        Parameters
+        ----------
+        standardised : the residuals, in standard deviations of noise, (6 n,) or (3 n,)
+        """
+        squares = np.sum(standardised.reshape(len(self.t), -1, 3) ** 2, axis=(0, 2))
         fits = FITS * np.array([1.0, self.fastest / FASTER]) / self.noise
         return np.asarray(squares + 3 * len(self.t) * fits[: len(squares)] ** 2)
 
     def chi2_decrease(self, before: FloatArray, after: FloatArray) -> float:
-        """As in `Data`; noise that is not stated is estimated from what is left."""
+        """As in `Data`; twice the logarithm of the likelihood ratio if the noise is not stated.
+
+        The noise is then estimated from the residuals.
+        """
         if self.is_stated:
             return super().chi2_decrease(before, after)
         ratios = self.squares(before) / self.squares(after)
         return float(3 * len(self.t) * np.sum(np.log(ratios)))
 
     def with_noise_of(self, fit: Fit) -> "Log":
-        """Return the samples, their noise the standard deviation of what a fit leaves of them."""
+        """Return the samples, with noise that is estimated from the residuals of a fit."""
         squares = self.squares(fit.residuals)
-        # Degrees of freedom: each fitted number takes one, half from attitude and half from ω.
-        share = 3 * len(self.t) - len(fit.parameters) / len(squares)
+        # Each parameter takes one degree of freedom, half from attitude and half from ω.
+        freedom = 3 * len(self.t) - len(fit.parameters) / len(squares)
         noise = self.noise.copy()
-        noise[: len(squares)] *= np.sqrt(squares / share)
+        noise[: len(squares)] *= np.sqrt(squares / freedom)
         return replace(self, noise=noise)
 
 
@@ -135,6 +155,12 @@ def log_of(
     is_stated: bool,
     has_omega: bool,
 ) -> Log:
-    """Return the samples of a motion; the arguments are those of `Log`."""
+    """Return the samples of a motion as a log.
+
+    Parameters
+    ----------
+    motion, exact : the recorded motion, and the exact one at the same times
+    noise, is_stated, has_omega : as in `Log`
+    """
     start, states = states_of(exact.until(1))[0], states_of(motion)
     return Log(as_it_is(scenario), start, motion.t, states, noise, is_stated, has_omega)

@@ -39,15 +39,15 @@ from .motion_changes import TIMES, changes_of_motion
 from .right_by_itself import right_by_itself, uneven_times
 from .sensors import CROSS_AXIS, OF_LOGS, READINGS
 
-#: Largest number of changes that are fitted at once, and of numbers of a special change.
-MOST, MOST_NUMBERS = 4, 3
+#: Most changes that are fitted at once, and most parameters of a special change.
+MOST_CHANGES, MOST_PARAMETERS = 4, 3
 #: Largest turn of the body, rad, in the time by which all states are late.
 LATEST = 30.0
-#: How much more than the best the first samples may leave, as a sum of squares, for a change to be
-#: fitted to more of them: by chance it is more of one in 10⁹.
-KEEPS_UP = 50.0
-#: Factor by which neighbouring fourth differences, which share noise, count as fewer independent
-#: numbers, Σ (8 over 4+k)² / (8 over 4)².
+#: By how much χ² of the first samples may exceed that of the best change, for a change to be fitted
+#: to more of them: by chance it exceeds it by more for one change in 10⁹.
+MARGIN = 50.0
+#: Factor by which the degrees of freedom of neighbouring fourth differences, which share noise, are
+#: fewer than the differences: Σ (8 over 4+k)² / (8 over 4)².
 SHARED = 2.63
 
 START = Change("start", lambda h, n: h._replace(start=h.start + n), np.ones(6))
@@ -59,7 +59,7 @@ class LogFit:
 
     Attributes
     ----------
-    given : its samples, with noise as it is stated or was estimated before any fit
+    given : the samples, with the noise that is stated, or was estimated before any fit
     """
 
     scenario: Scenario
@@ -67,17 +67,17 @@ class LogFit:
 
     @cached_property
     def tensor(self) -> Change:
-        """The change of the scene's tensor that is fitted."""
+        """The change that fits the tensor of inertia, with deviations from the scene's."""
         return tensor(self.given.base.equations)
 
     @cached_property
     def by_attitude(self) -> Change:
-        """The change in which torques act that depend on the attitude."""
+        """The change that adds torques that depend on the attitude."""
         return by_attitude(usual_torque(self.scenario, self.given.base.equations))
 
     @cached_property
     def axes(self) -> Change:
-        """The change in which attitude and ω are those of axes that are turned in the body."""
+        """The change that turns the axes, in the body, that attitude and ω are stated in."""
         omega = self.given.scene_start[4:]
 
         def turned(h: Hypothesis, turn: FloatArray) -> Hypothesis:
@@ -90,7 +90,7 @@ class LogFit:
 
     @cached_property
     def late(self) -> Change:
-        """The change in which each state is that of a time, so many seconds before its own."""
+        """The change that takes each state at a time some seconds before its own."""
         start = self.given.scene_start[None]
         rate = max(float(norms(start[:, 4:])[0]), self.given.base.equations.rate) or 1.0
         most = LATEST / rate
@@ -103,7 +103,7 @@ class LogFit:
 
     @cached_property
     def search(self) -> Search:
-        """The search for changes that the samples require, given the noise before any fit."""
+        """The search for changes that the samples require, with the noise before any fit."""
         equations = self.given.base.equations
         scene = self.scenario, equations
         candidates = [START, self.tensor, TIMES, *resistance(*scene), *com(*scene)]
@@ -118,17 +118,17 @@ class LogFit:
         """The best fit, with all the changes that the samples require."""
         search, both = self.search, (START, self.tensor)
         single = [one.fit() for one in search.trials]
-        # It has numbers enough to explain a part of anything.
+        # It has so many parameters that it explains a part of any motion.
         torque = Trial(self.given, (self.by_attitude,)).fit()
         single += [] if self._is_beyond(torque) else [torque]
         found = max(single, key=search.score)
         if not found.explains_nothing:
-            found = search.stepwise(found.changes, MOST)
+            found = search.stepwise(found.changes, MOST_CHANGES)
         if self._is_beyond(found):
-            # Of changes that are needed together each may explain nothing by itself.
-            found = max(found, search.stepwise(both, MOST), key=search.score)
+            # Changes that are needed together may each explain nothing alone.
+            found = max(found, search.stepwise(both, MOST_CHANGES), key=search.score)
         if self._is_beyond(found) and not self.right_by_itself:
-            # What is wrong besides leaves far more than noise at first.
+            # Beside a second mistake, a single change has residuals far beyond noise.
             first = max(self._raced([(), (START,)], 1 / LEFT), key=search.score, default=found)
             every = replace(search, changes=[*search.changes, CROSS_AXIS])
             other = every.stepwise(first.changes, len(first.changes) + 1)
@@ -138,15 +138,15 @@ class LogFit:
         return self._special(found) or found
 
     def _special(self, found: Fit) -> Fit | None:
-        """Return a fit with a special change of the equations in place of general ones.
+        """Return a fit with a special change of the equations in place of general ones; or None.
 
-        Tensors and torques that are fitted explain, in part, what is wrong otherwise, too. None is
-        returned if no such fit explains as much, or more is left than noise.
+        Tensors and torques that are fitted explain, in part, other mistakes, too. None is returned
+        if no such fit explains as much, or if the residuals exceed noise.
         """
         general = [one for one in found.changes if one is not START and one not in OF_LOGS]
         if not general or self._is_beyond(found):
             return None
-        # Of more than two they are no more than what fits.
+        # More than two general changes merely match the data: they are replaced all at once.
         fewer = [*combinations(general, 2), *((one,) for one in general)]
         for replaced in fewer if len(general) <= 2 else [general]:
             kept = tuple(one for one in found.changes if one not in replaced)
@@ -157,23 +157,29 @@ class LogFit:
         return None
 
     def _raced(self, besides: Sequence[tuple[Change, ...]], factor: float = 1.0) -> list[Fit]:
-        """Return the best fits of each change of the equations, beside some other changes."""
-        # That a tensor has special axes is not said where noise hides that it has others.
+        """Return the best fits of each change of the equations, beside some other changes.
+
+        Parameters
+        ----------
+        besides : the sets of other changes that each is tried with
+        factor : as in `race`
+        """
+        # Noise may hide that a tensor has other axes than the special ones: these are not tried.
         others = [one for one in changes_of_motion(self.scenario) if one not in READINGS]
         others = [one for one in others if one.kind not in FITTED_TENSORS]
-        special = [one for one in others if len(one.scales) <= MOST_NUMBERS]
+        special = [one for one in others if len(one.scales) <= MOST_PARAMETERS]
         trials = [Trial(self.given, (one, *more)) for more in besides for one in special]
-        return [fit for fit in race(trials, KEEPS_UP, factor) if fit.is_physical]
+        return [fit for fit in race(trials, MARGIN, factor) if fit.is_physical]
 
     def _narrower(self, found: Fit) -> Iterator[Fit]:
-        """Yield fits in which changes with many numbers are special ones with fewer."""
+        """Yield fits in which special changes with fewer parameters replace general ones."""
         both = START, self.tensor
         if START in found.changes:
             others = [one for one in found.changes if one is not START]
             yield Trial(self.given, (*others, self.late)).fit(found)
         if set(both) <= set(found.changes):
             others = [one for one in found.changes if one not in both]
-            # Along other axes the same body starts elsewhere, and has another tensor.
+            # The same body has another start and another tensor along other axes.
             yield Trial(self.given, (self.axes, *others)).fit()
         if self.by_attitude in found.changes:
             of_dipole = dipole(found.parameters_of(self.by_attitude).reshape(3, 3))
@@ -181,25 +187,33 @@ class LogFit:
             yield Trial(self.given, (of_dipole, *others)).fit(found)
 
     def alternatives(self, change: Change) -> list[tuple[float, Change, Fit]]:
-        """Return the mistakes of a gyroscope that explain about as much as the named one.
+        """Return the mistakes of a gyroscope that explain about as much as a given one.
 
-        Each comes with its likelihood relative to the named one and its fit, the likeliest first.
         If ω hardly changes, a bias and a scale are alike. Mistakes less likely than `LEVEL` are
         left out.
+
+        Parameters
+        ----------
+        change : one of the changes of `found`
+
+        Returns
+        -------
+        The likelihood relative to that with the given change, the change, and the fit; the
+        likeliest first
         """
         fits = []
         for other in OF_LOGS:
-            # With more numbers it explains as much by itself.
+            # A mistake with more parameters explains as much in any case.
             if other not in self.found.changes and len(other.scales) <= len(change.scales):
                 changes = (other if one is change else one for one in self.found.changes)
                 fit = Trial(self.given, tuple(changes)).fit(self.found)
-                gain = self.search.score(fit) - self.search.score(self.found)
-                fits.append((float(np.exp(min(gain, 0.0) / 2)), other, fit))
+                difference = self.search.score(fit) - self.search.score(self.found)
+                fits.append((float(np.exp(min(difference, 0.0) / 2)), other, fit))
         return sorted((one for one in fits if one[0] > LEVEL), key=lambda one: -one[0])
 
     @cached_property
     def uneven_times(self) -> list[str]:
-        """The sentence that each state is the scene's at another time, within noise, if it is."""
+        """The sentence that each state is the scene's at another time, within noise; often none."""
         return uneven_times(self.given, self.search.unchanged.residuals)
 
     @cached_property
@@ -209,13 +223,17 @@ class LogFit:
 
     @cached_property
     def log(self) -> Log:
-        """The samples with noise as stated, or else as the best fit leaves it."""
+        """The samples, with the noise that the further fits assume.
+
+        It is estimated from the residuals of the best fit, unless it is stated, or they exceed
+        noise.
+        """
         is_noise = self.given.is_stated or self.is_beyond
         return self.given if is_noise else self.given.with_noise_of(self.found)
 
     @cached_property
     def fit(self) -> Fit:
-        """The best fit, given that noise."""
+        """The best fit with the noise of `log`."""
         return Trial(self.log, self.found.changes).fit(self.found)
 
     @cached_property
@@ -224,21 +242,25 @@ class LogFit:
         more = [one for one in (START, self.tensor) if one not in self.found.changes]
         trial = Trial(self.log, (*self.found.changes, *more))
         fit = trial.fit(self.found)
-        # A tensor that takes the place of what was found begins anew.
+        # A tensor that takes the place of changes that were found is fitted from zero.
         return trial.fit() if self._is_beyond(fit) else fit
 
     @cached_property
     def freedom(self) -> int:
-        """Number of measured numbers less the number of fitted ones."""
+        """The degrees of freedom: the number of residuals less that of parameters."""
         return self.found.residuals.size - len(self.found.parameters)
 
     @cached_property
     def is_beyond(self) -> bool:
-        """Whether more is left than noise explains."""
+        """Whether the residuals of the best fit exceed noise."""
         return self._is_beyond(self.found)
 
     def _is_beyond(self, fit: Fit) -> bool:
-        """Whether a fit leaves more than noise explains."""
+        """Whether the residuals of a fit exceed noise.
+
+        If the noise is not stated, they are compared with it by an F test, as it was estimated
+        itself.
+        """
         squares, freedom = (
             self.given.squares(fit.residuals),
             fit.residuals.size - len(fit.parameters),
@@ -251,40 +273,46 @@ class LogFit:
 
     @property
     def is_far(self) -> bool:
-        """Whether so much more than noise is left that its standard errors say nothing."""
+        """Whether the residuals exceed noise so far that standard errors mean nothing."""
         return self.is_beyond and self.chi2 > self.freedom / LEFT
 
     @property
     def chi2(self) -> float:
-        """The sum of squares of what is left, in units of the noise."""
+        """The sum of squares of the residuals, in standard deviations of noise."""
         return float(np.sum(self.fit.residuals**2))
 
     @property
     def inflation(self) -> float:
-        """Factor of standard errors by what is left beyond noise, √(χ² / degrees of freedom).
+        """The factor of standard errors by residuals beyond noise, √(χ² / degrees of freedom).
 
-        So do the Particle Data Group where measurements differ by more than their errors (R. L.
-        Workman et al., Prog. Theor. Exp. Phys. 2022, 083C01, §5.2.2).
+        It is 1 if the residuals do not exceed noise. The Particle Data Group scale errors so where
+        measurements differ by more than their errors (R. L. Workman et al., Prog. Theor. Exp. Phys.
+        2022, 083C01, §5.2.2).
         """
         return float(np.sqrt(self.chi2 / self.freedom)) if self.is_beyond else 1.0
 
     def is_required(self, change: Change) -> bool:
-        """Whether a change is significant beside what is left."""
+        """Whether the parameters of a change differ significantly from zero.
+
+        A change without parameters is required.
+        """
         if not len(change.scales):
             return True
-        rows, numbers = self.fit.columns(change), self.fit.parameters_of(change)
-        errors = self.fit.errors[rows] * self.inflation
-        in_errors = numbers / errors
-        # Numbers that are known together only have a correlation that is nearly singular.
-        correlation = self.fit.covariance[rows, rows] * self.inflation**2 / np.outer(errors, errors)
+        indices, estimates = self.fit.columns(change), self.fit.parameters_of(change)
+        errors = self.fit.errors[indices] * self.inflation
+        in_errors = estimates / errors
+        # Parameters that are known in combination only have a nearly singular correlation matrix.
+        correlation = (
+            self.fit.covariance[indices, indices] * self.inflation**2 / np.outer(errors, errors)
+        )
         squares = in_errors @ np.linalg.lstsq(correlation, in_errors, rcond=None)[0]
-        return bool(squares > chdtri(len(numbers), LEVEL))
+        return bool(squares > chdtri(len(estimates), LEVEL))
 
     @property
     def shows_tensor(self) -> bool:
-        """Whether any entry of the tensor is known, beside what the samples require.
+        """Whether any entry of the tensor is known, beside the changes that the samples require.
 
-        A tensor that is fitted may take the place of what explains the samples.
+        A tensor that is fitted may take the place of those changes.
         """
         if self._is_beyond(self.with_tensor) and not self.is_beyond:
             return False
@@ -294,9 +322,9 @@ class LogFit:
     def tensor_entries(self) -> tuple[FloatArray, FloatArray]:
         """Return the entries Ixx, Iyy, Izz, Ixy, Ixz, Iyz, kg m², and their standard errors."""
         fit, entries = self.with_tensor, self.tensor.shown
-        rows, count = fit.columns(self.tensor), len(self.tensor.scales)
+        indices, count = fit.columns(self.tensor), len(self.tensor.scales)
         usual = np.asarray(entries(np.zeros(count)))
         slopes = np.array([entries(unit) for unit in np.eye(count)]) - usual
-        covariance = slopes.T @ fit.covariance[rows, rows] @ slopes
+        covariance = slopes.T @ fit.covariance[indices, indices] @ slopes
         errors = np.sqrt(np.diag(covariance)) * self.inflation
-        return np.asarray(entries(fit.parameters[rows])), errors
+        return np.asarray(entries(fit.parameters[indices])), errors

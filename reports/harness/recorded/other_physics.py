@@ -1,7 +1,8 @@
 """Other physics that explain a recorded motion: a clamp, an integrator, changes of the equations.
 
-From each sample to the next, the gain of the recording over the exact flow is compared with that of
-such changes. So they show at any time, however far the motion is from the exact one by then.
+The recorded state at the end of each interval between samples is compared with the one that a
+hypothesis leads to from the recorded state at its start. Changes so show at any time, however far
+the recorded motion is from the exact one by then.
 """
 
 from collections.abc import Sequence
@@ -27,18 +28,21 @@ from .sensors import READINGS
 from .varying import varying
 from .within_error import refitted, within_error
 
-#: Number of intervals that changes are fitted to, and of steps of known integrators, at most.
-MOST, MOST_STEPS = 60, 300
-#: The next term of a method's error, relative to the leading one: so many times the angle of a
-#: step, and at most that part.
+#: The most intervals that changes are fitted to, and the most steps that known integrators take in
+#: all.
+MOST_INTERVALS, MOST_STEPS = 60, 300
+#: The next term of a method's error, relative to the leading term: this factor times the angle of a
+#: step, and this fraction at most.
 NEXT_TERM, LARGEST_NEXT = 4.0, 0.3
-#: Least difference of ω in an interval, relative to ω, that two changes are looked for to explain.
-LEAST_OF_TWO = 1e-4
-#: Standard deviations of noise by which equations lead beyond a bound that is certain.
+#: A pair of changes is looked for if ω differs at the ends of intervals by more than this, relative
+#: to ω.
+LEAST_FOR_TWO = 1e-4
+#: By how many standard deviations of noise equations lead beyond a clamp's bound where that is
+#: certain.
 CERTAIN = 6.0
-#: How many numbers are fitted, at most, where more is left than a method makes.
-MOST_NUMBERS = 3
-#: That a method's order is lower than the stated one.
+#: The most parameters of a fit whose residuals exceed a method's error.
+MOST_PARAMETERS = 3
+#: The sentence that a method's order is lower than the stated one.
 LOWER_ORDER = (
     "its method is of order {}, not {}: {} equations and errors of that order make this "
     "motion; look for a wrong stage or weight, or a rate that is taken at another time"
@@ -56,17 +60,17 @@ UNEXPLAINED = (
 
 @dataclass(frozen=True, eq=False)
 class Physics:
-    """A recorded motion, and what may have made it.
+    """A recorded motion, and the physics that may have led to it.
 
     Attributes
     ----------
     motion, exact : the recorded motion, and the exact one at the same times
-    timestep : the timestep that it was made with, s; None if unknown: then the samples' distance is
-        used
-    order : order of accuracy of the method that made it
+    timestep : with which the motion was computed, s; if None, it is unknown, and the distance of
+        the samples is used
+    order : order of accuracy of the method that computed it
     noise : standard deviations of attitude, rad, and ω, rad/s, (2,)
-    reach : samples at either end whose ω has larger errors, as it is computed from attitudes
-    base : what changes are added to, as where one has been found; the scene's equations if None
+    reach : how many samples at either end have larger errors of ω, as it is computed from attitudes
+    base : the hypothesis that changes are added to; the scene's equations if None
     """
 
     scenario: Scenario
@@ -80,29 +84,29 @@ class Physics:
 
     @cached_property
     def intervals(self) -> Intervals | None:
-        """The motion from sample to sample; None if intervals are too few, or too long."""
+        """The intervals between samples; None if they are too few, or too long."""
         of_method = self.timestep, self.order, self.noise
         inner = self.motion.at(np.arange(self.reach, len(self.motion.t) - self.reach))
-        data = intervals_of(self.scenario, inner, *of_method, most=MOST)
+        data = intervals_of(self.scenario, inner, *of_method, most=MOST_INTERVALS)
         if data is None:
             return None
         return replace(data, base=self.base or data.base, is_derived=self.reach > 0)
 
     @cached_property
     def search(self) -> Search | None:
-        """The search for changes of the equations; None without intervals."""
+        """The search for changes that explain the intervals; None without intervals."""
         data = self.intervals
         every = changes_of_motion(self.scenario)
-        return None if data is None else Search(data, every, most=MOST_NUMBERS)
+        return None if data is None else Search(data, every, most=MOST_PARAMETERS)
 
     @property
     def is_beyond(self) -> bool:
-        """Whether the recording is beyond the error of a method of its order and timestep."""
+        """Whether the recording exceeds the error of a method of its order and timestep."""
         return self.search is not None and self.search.exceed_noise(self.search.unchanged.residuals)
 
     @cached_property
     def made_by(self) -> str:
-        """The known integrator that made the motion by the scene's equations; empty if none did."""
+        """The known integrator that computed the motion of the scene's equations; or empty."""
         if self.known is None:
             return ""
         base = self.known.intervals.base
@@ -110,14 +114,14 @@ class Physics:
 
     @property
     def is_at_another_timestep(self) -> bool:
-        """Whether the integrator that made the motion had another timestep than is stated."""
+        """Whether the integrator that computed the motion took another timestep than is stated."""
         if self.timestep is None or self.known is None:
             return False
         return bool(self.made_by) and not self.known.that_made(self.known.intervals.base)
 
     @property
     def next_term(self) -> float:
-        """The largest next term of a method's error, relative to the leading one."""
+        """The largest next term of a method's error, relative to the leading term."""
         if self.intervals is None:
             return LARGEST_NEXT
         data = self.intervals
@@ -126,13 +130,13 @@ class Physics:
         return min(LARGEST_NEXT, NEXT_TERM * fastest * timestep)
 
     @cached_property
-    def order_made(self) -> int:
-        """The order of the method that made a motion that none of the stated order made; or 0.
+    def apparent_order(self) -> int:
+        """The order of the method, where the stated order and timestep explain less; or 0.
 
         It is lower than the stated order; or the same, with a longer timestep than the stated one.
-        The leading error of methods of that order explains the difference but for the next term of
-        their errors, which those of the stated order do not, and no change of the equations leaves
-        far less.
+        The leading errors of methods of that order explain the differences from the exact flow but
+        for the next term of their errors. Those of the stated order do not, and the residuals of no
+        change of the equations are far smaller.
         """
         if self.timestep is None or self.intervals is None or self.made_by:
             return 0
@@ -141,20 +145,21 @@ class Physics:
         data = self.intervals.with_error(self.off)
         of_noise = mean_square(np.repeat(data.noise, 3) / data.scale)
 
-        def left(*orders: int, timestep: float | None = self.timestep) -> float:
+        def residual_square(*orders: int, timestep: float | None = self.timestep) -> float:
             return mean_square(left_by_methods(data, orders, timestep))
 
-        # What is within the stated order's error has another order if that explains far more of it.
-        enough = np.inf if self.is_beyond else LEFT**2 * left(self.order, self.order + 1)
+        # A motion within the error of the stated order is taken to have another one only if the
+        # residuals are far smaller with it.
+        enough = np.inf if self.is_beyond else LEFT**2 * residual_square(self.order, self.order + 1)
         made = [replace(self, order=n) for n in range(1, self.order)]
         if self.is_beyond:
             made.append(replace(self, timestep=None))
         by_order = {
-            one.order: left(one.order, timestep=one.timestep)
+            one.order: residual_square(one.order, timestep=one.timestep)
             for one in made
             if not one.is_beyond
-            and left(one.order, timestep=one.timestep) < LARGEST_NEXT**2 + of_noise
-            and left(one.order, one.order + 1, timestep=one.timestep)
+            and residual_square(one.order, timestep=one.timestep) < LARGEST_NEXT**2 + of_noise
+            and residual_square(one.order, one.order + 1, timestep=one.timestep)
             < min(self.next_term**2 + of_noise, enough)
         }
         if not by_order:
@@ -168,14 +173,14 @@ class Physics:
         """The sentence that the method has a lower order, or another timestep; often none."""
         if self.is_at_another_timestep:
             return [OTHER_TIMESTEP.format(self.timestep)]
-        order = self.order_made
+        order = self.apparent_order
         if order == self.order and self.timestep:
             return [LONGER_TIMESTEP.format(self.timestep, order, self.least_timestep)]
         return [LOWER_ORDER.format(order, self.order, "the scene's")] if order else []
 
     @property
     def least_timestep(self) -> float:
-        """The least timestep, s, with which a method of the stated order may be off by so much."""
+        """The shortest timestep, s, at which a method of the stated order may have such errors."""
         if self.intervals is None or self.search is None or self.timestep is None:
             return 0.0
         of_method = float(np.mean(self.intervals.of_method))
@@ -184,24 +189,25 @@ class Physics:
 
     @cached_property
     def known(self) -> KnownIntegrators | None:
-        """The known integrators in its intervals; None without intervals."""
+        """The known integrators, followed in the intervals; None without intervals."""
         return KnownIntegrators(self.intervals, self.timestep) if self.intervals else None
 
     def _integrator(self, hypothesis: Hypothesis) -> str:
-        """Return the integrator that made the motion of a hypothesis; empty if none did."""
+        """Return the known integrator that computed the motion of a hypothesis; or empty."""
         return self.known.that_made(hypothesis) if self.known else ""
 
     def after(self, found: Fit) -> "Physics":
-        """The same motion, with changes that were found as what others are added to."""
+        """Return the same motion, with the changes of a fit as the base of further changes."""
         return replace(self, base=found.hypothesis)
 
     @cached_property
     def by_other_equations(self) -> Fit | None:
-        """The change by which a known integrator made the motion, to rounding; None if none did.
+        """The change that a known integrator computed the motion with, to rounding; or None.
 
-        Numbers are fitted only where the motion is beyond a method's error with a timestep that is
-        stated: implicit damping, by a method that is not known, is another tensor's. Where
-        samples are many steps apart the method's error is small, and the changes alone are found.
+        Parameters are fitted only if a timestep is stated, and the motion exceeds a method's error
+        or other changes were found before: the implicit damping of an unknown method looks like
+        another tensor. Nothing is looked for where samples are many steps apart: the method's error
+        is small there, and `found` has the changes alone.
         """
         if self.search is None or self.made_by or self.known is None or not self.known.each:
             return None
@@ -212,27 +218,27 @@ class Physics:
         is_fitted = self.timestep is not None and (self.is_beyond or self.base is not None)
         changes = [one for one in self.search.changes if is_fitted or not len(one.scales)]
         few = [data.spread(count) for data in self.known.each]
-        found = [Search(data, changes, most=MOST_NUMBERS).one() for data in few]
+        found = [Search(data, changes, most=MOST_PARAMETERS).one() for data in few]
         fits = [fit for fit in found if fit is not None and self._integrator(fit.hypothesis)]
         return min(fits, key=lambda fit: (fit.rank, fit.mean_square), default=None)
 
     @property
     def is_of_noise(self) -> bool:
-        """Whether the difference is no more than noise."""
+        """Whether the differences from the exact flow are no more than noise."""
         return bool((self.off <= self.least).all())
 
     @property
     def is_of_method(self) -> bool:
-        """Whether noise or the errors of methods explain the difference.
+        """Whether noise or the errors of methods explain the differences from the exact flow.
 
-        The leading errors explain it but for their next term; of a motion that makes the leading
-        ones small, the next terms do.
+        The leading errors explain them but for the next term. In a motion whose leading errors are
+        small, the next terms, which are fitted too, explain them.
         """
-        return self._left_by_methods < self.next_term**2
+        return self._square_beside_methods < self.next_term**2
 
     @cached_property
-    def _left_by_methods(self) -> float:
-        """What methods' errors leave of the difference, as a mean square of parts of it."""
+    def _square_beside_methods(self) -> float:
+        """The mean square of the residuals beside methods' errors, relative to `off`."""
         if self.intervals is None or self.is_of_noise:
             return 0.0
         data, orders = self.intervals.with_error(self.off), range(1, self.order + 2)
@@ -240,7 +246,10 @@ class Physics:
 
     @cached_property
     def off(self) -> FloatArray:
-        """How far attitude, rad, and ω, rad/s, are off where the equations lead, (2,)."""
+        """The root mean squares of the differences from the exact flow, (2,).
+
+        They are those of attitude, rad, and ω, rad/s, at the ends of the intervals.
+        """
         if self.intervals is None:
             return np.zeros(2)
         exact = self.intervals.made_by(EXACT, 0.0)
@@ -249,17 +258,17 @@ class Physics:
 
     @cached_property
     def least(self) -> FloatArray:
-        """The least difference of attitude, rad, and ω, rad/s, that is more than noise, (2,)."""
+        """The size up to which differences of attitude, rad, and ω, rad/s, count as noise, (2,)."""
         fits = FITS * np.array([1.0, norms(self.motion.omega_body).max()])
         return np.maximum(self.noise, fits)
 
     @cached_property
     def of_exact_motion(self) -> Fit | None:
-        """The change whose equations lead exactly from sample to sample; None if there is none.
+        """The change whose exact flow leads from each sample to the next; None if there is none.
 
-        "Exactly" is to `SAME` of the difference from the scene's equations. Nothing is looked for
-        where that may be a method's error. A change that fits so well may have up to `MOST_OF_ALL`
-        numbers.
+        The residuals of such a change are at most `SAME` times the differences from the scene's
+        exact flow. Nothing is looked for where these may be a method's error. A change that fits so
+        well may have up to `MOST_OF_ALL` parameters.
         """
         if self.search is None or self.intervals is None or self.is_of_method:
             return None
@@ -267,26 +276,26 @@ class Physics:
         data = replace(self.intervals.made_by(EXACT, 0.0), noise=noise)
         search = Search(data, self._of_motion, part=SAME)
         found, speed = search.one(), float(norms(self.motion.omega_body).max())
-        # What one change leaves, if it is little, may be a method's error.
+        # Small residuals of a single change may be a method's error.
         is_much = min((fit.mean_square for fit in search.single), default=np.inf) > LEFT**4 * (
             search.unchanged.mean_square
         )
-        if found is None and is_much and self.off[1] > LEAST_OF_TWO * speed:
+        if found is None and is_much and self.off[1] > LEAST_FOR_TWO * speed:
             found = Search(data, [TIMES, *READINGS, *self._of_motion], part=SAME).one_or_two()
-            # What is read otherwise alone may be an error of a method about a steady axis.
+            # Changes of reading alone may be a method's error about a steady axis.
             is_of_reading = found is not None and {*found.changes} <= {*READINGS}
-            if found and (is_of_reading or found.rank > 2 * MOST_NUMBERS):
+            if found and (is_of_reading or found.rank > 2 * MOST_PARAMETERS):
                 found = None
         return found if found is not None and found.rank <= MOST_OF_ALL else None
 
     def explained(self) -> list[str]:
-        """Return in words the changes that explain the motion; often none."""
+        """Return the sentences on the changes that explain the motion; often none."""
         if self.intervals is None or self.search is None:
             return []
         if self.by_change is not None:
             return self._in_words(self.by_change)
         if not self.is_beyond:
-            if self._left_by_methods < SAME**2:
+            if self._square_beside_methods < SAME**2:
                 return []
             fit = self._within_error
             words = sentences(fit) if fit else []
@@ -296,7 +305,7 @@ class Physics:
 
     @cached_property
     def unlike_any_change(self) -> list[str]:
-        """The sentence that a number varies in time, or that energy is lost; often none."""
+        """The sentence that a parameter varies in time, or that energy is lost; often none."""
         changes = self.search.changes if self.search else ()
         of_equations = [one for one in changes if one not in READINGS]
         return self._varying([TIMES, *of_equations]) or self.dissipated
@@ -308,11 +317,14 @@ class Physics:
 
     @property
     def by_change(self) -> Fit | None:
-        """The changes that explain the motion; within a method's error only if they do exactly."""
+        """The changes that explain the motion; None if none do.
+
+        Of a motion within a method's error only changes are named that explain it exactly.
+        """
         return self.found if self.is_beyond else self.of_exact_motion or self.by_other_equations
 
     def _varying(self, changes: Sequence[Change]) -> list[str]:
-        """Return in words the number that, changing in time, explains the motion; often none."""
+        """Return the sentences on a parameter that explains the motion by varying in time."""
         if self.intervals is None or (self.is_of_method and not self.is_beyond):
             return []
         found = varying(self.intervals, changes, len(changes))
@@ -320,21 +332,21 @@ class Physics:
 
     @property
     def _of_motion(self) -> list[Change]:
-        """The changes of `search` without those of turning that have numbers to fit.
+        """The changes of `search` without those of reading and of kinematics that have parameters.
 
-        About a steady axis the error of any method is like one of those.
+        About a steady axis the error of any method looks like one of those.
         """
         changes = self.search.changes if self.search else ()
         return [one for one in changes if not (len(one.scales) and is_of_turning(one))]
 
     @property
     def _within_error(self) -> Fit | None:
-        """The changes that explain what is left within a method's error, if any do."""
+        """The changes that explain the residuals beside a method's error; None if none do."""
         if self.intervals is None or self.search is None:
             return None
         orders, every = range(1, self.order + 1), self._of_motion
         of_method = orders, self.timestep, self.next_term
-        return within_error(self.intervals, every, MOST_NUMBERS, *of_method)
+        return within_error(self.intervals, every, MOST_PARAMETERS, *of_method)
 
     @cached_property
     def found(self) -> Fit | None:
@@ -347,11 +359,11 @@ class Physics:
         other = self.by_other_equations
         if other is None or self.known is None:
             return found
-        left = self.known.left_exactly(found.hypothesis) if found else np.inf
-        return other if other.mean_square < SAME**2 * left else found
+        residual_square = self.known.left_exactly(found.hypothesis) if found else np.inf
+        return other if other.mean_square < SAME**2 * residual_square else found
 
     def _is_partial(self, found: Fit) -> bool:
-        """Whether changes leave more than a method makes, and no known integrator made that."""
+        """Whether residuals of changes exceed a method's error, and are no known integrator's."""
         if self.search is None or self.intervals is None:
             return False
         is_beyond = self.search.exceed_noise(found.residuals)
@@ -359,14 +371,17 @@ class Physics:
 
     @property
     def is_open(self) -> bool:
-        """Whether something is left that no change explains."""
-        if not self.is_beyond or self.clamps or self.made_by or self.order_made:
+        """Whether more than a method's error is unexplained by changes and methods."""
+        if not self.is_beyond or self.clamps or self.made_by or self.apparent_order:
             return False
         return self.found is None or self._is_partial(self.found)
 
     @property
     def is_unexplained(self) -> bool:
-        """Whether something is left open, be it within a method's error, but not like one."""
+        """Whether differences are unexplained, be they within a method's error.
+
+        Those within it are explained if they look like the error of a method.
+        """
         if self.is_beyond or self.clamps or self.made_by:
             return self.is_open
         return not self.is_of_method and self.by_change is None
@@ -378,33 +393,34 @@ class Physics:
 
     @property
     def is_open_or_turning(self) -> bool:
-        """Whether something is left, or one of two changes is how the attitude follows ω.
+        """Whether `is_open`, or one of two changes is of reading or kinematics.
 
-        That may be a mistake in recording, beside the other change.
+        Such a change may be a mistake in recording, beside the other change.
         """
         changes = self.found.changes if self.found and not self.made_by else ()
         return self.is_open or (len(changes) > 1 and any(is_of_turning(one) for one in changes))
 
     @property
     def is_of_equations(self) -> bool:
-        """Whether changes of the equations explain the motion, and none of how states are read."""
+        """Whether changes of the equations explain the motion, and no change of reading."""
         found = None if self.clamps else self.by_change
         return found is not None and not {*READINGS} & {*found.changes}
 
     @property
     def is_of_reading(self) -> bool:
-        """Whether what explains the motion is how ω was read, or how the attitude follows it."""
+        """Whether the changes that explain the motion are all of reading or kinematics."""
         changes = self.found.changes if self.found else ()
         return bool(changes) and all(is_of_turning(one) for one in changes)
 
     @cached_property
     def clamps(self) -> list[Clamp]:
-        """Clamps, the likeliest first; often none."""
+        """The clamps of ω that explain the motion, the likeliest first; often none."""
         of_method = float(self.intervals.scale[:, 3:].max()) if self.intervals else np.inf
         of_noise = CERTAIN * float(self.noise[1])
         return list(clamps(self.scenario, self.motion, self.exact, of_method, of_noise))
 
     def _in_words(self, found: Fit) -> list[str]:
+        """Return the sentences on changes, and on what explains their residuals."""
         words, rest = sentences(found), self.after(found)
         if rest.is_of_noise:
             return words
@@ -417,16 +433,17 @@ class Physics:
         if more := rest.by_other_equations:
             return [*words, *rest._in_words(more)]
         more = rest._within_error
-        # The same change once more is what a method's error made of its numbers.
+        # The same change once more only corrects its parameters for a method's error.
         is_another = more is not None and not set(more.changes) & set(found.changes)
         if more and is_another:
             return [*words, *sentences(more)]
         return [*words, *rest._varying(self._of_motion)]
 
     def _of_lower_order(self, found: Fit) -> list[str]:
-        """Return in words changes beside the errors of a lower order than the stated one, or none.
+        """Return the sentences on changes beside the errors of a method of lower order; often none.
 
-        They were fitted without these errors, and so have other numbers.
+        The order is lower than the stated one. Beside these errors the changes are fitted again, as
+        they have other parameters.
         """
         if self.intervals is None or self.timestep is None:
             return []
@@ -437,9 +454,9 @@ class Physics:
         return []
 
     def _unexplained(self, rest: FloatArray) -> list[str]:
-        """Return that what an explanation leaves, in units of its scale, is not explained.
+        """Return the sentence that residuals, in units of their scale, are not explained.
 
-        Nothing if it is what noise and a method's error make.
+        The list is empty if noise and a method's error explain them.
         """
         if self.search is None or not self.search.exceed_noise(rest):
             return []
