@@ -1,4 +1,4 @@
-"""The intervals of a recorded motion from sample to sample, with the error allowed to a method."""
+"""The intervals of a recorded motion between samples, with the error allowed to a method."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -18,13 +18,13 @@ from .sensors import as_it_was, as_read
 
 #: Largest turn between two samples, rad, and least number of intervals.
 NEAR, FEWEST_INTERVALS = 0.7, 4
-#: Number of intervals, at most, that the time before a recording is divided into.
+#: Most intervals that the time before a recording is divided into.
 MOST_BEFORE = 1000
 #: Difference of starts, rad and relative, by which the growth of errors is found.
 SMALL = 1e-6
-#: Rates that are this small relative to the largest are not rates of a motion.
-RESTS = 1e-6
-#: Largest rate of a motion that is tried, relative to the fastest that was recorded.
+#: Least rate that counts as one of a motion, relative to the largest.
+LEAST_RATE = 1e-6
+#: Largest rate up to which motions are followed, relative to the fastest that was recorded.
 FASTER = 30.0
 
 
@@ -39,7 +39,7 @@ class Intervals(Data):
     ends : recorded states at the ends of the intervals, (S, 7)
     noise : standard deviations of recorded attitude, rad, and ω, rad/s, (2,)
     method : bounds of a method's error in an interval, in attitude, rad, and ω, rad/s, (S, 2)
-    integrator, timestep : by which hypotheses are followed, s
+    integrator, timestep : that hypotheses are followed with; s
     is_derived : whether ω was not recorded, but is the rate at which the attitudes turn
     """
 
@@ -60,18 +60,18 @@ class Intervals(Data):
 
     @cached_property
     def fastest(self) -> float:
-        """The largest rate of a motion that is tried, rad/s."""
+        """The largest rate up to which motions are followed, rad/s."""
         speeds = norms(np.vstack([self.starts, self.ends])[:, 4:])
         return FASTER * max(float(speeds.max()), self.base.equations.rate)
 
     @cached_property
     def of_method(self) -> FloatArray:
-        """The part of each interval's error that is a method's, in variances, (S,)."""
+        """The fraction of each interval's error variance that is a method's, (S,)."""
         return np.asarray(np.mean(self.method**2 / (self.noise**2 + self.method**2), axis=1))
 
     @cached_property
     def correlated(self) -> float:
-        """As in `Data`: all numbers count as one if a method's error is larger than noise.
+        """As in `Data`: all residuals count as one if a method's error is larger than noise.
 
         A method's error is the same throughout, however many samples show it.
         """
@@ -80,58 +80,81 @@ class Intervals(Data):
     def deviations(
         self, hypotheses: Sequence[Hypothesis], samples: int | None = None
     ) -> FloatArray:
-        """As in `Data`: what each leaves of the ends, in units of `scale`, (H, S, 6)."""
+        """As in `Data`: the residuals at the ends, in units of `scale`, (H, S, 6)."""
         starts = as_it_was(hypotheses, self.starts, self.t - self.spans[:, 0])
         steps = np.array([one.step for one in hypotheses])
         of_method = self.integrator, steps * self.timestep, self.fastest
         equations, spans = [one.equations for one in hypotheses], steps[:, None, None] * self.spans
-        made = follow_each(equations, starts, spans, *of_method)[:, :, 0]
-        made = np.where(np.isfinite(made), made, np.nan)
+        computed = follow_each(equations, starts, spans, *of_method)[:, :, 0]
+        computed = np.where(np.isfinite(computed), computed, np.nan)
         with np.errstate(over="ignore"):
-            return (apart(as_read(hypotheses, made, self.t), self.ends) / self.scale)[:, :samples]
+            return (apart(as_read(hypotheses, computed, self.t), self.ends) / self.scale)[
+                :, :samples
+            ]
 
     def apart(self, equations: OtherEquations) -> FloatArray:
-        """Return how far the ends are from where equations lead exactly, (S, 6), rad and rad/s."""
+        """Return the deviations of the ends from an exact flow, rad and rad/s, (S, 6)."""
         return apart(follow(equations, self.starts, self.spans)[:, 0], self.ends)
 
     def with_error(self, size: FloatArray) -> "Intervals":
-        """Return the intervals with so large an error of their method, rad and rad/s, (2,)."""
+        """Return the intervals with a given error of their method.
+
+        Parameters
+        ----------
+        size : of attitude, rad, and ω, rad/s, (2,)
+        """
         return replace(self, method=np.tile(size, (len(self.spans), 1)))
 
     def made_by(self, integrator: Integrator, timestep: float) -> "Intervals":
-        """Return the intervals as steps of an integrator, with a timestep in s, and of no error."""
+        """Return the intervals, followed with an integrator whose error is not allowed for.
+
+        Parameters
+        ----------
+        timestep : of the integrator, s
+        """
         without = np.zeros_like(self.method)
         return replace(self, method=without, integrator=integrator, timestep=timestep)
 
     def spread(self, most: int) -> "Intervals":
-        """Return at most `most` of the intervals, spread over all."""
+        """Return at most `most` of the intervals, spread evenly over all."""
         return self.rows(np.unique(np.linspace(0, len(self.spans) - 1, most).astype(int)))
 
     def rows(self, kept: Sequence[int] | NDArray[np.int_]) -> "Intervals":
-        """Return some of the intervals."""
+        """Return some of the intervals, by their indices."""
         names = "starts", "t", "spans", "ends", "method"
         return replace(self, **{name: getattr(self, name)[kept] for name in names})
 
 
-def apart(made: FloatArray, recorded: FloatArray) -> FloatArray:
-    """Return how far recorded states, (S, 7), are from computed ones, rad and rad/s, (..., S, 6).
+def apart(computed: FloatArray, recorded: FloatArray) -> FloatArray:
+    """Return the deviations of recorded states from computed ones, rad and rad/s, (..., S, 6).
+
+    Those of the attitude are rotation vectors.
 
     Parameters
     ----------
-    made : one or several computations of all states, (..., S, 7)
+    computed : one or several computations of all states, (..., S, 7)
+    recorded : (S, 7)
     """
-    q = np.broadcast_to(recorded[:, :4], (*made.shape[:-1], 4)).reshape(-1, 4)
-    turned = rotation_vectors(made[..., :4].reshape(-1, 4), q).reshape(*made.shape[:-1], 3)
-    return np.concatenate([turned, recorded[:, 4:] - made[..., 4:]], axis=-1)
+    q = np.broadcast_to(recorded[:, :4], (*computed.shape[:-1], 4)).reshape(-1, 4)
+    turned = rotation_vectors(computed[..., :4].reshape(-1, 4), q).reshape(*computed.shape[:-1], 3)
+    return np.concatenate([turned, recorded[:, 4:] - computed[..., 4:]], axis=-1)
 
 
-def root_mean_squares(off: FloatArray) -> FloatArray:
-    """Return those of attitude, rad, and ω, rad/s, (2,), of differences, (S, 6)."""
-    return np.asarray(np.sqrt(np.mean(off.reshape(-1, 2, 3) ** 2, axis=(0, 2))))
+def root_mean_squares(differences: FloatArray) -> FloatArray:
+    """Return the root mean squares of attitude, rad, and ω, rad/s, (2,).
+
+    Parameters
+    ----------
+    differences : rad and rad/s, (S, 6)
+    """
+    return np.asarray(np.sqrt(np.mean(differences.reshape(-1, 2, 3) ** 2, axis=(0, 2))))
 
 
 def gained(scenario: Scenario, motion: Trajectory) -> FloatArray:
-    """Return how far each sample is from where the one before leads, rad and rad/s, (n - 1, 6)."""
+    """Return the deviations of samples from the exact flow of the sample before, (n - 1, 6).
+
+    They are those of attitude, rad, and ω, rad/s, under the scene's equations.
+    """
     states, spans = states_of(motion), np.diff(motion.t)[:, None]
     return apart(follow(as_it_is(scenario).equations, states[:-1], spans)[:, 0], states[1:])
 
@@ -155,14 +178,16 @@ def gained_before(
     spans = np.full(count, t[0] / count)
     states = np.vstack([first, follow(equations, first, spans[None, 1:])[0]])
     rates = np.maximum(norms(states[:, 4:]), equations.rate)
-    rates = np.maximum(rates, RESTS * rates.max())
-    taken = min(timestep or distance, distance)
-    method = _of_method(equations, states, spans, rates, rates * taken, order).sum(axis=0)
+    rates = np.maximum(rates, LEAST_RATE * rates.max())
+    step_lengths = min(timestep or distance, distance)
+    method = _bounds(equations, states, spans, rates, rates * step_lengths, order).sum(axis=0)
     # Errors grow along the motion as differences of its start do.
     units = np.array([1.0, rates.max()])
-    off = SMALL * np.eye(6)
-    turned = Rotation.from_quat(first[0, :4], scalar_first=True) * Rotation.from_rotvec(off[:, :3])
-    q, omega = turned.as_quat(scalar_first=True), first[:, 4:] + off[:, 3:] * units[1]
+    differences = SMALL * np.eye(6)
+    turned = Rotation.from_quat(first[0, :4], scalar_first=True) * Rotation.from_rotvec(
+        differences[:, :3]
+    )
+    q, omega = turned.as_quat(scalar_first=True), first[:, 4:] + differences[:, 3:] * units[1]
     others = follow(equations, np.hstack([q, omega]), np.full((6, 1), t[0]))[:, 0]
     last = follow(equations, first, np.array([[t[0]]]))[0]
     grown = apart(np.repeat(last, 6, axis=0), others) / np.repeat(units, 3) / SMALL
@@ -189,12 +214,12 @@ def intervals_of(
 
     Parameters
     ----------
-    timestep : the timestep that it was made with, s; None if unknown: then the median distance of
-        samples is used
-    order : of accuracy of the method that made it
+    timestep : with which the motion was computed, s; if None, it is unknown, and the median
+        distance of samples is used
+    order : of accuracy of the method that computed it
     noise : standard deviations of attitude, rad, and ω, rad/s, (2,)
-    most : how many of them, spread over all; None for all
-    near : how far the body may turn in them, rad
+    most : the largest number of intervals, spread evenly over all; None for all
+    near : the largest turn of the body in an interval, rad
     """
     if len(motion.t) <= FEWEST_INTERVALS:
         return None
@@ -202,43 +227,45 @@ def intervals_of(
     spans, equations = np.diff(motion.t), base.equations
     rates = np.maximum(norms(motion.omega_body), equations.rate)[:-1]
     # A body that starts from rest has rates only later.
-    rates = np.maximum(rates, RESTS * rates.max())
+    rates = np.maximum(rates, LEAST_RATE * rates.max())
     kept = np.flatnonzero(spans * rates <= near)
     if len(kept) < FEWEST_INTERVALS or not motion.omega_body.any():
         return None
     if most is not None:
         kept = kept[np.unique(np.linspace(0, len(kept) - 1, most).astype(int))]
     spans, rates, states = spans[kept], rates[kept], states_of(motion)
-    taken = np.minimum(timestep or float(np.median(spans)), spans)
-    method = _of_method(equations, states[kept], spans, rates, rates * taken, order)
+    step_lengths = np.minimum(timestep or float(np.median(spans)), spans)
+    method = _bounds(equations, states[kept], spans, rates, rates * step_lengths, order)
     starts, ends = states[kept], states[kept + 1]
     return Intervals(base, starts, motion.t[kept + 1], spans[:, None], ends, noise, method)
 
 
-def _of_method(
+def _bounds(
     equations: OtherEquations,
     states: FloatArray,
     spans: FloatArray,
     rates: FloatArray,
-    turns: FloatArray,
+    angles: FloatArray,
     order: int,
 ) -> FloatArray:
     """Return bounds of a method's error over each span, in attitude, rad, and ω, rad/s, (S, 2).
 
-    A step of order p is off by a part of the p-th power of the angle of a step: explicit Euler's by
-    h²/2 of a second derivative, which is |ω'| times the rate at most. About a constant axis a step
-    of order 1 turns correctly to second order.
+    The error of a step of order p is a part of the p-th power of the angle of a step: explicit
+    Euler's is h²/2 times a second derivative, which is |ω'| times the rate at most. About a
+    constant axis a step of order 1 turns correctly to second order.
 
     Parameters
     ----------
-    turns : the angle of a step, rad, (S,)
+    states : q and ω at the start of each span, (S, 7)
+    spans, rates : s, and the fastest rate of each state, rad/s, (S,)
+    angles : the angle of a step, rad, (S,)
     """
-    made = follow(equations, states, spans[:, None])[:, 0, 4:]
+    computed = follow(equations, states, spans[:, None])[:, 0, 4:]
     speed = float(norms(states[:, 4:]).max())
-    fastest = float((norms(made - states[:, 4:]) / spans).max())
-    turns = np.minimum(1.0, turns)
-    of_turning = turns ** max(order, 2) * rates * spans / 4
-    of_omega = turns**order * fastest * spans / 2
+    fastest = float((norms(computed - states[:, 4:]) / spans).max())
+    angles = np.minimum(1.0, angles)
+    of_turning = angles ** max(order, 2) * rates * spans / 4
+    of_omega = angles**order * fastest * spans / 2
     return of_turning[:, None] * [1.0, speed] + of_omega[:, None] * np.stack(
         [1 / rates, np.ones_like(rates)], axis=1
     )

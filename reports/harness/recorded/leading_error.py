@@ -1,11 +1,11 @@
-"""What methods of an order make of a motion: the leading term of their error, whichever they are.
+"""The leading term of the error of methods of a given order, whichever they are.
 
-In a step h a one-step method of order p is off by h^(p+1) times a combination of the elementary
-differentials of order p + 1, one for each rooted tree with as many vertices (Hairer, Lubich &
-Wanner, Geometric Numerical Integration, §III.1). One that treats attitude and ω differently, such
-as semi-implicit Euler, has one for each way to colour the vertices (§III.2). Over many steps these
-errors add up, carried along by the exact flow. The coefficients are of no method larger than about
-one: explicit Euler's is ½, and those of higher orders are smaller (§III.1.3).
+In a step h the error of a one-step method of order p is h^(p+1) times a combination of the
+elementary differentials of order p + 1, one for each rooted tree with p + 1 vertices (Hairer,
+Lubich & Wanner, Geometric Numerical Integration, §III.1). A method that treats attitude and ω
+differently, such as semi-implicit Euler, has one for each way to colour the vertices (§III.2). Over
+many steps these errors add up, carried along by the exact flow. The coefficients of no method are
+larger than about one: explicit Euler's is ½, and those of higher orders are smaller (§III.1.3).
 """
 
 from collections.abc import Sequence
@@ -22,17 +22,17 @@ from ....scenarios import FloatArray
 from ....scenarios.rotation import cross, norms, turning_of
 from .intervals import Intervals, apart
 
-#: Order up to which vertices are coloured: of higher ones there would be too many trees.
+#: Order up to which vertices are coloured: for higher orders there would be too many trees.
 COLOURED = 2
-#: Nodes of the quadrature along an interval; relative differences of states by which derivatives
+#: Nodes of the quadrature along an interval; relative differences of states with which derivatives
 #: are taken, and with which errors are carried along.
 NODES, SMALL, CARRIED = 3, 1e-3, 1e-4
 #: Largest coefficient of an elementary differential.
 LARGEST = 2.0
-#: Colours of vertices: of the attitude's equation and Euler's as one, of either alone, and from
-#: `TERMS` on of the terms of Euler's.
+#: Colours of vertices: both the attitude's equation and Euler's, either of them alone, and from
+#: `TERMS` on one term of Euler's each.
 BOTH, ATTITUDE, OMEGA, TERMS = 0, 1, 2, 3
-#: Numbers of equations that make one term each, which a method may treat differently.
+#: Names of the coefficients of each term of the equations, which a method may treat differently.
 _TERMS = (
     ("gyroscopic", "kept"),
     ("pull",),
@@ -41,37 +41,38 @@ _TERMS = (
     ("attitude_torque", "spring", "gravity_gradient"),
 )
 
-#: A rooted tree: the colour of its root, and the trees that hang from it.
+#: A rooted tree: the colour of its root, and the trees at its branches.
 Tree = tuple[int, tuple["Tree", ...]]
 
 
 def left_by_methods(
     data: Intervals, orders: Sequence[int], timestep: float | None = None
 ) -> FloatArray:
-    """Return what the leading errors of no method of these orders explain, (6 S,).
+    """Return the residuals beside the leading errors of methods of given orders, (6 S,).
 
-    It is in units of `data.scale`, with the coefficients of elementary differentials that leave
-    least.
+    They are in units of `data.scale`. The coefficients of elementary differentials, up to
+    `LARGEST`, are fitted by least squares.
 
     Parameters
     ----------
     timestep : of the method, s; that of the samples if None
     """
-    off, errors = data.deviations([data.base]).ravel(), leading_errors(data, orders, timestep)
+    residuals, errors = data.deviations([data.base]).ravel(), leading_errors(data, orders, timestep)
     columns = (errors / data.scale).reshape(len(errors), -1).T
-    # What one coefficient makes at most is the unit, so that no column is too small to count.
+    # Columns are scaled to one, so that none is too small to count.
     units = np.linalg.norm(columns, axis=0)
     columns = columns[:, units > 0] / units[units > 0]
-    best = lsq_linear(columns, off, (-LARGEST * units[units > 0], LARGEST * units[units > 0]))
-    return np.asarray(off - columns @ best.x)
+    best = lsq_linear(columns, residuals, (-LARGEST * units[units > 0], LARGEST * units[units > 0]))
+    return np.asarray(residuals - columns @ best.x)
 
 
 def leading_errors(
     data: Intervals, orders: Sequence[int], timestep: float | None = None
 ) -> FloatArray:
-    """Return the errors in intervals of one elementary differential each, rad and rad/s, (k, S, 6).
+    """Return the errors by each elementary differential, rad and rad/s, (k, S, 6).
 
-    Of all elementary differentials of methods of these orders, each with a coefficient of one.
+    These are the errors at the ends of the intervals by each of the k elementary differentials of
+    methods of given orders, with a coefficient of one.
 
     Parameters
     ----------
@@ -82,7 +83,7 @@ def leading_errors(
     rate = max(float(norms(data.starts[:, 4:]).max()), equations.rate)
     units = np.array([1.0, rate]).repeat([4, 3])
     terms = _terms(equations)
-    # In units in which the rate is one, that of the error is the step's angle to the order.
+    # In units in which the rate is one, the size of the error is a power of the angle of a step.
     every, sizes = [], []
     for order in orders:
         more = trees(order + 1, _colours(order, len(terms)))
@@ -115,7 +116,7 @@ def leading_errors(
 
 
 def _terms(equations: OtherEquations) -> list[OtherEquations]:
-    """Return equations with one term of Euler's equations each."""
+    """Return equations that have one of the nonzero terms of Euler's equations each."""
     every = {name: 0 * getattr(equations, name) for names in _TERMS for name in names}
     acting = [[n for n in names if getattr(equations, n).any()] for names in _TERMS]
     return [
@@ -126,7 +127,7 @@ def _terms(equations: OtherEquations) -> list[OtherEquations]:
 
 
 def _colours(order: int, terms: int) -> Sequence[int]:
-    """Return the colours of vertices for a method's order; of higher ones there are too many trees.
+    """Return the colours of vertices for methods of an order.
 
     Parameters
     ----------
@@ -138,21 +139,21 @@ def _colours(order: int, terms: int) -> Sequence[int]:
 
 
 def trees(count: int, colours: Sequence[int]) -> list[Tree]:
-    """Return the rooted trees with so many vertices, of these colours."""
-    return [(root, hung) for root in colours for hung in _hung(count - 1, colours)]
+    """Return the rooted trees with a number of vertices, (count), of these colours."""
+    return [(root, branches) for root in colours for branches in _forests(count - 1, colours)]
 
 
-def _hung(count: int, colours: Sequence[int]) -> list[tuple[Tree, ...]]:
-    """Return the multisets of trees that have so many vertices together."""
+def _forests(count: int, colours: Sequence[int]) -> list[tuple[Tree, ...]]:
+    """Return the forests, multisets of trees, that have a number of vertices, (count), together."""
     if not count:
         return [()]
-    found = {
+    forests = {
         tuple(sorted((tree, *others)))
         for first in range(1, count + 1)
         for tree in trees(first, colours)
-        for others in _hung(count - first, colours)
+        for others in _forests(count - first, colours)
     }
-    return sorted(found)
+    return sorted(forests)
 
 
 @dataclass(frozen=True, eq=False)
@@ -175,22 +176,19 @@ class _Differentials:
 
         The m-th derivative in the directions of m differentials is taken by central differences.
         """
-        root, hung = tree
-        directions = [self.of(one) for one in hung]
+        root, branches = tree
+        directions = [self.of(one) for one in branches]
         units = np.array([1.0, self.rate]).repeat([4, 3])
         total = np.zeros_like(self.states)
-        for signs in product((1, -1), repeat=len(hung)):
+        for signs in product((1, -1), repeat=len(branches)):
             moved = sum(sign * one for sign, one in zip(signs, directions, strict=True))
             total += np.prod(signs) * self._slopes(root, self.states + SMALL * units * moved)
-        total /= (2 * SMALL) ** len(hung) * self.rate * units
+        total /= (2 * SMALL) ** len(branches) * self.rate * units
         is_kept = np.repeat([root <= ATTITUDE, root != ATTITUDE], [4, 3])
         return np.where(is_kept, total, 0.0)
 
     def turning_of(self, tree: Tree) -> FloatArray:
-        """Return by how much the rate is off at which the attitude turns, body axes, (n, 3).
-
-        It is in units of `rate`.
-        """
+        """Return a tree's differential as a turning rate, body axes, in units of `rate`, (n, 3)."""
         return turning_of(self.states[:, :4], self.of(tree)[:, :4])
 
     def _slopes(self, colour: int, states: FloatArray) -> FloatArray:

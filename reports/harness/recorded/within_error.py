@@ -1,7 +1,7 @@
-"""Changes that explain what no method's error does, though that may be as large as the difference.
+"""Changes that explain a motion beside methods' errors, be these as large as the difference.
 
 A method's error is spanned by elementary differentials (`leading_error.py`), but for the next term
-of its series: what is left beside them is compared with that term alone.
+of its series. The residuals beside them are compared with that term alone.
 """
 
 from collections.abc import Sequence
@@ -17,8 +17,8 @@ from .intervals import Intervals, root_mean_squares
 from .leading_error import LARGEST, leading_errors
 from .mistakes import FITS
 
-#: With changes that explain the rest, methods may make so much more than their error was taken for:
-#: without them it is the best fit of both together.
+#: By this factor the errors of methods may be larger, beside changes, than was assumed. Without
+#: changes these errors are fitted to the effect of the changes, too.
 ROOM = 2.0
 
 
@@ -29,7 +29,7 @@ class BesideMethods(Data):
     Attributes
     ----------
     directions : orthonormal columns that span these errors, (6 S, n)
-    sizes : how large the errors may be along each, in units of the intervals' scale, (n,)
+    sizes : standard deviations of the errors along each, in units of the intervals' scale, (n,)
     """
 
     intervals: Intervals
@@ -38,23 +38,28 @@ class BesideMethods(Data):
 
     @staticmethod
     def of(intervals: Intervals, errors: FloatArray) -> "BesideMethods":
-        """Take errors of methods, (k, S, 6), with coefficients of up to `LARGEST`, into account."""
+        """Return the intervals with errors of methods that have coefficients up to `LARGEST`.
+
+        Parameters
+        ----------
+        errors : with coefficients of one, rad and rad/s, (k, S, 6)
+        """
         columns = (LARGEST * errors / intervals.scale).reshape(len(errors), -1).T
         directions, sizes, _ = np.linalg.svd(columns, full_matrices=False)
         return BesideMethods(intervals.base, intervals, directions, sizes)
 
     @property
     def correlated(self) -> float:
-        """As in `Data`: the next term of a method's error counts as one number."""
+        """As in `Data`: the residuals that the next term of a method's error makes count as one."""
         return self.intervals.correlated
 
     def deviations(
         self, hypotheses: Sequence[Hypothesis], samples: int | None = None
     ) -> FloatArray:
         """As in `Data`, in units of the scale and of the errors of methods together, (H, 6 S)."""
-        off = self.intervals.deviations(hypotheses).reshape(len(hypotheses), -1)
-        of_methods = (off @ self.directions) * (1 - 1 / np.hypot(1.0, self.sizes))
-        return np.asarray(off - of_methods @ self.directions.T)[:, :samples]
+        deviation = self.intervals.deviations(hypotheses).reshape(len(hypotheses), -1)
+        of_methods = (deviation @ self.directions) * (1 - 1 / np.hypot(1.0, self.sizes))
+        return np.asarray(deviation - of_methods @ self.directions.T)[:, :samples]
 
 
 def within_error(
@@ -65,20 +70,20 @@ def within_error(
     timestep: float | None,
     next_term: float,
 ) -> Fit | None:
-    """Return the change, or two, that explain what no method leaves; None if none does.
+    """Return the change, or two, that explain the residuals beside methods' errors; or None.
 
     Parameters
     ----------
-    most : how many numbers are fitted, at most
-    orders, timestep : of methods that may have made the motion; s, None if unknown
+    most : the most parameters of a fit
+    orders, timestep : of the methods that may have computed the motion; s, None if unknown
     next_term : the next term of a method's error, relative to the leading one
     """
     errors = leading_errors(data, orders, timestep)
     for size in _sizes(data, errors, changes):
         found, size = _beside(data, errors, changes, most, next_term, size)
         if found is not None and found.rank <= most:
-            made = _made(data, errors, data.deviations([found.hypothesis]))
-            if (made <= ROOM * np.maximum(size, data.noise)).all():
+            fitted = _fitted_size(data, errors, data.deviations([found.hypothesis]))
+            if (fitted <= ROOM * np.maximum(size, data.noise)).all():
                 return found
     return None
 
@@ -86,18 +91,22 @@ def within_error(
 def refitted(
     data: Intervals, found: Fit, order: int, timestep: float | None, next_term: float
 ) -> Fit | None:
-    """Return changes fitted beside the errors of methods of an order; None if more is left.
+    """Return changes that are fitted again beside the errors of methods of an order.
 
     Parameters
     ----------
     found : a fit of the changes alone
     order, timestep, next_term : as in `within_error`
+
+    Returns
+    -------
+    None if the residuals exceed the next term of these errors
     """
     of_changes = replace(data, base=found.hypothesis)
     errors = leading_errors(of_changes, [order], timestep)
     size = root_mean_squares(data.deviations([found.hypothesis])[0] * data.scale)
-    nearly = data.with_error(np.maximum(next_term * size, FITS))
-    fit = Trial(BesideMethods.of(nearly, errors), found.changes).fit(found)
+    with_next_term = data.with_error(np.maximum(next_term * size, FITS))
+    fit = Trial(BesideMethods.of(with_next_term, errors), found.changes).fit(found)
     return fit if fit.mean_square <= 1 else None
 
 
@@ -109,54 +118,63 @@ def _beside(
     next_term: float,
     size: FloatArray,
 ) -> tuple[Fit | None, FloatArray]:
-    """Return the change, or two, that explain what methods do not, and how large their error is.
+    """Return the change, or two, that explain the residuals beside methods' errors, and their size.
 
     Parameters
     ----------
-    size : of the methods' error without any change, rad and rad/s, (2,); if some change leaves far
-        less to methods, then it is no larger than that
+    size : of methods' errors without any change, rad and rad/s, (2,). If with some change they are
+        far smaller, that smaller size is used
+
+    Returns
+    -------
+    The fit, None if no change explains them, and the size, (2,)
     """
     while True:
-        nearly = data.with_error(np.maximum(next_term * size, FITS))
-        beside = BesideMethods.of(nearly, errors)
+        with_next_term = data.with_error(np.maximum(next_term * size, FITS))
+        beside = BesideMethods.of(with_next_term, errors)
         search = Search(beside, changes, most, part=0.0)
         found = search.one_or_two()
-        made = [_made(data, errors, data.deviations([fit.hypothesis])) for fit in search.single]
-        least = min(made, key=lambda one: float(np.max(one / np.maximum(size, FITS))), default=size)
+        fitted = [
+            _fitted_size(data, errors, data.deviations([fit.hypothesis])) for fit in search.single
+        ]
+        least = min(
+            fitted, key=lambda one: float(np.max(one / np.maximum(size, FITS))), default=size
+        )
         if (least > LEFT * size).any() or (size <= FITS).all():
             return found, size
         size = least
 
 
 def _sizes(data: Intervals, errors: FloatArray, changes: Sequence[Change]) -> list[FloatArray]:
-    """Return how large the error of methods may be, in attitude, rad, and ω, rad/s, (2,) each.
+    """Return the sizes that the errors of methods may have, rad and rad/s, (2,) each.
 
-    That is as large as without any change, or as with the change that leaves least of it, or
-    between these.
+    These are the size without any change, the least with any change, and the geometric mean of
+    both.
     """
-    most = _made(data, errors, data.deviations([data.base]))
+    most = _fitted_size(data, errors, data.deviations([data.base]))
     units = np.maximum(most, FITS)
     of_changes = []
     for one in linear([Trial(data, (change,)) for change in changes]):
         columns = one.jacobian.T.reshape(-1, *data.scale.shape) * data.scale
-        of_changes.append(_made(data, errors, one.residuals, columns))
+        of_changes.append(_fitted_size(data, errors, one.residuals, columns))
     least = min(of_changes, key=lambda size: float(np.sum((size / units) ** 2)))
     return [most, np.sqrt(most * least), least]
 
 
-def _made(
-    data: Intervals, errors: FloatArray, off: FloatArray, others: FloatArray | None = None
+def _fitted_size(
+    data: Intervals, errors: FloatArray, deviation: FloatArray, others: FloatArray | None = None
 ) -> FloatArray:
-    """Return the size of what methods explain of what is left, rad and rad/s, (2,).
+    """Return the size of methods' errors in a fit to residuals, rad and rad/s, (2,).
 
     Parameters
     ----------
-    off : what is left, in units of the intervals' scale, of 6 S numbers
-    others : what else explains it, rad and rad/s, (m, S, 6)
+    errors : of methods, with coefficients of one, rad and rad/s, (k, S, 6)
+    deviation : the residuals, in units of the intervals' scale, of 6 S numbers
+    others : what else is fitted to them, rad and rad/s, (m, S, 6)
     """
     every = errors if others is None else np.concatenate([errors, others])
     columns = (every / data.scale).reshape(len(every), -1).T
     columns = columns / np.maximum(np.linalg.norm(columns, axis=0), np.finfo(float).tiny)
-    best = np.linalg.lstsq(columns, off.ravel(), rcond=RANK)[0]
-    made = columns[:, : len(errors)] @ best[: len(errors)]
-    return root_mean_squares(made.reshape(data.scale.shape) * data.scale)
+    best = np.linalg.lstsq(columns, deviation.ravel(), rcond=RANK)[0]
+    fitted = columns[:, : len(errors)] @ best[: len(errors)]
+    return root_mean_squares(fitted.reshape(data.scale.shape) * data.scale)
