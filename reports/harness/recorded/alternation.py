@@ -10,25 +10,25 @@ from ....scenarios.rotation import norms
 from ..explaining.search import LEFT
 from .intervals import NEAR, gained
 
-#: Least number of samples from which alternation can be found.
+#: Least number of samples in which alternation can be found.
 FEWEST = 12
-#: Variance of fourth differences of noise, in variances of the noise, Σ (4 over k)²; it is smaller
-#: if three of the differences are of every second sample, (1 − B)(1 − B²)³.
+#: Variance of fourth differences of noise, in variances of the noise: Σ (4 over k)², and less if
+#: three of the differences are of every second sample, (1 − B)(1 − B²)³.
 OF_DIFFERENCES = {1: 70.0, 2: 40.0}
-#: Least size of fourth differences over that of third ones in what alternates; noise alone has √3.5
-#: and √(10/3). In what is smooth the ratio is less than the angle between samples, and two samples
-#: are less than `NEAR` apart.
+#: Least ratio of fourth to third differences in what alternates. Noise has √3.5 and √(10/3); in
+#: what is smooth the ratio is less than the angle between samples, and two samples are less than
+#: `NEAR` apart.
 ALTERNATES = 1.4
 #: Size of the fourth differences of what alternates between ± 1.
 ALTERNATING = 16.0
-#: Noise that is not rounding of printed numbers is larger than the bound of that rounding by this
-#: factor: than its standard deviation, by some fifty.
+#: The factor by which noise exceeds the bound of the rounding of printed numbers, if it is more
+#: than that rounding: the standard deviation of rounding is some fifty times smaller.
 PRINTED = 2.0
-#: What alternates without being noise is larger than the least noise by this factor: what is left
-#: in single precision alternates, too.
+#: The factor by which what alternates without being noise exceeds the least noise: the rounding
+#: errors of single precision alternate, too.
 CLEARLY = 25.0
-#: The least noise of what is measured, rad, and relative to the fastest rate: what is less is an
-#: integrator's, or of its interpolation.
+#: The least noise of what is measured, rad, and relative to the fastest rate: what is less is the
+#: error of an integrator, or of its interpolation.
 LEAST = 1e-6
 
 
@@ -36,16 +36,18 @@ LEAST = 1e-6
 class Alternation:
     """What alternates from sample to sample, beyond the exact flow from the sample before.
 
-    That excess is smooth along a motion that was computed, whatever is wrong with the motion. Along
-    a motion that was measured it alternates, even if only every second sample is taken.
+    The deviations from that flow are smooth along a motion that was computed, whatever is wrong
+    with the motion. Along a motion that was measured they alternate, even if only every second
+    sample is taken.
 
     Attributes
     ----------
     every, every_second : root mean squares of third and of fourth differences of attitude, rad, and
         ω, rad/s, of every sample or of every second one, (2, 2)
-    throughout : whether most samples have a share in the fourth differences, so that no single jump
-        makes them, of attitude and ω, (2,)
-    least : least size of noise, beyond rounding and an integrator's interpolation, (2,)
+    throughout : whether most samples have a share in the fourth differences, so that these are not
+        due to a single jump, of attitude and ω, (2,)
+    least : least size of noise, beyond rounding and an integrator's interpolation, rad and rad/s,
+        (2,)
     """
 
     every: FloatArray
@@ -77,6 +79,13 @@ class Alternation:
         ]
 
     def _alternates(self, differences: FloatArray, lag: int) -> NDArray[np.bool_]:
+        """Whether differences alternate, for attitude and for ω, (2,).
+
+        Parameters
+        ----------
+        differences : `every` or `every_second`
+        lag : 1 or 2 samples
+        """
         third, fourth = differences
         is_more = fourth > self.least * np.sqrt(OF_DIFFERENCES[lag])
         return np.asarray((fourth > ALTERNATES * third) & is_more)
@@ -87,7 +96,7 @@ def alternation(scenario: Scenario, motion: Trajectory, floor: FloatArray) -> Al
 
     Parameters
     ----------
-    floor : noise of attitude, rad, and ω, rad/s, by the rounding of printed numbers, (2,)
+    floor : errors of attitude, rad, and ω, rad/s, by the rounding of printed numbers, (2,)
     """
     fastest = float(norms(motion.omega_body).max())
     if len(motion.t) < FEWEST or fastest * np.median(np.diff(motion.t)) >= NEAR:
@@ -105,7 +114,13 @@ def alternation(scenario: Scenario, motion: Trajectory, floor: FloatArray) -> Al
 
 
 def _differences(first: FloatArray, lag: int) -> list[FloatArray]:
-    """Return mean squares of third and fourth differences, of attitude and ω, each (m, 2)."""
+    """Return the mean squares of third and of fourth differences, of attitude and ω, each (m, 2).
+
+    Parameters
+    ----------
+    first : first differences, rad and rad/s, (n, 6)
+    lag : distance in samples of what is subtracted in further differences
+    """
     squares, differences = [], first
     for _ in range(3):
         differences = differences[lag:] - differences[:-lag]

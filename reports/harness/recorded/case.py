@@ -24,7 +24,7 @@ from .recording import Recording, RecordingError
 NOISE = ("noise_attitude", "noise_omega")
 #: Error of a short flow by rounding, in relative distances of the numbers.
 ROUNDINGS = 8.0
-#: Error of ω that is computed from attitudes, in that of nearly all samples.
+#: Error of ω that is computed from attitudes, in multiples of the error of nearly all samples.
 STENCIL_ERRORS = 4.0
 
 
@@ -35,15 +35,14 @@ class Case:
     Attributes
     ----------
     reading : one way to read the recording
-    exact, recorded : the exact motion, and the recorded one as it is so read, at its times
-    timestep : the timestep that the motion was made with, s; None if unknown
-    order : order of accuracy of the method that made it
+    exact, recorded : the exact motion, and the recorded one in that reading, at the reading's times
+    timestep : with which the motion was computed, s; None if unknown
+    order : order of accuracy of the method that computed it
     noise : standard deviations of attitude, rad, and ω, rad/s, that have been found in the numbers,
         by coarse rounding or as noise, (2,)
     undone : how many mistakes have been undone in the reading
-    is_smooth : whether it is what is left without jumps
-    is_trial : whether the reading is one that is tried: it is left open as soon as it is known to
-        be
+    is_smooth : whether jumps of the motion have been left out
+    is_trial : whether the reading is only tried: the search stops as soon as something stays open
     """
 
     scenario: Scenario
@@ -83,9 +82,12 @@ class Case:
             return None
 
     def read(self, reading: Reading) -> "Case | None":
-        """Return the recording read otherwise, at other times or with fewer samples.
+        """Return the case of the recording in another reading, with other times or fewer samples.
 
-        None if the exact motion is not known at its times, or ω not by attitudes so far apart.
+        Returns
+        -------
+        None if the exact motion is not known at its times, or if ω was not recorded and its
+        attitudes are too far apart to compute it
         """
         t = self.reading.t
         kept = np.flatnonzero(np.isin(t, reading.t))
@@ -100,18 +102,18 @@ class Case:
         return None
 
     def _of_samples(self, reading: Reading, kept: NDArray[np.intp]) -> "Case":
-        """Return the case of some samples, by their indices, read in some way."""
+        """Return the case of some samples in a reading of them; `kept` are their indices."""
         arrays = {name: array[kept] for name, array in self.recording.arrays.items()}
         return self._beside(replace(self.recording, arrays=arrays), reading, self.exact.at(kept))
 
     def _beside(self, recording: Recording, reading: Reading, exact: Trajectory) -> "Case":
-        """Return the case of a recording that is read in some way, beside the exact motion."""
+        """Return the case of a recording in a reading, and of the exact motion at its times."""
         recorded = recorded_motion(self.scenario, recording, reading, exact)
         return replace(self, recording=recording, reading=reading, exact=exact, recorded=recorded)
 
     @property
     def stated(self) -> FloatArray | None:
-        """Standard deviations of attitude, rad, and ω, rad/s, that are stated; None if none is."""
+        """The stated standard deviations of attitude, rad, and ω, rad/s, (2,); None if none is."""
         stated = [float(self.recording.settings.get(name, 0.0)) for name in NOISE]
         return np.maximum(stated, self.floor) if any(stated) else None
 
@@ -132,23 +134,23 @@ class Case:
         if derived is None:
             return self.rounding
         distances = np.diff(self.motion.t)
-        # What needs no explanation of two attitudes needs none of the rate between them.
+        # Attitudes with errors that need no explanation have a rate between them with such errors.
         of_rounding = 2 * max(of_attitude, FITS) / float(distances.min())
-        found = STENCIL_ERRORS * derived.error + of_rounding
-        return np.array([of_attitude + float(distances.max()) * found, found])
+        omega_error = STENCIL_ERRORS * derived.error + of_rounding
+        return np.array([of_attitude + float(distances.max()) * omega_error, omega_error])
 
     @cached_property
     def of_intervals(self) -> FloatArray:
         """Standard deviations of attitude, rad, and ω, rad/s, in an interval, (2,).
 
-        It has the noise of two samples.
+        An interval has the noise of two samples.
         """
         least = self.floor if self.stated is None else np.sqrt(2) * self.stated
         return np.asarray(np.maximum(least, np.sqrt(2) * self.noise))
 
     @cached_property
     def physics(self) -> Physics:
-        """What the equations of motion make of the recorded motion."""
+        """The search for other physics that explain the recorded motion."""
         of_method = self.timestep, self.order, self.of_intervals
         return Physics(self.scenario, self.motion, self.exact, *of_method, self.reach)
 
@@ -158,19 +160,19 @@ class Case:
         return numbers_of(self.recording, self.reading, self.exact)
 
     def jumps(self, base: Hypothesis | None = None) -> list[Jump]:
-        """Return where the motion jumps, though from nearly every sample on it is as it should be.
+        """Return where the motion jumps, if it obeys the equations between nearly all samples.
 
         Parameters
         ----------
-        base : the equations by which it should be; the scene's if None
+        base : the equations that it should obey; the scene's if None
         """
         of_method = self.timestep, self.order, self.of_intervals
-        every = intervals_of(self.scenario, self.motion, *of_method, near=FAR)
-        if every and base:
-            # What is far less than the base explains is no jump of the motion.
-            noise = np.maximum(every.noise, LEFT**2 * self.physics.off)
-            every = replace(every, base=base, noise=noise)
-        return jumps(every, self.reach) if every else []
+        intervals = intervals_of(self.scenario, self.motion, *of_method, near=FAR)
+        if intervals and base:
+            # Deviations far below what the base explains are no jumps of the motion.
+            noise = np.maximum(intervals.noise, LEFT**2 * self.physics.off)
+            intervals = replace(intervals, base=base, noise=noise)
+        return jumps(intervals, self.reach) if intervals else []
 
     def as_it_begins(self) -> "Case | None":
         """Return the case of a scene that starts as the recording does; None without its ω."""

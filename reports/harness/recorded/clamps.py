@@ -1,4 +1,4 @@
-"""Clamps of ω: what they bound, what they leave of it, and which of them made a motion."""
+"""Clamps of ω: which quantity each bounds, how it changes ω, and which of them explain a motion."""
 
 from collections.abc import Iterator
 from typing import NamedTuple
@@ -12,10 +12,10 @@ from ..explaining.hypothesis import as_it_is
 from ..explaining.search import LEFT
 from .intervals import states_of
 
-#: Relative tolerance of the fit of a clamp, and least number of samples; and number of intervals
-#: that clamps are tried on, at most.
+#: Relative tolerance of the fit of a clamp, and least number of samples; and the most intervals
+#: that clamps are tried in.
 CLAMPED, FEWEST, FEW = 1e-2, 3, 12
-#: Relative error of a bound by rounding, and how far beyond it equations lead that must be bound.
+#: Relative error of a bound by rounding, and how far beyond a bound, relative, equations must lead.
 ROUNDING, BEYOND = 1e-9, 1e-3
 #: Slowest turn of a body, rad/s.
 TINY = 1e-300
@@ -27,24 +27,28 @@ def _in_world(states: FloatArray) -> FloatArray:
 
 
 def _with_omega(states: FloatArray, omega_body: FloatArray) -> FloatArray:
+    """Return states with another ω, rad/s, body axes, (S, 7)."""
     return np.hstack([states[:, :4], omega_body])
 
 
 def _by_component(states: FloatArray, bound: float) -> FloatArray:
+    """Return states with each component of ω along body axes clamped, (S, 7)."""
     return _with_omega(states, np.clip(states[:, 4:], -bound, bound))
 
 
 def _by_component_in_world(states: FloatArray, bound: float) -> FloatArray:
+    """Return states with each component of ω along world axes clamped, (S, 7)."""
     clamped = np.clip(_in_world(states), -bound, bound)
     return _with_omega(states, turned_back(matrices(states[:, :4]), clamped))
 
 
 def _by_norm(states: FloatArray, bound: float) -> FloatArray:
+    """Return states with the norm of ω clamped, (S, 7)."""
     speeds = np.maximum(norms(states[:, 4:]), TINY)[:, None]
     return _with_omega(states, states[:, 4:] * np.minimum(1.0, bound / speeds))
 
 
-#: Clamps: in words, the size of states (S, 7) that is bounded, and the states with it clamped.
+#: Clamps: the words, the bounded quantity of states, (S, 7), and the states with it clamped.
 CLAMPS = (
     ("each component of ω in world axes", lambda s: np.abs(_in_world(s)), _by_component_in_world),
     ("each component of ω in body axes", lambda s: np.abs(s[:, 4:]), _by_component),
@@ -64,8 +68,8 @@ def clamps(
 ) -> Iterator[Clamp]:
     """Yield clamps of ω that lead from the exact start, and each sample, to the next.
 
-    Or ω stays at the bound, to rounding, where the scene's equations lead beyond it, whatever else
-    is wrong.
+    A clamp is also found where ω stays at a bound, to rounding, and the scene's equations lead
+    beyond it, whatever else is wrong.
 
     Parameters
     ----------
@@ -75,7 +79,7 @@ def clamps(
     states = states_of(motion)
     start = states_of(exact.until(1))[0]
     changes = float(np.abs(states[:, 4:] - start[4:]).max())
-    # An ω that stays what it was at first is no clamp's: so it is without a gyroscopic torque.
+    # An ω that stays constant is no sign of a clamp: without a gyroscopic torque it does so, too.
     if len(states) <= FEWEST or changes <= ROUNDING * np.abs(states[:, 4:]).max():
         return
     kept = np.unique(np.linspace(0, len(states) - 2, FEW).astype(int))
@@ -83,35 +87,36 @@ def clamps(
     # The first sample may be recorded before or after it was clamped.
     starts[0] = start
     equations = as_it_is(scenario).equations
-    wanted = follow(equations, starts, spans)[:, 0]
+    unclamped = follow(equations, starts, spans)[:, 0]
     every = follow(equations, states[:-1], np.diff(motion.t)[:, None])[:, 0]
-    for words, size_of, limited in CLAMPS:
+    for words, size_of, apply in CLAMPS:
         bound = float(size_of(states).max())
-        is_there = size_of(states) > (1 - ROUNDING) * bound
-        first = int(np.argmax(is_there.reshape(len(states), -1).any(axis=1)))
-        # What stays the same throughout may be the motion's own.
-        is_there &= ~is_there.all(axis=0)
+        is_at_bound = size_of(states) > (1 - ROUNDING) * bound
+        first = int(np.argmax(is_at_bound.reshape(len(states), -1).any(axis=1)))
+        # A component that is constant throughout may be the motion's own.
+        is_at_bound &= ~is_at_bound.all(axis=0)
         is_beyond = size_of(every) > bound + max(BEYOND * bound, of_noise)
-        stays = is_there[:-1] & is_there[1:] & is_beyond
+        stays = is_at_bound[:-1] & is_at_bound[1:] & is_beyond
         if np.count_nonzero(stays) >= FEWEST:
             yield Clamp(f"{words} is clamped to {bound:.4g} rad/s", first)
             continue
         bound = float(size_of(ends).max())
-        clamped = limited(follow(equations, limited(starts, bound), spans)[:, 0], bound)
+        clamped = apply(follow(equations, apply(starts, bound), spans)[:, 0], bound)
         is_reached = bool(size_of(states).min() < (1 - CLAMPED) * bound)
         least = of_method / LEFT if is_reached else np.inf
-        if _fits(ends[:, 4:], clamped[:, 4:], wanted[:, 4:], least):
+        if _fits(ends[:, 4:], clamped[:, 4:], unclamped[:, 4:], least):
             yield Clamp(f"{words} is clamped to {bound:.4g} rad/s", first)
 
 
-def _fits(omega: FloatArray, clamped: FloatArray, wanted: FloatArray, least: float) -> bool:
-    """Whether ω is what a clamp makes of the correct ω, and differs from the correct one.
+def _fits(omega: FloatArray, clamped: FloatArray, unclamped: FloatArray, least: float) -> bool:
+    """Whether recorded ω is the clamped one, and that differs from the unclamped one.
 
     Parameters
     ----------
-    least : change of ω, rad/s, by which it differs; a part of ω is enough, too
+    omega, clamped, unclamped : at the ends of intervals, rad/s, (S, 3)
+    least : how far clamped and unclamped ω must differ, rad/s, if that is less than a part of ω
     """
-    size = float(norms(wanted).max())
-    off, changed = (float(norms(one - clamped).max()) for one in (omega, wanted))
+    size = float(norms(unclamped).max())
+    deviation, changed = (float(norms(one - clamped).max()) for one in (omega, unclamped))
     is_changed = changed > min(least, CLAMPED * size)
-    return bool(clamped.any()) and off <= min(CLAMPED * size, LEFT * changed) and is_changed
+    return bool(clamped.any()) and deviation <= min(CLAMPED * size, LEFT * changed) and is_changed

@@ -22,10 +22,10 @@ from .read_omega import OMEGA, omega_read
 from .since import since_exactly, since_when
 from .starts import elsewhere
 
-#: Noise of attitude, rad, and of ω, relative, beyond which no solver leaves it.
+#: The largest noise of attitude, rad, and of ω, relative, that is made by a solver.
 SOLVERS = 1e-4
-#: Parts of a motion, from its beginning, of which one may be explained where all of it is not, and
-#: their least number of samples.
+#: If a motion is not explained as a whole, its first half and first quarter are tried; the least
+#: number of samples in such a part.
 PARTS, FEWEST = (2, 4), 20
 UNTIL = "that explains it until t = {:.4g} s, and not all that follows: look for what changed"
 EXACT_UNTIL = (
@@ -36,7 +36,7 @@ CHANGED = (
     "{}; from then on it is another one, off by up to {:.2g}° and {:.2g} rad/s from sample to "
     "sample: look for what changed there"
 )
-#: How many mistakes are tried with what may explain the rest.
+#: How many mistakes in recording are tried together with other explanations.
 MOST_TRIED = 3
 
 
@@ -47,7 +47,7 @@ class Explanation:
     Attributes
     ----------
     explained_by, verdict, is_beyond, made_by, measured : those of `JudgedMotion`
-    is_open : whether more is left than what is said explains
+    is_open : whether some of the difference remains that `explained_by` does not explain
     """
 
     explained_by: tuple[str, ...]
@@ -61,28 +61,30 @@ class Explanation:
 def explained(case: Case) -> Explanation:
     """Return what explains a recorded motion.
 
-    What is found in the recording is undone, and what is left without it is explained in turn; at
+    What is found in the recording is undone, and the recording without it is explained in turn; at
     last by the equations of motion.
     """
     found = finding(case)
-    return _with_rest(case, found) if found else _by_equations(case)
+    return _with_remainder(case, found) if found else _by_equations(case)
 
 
-def _with_rest(case: Case, found: Finding) -> Explanation:
-    """Return what is found in a recording, with what explains all that is left without it."""
-    rest = None
+def _with_remainder(case: Case, found: Finding) -> Explanation:
+    """Return a finding in a recording, with what explains the cases that remain without it."""
+    remainder = None
     for left in found.left:
-        rest = explained(left)
-        if not rest.is_open:
+        remainder = explained(left)
+        if not remainder.is_open:
             break
     is_beyond = case.physics.is_beyond if found.is_beyond is None else found.is_beyond
-    # What is left of some samples, and not explained, may be of what was found.
-    is_told = rest is not None and (found.is_all or not rest.is_open)
-    # That ω is not that of the attitudes says nothing beside what explains most of it.
-    of_rest = [one for one in rest.explained_by if one != OMEGA] if rest and is_told else []
-    words = (*found.words, *of_rest)
-    made_by = rest.made_by if rest and found.is_all else ""
-    is_open = rest is not None and rest.is_open
+    # Where only some samples remain, what was found may be the reason of their differences, too.
+    is_reported = remainder is not None and (found.is_all or not remainder.is_open)
+    # The sentence that ω is not that of the attitudes adds nothing to an explanation of most of it.
+    of_remainder = (
+        [one for one in remainder.explained_by if one != OMEGA] if remainder and is_reported else []
+    )
+    words = (*found.words, *of_remainder)
+    made_by = remainder.made_by if remainder and found.is_all else ""
+    is_open = remainder is not None and remainder.is_open
     verdict = _verdict(case.physics, is_beyond, is_explained=True)
     return Explanation(words, verdict, is_beyond, made_by, is_open=is_open)
 
@@ -95,15 +97,15 @@ def _by_equations(case: Case) -> Explanation:
         log = log_of(case.scenario, case.motion, case.exact, noise, **has)
         fit, case = Measured(case.scenario, log), replace(case, noise=noise)
         # A log whose ω was read wrongly is fitted after that has been undone.
-        is_asked = fit.search.is_called_for and _may_be_mistaken(case)
-        if is_asked and (both := _beside_a_mistake(case)):
+        is_tried = fit.search.is_called_for and _may_be_mistaken(case)
+        if is_tried and (both := _beside_a_mistake(case)):
             return both
         if fit.is_beyond and (words := since_when(fit, case.motion, case.exact)):
             return Explanation(tuple(words), fit.verdict, is_beyond=True, measured=fit)
-        # What a solver leaves is like noise, and its method has errors besides.
+        # A solver's error is like noise, and its method has errors besides.
         is_measured = case.stated is not None or bool((noise > _of_solvers(case)).any())
         is_measured = is_measured or case.physics.is_beyond or not fit.is_beyond
-        # A method that errs in one of attitude and ω soon errs in the other.
+        # A method with errors in attitude or in ω soon has errors in both.
         if is_measured or fit.right_by_itself:
             found = _of_measured(fit, case)
             if case.is_trial or not fit.is_beyond or found.explained_by:
@@ -112,42 +114,50 @@ def _by_equations(case: Case) -> Explanation:
     physics = case.physics
     if case.is_trial and (physics.search is None or physics.is_open):
         return Explanation((), "", physics.is_beyond, is_open=True)
-    is_asked = physics.search is None or physics.is_open_or_turning
-    if is_asked and _may_be_mistaken(case) and (both := _beside_a_mistake(case)):
+    is_tried = physics.search is None or physics.is_open_or_turning
+    if is_tried and _may_be_mistaken(case) and (both := _beside_a_mistake(case)):
         return both
     found = _of_computed(case, alternates if case.has_omega else None)
     if case.is_trial or not physics.is_unexplained or (found.explained_by and not found.is_open):
         return found
-    both = _beside_a_mistake(case) if _may_be_mistaken(case) and not is_asked else None
+    both = _beside_a_mistake(case) if _may_be_mistaken(case) and not is_tried else None
     return both or _since_exactly(case) or _by_its_beginning(case) or found
 
 
 def _may_be_mistaken(case: Case) -> bool:
-    """Whether mistakes are tried with what may explain the rest: none has been undone before."""
+    """Whether mistakes in recording are tried together with other explanations.
+
+    They are if none has been undone before.
+    """
     return case.has_omega and not (case.undone or case.is_trial)
 
 
 def _by_its_beginning(case: Case) -> Explanation | None:
-    """Return what explains the beginning of a motion, and where it no longer does; often None."""
+    """Return what explains the beginning of a motion, and until when it does; often None."""
     t = case.motion.t
     for part in PARTS:
         left = case.of(np.arange(len(t) // part)) if len(t) >= part * FEWEST else None
-        rest = _by_equations(replace(left, is_trial=True)) if left else None
-        if left is None or rest is None or rest.is_open:
+        remainder = _by_equations(replace(left, is_trial=True)) if left else None
+        if left is None or remainder is None or remainder.is_open:
             continue
-        # Noise that is estimated may be an engine's.
-        if not rest.explained_by and case.stated is None:
+        # Noise that is estimated may be an engine's error.
+        if not remainder.explained_by and case.stated is None:
             continue
         fit = left.physics.by_change if left.physics.is_of_equations else None
         later = [one.words for one in case.jumps(fit.hypothesis)] if fit else []
-        until = UNTIL if rest.explained_by else EXACT_UNTIL
-        words = *rest.explained_by, *(later or [until.format(left.motion.t[-1])])
-        return _with_rest(case, Finding(words))
+        until = UNTIL if remainder.explained_by else EXACT_UNTIL
+        words = *remainder.explained_by, *(later or [until.format(left.motion.t[-1])])
+        return _with_remainder(case, Finding(words))
     return None
 
 
 def _since_exactly(case: Case) -> Explanation | None:
-    """Return since when a motion is not the exact one, and what explains it then; often None."""
+    """Return since when a motion is not the exact one, and what explains it from then on.
+
+    Returns
+    -------
+    Often None
+    """
     physics = case.physics
     of_method = case.timestep, case.order, case.of_intervals
     data = intervals_of(case.scenario, case.motion, *of_method)
@@ -159,9 +169,11 @@ def _since_exactly(case: Case) -> Explanation | None:
     but_for = "but for the errors of its method" if since.is_method else "to rounding"
     begins = f"until t = {case.motion.t[since.last]:.4g} s it is the exact motion, {but_for}"
     later = case.of(np.arange(since.first, len(case.motion.t)))
-    rest = explained(replace(later, is_trial=True)) if later else None
-    if rest and rest.explained_by and not rest.is_open:
-        words = [f"{begins}; there it changes: from then on {one}" for one in rest.explained_by]
+    remainder = explained(replace(later, is_trial=True)) if later else None
+    if remainder and remainder.explained_by and not remainder.is_open:
+        words = [
+            f"{begins}; there it changes: from then on {one}" for one in remainder.explained_by
+        ]
     else:
         turned, faster = since.off
         words = [CHANGED.format(begins, np.degrees(turned), faster)]
@@ -170,20 +182,30 @@ def _since_exactly(case: Case) -> Explanation | None:
 
 
 def _beside_a_mistake(case: Case) -> Explanation | None:
-    """Return a mistake without which the attitude follows ω, and what explains all that is left."""
+    """Return a mistake in recording, and what explains the motion without it; or None.
+
+    Mistakes are tried without which the attitude follows ω.
+    """
     for words, reading in followed(case.reading, case.scenario)[:MOST_TRIED]:
         if left := case.read(reading):
             left = replace(left, is_trial=True)
-            both = _with_rest(case, Finding(tuple(words), (left,), is_beyond=True, is_all=True))
+            both = _with_remainder(
+                case, Finding(tuple(words), (left,), is_beyond=True, is_all=True)
+            )
             if not both.is_open:
                 return both
     return None
 
 
 def _noise_of(case: Case) -> tuple[FloatArray | None, Alternation | None]:
-    """Return the noise of attitude, rad, and ω, rad/s, (2,), if any is stated or alternates.
+    """Return the noise of a motion, and what alternates in it without being taken for noise.
 
-    Else what alternates without being noise, if anything does.
+    The noise is stated, or was found in the recording's numbers, or is what alternates.
+
+    Returns
+    -------
+    Standard deviations of attitude, rad, and ω, rad/s, (2,), and the alternation; either may be
+    None
     """
     alternates = alternation(case.scenario, case.motion, case.rounding)
     if case.stated is None and case.noise.any():
@@ -191,7 +213,7 @@ def _noise_of(case: Case) -> tuple[FloatArray | None, Alternation | None]:
         return np.maximum(case.noise, np.maximum(case.floor, fits)), None
     if case.stated is not None or not alternates:
         return case.stated, alternates
-    # Who states an order of more than one has computed the motion.
+    # An order of more than one is stated only of a motion that was computed.
     is_computed = case.timestep is not None and case.order > 1
     is_large = bool((alternates.noise > _of_solvers(case)).all())
     is_noise = alternates.is_noise & [is_large or not case.has_omega, case.has_omega]
@@ -201,19 +223,19 @@ def _noise_of(case: Case) -> tuple[FloatArray | None, Alternation | None]:
 
 
 def _of_solvers(case: Case) -> FloatArray:
-    """Return the noise of attitude, rad, and ω, rad/s, beyond which no solver leaves it, (2,)."""
+    """Return the largest noise that a solver makes, of attitude, rad, and ω, rad/s, (2,)."""
     return SOLVERS * np.array([1.0, norms(case.motion.omega_body).max()])
 
 
 def _of_computed(case: Case, alternates: Alternation | None) -> Explanation:
-    """Explain a motion that was computed."""
+    """Explain a motion that was computed, and has no noise."""
     physics, motion = case.physics, case.motion
     of_spins = spins_beyond(case.scenario, motion, case.timestep, case.order, case.floor)
     words = of_method = physics.of_other_method
     is_open, is_beyond = False, physics.is_beyond or bool(words or of_spins)
     if not physics.made_by:
         words = words or (_of_readings(physics) if case.has_omega and not physics.clamps else [])
-        # That only ω is wrong says less than what explains all of the motion.
+        # The sentence that only ω is wrong says less than an explanation of all of the motion.
         if not words or (words == [OMEGA] and physics.is_all):
             words = _of_attitudes(case) or _of_equations(case)
             is_open = physics.is_open and not physics.unlike_any_change
@@ -227,21 +249,26 @@ def _of_computed(case: Case, alternates: Alternation | None) -> Explanation:
     left = case.as_it_begins() if start and not words and not physics.made_by else None
     if left:
         found = Finding(tuple(start), (replace(left, is_trial=True),), is_beyond)
-        return _with_rest(case, found)
+        return _with_remainder(case, found)
     words = [*words, *of_spins, *start]
     verdict = _verdict(physics, is_beyond, is_explained=bool(words))
     return Explanation(tuple(words), verdict, is_beyond, physics.made_by, is_open=is_open)
 
 
 def _of_attitudes(case: Case) -> list[str]:
-    """Return the changes that explain the attitudes alone, and what was made of ω beside them.
+    """Return the sentences on changes that explain the attitudes alone, and on how ω was read.
 
-    Nothing if what explains the whole motion leaves no more than noise, or a method's errors.
+    None are returned if the changes that explain the whole motion have no larger residuals than
+    noise, or a method's errors.
     """
     physics = case.physics
     found = physics.found or physics.by_change
-    rest = physics.after(found) if found else None
-    if case.is_trial or not case.has_omega or (rest and (rest.made_by or rest.is_of_method)):
+    remainder = physics.after(found) if found else None
+    if (
+        case.is_trial
+        or not case.has_omega
+        or (remainder and (remainder.made_by or remainder.is_of_method))
+    ):
         return []
     left = case.read(case.reading._replace(omega=None))
     fit = left.physics.by_change if left and left.physics.is_of_equations else None
@@ -252,32 +279,32 @@ def _of_attitudes(case: Case) -> list[str]:
 
 
 def _of_equations(case: Case) -> list[str]:
-    """Return the changes of equations that explain a motion, or a clamp.
+    """Return the sentences on changes of equations, or on a clamp, that explain a motion.
 
-    With a clamp also what explains the motion before its bound is reached.
+    With a clamp, sentences follow on the motion before its bound is reached.
     """
     if not case.physics.clamps:
         return case.physics.explained()
     clamp = case.physics.clamps[0]
     left = parts_of(case, np.arange(clamp.first))
     found = Finding((clamp.words,), left, is_beyond=True)
-    return list(_with_rest(case, found).explained_by)
+    return list(_with_remainder(case, found).explained_by)
 
 
 def _of_readings(physics: Physics) -> list[str]:
-    """Return what was made of ω, or of the attitude, if no simpler mistake explains the motion."""
+    """Return the sentences on how attitude or ω was read otherwise than it is; often none."""
     if words := attitude_read(physics.motion, physics.exact):
         return words
-    is_asked = physics.is_beyond or is_omega_off(physics.motion, physics.exact)
-    return omega_read(physics, is_explained=physics.is_of_reading) if is_asked else []
+    is_tried = physics.is_beyond or is_omega_off(physics.motion, physics.exact)
+    return omega_read(physics, is_explained=physics.is_of_reading) if is_tried else []
 
 
 def _of_measured(fit: Measured, case: Case) -> Explanation:
-    """Explain a measured motion, by other physics if more than noise is left."""
+    """Explain a measured motion, by other physics if its residuals exceed noise."""
     physics = case.physics
     words = physics.dissipated if fit.search.is_called_for else []
     if not words and fit.is_far and (physics.clamps or physics.by_change is None):
-        # A body that is limited itself turns no faster either.
+        # The attitudes are the scene's only if a sensor is limited, and not the body itself.
         words = fit.right_by_itself
     words = words or (_of_equations(case) if fit.is_beyond else []) or fit.explained()
     said, is_beyond = tuple(words), fit.is_beyond
@@ -285,7 +312,7 @@ def _of_measured(fit: Measured, case: Case) -> Explanation:
 
 
 def _verdict(physics: Physics, is_beyond: bool, *, is_explained: bool) -> str:
-    """Return a sentence on whether a motion is beyond its method's error."""
+    """Return a sentence on whether a motion exceeds its method's error."""
     if physics.search is None and not is_beyond:
         return "its samples are too few, or too far apart, to say what a method made of them"
     what = f"what a method of order {physics.order} makes of the exact motion"
