@@ -1,8 +1,8 @@
 """What the numbers of a recorded motion show by themselves, as they were recorded.
 
-Of rows and columns that are the same to the last digit it takes no physics to say so. The exact
-motion only tells whether they should have changed, by far more than the numbers are rounded: a body
-at rest, and the ω of a body about a principal axis, stay the same.
+Rows and columns that are the same to the last digit are found without any physics. The exact motion
+only tells whether they should have changed, by far more than the numbers are rounded: a body at
+rest, and the ω of a body about a principal axis, stay the same.
 """
 
 from collections.abc import Iterable
@@ -22,15 +22,15 @@ from .recording import FEWEST_VALUES, RATES, Recording, digits_of, unit_of
 CHANGES = 10.0
 #: Least number of values that a column of rounded numbers has.
 FEWEST = 3
-#: Numbers that are multiples of a unit are coarse if the largest is fewer units than this, as eight
-#: bits hold: fewer than the three digits of any print.
+#: Numbers that are multiples of a unit are coarse if the largest is fewer units than this, which
+#: eight bits hold, and which is less than three printed digits.
 COARSE = 128
-#: Standard deviation of what rounding to a multiple of one makes.
-ROUNDED = 1 / np.sqrt(12)
-#: Most numbers of which digits are counted, spread over all.
-COUNTED = 1000
-#: Digits that three components are compared by, the least unit that they are rounded to, and the
-#: error of multiples of it.
+#: Standard deviation of the error of rounding to integers.
+ROUNDING_ERROR = 1 / np.sqrt(12)
+#: Most numbers whose digits are counted, spread over all.
+MOST_COUNTED = 1000
+#: Digits that the three smaller components are compared by, the least unit that they are rounded
+#: to, and the tolerance of multiples of it.
 DIGITS, FINEST, NEAR = 6, 1e-4, 0.1
 Flags = NDArray[np.bool_]
 
@@ -71,16 +71,16 @@ class Numbers:
 
     @cached_property
     def should_turn(self) -> Flags:
-        """Whether the body turns from each sample to the next, by far more than digits, (n - 1,).
+        """Whether the exact motion turns from each sample to the next, (n - 1,).
 
-        It does in the exact motion.
+        A turn counts if it is far larger than the last digits of quaternions.
         """
         least = 2 * CHANGES * self.resolution_q
         return norms(rotation_vectors(self.q_exact[:-1], self.q_exact[1:])) > least
 
     @cached_property
     def turns(self) -> Flags:
-        """Whether it should turn, and does by the ω of the earlier sample, (n - 1,)."""
+        """Whether the body should turn, and does by the ω of the earlier sample, (n - 1,)."""
         least = 2 * CHANGES * self.resolution_q
         speeds = norms(self.omega_exact if self.omega is None else self.omega)[:-1]
         return self.should_turn & (speeds * self.spans > least)
@@ -100,7 +100,7 @@ class Numbers:
 
 @dataclass(frozen=True)
 class Shown:
-    """What the numbers show.
+    """A finding from the numbers of a recording.
 
     Attributes
     ----------
@@ -108,7 +108,7 @@ class Shown:
     wrong : indices of the samples that it is about; the others may be explained, (k,)
     rounding : standard deviations of attitude, rad, and ω, rad/s, if the numbers are rounded
         coarsely
-    mended : all samples without what is wrong, if they can be mended
+    mended : all samples without the mistake, if it can be mended
     """
 
     words: str
@@ -138,10 +138,11 @@ def resolution(numbers: FloatArray, units: Iterable[float]) -> float:
 
     Parameters
     ----------
-    units : factors of the units that they may have been printed in
+    numbers : of any shape
+    units : factors of the units that the numbers may have been printed in
     """
     flat = numbers.ravel()
-    counted = flat[:: max(1, len(flat) // COUNTED)]
+    counted = flat[:: max(1, len(flat) // MOST_COUNTED)]
     digits = min(max(digits_of(float(f"{x / unit:.15g}")) for x in counted) for unit in units)
     is_single = np.array_equal(flat, flat.astype(np.float32))
     eps = float(np.finfo(np.float32 if is_single else float).eps)
@@ -149,15 +150,21 @@ def resolution(numbers: FloatArray, units: Iterable[float]) -> float:
 
 
 def shown_by_digits(numbers: Numbers) -> list[Shown]:
-    """Return all that is certain by digits alone."""
+    """Return all findings that are certain by digits alone."""
     found = [_still(numbers) or _stale(numbers), _rounded_attitude(numbers)]
     if numbers.omega is not None:
-        found += [_zeros(numbers, numbers.omega), _rounded(numbers, numbers.omega)]
+        found += [_zeros(numbers, numbers.omega), _rounded_omega(numbers, numbers.omega)]
     return [one for one in found if one]
 
 
 def where(t: FloatArray, samples: NDArray[np.int_]) -> str:
-    """Return how many samples there are, and the first and last of their times, in words."""
+    """Return how many samples there are, and the first and last of their times, in words.
+
+    Parameters
+    ----------
+    t : times of all samples, s, (n,)
+    samples : indices, (k,)
+    """
     first, last = t[samples[[0, -1]]]
     if len(samples) == 1:
         return f"at 1 sample, at t = {first:.6g} s"
@@ -165,7 +172,9 @@ def where(t: FloatArray, samples: NDArray[np.int_]) -> str:
 
 
 def runs(flags: Flags) -> list[tuple[int, int]]:
-    """Return the first and last sample of each run whose samples are all flagged as the one before.
+    """Return the first and last sample of each run of samples that are flagged.
+
+    The first sample of a run is the one before the first flag.
 
     Parameters
     ----------
@@ -176,14 +185,14 @@ def runs(flags: Flags) -> list[tuple[int, int]]:
 
 
 def _still(numbers: Numbers) -> Shown | None:
-    """Say where rows are those before, to the last digit, or that the body falls asleep."""
+    """Return the finding that rows repeat those before, or that the body falls asleep; or None."""
     t, count = numbers.t, len(numbers.t)
     same = numbers.same_q & numbers.same_omega
     omega = numbers.omega
     for first, last in runs(same & numbers.should_turn):
         if omega is None or omega[first].any() or last < count - 1 or not first:
             continue
-        # What slows down to zero is no sleep.
+        # A body that slows down to zero does not fall asleep.
         if norms(omega[[first - 1]])[0] > CHANGES * numbers.resolution_omega:
             return Shown(
                 f"from t = {t[first]:.6g} s on, for {last + 1 - first} samples, it is asleep: ω is "
@@ -191,7 +200,8 @@ def _still(numbers: Numbers) -> Shown | None:
                 np.arange(first, count),
             )
     found = runs(same & numbers.turns)
-    # A first state that is written twice is of times that count on; of a whole file it is a start.
+    # A first state that is written twice shifts the times of those after it, and a file of one
+    # state alone has another start: neither is found here.
     found = [(a, b) for a, b in found if a or 1 < b < count - 1]
     if not found:
         return None
@@ -205,7 +215,7 @@ def _still(numbers: Numbers) -> Shown | None:
 
 
 def _one_run(numbers: Numbers, a: int, b: int) -> Shown:
-    """Say that samples a to b are the same."""
+    """Return the finding that samples a to b are the same."""
     t, q = numbers.t, numbers.q / norms(numbers.q)[:, None]
     samples = "1 sample" if b == a + 1 else f"{b - a} samples"
     if b == len(t) - 1:
@@ -215,8 +225,8 @@ def _one_run(numbers: Numbers, a: int, b: int) -> Shown:
         )
     turn = float(2 * np.arccos(min(1.0, abs(float(q[a] @ q[b + 1])))))
     speeds = norms(numbers.omega_exact if numbers.omega is None else numbers.omega)
-    goes_on, counts_on = speeds[b + 1] * (t[b + 1] - t[b]), speeds[b + 1] * (t[b + 1] - t[a])
-    is_late, after = abs(turn - goes_on) < abs(turn - counts_on), np.arange(a + 1, len(t))
+    if_paused, if_running = speeds[b + 1] * (t[b + 1] - t[b]), speeds[b + 1] * (t[b + 1] - t[a])
+    is_late, after = abs(turn - if_paused) < abs(turn - if_running), np.arange(a + 1, len(t))
     if b == a + 1:
         late = f", and what follows is {t[b] - t[a]:.6g} s late" if is_late else ""
         how = "a row is repeated" if is_late else "leave it out"
@@ -239,12 +249,12 @@ def _one_run(numbers: Numbers, a: int, b: int) -> Shown:
 
 
 def _stale(numbers: Numbers) -> Shown | None:
-    """Say where the attitude alone is that of the sample before, though ω goes on."""
+    """Return the finding that the attitude repeats the one before, though ω goes on; or None."""
     if numbers.omega is None:
         return None
     flags = numbers.same_q & ~numbers.same_omega & numbers.turns
     found = [(a, b) for a, b in runs(flags) if a or b > 1]
-    # Where it is some samples older or newer than ω, one end is filled up.
+    # Where the attitude is some samples older or newer than ω, one end is filled up.
     is_end = len(found) == 1 and (not found[0][0] or found[0][1] == len(numbers.t) - 1)
     if not found or is_end:
         return None
@@ -264,7 +274,7 @@ def _stale(numbers: Numbers) -> Shown | None:
 
 
 def _zeros(numbers: Numbers, omega: FloatArray) -> Shown | None:
-    """Say where ω is exactly zero, though the attitude turns and the body does."""
+    """Return the finding that ω is exactly zero, though attitude and exact motion turn; or None."""
     is_zero = ~omega.any(axis=1)
     turned_since = ~numbers.same_q & numbers.should_turn
     around = np.concatenate([[False], turned_since]) & np.concatenate([turned_since, [True]])
@@ -277,7 +287,10 @@ def _zeros(numbers: Numbers, omega: FloatArray) -> Shown | None:
 
 
 def _rounded_attitude(numbers: Numbers) -> Shown | None:
-    """Say that quaternions are multiples of a unit so coarse that eight bits hold them."""
+    """Return the finding that quaternions are rounded coarsely; None if they are not.
+
+    They are multiples of a unit so coarse that eight bits hold them.
+    """
     unit, values = unit_of(numbers.q), len(np.unique(numbers.q))
     which = "the quaternions"
     if not unit:
@@ -290,7 +303,7 @@ def _rounded_attitude(numbers: Numbers) -> Shown | None:
     turns = rotation_vectors(np.broadcast_to(numbers.q_exact[0], numbers.q.shape), numbers.q_exact)
     if norms(turns).max() < CHANGES * unit:
         return None
-    rounding = 2 * ROUNDED * unit
+    rounding = 2 * ROUNDING_ERROR * unit
     words = f"{which} are rounded to {unit:.4g}, which makes attitudes off by {rounding:.2g} rad"
     return Shown(words, np.arange(0), (rounding, 0.0))
 
@@ -298,7 +311,8 @@ def _rounded_attitude(numbers: Numbers) -> Shown | None:
 def _unit_of_three(q: FloatArray) -> float:
     """Return the unit by multiples of which the three smaller components differ; 0 if none.
 
-    The largest one follows from them, as of the smallest three in so many bits each.
+    The largest component follows from the others, as where the smallest three are stored in so many
+    bits each.
     """
     largest = np.abs(q).argmax(axis=1)
     others = np.abs(q[np.arange(4) != largest[:, None]]).round(DIGITS)
@@ -309,9 +323,9 @@ def _unit_of_three(q: FloatArray) -> float:
     return float(distances.min()) if np.abs(multiples - np.rint(multiples)).max() < NEAR else 0.0
 
 
-def _rounded(numbers: Numbers, omega: FloatArray) -> Shown | None:
-    """Say that ω is multiples of a unit so coarse that it has less than three digits."""
-    # An ω that nothing changes but rounding is as round as it started.
+def _rounded_omega(numbers: Numbers, omega: FloatArray) -> Shown | None:
+    """Return the finding that ω is rounded to less than three digits; None if it is not."""
+    # A constant ω has as few digits as it started with.
     if max(len(np.unique(np.round(column, 9))) for column in omega.T) < FEWEST:
         return None
     found = {}
@@ -325,5 +339,5 @@ def _rounded(numbers: Numbers, omega: FloatArray) -> Shown | None:
     # Multiples of one unit are multiples of a less round number of another.
     name = min(found, key=lambda name: digits_of(found[name]))
     unit = found[name]
-    rounding = 0.0, ROUNDED * unit * RATES[name]
+    rounding = 0.0, ROUNDING_ERROR * unit * RATES[name]
     return Shown(f"ω is rounded to {unit:.6g} {name}", np.arange(0), rounding)

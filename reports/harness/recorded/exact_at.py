@@ -4,8 +4,8 @@ from ....reference import ExactMotion, IntegrationError, Solution
 from ....scenarios import FloatArray, Misfit, Scenario, check_scales
 from .recording import RecordingError
 
-#: Largest time, in windows of the scene: longer times are in another unit than s, and would take
-#: long to solve. Times in ms, of one window, are explained: they go on for 1000 windows.
+#: Largest time, in windows of the scene. Longer times are in another unit than s, and would take
+#: long to solve; times of one window in ms reach 1000 windows, and are explained.
 MOST_WINDOWS = 2000
 
 
@@ -15,7 +15,7 @@ def exact_at(scenario: Scenario, times: FloatArray) -> Solution:
     Raises
     ------
     RecordingError
-        If it is not known up to the last time, or times are in another unit.
+        If the motion is not known up to the last time, or the times are in another unit.
     """
     windows = float(times[-1]) / scenario.window.duration
     if windows > MOST_WINDOWS:

@@ -1,4 +1,4 @@
-"""What is found in a recording before any equation is changed, and what is left without it."""
+"""What is found in a recording before any equation is changed, and what remains without it."""
 
 from dataclasses import replace
 from typing import NamedTuple
@@ -14,7 +14,7 @@ from .interpolated import interpolated
 from .mistakes import mistakes, rounded_times, without
 from .odd_samples import across_signs, exchanged, jitter, lost_sign, warped, wrapped
 
-#: How many mistakes are undone, one after the other, at most.
+#: Most mistakes that are undone, one after the other.
 MOST_UNDONE = 2
 
 
@@ -24,9 +24,10 @@ class Finding(NamedTuple):
     Attributes
     ----------
     words : sentences
-    left : what remains to be explained, in several ways: the first that is explained counts
-    is_beyond : whether it is beyond the error of a method; None if the motion tells
-    is_all : whether what is left has all that was recorded, and not some samples alone
+    left : the cases that remain to be explained, in several ways: the first that is explained
+        counts
+    is_beyond : whether the finding exceeds the error of a method; None if that of the motion counts
+    is_all : whether the remaining cases have all samples of the recording, and not some alone
     """
 
     words: tuple[str, ...]
@@ -36,15 +37,18 @@ class Finding(NamedTuple):
 
 
 def finding(case: Case) -> Finding | None:
-    """Return what is found in a recording first; None if nothing is.
+    """Return the first finding in a recording; None if there is none.
 
-    What is certain by the numbers themselves comes before what they may mean.
+    Findings that are certain by the numbers themselves come before those that need the motion.
     """
     return _of_numbers(case) or _of_mistakes(case) or _of_times(case) or _of_jumps(case)
 
 
 def _of_numbers(case: Case) -> Finding | None:
-    """Return what numbers show; the other samples are left, or those before all of these."""
+    """Return what numbers show; None if nothing.
+
+    The other samples remain to be explained, or those before all samples that are wrong.
+    """
     shown = shown_by_digits(case.numbers)
     if case.noise.any():
         shown = [one for one in shown if not any(one.rounding)]
@@ -60,7 +64,7 @@ def _of_numbers(case: Case) -> Finding | None:
     samples = [np.setdiff1d(every, wrong)]
     samples += [every[: wrong.min()]] if len(wrong) else []
     left = parts_of(replace(case, noise=noise), *samples)
-    # Only what is rounded may be within a method's error.
+    # Only the effect of rounding may be within a method's error.
     is_beyond = None if all(any(one.rounding) for one in shown) else True
     words = tuple(one.words for one in shown)
     return Finding(words, left, is_beyond, is_all=not len(wrong))
@@ -82,7 +86,7 @@ def _odd_samples(case: Case) -> Shown | None:
 
 
 def _of_mistakes(case: Case) -> Finding | None:
-    """Return mistakes in recording; the recording without them is left."""
+    """Return mistakes in recording, and the case without them; None if there is no mistake."""
     reading, scenario = case.reading, case.scenario
     if case.undone > MOST_UNDONE:
         return None
@@ -92,20 +96,21 @@ def _of_mistakes(case: Case) -> Finding | None:
     first = matrices(case.exact.q_world_body_wxyz[:1])[0]
     undone = without(wrong, reading, scenario, first)
     left = case.read(undone) if undone else None
-    lefts = (replace(left, undone=case.undone + 1),) if left else ()
-    return Finding(tuple(wrong), lefts, is_all=True)
+    remaining = (replace(left, undone=case.undone + 1),) if left else ()
+    return Finding(tuple(wrong), remaining, is_all=True)
 
 
 def _of_times(case: Case) -> Finding | None:
-    """Return that each state is that of another time."""
+    """Return the finding that each state is that of another time; or None."""
     words = warped(case.scenario, case.motion, case.exact, case.of_intervals)
     return Finding((words,)) if words else None
 
 
 def _of_jumps(case: Case) -> Finding | None:
-    """Return jumps of the motion; what is recorded before the first of them is left.
+    """Return jumps of the motion; None if there is none.
 
-    Of a first sample that is off all others are left.
+    The samples before the first jump remain to be explained, or all others if the first sample is
+    wrong.
     """
     if case.is_smooth or case.physics.clamps or not (found := case.jumps()):
         return None
@@ -116,5 +121,5 @@ def _of_jumps(case: Case) -> Finding | None:
 
 
 def parts_of(case: Case, *samples: NDArray[np.intp]) -> tuple[Case, ...]:
-    """Return the cases of some samples, by their indices, that are enough to be explained."""
+    """Return the cases of some samples each, by their indices, where these are enough."""
     return tuple(filter(None, map(case.of, samples)))
