@@ -28,8 +28,8 @@ from .translation import mistakes_of_translation, other_translation
 EPS = float(np.finfo(float).eps)
 #: Bound on the attitude, rad, that is reported if the user names none.
 DEGREE = pi / 180
-#: Error of printed times, relative to a timestep.
-ALIKE = 1e-2
+#: Tolerance of printed times, relative to a timestep.
+TIME_TOLERANCE = 1e-2
 #: Quantities that a recording of a free body may lack.
 OPTIONAL = ("com", "velocity")
 
@@ -45,18 +45,18 @@ class JudgedMotion:
     timestep : s, if the file or the user states it
     verdict : a sentence on whether the motion is within the error of noise, or of a method with the
         given order and timestep
-    is_beyond : whether it is beyond that error
+    is_beyond : whether the motion exceeds that error
     errors : the largest error of each signal, by name; None for a signal that was not recorded
     series : errors sample by sample
     drifts : the largest change of each conserved quantity, relative
     defects : defects of the intervals between samples, by signal; empty if they cannot be followed
     explained_by : mistakes in recording, or other physics, that explain the difference, in words
-    made_by : the known integrator that made the motion, in words; empty if none did
+    made_by : the known integrator that computed the motion, in words; empty if none did
     measured : if the motion has noise, the fit of the exact motion to all samples
     remarks : sentences on how the file was read
     ignored : headings of the file that have no meaning here
-    is_single : whether it was computed in single precision
-    resolution : the relative distance of its numbers as they are printed
+    is_single : whether the motion was computed in single precision
+    resolution : the relative distance of the file's numbers as they are printed
     """
 
     recorded: RecordedMotion
@@ -78,11 +78,11 @@ class JudgedMotion:
 
     @property
     def is_another(self) -> bool:
-        """Whether the motion is another one than the exact motion."""
+        """Whether the motion is another one: it exceeds that error, or something explains it."""
         return self.is_beyond or bool(self.explained_by)
 
     def as_record(self) -> dict[str, Any]:
-        """Return its numbers and words, as `spincheck judge --json` prints them for a file."""
+        """Return the results, as `spincheck judge --json` prints them for a file."""
         return {
             "timestep": self.timestep,
             **{SIGNAL[signal].key: error for signal, error in self.errors.items()},
@@ -100,7 +100,7 @@ class JudgedMotion:
 
     @property
     def exceeds_1deg_at(self) -> float | None:
-        """The first time at which the attitude is off by more than 1°, s; None if never."""
+        """The first time at which the error of the attitude exceeds 1°, s; None if never."""
         return self._beyond_since("attitude", DEGREE)
 
     def beyond(self, bounds: Mapping[str, float]) -> list[str]:
@@ -126,6 +126,7 @@ class JudgedMotion:
         ]
 
     def _beyond_since(self, name: str, bound: float) -> float | None:
+        """Return the first time at which a signal's error exceeds a bound, s; None if never."""
         first = self.series.first_beyond(name, bound)
         return None if first is None else float(self.solution.trajectory.t[first])
 
@@ -135,12 +136,12 @@ def judged_motion(scenario: Scenario, recording: Recording, order: int = 1) -> J
 
     Parameters
     ----------
-    order : order of accuracy that its method has or claims
+    order : order of accuracy that the motion's method has or claims
 
     Raises
     ------
     RecordingError
-        If its timestep is longer than its samples are apart, its times go on after the exact motion
+        If the timestep is longer than the samples are apart, the times go on after the exact motion
         is known, or ω is missing and cannot be computed from the attitudes.
     """
     stated = recording.settings.get("timestep")
@@ -182,7 +183,7 @@ def judged_motion(scenario: Scenario, recording: Recording, order: int = 1) -> J
 
 
 def _drifts(scenario: Scenario, recorded: RecordedMotion) -> dict[str, float]:
-    """Return drifts of a recording, without that of parts' momenta if spins were not recorded."""
+    """Return the drifts of a recording, without the rotors' momenta if it has no spins."""
     found = drifts(scenario, recorded.trajectory)
     if not recorded.has_spins:
         found.pop("rotors_momentum", None)
@@ -190,8 +191,15 @@ def _drifts(scenario: Scenario, recorded: RecordedMotion) -> dict[str, float]:
 
 
 def _check_timestep(timestep: float | None, times: FloatArray) -> None:
+    """Check that the stated timestep, s, is not longer than the distance of samples.
+
+    Raises
+    ------
+    RecordingError
+        If it is longer.
+    """
     distance = float(np.diff(times).max())
-    if timestep is not None and timestep > (1 + ALIKE) * distance:
+    if timestep is not None and timestep > (1 + TIME_TOLERANCE) * distance:
         raise RecordingError(
             f"its timestep is stated as {timestep:g} s, but no two samples are more than "
             f"{distance:g} s apart; state that of its steps, or leave out samples in between"

@@ -1,4 +1,4 @@
-"""Which known integrator made a recorded motion, and with which timestep."""
+"""Which known integrator computed a recorded motion, and with which timestep."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -12,20 +12,22 @@ from ..explaining.search import SAME
 from .intervals import Intervals
 from .recording import MULTIPLE
 
-#: Number of intervals that known integrators are followed in, and with timesteps that are guessed.
+#: The most intervals that known integrators are followed in, and the most with timesteps that are
+#: guessed.
 FEW, GUESSED = 12, 4
-#: Steps from sample to sample that are tried where the timestep may be another than the stated one.
+#: Numbers of steps from sample to sample that are tried where the timestep may be another than the
+#: stated one.
 STEPS = (1, 2, 4, 5, 8, 10, 16, 20, 25, 40, 50, 100)
 
 
 @dataclass(frozen=True, eq=False)
 class KnownIntegrators:
-    """A motion from sample to sample, and the steps that known integrators take in its intervals.
+    """The intervals of a motion, and the steps that known integrators take in them.
 
     Attributes
     ----------
     intervals : of the motion
-    stated : the timestep that the motion was made with, s; None if unknown
+    stated : the timestep that the motion was computed with, s; None if unknown
     """
 
     intervals: Intervals
@@ -33,60 +35,75 @@ class KnownIntegrators:
 
     @cached_property
     def span(self) -> float:
-        """The usual distance of two samples, s."""
+        """The median distance of two samples, s."""
         return float(np.median(self.intervals.spans))
 
     @cached_property
     def each(self) -> tuple[Intervals, ...]:
-        """The intervals as steps of each integrator, with the timestep that is stated.
+        """The intervals as steps of each integrator, with the stated timestep.
 
-        One that is not stated is taken to be the distance of the samples.
+        If none is stated, it is taken to be the distance of the samples.
         """
         return self._steps(self.stated or self.span, FEW)
 
-    def _steps(self, timestep: float, few: int) -> tuple[Intervals, ...]:
-        """Return few intervals as steps of each integrator; none if spans are not multiples."""
-        data = self.intervals.spread(few)
+    def _steps(self, timestep: float, count: int) -> tuple[Intervals, ...]:
+        """Return some of the intervals as steps of each integrator.
+
+        Parameters
+        ----------
+        timestep : s
+        count : the most intervals
+
+        Returns
+        -------
+        An empty tuple if the intervals are not multiples of the timestep
+        """
+        data = self.intervals.spread(count)
         multiples = data.spans / timestep
         if (np.abs(multiples - np.rint(multiples)) > MULTIPLE * multiples).any():
             return ()
         return tuple(data.made_by(one, timestep) for one in KNOWN)
 
     def that_made(self, hypothesis: Hypothesis) -> str:
-        """Return the integrator that made the motion of a hypothesis, in words; empty if none."""
-        return self._named(self._best(self.each, hypothesis, noise=1.0))
+        """Return the integrator that computed the motion of a hypothesis, in words; or empty."""
+        return self._in_words(self._best(self.each, hypothesis, noise=1.0))
 
     def at_another_timestep(self, hypothesis: Hypothesis) -> str:
-        """Return the integrator that did so with another timestep, in words; empty if none did.
+        """Return the integrator that computed the motion with another timestep, in words; or empty.
 
-        Of so many that are tried some are as near as noise: they must be far nearer.
+        Among the many integrators and timesteps that are tried some come as near as noise: the
+        right one must be far nearer.
         """
         each = (self._steps(self.span / n, GUESSED) for n in STEPS)
         every = (self._best(steps, hypothesis, noise=0.0) for steps in each)
-        return self._named(next(filter(None, every), None))
+        return self._in_words(next(filter(None, every), None))
 
     def left_exactly(self, hypothesis: Hypothesis) -> float:
-        """The mean square of what a hypothesis leaves if no integrator is in it, in noise."""
+        """The mean square of the residuals of a hypothesis' exact flow, in variances of noise."""
         return mean_square(self.intervals.spread(FEW).made_by(EXACT, 0.0).deviations([hypothesis]))
 
     def _best(
         self, each: tuple[Intervals, ...], hypothesis: Hypothesis, noise: float
     ) -> Intervals | None:
-        """Return the steps that made the motion of a hypothesis; None if none did.
+        """Return the steps that computed the motion of a hypothesis; None if none did.
 
         Parameters
         ----------
-        noise : mean square that they may leave, in units of noise
+        noise : largest mean square of their residuals, in variances of noise
         """
         exactly = self.left_exactly(hypothesis)
         if not each or exactly <= 1:
             return None
-        left = [mean_square(one.deviations([hypothesis])) for one in each]
-        if min(left) > max(noise, SAME**2 * exactly):
+        squares = [mean_square(one.deviations([hypothesis])) for one in each]
+        if min(squares) > max(noise, SAME**2 * exactly):
             return None
-        # Of those that leave rounding alone the first is named, else the one that leaves least.
-        return each[next((k for k, one in enumerate(left) if one <= noise), int(np.argmin(left)))]
+        # Of integrators whose residuals are within noise the first is named, else the one with the
+        # smallest residuals.
+        return each[
+            next((k for k, one in enumerate(squares) if one <= noise), int(np.argmin(squares)))
+        ]
 
     @staticmethod
-    def _named(steps: Intervals | None) -> str:
+    def _in_words(steps: Intervals | None) -> str:
+        """Return the integrator and timestep of steps in words; empty without steps."""
         return f"what {steps.integrator.name} at {steps.timestep:.4g} s makes" if steps else ""
