@@ -309,10 +309,10 @@ def _rounded_attitude(numbers: Numbers) -> Shown | None:
 
 
 def _unit_of_three(q: FloatArray) -> float:
-    """Return the unit by multiples of which the three smaller components differ; 0 if none.
+    """Return the unit whose multiples are the distances of the three smaller components.
 
-    The largest component follows from the others, as where the smallest three are stored in so many
-    bits each.
+    It is 0 if there is none. The largest component follows from the others, as where the smallest
+    three are stored in so many bits each.
     """
     largest = np.abs(q).argmax(axis=1)
     others = np.abs(q[np.arange(4) != largest[:, None]]).round(DIGITS)

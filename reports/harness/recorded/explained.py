@@ -78,7 +78,8 @@ def _with_remainder(case: Case, found: Finding) -> Explanation:
     is_beyond = case.physics.is_beyond if found.is_beyond is None else found.is_beyond
     # Where only some samples remain, what was found may be the reason of their differences, too.
     is_reported = remainder is not None and (found.is_all or not remainder.is_open)
-    # The sentence that ω is not that of the attitudes adds nothing to an explanation of most of it.
+    # The sentence that ω is not the rate of the attitudes adds nothing where most of the motion is
+    # explained.
     of_remainder = (
         [one for one in remainder.explained_by if one != OMEGA] if remainder and is_reported else []
     )
@@ -156,7 +157,7 @@ def _since_exactly(case: Case) -> Explanation | None:
 
     Returns
     -------
-    Often None
+    None if no sample is known from which on the motion differs
     """
     physics = case.physics
     of_method = case.timestep, case.order, case.of_intervals

@@ -26,7 +26,7 @@ class Finding(NamedTuple):
     words : sentences
     left : the cases that remain to be explained, in several ways: the first that is explained
         counts
-    is_beyond : whether the finding exceeds the error of a method; None if that of the motion counts
+    is_beyond : whether the finding exceeds the error of a method; None if the motion's counts
     is_all : whether the remaining cases have all samples of the recording, and not some alone
     """
 

@@ -80,13 +80,13 @@ class LogFit:
         """The change that turns the axes, in the body, that attitude and ω are stated in."""
         omega = self.given.scene_start[4:]
 
-        def turned(h: Hypothesis, turn: FloatArray) -> Hypothesis:
+        def turn_axes(h: Hypothesis, turn: FloatArray) -> Hypothesis:
             R, e = Rotation.from_rotvec(turn).as_matrix(), h.equations
             of_body = {name: R.T @ getattr(e, name) for name in ("pull", "torque", "kept")}
             start = np.concatenate([turn, R.T @ omega - omega])
             return h.of_tensor(R.T @ e.inertia @ R).of(**of_body)._replace(start=start)
 
-        return Change("axes of the body", turned, np.ones(3))
+        return Change("axes of the body", turn_axes, np.ones(3))
 
     @cached_property
     def late(self) -> Change:
@@ -95,11 +95,11 @@ class LogFit:
         rate = max(float(norms(start[:, 4:])[0]), self.given.base.equations.rate) or 1.0
         most = LATEST / rate
 
-        def shifted(h: Hypothesis, time: FloatArray) -> Hypothesis:
+        def shift_time(h: Hypothesis, time: FloatArray) -> Hypothesis:
             before = follow(h.equations, start, -np.clip(time, -most, most)[None])[:, 0]
             return h._replace(start=apart(start, before)[0])
 
-        return Change("late", shifted, np.array([1 / rate]))
+        return Change("late", shift_time, np.array([1 / rate]))
 
     @cached_property
     def search(self) -> Search:

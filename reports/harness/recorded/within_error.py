@@ -1,4 +1,4 @@
-"""Changes that explain a motion beside methods' errors, be these as large as the difference.
+"""Changes that explain a motion beside methods' errors, which may be as large as the difference.
 
 A method's error is spanned by elementary differentials (`leading_error.py`), but for the next term
 of its series. The residuals beside them are compared with that term alone.
