@@ -1,6 +1,6 @@
-"""Finds common mistakes in recording: each is undone, and named if the motion then fits.
+"""Finds common mistakes in recording: each is corrected, and named if the motion then fits.
 
-Only the beginning is compared, before errors of an integrator have grown.
+Only the beginning of a motion is compared, before an integrator's errors have grown.
 """
 
 from collections.abc import Iterable, Iterator, Sequence
@@ -21,25 +21,25 @@ from .intervals import apart, states_of
 from .motion import OmegaFrame, QuaternionOrder, Reading
 from .other_readings import equal_times, other_readings
 
-#: Turns of the exact motion, rad, in the beginnings that are compared: by other equations the
-#: shorter one is nearer to it; and their least number of samples.
+#: Turns of the exact motion, rad, over the beginnings that are compared, and their least number of
+#: samples. A motion by other equations is closer to the exact one over the shorter beginning.
 BEGINNINGS, FEWEST = (3.0, 0.75), 3
-#: Least number of samples that must be left when a recording is read differently: steps show from
-#: two samples on. At most one sample is left out: an ω that is half a sample older and half a
-#: sample newer is smoothed, which is no mistake.
+#: Least number of samples of a corrected reading, as steps show from two samples on; and how many
+#: samples corrections may leave out. Two would allow for an ω that is half a sample older and half
+#: a sample newer, which is smoothed: that is no mistake.
 FEWEST_LEFT, LEFT_OUT = 2, 1
-#: Largest turn of the body in the beginning, rad, with the times as they are read: more is not a
-#: beginning.
+#: Largest turn of the body over the beginning, rad, by the times of a reading. If they are so wrong
+#: that it turns further, the exact motion is not computed.
 FURTHEST = 3e3
 #: Errors below this, relative or in rad, need no explanation.
 FITS = 1e-9
-#: How times may be wrong by a factor, in words.
+#: Words for times that are too short, or too long, by a factor.
 TOO_SHORT = "too short, as where one state in so many is kept"
 TOO_LONG = "too long, as of another timestep than that of the steps"
 EPS = float(np.finfo(float).eps)
-#: Mistakes, and the reading without them.
-_Undone = tuple[list[str], Reading]
-#: Units of times by mistake, as a column's heading names them, and their length in seconds.
+#: Mistakes in words, and the reading corrected for them.
+_Correction = tuple[list[str], Reading]
+#: Units that times may be in by mistake, as a column's heading names them, and their lengths, s.
 UNITS = {"ms": 1e-3, "us": 1e-6, "ns": 1e-9, "min": 60.0}
 #: What may be wrong with ω, in words, and the factor that corrects it.
 RATES = {
@@ -50,7 +50,7 @@ RATES = {
     "half of what it should be": 2.0,
     "twice what it should be": 0.5,
 }
-#: What makes left-handed axes of right-handed ones, those of the world and of the body.
+#: Reflections that make right-handed axes, of the world and of the body, left-handed; in words.
 LEFT_HANDED = {
     **{f"with {axis} reversed": np.diag(1.0 - 2.0 * np.eye(3)[k]) for k, axis in enumerate("xyz")},
     **{
@@ -61,87 +61,109 @@ LEFT_HANDED = {
 
 
 def mistakes(scenario: Scenario, exact: Trajectory, reading: Reading) -> list[str]:
-    """Return the mistakes that explain why a recording is not the exact motion; often none.
+    """Return the mistakes, in words, that explain why a recording is not the exact motion.
 
     Parameters
     ----------
     exact : the exact motion at the recording's times
+
+    Returns
+    -------
+    One or two mistakes; often none
     """
     beginning = _Beginning(scenario, exact)
-    given, shorter = (reading.rows(slice(_beginning(exact, turn))) for turn in BEGINNINGS)
+    given, shorter = (reading.rows(slice(_samples_until(exact, turn))) for turn in BEGINNINGS)
 
-    def undone(words: list[str], one: Reading, of: Reading = given) -> Iterator[_Undone]:
-        fewest = max(FEWEST_LEFT, len(of.t) - LEFT_OUT)
-        for word, other in _undone(one, scenario) if len(one.t) >= fewest else ():
+    def corrected(
+        words: list[str], one: Reading, original: Reading = given
+    ) -> Iterator[_Correction]:
+        fewest = max(FEWEST_LEFT, len(original.t) - LEFT_OUT)
+        for word, other in _corrections(one, scenario) if len(one.t) >= fewest else ():
             if len(other.t) >= fewest:
                 yield [*words, word], other
 
-    best = beginning.better(undone([], given), ([], given))
+    best = beginning.better(corrected([], given), ([], given))
     if not best[0]:
         rare = other_readings(given, scenario, matrices(beginning.start[:, :4])[0])
         best = beginning.better((([word], one) for word, one in rare if len(one.t) >= FEWEST), best)
     if not best[0]:
-        # Few samples tell mistakes of ω apart less well; without them the attitude follows ω.
-        every = undone([], shorter, shorter)
+        # Few samples do not tell mistakes of ω apart: only those of times and attitude are tried.
+        every = corrected([], shorter, shorter)
         of_attitudes = ((words, one) for words, one in every if one.omega is shorter.omega)
         if words := beginning.better(of_attitudes, ([], shorter))[0]:
             return words
     if best[0]:
-        return beginning.better(undone(*best), best)[0]
+        return beginning.better(corrected(*best), best)[0]
     if beginning.error(given) > LEFT:
-        twice = (two for one in undone([], given) for two in undone(*one))
-        best = beginning.better(twice, best)
+        pairs = (two for one in corrected([], given) for two in corrected(*one))
+        best = beginning.better(pairs, best)
     return best[0] or beginning.other_times(given)
 
 
 def without(
     words: Sequence[str], reading: Reading, scenario: Scenario, first: FloatArray
 ) -> Reading | None:
-    """Return a whole recording without mistakes; None if they do not show in all of it.
+    """Return a whole recording corrected for mistakes; None if they are not possible in all of it.
 
     Parameters
     ----------
-    words : of the mistakes, as `mistakes` returns them
+    words : the mistakes, as `mistakes` returns them
     first : the exact attitude at the first sample, body to world, (3, 3)
     """
     for one in words:
-        every = chain(_undone(reading, scenario), other_readings(reading, scenario, first))
-        undone = next((other for word, other in every if word == one), None)
-        if undone is None:
+        every = chain(_corrections(reading, scenario), other_readings(reading, scenario, first))
+        corrected = next((other for word, other in every if word == one), None)
+        if corrected is None:
             return None
-        reading = undone
+        reading = corrected
     return reading
 
 
-def followed(reading: Reading, scenario: Scenario) -> list[_Undone]:
-    """Return mistakes without which the attitude follows ω, whatever torques act; the best first.
+def followed(reading: Reading, scenario: Scenario) -> list[_Correction]:
+    """Return the corrections after which the attitude follows ω, the best first.
 
-    The attitude of samples that are near turns by the mean of their ω, to third order.
+    No equations of motion are used: between two samples the attitude turns by the mean of their ω,
+    but for terms of third order in the timestep, whatever torques act.
     """
-    usual = _astray(reading)
-    found = [(_astray(other), [words], other) for words, other in _undone(reading, scenario)]
-    kept = [one for one in found if one[0] < LEFT * min(1.0, usual)]
+    baseline = _kinematic_error(reading)
+    found = [
+        (_kinematic_error(other), [words], other)
+        for words, other in _corrections(reading, scenario)
+    ]
+    kept = [one for one in found if one[0] < LEFT * min(1.0, baseline)]
     return [one[1:] for one in sorted(kept, key=lambda one: one[0])]
 
 
 def rounded_times(reading: Reading) -> list[str]:
-    """Return that times are rounded, where by others the attitudes follow ω far better."""
-    enough = LEFT * min(1.0, _astray(reading))
-    return [words for words, other in equal_times(reading) if _astray(other) < enough][:1]
+    """Return that times are rounded, in words, if the attitude follows ω far better by even times.
+
+    Returns
+    -------
+    One sentence, or none
+    """
+    enough = LEFT * min(1.0, _kinematic_error(reading))
+    return [words for words, other in equal_times(reading) if _kinematic_error(other) < enough][:1]
 
 
-def _astray(reading: Reading) -> float:
-    """How far rates at which the attitude turns are from ω, relative; inf without ω."""
+def _kinematic_error(reading: Reading) -> float:
+    """Return the deviation of ω from the rate at which the attitude turns, relative to that rate.
+
+    Both are root mean squares over all samples.
+
+    Returns
+    -------
+    Infinite without ω, of too few samples, or if the attitude is constant
+    """
     if (omega := reading.omega_body) is None or len(omega) < FEWEST:
         return np.inf
     rates = rotation_vectors(reading.q[:-1], reading.q[1:]) / np.diff(reading.t)[:, None]
-    off = rates - (omega[1:] + omega[:-1]) / 2
+    deviations = rates - (omega[1:] + omega[:-1]) / 2
     size = np.sqrt(np.mean(rates**2))
-    return float(np.sqrt(np.mean(off**2)) / size) if size else np.inf
+    return float(np.sqrt(np.mean(deviations**2)) / size) if size else np.inf
 
 
 class _Beginning:
-    """The beginning of the exact motion, and how far recordings are from it.
+    """The beginning of the exact motion, and the errors of readings against it.
 
     Parameters
     ----------
@@ -153,83 +175,96 @@ class _Beginning:
         self.start = states_of(exact.until(1))
         self.fastest = float(norms(exact.omega_body).max())
         self._at: dict[bytes, tuple[FloatArray, float, float]] = {}
-        self._turned: dict[tuple[bytes, bytes], float] = {}
+        self._attitude_errors: dict[tuple[bytes, bytes], float] = {}
 
     def at(self, t: FloatArray) -> tuple[FloatArray, float, float]:
-        """Exact states, (n, 7), at times, s, (n,), the largest speed, and how far it turns."""
+        """The exact motion at times t, s, (n,).
+
+        Returns
+        -------
+        Its states, q and ω, (n, 7); its largest ‖ω‖, rad/s, or 1 if that is zero; and its largest
+        turn from the first of these times, rad, at most 1
+        """
         if (times := t.tobytes()) not in self._at:
             spans = np.diff(t, prepend=self.begins_at)[None]
-            made = follow(equations_of(self.scenario), self.start, spans)[0]
-            speed = norms(made[:, 4:]).max() or 1.0
-            turns = float(norms(apart(np.repeat(made[:1], len(made), axis=0), made)[:, :3]).max())
+            states = follow(equations_of(self.scenario), self.start, spans)[0]
+            speed = norms(states[:, 4:]).max() or 1.0
+            turns = float(
+                norms(apart(np.repeat(states[:1], len(states), axis=0), states)[:, :3]).max()
+            )
             turns = min(1.0, max(turns, EPS)) if self.fastest else 1.0
-            self._at[times] = made, speed, turns
+            self._at[times] = states, speed, turns
         return self._at[times]
 
     def turned(self, q: FloatArray, t: FloatArray) -> float:
         """The largest error of attitudes, (n, 4), at times, s, (n,).
 
-        It is relative to how far the body turns, which is taken to be 1 rad at most: by times that
-        hardly pass it hardly turns, and so does what stands still.
+        It is relative to the body's turn in these times, or to 1 rad if it turns further. Otherwise
+        the error would be small by times so short that neither motion turns.
         """
         key = q.tobytes(), t.tobytes()
-        if key not in self._turned:
-            made, _, turns = self.at(t)
-            self._turned[key] = float(norms(rotation_vectors(made[:, :4], q)).max() / turns)
-        return self._turned[key]
+        if key not in self._attitude_errors:
+            states, _, turns = self.at(t)
+            self._attitude_errors[key] = float(
+                norms(rotation_vectors(states[:, :4], q)).max() / turns
+            )
+        return self._attitude_errors[key]
 
     def error(self, reading: Reading, enough: float = np.inf) -> float:
-        """The largest error in attitude and ω; infinite if the times are too far to follow.
+        """The largest relative error in attitude, ω and spins; infinite if times are too long.
 
         Parameters
         ----------
-        enough : if the error in attitude is as large as that, ω is not compared
+        enough : if the error in attitude is as large as that, ω and spins are not compared
         """
         if (reading.t[-1] - self.begins_at) * self.fastest > FURTHEST:
             return np.inf
-        off = [self.turned(reading.q, reading.t)]
-        if off[0] >= enough:
-            return off[0]
-        (made, speed, _), omega = self.at(reading.t), reading.omega_body
+        deviations = [self.turned(reading.q, reading.t)]
+        if deviations[0] >= enough:
+            return deviations[0]
+        (states, speed, _), omega = self.at(reading.t), reading.omega_body
         if omega is not None:
-            off.append(norms(omega - made[:, 4:]).max() / speed)
+            deviations.append(norms(omega - states[:, 4:]).max() / speed)
         if reading.spins is not None:
             scenario = self.scenario
-            spins = scenario.spins(made[:, 4:], scenario.kept_at_start)
-            off.append(norms(reading.spins - spins).max() / max(speed, norms(spins).max()))
-        largest = float(max(off))
+            spins = scenario.spins(states[:, 4:], scenario.kept_at_start)
+            deviations.append(norms(reading.spins - spins).max() / max(speed, norms(spins).max()))
+        largest = float(max(deviations))
         return np.inf if np.isnan(largest) else largest
 
-    def better(self, readings: Iterable[_Undone], best: _Undone) -> _Undone:
-        """Return the mistakes without which the error is smallest; the given ones if none explains.
+    def better(self, readings: Iterable[_Correction], best: _Correction) -> _Correction:
+        """Return the correction with the smallest error; `best` if none explains the error of that.
 
-        Of those alike the first is named.
+        The first of several equally good corrections is returned.
         """
         given = best[1]
-        usual = least = self.error(given)
-        # Of as many samples; what stands still is off by one, whatever is recorded.
-        of_given = {0: min(1.0, usual)}
+        baseline = least = self.error(given)
+        # By how many samples are left out. A body at rest has an error of 1, whatever is recorded.
+        baselines = {0: min(1.0, baseline)}
         for words, reading in readings if least > FITS else ():
-            # A reading that has fewer samples must be better than one without the worst.
-            if (fewer := len(given.t) - len(reading.t)) not in of_given:
+            # A reading with fewer samples must be better than the given one without the worst ones.
+            if (fewer := len(given.t) - len(reading.t)) not in baselines:
                 parts = slice(fewer, None), slice(None, len(given.t) - fewer)
                 errors = (self.error(given.rows(part)) for part in parts)
-                of_given[fewer] = min(1.0, usual, *errors)
-            enough = min(LEFT * of_given[fewer], least - FITS)
-            if (left := self.error(reading, enough)) < enough:
-                least, best = left, (words, reading)
+                baselines[fewer] = min(1.0, baseline, *errors)
+            enough = min(LEFT * baselines[fewer], least - FITS)
+            if (deviation := self.error(reading, enough)) < enough:
+                least, best = deviation, (words, reading)
         return best
 
     def other_times(self, reading: Reading) -> list[str]:
-        """Say how many times too short, or too long, times are, by how attitudes follow ω."""
+        """Return by which factor times are too short or too long, in words; often nothing.
+
+        It shows by attitudes that follow ω at other times only.
+        """
         least = self.error(reading)
-        if least <= FITS or (factor := _longer(reading)) is None:
+        if least <= FITS or (factor := _factor_of_times(reading)) is None:
             return []
-        # By explicit Euler an oscillation by an angle θ a step is slower by a part of θ²/3, and a
-        # decay by a part of r a step is faster by r/2.
-        nearly = float(norms(rotation_vectors(reading.q[:-1], reading.q[1:])).max()) ** 2 / 3
-        nearly += decay_rate(self.scenario) * float(np.diff(reading.t).max()) / 2
-        bounds = factor * (1 - nearly), factor * (1 + nearly)
+        # With explicit Euler an oscillation by θ rad a step is slower by the fraction θ²/3, and a
+        # decay by the fraction r a step is faster by the fraction r/2.
+        tolerance = float(norms(rotation_vectors(reading.q[:-1], reading.q[1:])).max()) ** 2 / 3
+        tolerance += decay_rate(self.scenario) * float(np.diff(reading.t).max()) / 2
+        bounds = factor * (1 - tolerance), factor * (1 + tolerance)
         fit = minimize_scalar(
             lambda factor: self.error(reading._replace(t=factor * reading.t)),
             bounds=bounds,
@@ -237,22 +272,22 @@ class _Beginning:
             options={"xatol": FITS * factor},
         )
         omega = self.at(fit.x * reading.t)[0][:, 4:]
-        # Where ω does not change it is as well that the attitude does not follow it.
+        # If ω hardly changes, an attitude that does not follow ω would explain as much.
         changes = norms(omega - omega[0]).max() / (norms(omega).max() or 1.0)
-        if fit.fun >= LEFT * min(least, changes) or abs(fit.x - 1) < nearly:
+        if fit.fun >= LEFT * min(least, changes) or abs(fit.x - 1) < tolerance:
             return []
         times, how = (fit.x, TOO_SHORT) if fit.x > 1 else (1 / fit.x, TOO_LONG)
         return [f"the times are {times:.4g} times {how}"]
 
 
-def _beginning(exact: Trajectory, turn: float) -> int:
-    """Return the number of samples that are compared, in which the motion turns so far, rad."""
+def _samples_until(exact: Trajectory, turn: float) -> int:
+    """Return the number of samples until the exact motion has turned by an angle, rad."""
     turned = np.cumsum(norms(exact.omega_body)[1:] * np.diff(exact.t))
     return max(FEWEST + LEFT_OUT, int(np.searchsorted(turned, turn)) + 1)
 
 
-def _undone(reading: Reading, scenario: Scenario) -> Iterator[tuple[str, Reading]]:
-    """Yield every mistake in words, and the reading without it."""
+def _corrections(reading: Reading, scenario: Scenario) -> Iterator[tuple[str, Reading]]:
+    """Yield each mistake that is tried, in words, and the reading corrected for it."""
     other: QuaternionOrder = "xyzw" if reading.order == "wxyz" else "wxyz"
     letters = " ".join(other)
     swapped = np.roll(reading.q, 1 if other == "xyzw" else -1, axis=1)
@@ -276,7 +311,7 @@ def _undone(reading: Reading, scenario: Scenario) -> Iterator[tuple[str, Reading
             later = reading.t + sign * samples * step
             yield f"each state is that of {words} {when} its time", reading._replace(t=later)
     for which, mirror in LEFT_HANDED.items():
-        # Axial vectors change their sign where axes do not turn.
+        # A reflection changes the sign of axial vectors.
         q = np.hstack([reading.q[:, :1], -reading.q[:, 1:] @ mirror])
         omega = None if reading.omega is None else -reading.omega @ mirror
         yield f"its axes are left-handed, {which}", reading._replace(q=q, omega=omega)
@@ -286,13 +321,18 @@ def _undone(reading: Reading, scenario: Scenario) -> Iterator[tuple[str, Reading
         yield from _of_spins(reading, reading.spins, scenario)
 
 
-def _longer(reading: Reading) -> float | None:
-    """Return by how much longer times would have to be for attitudes to follow ω, nearly."""
+def _factor_of_times(reading: Reading) -> float | None:
+    """Return the factor that times would have to be longer by for attitudes to follow ω, nearly.
+
+    Returns
+    -------
+    None without ω, or if attitude or ω do not turn
+    """
     if (omega := reading.omega_body) is None:
         return None
     turned = norms(rotation_vectors(reading.q[:-1], reading.q[1:])).sum()
-    wanted = np.sum(norms(omega[1:] + omega[:-1]) / 2 * np.diff(reading.t))
-    return float(turned / wanted) if turned and wanted else None
+    expected = np.sum(norms(omega[1:] + omega[:-1]) / 2 * np.diff(reading.t))
+    return float(turned / expected) if turned and expected else None
 
 
 def _of_spins(
@@ -327,19 +367,26 @@ def _of_omega(reading: Reading, omega: FloatArray) -> Iterator[tuple[str, Readin
             f"ω is the rates of Euler angles {of_angles}",
             reading._replace(omega=omega_world, frame="world"),
         )
-    # It is undone by pairing each attitude with the ω that belongs to it; at one end there is none.
+    # Each attitude is paired with the ω of its own time; the sample at one end has none.
     earlier, later = slice(None, -1), slice(1, None)
-    for age, mine, other in (("older", earlier, later), ("newer", later, earlier)):
-        kept = reading.rows(mine)
+    for age, own, other in (("older", earlier, later), ("newer", later, earlier)):
+        kept = reading.rows(own)
         yield f"ω is one sample {age} than the attitude", kept._replace(omega=omega[other])
         yield (
             f"ω is half a sample {age} than the attitude, as of semi-implicit Euler or leapfrog",
-            kept._replace(omega=(omega[mine] + omega[other]) / 2),
+            kept._replace(omega=(omega[own] + omega[other]) / 2),
         )
 
 
 def _of_rates(R_world_body: FloatArray, rates: FloatArray, axes: tuple[int, ...]) -> FloatArray:
-    """Return ω along world axes from rates of angles a, b, c, with R = R_i(a) R_j(b) R_k(c)."""
+    """Return ω along world axes, rad/s, (n, 3), from the rates of Euler angles a, b and c.
+
+    Parameters
+    ----------
+    R_world_body : the attitudes R_i(a) R_j(b) R_k(c), (n, 3, 3)
+    rates : of the angles, rad/s, (n, 3)
+    axes : i, j, k
+    """
     i, j, k = axes
     a, b, c = rates.T if i == k else rates.T[[i, j, k]]
     first = np.eye(3)[i]

@@ -1,4 +1,4 @@
-"""Mistakes of sensors, as changes of how ω and the attitude are read, and their words."""
+"""Errors of sensors, as changes of how ω and the attitude are read, and their words."""
 
 from collections.abc import Callable, Sequence
 
@@ -12,26 +12,26 @@ from ....scenarios import FloatArray
 from ....scenarios.rotation import norms, times
 from ..explaining.hypothesis import Change, Hypothesis
 
-#: Largest turn, rad, by which ω or an attitude may be late.
+#: Largest turn of the body, rad, in the time by which ω or the attitude is late.
 FURTHEST = 1.0
-#: Relative error of a factor by which degrees are recognised.
+#: Relative tolerance at which a scale factor is recognised as that of degrees.
 DEGREES = 1e-2
-#: Nodes of a filter's quadrature: with one fewer a noise of 1e-4 of ω shows the difference.
+#: Nodes of a filter's quadrature. With one fewer its error shows at a noise of 1e-4 of ω.
 NODES = 4
-#: Iω + h, by mistake.
+#: Iω + h is recorded in place of ω.
 MOMENTUM = Change(
     "momentum",
     lambda h, _: h._replace(read=h.equations.inertia, bias=h.equations.kept),
     np.empty(0),
 )
-#: Where the numbers of a gyroscope's cross-axis sensitivity are in a matrix.
-CROSSED = ~np.eye(3, dtype=bool)
+#: The entries of a matrix that hold a gyroscope's cross-axis sensitivity.
+OFF_DIAGONAL = ~np.eye(3, dtype=bool)
 
 
-def _crossed(numbers: FloatArray) -> FloatArray:
-    """Return the matrix of axes that read so many times one another, (6,), besides themselves."""
+def _cross_axis(parameters: FloatArray) -> FloatArray:
+    """Return the matrix, (3, 3), of a gyroscope with a cross-axis sensitivity, (6,), row by row."""
     read = np.eye(3)
-    read[CROSSED] = numbers
+    read[OFF_DIAGONAL] = parameters
     return read
 
 
@@ -48,9 +48,9 @@ SENSORS = (
     Change("turned attitude", lambda h, n: h._replace(turned=n), np.ones(3)),
     Change("delay", lambda h, n: h._replace(delay=n[0]), np.ones(1)),
 )
-#: The six numbers of this one are told apart from those of others where there is no noise alone.
-CROSS_AXIS = Change("cross-axis", lambda h, n: h._replace(read=h.read @ _crossed(n)), np.ones(6))
-#: Filters of ω, which are not undone: what they left out is lost.
+#: Its six parameters can be told from those of other mistakes only where there is no noise.
+CROSS_AXIS = Change("cross-axis", lambda h, n: h._replace(read=h.read @ _cross_axis(n)), np.ones(6))
+#: Filters of ω. They are not undone, as what they suppress is lost.
 FILTERS = (
     Change("low-pass", lambda h, n: h._replace(low_pass=n[0]), np.ones(1)),
     Change(
@@ -59,11 +59,11 @@ FILTERS = (
         np.ones(1),
     ),
 )
-#: All that may be wrong with how ω and the attitude are read, and is undone from sample to sample.
+#: The changes of reading that are undone at each sample, where intervals are compared.
 READINGS = (MOMENTUM, *SENSORS, CROSS_AXIS)
-#: All that may be wrong with them in a log.
+#: The changes of reading that are tried with a flight log.
 OF_LOGS = (*SENSORS, *FILTERS)
-#: By mistake, its words, and what is added to its numbers, and the factor, before they are shown.
+#: By kind: its words, and a and f of a + f p, as which its parameters p are shown.
 WORDS = {
     "bias": ("the gyroscope has a bias of {} rad/s", 0.0, 1.0),
     "scale": ("the gyroscope's axes read {} times ω", 1.0, 1.0),
@@ -93,7 +93,7 @@ WORDS = {
 }
 
 
-#: The words of a number below zero, which are of its size.
+#: The words of a negative parameter, of which the absolute value is shown.
 AHEAD = {
     "lag": "ω is ahead of the attitude by {} s",
     "delay": "the attitude is that of {} s after its time, and ω is that of its time",
@@ -101,62 +101,76 @@ AHEAD = {
 
 
 def of_sensor(
-    change: Change, numbers: FloatArray, in_words: Callable[[FloatArray, float], str]
+    change: Change, parameters: FloatArray, in_words: Callable[[FloatArray, float], str]
 ) -> str:
-    """Return a mistake in words.
+    """Return a sensor's error in words.
 
     Parameters
     ----------
-    in_words : prints its numbers, in other units than SI by the factor that it is given
+    parameters : of the change, SI units, (k,)
+    in_words : prints the parameters as they are shown, given the factor from SI to their units
     """
     words, added, factor = WORDS[change.kind]
-    if change.kind in AHEAD and numbers[0] < 0:
-        words, numbers = AHEAD[change.kind], -numbers
-    if not len(numbers):
+    if change.kind in AHEAD and parameters[0] < 0:
+        words, parameters = AHEAD[change.kind], -parameters
+    if not len(parameters):
         return words
-    shown = added + factor * numbers
+    shown = added + factor * parameters
     in_degrees = change.kind == "scale" and np.isclose(shown, 180 / np.pi, rtol=DEGREES).any()
     return words.format(in_words(shown, factor)) + ", as in degrees" * bool(in_degrees)
 
 
 def as_read(hypotheses: Sequence[Hypothesis], states: FloatArray, t: FloatArray) -> FloatArray:
-    """Return states of H hypotheses, q and ω, as they are read at times, s, (S,): (H, S, 7)."""
+    """Return the states of H hypotheses as their sensors read them, (H, S, 7).
+
+    Parameters
+    ----------
+    states : the actual q, scalar first, and ω, rad/s, body axes, (H, S, 7)
+    t : s, (S,)
+    """
     read = states.copy()
-    for h, of_it, made in zip(hypotheses, states, read, strict=True):
+    for h, actual, output in zip(hypotheses, states, read, strict=True):
         if h.lag:
-            made[:, 4:] = _later(h, of_it, -h.lag)[:, 4:]
+            output[:, 4:] = _propagated(h, actual, -h.lag)[:, 4:]
         if h.low_pass:
-            made[:, 4:] = _filtered(h, of_it, t)
+            output[:, 4:] = _filtered(h, actual, t)
         if h.delay:
-            made[:, :4] = _later(h, of_it, -h.delay)[:, :4]
-        made[:, :4] = _turned(made[:, :4], h.turned)
+            output[:, :4] = _propagated(h, actual, -h.delay)[:, :4]
+        output[:, :4] = _turned(output[:, :4], h.turned)
     by = np.stack([one.read for one in hypotheses])
-    read[..., 4:] = read[..., 4:] @ np.swapaxes(by, 1, 2) + _added(hypotheses, t)
+    read[..., 4:] = read[..., 4:] @ np.swapaxes(by, 1, 2) + _bias_and_drift(hypotheses, t)
     return read
 
 
 def as_it_was(hypotheses: Sequence[Hypothesis], read: FloatArray, t: FloatArray) -> FloatArray:
-    """Return the states, q and ω, that H hypotheses read so, (H, S, 7); nan if ω does not tell.
+    """Return the actual states that the sensors of H hypotheses read as given, (H, S, 7).
+
+    This is the inverse of `as_read`, but for filters.
 
     Parameters
     ----------
-    read : q and ω as they were read at times t, s, (S, 7) and (S,)
+    read : q, scalar first, and ω, rad/s, body axes, as they were read, (S, 7)
+    t : s, (S,)
+
+    Returns
+    -------
+    Not finite where a hypothesis reads ω so that it cannot be recovered
     """
     by = np.stack([inverse(one.read) for one in hypotheses])
     states = np.tile(read, (len(hypotheses), 1, 1))
-    states[..., 4:] = (read[:, 4:] - _added(hypotheses, t)) @ np.swapaxes(by, 1, 2)
-    for h, was in zip(hypotheses, states, strict=True):
-        was[:, :4] = _turned(was[:, :4], -h.turned)
+    states[..., 4:] = (read[:, 4:] - _bias_and_drift(hypotheses, t)) @ np.swapaxes(by, 1, 2)
+    for h, true in zip(hypotheses, states, strict=True):
+        true[:, :4] = _turned(true[:, :4], -h.turned)
         if h.lag:
-            was[:, 4:] = _later(h, was, h.lag)[:, 4:]
+            true[:, 4:] = _propagated(h, true, h.lag)[:, 4:]
         if h.delay:
-            before = _later(h, was, -h.delay)
-            was[:, :4] = _later(h, np.hstack([was[:, :4], before[:, 4:]]), h.delay)[:, :4]
+            before = _propagated(h, true, -h.delay)
+            true[:, :4] = _propagated(h, np.hstack([true[:, :4], before[:, 4:]]), h.delay)[:, :4]
     return states
 
 
-def _added(hypotheses: Sequence[Hypothesis], t: FloatArray) -> FloatArray:
-    """Return what is added to ω at times, s, (S,), before it is read: bias and drift, (H, S, 3)."""
+def _bias_and_drift(hypotheses: Sequence[Hypothesis], t: FloatArray) -> FloatArray:
+    """Return what bias and drift add to ω as it is read at times t, s, (S,), rad/s, (H, S, 3)."""
     added = np.stack([(one.bias, one.drift) for one in hypotheses])[:, :, None]
     return np.asarray(added[:, 0] + t[:, None] * added[:, 1])
 
@@ -169,21 +183,21 @@ def _turned(q: FloatArray, turn: FloatArray) -> FloatArray:
 
 
 def _filtered(hypothesis: Hypothesis, states: FloatArray, t: FloatArray) -> FloatArray:
-    """Return what a low-pass filter leaves of ω, (S, 3): Gauß–Laguerre quadrature of its past."""
-    constant = hypothesis.low_pass
-    if not 0 <= constant * norms(states[:, 4:]).max() < FURTHEST:
+    """Return ω, rad/s, (S, 3), after a low-pass filter: Gauß–Laguerre quadrature of its past."""
+    time_constant = hypothesis.low_pass
+    if not 0 <= time_constant * norms(states[:, 4:]).max() < FURTHEST:
         return np.full((len(states), 3), np.nan)
     nodes, weights = laggauss(NODES)
-    spans = np.tile(-constant * np.diff(nodes, prepend=0.0), (len(states), 1))
+    spans = np.tile(-time_constant * np.diff(nodes, prepend=0.0), (len(states), 1))
     past = follow(hypothesis.equations, states, spans)[..., 4:]
-    made = np.asarray(weights @ past)
-    if hypothesis.is_begun and constant:
-        made += np.exp((t[0] - t) / constant)[:, None] * (states[0, 4:] - made[0])
-    return made
+    output = np.asarray(weights @ past)
+    if hypothesis.is_begun and time_constant:
+        output += np.exp((t[0] - t) / time_constant)[:, None] * (states[0, 4:] - output[0])
+    return output
 
 
-def _later(hypothesis: Hypothesis, states: FloatArray, by: float) -> FloatArray:
-    """Return where states lead in a time, s, before or after; nan where they turn too far in it."""
+def _propagated(hypothesis: Hypothesis, states: FloatArray, by: float) -> FloatArray:
+    """Return states, (S, 7), as they are a time, s, later; nan if a body turns too far in it."""
     if not abs(by) * norms(states[:, 4:]).max() < FURTHEST:
         return np.full_like(states, np.nan)
     return follow(hypothesis.equations, states, np.full((len(states), 1), by))[:, 0]
