@@ -1,4 +1,4 @@
-"""What was made of a scene's start, where the first sample of a recording is off."""
+"""Finds how a scene's start was misread, where the first sample is not the exact one."""
 
 from collections.abc import Iterator, Sequence
 
@@ -17,75 +17,84 @@ from .mistakes import FITS
 from .other_physics import Physics
 from .read_omega import OMEGA
 
-#: Conventions of Euler angles, as scipy writes them, that angles of z-y-z are taken for.
+#: Conventions, in scipy's notation, by which z-y-z angles may have been read by mistake.
 CONVENTIONS = ("ZYX", "XYZ", "ZXZ", "ZXY", "YXZ", "zyx", "xyz", "zyz")
 
 
 def elsewhere(physics: Physics) -> list[str]:
-    """Return the sentence that the first sample is off by more than what explains the others.
+    """Return how the first sample differs from the exact motion, in words.
 
-    What is gained from sample to sample, by noise or a method, is known to so many numbers; a
-    method has errors since the scene's start.
+    Its deviation is compared with the gains from sample to sample by an F-test, and with a bound of
+    the method's error since the scene's start.
+
+    Returns
+    -------
+    One sentence; none unless the deviation exceeds both
     """
     scenario, exact, motion = physics.scenario, physics.exact, physics.motion
     of_method = gained_before(scenario, motion.t, physics.timestep, physics.order)
-    off = apart(states_of(exact.until(1)), states_of(motion.until(1))).reshape(2, 3)
+    deviations = apart(states_of(exact.until(1)), states_of(motion.until(1))).reshape(2, 3)
     others = gained(scenario, motion)[1:].reshape(-1, 2, 3)
     count = max(1, 3 * len(others))
     least = physics.least
-    usual = np.sum(others**2, axis=(0, 2)) / count + least**2
-    by_chance = fdtrc(3, count, np.mean(off**2, axis=1) / usual)
-    if not ((by_chance < LEVEL / 2) & (norms(off) > of_method)).any():
+    variances = np.sum(others**2, axis=(0, 2)) / count + least**2
+    p_values = fdtrc(3, count, np.mean(deviations**2, axis=1) / variances)
+    if not ((p_values < LEVEL / 2) & (norms(deviations) > of_method)).any():
         return []
     attitudes = apart(states_of(exact.until(2)), states_of(motion.until(2)))[:, :3]
-    if norms(off)[0] <= least[0] and norms(attitudes[1:])[0] <= least[0]:
-        # By where the attitude goes, ω was right at the start.
+    if norms(deviations)[0] <= least[0] and norms(attitudes[1:])[0] <= least[0]:
+        # The second attitude is right, so the first ω was: only the recorded one is wrong.
         return [OMEGA]
     start = states_of(exact.until(1))
-    words = "" if exact.t[0] else _mistaken(scenario, states_of(motion.until(1))[0])
-    words = words or _at_another_time(scenario, start, off)
-    return [words or started_elsewhere(float(exact.t[0]), norms(off))]
+    words = "" if exact.t[0] else _misread_start(scenario, states_of(motion.until(1))[0])
+    words = words or _at_another_time(scenario, start, deviations)
+    return [words or started_elsewhere(float(exact.t[0]), norms(deviations))]
 
 
-def _at_another_time(scenario: Scenario, start: FloatArray, off: FloatArray) -> str:
-    """Return in words that ω at the first sample is that of another time, if that is so.
+def _at_another_time(scenario: Scenario, start: FloatArray, deviations: FloatArray) -> str:
+    """Return in words that ω at the first sample is that of another time; else empty.
 
     Parameters
     ----------
     start : the exact state at the first sample, (1, 7)
-    off : how far attitude, rad, and ω, rad/s, are off there, (2, 3)
+    deviations : of the recorded attitude, rad, and ω, rad/s, from it, (2, 3)
     """
     equations = as_it_is(scenario).equations
     rate = max(equations.rate, float(norms(start[:, 4:])[0]))
-    turned, faster = norms(off) * [rate, 1.0]
+    turned, faster = norms(deviations) * [rate, 1.0]
     if not faster or turned > SAME * faster:
         return ""
 
     def later(time: float) -> FloatArray:
         return apart(start, follow(equations, start, np.array([[time]]))[:, 0])[0, 3:]
 
-    # Nearly, ω is off in the direction of its rate of change.
+    # To first order, the deviation of ω is its rate of change times the time.
     small = SAME / rate
     change = later(small) / small
-    time = float(off[1] @ change / max(change @ change, TINY))
-    left = float(norms((later(time) - off[1])[None])[0])
-    if abs(time) * rate > LEFT or left > max(SAME, abs(time) * rate) * faster:
+    time = float(deviations[1] @ change / max(change @ change, TINY))
+    residual = float(norms((later(time) - deviations[1])[None])[0])
+    if abs(time) * rate > LEFT or residual > max(SAME, abs(time) * rate) * faster:
         return ""
     when = "after" if time > 0 else "before"
     return f"ω is that of {abs(time):.4g} s {when} its time; the attitude is that of its time"
 
 
-def started_elsewhere(at: float, off: Sequence[float] | FloatArray) -> str:
-    """Return in words how far attitude, rad, and ω, rad/s, are off at a time, s."""
-    turned, faster = (0.0 if size < FITS else float(size) for size in off)
+def started_elsewhere(at: float, deviations: Sequence[float] | FloatArray) -> str:
+    """Return in words the deviations of attitude, rad, and ω, rad/s, at a time, s.
+
+    Parameters
+    ----------
+    deviations : their sizes, (2,)
+    """
+    turned, faster = (0.0 if size < FITS else float(size) for size in deviations)
     return (
         f"it started elsewhere: at t = {at:g} s the attitude is off by {np.degrees(turned):.3g}° "
         f"and ω by {faster:.3g} rad/s"
     )
 
 
-def _mistaken(scenario: Scenario, first: FloatArray) -> str:
-    """Return in words how a scene's start was read wrongly; empty if no such mistake made it.
+def _misread_start(scenario: Scenario, first: FloatArray) -> str:
+    """Return in words how a scene's start was misread; empty if no known mistake explains it.
 
     Parameters
     ----------
@@ -98,16 +107,16 @@ def _mistaken(scenario: Scenario, first: FloatArray) -> str:
         for name, q in _attitudes(scenario)
     }
     faster = {name: float(norms((first[4:] - omega)[None])[0]) for name, omega in _rates(scenario)}
-    for off, unit in (turned, 1.0), (faster, rate):
-        best = min(off, key=off.__getitem__)
-        if off[best] > FITS * unit:
+    for deviations, unit in (turned, 1.0), (faster, rate):
+        best = min(deviations, key=deviations.__getitem__)
+        if deviations[best] > FITS * unit:
             return ""
         words += [best] if best else []
     return f"it started elsewhere: {', and '.join(words)}" if words else ""
 
 
 def _attitudes(scenario: Scenario) -> Iterator[tuple[str, FloatArray]]:
-    """Yield the attitude of the scene's start, and what it is if read otherwise, in words."""
+    """Yield the start's attitude, scalar first, (4,), as it is and misread, with its words."""
     q_wxyz, angles = scenario.start.q_world_body_wxyz, scenario.document.start.euler_zyz_deg
     yield "", q_wxyz
     yield "its attitude is that of the world in the body", conjugate(q_wxyz)
@@ -122,7 +131,7 @@ def _attitudes(scenario: Scenario) -> Iterator[tuple[str, FloatArray]]:
 
 
 def _rates(scenario: Scenario) -> Iterator[tuple[str, FloatArray]]:
-    """Yield ω of the scene's start, rad/s, and what it is if it is read otherwise, in words."""
+    """Yield the start's ω, rad/s, body axes, (3,), as it is and misread, with its words."""
     omega, R_world_body = scenario.start.omega_body, matrix(scenario.start.q_world_body_wxyz)
     yield "", omega
     yield "its ω along world axes is taken to be along body axes", R_world_body @ omega
