@@ -1,4 +1,4 @@
-"""The changes with which a recorded motion may have been computed, or read, and their words."""
+"""The changes with which a recorded motion may have been computed or read, and their words."""
 
 import numpy as np
 
@@ -12,56 +12,60 @@ from ..explaining.hypothesis import Change, Hypothesis, as_it_is
 from .missing import KINEMATICS
 from .sensors import FILTERS, READINGS, of_sensor
 
-#: What a com beyond the pivot does, too: the tensor about the pivot is the same.
+#: A change that a com on the other side of the pivot amounts to, as the tensor about the pivot is
+#: the same.
 MIRRORED = "gravity's size", -2.0
-#: Integrators of game engines, which keep ω along world axes.
+#: The integrator keeps ω along world axes, as game engines do, and multiplies on the wrong side.
 IN_WORLD = Change(
     "wrong side in world axes", lambda h, _: h.of(kinematics=KEPT_IN_WORLD), np.empty(0)
 )
-#: Times between samples that are wrong by a factor.
+#: The times between samples are wrong by a factor.
 TIMES = Change("times", lambda h, n: h._replace(step=1 + n[0]), np.ones(1))
 
 
-def _with_other_sign(axis: int) -> Change:
-    """One of Euler's equations, by its axis, in which ω' has the other sign."""
+def _reversed_rate(axis: int) -> Change:
+    """The change in which one of Euler's equations, by its axis, gives ω' with the other sign."""
     sign = 1.0 - 2.0 * np.eye(3)[axis]
 
-    def reversed_(h: Hypothesis, _: FloatArray) -> Hypothesis:
+    def reverse(h: Hypothesis, _: FloatArray) -> Hypothesis:
         return h.of(inverse=sign[:, None] * h.equations.inverse)
 
-    return Change("sign of a rate", reversed_, np.empty(0), lambda _: [axis])
+    return Change("sign of a rate", reverse, np.empty(0), lambda _: [axis])
 
 
-def _locked(axis: int, *, is_set: bool) -> Change:
-    """ω about an axis of the body that stays as it is: by a hinge's torque, or set in each step."""
+def _locked_axis(axis: int, *, is_set: bool) -> Change:
+    """The change in which ω about a body axis is constant.
+
+    Either a hinge's torque keeps it, or it is set in each step.
+    """
     kept = [i for i in range(3) if i != axis]
 
-    def locked(h: Hypothesis, _: FloatArray) -> Hypothesis:
-        within = h.equations.inverse.copy()
-        within[axis] = 0.0
+    def lock(h: Hypothesis, _: FloatArray) -> Hypothesis:
+        inverse_inertia = h.equations.inverse.copy()
+        inverse_inertia[axis] = 0.0
         if not is_set:
-            within = np.zeros((3, 3))
-            within[np.ix_(kept, kept)] = inverse(h.equations.inertia[np.ix_(kept, kept)])
-        return h.of(inverse=within)
+            inverse_inertia = np.zeros((3, 3))
+            inverse_inertia[np.ix_(kept, kept)] = inverse(h.equations.inertia[np.ix_(kept, kept)])
+        return h.of(inverse=inverse_inertia)
 
-    return Change(f"rate {'set' if is_set else 'held'}", locked, np.empty(0), lambda _: [axis])
+    return Change(f"rate {'set' if is_set else 'held'}", lock, np.empty(0), lambda _: [axis])
 
 
-#: One of Euler's equations with I₁ − I₃ for I₃ − I₁, of a body without torques.
-OTHER_SIGNS = [_with_other_sign(axis) for axis in range(3)]
-#: Rotation about an axis of the body that a constraint, or a flag of an engine, forbids.
-LOCKED = [_locked(axis, is_set=is_set) for is_set in (False, True) for axis in range(3)]
+#: In one of Euler's equations, of a body without torques, I₁ − I₃ stands for I₃ − I₁.
+OTHER_SIGNS = [_reversed_rate(axis) for axis in range(3)]
+#: A constraint, or a flag of an engine, forbids rotation about an axis of the body.
+LOCKED = [_locked_axis(axis, is_set=is_set) for is_set in (False, True) for axis in range(3)]
 
 
 def changes_of_motion(scenario: Scenario) -> tuple[Change, ...]:
-    """Return every change with which a motion of a scene may have been computed, or read."""
+    """Return every change with which a motion of a scene may have been computed or read."""
     scene = scenario, as_it_is(scenario).equations
     of_equations = IN_WORLD, *changes(scenario), *OTHER_SIGNS, *LOCKED
     return *of_equations, *of_rotors(*scene), *of_attitude(*scene), *READINGS
 
 
 def is_of_turning(change: Change) -> bool:
-    """Whether a change is of how ω is read, or of how the attitude follows it."""
+    """Whether a change is one of how states are read, or of how the attitude follows ω."""
     return change in READINGS or KINDS[change.kind].is_kinematic
 
 

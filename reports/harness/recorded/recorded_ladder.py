@@ -1,7 +1,7 @@
-"""Recorded motions at halved timesteps as the ladder of one method, and the verdict on it.
+"""Judges recorded motions at halved timesteps as the ladder of one method.
 
-The gain of each file over the exact flow, from sample to sample, is judged by the same model as the
-gain of single steps. Whether a step depends on the state alone cannot be seen in a file.
+The gains of each file over the exact flow, from sample to sample, are judged by the same model as
+the gains of single steps. Files do not show whether a step depends on the state alone.
 """
 
 from collections.abc import Sequence
@@ -33,18 +33,18 @@ from .recording import RecordingError
 
 #: Two times are the same if they differ by less than this, relative to the last time.
 SAME_TIME = 1e-9
-#: Distance from the exact motion, rad, beyond which files follow motions of their own, and what
-#: they gain is no function of the timestep.
+#: Largest error of the attitude, rad, at which intervals are judged. Motions further from the exact
+#: one start their intervals from other states, so that gains are no function of the timestep.
 TOGETHER = 0.1
-#: Largest number of intervals that are judged, and number of files that a prediction needs.
+#: Largest number of intervals that are judged, and least number of files that a prediction takes.
 MOST_INTERVALS, FEWEST_FILES = 64, 3
-#: Relative tolerance for a halved timestep.
+#: Relative tolerance of the ratio of two timesteps.
 HALVED = 1e-6
 
 
 @final
 class RecordedEngine(Engine):
-    """An engine that stands for whatever made the motions: it has a method, and cannot be run."""
+    """An engine that stands for the unknown one of the files: it has a method but cannot be run."""
 
     name = "recorded"
 
@@ -54,21 +54,22 @@ class RecordedEngine(Engine):
 
     @property
     def version(self) -> str:
-        """Empty, as the version is unknown."""
+        """An empty string, as the version is unknown."""
         return ""
 
     def open(self, scenario: Scenario, method: Method, timestep: float) -> Session:  # noqa: ARG002
-        """Raise: there is nothing to open."""
+        """Raise `EngineError`, as there is nothing to open."""
         raise EngineError("recorded motions cannot be run")
 
 
 def study_of_files(
     scenario: Scenario, motions: Sequence[JudgedMotion], order: int
 ) -> ConvergenceStudy:
-    """Return motions, each made with half the timestep of another, as the runs of one method.
+    """Return recorded motions as the runs of one method.
 
     Parameters
     ----------
+    motions : each but one computed with half the timestep of another
     order : order of accuracy that the method has or claims
 
     Raises
@@ -93,7 +94,7 @@ def study_of_files(
     study = ConvergenceStudy(scenario, engine, engine.methods[0], solution, ladder)
     resolution = max(one.resolution for one in by_timestep)
     study.steps = _steps(study, np.array(timesteps), at_times, resolution)
-    _take(study, dict(zip(timesteps, at_times, strict=True)))
+    _answer_runs(study, dict(zip(timesteps, at_times, strict=True)))
     return study
 
 
@@ -103,15 +104,17 @@ def _steps(
     motions: Sequence[Trajectory],
     resolution: float,
 ) -> StepEvidence | None:
-    """Return the gain of files from sample to sample, while all of them are near the exact motion.
+    """Return the evidence of gains from sample to sample, while files are near the exact motion.
 
     Parameters
     ----------
-    resolution : relative distance of the numbers in the files
+    timesteps : of the files, s, from the longest to the shortest, (J,)
+    motions : of the files, at the same times
+    resolution : of the numbers in the files, relative
 
     Returns
     -------
-    None if there are too few files, or they are never near it.
+    None if there are too few files, or if they are nowhere near the exact motion
     """
     scenario, exact = study.scenario, study.solution.trajectory
     beyond = error_series(scenario, motions[0], exact).first_beyond("attitude", TOGETHER)
@@ -123,14 +126,14 @@ def _steps(
     spans = np.tile(np.diff(exact.t)[kept], len(motions))
     steps = Steps(timesteps, spans, before, after, flowed(scenario, before, spans))
     equations, condition = Equations(scenario), float(np.linalg.cond(scenario.inertia))
-    of_numbers = noise_of(equations, steps, study.engine, condition, settled=False)
-    taken = np.sqrt(spans.reshape(len(motions), -1) / timesteps[:, None])[..., None]
-    of_files = noise_of_steps(equations, steps) * (taken + resolution / NOISE)
+    of_engine = noise_of(equations, steps, study.engine, condition, settled=False)
+    sqrt_steps = np.sqrt(spans.reshape(len(motions), -1) / timesteps[:, None])[..., None]
+    of_files = noise_of_steps(equations, steps) * (sqrt_steps + resolution / NOISE)
     look = Look(
         equations,
         steps,
         step_gains(equations, steps)[:, 0],
-        np.hypot(of_numbers, of_files),
+        np.hypot(of_engine, of_files),
         0,
         study.engine.single_precision,
         is_pooled=False,
@@ -140,7 +143,7 @@ def _steps(
 
 
 def verdict_on_files(study: ConvergenceStudy) -> Verdict:
-    """Return the verdict; if files are too few, or never near, it says what a verdict takes."""
+    """Return the verdict on files. Where there is no evidence, it quotes what a verdict takes."""
     verdict = judge(study.records)
     if verdict.verdict != "unresolved" or study.steps is not None:
         return verdict
@@ -152,18 +155,19 @@ def verdict_on_files(study: ConvergenceStudy) -> Verdict:
 
 
 def results_of(study: ConvergenceStudy, explained_by: Sequence[str]) -> Results:
-    """Return the runs and the verdict in the form of a result file, for pages.
+    """Return the runs and the verdict as the results of one scene, for pages.
 
     Parameters
     ----------
-    explained_by : what explains the motion, in words; if anything does, it is not the exact one
+    explained_by : mistakes or other physics that explain the motion, in words; if there are any,
+        the method disagrees with the scene
     """
     verdict = verdict_on_files(study)
     if explained_by:
         quoted = "; ".join(filter(None, [*explained_by, verdict.quoted]))
         verdict = replace(verdict, verdict="disagrees", quoted=quoted)
     name, pair = study.scenario.name, (study.engine.name, study.method.name)
-    # They are treated as an engine's defaults: judged as they are, shown first, never recommended.
+    # Files are treated as an engine as shipped: judged, shown first, and never recommended.
     return Results(
         {},
         {name: SceneResult(study.scenario, study.solution)},
@@ -173,7 +177,7 @@ def results_of(study: ConvergenceStudy, explained_by: Sequence[str]) -> Results:
     )
 
 
-def _take(study: ConvergenceStudy, recorded: dict[float, Trajectory]) -> None:
+def _answer_runs(study: ConvergenceStudy, recorded: dict[float, Trajectory]) -> None:
     """Answer each run that the study asks for with the motion of its file."""
     runs = study.runs()
     planned = next(runs, None)
@@ -189,7 +193,13 @@ def _take(study: ConvergenceStudy, recorded: dict[float, Trajectory]) -> None:
 
 
 def _timestep(motion: JudgedMotion) -> float:
-    """Return the timestep of a file, s; if it states none, the distance of its samples."""
+    """Return the timestep of a file, s; if it states none, the time between samples.
+
+    Raises
+    ------
+    RecordingError
+        If it states none and its samples are not evenly spaced.
+    """
     if motion.timestep is not None:
         return motion.timestep
     distances = np.diff(motion.recorded.trajectory.t)
@@ -202,7 +212,13 @@ def _timestep(motion: JudgedMotion) -> float:
 
 
 def _shared(motions: Sequence[Trajectory]) -> FloatArray:
-    """The times, s, that all motions are sampled at."""
+    """Return the times, s, (S,), at which all motions have samples.
+
+    Raises
+    ------
+    RecordingError
+        If there are fewer than two.
+    """
     times = motions[0].t
     slack = SAME_TIME * float(times[-1])
     for motion in motions[1:]:
@@ -214,6 +230,6 @@ def _shared(motions: Sequence[Trajectory]) -> FloatArray:
 
 
 def _at(motion: Trajectory, times: FloatArray) -> Trajectory:
-    """Return the samples at given times, which are times of another file."""
+    """Return the samples at times, s, (S,), that are those of another file but for rounding."""
     slack = SAME_TIME * float(times[-1])
     return replace(motion.at(np.searchsorted(motion.t, times - slack)), t=times)
