@@ -1,4 +1,4 @@
-"""Turns a recording into a motion, with frames and order of components as its columns have them."""
+"""Converts a recording to a motion, by the frames and the order of components of its columns."""
 
 from dataclasses import dataclass
 from itertools import pairwise
@@ -18,8 +18,8 @@ from ....scenarios.rotation import (
 )
 from .recording import Recording, RecordingError
 
-#: Numbers of samples that ω is computed from, and the part of samples in which errors are compared:
-#: they are larger at either end.
+#: Numbers of samples that ω is computed from; and the quantile of errors by which these are chosen,
+#: as errors are larger at either end.
 STENCILS, NEARLY_ALL = (5, 7, 9), 0.9
 #: Largest turn between two samples, rad: over the four intervals of a stencil the direction of a
 #: turn must not be ambiguous.
@@ -30,14 +30,14 @@ OmegaFrame = Literal["body", "world"]
 
 
 class Reading(NamedTuple):
-    """One way to read n samples.
+    """The n samples of a recording, read in one way.
 
     Attributes
     ----------
     t : s, (n,)
     q : with the scalar first, (n, 4)
     omega : rad/s, (n, 3); None if it was not recorded
-    order, frame : of the quaternion's components and of ω
+    order, frame : the order of the recorded quaternion's components, and the axes of ω
     spins : of rotors, relative to the body, rad/s, (n, rotors); None if they were not recorded
     """
 
@@ -49,7 +49,7 @@ class Reading(NamedTuple):
     spins: FloatArray | None
 
     def rows(self, rows: slice | NDArray[np.intp]) -> "Reading":
-        """Return some of the samples, as a slice or by their indices."""
+        """Return the samples of a slice, or with given indices."""
         omega, spins = (None if one is None else one[rows] for one in (self.omega, self.spins))
         return self._replace(t=self.t[rows], q=self.q[rows], omega=omega, spins=spins)
 
@@ -62,7 +62,10 @@ class Reading(NamedTuple):
 
 
 def reading_of(recording: Recording) -> Reading:
-    """Return a recording as it states itself, or if it does not as w x y z and in body axes."""
+    """Return a recording read by its settings; without them as w x y z, and ω along body axes.
+
+    Quaternions are normalised.
+    """
     stated = recording.settings
     order: QuaternionOrder = "xyzw" if stated.get("quaternion") == "xyzw" else "wxyz"
     frame: OmegaFrame = "world" if stated.get("omega") == "world" else "body"
@@ -78,8 +81,9 @@ class DerivedOmega(NamedTuple):
     Attributes
     ----------
     omega_body : rad/s, body axes, (n, 3)
-    error : of nearly all samples at most, rad/s: how far ω of two samples more is from it
-    reach : how many samples on each side it is computed from
+    error : estimated error of nearly all samples, rad/s: the difference from ω computed from more
+        samples
+    reach : how many samples on each side ω is computed from
     """
 
     omega_body: FloatArray
@@ -89,7 +93,7 @@ class DerivedOmega(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class RecordedMotion:
-    """A motion, and which of its quantities were recorded.
+    """A recorded motion, and which of its quantities were recorded.
 
     Attributes
     ----------
@@ -111,7 +115,7 @@ class RecordedMotion:
 def recorded_motion(
     scenario: Scenario, recording: Recording, reading: Reading, exact: Trajectory
 ) -> RecordedMotion:
-    """Return a recording as a motion in the scene's frames.
+    """Return a recording as a motion in the scene's frames, with what was not recorded added.
 
     Parameters
     ----------
@@ -148,10 +152,10 @@ def recorded_motion(
 
 
 def omega_of_attitudes(t: FloatArray, q_world_body_wxyz: FloatArray) -> DerivedOmega:
-    """Return ω from n attitudes.
+    """Return ω as the derivative of attitudes, (n, 4), at times t, s, (n,).
 
-    More samples have a smaller error where attitudes have digits enough; the fewest are used whose
-    error is not much larger than that of others.
+    Longer stencils have smaller errors if attitudes have enough digits. The shortest is used whose
+    error is at most twice the smallest.
 
     Raises
     ------
@@ -165,14 +169,16 @@ def omega_of_attitudes(t: FloatArray, q_world_body_wxyz: FloatArray) -> DerivedO
             f"the body turns by {np.degrees(turns[k]):.0f}° between samples {k + 1} and {k + 2}: "
             "ω cannot be told from attitudes so far apart; write ω, or more samples"
         )
-    every = [_derived(t, q_world_body_wxyz, samples) for samples in (*STENCILS, STENCILS[-1] + 2)]
-    errors = [float(np.quantile(norms(a - b), NEARLY_ALL)) for a, b in pairwise(every)]
+    derivatives = [
+        _derived(t, q_world_body_wxyz, samples) for samples in (*STENCILS, STENCILS[-1] + 2)
+    ]
+    errors = [float(np.quantile(norms(a - b), NEARLY_ALL)) for a, b in pairwise(derivatives)]
     best = next(k for k, error in enumerate(errors) if error <= 2 * min(errors))
-    return DerivedOmega(every[best], errors[best], STENCILS[best] // 2)
+    return DerivedOmega(derivatives[best], errors[best], STENCILS[best] // 2)
 
 
 def _derived(t: FloatArray, q_world_body_wxyz: FloatArray, samples: int) -> FloatArray:
-    """Return ω along body axes, rad/s, (n, 3), by polynomials of q through so many samples.
+    """Return ω along body axes, rad/s, (n, 3), from polynomials through a number of attitudes.
 
     ω is 2 q⁻¹ q', with weights of q' by B. Fornberg, Math. Comp. 51 (1988) 699.
     """
@@ -188,15 +194,20 @@ def _derived(t: FloatArray, q_world_body_wxyz: FloatArray, samples: int) -> Floa
 
 
 def _weight(t: FloatArray, first: NDArray[np.intp], points: int, j: int) -> FloatArray:
-    """Return the derivative, 1/s, (n,), at each sample, of the Lagrange polynomial of point j.
+    """Return the derivative at each sample of the Lagrange polynomial of point j, 1/s, (n,).
 
-    j counts the points of the sample's stencil. The sample's own weight is not needed: what is
-    added up is how far others are from it.
+    The weight of the sample itself is not needed, as differences from it are added up.
+
+    Parameters
+    ----------
+    first : index of the first point of each sample's stencil, (n,)
+    points : how many points each stencil has
+    j : the point's number in each stencil, from 0
     """
     own = np.arange(len(t)) - first
     weight = np.where(own == j, 0.0, 1.0)
     for i in range(points):
         if i != j:
-            apart = t[first + j] - t[first + i]
-            weight *= np.where(own == i, 1.0, t - t[first + i]) / apart
+            spacing = t[first + j] - t[first + i]
+            weight *= np.where(own == i, 1.0, t - t[first + i]) / spacing
     return weight

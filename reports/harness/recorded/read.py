@@ -1,7 +1,7 @@
 """Reads a recorded motion from a file: CSV, JSON lines, npz or Parquet.
 
-Files may come from anyone and be of any size: they are read in pieces, no further than to the
-largest number of samples, and nothing in them is executed.
+Files are not trusted and may be of any size. They are read in pieces, up to the largest number of
+samples, and nothing in them is executed.
 """
 
 import io
@@ -29,7 +29,7 @@ from .text_formats import (
     setting,
 )
 
-#: Number of bytes read of an array's header, which states its own length; one of numbers has 128.
+#: Number of bytes that are read of an array's header. An array of numbers has one of 128 bytes.
 LONGEST_HEADER = 1 << 10
 #: Errors that damaged or encrypted archives raise, and damaged headers.
 DAMAGED = (zipfile.BadZipFile, zlib.error, lzma.LZMAError, EOFError, RuntimeError)
@@ -37,12 +37,12 @@ MALFORMED = (ValueError, TypeError, tokenize.TokenError, SyntaxError)
 
 
 def read_npz(path: Path) -> Recording:
-    """Read an archive of arrays, by their names.
+    """Read a motion from an npz archive, whose arrays have the names of `QUANTITIES`.
 
     Raises
     ------
     RecordingError
-        If the file holds no such motion.
+        If the file does not hold such arrays.
     """
     arrays: dict[str, FloatArray] = {}
     settings: dict[str, str] = {}
@@ -52,7 +52,7 @@ def read_npz(path: Path) -> Recording:
         with zipfile.ZipFile(path) as archive:
             for entry in archive.namelist():
                 name = entry.removesuffix(".npy")
-                # It is ω itself, or the axes that ω is in.
+                # 'omega' names ω itself, or the setting of the axes that it is along.
                 if name in SETTINGS and _header(archive, entry)[0] == ():
                     value = str(_array(archive, entry, ())[()])
                     settings |= setting(name, value, None)
@@ -75,7 +75,7 @@ def read_npz(path: Path) -> Recording:
 
 
 def _header(archive: zipfile.ZipFile, entry: str) -> tuple[tuple[int, ...], np.dtype[Any]]:
-    """Return shape and type of an array, which is not unpacked."""
+    """Return the shape and the type of an array without unpacking it."""
     with archive.open(entry) as packed:
         file = io.BytesIO(packed.read(LONGEST_HEADER))
     version = npy.read_magic(file)
@@ -85,7 +85,12 @@ def _header(archive: zipfile.ZipFile, entry: str) -> tuple[tuple[int, ...], np.d
 
 
 def _array(archive: zipfile.ZipFile, entry: str, wanted: tuple[int | None, ...]) -> Any:
-    """Return an array whose shape is checked before it is unpacked."""
+    """Return an array, whose shape is checked before it is unpacked.
+
+    Parameters
+    ----------
+    wanted : the shape; None stands for any length
+    """
     shape, dtype = _header(archive, entry)
     is_text = dtype.kind == "U" and dtype.itemsize <= 4 * LONGEST_LINE
     if dtype.kind not in "fiu" and not (wanted == () and is_text):
@@ -103,12 +108,12 @@ def _array(archive: zipfile.ZipFile, entry: str, wanted: tuple[int | None, ...])
 
 
 def read_parquet(path: Path) -> Recording:
-    """Read a table with named columns; settings are in its metadata.
+    """Read a motion from a Parquet table with named columns, and settings from its metadata.
 
     Raises
     ------
     RecordingError
-        If the file holds no such motion, or pyarrow is not installed.
+        If the file does not hold such a table, or pyarrow is not installed.
     """
     try:
         import pyarrow
@@ -126,7 +131,7 @@ def read_parquet(path: Path) -> Recording:
                 if not (is_floating(field.type) or is_integer(field.type)):
                     wanted = f"must hold numbers, got {printable(str(field.type), 40)}"
                     raise RecordingError(f"'{field.name}' {wanted}")
-            # Other columns are not unpacked: a text may be large, and the same a million times.
+            # Other columns are not unpacked: a compressed column of texts may be very large.
             names = [field.name for field in used]
             table, row = Table(names), count(1)
             settings: dict[str, str] = {}
@@ -155,12 +160,12 @@ READERS = {
 
 
 def read_recording(path: Path) -> Recording:
-    """Read a recorded motion, by the ending of the file's name.
+    """Read a recorded motion, in the format that the ending of the file's name states.
 
     Raises
     ------
     RecordingError
-        If the file cannot be read, or holds no such motion.
+        If the file cannot be read, or does not hold a valid motion.
     """
     where = printable(str(path))
     reader = READERS.get(path.suffix.lower())

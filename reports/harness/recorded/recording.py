@@ -1,4 +1,4 @@
-"""A recorded motion: its columns with their units, its numbers, and what holds between samples."""
+"""A recorded motion: the columns of its file, their units, and the checks of its samples."""
 
 import re
 from collections.abc import Sequence
@@ -80,14 +80,14 @@ class Column:
 
 
 def columns_of(heads: Sequence[str]) -> list[Column | None]:
-    """Return the meaning of a table's columns by their headings; None for headings without meaning.
+    """Return the columns of a table by their headings; None for headings without meaning.
 
     A unit may follow the name in brackets, ``wx [deg/s]``; without one the unit is SI.
 
     Raises
     ------
     ColumnError
-        If a unit is unknown, a quantity is there twice or in part, or time or attitude is missing.
+        If a unit is unknown, a quantity is doubled or incomplete, or time or attitude is missing.
     """
     columns = [_column(head) for head in heads]
     for quantity in QUANTITIES:
@@ -106,7 +106,7 @@ def columns_of(heads: Sequence[str]) -> list[Column | None]:
 
 
 def factor_of(quantity: Quantity, unit: str | None) -> float:
-    """Return the factor that takes a number in this unit to SI units; None means SI.
+    """Return the factor from a unit of a quantity to SI units; None means SI units.
 
     Raises
     ------
@@ -145,11 +145,11 @@ def _names(quantity: Quantity) -> str:
 
 #: Tolerance of a quaternion's norm: numbers printed with four digits pass.
 UNIT_SLACK = 1e-3
-#: Relative error of multiples, of numbers converted from another unit; and of numbers that are
-#: the same, to the largest.
+#: Tolerance of multiples that were converted from another unit, relative; and of equal numbers,
+#: relative to the largest.
 MULTIPLE, EQUAL = 1e-6, 1e-9
-#: Largest unit of rounded quaternions: of larger ones attitudes cannot be told. And the least
-#: number of values that they have.
+#: Largest unit that components of quaternions may be rounded to, as coarser ones do not tell
+#: attitudes apart; and the least number of different values by which rounding is recognised.
 COARSEST, FEWEST_VALUES = 0.1, 8
 #: Factor by which the norm may change from one sample to the next, if no step normalises it.
 NORM_GROWS = 1.5
@@ -161,7 +161,7 @@ class RecordingError(ValueError):
 
 @dataclass(frozen=True, eq=False)
 class Recording:
-    """The numbers of a file in SI units, as it states them.
+    """The numbers of a file, in SI units.
 
     Attributes
     ----------
@@ -179,7 +179,10 @@ class Recording:
 
     @property
     def is_single(self) -> bool:
-        """Whether it was computed in single precision: as stated, or by 24 bits of attitudes."""
+        """Whether the motion was computed in single precision.
+
+        If the file does not state it, it is if all quaternions are numbers of 24 bits.
+        """
         q = self.arrays["q"]
         has_24_bits = np.array_equal(q, q.astype(np.float32)) and not np.array_equal(q, np.rint(q))
         return self.settings.get("precision", "single" if has_24_bits else "double") == "single"
@@ -198,25 +201,25 @@ class Recording:
 
     @property
     def resolution(self) -> float:
-        """The relative distance of the numbers of attitude and ω, as they are printed."""
+        """The relative resolution with which attitude and ω are printed."""
         eps = float(np.finfo(np.float32 if self.is_single else float).eps)
         columns = [self.arrays[name].ravel() for name in ("q", "omega") if name in self.arrays]
         numbers = np.concatenate(columns)
         if np.array_equal(numbers, np.rint(numbers)):
-            # Of whole numbers none was rounded.
+            # Whole numbers were not rounded.
             return eps
         digits = max(map(digits_of, numbers))
         return max(eps, 10.0 ** (1 - digits))
 
 
 def digits_of(value: float) -> int:
-    """Return how many decimal digits it takes to print a number exactly."""
+    """Return the number of significant decimal digits that print a number exactly."""
     mantissa = repr(float(abs(value))).partition("e")[0]
     return len(mantissa.replace(".", "").strip("0"))
 
 
 def unit_of(numbers: FloatArray) -> float:
-    """Return the unit of which all numbers are multiples, to six digits; 0 if there is none."""
+    """Return the number, to six digits, of which all numbers are multiples; 0 if there is none."""
     sizes = np.unique(np.abs(numbers))
     distances = np.diff(sizes, prepend=0.0)
     distances = distances[distances > EQUAL * sizes[-1]]
@@ -229,13 +232,21 @@ def unit_of(numbers: FloatArray) -> float:
 
 
 def slack_of(q: FloatArray) -> float:
-    """Return by how much norms of quaternions, (n, 4), may differ from 1 as they are rounded."""
+    """Return by how much norms of quaternions, (n, 4), may differ from 1 by their rounding."""
     unit, is_rounded = unit_of(q), len(np.unique(q)) >= FEWEST_VALUES
     return max(UNIT_SLACK, unit) if is_rounded and unit <= COARSEST else UNIT_SLACK
 
 
 def check_motion(arrays: dict[str, FloatArray]) -> None:
-    """Check what must hold between samples: increasing times, and norms of quaternions."""
+    """Check that all arrays are finite and as long, that times increase, and norms are near 1.
+
+    The norms of quaternions may drift slowly.
+
+    Raises
+    ------
+    RecordingError
+        If they are not.
+    """
     for quantity in QUANTITIES[:2]:
         if quantity.name not in arrays:
             raise RecordingError(f"must have an array '{quantity.name}'")
@@ -251,8 +262,8 @@ def check_motion(arrays: dict[str, FloatArray]) -> None:
         raise RecordingError(f"must have at least two samples, got {len(times)}")
     if times[0] < 0:
         raise RecordingError(f"times must be counted from the scene's start, got {times[0]:g} s")
-    if (back := np.diff(times) <= 0).any():
-        k = _first(back)
+    if (is_back := np.diff(times) <= 0).any():
+        k = _first(is_back)
         raise RecordingError(
             f"times must increase, got {times[k - 1]:.17g} s and then {times[k]:.17g} s in samples "
             f"{k - 1} and {k}, counted from 0; sort the samples, and leave out doubled ones"
@@ -260,8 +271,8 @@ def check_motion(arrays: dict[str, FloatArray]) -> None:
     norms = np.linalg.norm(arrays["q"], axis=1)
     before = np.concatenate([[1.0], norms[:-1]])
     slack = np.where(np.arange(len(norms)) > 0, NORM_GROWS, 1 + slack_of(arrays["q"]))
-    if (off := (norms * slack < before) | (norms > before * slack)).any():
-        k = _first(off) - 1
+    if (is_wrong := (norms * slack < before) | (norms > before * slack)).any():
+        k = _first(is_wrong) - 1
         raise RecordingError(
             f"quaternions must be of unit norm, or drift off it slowly from 1 on, that of sample "
             f"{k} is {norms[k]:.4g} long and the one before {before[k]:.4g}"
@@ -269,5 +280,5 @@ def check_motion(arrays: dict[str, FloatArray]) -> None:
 
 
 def _first(wrong: NDArray[np.bool_]) -> int:
-    """Return the number of the first row with something wrong, counted from one."""
+    """Return the number of the first row, counted from 1, in which any entry is true."""
     return int(np.argmax(wrong.reshape(len(wrong), -1).any(axis=1))) + 1

@@ -1,4 +1,4 @@
-"""Recorded motions in text: CSV and JSON lines."""
+"""Reads recorded motions from text: CSV and JSON lines."""
 
 import csv
 import json
@@ -15,7 +15,7 @@ from .recording import QUANTITIES, Quantity, Recording, RecordingError, columns_
 
 #: Largest number of characters in a line.
 LONGEST_LINE = 1 << 14
-#: What a file may state about itself, with the words it may use; None means a positive number.
+#: The settings that a file may state, with their permitted values; None means a positive number.
 SETTINGS: dict[str, tuple[str, ...] | None] = {
     "quaternion": ("wxyz", "xyzw"),
     "omega": ("body", "world"),
@@ -28,7 +28,11 @@ _SHORTEST, _LONGEST = 1e-150, 1e150
 
 
 class Table:
-    """Rows of numbers, added as they are read, by quantity; never more than a motion may have.
+    """A table of numbers that is filled row by row, with no more rows than a motion may have.
+
+    Parameters
+    ----------
+    heads : headings of the columns
 
     Attributes
     ----------
@@ -52,7 +56,8 @@ class Table:
         Raises
         ------
         RecordingError
-            If it has another number of cells than columns, or a cell is not a finite number.
+            If the row has another number of cells than the table, a cell is not a finite number,
+            or there are too many rows.
         """
         if len(cells) != len(self._columns):
             wanted = f"must have {len(self._columns)} columns"
@@ -62,7 +67,7 @@ class Table:
         check_count(len(self._rows))
 
     def arrays(self) -> dict[str, FloatArray]:
-        """Return the quantities, each (n, components), and the time (n,)."""
+        """Return the quantities by their names, SI units, (n, components), and the times, (n,)."""
         used = [column for column in self._columns if column is not None]
         numbers = np.array(self._rows, dtype=float).reshape(-1, len(used))
         arrays = {}
@@ -78,7 +83,17 @@ class Table:
 
 
 def setting(name: str, value: str, line: int | None) -> dict[str, str]:
-    """Return what a line states about the file; nothing if the name is no setting."""
+    """Return the value of a setting by its name; nothing if the name is no setting.
+
+    Parameters
+    ----------
+    line : number of the line that states it, for messages; None if there are no lines
+
+    Raises
+    ------
+    RecordingError
+        If the value is not permitted.
+    """
     if name not in SETTINGS:
         return {}
     words = SETTINGS[name]
@@ -104,7 +119,7 @@ def _number(cell: Any, where: str) -> float:
 
 
 def check_count(samples: int) -> None:
-    """Refuse more samples than a motion may have."""
+    """Raise `RecordingError` if there are more samples than a motion may have."""
     if samples > MAX_SAMPLES:
         raise RecordingError(
             f"must have at most {MAX_SAMPLES} samples; write every second or tenth of them"
@@ -112,7 +127,13 @@ def check_count(samples: int) -> None:
 
 
 def _lines(file: IO[str]) -> Iterator[tuple[int, str]]:
-    """Yield lines with their numbers, from 1 on; of a line that is too long only the beginning."""
+    """Yield the lines that are not empty, with their numbers, from 1 on.
+
+    Raises
+    ------
+    RecordingError
+        If a line is too long. It is read no further than that.
+    """
     number = 0
     while line := file.readline(LONGEST_LINE):
         number += 1
@@ -123,12 +144,12 @@ def _lines(file: IO[str]) -> Iterator[tuple[int, str]]:
 
 
 def read_csv(path: Path) -> Recording:
-    """Read a table whose first line names its columns, below comments with settings.
+    """Read a motion from a table whose first line names its columns, below comments with settings.
 
     Raises
     ------
     RecordingError
-        If the file holds no such motion.
+        If the file does not hold such a table.
     """
     settings: dict[str, str] = {}
     with path.open(encoding="utf-8-sig") as file:
@@ -154,12 +175,12 @@ def _cells(line: str, delimiter: str) -> list[str]:
 
 
 def read_json_lines(path: Path) -> Recording:
-    """Read one object a line, below one with settings.
+    """Read a motion from JSON lines: one object a sample, below objects with settings.
 
     Raises
     ------
     RecordingError
-        If the file holds no such motion.
+        If the file does not hold such lines.
     """
     settings: dict[str, str] = {}
     table: Table | None = None
@@ -194,7 +215,7 @@ def _object(line: str, number: int) -> dict[str, Any]:
 
 
 def _flat(record: dict[str, Any], number: int) -> Iterator[tuple[str, Any]]:
-    """Yield keys with values; components of a list have the names that they have in a table."""
+    """Yield keys with values; the components of a list are named as a table's columns."""
     quantities: dict[str, Quantity] = {quantity.name: quantity for quantity in QUANTITIES}
     for key, value in record.items():
         if not isinstance(value, list):
