@@ -1,4 +1,4 @@
-"""Ways to read a recording otherwise that are rare enough to be looked for one at a time."""
+"""Other ways to read a recording, so rare that they are tried by themselves and not in pairs."""
 
 import warnings
 from collections.abc import Iterator
@@ -15,11 +15,11 @@ from ..explaining.search import LEFT
 from .motion import Reading
 from .recording import unit_of
 
-#: By how many samples ω may be older or newer than the attitude, if by more than one.
+#: By how many samples ω may be older or newer than the attitude, besides one.
 SAMPLES = range(2, 6)
-#: Relative error of a time that is rounded.
+#: Tolerance of rounded times, in units of rounding, and of matrices.
 ALIKE = 1e-6
-#: Orders and signs of three axes, as matrices; and those that are right-handed.
+#: All orders and signs of three axes, as matrices; and the right-handed ones.
 EVERY_AXES = [
     np.array(signs)[:, None] * np.eye(3)[list(order)]
     for order in permutations(range(3))
@@ -49,7 +49,10 @@ def other_readings(
 
 
 def equal_times(reading: Reading) -> Iterator[tuple[str, Reading]]:
-    """Yield the recording with its times unrounded, samples equally far apart, by 1/n s perhaps."""
+    """Yield the recording with even times, in words, if its own may be these after rounding.
+
+    Samples are 1/n s apart, or as far apart as fits best.
+    """
     t, count = reading.t, np.arange(len(reading.t))
     unit = unit_of(np.diff(t))
     slope, start = np.polyfit(count, t, 1)
@@ -58,16 +61,16 @@ def equal_times(reading: Reading) -> Iterator[tuple[str, Reading]]:
         (t[0], 1 / rate, f"1/{rate} s"),
         (start, slope, f"{slope:.6g} s"),
     ):
-        equal = first + distance * count
-        # Times that are all multiples of one distance are not rounded.
+        even = first + distance * count
+        # Times that are multiples of the sampling period are not rounded.
         is_rounded = 0 < unit < (1 - LEFT**2) * slope
-        if is_rounded and np.abs(t - equal).max() < (1 + ALIKE) * unit / 2:
+        if is_rounded and np.abs(t - even).max() < (1 + ALIKE) * unit / 2:
             words = f"the times are rounded to {unit:.6g} s: samples are {words} apart"
-            yield words, reading._replace(t=equal)
+            yield words, reading._replace(t=even)
 
 
 def _of_components(reading: Reading) -> Iterator[tuple[str, Reading]]:
-    """Yield the recording with components of the quaternion's vector and of ω, both alike."""
+    """Yield the recording with other components of the quaternion's vector, and the same of ω."""
     for components in OTHER_COMPONENTS:
         names = ", ".join(f"{'-' * (one < 0)}{' xyz'[abs(one)]}" for one in components)
         axes, signs = np.abs(components) - 1, np.sign(components)
@@ -78,7 +81,7 @@ def _of_components(reading: Reading) -> Iterator[tuple[str, Reading]]:
 
 
 def _of_columns(reading: Reading) -> Iterator[tuple[str, Reading]]:
-    """The components of quaternions in other orders, with other signs."""
+    """Yield the recording with the quaternion's components in other orders and with other signs."""
     for order in map(list, permutations(range(4))):
         for signs in product((1.0, -1.0), repeat=3):
             picked = zip((1.0, *signs), COLUMNS[order], strict=True)
@@ -88,36 +91,39 @@ def _of_columns(reading: Reading) -> Iterator[tuple[str, Reading]]:
 
 
 def _of_angles(reading: Reading) -> Iterator[tuple[str, Reading]]:
-    """Attitudes composed from Euler angles by another convention than they are of."""
+    """Yield the recording with Euler angles composed by another convention than they were."""
     R = Rotation.from_quat(reading.q, scalar_first=True)
-    # Of any type, as scipy lists the conventions that there are.
+    # Any, as scipy's stubs declare literal types of conventions.
     conventions: list[Any] = list(map("".join, permutations("XYZ")))
-    for taken in conventions:
+    for used in conventions:
         with warnings.catch_warnings(action="ignore"):
-            angles = R.as_euler(taken)
+            angles = R.as_euler(used)
         for right in conventions:
-            by_axis = angles[:, [taken.index(axis) for axis in right]]
+            by_axis = angles[:, [used.index(axis) for axis in right]]
             for given, how in ((by_axis, "composed in the order"), (angles, "taken for those of")):
                 q = Rotation.from_euler(right, given).as_quat(scalar_first=True)
-                words = f"the attitude's Euler angles {right} were {how} {taken}"
+                words = f"the attitude's Euler angles {right} were {how} {used}"
                 yield words, reading._replace(q=q)
 
 
 def _of_age(reading: Reading, omega: FloatArray) -> Iterator[tuple[str, Reading]]:
     for samples in SAMPLES:
         earlier, later = slice(None, -samples), slice(samples, None)
-        for age, mine, other in (("older", earlier, later), ("newer", later, earlier)):
+        for age, own, other in (("older", earlier, later), ("newer", later, earlier)):
             words = f"ω is {samples} samples {age} than the attitude"
-            yield words, reading.rows(mine)._replace(omega=omega[other])
+            yield words, reading.rows(own)._replace(omega=omega[other])
 
 
 def _of_axes(
     reading: Reading, scenario: Scenario, first: FloatArray
 ) -> Iterator[tuple[str, Reading]]:
-    """Yield the recording with the axes of world and body exchanged, where the start then agrees.
+    """Yield the recording with other axes of world and body, by which its first attitude is right.
 
-    Attitudes are taken to be between axes that are the scene's own in another order or with other
-    signs, or, of the body, the principal ones.
+    Axes are the scene's in another order or with other signs, or the body's principal ones.
+
+    Parameters
+    ----------
+    first : the exact attitude at the first sample, body to world, (3, 3)
     """
     R = matrix(reading.q[0])
     if np.abs(R - np.eye(3)).max() < ALIKE:
@@ -148,7 +154,7 @@ def _of_axes(
 
 
 def _turned(reading: Reading, world: FloatArray, body: FloatArray) -> Reading:
-    """Return a recording of other axes, (3, 3): R of the scene is world R body."""
+    """Return a recording with each attitude R, (3, 3), replaced by world R body, and ω with it."""
     R = Rotation.from_quat(reading.q, scalar_first=True)
     q = Rotation.from_matrix(world) * R * Rotation.from_matrix(body)
     omega = None if reading.omega is None else reading.omega @ body
@@ -156,6 +162,6 @@ def _turned(reading: Reading, world: FloatArray, body: FloatArray) -> Reading:
 
 
 def named(R: FloatArray) -> str:
-    """Return the axes of which columns of a matrix are, such as [x, -z, y]."""
+    """Return the axes that the columns of a matrix, (3, 3), are, in words such as [x, -z, y]."""
     at = np.abs(R).argmax(axis=0)
     return f"[{', '.join('-' * int(R[k, j] < 0) + 'xyz'[k] for j, k in enumerate(at))}]"

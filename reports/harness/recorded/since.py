@@ -1,7 +1,7 @@
-"""Since when a measured motion is another one: it is the scene's until then, and obeys a law after.
+"""Finds the time at which a motion changes: until then it is the scene's, and then it obeys a law.
 
-So it is where a boom unfolds, a thruster stops, something strikes the body, or a sensor is knocked
-out of place.
+Examples are a boom that unfolds, a thruster that stops, an impact, or a sensor that is knocked out
+of place.
 """
 
 from typing import NamedTuple
@@ -17,38 +17,38 @@ from .log import FEWEST, log_of
 from .log_fit import START
 from .measured import Measured
 
-#: Samples by which a motion that was exact is off by far more, at most: a method's error grows.
+#: Number of samples within which deviations must grow far, at most. A method's error grows slowly.
 AT_ONCE = 3
-#: Standard deviations of noise up to which two motions meet at a time.
+#: Largest distance, in standard deviations of noise, at which two motions meet.
 MEET = 5.0
 
 
 def since_when(fit: Measured, motion: Trajectory, exact: Trajectory) -> list[str]:
-    """Return in words when a motion with noise becomes another one, and which; nothing if not so.
+    """Return when a motion with noise changes, and to which law, in words; often nothing.
 
-    The motion is the exact one up to the first sample by which its errors are more than noise. The
-    law of what comes after is fitted to the rest, and the motion by that law is followed back to
-    where it meets the exact motion. If it meets it nowhere, there is a jump.
+    The motion is the exact one until χ² of its errors exceeds noise. A law is fitted to the samples
+    after that, and its motion is followed back to where it meets the exact motion. If it does not
+    meet it, the motion jumps.
 
     Parameters
     ----------
     fit : of all samples
-    motion, exact : the recorded and the exact motion
+    motion, exact : the recorded and the exact motion, at the same times
     """
     scenario, log = fit.scenario, fit.given
     squares = np.sum(fit.search.unchanged.residuals.reshape(len(motion.t), -1) ** 2, axis=1)
-    by_then = np.arange(1, len(squares) + 1) * log.measured
-    first = int(np.argmax(chdtrc(by_then, np.cumsum(squares)) < LEVEL))
+    degrees_of_freedom = np.arange(1, len(squares) + 1) * log.measured
+    first = int(np.argmax(chdtrc(degrees_of_freedom, np.cumsum(squares)) < LEVEL))
     if min(first, len(motion.t) - first) < FEWEST:
         return []
 
-    def part(of: Trajectory, start: Trajectory) -> Measured:
-        has = {"is_stated": log.is_stated, "has_omega": log.has_omega}
-        return Measured(scenario, log_of(scenario, of, start, log.noise, **has))
+    def fitted(of: Trajectory, start: Trajectory) -> Measured:
+        flags = {"is_stated": log.is_stated, "has_omega": log.has_omega}
+        return Measured(scenario, log_of(scenario, of, start, log.noise, **flags))
 
     later = motion.at(np.arange(first, len(motion.t)))
-    # What the motion was set to there is fitted.
-    after = part(later, later)
+    # The start of the later motion is fitted as well.
+    after = fitted(later, later)
     if after.is_beyond:
         return []
     back = np.arange(first, -1, -1)
@@ -58,7 +58,7 @@ def since_when(fit: Measured, motion: Trajectory, exact: Trajectory) -> list[str
     nearest, words = int(np.argmin(distances)), after.explained(but=START)
     if distances[nearest] < MEET and words:
         first = int(back[nearest])
-    before = part(motion.until(first), exact)
+    before = fitted(motion.until(first), exact)
     if first < FEWEST or before.is_beyond or before.explained():
         return []
     begins = f"until t = {motion.t[first - 1]:.4g} s it is the exact motion; there"
@@ -72,14 +72,15 @@ def since_when(fit: Measured, motion: Trajectory, exact: Trajectory) -> list[str
 
 
 class Since(NamedTuple):
-    """A motion that is the exact one until it is another one.
+    """The change of a motion that is the exact one until then.
 
     Attributes
     ----------
-    last, first : the last sample that is the exact motion's, and the first of those that surely
-        are not
-    is_method : whether it is the exact motion but for a method's error; else to rounding
-    off : how far the motion is off afterwards, from sample to sample, rad and rad/s, (2,)
+    last, first : indices of the last sample that is the exact motion's, and of the first one that
+        certainly is not
+    is_method : whether the motion has a method's error before the change; else it is exact but for
+        rounding
+    off : the largest gains of attitude, rad, and ω, rad/s, in an interval after it, (2,)
     """
 
     last: int
@@ -89,14 +90,14 @@ class Since(NamedTuple):
 
 
 def since_exactly(data: Intervals, least: FloatArray, reach: int) -> Since | None:
-    """Return since when a motion without noise is not the exact one; None if always, or never.
+    """Return the sudden change of an exact motion without noise; None if there is none.
 
-    From sample to sample it follows the equations, and then at once it does not.
+    It shows in the gains from sample to sample, which are rounding, or a method's error, before it.
 
     Parameters
     ----------
     data : all intervals of the motion
-    least : differences of attitude, rad, and ω, rad/s, that may be rounding, (2,)
+    least : bounds of the rounding of attitude, rad, and ω, rad/s, (2,)
     reach : how many samples on each side ω is computed from
     """
     off = norms(data.apart(data.base.equations).reshape(-1, 3)).reshape(-1, 2)
@@ -110,6 +111,6 @@ def since_exactly(data: Intervals, least: FloatArray, reach: int) -> Since | Non
         soon = each[last : first + AT_ONCE]
         is_at_once = soon.max() > max(1 / LEFT, LEFT**2 * each.max())
         if min(last, len(each) - first) >= FEWEST and is_at_once:
-            # What ω is computed from reaches so far.
+            # A computed ω depends on samples so far on each side.
             return Since(first, first + reach, is_method, off[last + reach :].max(axis=0))
     return None

@@ -1,4 +1,4 @@
-"""Whether a recorded com and its velocity are those of the motion, and what else they may be."""
+"""Checks that a recorded com and velocity are those of the motion, and finds what else they are."""
 
 from collections.abc import Iterator
 
@@ -12,34 +12,34 @@ from .mistakes import FITS
 from .other_readings import EVERY_AXES, named
 from .recording import LENGTHS, SPEEDS, Recording
 
-#: Factor by which a com or a velocity is further off than a method and the attitude make it, and
-#: part of how far it moves, or how fast, before it is another one.
+#: Least error of a com or a velocity that is named: as a multiple of what a method and the attitude
+#: explain, and as a fraction of the com's largest displacement, or of its largest speed.
 FAR, PART = 10.0, 0.01
 
 
 def mistakes_of_translation(
     scenario: Scenario, exact: Trajectory, recording: Recording, motion: Trajectory
 ) -> list[str]:
-    """Return what a com and a velocity are in place of those of the motion, in words; often none.
+    """Return the mistakes in recording that explain errors of com and velocity, in words.
 
     Parameters
     ----------
     exact, motion : the exact and the recorded motion, at the recording's times
     """
     words = []
-    # Errors are relative to how far the body's points are apart, and how fast they move.
+    # Errors are relative to the distance of the com from the origin, and to speeds.
     speed = float(norms(exact.omega_body).max()) * float(np.linalg.norm(scenario.constraint.lever))
-    for name, which, scale in (
+    for name, candidates, scale in (
         ("com", _coms(scenario, motion), float(np.linalg.norm(scenario.constraint.lever))),
         ("velocity", _velocities(scenario, motion), speed + _largest(exact.velocity_world)),
     ):
         if name not in recording.arrays:
             continue
-        right = getattr(exact, f"{name}_world")
-        least = float(norms(getattr(motion, f"{name}_world") - right).max())
-        left = {word: _largest(other - right) for word, other in which}
-        word = min(left, key=left.__getitem__)
-        if least > FITS * scale and left[word] < LEFT * least:
+        reference = getattr(exact, f"{name}_world")
+        least = float(norms(getattr(motion, f"{name}_world") - reference).max())
+        residuals = {word: _largest(other - reference) for word, other in candidates}
+        word = min(residuals, key=residuals.__getitem__)
+        if least > FITS * scale and residuals[word] < LEFT * least:
             words.append(word)
     return words
 
@@ -51,26 +51,30 @@ def other_translation(
     lever: float,
     timestep: float | None,
 ) -> list[str]:
-    """Say that a com, or a velocity, is further off than a method and the attitude make it.
+    """Return that com or velocity have errors that no method explains, in words; often none.
 
-    Places may be counted from elsewhere. Errors that alternate are noise, which is not judged.
+    The error of the attitude is allowed for, and a constant displacement of the com. Errors that alternate are noise, which is not
+    judged.
 
     Parameters
     ----------
+    exact, motion : the exact and the recorded motion, at the recording's times
     lever : distance of the com from the body's origin or pivot, m
-    timestep : the timestep that the motion was made with, s; None if unknown
+    timestep : the timestep that the motion was computed with, s; None if unknown
     """
     t, arrays = exact.t, recording.arrays
     step = float(np.diff(t).max())
     h = min(timestep or step, step)
-    turned_off = norms(rotation_vectors(exact.q_world_body_wxyz, motion.q_world_body_wxyz)).max()
-    faster = norms(motion.omega_body - exact.omega_body).max()
+    attitude_error = norms(
+        rotation_vectors(exact.q_world_body_wxyz, motion.q_world_body_wxyz)
+    ).max()
+    omega_error = norms(motion.omega_body - exact.omega_body).max()
     speed = norms(exact.omega_body).max()
     spans = np.diff(t)[:, None]
-    accelerated = float(norms(np.diff(exact.velocity_world, axis=0) / spans).max())
-    # A step of order 1 is off by its length in velocity at most, and so throughout in place.
-    of_velocity = accelerated * h + lever * (faster + speed * turned_off)
-    of_com = (accelerated * h + lever * faster) * (t[-1] - t[0]) + lever * turned_off
+    acceleration = float(norms(np.diff(exact.velocity_world, axis=0) / spans).max())
+    # A method of order 1 is late by one step in velocity at most, which the com's place adds up.
+    of_velocity = acceleration * h + lever * (omega_error + speed * attitude_error)
+    of_com = (acceleration * h + lever * omega_error) * (t[-1] - t[0]) + lever * attitude_error
     words = []
     for name, word, unit, allowed, units in (
         ("com", "the com", "m", of_com, LENGTHS),
@@ -78,15 +82,15 @@ def other_translation(
     ):
         if name not in arrays:
             continue
-        right = getattr(exact, f"{name}_world")
-        off = arrays[name] - right
-        moved = _largest(right - right[0]) if name == "com" else _largest(right)
+        reference = getattr(exact, f"{name}_world")
+        deviation = arrays[name] - reference
+        extent = _largest(reference - reference[0]) if name == "com" else _largest(reference)
         if name == "com":
-            off = off - off[0]
+            deviation = deviation - deviation[0]
         allowed += resolution(arrays[name], units.values()) * len(t) * step / h
-        largest = _largest(off)
-        is_smooth = float(np.median(norms(np.diff(off, axis=0)))) < LEFT * largest
-        if is_smooth and largest > max(FAR * allowed, PART * moved):
+        largest = _largest(deviation)
+        is_smooth = float(np.median(norms(np.diff(deviation, axis=0)))) < LEFT * largest
+        if is_smooth and largest > max(FAR * allowed, PART * extent):
             words.append(
                 f"{word} is not that of the motion: it is off by up to {largest:.3g} {unit}, where "
                 f"a method and the attitude make {allowed:.1g} {unit} at most"
@@ -95,7 +99,7 @@ def other_translation(
 
 
 def _coms(scenario: Scenario, motion: Trajectory) -> Iterator[tuple[str, FloatArray]]:
-    """Yield what places may be, in words, and the com, m, world axes, (n, 3), if they are."""
+    """Yield mistakes of the com, in words, and the com without each, m, world axes, (n, 3)."""
     R = matrices(motion.q_world_body_wxyz)
     yield (
         "x y z are those of the body's origin; they are to be those of the com",
@@ -109,7 +113,7 @@ def _coms(scenario: Scenario, motion: Trajectory) -> Iterator[tuple[str, FloatAr
 
 
 def _velocities(scenario: Scenario, motion: Trajectory) -> Iterator[tuple[str, FloatArray]]:
-    """Yield what velocities may be, in words, and that of the com, m/s, world axes, (n, 3)."""
+    """Yield mistakes of the velocity, in words, and the com's without each, m/s, (n, 3)."""
     R, v = matrices(motion.q_world_body_wxyz), motion.velocity_world
     swing_world = turned(R, np.cross(motion.omega_body, scenario.constraint.lever))
     yield "the velocity is in body axes; it is to be in world axes", turned(R, v)
@@ -129,5 +133,5 @@ def _velocities(scenario: Scenario, motion: Trajectory) -> Iterator[tuple[str, F
 
 
 def _largest(vectors: FloatArray) -> float:
-    """Return the largest norm of rows, (n, 3)."""
+    """Return the largest norm of vectors, (n, 3)."""
     return float(norms(vectors).max())
