@@ -1,7 +1,7 @@
-"""What may have been computed instead of a scene's exact motion, and how it may have been read.
+"""The changes of a scene's equations of motion that may explain a motion computed wrongly.
 
-Each change has k numbers, which are fitted; it changes nothing where they are zero. The same
-changes explain what an engine's steps gain, and recorded motions.
+Each change has k parameters, which are fitted; zeros change nothing. The same changes explain the
+gains of an engine's steps, and recorded motions.
 """
 
 from collections.abc import Callable, Iterator
@@ -26,16 +26,16 @@ from .other_tensors import (
     without_rotation,
 )
 
-#: Axes of conventions of Euler angles, each turned with the body; where none comes twice, ω has the
-#: rate about x first, then those about y and z. Of zxz the rates are those of zyz.
+#: Axes of conventions of Euler angles, which turn with the body. Where all three differ, rates are
+#: in the order x, y, z. The convention zxz is left out, as its rates are those of zyz.
 EULER_ANGLES = (*permutations(range(3)), (2, 1, 2))
 #: Kinds of changes that fit a tensor of inertia, and one that fits G of the torque ω × Gω.
 FITTED_TENSORS = {
     f"{kind}{how}" for kind in ("moments", "box", "tensor") for how in ("", UP_TO_A_FACTOR)
 }
 GYROSCOPIC_TENSOR = "gyroscopic tensor"
-#: Components that may be taken for those of a vector: 1 to 3, negative where the sign is the other.
-#: The vector itself, and its negative, are none of them.
+#: Which components of a vector are taken for its x, y and z: 1 to 3, negative for the other sign.
+#: The vector itself and its negative are left out.
 OTHER_COMPONENTS = [
     [sign * (axis + 1) for sign, axis in zip(signs, axes, strict=True)]
     for axes in permutations(range(3))
@@ -45,7 +45,7 @@ OTHER_COMPONENTS = [
 
 
 def changes(scenario: Scenario) -> Iterator[Change]:
-    """Every change of what is computed; the more specific ones come first."""
+    """All changes of a scene's equations of motion, the more specific ones first."""
     base = as_it_is(scenario)
     yield from _of_kinematics()
     yield from _of_gyroscopic_torque(scenario, base.equations)
@@ -57,7 +57,7 @@ def changes(scenario: Scenario) -> Iterator[Change]:
 
 
 def _body(tensor: FloatArray) -> dict[str, Any]:
-    """The tensors in the equations of motion of a body with this tensor of inertia."""
+    """The terms of the equations of motion of a body with a tensor of inertia, kg m², (3, 3)."""
     return {"inertia": tensor, "inverse": inverse(tensor), "gyroscopic": tensor}
 
 
@@ -112,31 +112,31 @@ def _of_gyroscopic_torque(scenario: Scenario, e: OtherEquations) -> Iterator[Cha
         yield set_to(kind, **terms)
         yield set_to(f"{kind}, not gyroscopic", **{**terms, "gyroscopic": 0 * inertia})
     yield set_to("tensor turned on", tensor_turns=2)
-    # ω × cω is zero: G is known up to a multiple of 1.
+    # As ω × cω is zero, G is known up to a multiple of 1.
     yield _with_trace(GYROSCOPIC_TENSOR, inertia, lambda h, G: h.of(gyroscopic=G))
 
 
 def _of_fitted_tensors(scenario: Scenario, e: OtherEquations) -> Iterator[Change]:
-    """Changes that fit the tensor of inertia; of a free body it is known up to a factor."""
+    """Changes that fit the tensor of inertia, or of a free body the tensor up to a factor."""
     moments, axes = np.linalg.eigh(e.inertia)
     size, how = mean_moment(e), "" if is_scaled(e) else UP_TO_A_FACTOR
     if is_scaled(e):
-        yield Change("tensor's size", _enlarged, np.ones(1))
+        yield Change("tensor's size", _scaled_tensor, np.ones(1))
     yield from com(scenario, e)
     yield from lever(e)
     yield from (_with_entry(e, at) for at in range(6))
     yield fitted(f"moments{how}", moments, size, lambda h, n: h.of_tensor((axes * n) @ axes.T))
     yield fitted(f"box{how}", np.diag(e.inertia), size, lambda h, n: h.of_tensor(np.diag(n)))
-    yield fitted("rotated tensor", np.zeros(3), 1.0, _rotated)
+    yield fitted("rotated tensor", np.zeros(3), 1.0, _rotated_tensor)
     yield tensor(e)
 
 
-def _enlarged(h: Hypothesis, n: FloatArray) -> Hypothesis:
+def _scaled_tensor(h: Hypothesis, n: FloatArray) -> Hypothesis:
     return h.of_tensor((1 + n[0]) * h.equations.inertia)
 
 
 def _with_entry(e: OtherEquations, at: int) -> Change:
-    """Return the change of one entry of the tensor, by its number in `ENTRIES`: a wrong figure."""
+    """The change of one entry of the tensor, as by a wrong figure, by its index in `ENTRIES`."""
     entries, unit = tensor_entries(e.inertia), np.eye(6)[at]
 
     def changed(h: Hypothesis, n: FloatArray) -> Hypothesis:
@@ -147,13 +147,13 @@ def _with_entry(e: OtherEquations, at: int) -> Change:
     )
 
 
-def _rotated(h: Hypothesis, turn: FloatArray) -> Hypothesis:
+def _rotated_tensor(h: Hypothesis, turn: FloatArray) -> Hypothesis:
     R = Rotation.from_rotvec(turn).as_matrix()
     return h.of_tensor(R @ h.equations.inertia @ R.T)
 
 
 def tensor(e: OtherEquations) -> Change:
-    """Fits the whole tensor; where the motion does not show its scale, with the scene's trace."""
+    """The change that fits the whole tensor; with a fixed trace if no torque shows its scale."""
     if not is_scaled(e):
         return _with_trace(f"tensor{UP_TO_A_FACTOR}", e.inertia, Hypothesis.of_tensor)
     entries = tensor_entries(e.inertia)
@@ -161,15 +161,21 @@ def tensor(e: OtherEquations) -> Change:
 
 
 def _with_trace(
-    kind: str, usual: FloatArray, apply: Callable[[Hypothesis, FloatArray], Hypothesis]
+    kind: str, nominal: FloatArray, apply: Callable[[Hypothesis, FloatArray], Hypothesis]
 ) -> Change:
-    """Fits a tensor by five of its entries; the first follows from the trace, which is kept."""
-    entries = tensor_entries(usual)
+    """The change that fits a tensor with a fixed trace, by all entries but the first.
+
+    Parameters
+    ----------
+    nominal : the tensor without the change, kg m², (3, 3)
+    apply : puts the changed tensor into a hypothesis
+    """
+    entries = tensor_entries(nominal)
 
     def changed(n: FloatArray) -> FloatArray:
         return np.asarray(entries + np.array([-n[0] - n[1], *n]))
 
-    sizes = np.full(5, float(np.trace(usual)) / 3)
+    sizes = np.full(5, float(np.trace(nominal)) / 3)
     return Change(kind, lambda h, n: apply(h, tensor_of_entries(changed(n))), sizes, changed)
 
 

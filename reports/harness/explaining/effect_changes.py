@@ -20,15 +20,15 @@ from ....scenarios.scenario import with_tables
 from .hypothesis import Change, Hypothesis, factors, fitted, set_to
 from .other_tensors import tensor_of_entries
 
-#: Largest power of ‖ω‖ that the coefficient of a drag may grow or fall with.
+#: Largest absolute value of the power of ‖ω‖ in a drag's coefficient.
 POWER = 4.0
-#: Powers of ‖ω‖ in the coefficients of a drag that is quadratic, and of dry friction.
+#: Powers of ‖ω‖ in the coefficients of quadratic drag and of dry friction.
 POWERS = 1.0, -1.0
 
 
 def of_effects(scenario: Scenario, e: OtherEquations) -> Iterator[Change]:
     """Changes of gravity, drag and torques."""
-    # Of a free body a recording does not show gravity, and an engine's steps do.
+    # The recorded rotation of a free body does not show gravity, but an engine's steps do.
     if e.gravity_world.any():
         yield from factors("gravity's size", 0.0, -1.0, gravity_world=e.gravity_world)
     of_com = scenario.body.mass * np.array(scenario.body.com)
@@ -37,7 +37,7 @@ def of_effects(scenario: Scenario, e: OtherEquations) -> Iterator[Change]:
     yield from resistance(scenario, e)
     rate = _fastest(scenario, e)
     yield from _of_decay(e, rate)
-    yield from _torques_size(e)
+    yield from _scaled_torques(e)
     if e.torque.any() or e.torque_world.any():
         along_other_axes: dict[str, Any] = {"torque": e.torque_world, "torque_world": e.torque}
         yield set_to("torque along other axes", **along_other_axes)
@@ -50,54 +50,59 @@ def of_effects(scenario: Scenario, e: OtherEquations) -> Iterator[Change]:
     if e.gravity_world.any():
         size = float(np.linalg.norm(e.gravity_world))
         yield fitted("gravity", e.gravity_world, size, lambda h, g: h.of(gravity_world=g))
-    yield from _torques_besides(scenario, e)
+    yield from _additional_torques(scenario, e)
 
 
 def torques(scenario: Scenario, e: OtherEquations) -> Iterator[Change]:
-    """The scene's constant torques by a factor, and constant torques besides."""
-    yield from _torques_size(e)
-    yield from _torques_besides(scenario, e)
+    """Changes that scale the scene's constant torques, or add constant ones."""
+    yield from _scaled_torques(e)
+    yield from _additional_torques(scenario, e)
 
 
-def _torques_besides(scenario: Scenario, e: OtherEquations) -> Iterator[Change]:
+def _additional_torques(scenario: Scenario, e: OtherEquations) -> Iterator[Change]:
     size = usual_torque(scenario, e)
     for kind, name in (
         ("torque along body axes", "torque"),
         ("torque along world axes", "torque_world"),
     ):
-        yield fitted(kind, np.zeros(3), size, partial(_pushed, name))
+        yield fitted(kind, np.zeros(3), size, partial(_with_torque, name))
 
 
-def _torques_size(e: OtherEquations) -> Iterator[Change]:
+def _scaled_torques(e: OtherEquations) -> Iterator[Change]:
     if e.torque.any() or e.torque_world.any():
-        pushes: dict[str, Any] = {"torque": e.torque, "torque_world": e.torque_world}
-        yield from factors("torque's size", 0.0, -1.0, **pushes)
+        terms_of_torque: dict[str, Any] = {"torque": e.torque, "torque_world": e.torque_world}
+        yield from factors("torque's size", 0.0, -1.0, **terms_of_torque)
 
 
 def _of_decay(e: OtherEquations, rate: float) -> Iterator[Change]:
-    """Changes in which L is slowed at a rate, beside the scene's drag or in place of it."""
+    """Changes in which L decays at a rate, besides the scene's drag or in place of it.
+
+    Parameters
+    ----------
+    rate : scale of the fitted rate, 1/s
+    """
     none = np.zeros(2)
-    yield fitted("decay", none[:1], rate, lambda h, n: _slowed(h, 0.0, n[0]))
+    yield fitted("decay", none[:1], rate, lambda h, n: _with_drag(h, 0.0, n[0]))
     if e.slowing[0]:
         yield fitted(
             "decay for drag",
             *(none[:1], rate),
             lambda h, n: h.of(slowing=np.array([0.0, n[0], 0.0])),
         )
-    yield fitted("decays", none, np.array([rate, 1.0]), lambda h, n: _slowed(h, 0.0, *n))
+    yield fitted("decays", none, np.array([rate, 1.0]), lambda h, n: _with_drag(h, 0.0, *n))
 
 
 def drags_law(scenario: Scenario, e: OtherEquations, power: float | None = None) -> Change:
-    """Drag by another power of ω, with another coefficient; or one that the scene lacks.
+    """The change to a drag whose coefficient is fitted, and depends on a power of ‖ω‖.
 
     Parameters
     ----------
-    power : of ‖ω‖ in the coefficient; fitted if None
+    power : the power; fitted as well if None
     """
     c, rate = e.slowing[0], _fastest(scenario, e)
 
     def friction(n: FloatArray) -> FloatArray:
-        """Return f and p of a drag that is c + n[0] times ω where ‖ω‖ is the scene's rate."""
+        """Return f and p of the drag f ‖ω‖ᵖ ω, which is (c + n[0]) ω at the scene's rate."""
         p = float(np.clip(n[1], -POWER, POWER)) if power is None else power
         return np.array([(c + n[0]) * rate**-p, p])
 
@@ -110,12 +115,12 @@ def drags_law(scenario: Scenario, e: OtherEquations, power: float | None = None)
 
 
 def resistance_of_other_powers(scenario: Scenario, e: OtherEquations) -> Iterator[Change]:
-    """Quadratic drag, and dry friction, of a coefficient that is fitted."""
+    """Changes to quadratic drag, and to dry friction, with a fitted coefficient."""
     yield from (drags_law(scenario, e, power) for power in POWERS)
 
 
 def _of_drag(scenario: Scenario, e: OtherEquations) -> Iterator[Change]:
-    """Changes of how drag depends on ω; where the scene has drag it is replaced."""
+    """Changes of how drag depends on ω, in place of the scene's drag."""
     c, size = e.slowing[0], mean_moment(e) * _fastest(scenario, e)
     yield drags_law(scenario, e)
     yield fitted(
@@ -128,25 +133,25 @@ def _of_drag(scenario: Scenario, e: OtherEquations) -> Iterator[Change]:
             yield set_to(f"drag {axes}", slowing=np.zeros(3), turned_drag=c * turned)
 
 
-def _pushed(name: str, h: Hypothesis, torque: FloatArray) -> Hypothesis:
+def _with_torque(name: str, h: Hypothesis, torque: FloatArray) -> Hypothesis:
     return h.of(**{name: getattr(h.equations, name) + torque})
 
 
-def _slowed(h: Hypothesis, c: float, a: float = 0.0, b: float = 0.0) -> Hypothesis:
+def _with_drag(h: Hypothesis, c: float, a: float = 0.0, b: float = 0.0) -> Hypothesis:
     return h.of(slowing=h.equations.slowing + np.array([c, a, b]))
 
 
 def resistance(scenario: Scenario, e: OtherEquations) -> Iterator[Change]:
-    """Drag by another factor, or where the scene has none, one number that is fitted."""
+    """Changes that scale the scene's drag, or add linear drag where the scene has none."""
     if e.slowing[0]:
         yield from factors("resistance's size", 0.0, -1.0, slowing=e.slowing)
         return
     size = mean_moment(e) * _fastest(scenario, e)
-    yield fitted("resistance", np.zeros(1), size, lambda h, n: _slowed(h, n[0]))
+    yield fitted("resistance", np.zeros(1), size, lambda h, n: _with_drag(h, n[0]))
 
 
 def com(scenario: Scenario, e: OtherEquations) -> Iterator[Change]:
-    """The centre of mass, where a motion shows it: of a body on a pivot under gravity."""
+    """The change of the centre of mass, if a motion shows it: on a pivot, under gravity."""
     if scenario.constraint.is_pivot and e.gravity_world.any():
         place, mass = np.array(scenario.body.com), scenario.body.mass
 
@@ -158,19 +163,19 @@ def com(scenario: Scenario, e: OtherEquations) -> Iterator[Change]:
 
 
 def lever(e: OtherEquations) -> Iterator[Change]:
-    """The lever of gravity, where the tensor is right; three numbers are fitted."""
+    """The change of gravity's lever alone, with the tensor as it is, if gravity has a torque."""
     if e.pull.any() and e.gravity_world.any():
         size = float(np.linalg.norm(e.pull))
         yield fitted("lever", e.pull, size, lambda h, n: h.of(pull=n))
 
 
 def tilt(e: OtherEquations) -> Iterator[Change]:
-    """The direction of gravity, where a motion shows it; two angles are fitted, rad."""
+    """The change of gravity's direction by two angles, rad, if gravity has a torque."""
     if e.pull.any() and e.gravity_world.any():
-        across = np.linalg.svd(e.gravity_world[None])[2][1:]
+        perpendicular = np.linalg.svd(e.gravity_world[None])[2][1:]
 
         def tilted(n: FloatArray) -> FloatArray:
-            return Rotation.from_rotvec(n @ across).apply(e.gravity_world)
+            return Rotation.from_rotvec(n @ perpendicular).apply(e.gravity_world)
 
         yield Change(
             "tilt",
@@ -181,13 +186,16 @@ def tilt(e: OtherEquations) -> Iterator[Change]:
 
 
 def of_momentum(e: OtherEquations) -> Iterator[Change]:
-    """The rotors' momentum by a factor."""
+    """Changes that scale the rotors' angular momentum."""
     if e.kept.any():
         yield from factors("momentum", 0.0, -1.0, kept=e.kept)
 
 
 def of_attitude(scenario: Scenario, e: OtherEquations) -> Iterator[Change]:
-    """Torques by the attitude, and turns of body or world besides ω, that a long motion shows."""
+    """Changes that add torques by the attitude, or turns of body or world to ω.
+
+    Only long motions show them.
+    """
     rate = _fastest(scenario, e)
     size, gravity = usual_torque(scenario, e), e.gravity_world
     up = -gravity / np.linalg.norm(gravity) if gravity.any() else np.eye(3)[2]
@@ -199,13 +207,18 @@ def of_attitude(scenario: Scenario, e: OtherEquations) -> Iterator[Change]:
     )
     yield fitted("turning besides", np.zeros(3), rate, lambda h, n: h.of(body_turns=n))
     yield world_turning(rate)
-    yield fitted("gravity gradient along other axes", np.zeros(5), rate**2, _pulled)
+    yield fitted("gravity gradient along other axes", np.zeros(5), rate**2, _gravity_gradient)
     yield by_attitude(size)
     yield from (_spring(q, size) for q in (np.eye(4)[0], scenario.start.q_world_body_wxyz))
 
 
 def by_attitude(size: float) -> Change:
-    """Torques Σ P eᵢ × Rᵀeᵢ by the attitude, of about a size, N m; all of P is fitted."""
+    """The change that adds torques Σ P eᵢ × Rᵀeᵢ by the attitude; P, (3, 3), is fitted.
+
+    Parameters
+    ----------
+    size : scale of its entries, N m
+    """
     return fitted(
         "torque by attitude",
         *(np.zeros(9), size),
@@ -214,26 +227,36 @@ def by_attitude(size: float) -> Change:
 
 
 def dipole(P: FloatArray) -> Change:
-    """The torque of the dipole in a field that is nearest torques by the attitude, P, N m, (3, 3).
+    """The change that adds the torque of a dipole in a field.
 
-    Of the dipole three numbers are fitted, N m, and of the field's direction two angles, rad.
+    Its parameters are the three components of the dipole times the field, N m, and two angles of
+    the field's direction, rad. Zeros are the dipole that is nearest to P.
+
+    Parameters
+    ----------
+    P : fitted torques by the attitude, as in `by_attitude`, N m, (3, 3)
     """
     of_body, scales, of_world = np.linalg.svd(P)
 
-    def made(n: FloatArray) -> FloatArray:
+    def dipole_torque(n: FloatArray) -> FloatArray:
         field = Rotation.from_rotvec(n[3:] @ of_world[1:]).apply(of_world[0])
         return np.outer(scales[0] * of_body[:, 0] + n[:3], field)
 
     return Change(
         "torque by attitude",
-        lambda h, n: h.of(attitude_torque=made(n)),
+        lambda h, n: h.of(attitude_torque=dipole_torque(n)),
         np.array([scales[0]] * 3 + [1.0] * 2),
-        lambda n: made(n).ravel(),
+        lambda n: dipole_torque(n).ravel(),
     )
 
 
 def _spring(q_rest_wxyz: FloatArray, size: float) -> Change:
-    """A change in which a spring turns the body to an attitude, in proportion to the angle."""
+    """The change that adds a spring that turns the body to an attitude.
+
+    Parameters
+    ----------
+    size : scale of its stiffness, N m/rad
+    """
     R_rest = matrix(q_rest_wxyz)
     return Change(
         "spring",
@@ -244,17 +267,17 @@ def _spring(q_rest_wxyz: FloatArray, size: float) -> Change:
 
 
 def world_turning(rate: float) -> Change:
-    """A change in which attitudes drift about an axis of the world, by about `rate`, rad/s."""
+    """The change in which attitudes drift about a world axis; `rate`, rad/s, is its scale."""
     return fitted("world turning", np.zeros(3), rate, lambda h, n: h.of(world_turns=n))
 
 
-def _pulled(h: Hypothesis, n: FloatArray) -> Hypothesis:
-    """A gravity gradient; that of a multiple of 1 makes no torque."""
+def _gravity_gradient(h: Hypothesis, n: FloatArray) -> Hypothesis:
+    """Return a hypothesis with a gravity gradient by five entries, as a multiple of 1 is none."""
     return h.of(gravity_gradient=tensor_of_entries([*n[:2], 0.0, *n[2:]]))
 
 
 def of_rotors(scenario: Scenario, e: OtherEquations) -> Iterator[Change]:
-    """Changes of rotors that a motion shows whose spins were not recorded."""
+    """Changes of the rotors' hinges, signs and momentum, which show if spins were not recorded."""
     tables = scenario.document.rotors or ()
     for kind in "free", "driven", "locked", "reversed":
         for which in range(len(tables) + 1):
@@ -273,19 +296,19 @@ def of_rotors(scenario: Scenario, e: OtherEquations) -> Iterator[Change]:
 
 
 def momentum(scenario: Scenario, e: OtherEquations) -> Change:
-    """The constant angular momentum of the scene's rotors, or of some that it lacks."""
+    """The change of the rotors' constant angular momentum, N m s, or of rotors the scene lacks."""
     size = float(np.linalg.norm(e.kept)) or mean_moment(e) * _fastest(scenario, e)
     kind = "rotors' momentum" if e.kept.any() else "momentum besides"
     return fitted(kind, e.kept, size, lambda h, n: h.of(kept=n))
 
 
 def mean_moment(e: OtherEquations) -> float:
-    """The mean moment, kg m²."""
+    """The mean principal moment of inertia, kg m²."""
     return float(np.trace(e.inertia)) / 3
 
 
 def usual_torque(scenario: Scenario, e: OtherEquations) -> float:
-    """The size of a torque that changes the motion within a turn, N m."""
+    """The size of a torque that changes the motion within about a radian, N m."""
     return mean_moment(e) * _fastest(scenario, e) ** 2
 
 

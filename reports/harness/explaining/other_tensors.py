@@ -1,4 +1,4 @@
-"""Tensors that are made of a body's own by a mistake."""
+"""The tensors of inertia that usual mistakes make of a body's."""
 
 from collections.abc import Iterator, Sequence
 from itertools import permutations, product
@@ -9,25 +9,25 @@ from ....scenarios import FloatArray, Scenario
 
 #: Entries of a tensor, in the order in which they are listed everywhere.
 ENTRIES = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
-#: Two tensors are one if no entry differs by more, relative to the largest.
+#: Two tensors are equal if no entry differs by more, relative to the largest.
 SAME = 1e-9
-#: A principal moment may exceed the sum of the others by this, relative to the largest: so far a
-#: method's error may put the tensor of a flat body that is fitted.
+#: How far a principal moment may exceed the sum of the others, relative to the largest. A method's
+#: error causes as much where the tensor of a flat body is fitted.
 SLACK = 1e-2
 #: Decimals, of kg m², that a tensor may have been rounded to.
 DECIMALS = range(1, 9)
-#: Rotations by half a turn, and none: which way a principal axis points is anyone's choice.
+#: No rotation, and half turns about each axis, as the signs of principal axes are arbitrary.
 HALF_TURNS = ((1, 1, 1), (1, -1, -1), (-1, 1, -1), (-1, -1, 1))
-#: A kind of change, its numbers, and the tensor, kg m², (3, 3).
+#: A kind of change, the numbers in its words, and the tensor, kg m², (3, 3).
 Tensor = tuple[str, Sequence[float], FloatArray]
 
 
 def other_tensors(scenario: Scenario) -> Iterator[Tensor]:
-    """Every tensor that a usual mistake makes of the scene's; of equal ones the first."""
+    """All different tensors that usual mistakes make of the scene's; of equal ones the first."""
     inertia, of_com = np.array(scenario.inertia), np.array(scenario.body.inertia_com)
     seen = [inertia]
     for kind, numbers, wrong in _of_mistakes(scenario, of_com):
-        # A pivot adds to a tensor, and parts that turn freely take from it.
+        # The scene's tensor is about the pivot, and omits the axial moments of free rotors.
         tensor = wrong + (inertia - of_com)
         is_new = all(np.abs(tensor - other).max() > SAME * np.abs(other).max() for other in seen)
         moments = np.linalg.eigvalsh(tensor)
@@ -39,12 +39,12 @@ def other_tensors(scenario: Scenario) -> Iterator[Tensor]:
 def _of_mistakes(scenario: Scenario, of_com: FloatArray) -> Iterator[Tensor]:
     """Tensors about the com by kind of mistake; several may be equal."""
     about = scenario.about == "pivot"
-    moved = np.array(scenario.body.inertia_origin) - of_com
+    steiner = np.array(scenario.body.inertia_origin) - of_com
     moments, axes = np.linalg.eigh(of_com)
     yield "other products", (), with_products(of_com, -1.0)
     yield "no products", (), with_products(of_com, 0.0)
     orders = [list(order) for order in permutations(range(3))][1:]
-    # Of a tensor along the body's axes the next two are that, too.
+    # If principal axes are the body's, this covers the next two mistakes as well.
     for order in orders:
         permuted = (axes * moments[order]) @ axes.T
         yield "permuted moments", (*moments[order], *moments), permuted
@@ -52,8 +52,8 @@ def _of_mistakes(scenario: Scenario, of_com: FloatArray) -> Iterator[Tensor]:
         yield "conjugated axes", (), tensor
     for tensor in without_rotation(of_com):
         yield "without rotation", (), tensor
-    yield "com as pivot" if about else "com twice", (), of_com - moved
-    yield "pivot twice" if about else "com as origin", (), of_com + moved
+    yield "com as pivot" if about else "com twice", (), of_com - steiner
+    yield "pivot twice" if about else "com as origin", (), of_com + steiner
     for order in orders:
         yield "rows and columns", order, of_com[np.ix_(order, order)]
     for signs in product((1.0, -1.0), repeat=3):
@@ -63,9 +63,9 @@ def _of_mistakes(scenario: Scenario, of_com: FloatArray) -> Iterator[Tensor]:
     for order in orders:
         yield "exchanged products", order, tensor_of_entries([*entries[:3], *entries[3:][order]])
     if about:
-        # The trace of what the theorem adds, m r² 1 - m r rᵀ, is 2 m r².
-        yield "parallel axes by distance", (), of_com - moved + np.eye(3) * np.trace(moved) / 2
-        yield "parallel axes' products", (), of_com - moved + with_products(moved, -1.0)
+        # The term of the parallel axes, m r² 1 - m r rᵀ, has the trace 2 m r².
+        yield "parallel axes by distance", (), of_com - steiner + np.eye(3) * np.trace(steiner) / 2
+        yield "parallel axes' products", (), of_com - steiner + with_products(steiner, -1.0)
     for decimals in DECIMALS:
         yield "rounded tensor", (decimals,), np.round(of_com, decimals)
     yield "sphere", (), np.eye(3) * moments.mean()
@@ -78,19 +78,19 @@ def is_of_a_body(tensor: FloatArray) -> bool:
 
 
 def with_products(tensor: FloatArray, factor: float) -> FloatArray:
-    """A tensor whose products of inertia are multiplied by a factor."""
+    """The tensor, (3, 3), with its products of inertia multiplied by a factor."""
     diagonal = np.diag(np.diag(tensor))
     return diagonal + factor * (tensor - diagonal)
 
 
 def without_rotation(tensor: FloatArray) -> Iterator[FloatArray]:
-    """A tensor's principal moments along the body's axes, in every order."""
+    """The tensors, (3, 3), with principal moments along the body's axes, in every order."""
     for order in permutations(np.linalg.eigvalsh(tensor)):
         yield np.diag(order)
 
 
 def about_conjugated_axes(tensor: FloatArray) -> Iterator[FloatArray]:
-    """A tensor about principal axes that are turned the other way, in every order of them."""
+    """The tensors, (3, 3), by the inverse rotation to principal axes, in every order of these."""
     moments, axes = np.linalg.eigh(tensor)
     for order in map(list, permutations(range(3))):
         for signs in HALF_TURNS:
@@ -99,7 +99,7 @@ def about_conjugated_axes(tensor: FloatArray) -> Iterator[FloatArray]:
 
 
 def tensor_entries(tensor: FloatArray) -> FloatArray:
-    """Ixx, Iyy, Izz, Ixy, Ixz, Iyz of a tensor, (6,)."""
+    """The entries Ixx, Iyy, Izz, Ixy, Ixz, Iyz of a tensor, (6,)."""
     return np.array([tensor[i, j] for i, j in ENTRIES])
 
 

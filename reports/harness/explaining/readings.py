@@ -1,4 +1,4 @@
-"""Mistakes in reading a state: they make it off by the same after any step, however short."""
+"""Mistakes in reading a state, whose error is the same after any step, however short."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -12,24 +12,24 @@ from ...results.evidence import CONSISTENT, Explanation
 
 
 def misreading(read: State, exact: State, *, is_single: bool) -> tuple[Explanation, ...]:
-    """The mistake in reading that explains n states; empty if none does.
+    """The mistake in reading that explains the errors of n states; empty if none does.
 
     Parameters
     ----------
-    read, exact : states after a step, and what they should be
+    read, exact : states after a step as they were read, and the exact ones
     is_single : whether the engine declares single precision
     """
     if not is_single and _is_in_24_bits(read) and not _is_in_24_bits(exact):
         return (Explanation("24 bits", ()),)
-    off = _off(read, exact)
+    deviation = _largest_deviation(read, exact)
     for kind, mistaken in MISTAKES.items():
-        if _off(read, mistaken(exact)) < CONSISTENT * off:
+        if _largest_deviation(read, mistaken(exact)) < CONSISTENT * deviation:
             return (Explanation(kind, ()),)
     return ()
 
 
-def _off(read: State, exact: State) -> float:
-    """The largest difference of attitude, rad, and of ω, relative to the fastest."""
+def _largest_deviation(read: State, exact: State) -> float:
+    """The largest error of attitude, rad, or of ω, relative to its largest component."""
     turn = rotation_vectors(exact.q_world_body_wxyz, read.q_world_body_wxyz)
     change = (read.omega_body - exact.omega_body) / (np.abs(exact.omega_body).max() or 1.0)
     return float(np.abs([turn, change]).max())
@@ -52,7 +52,7 @@ def _is_in_24_bits(state: State) -> bool:
     )
 
 
-#: What each mistake makes of a state that is right.
+#: Functions that make each mistake, by its kind, in states that are right.
 MISTAKES: dict[str, Callable[[State], State]] = {
     "scalar last": lambda s: _with_q(s, np.roll(s.q_world_body_wxyz, -1, axis=1)),
     "scalar first": lambda s: _with_q(s, np.roll(s.q_world_body_wxyz, 1, axis=1)),

@@ -53,8 +53,8 @@ def other_translation(
 ) -> list[str]:
     """Return that com or velocity have errors that no method explains, in words; often none.
 
-    The error of the attitude is allowed for, and a constant displacement of the com. Errors that alternate are noise, which is not
-    judged.
+    The error of the attitude is allowed for, and a constant displacement of the com. Errors that
+    alternate are noise, which is not judged.
 
     Parameters
     ----------
