@@ -181,7 +181,8 @@ class Recording:
     def is_single(self) -> bool:
         """Whether the motion was computed in single precision.
 
-        If the file does not state it, it is if all quaternions are numbers of 24 bits.
+        If the file does not state the precision, quaternions that are exact in single precision
+        show it.
         """
         q = self.arrays["q"]
         has_24_bits = np.array_equal(q, q.astype(np.float32)) and not np.array_equal(q, np.rint(q))

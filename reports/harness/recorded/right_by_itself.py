@@ -15,7 +15,7 @@ from .log import Log
 
 #: Step of the difference that rates of change are taken from, in sampling periods.
 SMALL = 1e-3
-#: Largest standard deviation of the rates at which a gyroscope saturates, in those of noise.
+#: Largest scatter of the rates at which a gyroscope saturates, in standard deviations of noise.
 SATURATED = 2.0
 #: Sentences that the attitudes alone, or ω alone, are the scene's.
 ATTITUDE_ALONE = "the attitudes are those of the scene, but the recorded ω is not"

@@ -76,8 +76,8 @@ class Since(NamedTuple):
 
     Attributes
     ----------
-    last, first : indices of the last sample that is the exact motion's, and of the first one that
-        certainly is not
+    last, first : indices of the last sample that is the exact motion's, and of the one that the
+        later motion is followed from; these are equal if ω was recorded
     is_method : whether the motion has a method's error before the change; else it is exact but for
         rounding
     off : the largest gains of attitude, rad, and ω, rad/s, in an interval after it, (2,)

@@ -1,4 +1,4 @@
-"""Checks that a recorded com and velocity are those of the motion, and finds what else they are."""
+"""Checks a recorded com and velocity, and finds the mistakes in recording that explain errors."""
 
 from collections.abc import Iterator
 
