@@ -6,10 +6,10 @@ from pathlib import Path
 
 import numpy as np
 from numpy.typing import ArrayLike
+from spincheck.reports.harness.recorded.files.recording import Recording, check_motion
+from spincheck.reports.harness.recorded.files.text_formats import setting
 from spincheck.reports.harness.recorded.judged import JudgedMotion, judged_motion
 from spincheck.reports.harness.recorded.recorded_ladder import study_of_files, verdict_on_files
-from spincheck.reports.harness.recorded.recording import Recording, check_motion
-from spincheck.reports.harness.recorded.text_formats import setting
 from spincheck.reports.results.verdicts import Verdict
 from spincheck.scenarios import FloatArray, Scenario
 

@@ -58,7 +58,7 @@ def judge(
     SI units or with the unit behind the name, as in 'wx [deg/s]'. Several files at halved timesteps
     are judged as the timesteps of one method.
     """
-    from ...harness.recorded.read import READERS
+    from ...harness.recorded.files.read import READERS
     from ..named_scenes import one_scene
     from .judging import judged_files, judgement_as_json, print_judgement, write_page
 

@@ -12,11 +12,11 @@ import typer
 
 from ....scenarios import SIGNAL, Scenario, did_you_mean, printable
 from ...harness.convergence_study import ConvergenceStudy
+from ...harness.recorded.files.read import read_recording
+from ...harness.recorded.files.recording import RecordingError
+from ...harness.recorded.files.text_formats import SETTINGS
 from ...harness.recorded.judged import JudgedMotion, judged_motion
-from ...harness.recorded.read import read_recording
 from ...harness.recorded.recorded_ladder import results_of, study_of_files, verdict_on_files
-from ...harness.recorded.recording import RecordingError
-from ...harness.recorded.text_formats import SETTINGS
 from ...results.verdicts import Verdict
 from ..choosing import compile_first
 from ..grouped import angle, number

@@ -15,10 +15,10 @@ from ....engines import Engine, Method
 from ....scenarios import Scenario, did_you_mean, load
 from ...harness.executors import InProcess
 from ...harness.prepared import Prepared, prepare
+from ...harness.recorded.files.read import READERS, read_recording
+from ...harness.recorded.files.recording import RecordingError
 from ...harness.recorded.judged import judged_motion
-from ...harness.recorded.read import READERS, read_recording
 from ...harness.recorded.recorded_ladder import study_of_files, verdict_on_files
-from ...harness.recorded.recording import RecordingError
 from ...harness.study import convergence_study_of, run_and_judge
 from ...results.verdict_words import VERDICT
 from ...results.verdicts import Verdict

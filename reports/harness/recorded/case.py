@@ -11,14 +11,14 @@ from ....scenarios.rotation import norms
 from ....scenarios.scenario import started_at
 from ..explaining.hypothesis import Hypothesis
 from ..explaining.search import LEFT
-from .digits import Numbers, numbers_of
-from .exact_at import exact_at
-from .intervals import FEWEST_INTERVALS, intervals_of
-from .jumps import FAR, Jump, jumps
-from .mistakes import FITS
-from .motion import Reading, RecordedMotion, recorded_motion
-from .other_physics import Physics
-from .recording import Recording, RecordingError
+from .files.exact_at import exact_at
+from .files.motion import Reading, RecordedMotion, recorded_motion
+from .files.recording import Recording, RecordingError
+from .fits.other_physics import Physics
+from .samples.digits import Numbers, numbers_of
+from .samples.intervals import FEWEST_INTERVALS, intervals_of
+from .samples.jumps import FAR, Jump, jumps
+from .samples.mistakes import FITS
 
 #: Names of the settings by which a file states the noise of attitude, rad, and of ω, rad/s.
 NOISE = ("noise_attitude", "noise_omega")

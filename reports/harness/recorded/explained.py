@@ -6,21 +6,21 @@ import numpy as np
 
 from ....scenarios import FloatArray
 from ....scenarios.rotation import norms
-from .alternation import Alternation, alternation
 from .case import Case
 from .findings import Finding, finding, parts_of
-from .hinges import spins_beyond
-from .intervals import intervals_of
-from .log import log_of
-from .measured import Measured
-from .missing import is_omega_off
-from .mistakes import FITS, followed
-from .motion_changes import sentences
-from .other_physics import Physics
-from .read_attitude import attitude_read
-from .read_omega import OMEGA, omega_read
-from .since import since_exactly, since_when
-from .starts import elsewhere
+from .fits.log import log_of
+from .fits.measured import Measured
+from .fits.motion_changes import sentences
+from .fits.other_physics import Physics
+from .fits.read_attitude import attitude_read
+from .fits.read_omega import OMEGA, omega_read
+from .fits.since import since_exactly, since_when
+from .fits.starts import elsewhere
+from .samples.alternation import Alternation, alternation
+from .samples.hinges import spins_beyond
+from .samples.intervals import intervals_of
+from .samples.missing import is_omega_off
+from .samples.mistakes import FITS, followed
 
 #: The largest noise of attitude, rad, and of ω, relative, that is made by a solver.
 SOLVERS = 1e-4

@@ -8,11 +8,11 @@ from numpy.typing import NDArray
 
 from ....scenarios.rotation import matrices
 from .case import Case
-from .columns import saturated, stuck
-from .digits import Shown, shown_by_digits
-from .interpolated import interpolated
-from .mistakes import mistakes, rounded_times, without
-from .odd_samples import across_signs, exchanged, jitter, lost_sign, warped, wrapped
+from .samples.columns import saturated, stuck
+from .samples.digits import Shown, shown_by_digits
+from .samples.interpolated import interpolated
+from .samples.mistakes import mistakes, rounded_times, without
+from .samples.odd_samples import across_signs, exchanged, jitter, lost_sign, warped, wrapped
 
 #: Most mistakes that are undone, one after the other.
 MOST_UNDONE = 2

@@ -18,12 +18,12 @@ from ....scenarios import (
 from ...results.records import Defect
 from ..comparison.defects import defects
 from .case import Case
-from .exact_at import exact_at
 from .explained import explained
-from .measured import Measured
-from .motion import RecordedMotion, reading_of, recorded_motion
-from .recording import Recording, RecordingError
-from .translation import mistakes_of_translation, other_translation
+from .files.exact_at import exact_at
+from .files.motion import RecordedMotion, reading_of, recorded_motion
+from .files.recording import Recording, RecordingError
+from .fits.measured import Measured
+from .samples.translation import mistakes_of_translation, other_translation
 
 EPS = float(np.finfo(float).eps)
 #: Bound on the attitude, rad, that is reported if the user names none.

@@ -27,9 +27,9 @@ from ..measuring.places import Places, states_of
 from ..measuring.step_evidence import evidence_of
 from ..measuring.steps import Steps, flowed, step_gains
 from ..timesteps.ladder import Ladder, Rung
-from .exact_at import exact_at
+from .files.exact_at import exact_at
+from .files.recording import RecordingError
 from .judged import JudgedMotion
-from .recording import RecordingError
 
 #: Two times are the same if they differ by less than this, relative to the last time.
 SAME_TIME = 1e-9

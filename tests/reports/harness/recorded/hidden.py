@@ -10,8 +10,8 @@ import pytest
 from planted_motions import Case, exactly, rates_of
 from reported_faults import Arrays, named
 from scipy.spatial.transform import Rotation
+from spincheck.reports.harness.recorded.files.recording import Recording
 from spincheck.reports.harness.recorded.judged import judged_motion
-from spincheck.reports.harness.recorded.recording import Recording
 from spincheck.scenarios import Scenario, from_tables
 
 #: Standard deviations of a measured attitude, rad, and ω, rad/s.

@@ -16,8 +16,8 @@ from scipy.spatial.transform import Rotation
 from spincheck.engines import engines
 from spincheck.reference import solve
 from spincheck.reference.other_equations import equations_of
+from spincheck.reports.harness.recorded.files.recording import Recording
 from spincheck.reports.harness.recorded.judged import JudgedMotion, judged_motion
-from spincheck.reports.harness.recorded.recording import Recording
 from spincheck.scenarios import Scenario, from_tables
 
 Arrays = dict[str, np.ndarray]

@@ -12,10 +12,10 @@ from pathlib import Path
 import numpy as np
 from planted_motions import Case, exactly, rates_of
 from scipy.spatial.transform import Rotation
+from spincheck.reports.harness.recorded.files.recording import Recording
+from spincheck.reports.harness.recorded.fits.measured import Measured
 from spincheck.reports.harness.recorded.judged import judged_motion
-from spincheck.reports.harness.recorded.measured import Measured
-from spincheck.reports.harness.recorded.recording import Recording
-from spincheck.reports.harness.recorded.sensors import SENSORS
+from spincheck.reports.harness.recorded.samples.sensors import SENSORS
 from spincheck.scenarios import Scenario, from_tables
 
 SAMPLES, DURATION = 121, 6.0

@@ -13,8 +13,8 @@ from planted_motions import cross
 from scipy.integrate import solve_ivp
 from scipy.spatial.transform import Rotation
 from spincheck.reference.other_equations import equations_of
+from spincheck.reports.harness.recorded.files.recording import Recording
 from spincheck.reports.harness.recorded.judged import JudgedMotion, judged_motion
-from spincheck.reports.harness.recorded.recording import Recording
 from spincheck.scenarios import Scenario, from_tables
 
 Arrays = dict[str, np.ndarray]

@@ -8,15 +8,15 @@ from case_loops import each_case
 from planted_motions import case, exactly, rates_of, stepped
 from scipy.spatial.transform import Rotation
 from spincheck.reports.harness.recorded.case import STENCIL_ERRORS, Case
-from spincheck.reports.harness.recorded.exact_at import exact_at
-from spincheck.reports.harness.recorded.leading_error import left_by_methods
-from spincheck.reports.harness.recorded.motion import (
+from spincheck.reports.harness.recorded.files.exact_at import exact_at
+from spincheck.reports.harness.recorded.files.motion import (
     STENCILS,
     omega_of_attitudes,
     reading_of,
     recorded_motion,
 )
-from spincheck.reports.harness.recorded.recording import Recording
+from spincheck.reports.harness.recorded.files.recording import Recording
+from spincheck.reports.harness.recorded.fits.leading_error import left_by_methods
 
 FREE, HEAVY = case(303, samples=101), case(402, is_pivoted=True, samples=101)
 

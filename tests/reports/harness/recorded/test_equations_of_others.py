@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from planted_motions import Case, case, exactly, rates_of, stepped
 from spincheck.reports.harness.explaining.other_tensors import other_tensors
+from spincheck.reports.harness.recorded.files.recording import Recording
 from spincheck.reports.harness.recorded.judged import JudgedMotion, judged_motion
-from spincheck.reports.harness.recorded.recording import Recording
 from spincheck.scenarios import Scenario, from_tables
 
 SAMPLES = 801

@@ -8,8 +8,8 @@ from planted_motions import Case, case, exactly, rates_of
 from reported_faults import Arrays
 from scipy.spatial.transform import Rotation
 from spincheck.reports.harness.recorded import right_by_itself
+from spincheck.reports.harness.recorded.files.recording import Recording
 from spincheck.reports.harness.recorded.judged import JudgedMotion, judged_motion
-from spincheck.reports.harness.recorded.recording import Recording
 from spincheck.scenarios import from_tables
 
 pytestmark = pytest.mark.slow

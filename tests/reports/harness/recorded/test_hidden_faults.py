@@ -18,13 +18,13 @@ from scipy.integrate import solve_ivp
 from scipy.interpolate import interp1d
 from scipy.spatial.transform import Rotation
 from spincheck.reference.other_equations import equations_of
-from spincheck.reports.harness.recorded.exact_at import exact_at
+from spincheck.reports.harness.recorded.files.exact_at import exact_at
+from spincheck.reports.harness.recorded.files.motion import reading_of, recorded_motion
+from spincheck.reports.harness.recorded.files.recording import Recording
+from spincheck.reports.harness.recorded.fits.log import log_of
+from spincheck.reports.harness.recorded.fits.measured import Measured
+from spincheck.reports.harness.recorded.fits.since import since_when
 from spincheck.reports.harness.recorded.judged import judged_motion
-from spincheck.reports.harness.recorded.log import log_of
-from spincheck.reports.harness.recorded.measured import Measured
-from spincheck.reports.harness.recorded.motion import reading_of, recorded_motion
-from spincheck.reports.harness.recorded.recording import Recording
-from spincheck.reports.harness.recorded.since import since_when
 from spincheck.scenarios import Scenario, from_tables
 
 pytestmark = pytest.mark.slow

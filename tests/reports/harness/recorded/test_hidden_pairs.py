@@ -10,8 +10,8 @@ from planted_motions import case, exactly, product, rates_of, stepped
 from reported_faults import Arrays
 from scipy.integrate import solve_ivp
 from scipy.spatial.transform import Rotation
+from spincheck.reports.harness.recorded.files.recording import Recording
 from spincheck.reports.harness.recorded.judged import judged_motion
-from spincheck.reports.harness.recorded.recording import Recording
 
 pytestmark = pytest.mark.slow
 

@@ -7,8 +7,8 @@ import pytest
 from planted_motions import case, exactly, rates_of
 from scipy.stats import chi2
 from spincheck.reports.harness.explaining.search import LEVEL
-from spincheck.reports.harness.recorded.intervals import Intervals
-from spincheck.reports.harness.recorded.other_physics import Physics
+from spincheck.reports.harness.recorded.fits.other_physics import Physics
+from spincheck.reports.harness.recorded.samples.intervals import Intervals
 from spincheck.scenarios import Trajectory
 
 pytestmark = pytest.mark.slow

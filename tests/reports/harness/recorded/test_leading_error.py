@@ -9,10 +9,10 @@ from hidden import changed
 from planted_motions import case, exactly, rates_of
 from reported_faults import Arrays
 from spincheck.reports.harness.explaining.search import LEFT
-from spincheck.reports.harness.recorded.exact_at import exact_at
-from spincheck.reports.harness.recorded.intervals import Intervals, intervals_of, root_mean_squares
-from spincheck.reports.harness.recorded.judged import judged_motion
-from spincheck.reports.harness.recorded.leading_error import (
+from spincheck.reports.harness.recorded.files.exact_at import exact_at
+from spincheck.reports.harness.recorded.files.motion import reading_of, recorded_motion
+from spincheck.reports.harness.recorded.files.recording import Recording
+from spincheck.reports.harness.recorded.fits.leading_error import (
     ATTITUDE,
     BOTH,
     OMEGA,
@@ -20,9 +20,13 @@ from spincheck.reports.harness.recorded.leading_error import (
     left_by_methods,
     trees,
 )
-from spincheck.reports.harness.recorded.motion import reading_of, recorded_motion
-from spincheck.reports.harness.recorded.other_physics import NEXT_TERM
-from spincheck.reports.harness.recorded.recording import Recording
+from spincheck.reports.harness.recorded.fits.other_physics import NEXT_TERM
+from spincheck.reports.harness.recorded.judged import judged_motion
+from spincheck.reports.harness.recorded.samples.intervals import (
+    Intervals,
+    intervals_of,
+    root_mean_squares,
+)
 
 BODY, TOP = case(324, samples=101), case(323, is_pivoted=True, duration=2.0, samples=201)
 #: Tableaus that somebody meant to be RK4's, their orders, and of a method that has order 3.

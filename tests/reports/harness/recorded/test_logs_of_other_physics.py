@@ -10,8 +10,8 @@ from hidden import NOISY, Hidden, changed, check, noisy, right
 from planted_motions import Rates, case, cross, exactly, rates_of
 from reported_faults import Arrays
 from scipy.spatial.transform import Rotation
+from spincheck.reports.harness.recorded.files.recording import Recording
 from spincheck.reports.harness.recorded.judged import judged_motion
-from spincheck.reports.harness.recorded.recording import Recording
 from spincheck.scenarios import Scenario
 
 pytestmark = pytest.mark.slow

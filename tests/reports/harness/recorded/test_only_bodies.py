@@ -9,8 +9,8 @@ from spincheck.reports.harness.explaining.fit import Fit
 from spincheck.reports.harness.explaining.hypothesis import as_it_is
 from spincheck.reports.harness.explaining.other_tensors import is_of_a_body
 from spincheck.reports.harness.explaining.search import MOST_OF_ALL, Search
-from spincheck.reports.harness.recorded.read_omega import Filter
-from spincheck.reports.harness.recorded.sensors import as_it_was
+from spincheck.reports.harness.recorded.fits.read_omega import Filter
+from spincheck.reports.harness.recorded.samples.sensors import as_it_was
 
 ONE = case(151)
 

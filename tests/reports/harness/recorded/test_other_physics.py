@@ -10,8 +10,8 @@ from case_loops import each_case
 from kinds_of_engines import why_missing
 from spincheck.engines import engines
 from spincheck.reference import solve
+from spincheck.reports.harness.recorded.files.recording import Recording
 from spincheck.reports.harness.recorded.judged import judged_motion
-from spincheck.reports.harness.recorded.recording import Recording
 from spincheck.scenarios import Scenario, Trajectory, load
 from spincheck.suite import SCENES
 from stepped import METHODS, SteppedEngine

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from planted_motions import case, exactly, rates_of
 from reported_faults import judged, named
-from spincheck.reports.harness.recorded.read_omega import _filtered
+from spincheck.reports.harness.recorded.fits.read_omega import _filtered
 
 pytestmark = pytest.mark.slow
 

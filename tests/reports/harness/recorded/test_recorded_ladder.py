@@ -11,10 +11,10 @@ from spincheck.engines import Method
 from spincheck.reference import solve
 from spincheck.reports.harness.judging import judge
 from spincheck.reports.harness.prepared import prepare
+from spincheck.reports.harness.recorded.files.read import read_recording
+from spincheck.reports.harness.recorded.files.recording import RecordingError
 from spincheck.reports.harness.recorded.judged import judged_motion
-from spincheck.reports.harness.recorded.read import read_recording
 from spincheck.reports.harness.recorded.recorded_ladder import study_of_files
-from spincheck.reports.harness.recorded.recording import RecordingError
 from spincheck.reports.harness.study import convergence_study_of
 from spincheck.reports.harness.timesteps.ladder import QUICK_STEPS
 from studies import verdict_of

@@ -8,9 +8,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from spincheck.reports.harness.recorded.read import read_recording
-from spincheck.reports.harness.recorded.recording import Recording, RecordingError
-from spincheck.reports.harness.recorded.text_formats import LONGEST_LINE, MAX_SAMPLES
+from spincheck.reports.harness.recorded.files.read import read_recording
+from spincheck.reports.harness.recorded.files.recording import Recording, RecordingError
+from spincheck.reports.harness.recorded.files.text_formats import LONGEST_LINE, MAX_SAMPLES
 
 ROW = "0,1,0,0,0,0.5,0,2"
 GOOD = f"t,qw,qx,qy,qz,wx,wy,wz\n{ROW}\n0.1,1,0,0,0,0.5,0,2\n"
@@ -84,7 +84,7 @@ def test_quaternions_may_shrink_slowly(tmp_path):
 
 
 def test_as_many_samples_as_a_motion_may_have_are_read(tmp_path, monkeypatch):
-    monkeypatch.setattr("spincheck.reports.harness.recorded.text_formats.MAX_SAMPLES", 2)
+    monkeypatch.setattr("spincheck.reports.harness.recorded.files.text_formats.MAX_SAMPLES", 2)
     assert len(read_recording(written(tmp_path, GOOD)).arrays["t"]) == 2
 
 
@@ -202,7 +202,7 @@ def test_an_array_that_claims_to_be_huge_or_an_endless_file_is_not_read_to_its_e
     np.savez_compressed(path, t=np.zeros(MAX_SAMPLES + 1), q=np.zeros((2, 4)))
     with pytest.raises(RecordingError, match=f"at most {MAX_SAMPLES} samples"):
         read_recording(path)
-    monkeypatch.setattr("spincheck.reports.harness.recorded.text_formats.MAX_SAMPLES", 10)
+    monkeypatch.setattr("spincheck.reports.harness.recorded.files.text_formats.MAX_SAMPLES", 10)
     rows = "".join(f"{k},1,0,0,0,0.5,0,2\n" for k in range(20)) + "not a row\n"
     with pytest.raises(RecordingError, match="at most 10 samples"):
         read_recording(written(tmp_path, GOOD.splitlines()[0] + "\n" + rows))

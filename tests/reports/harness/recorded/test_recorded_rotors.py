@@ -9,9 +9,9 @@ from library_scenes import library_scene
 from spincheck.engines import engines
 from spincheck.reference import solve
 from spincheck.reports.cli.scenes.exact_motion import truth_files
+from spincheck.reports.harness.recorded.files.read import read_recording
+from spincheck.reports.harness.recorded.files.recording import Recording, RecordingError
 from spincheck.reports.harness.recorded.judged import JudgedMotion, judged_motion
-from spincheck.reports.harness.recorded.read import read_recording
-from spincheck.reports.harness.recorded.recording import Recording, RecordingError
 
 pytestmark = pytest.mark.slow
 

@@ -24,10 +24,10 @@ from spincheck.reference.other_equations import equations_of
 from spincheck.reports.harness.explaining.effect_changes import resistance
 from spincheck.reports.harness.explaining.hypothesis import Change, as_it_is
 from spincheck.reports.harness.explaining.search import LEVEL, Search
-from spincheck.reports.harness.recorded.intervals import Intervals
+from spincheck.reports.harness.recorded.files.recording import Recording, RecordingError
+from spincheck.reports.harness.recorded.fits.log_fit import SHARED
 from spincheck.reports.harness.recorded.judged import JudgedMotion, judged_motion
-from spincheck.reports.harness.recorded.log_fit import SHARED
-from spincheck.reports.harness.recorded.recording import Recording, RecordingError
+from spincheck.reports.harness.recorded.samples.intervals import Intervals
 from spincheck.scenarios import Scenario
 from spincheck.scenarios.scenario import started_at
 

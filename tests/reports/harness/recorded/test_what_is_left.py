@@ -12,12 +12,12 @@ from reported_faults import Arrays
 from scipy.interpolate import CubicSpline
 from scipy.spatial.transform import Rotation
 from spincheck.reports.harness.recorded.case import Case
-from spincheck.reports.harness.recorded.exact_at import exact_at
+from spincheck.reports.harness.recorded.files.exact_at import exact_at
+from spincheck.reports.harness.recorded.files.motion import reading_of, recorded_motion
+from spincheck.reports.harness.recorded.files.recording import Recording
 from spincheck.reports.harness.recorded.findings import finding
+from spincheck.reports.harness.recorded.fits.read_omega import _differences
 from spincheck.reports.harness.recorded.judged import judged_motion
-from spincheck.reports.harness.recorded.motion import reading_of, recorded_motion
-from spincheck.reports.harness.recorded.read_omega import _differences
-from spincheck.reports.harness.recorded.recording import Recording
 
 pytestmark = pytest.mark.slow
 

@@ -1,0 +1,285 @@
+"""A recorded motion: the columns of its file, their units, and the checks of its samples."""
+
+import re
+from collections.abc import Sequence
+from contextlib import suppress
+from dataclasses import dataclass, field
+from math import pi
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .....scenarios import FloatArray
+
+#: Factor from each unit to SI units.
+TIMES = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "min": 60.0}
+RATES = {"rad/s": 1.0, "deg/s": pi / 180, "rpm": pi / 30}
+LENGTHS = {"m": 1.0, "mm": 1e-3, "cm": 1e-2, "km": 1e3}
+SPEEDS = {"m/s": 1.0, "mm/s": 1e-3, "cm/s": 1e-2, "km/s": 1e3}
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """One quantity of a recorded motion.
+
+    Attributes
+    ----------
+    name : name of its array in npz and JSON lines, with all its components
+    columns : the names of its components in a table; empty for spins, which are named `spin1`,
+        `spin2`, … for the rotors
+    written : another name of the quantity; except for times it is the name in `spincheck export
+        --truth`, to which the components' letters are added
+    units : the units it may be in, that of SI first
+    """
+
+    name: str
+    columns: tuple[str, ...]
+    written: str
+    units: dict[str, float]
+
+    def component(self, column: str) -> int | None:
+        """Return the index of the component that a column of this name holds, or None."""
+        if not self.columns:
+            numbered = _NUMBERED.fullmatch(column)
+            return int(numbered["number"]) - 1 if numbered else None
+        letters = [name[-1] for name in self.columns]
+        spelled = [f"{self.written}_{letter}" for letter in letters]
+        for names in (self.columns, spelled):
+            if column in names:
+                return list(names).index(column)
+        return 0 if column in (self.name, self.written) and len(self.columns) == 1 else None
+
+
+QUANTITIES = (
+    Quantity("t", ("t",), "time", TIMES),
+    Quantity("q", ("qw", "qx", "qy", "qz"), "quaternion_wxyz", {"": 1.0}),
+    Quantity("omega", ("wx", "wy", "wz"), "omega_body", RATES),
+    Quantity("com", ("x", "y", "z"), "com_world", LENGTHS),
+    Quantity("velocity", ("vx", "vy", "vz"), "velocity_world", SPEEDS),
+    Quantity("spins", (), "rotors_spin", RATES),
+)
+REQUIRED = ("t", "q")
+#: Message that is shown if columns are missing.
+HEADINGS = "t,qw,qx,qy,qz,wx,wy,wz"
+_NUMBERED = re.compile(r"(spin|rotors_spin_)(?P<number>[1-9][0-9]{0,3})")
+_HEAD = re.compile(r"^\s*(?P<name>[A-Za-z_0-9]+)\s*(?:[\[(]\s*(?P<unit>[^\])]*?)\s*[\])])?\s*$")
+
+
+class ColumnError(ValueError):
+    """A column that cannot be used, or that is missing."""
+
+
+@dataclass(frozen=True)
+class Column:
+    """A column of a table: the component of the quantity that it holds, and its unit's factor."""
+
+    quantity: Quantity
+    component: int
+    factor: float
+
+
+def columns_of(heads: Sequence[str]) -> list[Column | None]:
+    """Return the columns of a table by their headings; None for headings without meaning.
+
+    A unit may follow the name in brackets, ``wx [deg/s]``; without one the unit is SI.
+
+    Raises
+    ------
+    ColumnError
+        If a unit is unknown, a quantity is doubled or incomplete, or time or attitude is missing.
+    """
+    columns = [_column(head) for head in heads]
+    for quantity in QUANTITIES:
+        found = [c.component for c in columns if c is not None and c.quantity is quantity]
+        if len(found) != len(set(found)):
+            raise ColumnError(f"{_names(quantity)} must be one column each, got one twice")
+        wanted = len(quantity.columns) or max(found, default=-1) + 1
+        if len(found) != wanted and (found or quantity.name in REQUIRED):
+            what = "a column" if len(quantity.columns) == 1 else "columns"
+            got = "numbers" if all(map(_is_number, heads)) else ", ".join(heads) or "none"
+            raise ColumnError(
+                f"{_names(quantity)} must be {what} of the file, got {got}; name them as in "
+                f"{HEADINGS}"
+            )
+    return columns
+
+
+def factor_of(quantity: Quantity, unit: str | None) -> float:
+    """Return the factor from a unit of a quantity to SI units; None means SI units.
+
+    Raises
+    ------
+    ColumnError
+        If the quantity has no such unit.
+    """
+    if unit is None:
+        return 1.0
+    if unit not in quantity.units:
+        known = ", ".join(quantity.units)
+        raise ColumnError(f"the unit of {_names(quantity)} must be one of {known}, got '{unit}'")
+    return quantity.units[unit]
+
+
+def _column(head: str) -> Column | None:
+    match = _HEAD.match(head)
+    if match is None:
+        return None
+    for quantity in QUANTITIES:
+        component = quantity.component(match["name"])
+        if component is not None:
+            return Column(quantity, component, factor_of(quantity, match["unit"]))
+    return None
+
+
+def _is_number(head: str) -> bool:
+    with suppress(ValueError):
+        float(head)
+        return True
+    return False
+
+
+def _names(quantity: Quantity) -> str:
+    return ", ".join(f"'{name}'" for name in quantity.columns) or "'spin1', 'spin2', …"
+
+
+#: Tolerance of a quaternion's norm: numbers printed with four digits pass.
+UNIT_SLACK = 1e-3
+#: Tolerance of multiples that were converted from another unit, relative; and of equal numbers,
+#: relative to the largest.
+MULTIPLE, EQUAL = 1e-6, 1e-9
+#: Largest unit that components of quaternions may be rounded to, as coarser ones do not tell
+#: attitudes apart; and the least number of different values by which rounding is recognised.
+COARSEST, FEWEST_VALUES = 0.1, 8
+#: Factor by which the norm may change from one sample to the next, if no step normalises it.
+NORM_GROWS = 1.5
+
+
+class RecordingError(ValueError):
+    """A file that holds no motion that can be judged: one sentence with file, place and remedy."""
+
+
+@dataclass(frozen=True, eq=False)
+class Recording:
+    """The numbers of a file, in SI units.
+
+    Attributes
+    ----------
+    path : the file
+    arrays : t (n,), q (n, 4) and, where the file has them, omega, com, velocity, (n, 3),
+        and spins, (n, rotors)
+    settings : what the file states about itself, by the names in `SETTINGS`
+    ignored : headings of columns that have no meaning here
+    """
+
+    path: Path
+    arrays: dict[str, FloatArray]
+    settings: dict[str, str] = field(default_factory=dict)
+    ignored: tuple[str, ...] = ()
+
+    @property
+    def is_single(self) -> bool:
+        """Whether the motion was computed in single precision.
+
+        If the file does not state the precision, quaternions that are exact in single precision
+        show it.
+        """
+        q = self.arrays["q"]
+        has_24_bits = np.array_equal(q, q.astype(np.float32)) and not np.array_equal(q, np.rint(q))
+        return self.settings.get("precision", "single" if has_24_bits else "double") == "single"
+
+    @property
+    def drift_off_the_sphere(self) -> str:
+        """A sentence on how the quaternions' norm drifts; empty if it does not."""
+        t, norms = self.arrays["t"], np.linalg.norm(self.arrays["q"], axis=1)
+        if (np.abs(norms - 1) <= slack_of(self.arrays["q"])).all():
+            return ""
+        rate = np.log(norms[-1] / norms[0]) / (t[-1] - t[0])
+        return (
+            f"the quaternions drift off the unit sphere, by {rate:.3g} /s, to a norm of "
+            f"{norms[-1]:.4g} at {t[-1]:.4g} s; they were normalised"
+        )
+
+    @property
+    def resolution(self) -> float:
+        """The relative resolution with which attitude and ω are printed."""
+        eps = float(np.finfo(np.float32 if self.is_single else float).eps)
+        columns = [self.arrays[name].ravel() for name in ("q", "omega") if name in self.arrays]
+        numbers = np.concatenate(columns)
+        if np.array_equal(numbers, np.rint(numbers)):
+            # Whole numbers were not rounded.
+            return eps
+        digits = max(map(digits_of, numbers))
+        return max(eps, 10.0 ** (1 - digits))
+
+
+def digits_of(value: float) -> int:
+    """Return the number of significant decimal digits that print a number exactly."""
+    mantissa = repr(float(abs(value))).partition("e")[0]
+    return len(mantissa.replace(".", "").strip("0"))
+
+
+def unit_of(numbers: FloatArray) -> float:
+    """Return the number, to six digits, of which all numbers are multiples; 0 if there is none."""
+    sizes = np.unique(np.abs(numbers))
+    distances = np.diff(sizes, prepend=0.0)
+    distances = distances[distances > EQUAL * sizes[-1]]
+    if not len(distances):
+        return 0.0
+    unit = float(distances.min())
+    multiples = sizes / unit
+    is_multiple = np.abs(multiples - np.rint(multiples)) < MULTIPLE * multiples[-1]
+    return float(f"{unit:.6g}") if is_multiple.all() else 0.0
+
+
+def slack_of(q: FloatArray) -> float:
+    """Return by how much norms of quaternions, (n, 4), may differ from 1 by their rounding."""
+    unit, is_rounded = unit_of(q), len(np.unique(q)) >= FEWEST_VALUES
+    return max(UNIT_SLACK, unit) if is_rounded and unit <= COARSEST else UNIT_SLACK
+
+
+def check_motion(arrays: dict[str, FloatArray]) -> None:
+    """Check that all arrays are finite and as long, that times increase, and norms are near 1.
+
+    The norms of quaternions may drift slowly.
+
+    Raises
+    ------
+    RecordingError
+        If they are not.
+    """
+    for quantity in QUANTITIES[:2]:
+        if quantity.name not in arrays:
+            raise RecordingError(f"must have an array '{quantity.name}'")
+    times = arrays["t"]
+    for name, values in arrays.items():
+        if len(values) != len(times):
+            raise RecordingError(f"'{name}' must have a row for each time, got {len(values)}")
+        if not np.isfinite(values).all():
+            raise RecordingError(
+                f"'{name}' must be finite, sample {_first(~np.isfinite(values))} is not"
+            )
+    if len(times) < 2:
+        raise RecordingError(f"must have at least two samples, got {len(times)}")
+    if times[0] < 0:
+        raise RecordingError(f"times must be counted from the scene's start, got {times[0]:g} s")
+    if (is_back := np.diff(times) <= 0).any():
+        k = _first(is_back)
+        raise RecordingError(
+            f"times must increase, got {times[k - 1]:.17g} s and then {times[k]:.17g} s in samples "
+            f"{k - 1} and {k}, counted from 0; sort the samples, and leave out doubled ones"
+        )
+    norms = np.linalg.norm(arrays["q"], axis=1)
+    before = np.concatenate([[1.0], norms[:-1]])
+    slack = np.where(np.arange(len(norms)) > 0, NORM_GROWS, 1 + slack_of(arrays["q"]))
+    if (is_wrong := (norms * slack < before) | (norms > before * slack)).any():
+        k = _first(is_wrong) - 1
+        raise RecordingError(
+            f"quaternions must be of unit norm, or drift off it slowly from 1 on, that of sample "
+            f"{k} is {norms[k]:.4g} long and the one before {before[k]:.4g}"
+        )
+
+
+def _first(wrong: NDArray[np.bool_]) -> int:
+    """Return the number of the first row, counted from 1, in which any entry is true."""
+    return int(np.argmax(wrong.reshape(len(wrong), -1).any(axis=1))) + 1

@@ -1,0 +1,231 @@
+"""Reads recorded motions from text: CSV and JSON lines."""
+
+import csv
+import json
+from collections.abc import Iterator, Sequence
+from contextlib import suppress
+from pathlib import Path
+from typing import IO, Any
+
+import numpy as np
+
+from .....scenarios import FloatArray, printable
+from .....scenarios.document import MAX_SAMPLES
+from .recording import QUANTITIES, Quantity, Recording, RecordingError, columns_of
+
+#: Largest number of characters in a line.
+LONGEST_LINE = 1 << 14
+#: The settings that a file may state, with their permitted values; None means a positive number.
+SETTINGS: dict[str, tuple[str, ...] | None] = {
+    "quaternion": ("wxyz", "xyzw"),
+    "omega": ("body", "world"),
+    "precision": ("double", "single"),
+    "timestep": None,
+    "noise_attitude": None,
+    "noise_omega": None,
+}
+_SHORTEST, _LONGEST = 1e-150, 1e150
+
+
+class Table:
+    """A table of numbers that is filled row by row, with no more rows than a motion may have.
+
+    Parameters
+    ----------
+    heads : headings of the columns
+
+    Attributes
+    ----------
+    ignored : headings that have no meaning here
+
+    Raises
+    ------
+    ColumnError
+        As for `columns_of`.
+    """
+
+    def __init__(self, heads: Sequence[str]) -> None:
+        self._columns = columns_of(heads)
+        unknown = (h for h, c in zip(heads, self._columns, strict=True) if c is None)
+        self.ignored = tuple(filter(None, unknown))
+        self._rows: list[list[float]] = []
+
+    def add(self, cells: Sequence[Any], where: str) -> None:
+        """Add a row.
+
+        Raises
+        ------
+        RecordingError
+            If the row has another number of cells than the table, a cell is not a finite number,
+            or there are too many rows.
+        """
+        if len(cells) != len(self._columns):
+            wanted = f"must have {len(self._columns)} columns"
+            raise RecordingError(f"{where} {wanted}, got {len(cells)}")
+        used = [(c, x) for c, x in zip(self._columns, cells, strict=True) if c is not None]
+        self._rows.append([column.factor * _number(cell, where) for column, cell in used])
+        check_count(len(self._rows))
+
+    def arrays(self) -> dict[str, FloatArray]:
+        """Return the quantities by their names, SI units, (n, components), and the times, (n,)."""
+        used = [column for column in self._columns if column is not None]
+        numbers = np.array(self._rows, dtype=float).reshape(-1, len(used))
+        arrays = {}
+        for quantity in {column.quantity.name: column.quantity for column in used}.values():
+            places = sorted(
+                (column.component, k)
+                for k, column in enumerate(used)
+                if column.quantity is quantity
+            )
+            arrays[quantity.name] = numbers[:, [k for _, k in places]]
+        arrays["t"] = arrays["t"][:, 0]
+        return arrays
+
+
+def setting(name: str, value: str, line: int | None) -> dict[str, str]:
+    """Return the value of a setting by its name; nothing if the name is no setting.
+
+    Parameters
+    ----------
+    line : number of the line that states it, for messages; None if there are no lines
+
+    Raises
+    ------
+    RecordingError
+        If the value is not permitted.
+    """
+    if name not in SETTINGS:
+        return {}
+    words = SETTINGS[name]
+    where = "" if line is None else f"line {line}: "
+    if words is None:
+        with suppress(ValueError):
+            if _SHORTEST < float(value) < _LONGEST:
+                return {name: value}
+        raise RecordingError(f"{where}'{name}' must be a positive number, got '{printable(value)}'")
+    if value not in words:
+        raise RecordingError(
+            f"{where}'{name}' must be {' or '.join(words)}, got '{printable(value)}'"
+        )
+    return {name: value}
+
+
+def _number(cell: Any, where: str) -> float:
+    with suppress(ValueError, TypeError, OverflowError):
+        value = float(cell)
+        if abs(value) < _LONGEST and not isinstance(cell, bool):
+            return value
+    raise RecordingError(f"{where}: '{printable(str(cell)[:40])}' must be a finite number")
+
+
+def check_count(samples: int) -> None:
+    """Raise `RecordingError` if there are more samples than a motion may have."""
+    if samples > MAX_SAMPLES:
+        raise RecordingError(
+            f"must have at most {MAX_SAMPLES} samples; write every second or tenth of them"
+        )
+
+
+def _lines(file: IO[str]) -> Iterator[tuple[int, str]]:
+    """Yield the lines that are not empty, with their numbers, from 1 on.
+
+    Raises
+    ------
+    RecordingError
+        If a line is too long. It is read no further than that.
+    """
+    number = 0
+    while line := file.readline(LONGEST_LINE):
+        number += 1
+        if len(line) == LONGEST_LINE:
+            raise RecordingError(f"line {number} must be shorter than {LONGEST_LINE} characters")
+        if line.strip():
+            yield number, line.strip()
+
+
+def read_csv(path: Path) -> Recording:
+    """Read a motion from a table whose first line names its columns, below comments with settings.
+
+    Raises
+    ------
+    RecordingError
+        If the file does not hold such a table.
+    """
+    settings: dict[str, str] = {}
+    with path.open(encoding="utf-8-sig") as file:
+        lines = _lines(file)
+        for number, line in lines:
+            if not line.startswith("#"):
+                break
+            name, _, value = line.lstrip("# ").partition("=")
+            settings |= setting(name.strip(), value.strip(), number)
+        else:
+            raise RecordingError("is empty; its first line must name the columns: t,qw,qx,qy,qz")
+        delimiter = next((mark for mark in ",;\t" if mark in line), " ")
+        table = Table(_cells(line, delimiter))
+        for number, line in lines:
+            table.add(_cells(line, delimiter), f"line {number}")
+    return Recording(path, table.arrays(), settings, table.ignored)
+
+
+def _cells(line: str, delimiter: str) -> list[str]:
+    if delimiter == " ":
+        return line.split()
+    return [cell.strip() for cell in next(csv.reader([line], delimiter=delimiter))]
+
+
+def read_json_lines(path: Path) -> Recording:
+    """Read a motion from JSON lines: one object a sample, below objects with settings.
+
+    Raises
+    ------
+    RecordingError
+        If the file does not hold such lines.
+    """
+    settings: dict[str, str] = {}
+    table: Table | None = None
+    names: tuple[str, ...] = ()
+    with path.open(encoding="utf-8-sig") as file:
+        for number, line in _lines(file):
+            record = _object(line, number)
+            if table is None and "t" not in record:
+                for name, value in record.items():
+                    settings |= setting(name, str(value), number)
+                continue
+            flat = list(_flat(record, number))
+            keys = tuple(key for key, _ in flat)
+            if table is None:
+                names = keys
+                table = Table(names)
+            if keys != names:
+                wanted = f"must have the keys of the first: {', '.join(names)}"
+                raise RecordingError(f"line {number} {wanted}")
+            table.add([value for _, value in flat], f"line {number}")
+    if table is None:
+        raise RecordingError('is empty; a line is {"t": 0.0, "q": [1, 0, 0, 0], …}')
+    return Recording(path, table.arrays(), settings, table.ignored)
+
+
+def _object(line: str, number: int) -> dict[str, Any]:
+    with suppress(ValueError, RecursionError):
+        record = json.loads(line)
+        if isinstance(record, dict):
+            return record
+    raise RecordingError(f"line {number} must be a JSON object")
+
+
+def _flat(record: dict[str, Any], number: int) -> Iterator[tuple[str, Any]]:
+    """Yield keys with values; the components of a list are named as a table's columns."""
+    quantities: dict[str, Quantity] = {quantity.name: quantity for quantity in QUANTITIES}
+    for key, value in record.items():
+        if not isinstance(value, list):
+            yield key, value
+            continue
+        quantity = quantities.get(key)
+        if quantity is None:
+            continue
+        columns = quantity.columns or [f"spin{k}" for k in range(1, len(value) + 1)]
+        if len(value) != len(columns):
+            wanted = f"'{key}' must have {len(columns)} numbers, got {len(value)}"
+            raise RecordingError(f"line {number}: {wanted}")
+        yield from zip(columns, value, strict=True)

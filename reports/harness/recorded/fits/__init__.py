@@ -1,0 +1,1 @@
+"""Changes of the equations, of sensors and of methods, fitted to a recorded motion."""

@@ -1,0 +1,109 @@
+"""Which known integrator computed a recorded motion, and with which timestep."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from .....reference.following import EXACT, KNOWN
+from ...explaining.fit import mean_square
+from ...explaining.hypothesis import Hypothesis
+from ...explaining.search import SAME
+from ..files.recording import MULTIPLE
+from ..samples.intervals import Intervals
+
+#: The most intervals that known integrators are followed in, and the most with timesteps that are
+#: guessed.
+FEW, GUESSED = 12, 4
+#: Numbers of steps from sample to sample that are tried where the timestep may be another than the
+#: stated one.
+STEPS = (1, 2, 4, 5, 8, 10, 16, 20, 25, 40, 50, 100)
+
+
+@dataclass(frozen=True, eq=False)
+class KnownIntegrators:
+    """The intervals of a motion, and the steps that known integrators take in them.
+
+    Attributes
+    ----------
+    intervals : of the motion
+    stated : the timestep that the motion was computed with, s; None if unknown
+    """
+
+    intervals: Intervals
+    stated: float | None
+
+    @cached_property
+    def span(self) -> float:
+        """The median distance of two samples, s."""
+        return float(np.median(self.intervals.spans))
+
+    @cached_property
+    def each(self) -> tuple[Intervals, ...]:
+        """The intervals as steps of each integrator, with the stated timestep.
+
+        If none is stated, it is taken to be the distance of the samples.
+        """
+        return self._steps(self.stated or self.span, FEW)
+
+    def _steps(self, timestep: float, count: int) -> tuple[Intervals, ...]:
+        """Return some of the intervals as steps of each integrator.
+
+        Parameters
+        ----------
+        timestep : s
+        count : the most intervals
+
+        Returns
+        -------
+        An empty tuple if the intervals are not multiples of the timestep
+        """
+        data = self.intervals.spread(count)
+        multiples = data.spans / timestep
+        if (np.abs(multiples - np.rint(multiples)) > MULTIPLE * multiples).any():
+            return ()
+        return tuple(data.made_by(one, timestep) for one in KNOWN)
+
+    def that_made(self, hypothesis: Hypothesis) -> str:
+        """Return the integrator that computed the motion of a hypothesis, in words; or empty."""
+        return self._in_words(self._best(self.each, hypothesis, noise=1.0))
+
+    def at_another_timestep(self, hypothesis: Hypothesis) -> str:
+        """Return the integrator that computed the motion with another timestep, in words; or empty.
+
+        Among the many integrators and timesteps that are tried some come as near as noise: the
+        right one must be far nearer.
+        """
+        each = (self._steps(self.span / n, GUESSED) for n in STEPS)
+        every = (self._best(steps, hypothesis, noise=0.0) for steps in each)
+        return self._in_words(next(filter(None, every), None))
+
+    def left_exactly(self, hypothesis: Hypothesis) -> float:
+        """The mean square of the residuals of a hypothesis' exact flow, in variances of noise."""
+        return mean_square(self.intervals.spread(FEW).made_by(EXACT, 0.0).deviations([hypothesis]))
+
+    def _best(
+        self, each: tuple[Intervals, ...], hypothesis: Hypothesis, noise: float
+    ) -> Intervals | None:
+        """Return the steps that computed the motion of a hypothesis; None if none did.
+
+        Parameters
+        ----------
+        noise : largest mean square of their residuals, in variances of noise
+        """
+        exactly = self.left_exactly(hypothesis)
+        if not each or exactly <= 1:
+            return None
+        squares = [mean_square(one.deviations([hypothesis])) for one in each]
+        if min(squares) > max(noise, SAME**2 * exactly):
+            return None
+        # Of integrators whose residuals are within noise the first is named, else the one with the
+        # smallest residuals.
+        return each[
+            next((k for k, one in enumerate(squares) if one <= noise), int(np.argmin(squares)))
+        ]
+
+    @staticmethod
+    def _in_words(steps: Intervals | None) -> str:
+        """Return the integrator and timestep of steps in words; empty without steps."""
+        return f"what {steps.integrator.name} at {steps.timestep:.4g} s makes" if steps else ""

@@ -1,0 +1,201 @@
+"""The leading term of the error of methods of a given order, whichever they are.
+
+In a step h the error of a one-step method of order p is h^(p+1) times a combination of the
+elementary differentials of order p + 1, one for each rooted tree with p + 1 vertices (Hairer,
+Lubich & Wanner, Geometric Numerical Integration, §III.1). A method that treats attitude and ω
+differently, such as semi-implicit Euler, has one for each way to colour the vertices (§III.2). Over
+many steps these errors add up, carried along by the exact flow. The coefficients of no method are
+larger than about one: explicit Euler's is ½, and those of higher orders are smaller (§III.1.3).
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import product
+
+import numpy as np
+from numpy.polynomial.legendre import leggauss
+from scipy.optimize import lsq_linear
+
+from .....reference.following import follow, rates
+from .....reference.other_equations import OtherEquations
+from .....scenarios import FloatArray
+from .....scenarios.rotation import cross, norms, turning_of
+from ..samples.intervals import Intervals, apart
+
+#: Order up to which vertices are coloured: for higher orders there would be too many trees.
+COLOURED = 2
+#: Nodes of the quadrature along an interval; relative differences of states with which derivatives
+#: are taken, and with which errors are carried along.
+NODES, SMALL, CARRIED = 3, 1e-3, 1e-4
+#: Largest coefficient of an elementary differential.
+LARGEST = 2.0
+#: Colours of vertices: both the attitude's equation and Euler's, either of them alone, and from
+#: `TERMS` on one term of Euler's each.
+BOTH, ATTITUDE, OMEGA, TERMS = 0, 1, 2, 3
+#: Names of the coefficients of each term of the equations, which a method may treat differently.
+_TERMS = (
+    ("gyroscopic", "kept"),
+    ("pull",),
+    ("torque", "torque_world"),
+    ("slowing", "damping", "friction", "turned_drag"),
+    ("attitude_torque", "spring", "gravity_gradient"),
+)
+
+#: A rooted tree: the colour of its root, and the trees at its branches.
+Tree = tuple[int, tuple["Tree", ...]]
+
+
+def left_by_methods(
+    data: Intervals, orders: Sequence[int], timestep: float | None = None
+) -> FloatArray:
+    """Return the residuals beside the leading errors of methods of given orders, (6 S,).
+
+    They are in units of `data.scale`. The coefficients of elementary differentials, up to
+    `LARGEST`, are fitted by least squares.
+
+    Parameters
+    ----------
+    timestep : of the method, s; that of the samples if None
+    """
+    residuals, errors = data.deviations([data.base]).ravel(), leading_errors(data, orders, timestep)
+    columns = (errors / data.scale).reshape(len(errors), -1).T
+    # Columns are scaled to one, so that none is too small to count.
+    units = np.linalg.norm(columns, axis=0)
+    columns = columns[:, units > 0] / units[units > 0]
+    best = lsq_linear(columns, residuals, (-LARGEST * units[units > 0], LARGEST * units[units > 0]))
+    return np.asarray(residuals - columns @ best.x)
+
+
+def leading_errors(
+    data: Intervals, orders: Sequence[int], timestep: float | None = None
+) -> FloatArray:
+    """Return the errors by each elementary differential, rad and rad/s, (k, S, 6).
+
+    These are the errors at the ends of the intervals by each of the k elementary differentials of
+    methods of given orders, with a coefficient of one.
+
+    Parameters
+    ----------
+    timestep : of the method, s; that of the samples if None
+    """
+    steps = np.minimum(timestep or np.inf, data.spans)
+    equations = data.base.equations
+    rate = max(float(norms(data.starts[:, 4:]).max()), equations.rate)
+    units = np.array([1.0, rate]).repeat([4, 3])
+    terms = _terms(equations)
+    # In units in which the rate is one, the size of the error is a power of the angle of a step.
+    every, sizes = [], []
+    for order in orders:
+        more = trees(order + 1, _colours(order, len(terms)))
+        every += more
+        sizes += len(more) * [(rate * steps) ** order / CARRIED]
+    errors = np.zeros((len(every), *data.scale.shape))
+    nodes, weights = leggauss(NODES)
+    for part, weight in zip((1 + nodes) / 2, weights / 2, strict=True):
+        here = follow(equations, data.starts, part * data.spans)[:, 0]
+        remaining = (1 - part) * data.spans
+        ends = follow(equations, here, remaining)[:, 0]
+        differentials = _Differentials((*[equations] * TERMS, *terms), here, rate)
+        for error, tree, size in zip(errors, every, sizes, strict=True):
+            moved = here + CARRIED * units * differentials.of(tree)
+            moved[:, :4] /= norms(moved[:, :4])[:, None]
+            carried = apart(ends, follow(equations, moved, remaining)[:, 0])
+            error += weight * data.spans * rate * size * carried
+    if data.is_derived:
+        ends = follow(equations, data.starts, data.spans)[:, 0]
+        first, last = (
+            _Differentials((*[equations] * TERMS, *terms), states, rate)
+            for states in (data.starts, ends)
+        )
+        for error, tree, size in zip(errors, every, sizes, strict=True):
+            began, ended = (CARRIED * rate * one.turning_of(tree) for one in (first, last))
+            moved = data.starts + np.hstack([np.zeros_like(began[:, :1]), 0 * began, began])
+            error -= size * apart(ends, follow(equations, moved, data.spans)[:, 0])
+            error[:, 3:] += size * ended
+    return errors
+
+
+def _terms(equations: OtherEquations) -> list[OtherEquations]:
+    """Return equations that have one of the nonzero terms of Euler's equations each."""
+    every = {name: 0 * getattr(equations, name) for names in _TERMS for name in names}
+    acting = [[n for n in names if getattr(equations, n).any()] for names in _TERMS]
+    return [
+        equations._replace(**every | {name: getattr(equations, name) for name in names})
+        for names in acting
+        if names
+    ]
+
+
+def _colours(order: int, terms: int) -> Sequence[int]:
+    """Return the colours of vertices for methods of an order.
+
+    Parameters
+    ----------
+    terms : how many terms Euler's equations have
+    """
+    if order > COLOURED:
+        return [BOTH]
+    return [ATTITUDE, *range(TERMS, TERMS + terms)] if order == 1 else [ATTITUDE, OMEGA]
+
+
+def trees(count: int, colours: Sequence[int]) -> list[Tree]:
+    """Return the rooted trees with a number of vertices, (count), of these colours."""
+    return [(root, branches) for root in colours for branches in _forests(count - 1, colours)]
+
+
+def _forests(count: int, colours: Sequence[int]) -> list[tuple[Tree, ...]]:
+    """Return the forests, multisets of trees, that have a number of vertices, (count), together."""
+    if not count:
+        return [()]
+    forests = {
+        tuple(sorted((tree, *others)))
+        for first in range(1, count + 1)
+        for tree in trees(first, colours)
+        for others in _forests(count - first, colours)
+    }
+    return sorted(forests)
+
+
+@dataclass(frozen=True, eq=False)
+class _Differentials:
+    """The elementary differentials of equations of motion, at n states.
+
+    Attributes
+    ----------
+    equations : by colour
+    states : q, scalar first, and ω, rad/s, body axes, (n, 7)
+    rate : of the fastest change of a state, 1/s
+    """
+
+    equations: Sequence[OtherEquations]
+    states: FloatArray
+    rate: float
+
+    def of(self, tree: Tree) -> FloatArray:
+        """Return the differential of a tree, of q and ω, in units in which the rate is 1, (n, 7).
+
+        The m-th derivative in the directions of m differentials is taken by central differences.
+        """
+        root, branches = tree
+        directions = [self.of(one) for one in branches]
+        units = np.array([1.0, self.rate]).repeat([4, 3])
+        total = np.zeros_like(self.states)
+        for signs in product((1, -1), repeat=len(branches)):
+            moved = sum(sign * one for sign, one in zip(signs, directions, strict=True))
+            total += np.prod(signs) * self._slopes(root, self.states + SMALL * units * moved)
+        total /= (2 * SMALL) ** len(branches) * self.rate * units
+        is_kept = np.repeat([root <= ATTITUDE, root != ATTITUDE], [4, 3])
+        return np.where(is_kept, total, 0.0)
+
+    def turning_of(self, tree: Tree) -> FloatArray:
+        """Return a tree's differential as a turning rate, body axes, in units of `rate`, (n, 3)."""
+        return turning_of(self.states[:, :4], self.of(tree)[:, :4])
+
+    def _slopes(self, colour: int, states: FloatArray) -> FloatArray:
+        """Return q' and ω' of states with quaternions of any length, (n, 7)."""
+        equations = self.equations[colour]
+        kept = np.repeat(equations.kept[None], len(states), axis=0)
+        turning, accelerated = np.split(rates(equations, states, kept), 2, axis=1)
+        w, v = states[:, :1], states[:, 1:4]
+        along = np.sum(v * turning, axis=1, keepdims=True)
+        return np.hstack([-along / 2, (w * turning + cross(v, turning)) / 2, accelerated])

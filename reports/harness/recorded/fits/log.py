@@ -1,0 +1,166 @@
+"""A flight log: the samples of a measured motion, with normal and independent noise."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from .....reference.following import follow_each
+from .....scenarios import FloatArray, Scenario, Trajectory
+from .....scenarios.rotation import norms
+from ...explaining.fit import Data, Fit
+from ...explaining.hypothesis import Hypothesis, as_it_is
+from ..samples.intervals import FASTER, apart, states_of
+from ..samples.mistakes import FITS
+from ..samples.sensors import as_read
+
+#: Turn of the body, rad, in the samples that are fitted first, and their least number; then twice
+#: as many are fitted, until all are.
+BEGINNING, FEWEST = 2.0, 12
+#: Prior standard deviation of a tensor, relative to its mean moment, in each of its directions: the
+#: root mean square difference of two bodies of one trace whose second moments share it at random
+#: (uniform on the simplex) about axes at random, √(2 · 3/8 / 5).
+PRIOR_SPREAD = 0.387
+
+
+@dataclass(frozen=True, eq=False)
+class Log(Data):
+    """The samples of a measured motion.
+
+    Attributes
+    ----------
+    scene_start : q, scalar first, and ω, rad/s, body axes, of the exact motion at the first sample,
+        (7,)
+    t : s, (n,)
+    states : recorded q and ω, (n, 7)
+    noise : standard deviations of attitude, rad, and ω, rad/s, (2,)
+    is_stated : whether the noise was stated, not estimated
+    has_omega : whether ω was recorded; if not, only attitudes are fitted
+    """
+
+    scene_start: FloatArray
+    t: FloatArray
+    states: FloatArray
+    noise: FloatArray
+    is_stated: bool
+    has_omega: bool
+
+    @cached_property
+    def fastest(self) -> float:
+        """The largest rate up to which motions are followed, rad/s."""
+        speeds = norms(np.vstack([self.states[:, 4:], self.scene_start[None, 4:]]))
+        return FASTER * float(max(speeds.max(), self.base.equations.rate, self.noise[1]))
+
+    @cached_property
+    def parts(self) -> Sequence[int | None]:
+        """As in `Data`: first samples, whose motion is nearly linear in its start, to all."""
+        turned = np.cumsum(norms(self.states[1:, 4:]) * np.diff(self.t))
+        length, lengths = max(FEWEST, int(np.searchsorted(turned, BEGINNING))), []
+        while length < len(self.t):
+            lengths.append(length)
+            length *= 2
+        return (*lengths, None)
+
+    @property
+    def measured(self) -> int:
+        """How many numbers each sample has that are fitted."""
+        return 6 if self.has_omega else 3
+
+    def deviations(
+        self, hypotheses: Sequence[Hypothesis], samples: int | None = None
+    ) -> FloatArray:
+        """As in `Data`: the residuals of H hypotheses, in standard deviations of noise.
+
+        Returns
+        -------
+        (H, n, 6): of attitude and ω; (H, n, 3) without ω
+        """
+        t = self.t[:samples]
+        read = as_read(hypotheses, self.made(hypotheses, t), t)
+        deviation = apart(read, self.states[:samples]) / np.repeat(self.noise, 3)
+        return deviation[..., : self.measured]
+
+    def made(self, hypotheses: Sequence[Hypothesis], t: FloatArray) -> FloatArray:
+        """Return the states of H hypotheses at times from the first sample's on, (H, n, 7).
+
+        Parameters
+        ----------
+        t : s, (n,), in the order in which they follow, or precede, the first sample
+
+        Returns
+        -------
+        q, scalar first, and ω, rad/s, body axes
+        """
+        changed = np.stack([one.start for one in hypotheses])
+        turn = Rotation.from_rotvec(changed[:, :3])
+        q = Rotation.from_quat(self.scene_start[:4], scalar_first=True) * turn
+        omega = self.scene_start[4:] + changed[:, 3:]
+        starts = np.hstack([q.as_quat(scalar_first=True), omega])[:, None]
+        steps = np.array([one.step for one in hypotheses])[:, None, None]
+        spans = steps * np.diff(t, prepend=self.t[0])
+        equations = [one.equations for one in hypotheses]
+        return follow_each(equations, starts, spans, fastest=self.fastest)[:, 0]
+
+    def prior_residuals(self, hypothesis: Hypothesis) -> FloatArray:
+        """As in `Data`: of the tensor relative to its trace, (9,).
+
+        Its prior mean is the tensor of the scene.
+        """
+        made, usual = (h.equations.inertia for h in (hypothesis, self.base))
+        deviation = made / np.trace(made) - usual / np.trace(usual)
+        return np.asarray(3 * deviation.ravel() / PRIOR_SPREAD)
+
+    def squares(self, standardised: FloatArray) -> FloatArray:
+        """Return χ² of residuals of attitude and, if it is fitted, of ω: (2,) or (1,).
+
+        Deviations of `FITS`, which need no explanation, are added, so that rounding is not taken
+        for noise.
+
+        Parameters
+        ----------
+        standardised : the residuals, in standard deviations of noise, (6 n,) or (3 n,)
+        """
+        squares = np.sum(standardised.reshape(len(self.t), -1, 3) ** 2, axis=(0, 2))
+        fits = FITS * np.array([1.0, self.fastest / FASTER]) / self.noise
+        return np.asarray(squares + 3 * len(self.t) * fits[: len(squares)] ** 2)
+
+    def chi2_decrease(self, before: FloatArray, after: FloatArray) -> float:
+        """As in `Data`; twice the logarithm of the likelihood ratio if the noise is not stated.
+
+        The noise is then estimated from the residuals.
+        """
+        if self.is_stated:
+            return super().chi2_decrease(before, after)
+        ratios = self.squares(before) / self.squares(after)
+        return float(3 * len(self.t) * np.sum(np.log(ratios)))
+
+    def with_noise_of(self, fit: Fit) -> "Log":
+        """Return the samples, with noise that is estimated from the residuals of a fit."""
+        squares = self.squares(fit.residuals)
+        # Each parameter takes one degree of freedom, half from attitude and half from ω.
+        freedom = 3 * len(self.t) - len(fit.parameters) / len(squares)
+        noise = self.noise.copy()
+        noise[: len(squares)] *= np.sqrt(squares / freedom)
+        return replace(self, noise=noise)
+
+
+def log_of(
+    scenario: Scenario,
+    motion: Trajectory,
+    exact: Trajectory,
+    noise: FloatArray,
+    *,
+    is_stated: bool,
+    has_omega: bool,
+) -> Log:
+    """Return the samples of a motion as a log.
+
+    Parameters
+    ----------
+    motion, exact : the recorded motion, and the exact one at the same times
+    noise, is_stated, has_omega : as in `Log`
+    """
+    start, states = states_of(exact.until(1))[0], states_of(motion)
+    return Log(as_it_is(scenario), start, motion.t, states, noise, is_stated, has_omega)

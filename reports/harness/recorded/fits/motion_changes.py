@@ -1,0 +1,89 @@
+"""The changes with which a recorded motion may have been computed or read, and their words."""
+
+import numpy as np
+
+from .....reference.other_equations import KEPT_IN_WORLD, inverse
+from .....scenarios import FloatArray, Scenario
+from ....results.change_words import KINDS, vector
+from ...explaining.changes import changes
+from ...explaining.effect_changes import of_attitude, of_rotors
+from ...explaining.fit import Fit
+from ...explaining.hypothesis import Change, Hypothesis, as_it_is
+from ..samples.missing import KINEMATICS
+from ..samples.sensors import FILTERS, READINGS, of_sensor
+
+#: A change that a com on the other side of the pivot amounts to, as the tensor about the pivot is
+#: the same.
+MIRRORED = "gravity's size", -2.0
+#: The integrator keeps ω along world axes, as game engines do, and multiplies on the wrong side.
+IN_WORLD = Change(
+    "wrong side in world axes", lambda h, _: h.of(kinematics=KEPT_IN_WORLD), np.empty(0)
+)
+#: The times between samples are wrong by a factor.
+TIMES = Change("times", lambda h, n: h._replace(step=1 + n[0]), np.ones(1))
+
+
+def _reversed_rate(axis: int) -> Change:
+    """The change in which one of Euler's equations, by its axis, gives ω' with the other sign."""
+    sign = 1.0 - 2.0 * np.eye(3)[axis]
+
+    def reverse(h: Hypothesis, _: FloatArray) -> Hypothesis:
+        return h.of(inverse=sign[:, None] * h.equations.inverse)
+
+    return Change("sign of a rate", reverse, np.empty(0), lambda _: [axis])
+
+
+def _locked_axis(axis: int, *, is_set: bool) -> Change:
+    """The change in which ω about a body axis is constant.
+
+    Either a hinge's torque keeps it, or it is set in each step.
+    """
+    kept = [i for i in range(3) if i != axis]
+
+    def lock(h: Hypothesis, _: FloatArray) -> Hypothesis:
+        inverse_inertia = h.equations.inverse.copy()
+        inverse_inertia[axis] = 0.0
+        if not is_set:
+            inverse_inertia = np.zeros((3, 3))
+            inverse_inertia[np.ix_(kept, kept)] = inverse(h.equations.inertia[np.ix_(kept, kept)])
+        return h.of(inverse=inverse_inertia)
+
+    return Change(f"rate {'set' if is_set else 'held'}", lock, np.empty(0), lambda _: [axis])
+
+
+#: In one of Euler's equations, of a body without torques, I₁ − I₃ stands for I₃ − I₁.
+OTHER_SIGNS = [_reversed_rate(axis) for axis in range(3)]
+#: A constraint, or a flag of an engine, forbids rotation about an axis of the body.
+LOCKED = [_locked_axis(axis, is_set=is_set) for is_set in (False, True) for axis in range(3)]
+
+
+def changes_of_motion(scenario: Scenario) -> tuple[Change, ...]:
+    """Return every change with which a motion of a scene may have been computed or read."""
+    scene = scenario, as_it_is(scenario).equations
+    of_equations = IN_WORLD, *changes(scenario), *OTHER_SIGNS, *LOCKED
+    return *of_equations, *of_rotors(*scene), *of_attitude(*scene), *READINGS
+
+
+def is_of_turning(change: Change) -> bool:
+    """Whether a change is one of how states are read, or of how the attitude follows ω."""
+    return change in READINGS or KINDS[change.kind].is_kinematic
+
+
+def sentences(found: Fit) -> list[str]:
+    """Return each change of a fit in words."""
+    every = []
+    for change in found.changes:
+        if change in (*READINGS, *FILTERS):
+            numbers = found.parameters_of(change)
+            every.append(of_sensor(change, numbers, _without_errors))
+            continue
+        before = f"{KINEMATICS}: " if KINDS[change.kind].is_kinematic else "it moves as if "
+        words = found.explanation(change).words
+        if (change.kind, *found.explanation(change).numbers) == MIRRORED:
+            words += ", or the com were on the other side of the pivot"
+        every.append(before + words)
+    return every
+
+
+def _without_errors(numbers: FloatArray, _: float) -> str:
+    return vector(numbers.tolist()) if len(numbers) > 1 else f"{numbers[0]:.4g}"

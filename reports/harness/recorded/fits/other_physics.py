@@ -1,0 +1,464 @@
+"""Other physics that explain a recorded motion: a clamp, an integrator, changes of the equations.
+
+The recorded state at the end of each interval between samples is compared with the one that a
+hypothesis leads to from the recorded state at its start. Changes so show at any time, however far
+the recorded motion is from the exact one by then.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from .....reference.following import EXACT
+from .....scenarios import FloatArray, Scenario, Trajectory
+from .....scenarios.rotation import norms
+from ...explaining.fit import Fit, mean_square
+from ...explaining.hypothesis import Change, Hypothesis
+from ...explaining.search import LEFT, MOST_OF_ALL, SAME, Search
+from ..samples.clamps import Clamp, clamps
+from ..samples.intervals import FEWEST_INTERVALS, Intervals, intervals_of, root_mean_squares
+from ..samples.missing import dissipated, missing
+from ..samples.mistakes import FITS
+from ..samples.sensors import READINGS
+from .known_integrators import FEW, KnownIntegrators
+from .leading_error import left_by_methods
+from .motion_changes import TIMES, changes_of_motion, is_of_turning, sentences
+from .varying import varying
+from .within_error import refitted, within_error
+
+#: The most intervals that changes are fitted to, and the most steps that known integrators take in
+#: all.
+MOST_INTERVALS, MOST_STEPS = 60, 300
+#: The next term of a method's error, relative to the leading term: this factor times the angle of a
+#: step, and this fraction at most.
+NEXT_TERM, LARGEST_NEXT = 4.0, 0.3
+#: A pair of changes is looked for if ω differs at the ends of intervals by more than this, relative
+#: to ω.
+LEAST_FOR_TWO = 1e-4
+#: By how many standard deviations of noise equations lead beyond a clamp's bound where that is
+#: certain.
+CERTAIN = 6.0
+#: The most parameters of a fit whose residuals exceed a method's error.
+MOST_PARAMETERS = 3
+#: The sentence that a method's order is lower than the stated one.
+LOWER_ORDER = (
+    "its method is of order {}, not {}: {} equations and errors of that order make this "
+    "motion; look for a wrong stage or weight, or a rate that is taken at another time"
+)
+OTHER_TIMESTEP = "its timestep is not the stated {:.4g} s"
+LONGER_TIMESTEP = (
+    "its timestep is longer than the stated {:.4g} s: the scene's equations and errors of order {} "
+    "make this motion, with a timestep of {:.2g} s or more"
+)
+UNEXPLAINED = (
+    "this is most of it: what is left, {:.2g} % of the difference, is beyond the method, and not "
+    "explained"
+)
+
+
+@dataclass(frozen=True, eq=False)
+class Physics:
+    """A recorded motion, and the physics that may have led to it.
+
+    Attributes
+    ----------
+    motion, exact : the recorded motion, and the exact one at the same times
+    timestep : with which the motion was computed, s; if None, it is unknown, and the distance of
+        the samples is used
+    order : order of accuracy of the method that computed it
+    noise : standard deviations of attitude, rad, and ω, rad/s, (2,)
+    reach : how many samples at either end have larger errors of ω, as it is computed from attitudes
+    base : the hypothesis that changes are added to; the scene's equations if None
+    """
+
+    scenario: Scenario
+    motion: Trajectory
+    exact: Trajectory
+    timestep: float | None
+    order: int
+    noise: FloatArray
+    reach: int = 0
+    base: Hypothesis | None = None
+
+    @cached_property
+    def intervals(self) -> Intervals | None:
+        """The intervals between samples; None if they are too few, or too long."""
+        of_method = self.timestep, self.order, self.noise
+        inner = self.motion.at(np.arange(self.reach, len(self.motion.t) - self.reach))
+        data = intervals_of(self.scenario, inner, *of_method, most=MOST_INTERVALS)
+        if data is None:
+            return None
+        return replace(data, base=self.base or data.base, is_derived=self.reach > 0)
+
+    @cached_property
+    def search(self) -> Search | None:
+        """The search for changes that explain the intervals; None without intervals."""
+        data = self.intervals
+        every = changes_of_motion(self.scenario)
+        return None if data is None else Search(data, every, most=MOST_PARAMETERS)
+
+    @property
+    def is_beyond(self) -> bool:
+        """Whether the recording exceeds the error of a method of its order and timestep."""
+        return self.search is not None and self.search.exceed_noise(self.search.unchanged.residuals)
+
+    @cached_property
+    def made_by(self) -> str:
+        """The known integrator that computed the motion of the scene's equations; or empty."""
+        if self.known is None:
+            return ""
+        base = self.known.intervals.base
+        return self.known.that_made(base) or self.known.at_another_timestep(base)
+
+    @property
+    def is_at_another_timestep(self) -> bool:
+        """Whether the integrator that computed the motion took another timestep than is stated."""
+        if self.timestep is None or self.known is None:
+            return False
+        return bool(self.made_by) and not self.known.that_made(self.known.intervals.base)
+
+    @property
+    def next_term(self) -> float:
+        """The largest next term of a method's error, relative to the leading term."""
+        if self.intervals is None:
+            return LARGEST_NEXT
+        data = self.intervals
+        fastest = max(float(norms(data.starts[:, 4:]).max()), data.base.equations.rate)
+        timestep = self.timestep or float(np.median(data.spans))
+        return min(LARGEST_NEXT, NEXT_TERM * fastest * timestep)
+
+    @cached_property
+    def apparent_order(self) -> int:
+        """The order of the method, where the stated order and timestep explain less; or 0.
+
+        It is lower than the stated order; or the same, with a longer timestep than the stated one.
+        The leading errors of methods of that order explain the differences from the exact flow but
+        for the next term of their errors. Those of the stated order do not, and the residuals of no
+        change of the equations are far smaller.
+        """
+        if self.timestep is None or self.intervals is None or self.made_by:
+            return 0
+        if not self.is_beyond and (self.off <= self.least).all():
+            return 0
+        data = self.intervals.with_error(self.off)
+        of_noise = mean_square(np.repeat(data.noise, 3) / data.scale)
+
+        def residual_square(*orders: int, timestep: float | None = self.timestep) -> float:
+            return mean_square(left_by_methods(data, orders, timestep))
+
+        # A motion within the error of the stated order is taken to have another one only if the
+        # residuals are far smaller with it.
+        enough = np.inf if self.is_beyond else LEFT**2 * residual_square(self.order, self.order + 1)
+        made = [replace(self, order=n) for n in range(1, self.order)]
+        if self.is_beyond:
+            made.append(replace(self, timestep=None))
+        by_order = {
+            one.order: residual_square(one.order, timestep=one.timestep)
+            for one in made
+            if not one.is_beyond
+            and residual_square(one.order, timestep=one.timestep) < LARGEST_NEXT**2 + of_noise
+            and residual_square(one.order, one.order + 1, timestep=one.timestep)
+            < min(self.next_term**2 + of_noise, enough)
+        }
+        if not by_order:
+            return 0
+        best = min(by_order, key=by_order.__getitem__)
+        by_change = mean_square(data.deviations([self.found.hypothesis])) if self.found else np.inf
+        return best if by_change > LEFT**2 * by_order[best] else 0
+
+    @property
+    def of_other_method(self) -> list[str]:
+        """The sentence that the method has a lower order, or another timestep; often none."""
+        if self.is_at_another_timestep:
+            return [OTHER_TIMESTEP.format(self.timestep)]
+        order = self.apparent_order
+        if order == self.order and self.timestep:
+            return [LONGER_TIMESTEP.format(self.timestep, order, self.least_timestep)]
+        return [LOWER_ORDER.format(order, self.order, "the scene's")] if order else []
+
+    @property
+    def least_timestep(self) -> float:
+        """The shortest timestep, s, at which a method of the stated order may have such errors."""
+        if self.intervals is None or self.search is None or self.timestep is None:
+            return 0.0
+        of_method = float(np.mean(self.intervals.of_method))
+        ratio = float(np.sqrt(self.search.unchanged.mean_square / of_method))
+        return float(self.timestep * max(1.0, ratio ** (1 / self.order)))
+
+    @cached_property
+    def known(self) -> KnownIntegrators | None:
+        """The known integrators, followed in the intervals; None without intervals."""
+        return KnownIntegrators(self.intervals, self.timestep) if self.intervals else None
+
+    def _integrator(self, hypothesis: Hypothesis) -> str:
+        """Return the known integrator that computed the motion of a hypothesis; or empty."""
+        return self.known.that_made(hypothesis) if self.known else ""
+
+    def after(self, found: Fit) -> "Physics":
+        """Return the same motion, with the changes of a fit as the base of further changes."""
+        return replace(self, base=found.hypothesis)
+
+    @cached_property
+    def by_other_equations(self) -> Fit | None:
+        """The change that a known integrator computed the motion with, to rounding; or None.
+
+        Parameters are fitted only if a timestep is stated, and the motion exceeds a method's error
+        or other changes were found before: the implicit damping of an unknown method looks like
+        another tensor. Nothing is looked for where samples are many steps apart: the method's error
+        is small there, and `found` has the changes alone.
+        """
+        if self.search is None or self.made_by or self.known is None or not self.known.each:
+            return None
+        data = self.known.each[0]
+        count = min(FEW, int(MOST_STEPS * data.timestep / float(np.median(data.spans))))
+        if count < FEWEST_INTERVALS:
+            return None
+        is_fitted = self.timestep is not None and (self.is_beyond or self.base is not None)
+        changes = [one for one in self.search.changes if is_fitted or not len(one.scales)]
+        few = [data.spread(count) for data in self.known.each]
+        found = [Search(data, changes, most=MOST_PARAMETERS).one() for data in few]
+        fits = [fit for fit in found if fit is not None and self._integrator(fit.hypothesis)]
+        return min(fits, key=lambda fit: (fit.rank, fit.mean_square), default=None)
+
+    @property
+    def is_of_noise(self) -> bool:
+        """Whether the differences from the exact flow are no more than noise."""
+        return bool((self.off <= self.least).all())
+
+    @property
+    def is_of_method(self) -> bool:
+        """Whether noise or the errors of methods explain the differences from the exact flow.
+
+        The leading errors explain them but for the next term. In a motion whose leading errors are
+        small, the next terms, which are fitted too, explain them.
+        """
+        return self._square_beside_methods < self.next_term**2
+
+    @cached_property
+    def _square_beside_methods(self) -> float:
+        """The mean square of the residuals beside methods' errors, relative to `off`."""
+        if self.intervals is None or self.is_of_noise:
+            return 0.0
+        data, orders = self.intervals.with_error(self.off), range(1, self.order + 2)
+        return mean_square(left_by_methods(data, orders, self.timestep))
+
+    @cached_property
+    def off(self) -> FloatArray:
+        """The root mean squares of the differences from the exact flow, (2,).
+
+        They are those of attitude, rad, and ω, rad/s, at the ends of the intervals.
+        """
+        if self.intervals is None:
+            return np.zeros(2)
+        exact = self.intervals.made_by(EXACT, 0.0)
+        (off,) = exact.deviations([exact.base]) * exact.scale
+        return root_mean_squares(off)
+
+    @cached_property
+    def least(self) -> FloatArray:
+        """The size up to which differences of attitude, rad, and ω, rad/s, count as noise, (2,)."""
+        fits = FITS * np.array([1.0, norms(self.motion.omega_body).max()])
+        return np.maximum(self.noise, fits)
+
+    @cached_property
+    def of_exact_motion(self) -> Fit | None:
+        """The change whose exact flow leads from each sample to the next; None if there is none.
+
+        The residuals of such a change are at most `SAME` times the differences from the scene's
+        exact flow. Nothing is looked for where these may be a method's error. A change that fits so
+        well may have up to `MOST_OF_ALL` parameters.
+        """
+        if self.search is None or self.intervals is None or self.is_of_method:
+            return None
+        noise = np.maximum(self.least, SAME * self.off)
+        data = replace(self.intervals.made_by(EXACT, 0.0), noise=noise)
+        search = Search(data, self._of_motion, part=SAME)
+        found, speed = search.one(), float(norms(self.motion.omega_body).max())
+        # Small residuals of a single change may be a method's error.
+        is_much = min((fit.mean_square for fit in search.single), default=np.inf) > LEFT**4 * (
+            search.unchanged.mean_square
+        )
+        if found is None and is_much and self.off[1] > LEAST_FOR_TWO * speed:
+            found = Search(data, [TIMES, *READINGS, *self._of_motion], part=SAME).one_or_two()
+            # Changes of reading alone may be a method's error about a steady axis.
+            is_of_reading = found is not None and {*found.changes} <= {*READINGS}
+            if found and (is_of_reading or found.rank > 2 * MOST_PARAMETERS):
+                found = None
+        return found if found is not None and found.rank <= MOST_OF_ALL else None
+
+    def explained(self) -> list[str]:
+        """Return the sentences on the changes that explain the motion; often none."""
+        if self.intervals is None or self.search is None:
+            return []
+        if self.by_change is not None:
+            return self._in_words(self.by_change)
+        if not self.is_beyond:
+            if self._square_beside_methods < SAME**2:
+                return []
+            fit = self._within_error
+            words = sentences(fit) if fit else []
+            words = words or self._varying(self._of_motion)
+            return words or ([] if self.is_of_method else self.dissipated)
+        return self.unlike_any_change or missing(self.intervals)
+
+    @cached_property
+    def unlike_any_change(self) -> list[str]:
+        """The sentence that a parameter varies in time, or that energy is lost; often none."""
+        changes = self.search.changes if self.search else ()
+        of_equations = [one for one in changes if one not in READINGS]
+        return self._varying([TIMES, *of_equations]) or self.dissipated
+
+    @property
+    def dissipated(self) -> list[str]:
+        """The sentence that energy is lost within the body, if it is."""
+        return dissipated(self.scenario, self.motion)
+
+    @property
+    def by_change(self) -> Fit | None:
+        """The changes that explain the motion; None if none do.
+
+        Of a motion within a method's error only changes are named that explain it exactly.
+        """
+        return self.found if self.is_beyond else self.of_exact_motion or self.by_other_equations
+
+    def _varying(self, changes: Sequence[Change]) -> list[str]:
+        """Return the sentences on a parameter that explains the motion by varying in time."""
+        if self.intervals is None or (self.is_of_method and not self.is_beyond):
+            return []
+        found = varying(self.intervals, changes, len(changes))
+        return [found.words, *self._unexplained(found.rest)] if found else []
+
+    @property
+    def _of_motion(self) -> list[Change]:
+        """The changes of `search` without those of reading and of kinematics that have parameters.
+
+        About a steady axis the error of any method looks like one of those.
+        """
+        changes = self.search.changes if self.search else ()
+        return [one for one in changes if not (len(one.scales) and is_of_turning(one))]
+
+    @property
+    def _within_error(self) -> Fit | None:
+        """The changes that explain the residuals beside a method's error; None if none do."""
+        if self.intervals is None or self.search is None:
+            return None
+        orders, every = range(1, self.order + 1), self._of_motion
+        of_method = orders, self.timestep, self.next_term
+        return within_error(self.intervals, every, MOST_PARAMETERS, *of_method)
+
+    @cached_property
+    def found(self) -> Fit | None:
+        """The change, or two, of equations or reading that explain the motion; None if none do."""
+        if self.search is None or self.intervals is None:
+            return None
+        found = self.search.one_or_two()
+        if found is not None and self._integrator(found.hypothesis):
+            return found
+        other = self.by_other_equations
+        if other is None or self.known is None:
+            return found
+        residual_square = self.known.left_exactly(found.hypothesis) if found else np.inf
+        return other if other.mean_square < SAME**2 * residual_square else found
+
+    def _is_partial(self, found: Fit) -> bool:
+        """Whether residuals of changes exceed a method's error, and are no known integrator's."""
+        if self.search is None or self.intervals is None:
+            return False
+        is_beyond = self.search.exceed_noise(found.residuals)
+        return is_beyond and not self._integrator(found.hypothesis)
+
+    @property
+    def is_open(self) -> bool:
+        """Whether more than a method's error is unexplained by changes and methods."""
+        if not self.is_beyond or self.clamps or self.made_by or self.apparent_order:
+            return False
+        return self.found is None or self._is_partial(self.found)
+
+    @property
+    def is_unexplained(self) -> bool:
+        """Whether differences are unexplained, be they within a method's error.
+
+        Those within it are explained if they look like the error of a method.
+        """
+        if self.is_beyond or self.clamps or self.made_by:
+            return self.is_open
+        return not self.is_of_method and self.by_change is None
+
+    @property
+    def is_all(self) -> bool:
+        """Whether changes explain all of the motion, from sample to sample."""
+        return self.found is not None and self.after(self.found).is_of_noise
+
+    @property
+    def is_open_or_turning(self) -> bool:
+        """Whether `is_open`, or one of two changes is of reading or kinematics.
+
+        Such a change may be a mistake in recording, beside the other change.
+        """
+        changes = self.found.changes if self.found and not self.made_by else ()
+        return self.is_open or (len(changes) > 1 and any(is_of_turning(one) for one in changes))
+
+    @property
+    def is_of_equations(self) -> bool:
+        """Whether changes of the equations explain the motion, and no change of reading."""
+        found = None if self.clamps else self.by_change
+        return found is not None and not {*READINGS} & {*found.changes}
+
+    @property
+    def is_of_reading(self) -> bool:
+        """Whether the changes that explain the motion are all of reading or kinematics."""
+        changes = self.found.changes if self.found else ()
+        return bool(changes) and all(is_of_turning(one) for one in changes)
+
+    @cached_property
+    def clamps(self) -> list[Clamp]:
+        """The clamps of ω that explain the motion, the likeliest first; often none."""
+        of_method = float(self.intervals.scale[:, 3:].max()) if self.intervals else np.inf
+        of_noise = CERTAIN * float(self.noise[1])
+        return list(clamps(self.scenario, self.motion, self.exact, of_method, of_noise))
+
+    def _in_words(self, found: Fit) -> list[str]:
+        """Return the sentences on changes, and on what explains their residuals."""
+        words, rest = sentences(found), self.after(found)
+        if rest.is_of_noise:
+            return words
+        if rest.known and (made := rest.known.that_made(found.hypothesis)):
+            return [*words, f"what is left is {made}"]
+        if unexplained := self._unexplained(found.residuals):
+            return self._of_lower_order(found) or [*words, *unexplained]
+        if len(found.changes) > 1:
+            return words
+        if more := rest.by_other_equations:
+            return [*words, *rest._in_words(more)]
+        more = rest._within_error
+        # The same change once more only corrects its parameters for a method's error.
+        is_another = more is not None and not set(more.changes) & set(found.changes)
+        if more and is_another:
+            return [*words, *sentences(more)]
+        return [*words, *rest._varying(self._of_motion)]
+
+    def _of_lower_order(self, found: Fit) -> list[str]:
+        """Return the sentences on changes beside the errors of a method of lower order; often none.
+
+        The order is lower than the stated one. Beside these errors the changes are fitted again, as
+        they have other parameters.
+        """
+        if self.intervals is None or self.timestep is None:
+            return []
+        for order in range(1, self.order):
+            of_method = order, self.timestep, self.next_term
+            if fit := refitted(self.intervals, found, *of_method):
+                return [*sentences(fit), LOWER_ORDER.format(order, self.order, "these")]
+        return []
+
+    def _unexplained(self, rest: FloatArray) -> list[str]:
+        """Return the sentence that residuals, in units of their scale, are not explained.
+
+        The list is empty if noise and a method's error explain them.
+        """
+        if self.search is None or not self.search.exceed_noise(rest):
+            return []
+        part = float(np.sqrt(np.mean(rest**2) / self.search.unchanged.mean_square))
+        return [UNEXPLAINED.format(100 * part)]

@@ -1,0 +1,88 @@
+"""Finds logs of which only the attitudes, only ω, or the states at other times, are the scene's."""
+
+import numpy as np
+from scipy.special import chdtrc, chdtri
+
+from .....reference.following import follow
+from .....scenarios import FloatArray
+from .....scenarios.rotation import norms
+from ...explaining.search import LEFT, LEVEL
+from ..samples.clamps import TINY
+from ..samples.columns import EACH, SATURATES
+from ..samples.digits import where
+from ..samples.intervals import apart
+from .log import Log
+
+#: Step of the difference that rates of change are taken from, in sampling periods.
+SMALL = 1e-3
+#: Largest scatter of the rates at which a gyroscope saturates, in standard deviations of noise.
+SATURATED = 2.0
+#: Sentences that the attitudes alone, or ω alone, are the scene's.
+ATTITUDE_ALONE = "the attitudes are those of the scene, but the recorded ω is not"
+OMEGA_ALONE = "ω is that of the scene, but the attitudes are not"
+
+
+def uneven_times(log: Log, unchanged: FloatArray) -> list[str]:
+    """Return the sentence that each state is the scene's at another time, within noise, if it is.
+
+    The time of each state is fitted to first order. If noise is not stated, nearly all of the
+    residuals must be along the motion.
+
+    Parameters
+    ----------
+    unchanged : the residuals of the scene's own equations, in standard deviations of noise, (m,)
+    """
+    (made,) = log.made([log.base], log.t)
+    step = SMALL * float(np.median(np.diff(log.t)))
+    later = follow(log.base.equations, made, np.full((len(made), 1), step))[:, 0]
+    slopes = (apart(made, later) / np.repeat(log.noise, 3))[:, : log.measured] / step
+    residuals = unchanged.reshape(len(made), -1)
+    late = np.sum(slopes * residuals, axis=1) / np.maximum(np.sum(slopes**2, axis=1), TINY)
+    remaining = residuals - late[:, None] * slopes
+    before, after = float(np.sum(residuals**2)), float(np.sum(remaining**2))
+    # If all states are equally late, single times are not wrong.
+    is_even = abs(float(np.mean(late))) > float(np.std(late))
+    is_noise = is_even or bool(chdtrc(residuals.size, before) > LEVEL)
+    is_along = bool(chdtrc(residuals.size - len(late), after) > LEVEL)
+    if not log.is_stated:
+        is_noise, is_along = is_even, after < LEFT**2 * before
+    if is_noise or not is_along:
+        return []
+    return [
+        f"the times are off by {float(np.std(late)):.2g} s, standard deviation, and by "
+        f"{float(np.abs(late).max()):.2g} s at most: each state is the scene's of such a time"
+    ]
+
+
+def right_by_itself(log: Log, unchanged: FloatArray) -> list[str]:
+    """Return the sentence that only the attitude, or only ω, is the scene's within noise, if so.
+
+    It names the wrong samples of the other quantity if these are less than half of all. The
+    arguments are those of `uneven_times`.
+    """
+    if not log.has_omega:
+        return []
+    squares = log.squares(unchanged)
+    is_right = chdtrc(3 * len(log.t), squares) > LEVEL
+    if is_right.all() or not is_right.any():
+        return []
+    words, wrong = (ATTITUDE_ALONE, 1) if is_right[0] else (OMEGA_ALONE, 0)
+    each = norms(unchanged.reshape(-1, 3)).reshape(-1, 2)[:, wrong]
+    samples = np.flatnonzero(each**2 > chdtri(3, LEVEL / len(each)))
+    if bound := _saturates_at(log, unchanged) if is_right[0] else 0.0:
+        words += f": {SATURATES.format(EACH, bound, np.degrees(bound))}"
+    if 0 < 2 * len(samples) < len(each):
+        deviation = float(log.noise[wrong] * each.max())
+        size = f"{deviation:.3g} rad/s" if wrong else f"{np.degrees(deviation):.3g}°"
+        words += f" {where(log.t, samples)}, by up to {size}"
+    return [words]
+
+
+def _saturates_at(log: Log, unchanged: FloatArray) -> float:
+    """Return the rate, rad/s, at which a gyroscope saturates; 0 if none is found."""
+    omega, noise = log.states[:, 4:], log.noise[1]
+    residuals = unchanged.reshape(-1, 2, 3)[:, 1]
+    is_wrong = residuals**2 > chdtri(1, LEVEL / residuals.size)
+    speeds, is_slower = np.abs(omega[is_wrong]), residuals[is_wrong] * omega[is_wrong] < 0
+    is_cut = len(speeds) > 1 and is_slower.all() and np.std(speeds) < SATURATED * noise
+    return float(np.mean(speeds)) if is_cut else 0.0

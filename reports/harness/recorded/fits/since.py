@@ -1,0 +1,116 @@
+"""Finds the time at which a motion changes: until then it is the scene's, and then it obeys a law.
+
+Examples are a boom that unfolds, a thruster that stops, an impact, or a sensor that is knocked out
+of place.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from scipy.special import chdtrc
+
+from .....scenarios import FloatArray, Trajectory
+from .....scenarios.rotation import norms
+from ...explaining.search import LEFT, LEVEL
+from ..samples.intervals import Intervals, apart, states_of
+from .log import FEWEST, log_of
+from .log_fit import START
+from .measured import Measured
+
+#: Number of samples within which deviations must grow far, at most. A method's error grows slowly.
+AT_ONCE = 3
+#: Largest distance, in standard deviations of noise, at which two motions meet.
+MEET = 5.0
+
+
+def since_when(fit: Measured, motion: Trajectory, exact: Trajectory) -> list[str]:
+    """Return when a motion with noise changes, and to which law, in words; often nothing.
+
+    The motion is the exact one until χ² of its errors exceeds noise. A law is fitted to the samples
+    after that, and its motion is followed back to where it meets the exact motion. If it does not
+    meet it, the motion jumps.
+
+    Parameters
+    ----------
+    fit : of all samples
+    motion, exact : the recorded and the exact motion, at the same times
+    """
+    scenario, log = fit.scenario, fit.given
+    squares = np.sum(fit.search.unchanged.residuals.reshape(len(motion.t), -1) ** 2, axis=1)
+    degrees_of_freedom = np.arange(1, len(squares) + 1) * log.measured
+    first = int(np.argmax(chdtrc(degrees_of_freedom, np.cumsum(squares)) < LEVEL))
+    if min(first, len(motion.t) - first) < FEWEST:
+        return []
+
+    def fitted(of: Trajectory, start: Trajectory) -> Measured:
+        flags = {"is_stated": log.is_stated, "has_omega": log.has_omega}
+        return Measured(scenario, log_of(scenario, of, start, log.noise, **flags))
+
+    later = motion.at(np.arange(first, len(motion.t)))
+    # The start of the later motion is fitted as well.
+    after = fitted(later, later)
+    if after.is_beyond:
+        return []
+    back = np.arange(first, -1, -1)
+    made = after.given.made([after.found.hypothesis], motion.t[back])[0]
+    off = apart(made, states_of(exact)[back])
+    distances = np.sqrt(np.mean((off / np.repeat(log.noise, 3)) ** 2, axis=1))
+    nearest, words = int(np.argmin(distances)), after.explained(but=START)
+    if distances[nearest] < MEET and words:
+        first = int(back[nearest])
+    before = fitted(motion.until(first), exact)
+    if first < FEWEST or before.is_beyond or before.explained():
+        return []
+    begins = f"until t = {motion.t[first - 1]:.4g} s it is the exact motion; there"
+    if words:
+        return [f"{begins} it changes: from then on {one}" for one in words]
+    turned, faster = norms(off[0].reshape(2, 3))
+    return [
+        f"{begins} it jumps, the attitude by {np.degrees(turned):.2g}° and ω by {faster:.2g} "
+        "rad/s, and goes on as the equations say"
+    ]
+
+
+class Since(NamedTuple):
+    """The change of a motion that is the exact one until then.
+
+    Attributes
+    ----------
+    last, first : indices of the last sample that is the exact motion's, and of the one that the
+        later motion is followed from; these are equal if ω was recorded
+    is_method : whether the motion has a method's error before the change; else it is exact but for
+        rounding
+    off : the largest gains of attitude, rad, and ω, rad/s, in an interval after it, (2,)
+    """
+
+    last: int
+    first: int
+    is_method: bool
+    off: FloatArray
+
+
+def since_exactly(data: Intervals, least: FloatArray, reach: int) -> Since | None:
+    """Return the sudden change of an exact motion without noise; None if there is none.
+
+    It shows in the gains from sample to sample, which are rounding, or a method's error, before it.
+
+    Parameters
+    ----------
+    data : all intervals of the motion
+    least : bounds of the rounding of attitude, rad, and ω, rad/s, (2,)
+    reach : how many samples on each side ω is computed from
+    """
+    off = norms(data.apart(data.base.equations).reshape(-1, 3)).reshape(-1, 2)
+    inner = slice(reach, len(off) - reach)
+    if len(off[inner]) < 2 * FEWEST:
+        return None
+    for is_method in (False, True):
+        each = (off / np.hypot(least, is_method * data.method)).max(axis=1)[inner]
+        last = int(np.argmax(each > 1))
+        first = last + 2 * reach
+        soon = each[last : first + AT_ONCE]
+        is_at_once = soon.max() > max(1 / LEFT, LEFT**2 * each.max())
+        if min(last, len(each) - first) >= FEWEST and is_at_once:
+            # A computed ω depends on samples so far on each side.
+            return Since(first, first + reach, is_method, off[last + reach :].max(axis=0))
+    return None

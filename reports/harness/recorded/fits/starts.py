@@ -1,0 +1,140 @@
+"""Finds how a scene's start was misread, where the first sample is not the exact one."""
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+from scipy.special import fdtrc
+
+from .....reference.following import follow
+from .....scenarios import FloatArray, Scenario
+from .....scenarios.rotation import conjugate, matrix, norms, rotation_vectors
+from ...explaining.hypothesis import as_it_is
+from ...explaining.search import LEFT, LEVEL, SAME
+from ..samples.clamps import TINY
+from ..samples.intervals import apart, gained, gained_before, states_of
+from ..samples.mistakes import FITS
+from .other_physics import Physics
+from .read_omega import OMEGA
+
+#: Conventions, in scipy's notation, by which z-y-z angles may have been read by mistake.
+CONVENTIONS = ("ZYX", "XYZ", "ZXZ", "ZXY", "YXZ", "zyx", "xyz", "zyz")
+
+
+def elsewhere(physics: Physics) -> list[str]:
+    """Return how the first sample differs from the exact motion, in words.
+
+    Its deviation is compared with the gains from sample to sample by an F-test, and with a bound of
+    the method's error since the scene's start.
+
+    Returns
+    -------
+    One sentence; none unless the deviation exceeds both
+    """
+    scenario, exact, motion = physics.scenario, physics.exact, physics.motion
+    of_method = gained_before(scenario, motion.t, physics.timestep, physics.order)
+    deviations = apart(states_of(exact.until(1)), states_of(motion.until(1))).reshape(2, 3)
+    others = gained(scenario, motion)[1:].reshape(-1, 2, 3)
+    count = max(1, 3 * len(others))
+    least = physics.least
+    variances = np.sum(others**2, axis=(0, 2)) / count + least**2
+    p_values = fdtrc(3, count, np.mean(deviations**2, axis=1) / variances)
+    if not ((p_values < LEVEL / 2) & (norms(deviations) > of_method)).any():
+        return []
+    attitudes = apart(states_of(exact.until(2)), states_of(motion.until(2)))[:, :3]
+    if norms(deviations)[0] <= least[0] and norms(attitudes[1:])[0] <= least[0]:
+        # The second attitude is right, so the first ω was: only the recorded one is wrong.
+        return [OMEGA]
+    start = states_of(exact.until(1))
+    words = "" if exact.t[0] else _misread_start(scenario, states_of(motion.until(1))[0])
+    words = words or _at_another_time(scenario, start, deviations)
+    return [words or started_elsewhere(float(exact.t[0]), norms(deviations))]
+
+
+def _at_another_time(scenario: Scenario, start: FloatArray, deviations: FloatArray) -> str:
+    """Return in words that ω at the first sample is that of another time; else empty.
+
+    Parameters
+    ----------
+    start : the exact state at the first sample, (1, 7)
+    deviations : of the recorded attitude, rad, and ω, rad/s, from it, (2, 3)
+    """
+    equations = as_it_is(scenario).equations
+    rate = max(equations.rate, float(norms(start[:, 4:])[0]))
+    turned, faster = norms(deviations) * [rate, 1.0]
+    if not faster or turned > SAME * faster:
+        return ""
+
+    def later(time: float) -> FloatArray:
+        return apart(start, follow(equations, start, np.array([[time]]))[:, 0])[0, 3:]
+
+    # To first order, the deviation of ω is its rate of change times the time.
+    small = SAME / rate
+    change = later(small) / small
+    time = float(deviations[1] @ change / max(change @ change, TINY))
+    residual = float(norms((later(time) - deviations[1])[None])[0])
+    if abs(time) * rate > LEFT or residual > max(SAME, abs(time) * rate) * faster:
+        return ""
+    when = "after" if time > 0 else "before"
+    return f"ω is that of {abs(time):.4g} s {when} its time; the attitude is that of its time"
+
+
+def started_elsewhere(at: float, deviations: Sequence[float] | FloatArray) -> str:
+    """Return in words the deviations of attitude, rad, and ω, rad/s, at a time, s.
+
+    Parameters
+    ----------
+    deviations : their sizes, (2,)
+    """
+    turned, faster = (0.0 if size < FITS else float(size) for size in deviations)
+    return (
+        f"it started elsewhere: at t = {at:g} s the attitude is off by {np.degrees(turned):.3g}° "
+        f"and ω by {faster:.3g} rad/s"
+    )
+
+
+def _misread_start(scenario: Scenario, first: FloatArray) -> str:
+    """Return in words how a scene's start was misread; empty if no known mistake explains it.
+
+    Parameters
+    ----------
+    first : q, scalar first, and ω, rad/s, body axes, of the first sample, (7,)
+    """
+    start, words = scenario.start, []
+    rate = float(norms(start.omega_body[None])[0])
+    turned = {
+        name: float(norms(rotation_vectors(q[None], first[None, :4]))[0])
+        for name, q in _attitudes(scenario)
+    }
+    faster = {name: float(norms((first[4:] - omega)[None])[0]) for name, omega in _rates(scenario)}
+    for deviations, unit in (turned, 1.0), (faster, rate):
+        best = min(deviations, key=deviations.__getitem__)
+        if deviations[best] > FITS * unit:
+            return ""
+        words += [best] if best else []
+    return f"it started elsewhere: {', and '.join(words)}" if words else ""
+
+
+def _attitudes(scenario: Scenario) -> Iterator[tuple[str, FloatArray]]:
+    """Yield the start's attitude, scalar first, (4,), as it is and misread, with its words."""
+    q_wxyz, angles = scenario.start.q_world_body_wxyz, scenario.document.start.euler_zyz_deg
+    yield "", q_wxyz
+    yield "its attitude is that of the world in the body", conjugate(q_wxyz)
+    if angles is None:
+        return
+    for convention in CONVENTIONS:
+        axes = "-".join(convention.lower())
+        fixed = " about the world's axes" if convention.islower() else ""
+        words = f"the angles of its attitude are read as {axes}{fixed}, not as z-y-z"
+        turned = Rotation.from_euler(convention, angles, degrees=True)
+        yield words, turned.as_quat(scalar_first=True)
+
+
+def _rates(scenario: Scenario) -> Iterator[tuple[str, FloatArray]]:
+    """Yield the start's ω, rad/s, body axes, (3,), as it is and misread, with its words."""
+    omega, R_world_body = scenario.start.omega_body, matrix(scenario.start.q_world_body_wxyz)
+    yield "", omega
+    yield "its ω along world axes is taken to be along body axes", R_world_body @ omega
+    yield "its ω along body axes is taken to be along world axes", R_world_body.T @ omega
+    yield "its ω in rad/s is taken to be in degrees a second", np.radians(omega)
+    yield "its ω has the other sign", -omega

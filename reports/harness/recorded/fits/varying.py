@@ -1,0 +1,146 @@
+"""Whether a parameter of the equations changes in time, as where a torque comes late.
+
+The parameter is fitted to each interval of a recording by itself.
+"""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from scipy.special import chdtri
+
+from .....scenarios import FloatArray
+from ....results.change_words import KINDS
+from ...explaining.fit import NOT_FINITE
+from ...explaining.hypothesis import Change
+from ...explaining.search import LEFT, LEVEL, SAME, largest_of_noise
+from ..samples.intervals import Intervals
+
+#: Steps of a fit, and the step of a scaled parameter for a finite difference.
+STEPS, SMALL = 3, 1e-5
+#: Changes are fitted further if one step reduces the residuals to this fraction; and how many may
+#: explain the same motion, at most, for them to be named.
+PROMISING, MOST_ALIKE = 0.5, 2
+#: Least correlation of ranks with time at which a parameter is said to be monotonic.
+ONE_WAY = 0.9
+#: Parameters below this, in units of their scale, count as zero.
+OWN = 1e-3
+
+
+class Varying(NamedTuple):
+    """A parameter that changes in time, in words, and the residuals with it, (S, 6)."""
+
+    words: str
+    rest: FloatArray
+
+
+def varying(data: Intervals, changes: Sequence[Change], among: int) -> Varying | None:
+    """Return the parameter that explains a motion by changing in time; None if none does.
+
+    Parameters
+    ----------
+    changes : with one parameter or more each; those with one are tried
+    among : how many changes have been tried before, for Bonferroni's correction
+    """
+    single = [one for one in changes if len(one.scales) == 1]
+    (unchanged,) = data.deviations([data.base])
+    count = unchanged.size
+    enough = max(largest_of_noise(count), LEFT**2 * float(np.mean(unchanged**2)))
+    by_chance = float(chdtri(len(unchanged), LEVEL / (among + len(single))))
+    # Neither a method's error nor chance lets one parameter explain all six residuals of each
+    # interval so well.
+    exactly = SAME**2 * float(np.mean(unchanged**2))
+    parts = [data.rows([k]) for k in range(len(unchanged))]
+    found = []
+    for change in single:
+        numbers, rest = _fit(data, parts, change, unchanged)
+        square = float(np.mean(rest**2))
+        is_seen = square <= exactly or data.chi2_decrease(unchanged, rest) > by_chance
+        if square <= enough and is_seen:
+            found.append((square, change, numbers, rest))
+    best = min((square for square, *_ in found), default=0.0)
+    near = min(1.0, exactly) if best <= exactly else 1.0
+    alike = [one for one in found if one[0] <= max(near, best / LEFT)]
+    if not 0 < len(alike) <= MOST_ALIKE:
+        return None
+    words = ", or ".join(_in_words(data.t, *one[1:3]) for one in alike)
+    return Varying(f"it moves as if {words}", min(alike, key=lambda one: one[0])[3])
+
+
+def _fit(
+    data: Intervals, parts: Sequence[Intervals], change: Change, unchanged: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Fit the parameter of a change to each interval.
+
+    Parameters
+    ----------
+    parts : the intervals one by one, S
+    unchanged : the residuals without the change, (S, 6)
+
+    Returns
+    -------
+    The parameters, (S,), and the residuals with them, (S, 6)
+    """
+    numbers, size = np.zeros(len(parts)), float(change.scales[0])
+    both = [change.apply(data.base, np.array([step * size])) for step in (0, SMALL)]
+    rest, stepped = _clip(data.deviations(both))
+    slopes = (stepped - rest) / SMALL
+    for _ in range(STEPS):
+        squares = np.maximum(np.sum(slopes**2, axis=1), 1 / NOT_FINITE)
+        numbers = numbers - size * np.sum(slopes * rest, axis=1) / squares
+        rest = _residuals(parts, change, numbers)
+        if np.mean(rest**2) > PROMISING * np.mean(unchanged**2):
+            break
+    return numbers, rest
+
+
+def _residuals(parts: Sequence[Intervals], change: Change, numbers: FloatArray) -> FloatArray:
+    """Return the residuals of each interval with its own parameter, (S, 6)."""
+    residuals = [
+        part.deviations([change.apply(part.base, parameter[None])])[0]
+        for part, parameter in zip(parts, numbers, strict=True)
+    ]
+    return _clip(np.vstack(residuals))
+
+
+def _clip(residuals: FloatArray) -> FloatArray:
+    """Return residuals, with `NOT_FINITE` in place of what is larger or not finite."""
+    return np.clip(np.nan_to_num(residuals, nan=NOT_FINITE), -NOT_FINITE, NOT_FINITE)
+
+
+def _in_words(t: FloatArray, change: Change, numbers: FloatArray) -> str:
+    """Return in words how a change's parameter varies with time, or that it is constant.
+
+    Parameters
+    ----------
+    t : times of the intervals' ends, s, (S,)
+    numbers : the parameter in each interval, (S,)
+    """
+    same = {_change_in_words(change, parameter) for parameter in numbers}
+    if len(same) == 1:
+        return same.pop()
+    splits = [_spread(numbers[:k]) + _spread(numbers[k:]) for k in range(1, len(numbers))]
+    k = 1 + int(np.argmin(splits))
+    before, after = np.median(numbers[:k]), np.median(numbers[k:])
+    if min(splits) <= LEFT**2 * _spread(numbers):
+        words = [_change_in_words(change, before), _change_in_words(change, after)]
+        return f"{words[0]} until t = {t[k - 1]:.4g} s, and from then on {words[1]}"
+    ranks = numbers.argsort().argsort()
+    if abs(np.corrcoef(np.arange(len(t)), ranks)[0, 1]) >= ONE_WAY:
+        at = 0, len(t) // 2, len(t) - 1
+        return ", ".join(f"at t = {t[i]:.4g} s {_change_in_words(change, numbers[i])}" for i in at)
+    least, largest = (_change_in_words(change, one) for one in (numbers.min(), numbers.max()))
+    return f"in turns {least} and {largest}, and what is between"
+
+
+def _change_in_words(change: Change, parameter: float) -> str:
+    """Return a change with one parameter in words, to three digits."""
+    if abs(parameter) < OWN * change.scales[0]:
+        return "all were as in the scene"
+    rounded = float(f"{parameter:.3g}")
+    return KINDS[change.kind].words(change.explanation(np.array([rounded])).numbers)
+
+
+def _spread(numbers: FloatArray) -> float:
+    """Return the sum of squares about the mean."""
+    return float(np.sum((numbers - np.mean(numbers)) ** 2))

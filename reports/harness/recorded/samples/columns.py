@@ -1,0 +1,103 @@
+"""Columns of ω that stay the same to the last digit, though the body's rate changes."""
+
+import numpy as np
+
+from .....scenarios import FloatArray
+from ...explaining.search import LEFT
+from .digits import CHANGES, Numbers, Shown, runs, where
+
+#: Least number of samples for which a column is stuck. It is more than the samples that are filled
+#: up with the last one where ω is up to five samples older or newer than the attitude.
+FEWEST = 7
+#: By which fraction of the largest rate that a gyroscope reads the body must turn faster, on
+#: average, and by how many standard errors of that average.
+FASTER, CERTAIN = 1e-2, 6.0
+#: The words for a gyroscope that saturates, in which components, at a rate in rad/s and °/s; and
+#: for all components.
+SATURATES = "the gyroscope saturates: {} is clamped to {:.6g} rad/s ({:.4g} °/s)"
+EACH = "each component of ω"
+
+
+def stuck(numbers: Numbers, omega: FloatArray) -> Shown | None:
+    """Return the finding that a column of ω is stuck for some samples; None if none is.
+
+    Its numbers stay the same, though the attitudes show that component of ω change. A column is not
+    stuck at the largest value that any has: a clamp keeps it there.
+
+    Parameters
+    ----------
+    omega : as in the file, rad/s, (n, 3)
+    """
+    bound, least = float(np.abs(omega).max()), CHANGES * numbers.resolution_omega
+    if not np.ptp(omega, axis=0).any():
+        # All of ω is constant without a gyroscopic torque, whatever is wrong with the attitudes.
+        return None
+    for axis in range(3):
+        column, exact = omega[:, axis], numbers.omega_exact[:, axis]
+        a, b = max(runs(column[1:] == column[:-1]), key=lambda run: run[1] - run[0], default=(0, 0))
+        if b + 1 - a < FEWEST or abs(column[a]) == bound:
+            continue
+        changes = float(np.ptp(exact[a : b + 1]))
+        deviation = float(np.abs(numbers.rates[a:b, axis] - column[a]).max())
+        # Along other axes it may be the component that the exact motion keeps.
+        if (np.abs(np.abs(numbers.omega_exact) - abs(column[a])).max(axis=0) < least).any():
+            continue
+        # The ω of a body with another tensor may stay the same.
+        if changes > least and deviation > LEFT * changes:
+            how = "dead" if not column[a] else "stuck"
+            return Shown(
+                f"w{'xyz'[axis]} is {column[a]:.6g} rad/s, to the last digit, "
+                f"{_when(numbers.t, a, b)}, though the attitudes show it change: its column is "
+                f"{how}",
+                np.arange(a + 1 if a else 0, b + 1),
+            )
+    return None
+
+
+def saturated(numbers: Numbers, omega: FloatArray) -> Shown | None:
+    """Return the finding that a gyroscope saturates; None if it does not.
+
+    Then ω stays at its largest value while the attitudes turn faster. If the body's own rate were
+    limited the attitudes would turn no faster.
+
+    Parameters
+    ----------
+    omega : as in the file, rad/s, (n, 3)
+    """
+    every = [(EACH, slice(None)), *((f"w{name}", slice(k, k + 1)) for k, name in enumerate("xyz"))]
+    return next(filter(None, (_saturated(numbers, omega, *which) for which in every)), None)
+
+
+def _saturated(numbers: Numbers, omega: FloatArray, which: str, columns: slice) -> Shown | None:
+    """Return the finding that some columns of ω saturate; None if they do not.
+
+    Parameters
+    ----------
+    which : the columns in words
+    """
+    some = omega[:, columns]
+    bound = float(np.abs(some).max())
+    is_at_bound = np.abs(some) == bound
+    # A component that is constant throughout may be the motion's own.
+    is_cut = is_at_bound & ~is_at_bound.all(axis=0)
+    is_between = is_cut[1:] & (some[1:] == some[:-1])
+    excess = (numbers.rates[:, columns] * np.sign(some[1:]))[is_between] - bound
+    if len(excess) < FEWEST:
+        return None
+    error = float(np.std(excess)) / np.sqrt(len(excess))
+    if np.mean(excess) < max(FASTER * bound, CERTAIN * error):
+        return None
+    samples = np.flatnonzero(is_at_bound.any(axis=1))
+    return Shown(
+        f"{SATURATES.format(which, bound, np.degrees(bound))}, {where(numbers.t, samples)}, and "
+        "the attitudes turn faster",
+        samples,
+    )
+
+
+def _when(t: FloatArray, a: int, b: int) -> str:
+    """Return the times of samples a to b in words."""
+    count, is_to_end = b + 1 - a, b == len(t) - 1
+    if is_to_end:
+        return f"from t = {t[a]:.6g} s on, for {count} samples" if a else f"in all {count} samples"
+    return f"from t = {t[a]:.6g} s to {t[b]:.6g} s, for {count} samples"

@@ -1,0 +1,343 @@
+"""What the numbers of a recorded motion show by themselves, as they were recorded.
+
+Rows and columns that are the same to the last digit are found without any physics. The exact motion
+only tells whether they should have changed, by far more than the numbers are rounded: a body at
+rest, and the ω of a body about a principal axis, stay the same.
+"""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .....scenarios import FloatArray, Trajectory
+from .....scenarios.rotation import matrices, norms, rotation_vectors, turned
+from ...explaining.search import LEFT
+from ..files.motion import Reading
+from ..files.recording import FEWEST_VALUES, RATES, Recording, digits_of, unit_of
+
+#: By how many units of their last digit numbers should have changed where they are the same.
+CHANGES = 10.0
+#: Least number of values that a column of rounded numbers has.
+FEWEST = 3
+#: Numbers that are multiples of a unit are coarse if the largest is fewer units than this, which
+#: eight bits hold, and which is less than three printed digits.
+COARSE = 128
+#: Standard deviation of the error of rounding to integers.
+ROUNDING_ERROR = 1 / np.sqrt(12)
+#: Most numbers whose digits are counted, spread over all.
+MOST_COUNTED = 1000
+#: Digits that the three smaller components are compared by, the least unit that they are rounded
+#: to, and the tolerance of multiples of it.
+DIGITS, FINEST, NEAR = 6, 1e-4, 0.1
+Flags = NDArray[np.bool_]
+
+
+@dataclass(frozen=True, eq=False)
+class Numbers:
+    """The columns of a recording, and of the exact motion, as they were recorded.
+
+    Attributes
+    ----------
+    t : s, (n,)
+    q, omega : as in the file, (n, 4) and, rad/s, (n, 3); `omega` is None if it was not recorded
+    q_exact, omega_exact : the exact motion, scalar first, and ω in the axes that the file states
+    rates : mean ω from each sample to the next by the attitudes, in those axes, rad/s, (n - 1, 3)
+    """
+
+    t: FloatArray
+    q: FloatArray
+    omega: FloatArray | None
+    q_exact: FloatArray
+    omega_exact: FloatArray
+    rates: FloatArray
+
+    @cached_property
+    def spans(self) -> FloatArray:
+        """Distances of the samples, s, (n - 1,)."""
+        return np.diff(self.t)
+
+    @cached_property
+    def resolution_q(self) -> float:
+        """The unit of the last digit of the quaternion's largest component."""
+        return resolution(self.q, (1.0,))
+
+    @cached_property
+    def resolution_omega(self) -> float:
+        """The unit of the last digit of the largest component of ω, rad/s."""
+        return 0.0 if self.omega is None else resolution(self.omega, RATES.values())
+
+    @cached_property
+    def should_turn(self) -> Flags:
+        """Whether the exact motion turns from each sample to the next, (n - 1,).
+
+        A turn counts if it is far larger than the last digits of quaternions.
+        """
+        least = 2 * CHANGES * self.resolution_q
+        return norms(rotation_vectors(self.q_exact[:-1], self.q_exact[1:])) > least
+
+    @cached_property
+    def turns(self) -> Flags:
+        """Whether the body should turn, and does by the ω of the earlier sample, (n - 1,)."""
+        least = 2 * CHANGES * self.resolution_q
+        speeds = norms(self.omega_exact if self.omega is None else self.omega)[:-1]
+        return self.should_turn & (speeds * self.spans > least)
+
+    @cached_property
+    def same_q(self) -> Flags:
+        """Whether the attitude is that of the sample before, to the last digit, (n - 1,)."""
+        return np.asarray((self.q[1:] == self.q[:-1]).all(axis=1))
+
+    @cached_property
+    def same_omega(self) -> Flags:
+        """Whether ω is that of the sample before, to the last digit, (n - 1,)."""
+        if self.omega is None:
+            return np.ones(len(self.spans), dtype=bool)
+        return np.asarray((self.omega[1:] == self.omega[:-1]).all(axis=1))
+
+
+@dataclass(frozen=True)
+class Shown:
+    """A finding from the numbers of a recording.
+
+    Attributes
+    ----------
+    words : a sentence
+    wrong : indices of the samples that it is about; the others may be explained, (k,)
+    rounding : standard deviations of attitude, rad, and ω, rad/s, if the numbers are rounded
+        coarsely
+    mended : all samples without the mistake, if it can be mended
+    """
+
+    words: str
+    wrong: NDArray[np.intp]
+    rounding: tuple[float, float] = (0.0, 0.0)
+    mended: Reading | None = None
+
+
+def numbers_of(recording: Recording, reading: Reading, exact: Trajectory) -> Numbers:
+    """Return the columns of a recording beside those of the exact motion.
+
+    Parameters
+    ----------
+    exact : the exact motion at the recording's times
+    """
+    rates = rotation_vectors(reading.q[:-1], reading.q[1:]) / np.diff(reading.t)[:, None]
+    omega_exact = exact.omega_body
+    if reading.frame == "world":
+        omega_exact = turned(matrices(exact.q_world_body_wxyz), omega_exact)
+        rates = turned(matrices(reading.q[:-1]), rates)
+    q = recording.arrays["q"]
+    return Numbers(reading.t, q, reading.omega, exact.q_world_body_wxyz, omega_exact, rates)
+
+
+def resolution(numbers: FloatArray, units: Iterable[float]) -> float:
+    """Return the unit of the last digit of the largest number, as the numbers were printed.
+
+    Parameters
+    ----------
+    numbers : of any shape
+    units : factors of the units that the numbers may have been printed in
+    """
+    flat = numbers.ravel()
+    counted = flat[:: max(1, len(flat) // MOST_COUNTED)]
+    digits = min(max(digits_of(float(f"{x / unit:.15g}")) for x in counted) for unit in units)
+    is_single = np.array_equal(flat, flat.astype(np.float32))
+    eps = float(np.finfo(np.float32 if is_single else float).eps)
+    return float(np.abs(flat).max()) * max(eps, 10.0 ** (1 - digits))
+
+
+def shown_by_digits(numbers: Numbers) -> list[Shown]:
+    """Return all findings that are certain by digits alone."""
+    found = [_still(numbers) or _stale(numbers), _rounded_attitude(numbers)]
+    if numbers.omega is not None:
+        found += [_zeros(numbers, numbers.omega), _rounded_omega(numbers, numbers.omega)]
+    return [one for one in found if one]
+
+
+def where(t: FloatArray, samples: NDArray[np.int_]) -> str:
+    """Return how many samples there are, and the first and last of their times, in words.
+
+    Parameters
+    ----------
+    t : times of all samples, s, (n,)
+    samples : indices, (k,)
+    """
+    first, last = t[samples[[0, -1]]]
+    if len(samples) == 1:
+        return f"at 1 sample, at t = {first:.6g} s"
+    return f"at {len(samples)} samples, the first at t = {first:.6g} s, the last at {last:.6g} s"
+
+
+def runs(flags: Flags) -> list[tuple[int, int]]:
+    """Return the first and last sample of each run of samples that are flagged.
+
+    The first sample of a run is the one before the first flag.
+
+    Parameters
+    ----------
+    flags : of each sample but the first, (n - 1,)
+    """
+    edges = np.flatnonzero(np.diff(np.concatenate([[0], flags, [0]])))
+    return list(zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True))
+
+
+def _still(numbers: Numbers) -> Shown | None:
+    """Return the finding that rows repeat those before, or that the body falls asleep; or None."""
+    t, count = numbers.t, len(numbers.t)
+    same = numbers.same_q & numbers.same_omega
+    omega = numbers.omega
+    for first, last in runs(same & numbers.should_turn):
+        if omega is None or omega[first].any() or last < count - 1 or not first:
+            continue
+        # A body that slows down to zero does not fall asleep.
+        if norms(omega[[first - 1]])[0] > CHANGES * numbers.resolution_omega:
+            return Shown(
+                f"from t = {t[first]:.6g} s on, for {last + 1 - first} samples, it is asleep: ω is "
+                "exactly 0, and the attitude stays the same to the last digit",
+                np.arange(first, count),
+            )
+    found = runs(same & numbers.turns)
+    # A first state that is written twice shifts the times of those after it, and a file of one
+    # state alone has another start: neither is found here.
+    found = [(a, b) for a, b in found if a or 1 < b < count - 1]
+    if not found:
+        return None
+    if len(found) == 1:
+        return _one_run(numbers, *found[0])
+    again = np.concatenate([np.arange(a + 1, b + 1) for a, b in found])
+    return Shown(
+        f"rows are those before them again, to the last digit, {where(t, again)}: leave them out",
+        again,
+    )
+
+
+def _one_run(numbers: Numbers, a: int, b: int) -> Shown:
+    """Return the finding that samples a to b are the same."""
+    t, q = numbers.t, numbers.q / norms(numbers.q)[:, None]
+    samples = "1 sample" if b == a + 1 else f"{b - a} samples"
+    if b == len(t) - 1:
+        return Shown(
+            f"from t = {t[a]:.6g} s on it stands still, to the last digit, for {samples}",
+            np.arange(a + 1, len(t)),
+        )
+    turn = float(2 * np.arccos(min(1.0, abs(float(q[a] @ q[b + 1])))))
+    speeds = norms(numbers.omega_exact if numbers.omega is None else numbers.omega)
+    if_paused, if_running = speeds[b + 1] * (t[b + 1] - t[b]), speeds[b + 1] * (t[b + 1] - t[a])
+    is_late, after = abs(turn - if_paused) < abs(turn - if_running), np.arange(a + 1, len(t))
+    if b == a + 1:
+        late = f", and what follows is {t[b] - t[a]:.6g} s late" if is_late else ""
+        how = "a row is repeated" if is_late else "leave it out"
+        return Shown(
+            f"the row at t = {t[b]:.6g} s is the one before it again, to the last digit{late}: "
+            f"{how}",
+            after if is_late else np.array([b]),
+        )
+    how = (
+        f", and goes on from there, {t[b] - t[a]:.6g} s late, as a simulation that is paused while "
+        "the clock runs"
+        if is_late
+        else ": leave these out"
+    )
+    return Shown(
+        f"it stands still, to the last digit, for {samples}, from t = {t[a]:.6g} s to "
+        f"{t[b]:.6g} s{how}",
+        after if is_late else np.arange(a + 1, b + 1),
+    )
+
+
+def _stale(numbers: Numbers) -> Shown | None:
+    """Return the finding that the attitude repeats the one before, though ω goes on; or None."""
+    if numbers.omega is None:
+        return None
+    flags = numbers.same_q & ~numbers.same_omega & numbers.turns
+    found = [(a, b) for a, b in runs(flags) if a or b > 1]
+    # Where the attitude is some samples older or newer than ω, one end is filled up.
+    is_end = len(found) == 1 and (not found[0][0] or found[0][1] == len(numbers.t) - 1)
+    if not found or is_end:
+        return None
+    repeated = np.concatenate([np.arange(a + 1, b + 1) for a, b in found])
+    new = np.flatnonzero(~flags) + 1
+    lengths = np.unique(np.diff(new))
+    if len(lengths) == 1 and lengths[0] > 1:
+        words = (
+            f"the attitude is held: it is new at one sample in {lengths[0]} only; record those "
+            "alone"
+        )
+        is_new = np.arange(len(numbers.t)) % lengths[0] == new[0] % lengths[0]
+        return Shown(words, np.flatnonzero(~is_new))
+    which = where(numbers.t, repeated)
+    words = f"the attitude is that of the sample before, to the last digit, {which}"
+    return Shown(words, repeated)
+
+
+def _zeros(numbers: Numbers, omega: FloatArray) -> Shown | None:
+    """Return the finding that ω is exactly zero, though attitude and exact motion turn; or None."""
+    is_zero = ~omega.any(axis=1)
+    turned_since = ~numbers.same_q & numbers.should_turn
+    around = np.concatenate([[False], turned_since]) & np.concatenate([turned_since, [True]])
+    should = norms(numbers.omega_exact) > CHANGES * numbers.resolution_omega
+    zeros = np.flatnonzero(is_zero & around & should)
+    if is_zero.all() or not len(zeros):
+        return None
+    words = f"ω is exactly 0, though the attitude goes on turning, {where(numbers.t, zeros)}"
+    return Shown(f"{words}: leave {'it' if len(zeros) == 1 else 'them'} out", zeros)
+
+
+def _rounded_attitude(numbers: Numbers) -> Shown | None:
+    """Return the finding that quaternions are rounded coarsely; None if they are not.
+
+    They are multiples of a unit so coarse that eight bits hold them.
+    """
+    unit, values = unit_of(numbers.q), len(np.unique(numbers.q))
+    which = "the quaternions"
+    if not unit:
+        unit, which = _unit_of_three(numbers.q), "the three smaller components of quaternions"
+    elif values < FEWEST or unit * COARSE < 1.0:
+        return None
+    if not unit:
+        return None
+    # A body that hardly turns has few values.
+    turns = rotation_vectors(np.broadcast_to(numbers.q_exact[0], numbers.q.shape), numbers.q_exact)
+    if norms(turns).max() < CHANGES * unit:
+        return None
+    rounding = 2 * ROUNDING_ERROR * unit
+    words = f"{which} are rounded to {unit:.4g}, which makes attitudes off by {rounding:.2g} rad"
+    return Shown(words, np.arange(0), (rounding, 0.0))
+
+
+def _unit_of_three(q: FloatArray) -> float:
+    """Return the unit whose multiples are the distances of the three smaller components.
+
+    It is 0 if there is none. The largest component follows from the others, as where the smallest
+    three are stored in so many bits each.
+    """
+    largest = np.abs(q).argmax(axis=1)
+    others = np.abs(q[np.arange(4) != largest[:, None]]).round(DIGITS)
+    distances = np.diff(np.unique(others))
+    if len(distances) < FEWEST_VALUES or distances.min() < FINEST:
+        return 0.0
+    multiples = distances / distances.min()
+    return float(distances.min()) if np.abs(multiples - np.rint(multiples)).max() < NEAR else 0.0
+
+
+def _rounded_omega(numbers: Numbers, omega: FloatArray) -> Shown | None:
+    """Return the finding that ω is rounded to less than three digits; None if it is not."""
+    # A constant ω has as few digits as it started with.
+    if max(len(np.unique(np.round(column, 9))) for column in omega.T) < FEWEST:
+        return None
+    found = {}
+    for name, factor in RATES.items():
+        unit = unit_of(omega / factor)
+        largest = float(np.abs(omega).max()) / factor
+        if unit and largest < COARSE * unit and numbers.resolution_q < LEFT * unit / largest:
+            found[name] = unit
+    if not found:
+        return None
+    # Multiples of one unit are multiples of a less round number of another.
+    name = min(found, key=lambda name: digits_of(found[name]))
+    unit = found[name]
+    rounding = 0.0, ROUNDING_ERROR * unit * RATES[name]
+    return Shown(f"ω is rounded to {unit:.6g} {name}", np.arange(0), rounding)

@@ -1,0 +1,42 @@
+"""Checks whether the rotors of a recorded motion keep the constants that their hinges conserve."""
+
+import numpy as np
+from scipy.special import ndtri
+
+from .....scenarios import FloatArray, Scenario, Trajectory
+from .....scenarios.rotation import norms
+from ...explaining.search import LEVEL
+
+
+def spins_beyond(
+    scenario: Scenario, motion: Trajectory, timestep: float | None, order: int, noise: FloatArray
+) -> list[str]:
+    """Return the sentence on spins that change beyond a method's error or rounding; often none.
+
+    A step of order p changes a component along an axis that turns by some part of the p-th power of
+    the angle of a step. That angle is the rotor's, as engines may turn each body by itself.
+
+    Parameters
+    ----------
+    timestep : with which the motion was computed, s; if None, it is unknown, and the distance of
+        the samples is used
+    order : of accuracy of the method that computed it
+    noise : of attitude, rad, and ω, rad/s, (2,); the latter counts relative to the largest rate
+    """
+    if not motion.spins.size:
+        return []
+    omega_body, spins, spans = motion.omega_body, motion.spins, np.diff(motion.t)[:, None]
+    kept = scenario.kept(omega_body, spins)
+    excess = spins[1:] - scenario.spins(omega_body[1:], kept[:-1])
+    speed = float(norms(omega_body).max()) or 1.0
+    fastest = max(speed, float(np.abs(spins).max()))
+    angles = fastest * np.minimum(spans, timestep or np.inf)
+    of_method = np.minimum(1.0, angles) ** order * speed * spans * fastest / 2
+    scale = np.hypot(of_method, noise[1] * fastest / speed)
+    if np.abs(excess / scale).max() < -ndtri(LEVEL / excess.size / 2):
+        return []
+    k, rotor = np.unravel_index(np.argmax(np.abs(excess / scale)), excess.shape)
+    return [
+        f"the spin of rotor {rotor + 1} changes at a rate of {excess[k, rotor] / spans[k, 0]:.3g} "
+        f"rad/s² at t = {motion.t[k + 1]:.4g} s beyond what its hinge makes it"
+    ]

@@ -1,0 +1,103 @@
+"""Whether samples of a recording were held, or interpolated linearly, between others."""
+
+import numpy as np
+
+from .....scenarios import FloatArray
+from .....scenarios.rotation import norms
+from .digits import CHANGES, Numbers, Shown, runs, where
+
+#: Least number of samples at which ω is new, and of successive samples on one line.
+FEWEST, FEWEST_ON_A_LINE = 3, 2
+
+
+def interpolated(numbers: Numbers) -> Shown | None:
+    """Return the finding that ω was held or interpolated linearly; None if it was not.
+
+    Then samples repeat those before them, or are on a line between others, to the last digit.
+    """
+    if numbers.omega is None or len(numbers.t) < FEWEST:
+        return None
+    t, omega = numbers.t, numbers.omega
+    if hold := _zero_order_hold(numbers, omega):
+        return hold
+    every = _lines(t, omega, numbers.omega_exact, 2 * numbers.resolution_omega)
+    lengths = np.unique([b - a for a, b in every])
+    if len(every) >= FEWEST and len(lengths) == 1:
+        count = int(lengths[0]) + 1
+        # At either end a line may be missing.
+        if len(t) <= 1 + (len(every) + 2) * count:
+            return _at_one_in(count, "interpolated linearly", every[0][0], len(t))
+    gaps = [(a, b) for a, b in every if b - a >= FEWEST_ON_A_LINE]
+    if not gaps:
+        return None
+    samples = np.concatenate([np.arange(a + 1, b + 1) for a, b in gaps])
+    of_gaps = f", in {len(gaps)} gaps" if len(gaps) > 1 else ""
+    if not np.abs(omega[samples] - omega[samples - 1]).any():
+        # Where a line ends with a kink, the last sample that is held is no longer on the line.
+        ends = np.array([b + 1 for _, b in gaps])
+        samples = np.union1d(samples, ends[(omega[ends] == omega[ends - 1]).all(axis=1)])
+        return Shown(
+            f"ω is held, as in the sample before, {where(t, samples)}{of_gaps}: leave it out",
+            samples,
+        )
+    return Shown(
+        f"ω is on a straight line from the sample before to the one after {where(t, samples)}"
+        f"{of_gaps}: what was lost was interpolated; leave it out",
+        samples,
+    )
+
+
+def _zero_order_hold(numbers: Numbers, omega: FloatArray) -> Shown | None:
+    """Return the finding that ω is held from one of several samples to the next; or None.
+
+    Parameters
+    ----------
+    omega : as in the file, rad/s, (n, 3)
+    """
+    changes = norms(np.diff(omega, axis=0))
+    least = CHANGES * numbers.resolution_omega
+    new = np.flatnonzero(changes > least)
+    count = int(np.median(np.diff(new))) if len(new) >= FEWEST else 1
+    # A motion that comes to rest is new at every sample, and later at none.
+    if count > 1 and np.sum(changes <= least / CHANGES) >= (count - 1) * (len(new) - 1):
+        return _at_one_in(count, "held", int(new[0]) + 1, len(omega))
+    return None
+
+
+def _at_one_in(count: int, how: str, first: int, samples: int) -> Shown:
+    """Return the finding that ω is new at one sample in `count` only.
+
+    Parameters
+    ----------
+    how : what ω is at the others, in words
+    first : index of the first new sample
+    samples : how many samples there are
+    """
+    words = f"ω is {how}: it is new at one sample in {count} only; record those alone"
+    return Shown(words, np.flatnonzero((np.arange(samples) - first) % count))
+
+
+def _lines(
+    t: FloatArray, omega: FloatArray, exact: FloatArray, least: float
+) -> list[tuple[int, int]]:
+    """Return the sample before each line, and the last on it, of lines that end with a kink.
+
+    ω is on a line where it bends less than it is rounded, though the exact motion bends far more
+    there, or the recorded one does at most samples, as by noise.
+
+    Parameters
+    ----------
+    omega, exact : recorded and exact, rad/s, (n, 3)
+    least : the bend that may be rounding, rad/s
+    """
+    fraction = ((t[1:-1] - t[:-2]) / (t[2:] - t[:-2]))[:, None]
+
+    def bends(one: FloatArray) -> FloatArray:
+        return norms(one[1:-1] - (1 - fraction) * one[:-2] - fraction * one[2:])
+
+    recorded = bends(omega)
+    is_kink = recorded > CHANGES * least
+    should = (bends(exact) > CHANGES * least) | (np.median(recorded) > CHANGES * least)
+    every = runs((recorded <= least) & should)
+    inner = [(a, b) for a, b in every if a and b < len(is_kink)]
+    return [(a, b) for a, b in inner if is_kink[a - 1] or is_kink[b]]

@@ -1,0 +1,271 @@
+"""The intervals of a recorded motion between samples, with the error allowed to a method."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from .....reference.following import EXACT, Integrator, follow, follow_each
+from .....reference.other_equations import OtherEquations
+from .....scenarios import FloatArray, Scenario, Trajectory
+from .....scenarios.rotation import norms, rotation_vectors
+from ...explaining.fit import Data
+from ...explaining.hypothesis import Hypothesis, as_it_is
+from .sensors import as_it_was, as_read
+
+#: Largest turn between two samples, rad, and least number of intervals.
+NEAR, FEWEST_INTERVALS = 0.7, 4
+#: Most intervals that the time before a recording is divided into.
+MOST_BEFORE = 1000
+#: Difference of starts, rad and relative, by which the growth of errors is found.
+SMALL = 1e-6
+#: Least rate that counts as one of a motion, relative to the largest.
+LEAST_RATE = 1e-6
+#: Largest rate up to which motions are followed, relative to the fastest that was recorded.
+FASTER = 30.0
+
+
+@dataclass(frozen=True, eq=False)
+class Intervals(Data):
+    """Recorded states, and the recorded states that follow them.
+
+    Attributes
+    ----------
+    starts : q, scalar first, and ω, rad/s, body axes, (S, 7)
+    t, spans : times at the ends of the intervals, and their lengths, s, (S,) and (S, 1)
+    ends : recorded states at the ends of the intervals, (S, 7)
+    noise : standard deviations of recorded attitude, rad, and ω, rad/s, (2,)
+    method : bounds of a method's error in an interval, in attitude, rad, and ω, rad/s, (S, 2)
+    integrator, timestep : that hypotheses are followed with; s
+    is_derived : whether ω was not recorded, but is the rate at which the attitudes turn
+    """
+
+    starts: FloatArray
+    t: FloatArray
+    spans: FloatArray
+    ends: FloatArray
+    noise: FloatArray
+    method: FloatArray
+    integrator: Integrator = EXACT
+    timestep: float = 0.0
+    is_derived: bool = False
+
+    @cached_property
+    def scale(self) -> FloatArray:
+        """Standard deviations of attitude, rad, and ω, rad/s, at the ends, (S, 6)."""
+        return np.repeat(np.hypot(self.noise, self.method), 3, axis=1)
+
+    @cached_property
+    def fastest(self) -> float:
+        """The largest rate up to which motions are followed, rad/s."""
+        speeds = norms(np.vstack([self.starts, self.ends])[:, 4:])
+        return FASTER * max(float(speeds.max()), self.base.equations.rate)
+
+    @cached_property
+    def of_method(self) -> FloatArray:
+        """The fraction of each interval's error variance that is a method's, (S,)."""
+        return np.asarray(np.mean(self.method**2 / (self.noise**2 + self.method**2), axis=1))
+
+    @cached_property
+    def correlated(self) -> float:
+        """As in `Data`: all residuals count as one if a method's error is larger than noise.
+
+        A method's error is the same throughout, however many samples show it.
+        """
+        return 1 + (self.scale.size - 1) * float(np.mean(self.of_method))
+
+    def deviations(
+        self, hypotheses: Sequence[Hypothesis], samples: int | None = None
+    ) -> FloatArray:
+        """As in `Data`: the residuals at the ends, in units of `scale`, (H, S, 6)."""
+        starts = as_it_was(hypotheses, self.starts, self.t - self.spans[:, 0])
+        steps = np.array([one.step for one in hypotheses])
+        of_method = self.integrator, steps * self.timestep, self.fastest
+        equations, spans = [one.equations for one in hypotheses], steps[:, None, None] * self.spans
+        computed = follow_each(equations, starts, spans, *of_method)[:, :, 0]
+        computed = np.where(np.isfinite(computed), computed, np.nan)
+        with np.errstate(over="ignore"):
+            return (apart(as_read(hypotheses, computed, self.t), self.ends) / self.scale)[
+                :, :samples
+            ]
+
+    def apart(self, equations: OtherEquations) -> FloatArray:
+        """Return the deviations of the ends from an exact flow, rad and rad/s, (S, 6)."""
+        return apart(follow(equations, self.starts, self.spans)[:, 0], self.ends)
+
+    def with_error(self, size: FloatArray) -> "Intervals":
+        """Return the intervals with a given error of their method.
+
+        Parameters
+        ----------
+        size : of attitude, rad, and ω, rad/s, (2,)
+        """
+        return replace(self, method=np.tile(size, (len(self.spans), 1)))
+
+    def made_by(self, integrator: Integrator, timestep: float) -> "Intervals":
+        """Return the intervals, followed with an integrator whose error is not allowed for.
+
+        Parameters
+        ----------
+        timestep : of the integrator, s
+        """
+        without = np.zeros_like(self.method)
+        return replace(self, method=without, integrator=integrator, timestep=timestep)
+
+    def spread(self, most: int) -> "Intervals":
+        """Return at most `most` of the intervals, spread evenly over all."""
+        return self.rows(np.unique(np.linspace(0, len(self.spans) - 1, most).astype(int)))
+
+    def rows(self, kept: Sequence[int] | NDArray[np.int_]) -> "Intervals":
+        """Return some of the intervals, by their indices."""
+        names = "starts", "t", "spans", "ends", "method"
+        return replace(self, **{name: getattr(self, name)[kept] for name in names})
+
+
+def apart(computed: FloatArray, recorded: FloatArray) -> FloatArray:
+    """Return the deviations of recorded states from computed ones, rad and rad/s, (..., S, 6).
+
+    Those of the attitude are rotation vectors.
+
+    Parameters
+    ----------
+    computed : one or several computations of all states, (..., S, 7)
+    recorded : (S, 7)
+    """
+    q = np.broadcast_to(recorded[:, :4], (*computed.shape[:-1], 4)).reshape(-1, 4)
+    turned = rotation_vectors(computed[..., :4].reshape(-1, 4), q).reshape(*computed.shape[:-1], 3)
+    return np.concatenate([turned, recorded[:, 4:] - computed[..., 4:]], axis=-1)
+
+
+def root_mean_squares(differences: FloatArray) -> FloatArray:
+    """Return the root mean squares of attitude, rad, and ω, rad/s, (2,).
+
+    Parameters
+    ----------
+    differences : rad and rad/s, (S, 6)
+    """
+    return np.asarray(np.sqrt(np.mean(differences.reshape(-1, 2, 3) ** 2, axis=(0, 2))))
+
+
+def gained(scenario: Scenario, motion: Trajectory) -> FloatArray:
+    """Return the deviations of samples from the exact flow of the sample before, (n - 1, 6).
+
+    They are those of attitude, rad, and ω, rad/s, under the scene's equations.
+    """
+    states, spans = states_of(motion), np.diff(motion.t)[:, None]
+    return apart(follow(as_it_is(scenario).equations, states[:-1], spans)[:, 0], states[1:])
+
+
+def gained_before(
+    scenario: Scenario, t: FloatArray, timestep: float | None, order: int
+) -> FloatArray:
+    """Return bounds of a method's error at the first sample, in attitude, rad, and ω, rad/s, (2,).
+
+    Parameters
+    ----------
+    t : times of samples, s, (n,), from the scene's start
+    timestep, order : as in `intervals_of`
+    """
+    distance = float(np.median(np.diff(t)))
+    count = min(MOST_BEFORE, int(np.ceil(t[0] / distance)))
+    if not count:
+        return np.zeros(2)
+    equations, start = as_it_is(scenario).equations, scenario.start
+    first = np.concatenate([start.q_world_body_wxyz, start.omega_body])[None]
+    spans = np.full(count, t[0] / count)
+    states = np.vstack([first, follow(equations, first, spans[None, 1:])[0]])
+    rates = np.maximum(norms(states[:, 4:]), equations.rate)
+    rates = np.maximum(rates, LEAST_RATE * rates.max())
+    step_lengths = min(timestep or distance, distance)
+    method = _bounds(equations, states, spans, rates, rates * step_lengths, order).sum(axis=0)
+    # Errors grow along the motion as differences of its start do.
+    units = np.array([1.0, rates.max()])
+    differences = SMALL * np.eye(6)
+    turned = Rotation.from_quat(first[0, :4], scalar_first=True) * Rotation.from_rotvec(
+        differences[:, :3]
+    )
+    q, omega = turned.as_quat(scalar_first=True), first[:, 4:] + differences[:, 3:] * units[1]
+    others = follow(equations, np.hstack([q, omega]), np.full((6, 1), t[0]))[:, 0]
+    last = follow(equations, first, np.array([[t[0]]]))[0]
+    grown = apart(np.repeat(last, 6, axis=0), others) / np.repeat(units, 3) / SMALL
+    if not np.isfinite(grown).all():
+        return np.full(2, np.inf)
+    return np.asarray(np.linalg.norm(grown, 2) * np.sum(method / units) * units)
+
+
+def states_of(motion: Trajectory) -> FloatArray:
+    """Return q, scalar first, and ω, rad/s, body axes, of each sample, (n, 7)."""
+    return np.hstack([motion.q_world_body_wxyz, motion.omega_body])
+
+
+def intervals_of(
+    scenario: Scenario,
+    motion: Trajectory,
+    timestep: float | None,
+    order: int,
+    noise: FloatArray,
+    most: int | None = None,
+    near: float = NEAR,
+) -> Intervals | None:
+    """Return the intervals of a motion that are short enough; None if they are too few.
+
+    Parameters
+    ----------
+    timestep : with which the motion was computed, s; if None, it is unknown, and the median
+        distance of samples is used
+    order : of accuracy of the method that computed it
+    noise : standard deviations of attitude, rad, and ω, rad/s, (2,)
+    most : the largest number of intervals, spread evenly over all; None for all
+    near : the largest turn of the body in an interval, rad
+    """
+    if len(motion.t) <= FEWEST_INTERVALS:
+        return None
+    base = as_it_is(scenario)
+    spans, equations = np.diff(motion.t), base.equations
+    rates = np.maximum(norms(motion.omega_body), equations.rate)[:-1]
+    # A body that starts from rest has rates only later.
+    rates = np.maximum(rates, LEAST_RATE * rates.max())
+    kept = np.flatnonzero(spans * rates <= near)
+    if len(kept) < FEWEST_INTERVALS or not motion.omega_body.any():
+        return None
+    if most is not None:
+        kept = kept[np.unique(np.linspace(0, len(kept) - 1, most).astype(int))]
+    spans, rates, states = spans[kept], rates[kept], states_of(motion)
+    step_lengths = np.minimum(timestep or float(np.median(spans)), spans)
+    method = _bounds(equations, states[kept], spans, rates, rates * step_lengths, order)
+    starts, ends = states[kept], states[kept + 1]
+    return Intervals(base, starts, motion.t[kept + 1], spans[:, None], ends, noise, method)
+
+
+def _bounds(
+    equations: OtherEquations,
+    states: FloatArray,
+    spans: FloatArray,
+    rates: FloatArray,
+    angles: FloatArray,
+    order: int,
+) -> FloatArray:
+    """Return bounds of a method's error over each span, in attitude, rad, and ω, rad/s, (S, 2).
+
+    The error of a step of order p is a part of the p-th power of the angle of a step: explicit
+    Euler's is h²/2 times a second derivative, which is |ω'| times the rate at most. About a
+    constant axis a step of order 1 turns correctly to second order.
+
+    Parameters
+    ----------
+    states : q and ω at the start of each span, (S, 7)
+    spans, rates : s, and the fastest rate of each state, rad/s, (S,)
+    angles : the angle of a step, rad, (S,)
+    """
+    computed = follow(equations, states, spans[:, None])[:, 0, 4:]
+    speed = float(norms(states[:, 4:]).max())
+    fastest = float((norms(computed - states[:, 4:]) / spans).max())
+    angles = np.minimum(1.0, angles)
+    of_turning = angles ** max(order, 2) * rates * spans / 4
+    of_omega = angles**order * fastest * spans / 2
+    return of_turning[:, None] * [1.0, speed] + of_omega[:, None] * np.stack(
+        [1 / rates, np.ones_like(rates)], axis=1
+    )

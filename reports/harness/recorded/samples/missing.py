@@ -1,0 +1,173 @@
+"""Describes the torque, or rate, that is missing where no change explains a recorded motion."""
+
+import numpy as np
+
+from .....reference.other_equations import equations_of
+from .....scenarios import FloatArray, Scenario, Trajectory
+from .....scenarios.rotation import matrices, norms, rotation_vectors, turned
+from ....results.change_words import vector
+from ...explaining.search import LEFT, SAME
+from .intervals import Intervals
+from .mistakes import FITS
+
+#: Significant digits of missing torques and rates, and of axes. Means over intervals have few.
+DIGITS, OF_AXES = 3, 2
+KINEMATICS = "ω obeys Euler's equations, but the attitude does not follow ω"
+DYNAMICS = "the attitude follows ω, but ω does not obey Euler's equations"
+
+
+#: The percentages are the loss of energy and the change of the angular momentum.
+DISSIPATED = (
+    "its energy falls by {:.3g} % while its angular momentum is kept to {:.2g} %, which no torque "
+    "from outside does: something moves within the body and takes energy, such as fuel that "
+    "sloshes, or a part that bends"
+)
+#: The fraction of a motion, at its beginning and its end, of which mean energies are compared, and
+#: the least significant difference of these, in standard errors.
+PART, SURE = 0.1, 8.0
+#: The largest change of the angular momentum relative to the loss of energy. A torque against ω
+#: causes twice as much; parts that move within the body take up some.
+KEPT = 0.25
+
+
+def dissipated(scenario: Scenario, motion: Trajectory) -> list[str]:
+    """Return that a free body loses energy and keeps its angular momentum, in words, if it does."""
+    e = equations_of(scenario)
+    if e.pull.any() or e.torque.any() or e.torque_world.any() or e.slowing.any() or e.kept.any():
+        return []
+    omega, count = motion.omega_body, max(2, int(PART * len(motion.t)))
+    L_body = omega @ e.inertia
+    energy = np.sum(omega * L_body, axis=1) / 2
+    L_world = turned(matrices(motion.q_world_body_wxyz), L_body)
+    parts = slice(count), slice(-count, None)
+    first, last = (float(energy[part].mean()) for part in parts)
+    error = max(float(np.std(energy[part])) for part in parts) / np.sqrt(count)
+    begins, ends = (L_world[part].mean(axis=0) for part in parts)
+    lost = (first - last) / (first or 1.0)
+    kept = float(np.linalg.norm(ends - begins) / (np.linalg.norm(begins) or 1.0))
+    if first - last < SURE * error or lost < FITS or kept > KEPT * lost:
+        return []
+    return [DISSIPATED.format(100 * lost, 100 * kept)]
+
+
+def missing(data: Intervals) -> list[str]:
+    """Return the missing rate or torque in words, if kinematics alone or dynamics alone are wrong.
+
+    Returns
+    -------
+    One sentence; none if both are wrong
+    """
+    deviations = data.apart(data.base.equations)
+    turned, omega = (np.sqrt(np.mean(part**2, axis=1)) for part in np.split(deviations, 2, axis=1))
+    mean_squares = np.mean((deviations / data.scale) ** 2, axis=0)
+    if mean_squares[3:].mean() <= 1:
+        return [f"{KINEMATICS}: {_rate(data)}"]
+    # A torque that reverses within an interval changes the attitude at its end, but not ω.
+    by_omega = np.hypot(data.spans[:, 0] * omega, data.scale[:, 0])
+    if np.mean(turned**2) <= np.mean(by_omega**2):
+        return [f"{DYNAMICS}: {_torque(data)}"]
+    return []
+
+
+def is_attitude_off(motion: Trajectory, exact: Trajectory) -> bool:
+    """Whether the errors of ω are far smaller than those of the attitude, relative and in rad.
+
+    Both motions have the same times.
+    """
+    omega_errors, fastest = motion.omega_body - exact.omega_body, norms(exact.omega_body)
+    return bool(norms(omega_errors).max() < LEFT**2 * turned_off(motion, exact) * fastest.max())
+
+
+def turned_off(motion: Trajectory, exact: Trajectory) -> float:
+    """Return the largest turn between the attitudes of two motions at the same times, rad."""
+    deviations = rotation_vectors(motion.q_world_body_wxyz, exact.q_world_body_wxyz)
+    return float(norms(deviations).max())
+
+
+def is_omega_off(motion: Trajectory, exact: Trajectory) -> bool:
+    """Whether the errors of the attitude are far smaller than those of ω, in rad and relative.
+
+    Both motions have the same times.
+    """
+    omega_errors, fastest = motion.omega_body - exact.omega_body, norms(exact.omega_body)
+    deviations, speed = norms(omega_errors).max(), fastest.max()
+    return bool(max(turned_off(motion, exact) / SAME, FITS) * speed < deviations)
+
+
+def _torque(data: Intervals) -> str:
+    """Return in words the size and the direction of the missing torque.
+
+    It is the mean over each interval of the missing I ω', in the body's axes.
+    """
+    base = data.base.equations
+    deviations = data.apart(base) / data.spans
+    torque = deviations[:, 3:] @ base.inertia.T
+    omega = (data.starts[:, 4:] + data.ends[:, 4:]) / 2
+    L = omega @ base.inertia.T + base.kept
+    words = [_along_axes(data, torque, "N m")]
+    of_omega = _share(torque, omega)
+    if of_omega > 1 - LEFT:
+        against = np.sum(torque * omega) < 0
+        words.append(f"it is {'against' if against else 'along'} ω")
+    if of_omega < LEFT**2:
+        words.append("it is across ω")
+    if base.kept.any() or _share(L, omega) < 1 - LEFT**2:
+        words += ["it is across L: ‖L‖ is kept"] if _share(torque, L) < LEFT**2 else []
+    return _largest("a torque", data, torque, "N m") + "; ".join(words)
+
+
+def _rate(data: Intervals) -> str:
+    """Return in words the angular velocity of the attitude that ω lacks.
+
+    It is the mean over each interval, in the body's axes.
+    """
+    rate = data.apart(data.base.equations)[:, :3] / data.spans
+    return _largest("a rate", data, rate, "rad/s") + _along_axes(data, rate, "rad/s")
+
+
+def _largest(what: str, data: Intervals, missing: FloatArray, unit: str) -> str:
+    k = int(np.argmax(norms(missing)))
+    return (
+        f"{what} of {norms(missing)[k]:.{DIGITS}g} {unit} at most is missing, at t = "
+        f"{data.t[k]:.4g} s; "
+    )
+
+
+def _along_axes(data: Intervals, missing: FloatArray, unit: str) -> str:
+    """Return in words what vectors in the body's axes, (S, 3), are along or perpendicular to."""
+    signs = np.sign(np.sum(data.starts[:, :4] * data.ends[:, :4], axis=1, keepdims=True))
+    halfway = data.starts[:, :4] + signs * data.ends[:, :4]
+    halfway /= norms(halfway)[:, None]
+    in_world = turned(matrices(halfway), missing)
+    by_frame = {"body": missing, "world": in_world}
+    whole = float(np.sum(missing**2))
+    for axes, vectors in by_frame.items():
+        mean = vectors.mean(axis=0)
+        if np.sum((vectors - mean) ** 2) < LEFT * whole:
+            return f"along {axes} axes it is nearly constant, {_rounded(mean)} {unit}"
+    parts = {axes: np.linalg.svd(vectors)[1:] for axes, vectors in by_frame.items()}
+    for axes, (sizes, directions) in parts.items():
+        if sizes[0] ** 2 > (1 - LEFT**2) * whole:
+            return f"it changes along one axis of the {axes}, {_axis(directions[0])}"
+    for axes, (sizes, directions) in parts.items():
+        if sizes[2] ** 2 < LEFT**3 * whole:
+            return f"it is across one axis of the {axes}, {_axis(directions[2])}"
+    return "it is along no axes of the body or the world for long"
+
+
+def _share(of: FloatArray, along: FloatArray) -> float:
+    """Return the fraction of the sum of squares of vectors, (S, 3), that is along other vectors."""
+    lengths = np.maximum(norms(along), np.finfo(float).tiny)
+    parts = np.sum(of * along, axis=1) / lengths
+    return float(np.sum(parts**2) / np.sum(of**2))
+
+
+def _rounded(components: FloatArray, digits: int = DIGITS) -> str:
+    """Return a vector as text, to few digits."""
+    least = np.abs(components).max() / 10**digits
+    return vector([float(f"{n:.{digits}g}") if abs(n) > least else 0.0 for n in components])
+
+
+def _axis(components: FloatArray) -> str:
+    """Return an axis as text, with the sign that makes its largest component positive."""
+    return _rounded(components * np.sign(components[np.argmax(np.abs(components))]), OF_AXES)

@@ -1,0 +1,396 @@
+"""Finds common mistakes in recording: each is corrected, and named if the motion then fits.
+
+Only the beginning of a motion is compared, before an integrator's errors have grown.
+"""
+
+from collections.abc import Iterable, Iterator, Sequence
+from itertools import chain
+from math import pi
+
+import numpy as np
+from scipy.optimize import minimize_scalar
+
+from .....reference.following import follow
+from .....reference.other_equations import equations_of
+from .....scenarios import FloatArray, Scenario, Trajectory
+from .....scenarios.fastest_rate import decay_rate
+from .....scenarios.rotation import conjugate, matrices, norms, rotation_vectors
+from ...explaining.changes import EULER_ANGLES, OTHER_COMPONENTS
+from ...explaining.search import LEFT
+from ..files.motion import OmegaFrame, QuaternionOrder, Reading
+from .intervals import apart, states_of
+from .other_readings import equal_times, other_readings
+
+#: Turns of the exact motion, rad, over the beginnings that are compared, and their least number of
+#: samples. A motion by other equations is closer to the exact one over the shorter beginning.
+BEGINNINGS, FEWEST = (3.0, 0.75), 3
+#: Least number of samples of a corrected reading, as steps show from two samples on; and how many
+#: samples corrections may leave out. Two would allow for an ω that is half a sample older and half
+#: a sample newer, which is smoothed: that is no mistake.
+FEWEST_LEFT, LEFT_OUT = 2, 1
+#: Largest turn of the body over the beginning, rad, by the times of a reading. If they are so wrong
+#: that it turns further, the exact motion is not computed.
+FURTHEST = 3e3
+#: Errors below this, relative or in rad, need no explanation.
+FITS = 1e-9
+#: Words for times that are too short, or too long, by a factor.
+TOO_SHORT = "too short, as where one state in so many is kept"
+TOO_LONG = "too long, as of another timestep than that of the steps"
+EPS = float(np.finfo(float).eps)
+#: Mistakes in words, and the reading corrected for them.
+_Correction = tuple[list[str], Reading]
+#: Units that times may be in by mistake, as a column's heading names them, and their lengths, s.
+UNITS = {"ms": 1e-3, "us": 1e-6, "ns": 1e-9, "min": 60.0}
+#: What may be wrong with ω, in words, and the factor that corrects it.
+RATES = {
+    "in degrees a second; wx [deg/s] says so": pi / 180,
+    "in rad/s already, and was converted from deg/s": 180 / pi,
+    "in turns a second": 2 * pi,
+    "in rpm; wx [rpm] says so": pi / 30,
+    "half of what it should be": 2.0,
+    "twice what it should be": 0.5,
+}
+#: Reflections that make right-handed axes, of the world and of the body, left-handed; in words.
+LEFT_HANDED = {
+    **{f"with {axis} reversed": np.diag(1.0 - 2.0 * np.eye(3)[k]) for k, axis in enumerate("xyz")},
+    **{
+        f"with {axes[0]} and {axes[1]} exchanged": np.eye(3)[order]
+        for axes, order in (("xy", [1, 0, 2]), ("yz", [0, 2, 1]), ("xz", [2, 1, 0]))
+    },
+}
+
+
+def mistakes(scenario: Scenario, exact: Trajectory, reading: Reading) -> list[str]:
+    """Return the mistakes, in words, that explain why a recording is not the exact motion.
+
+    Parameters
+    ----------
+    exact : the exact motion at the recording's times
+
+    Returns
+    -------
+    One or two mistakes; often none
+    """
+    beginning = _Beginning(scenario, exact)
+    given, shorter = (reading.rows(slice(_samples_until(exact, turn))) for turn in BEGINNINGS)
+
+    def corrected(
+        words: list[str], one: Reading, original: Reading = given
+    ) -> Iterator[_Correction]:
+        fewest = max(FEWEST_LEFT, len(original.t) - LEFT_OUT)
+        for word, other in _corrections(one, scenario) if len(one.t) >= fewest else ():
+            if len(other.t) >= fewest:
+                yield [*words, word], other
+
+    best = beginning.better(corrected([], given), ([], given))
+    if not best[0]:
+        rare = other_readings(given, scenario, matrices(beginning.start[:, :4])[0])
+        best = beginning.better((([word], one) for word, one in rare if len(one.t) >= FEWEST), best)
+    if not best[0]:
+        # Few samples do not tell mistakes of ω apart: only those of times and attitude are tried.
+        every = corrected([], shorter, shorter)
+        of_attitudes = ((words, one) for words, one in every if one.omega is shorter.omega)
+        if words := beginning.better(of_attitudes, ([], shorter))[0]:
+            return words
+    if best[0]:
+        return beginning.better(corrected(*best), best)[0]
+    if beginning.error(given) > LEFT:
+        pairs = (two for one in corrected([], given) for two in corrected(*one))
+        best = beginning.better(pairs, best)
+    return best[0] or beginning.other_times(given)
+
+
+def without(
+    words: Sequence[str], reading: Reading, scenario: Scenario, first: FloatArray
+) -> Reading | None:
+    """Return a whole recording corrected for mistakes; None if they are not possible in all of it.
+
+    Parameters
+    ----------
+    words : the mistakes, as `mistakes` returns them
+    first : the exact attitude at the first sample, body to world, (3, 3)
+    """
+    for one in words:
+        every = chain(_corrections(reading, scenario), other_readings(reading, scenario, first))
+        corrected = next((other for word, other in every if word == one), None)
+        if corrected is None:
+            return None
+        reading = corrected
+    return reading
+
+
+def followed(reading: Reading, scenario: Scenario) -> list[_Correction]:
+    """Return the corrections after which the attitude follows ω, the best first.
+
+    No equations of motion are used: between two samples the attitude turns by the mean of their ω,
+    but for terms of third order in the timestep, whatever torques act.
+    """
+    baseline = _kinematic_error(reading)
+    found = [
+        (_kinematic_error(other), [words], other)
+        for words, other in _corrections(reading, scenario)
+    ]
+    kept = [one for one in found if one[0] < LEFT * min(1.0, baseline)]
+    return [one[1:] for one in sorted(kept, key=lambda one: one[0])]
+
+
+def rounded_times(reading: Reading) -> list[str]:
+    """Return that times are rounded, in words, if the attitude follows ω far better by even times.
+
+    Returns
+    -------
+    One sentence, or none
+    """
+    enough = LEFT * min(1.0, _kinematic_error(reading))
+    return [words for words, other in equal_times(reading) if _kinematic_error(other) < enough][:1]
+
+
+def _kinematic_error(reading: Reading) -> float:
+    """Return the deviation of ω from the rate at which the attitude turns, relative to that rate.
+
+    Both are root mean squares over all samples.
+
+    Returns
+    -------
+    Infinite without ω, of too few samples, or if the attitude is constant
+    """
+    if (omega := reading.omega_body) is None or len(omega) < FEWEST:
+        return np.inf
+    rates = rotation_vectors(reading.q[:-1], reading.q[1:]) / np.diff(reading.t)[:, None]
+    deviations = rates - (omega[1:] + omega[:-1]) / 2
+    size = np.sqrt(np.mean(rates**2))
+    return float(np.sqrt(np.mean(deviations**2)) / size) if size else np.inf
+
+
+class _Beginning:
+    """The beginning of the exact motion, and the errors of readings against it.
+
+    Parameters
+    ----------
+    exact : the exact motion at the recording's times
+    """
+
+    def __init__(self, scenario: Scenario, exact: Trajectory) -> None:
+        self.scenario, self.begins_at = scenario, float(exact.t[0])
+        self.start = states_of(exact.until(1))
+        self.fastest = float(norms(exact.omega_body).max())
+        self._at: dict[bytes, tuple[FloatArray, float, float]] = {}
+        self._attitude_errors: dict[tuple[bytes, bytes], float] = {}
+
+    def at(self, t: FloatArray) -> tuple[FloatArray, float, float]:
+        """The exact motion at times t, s, (n,).
+
+        Returns
+        -------
+        Its states, q and ω, (n, 7); its largest ‖ω‖, rad/s, or 1 if that is zero; and its largest
+        turn from the first of these times, rad, at most 1
+        """
+        if (times := t.tobytes()) not in self._at:
+            spans = np.diff(t, prepend=self.begins_at)[None]
+            states = follow(equations_of(self.scenario), self.start, spans)[0]
+            speed = norms(states[:, 4:]).max() or 1.0
+            turns = float(
+                norms(apart(np.repeat(states[:1], len(states), axis=0), states)[:, :3]).max()
+            )
+            turns = min(1.0, max(turns, EPS)) if self.fastest else 1.0
+            self._at[times] = states, speed, turns
+        return self._at[times]
+
+    def turned(self, q: FloatArray, t: FloatArray) -> float:
+        """The largest error of attitudes, (n, 4), at times, s, (n,).
+
+        It is relative to the body's turn in these times, or to 1 rad if it turns further. Otherwise
+        the error would be small by times so short that neither motion turns.
+        """
+        key = q.tobytes(), t.tobytes()
+        if key not in self._attitude_errors:
+            states, _, turns = self.at(t)
+            self._attitude_errors[key] = float(
+                norms(rotation_vectors(states[:, :4], q)).max() / turns
+            )
+        return self._attitude_errors[key]
+
+    def error(self, reading: Reading, enough: float = np.inf) -> float:
+        """The largest relative error in attitude, ω and spins; infinite if times are too long.
+
+        Parameters
+        ----------
+        enough : if the error in attitude is as large as that, ω and spins are not compared
+        """
+        if (reading.t[-1] - self.begins_at) * self.fastest > FURTHEST:
+            return np.inf
+        deviations = [self.turned(reading.q, reading.t)]
+        if deviations[0] >= enough:
+            return deviations[0]
+        (states, speed, _), omega = self.at(reading.t), reading.omega_body
+        if omega is not None:
+            deviations.append(norms(omega - states[:, 4:]).max() / speed)
+        if reading.spins is not None:
+            scenario = self.scenario
+            spins = scenario.spins(states[:, 4:], scenario.kept_at_start)
+            deviations.append(norms(reading.spins - spins).max() / max(speed, norms(spins).max()))
+        largest = float(max(deviations))
+        return np.inf if np.isnan(largest) else largest
+
+    def better(self, readings: Iterable[_Correction], best: _Correction) -> _Correction:
+        """Return the correction with the smallest error; `best` if none explains the error of that.
+
+        The first of several equally good corrections is returned.
+        """
+        given = best[1]
+        baseline = least = self.error(given)
+        # By how many samples are left out. A body at rest has an error of 1, whatever is recorded.
+        baselines = {0: min(1.0, baseline)}
+        for words, reading in readings if least > FITS else ():
+            # A reading with fewer samples must be better than the given one without the worst ones.
+            if (fewer := len(given.t) - len(reading.t)) not in baselines:
+                parts = slice(fewer, None), slice(None, len(given.t) - fewer)
+                errors = (self.error(given.rows(part)) for part in parts)
+                baselines[fewer] = min(1.0, baseline, *errors)
+            enough = min(LEFT * baselines[fewer], least - FITS)
+            if (deviation := self.error(reading, enough)) < enough:
+                least, best = deviation, (words, reading)
+        return best
+
+    def other_times(self, reading: Reading) -> list[str]:
+        """Return by which factor times are too short or too long, in words; often nothing.
+
+        It shows by attitudes that follow ω at other times only.
+        """
+        least = self.error(reading)
+        if least <= FITS or (factor := _factor_of_times(reading)) is None:
+            return []
+        # With explicit Euler an oscillation by θ rad a step is slower by the fraction θ²/3, and a
+        # decay by the fraction r a step is faster by the fraction r/2.
+        tolerance = float(norms(rotation_vectors(reading.q[:-1], reading.q[1:])).max()) ** 2 / 3
+        tolerance += decay_rate(self.scenario) * float(np.diff(reading.t).max()) / 2
+        bounds = factor * (1 - tolerance), factor * (1 + tolerance)
+        fit = minimize_scalar(
+            lambda factor: self.error(reading._replace(t=factor * reading.t)),
+            bounds=bounds,
+            method="bounded",
+            options={"xatol": FITS * factor},
+        )
+        omega = self.at(fit.x * reading.t)[0][:, 4:]
+        # If ω hardly changes, an attitude that does not follow ω would explain as much.
+        changes = norms(omega - omega[0]).max() / (norms(omega).max() or 1.0)
+        if fit.fun >= LEFT * min(least, changes) or abs(fit.x - 1) < tolerance:
+            return []
+        times, how = (fit.x, TOO_SHORT) if fit.x > 1 else (1 / fit.x, TOO_LONG)
+        return [f"the times are {times:.4g} times {how}"]
+
+
+def _samples_until(exact: Trajectory, turn: float) -> int:
+    """Return the number of samples until the exact motion has turned by an angle, rad."""
+    turned = np.cumsum(norms(exact.omega_body)[1:] * np.diff(exact.t))
+    return max(FEWEST + LEFT_OUT, int(np.searchsorted(turned, turn)) + 1)
+
+
+def _corrections(reading: Reading, scenario: Scenario) -> Iterator[tuple[str, Reading]]:
+    """Yield each mistake that is tried, in words, and the reading corrected for it."""
+    other: QuaternionOrder = "xyzw" if reading.order == "wxyz" else "wxyz"
+    letters = " ".join(other)
+    swapped = np.roll(reading.q, 1 if other == "xyzw" else -1, axis=1)
+    yield (
+        f"the quaternion's order is {letters} (state 'quaternion = {other}')",
+        reading._replace(order=other, q=swapped),
+    )
+    yield (
+        "the quaternion takes world to body components (it is conjugated)",
+        reading._replace(q=conjugate(reading.q)),
+    )
+    yield (
+        f"the quaternion's order is {letters}, and it takes world to body components",
+        reading._replace(order=other, q=conjugate(swapped)),
+    )
+    for name, unit in UNITS.items():
+        yield f"the times are in {name}; t [{name}] says so", reading._replace(t=unit * reading.t)
+    step = float(np.diff(reading.t).min())
+    for samples, words in ((1.0, "one sample"), (0.5, "half a sample")):
+        for sign, when in ((1, "after"), (-1, "before")):
+            later = reading.t + sign * samples * step
+            yield f"each state is that of {words} {when} its time", reading._replace(t=later)
+    for which, mirror in LEFT_HANDED.items():
+        # A reflection changes the sign of axial vectors.
+        q = np.hstack([reading.q[:, :1], -reading.q[:, 1:] @ mirror])
+        omega = None if reading.omega is None else -reading.omega @ mirror
+        yield f"its axes are left-handed, {which}", reading._replace(q=q, omega=omega)
+    if reading.omega is not None:
+        yield from _of_omega(reading, reading.omega)
+    if reading.spins is not None:
+        yield from _of_spins(reading, reading.spins, scenario)
+
+
+def _factor_of_times(reading: Reading) -> float | None:
+    """Return the factor that times would have to be longer by for attitudes to follow ω, nearly.
+
+    Returns
+    -------
+    None without ω, or if attitude or ω do not turn
+    """
+    if (omega := reading.omega_body) is None:
+        return None
+    turned = norms(rotation_vectors(reading.q[:-1], reading.q[1:])).sum()
+    expected = np.sum(norms(omega[1:] + omega[:-1]) / 2 * np.diff(reading.t))
+    return float(turned / expected) if turned and expected else None
+
+
+def _of_spins(
+    reading: Reading, spins: FloatArray, scenario: Scenario
+) -> Iterator[tuple[str, Reading]]:
+    yield "the spins have the opposite sign", reading._replace(spins=-spins)
+    for words, factor in RATES.items():
+        of_spins = words.replace("wx", "spin1").replace("was", "were")
+        yield f"the spins are {of_spins}", reading._replace(spins=spins * factor)
+    if (omega_body := reading.omega_body) is not None:
+        of_body = omega_body @ scenario.rotors.axes_body.T
+        yield (
+            "the spins are those in space; they are to be relative to the body",
+            reading._replace(spins=spins - of_body),
+        )
+
+
+def _of_omega(reading: Reading, omega: FloatArray) -> Iterator[tuple[str, Reading]]:
+    frame: OmegaFrame = "world" if reading.frame == "body" else "body"
+    yield f"ω is in {frame} axes (state 'omega = {frame}')", reading._replace(frame=frame)
+    yield "ω has the opposite sign", reading._replace(omega=-omega)
+    for words, factor in RATES.items():
+        yield f"ω is {words}", reading._replace(omega=omega * factor)
+    for components in OTHER_COMPONENTS:
+        columns = ", ".join(f"{'-' * (one < 0)}w{' xyz'[abs(one)]}" for one in components)
+        picked = omega[:, np.abs(components) - 1] * np.sign(components)
+        yield f"ω is [{columns}] of its columns", reading._replace(omega=picked)
+    for axes in EULER_ANGLES:
+        of_angles = "".join("xyz"[axis] for axis in axes)
+        omega_world = _of_rates(matrices(reading.q), omega, axes)
+        yield (
+            f"ω is the rates of Euler angles {of_angles}",
+            reading._replace(omega=omega_world, frame="world"),
+        )
+    # Each attitude is paired with the ω of its own time; the sample at one end has none.
+    earlier, later = slice(None, -1), slice(1, None)
+    for age, own, other in (("older", earlier, later), ("newer", later, earlier)):
+        kept = reading.rows(own)
+        yield f"ω is one sample {age} than the attitude", kept._replace(omega=omega[other])
+        yield (
+            f"ω is half a sample {age} than the attitude, as of semi-implicit Euler or leapfrog",
+            kept._replace(omega=(omega[own] + omega[other]) / 2),
+        )
+
+
+def _of_rates(R_world_body: FloatArray, rates: FloatArray, axes: tuple[int, ...]) -> FloatArray:
+    """Return ω along world axes, rad/s, (n, 3), from the rates of Euler angles a, b and c.
+
+    Parameters
+    ----------
+    R_world_body : the attitudes R_i(a) R_j(b) R_k(c), (n, 3, 3)
+    rates : of the angles, rad/s, (n, 3)
+    axes : i, j, k
+    """
+    i, j, k = axes
+    a, b, c = rates.T if i == k else rates.T[[i, j, k]]
+    first = np.eye(3)[i]
+    third = R_world_body[:, :, k]
+    node = np.cross(third, first) if i != k and (i + 1) % 3 == j else np.cross(first, third)
+    node /= np.maximum(norms(node), EPS)[:, None]
+    return np.asarray(np.outer(a, first) + b[:, None] * node + c[:, None] * third)

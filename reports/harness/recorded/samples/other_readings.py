@@ -1,0 +1,167 @@
+"""Other ways to read a recording, so rare that they are tried by themselves and not in pairs."""
+
+import warnings
+from collections.abc import Iterator
+from itertools import permutations, product
+from typing import Any
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from .....scenarios import FloatArray, Scenario
+from .....scenarios.rotation import matrix
+from ...explaining.changes import OTHER_COMPONENTS
+from ...explaining.search import LEFT
+from ..files.motion import Reading
+from ..files.recording import unit_of
+
+#: By how many samples ω may be older or newer than the attitude, besides one.
+SAMPLES = range(2, 6)
+#: Tolerance of rounded times, in units of rounding, and of matrices.
+ALIKE = 1e-6
+#: All orders and signs of three axes, as matrices; and the right-handed ones.
+EVERY_AXES = [
+    np.array(signs)[:, None] * np.eye(3)[list(order)]
+    for order in permutations(range(3))
+    for signs in product((1.0, -1.0), repeat=3)
+]
+AXES = [R for R in EVERY_AXES if np.linalg.det(R) > 0]
+COLUMNS = np.array(["qw", "qx", "qy", "qz"])
+
+
+def other_readings(
+    reading: Reading, scenario: Scenario, first: FloatArray
+) -> Iterator[tuple[str, Reading]]:
+    """Yield each other way to read a recording, in words, with the recording read in that way.
+
+    Parameters
+    ----------
+    first : the exact attitude at the first sample, body to world, (3, 3)
+    """
+    yield from equal_times(reading)
+    yield from _of_columns(reading)
+    yield from _of_angles(reading)
+    if reading.omega is not None:
+        yield from _of_age(reading, reading.omega)
+    yield from _of_components(reading)
+    if reading.frame == "body":
+        yield from _of_axes(reading, scenario, first)
+
+
+def equal_times(reading: Reading) -> Iterator[tuple[str, Reading]]:
+    """Yield the recording with even times, in words, if its own may be these after rounding.
+
+    Samples are 1/n s apart, or as far apart as fits best.
+    """
+    t, count = reading.t, np.arange(len(reading.t))
+    unit = unit_of(np.diff(t))
+    slope, start = np.polyfit(count, t, 1)
+    rate = max(1, round(1 / slope))
+    for first, distance, words in (
+        (t[0], 1 / rate, f"1/{rate} s"),
+        (start, slope, f"{slope:.6g} s"),
+    ):
+        even = first + distance * count
+        # Times that are multiples of the sampling period are not rounded.
+        is_rounded = 0 < unit < (1 - LEFT**2) * slope
+        if is_rounded and np.abs(t - even).max() < (1 + ALIKE) * unit / 2:
+            words = f"the times are rounded to {unit:.6g} s: samples are {words} apart"
+            yield words, reading._replace(t=even)
+
+
+def _of_components(reading: Reading) -> Iterator[tuple[str, Reading]]:
+    """Yield the recording with other components of the quaternion's vector, and the same of ω."""
+    for components in OTHER_COMPONENTS:
+        names = ", ".join(f"{'-' * (one < 0)}{' xyz'[abs(one)]}" for one in components)
+        axes, signs = np.abs(components) - 1, np.sign(components)
+        q = np.hstack([reading.q[:, :1], reading.q[:, 1:][:, axes] * signs])
+        omega = None if reading.omega is None else reading.omega[:, axes] * signs
+        words = f"x, y, z of the quaternion and of ω are [{names}] of their columns"
+        yield words, reading._replace(q=q, omega=omega)
+
+
+def _of_columns(reading: Reading) -> Iterator[tuple[str, Reading]]:
+    """Yield the recording with the quaternion's components in other orders and with other signs."""
+    for order in map(list, permutations(range(4))):
+        for signs in product((1.0, -1.0), repeat=3):
+            picked = zip((1.0, *signs), COLUMNS[order], strict=True)
+            names = ", ".join(f"{'-' * int(sign < 0)}{name}" for sign, name in picked)
+            q = reading.q[:, order] * [1.0, *signs]
+            yield f"the quaternion is [{names}] of its columns", reading._replace(q=q)
+
+
+def _of_angles(reading: Reading) -> Iterator[tuple[str, Reading]]:
+    """Yield the recording with Euler angles composed by another convention than they were."""
+    R = Rotation.from_quat(reading.q, scalar_first=True)
+    # Any, as scipy's stubs declare literal types of conventions.
+    conventions: list[Any] = list(map("".join, permutations("XYZ")))
+    for used in conventions:
+        with warnings.catch_warnings(action="ignore"):
+            angles = R.as_euler(used)
+        for right in conventions:
+            by_axis = angles[:, [used.index(axis) for axis in right]]
+            for given, how in ((by_axis, "composed in the order"), (angles, "taken for those of")):
+                q = Rotation.from_euler(right, given).as_quat(scalar_first=True)
+                words = f"the attitude's Euler angles {right} were {how} {used}"
+                yield words, reading._replace(q=q)
+
+
+def _of_age(reading: Reading, omega: FloatArray) -> Iterator[tuple[str, Reading]]:
+    for samples in SAMPLES:
+        earlier, later = slice(None, -samples), slice(samples, None)
+        for age, own, other in (("older", earlier, later), ("newer", later, earlier)):
+            words = f"ω is {samples} samples {age} than the attitude"
+            yield words, reading.rows(own)._replace(omega=omega[other])
+
+
+def _of_axes(
+    reading: Reading, scenario: Scenario, first: FloatArray
+) -> Iterator[tuple[str, Reading]]:
+    """Yield the recording with other axes of world and body, by which its first attitude is right.
+
+    Axes are the scene's in another order or with other signs, or the body's principal ones.
+
+    Parameters
+    ----------
+    first : the exact attitude at the first sample, body to world, (3, 3)
+    """
+    R = matrix(reading.q[0])
+    if np.abs(R - np.eye(3)).max() < ALIKE:
+        words = "the attitude is relative to that of the first sample, as where it was set to zero"
+        yield f"{words}, along body axes", _turned(reading, first, np.eye(3))
+        q = _turned(reading, np.eye(3), first).q
+        yield f"{words}, along world axes", reading._replace(q=q)
+
+    def fits(world: FloatArray, body: FloatArray) -> bool:
+        return bool(np.abs(world @ R @ body - first).max() < LEFT)
+
+    for world, body in product(AXES, AXES):
+        if fits(world, body):
+            which = [
+                f"the {of}'s axes are {named(R)} of the scene's"
+                for of, R in (("world", world), ("body", body))
+                if not np.array_equal(R, np.eye(3))
+            ]
+            words, other = " and ".join(which), _turned(reading, world, body)
+            yield words, other
+            yield f"{words}, except for ω", other._replace(omega=reading.omega)
+    axes = np.linalg.eigh(scenario.body.inertia_com)[1]
+    axes[:, 2] *= np.linalg.det(axes)
+    for body in AXES:
+        if fits(np.eye(3), body @ axes.T):
+            words = "attitude and ω are those of the tensor's principal axes, not of the body's"
+            yield words, _turned(reading, np.eye(3), body @ axes.T)
+
+
+def _turned(reading: Reading, world: FloatArray, body: FloatArray) -> Reading:
+    """Return a recording with each attitude R, (3, 3), replaced by world R body, and ω with it."""
+    R = Rotation.from_quat(reading.q, scalar_first=True)
+    q = Rotation.from_matrix(world) * R * Rotation.from_matrix(body)
+    omega = None if reading.omega is None else reading.omega @ body
+    return reading._replace(q=q.as_quat(scalar_first=True), omega=omega)
+
+
+def named(R: FloatArray) -> str:
+    """Return the axes that the columns of a matrix, (3, 3), are, in words such as [x, -z, y]."""
+    at = np.abs(R).argmax(axis=0)
+    return f"[{', '.join('-' * int(R[k, j] < 0) + 'xyz'[k] for j, k in enumerate(at))}]"
