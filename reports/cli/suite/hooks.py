@@ -18,7 +18,7 @@ from ...harness.prepared import Prepared, prepare
 from ...harness.recorded.files.read import READERS, read_recording
 from ...harness.recorded.files.recording import RecordingError
 from ...harness.recorded.judged import judged_motion
-from ...harness.recorded.recorded_ladder import study_of_files, verdict_on_files
+from ...harness.recorded.recorded_ladder import FEWEST_FILES, study_of_files, verdict_on_files
 from ...harness.study import convergence_study_of, run_and_judge
 from ...results.verdict_words import VERDICT
 from ...results.verdicts import Verdict
@@ -27,8 +27,6 @@ from ..terminal import Complaint
 
 #: Number of steps of the longest run: for an engine that takes 15 µs a step, a quarter of a second.
 MOST_STEPS = 1 << 14
-#: Number of files at halved timesteps that a verdict needs.
-FEWEST_FILES = 3
 
 
 class Subject(ABC):

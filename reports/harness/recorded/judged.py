@@ -183,7 +183,7 @@ def judged_motion(scenario: Scenario, recording: Recording, order: int = 1) -> J
 
 
 def _drifts(scenario: Scenario, recorded: RecordedMotion) -> dict[str, float]:
-    """Return the drifts of a recording, without the rotors' momenta if it has no spins."""
+    """Return the drifts of a recording; without spins, those that need none."""
     found = drifts(scenario, recorded.trajectory)
     if not recorded.has_spins:
         found.pop("rotors_momentum", None)

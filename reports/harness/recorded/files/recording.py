@@ -267,16 +267,17 @@ def check_motion(arrays: dict[str, FloatArray]) -> None:
         k = _first(is_back)
         raise RecordingError(
             f"times must increase, got {times[k - 1]:.17g} s and then {times[k]:.17g} s in samples "
-            f"{k - 1} and {k}, counted from 0; sort the samples, and leave out doubled ones"
+            f"{k} and {k + 1}; sort the samples, and leave out doubled ones"
         )
     norms = np.linalg.norm(arrays["q"], axis=1)
     before = np.concatenate([[1.0], norms[:-1]])
     slack = np.where(np.arange(len(norms)) > 0, NORM_GROWS, 1 + slack_of(arrays["q"]))
     if (is_wrong := (norms * slack < before) | (norms > before * slack)).any():
-        k = _first(is_wrong) - 1
+        k = _first(is_wrong)
+        previous = f" and the one before {before[k - 1]:.4g}" if k > 1 else ""
         raise RecordingError(
             f"quaternions must be of unit norm, or drift off it slowly from 1 on, that of sample "
-            f"{k} is {norms[k]:.4g} long and the one before {before[k]:.4g}"
+            f"{k} is {norms[k - 1]:.4g} long{previous}"
         )
 
 

@@ -66,7 +66,8 @@ class KnownIntegrators:
 
     def that_made(self, hypothesis: Hypothesis) -> str:
         """Return the integrator that computed the motion of a hypothesis, in words; or empty."""
-        return self._in_words(self._best(self.each, hypothesis, noise=1.0))
+        exactly = self.left_exactly(hypothesis)
+        return self._in_words(self._best(self.each, hypothesis, exactly, noise=1.0))
 
     def at_another_timestep(self, hypothesis: Hypothesis) -> str:
         """Return the integrator that computed the motion with another timestep, in words; or empty.
@@ -74,24 +75,26 @@ class KnownIntegrators:
         Among the many integrators and timesteps that are tried some come as near as noise: the
         right one must be far nearer.
         """
+        exactly = self.left_exactly(hypothesis)
         each = (self._steps(self.span / n, GUESSED) for n in STEPS)
-        every = (self._best(steps, hypothesis, noise=0.0) for steps in each)
+        every = (self._best(steps, hypothesis, exactly, noise=0.0) for steps in each)
         return self._in_words(next(filter(None, every), None))
 
     def left_exactly(self, hypothesis: Hypothesis) -> float:
         """The mean square of the residuals of a hypothesis' exact flow, in variances of noise."""
         return mean_square(self.intervals.spread(FEW).made_by(EXACT, 0.0).deviations([hypothesis]))
 
+    @staticmethod
     def _best(
-        self, each: tuple[Intervals, ...], hypothesis: Hypothesis, noise: float
+        each: tuple[Intervals, ...], hypothesis: Hypothesis, exactly: float, noise: float
     ) -> Intervals | None:
         """Return the steps that computed the motion of a hypothesis; None if none did.
 
         Parameters
         ----------
-        noise : largest mean square of their residuals, in variances of noise
+        exactly : the mean square of the residuals of its exact flow, in variances of noise
+        noise : largest mean square of the steps' residuals, in variances of noise
         """
-        exactly = self.left_exactly(hypothesis)
         if not each or exactly <= 1:
             return None
         squares = [mean_square(one.deviations([hypothesis])) for one in each]

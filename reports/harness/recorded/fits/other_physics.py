@@ -154,14 +154,13 @@ class Physics:
         made = [replace(self, order=n) for n in range(1, self.order)]
         if self.is_beyond:
             made.append(replace(self, timestep=None))
-        by_order = {
-            one.order: residual_square(one.order, timestep=one.timestep)
-            for one in made
-            if not one.is_beyond
-            and residual_square(one.order, timestep=one.timestep) < LARGEST_NEXT**2 + of_noise
-            and residual_square(one.order, one.order + 1, timestep=one.timestep)
-            < min(self.next_term**2 + of_noise, enough)
-        }
+        by_order = {}
+        for one in made:
+            square = np.inf if one.is_beyond else residual_square(one.order, timestep=one.timestep)
+            if square < LARGEST_NEXT**2 + of_noise:
+                with_next = residual_square(one.order, one.order + 1, timestep=one.timestep)
+                if with_next < min(self.next_term**2 + of_noise, enough):
+                    by_order[one.order] = square
         if not by_order:
             return 0
         best = min(by_order, key=by_order.__getitem__)

@@ -229,7 +229,7 @@ class _Beginning:
             scenario = self.scenario
             spins = scenario.spins(states[:, 4:], scenario.kept_at_start)
             deviations.append(norms(reading.spins - spins).max() / max(speed, norms(spins).max()))
-        largest = float(max(deviations))
+        largest = float(np.max(deviations))
         return np.inf if np.isnan(largest) else largest
 
     def better(self, readings: Iterable[_Correction], best: _Correction) -> _Correction:

@@ -145,21 +145,21 @@ WRONG = {
     "times back": (f"{GOOD}{ROW}\n", "times must increase, got 0.10000000000000001 s and then 0"),
     "times twice": (
         GOOD + "0.1,1,0,0,0,0.5,0,2\n",
-        "0.10000000000000001 s in samples 1 and 2, counted from 0; sort the samples",
+        "0.10000000000000001 s in samples 2 and 3; sort the samples",
     ),
     "before the start": (GOOD.replace("\n0,", "\n-1,"), "must be counted from the scene's start"),
     "one sample": (f"t,qw,qx,qy,qz,wx,wy,wz\n{ROW}\n", "at least two samples, got 1"),
     "no length": (
         GOOD.replace("0.1,1,", "0.1,0,"),
-        "drift off it slowly from 1 on, that of sample 1 is 0 long",
+        "drift off it slowly from 1 on, that of sample 2 is 0 long and the one before 1",
     ),
     "a first quaternion that has not drifted yet": (
         GOOD.replace("\n0,1,", "\n0,1.2,"),
-        "that of sample 0 is 1.2 long and the one before 1",
+        "that of sample 1 is 1.2 long",
     ),
     "a first quaternion of another norm": (
         GOOD.replace("\n0,1,", "\n0,1.002,"),
-        "that of sample 0 is 1.002 long and the one before 1",
+        "that of sample 1 is 1.002 long",
     ),
     "a wrong frame": ("# omega = local\n" + GOOD, "line 1: 'omega' must be body or world"),
     "a wrong timestep": ("# timestep = -1\n" + GOOD, "'timestep' must be a positive number"),
