@@ -1,1 +1,1 @@
-"""What verdicts rest on besides runs: a few numbers, measured once, stored as evidence."""
+"""Measures the evidence that verdicts rest on besides runs: gains of single steps, and replays."""

@@ -33,51 +33,58 @@ from .steps import (
     steps_from,
 )
 
-#: Steps until a constraint has settled. Bullet removes a fifth of its error in a step: 5e-10 of it
-#: is left after so many. Half as many in single precision.
+#: Number of steps in which a constraint settles, halved in single precision. Bullet removes a fifth
+#: of a constraint's error in each step, so that 5e-10 of the error remains.
 SETTLING = 96
-#: Times that each state is repeated in single precision: no more than it takes.
+#: Numbers of repeats of each state in single precision, tried in order until the limit is known.
 REPEATS = (4, 16, 64)
-#: Size of the random changes, in ulp, by which the repeats of a state differ: many ulp of what a
-#: step adds, so that its rounding is another one, and too little to change the error of the step.
+#: Size of the random changes, in ulp, by which the repeats of a state differ. It is many ulp of
+#: what a step adds, so that each repeat is rounded differently, and too small to change the gain.
 NUDGE = 2.0**16
 
 
 def examine(
     engine: Engine, scenario: Scenario, method_name: str, at: Places, *, explains: bool = True
 ) -> StepEvidence | None:
-    """Examine a method from exact states; None where it cannot be opened at them.
+    """Examine the single steps of a method from exact states.
 
     Parameters
     ----------
+    at : the exact states, and the timesteps of the steps that are taken from them
     explains : whether changes of the equations of motion that explain a fault are looked for, which
-        takes longer than finding it
+        takes longer than finding the fault
+
+    Returns
+    -------
+    None if no session of the method can be opened at the states
     """
     with suppress(EngineError):
-        return _examined(engine, scenario, engine.method(method_name), at, explains=explains)
-    # The method's runs will tell why the engine refuses.
+        return _examine_or_raise(
+            engine, scenario, engine.method(method_name), at, explains=explains
+        )
+    # The method's runs will report why the engine refuses.
     return None
 
 
 def physics_in_words(engine: Engine, scenario: Scenario, method: Method) -> str:
     """How single steps violate a scene's equations of motion, in words; empty if they do not.
 
-    An engine as shipped need not obey these equations: for it the words are empty, too.
+    The words are also empty for an engine as shipped, which need not obey these equations.
     """
     if method.as_shipped:
         return ""
     outline = ExactMotion(scenario).outline(scenario.times)
     try:
-        found = _examined(engine, scenario, method, places(scenario, outline, None))
+        found = _examine_or_raise(engine, scenario, method, places(scenario, outline, None))
     except EngineError as error:
         return f"steps from states of the motion cannot be taken: {error}"
     return fault_in_words(found.fault) if found and found.fault else ""
 
 
-def _examined(
+def _examine_or_raise(
     engine: Engine, scenario: Scenario, method: Method, at: Places, *, explains: bool = True
 ) -> StepEvidence | None:
-    """Examine a method from exact states; None where it does not support them.
+    """Examine a method from exact states; None if it does not support the scene or the states.
 
     Raises
     ------
@@ -101,15 +108,20 @@ def _examined(
 
 @dataclass(frozen=True, eq=False)
 class _Examination:
-    """A method that is examined from states."""
+    """The examination of a method's single steps from given states.
+
+    Attributes
+    ----------
+    at : the states, and the timesteps of the steps that are taken from them
+    """
 
     sessions: Sessions
     at: Places
 
     @cached_property
     def first(self) -> Look:
-        """Steps from the states themselves, or from few repeats of them in single precision."""
-        return self._taken(0, self._repeats[0], self.at.timesteps)
+        """Steps from the states themselves; in single precision, from a few repeats of each."""
+        return self._take(0, self._repeats[0], self.at.timesteps)
 
     @property
     def _repeats(self) -> Sequence[int]:
@@ -117,10 +129,9 @@ class _Examination:
 
     @property
     def misread(self) -> StepFault | None:
-        """The fault that a state is not read back as it was set; None if every state is."""
+        """The fault that a state reads back differently from how it was set; None if none does."""
         look, engine, states = self.first, self.sessions.engine, self._states(self._repeats[0])
-        # Com and velocity are left out, as a contact or a joint may move them to where it holds
-        # them.
+        # Com and velocity are left out, as a contact or joint may move them to the constraint.
         read = look.steps.before.rows(slice(len(states.omega_body)))
         off = state_differences(states, read, look.equations.reach)[:, [0, 1, 4]]
         worst = int(np.abs(off).max(axis=(1, 2)).argmax())
@@ -135,76 +146,82 @@ class _Examination:
 
     @property
     def look(self) -> Look:
-        """The steps and series by which the method is judged.
+        """The steps, and the series of their gains, by which the method is judged.
 
-        More steps are taken until a limit is known well enough for a verdict.
+        More repeats are taken until the limits are known well enough for a verdict, or until
+        further repeats no longer make the limits better known.
         """
         is_single, look, repeats = self.sessions.engine.single_precision, self.first, self._repeats
         settle, settling = 0, SETTLING // (1 + is_single)
         if self.at.gives_way or gives_way(look.equations, self.sessions.engine, look.steps):
-            settle, look = settling, self._settled(settling, repeats[0])
-        elif self._may_give_in(look) and gives_in(
-            look, settled := self._settled(settling, repeats[0])
+            settle, look = settling, self._take_after_settling(settling, repeats[0])
+        elif self._hinges_may_explain(look) and gives_in(
+            look, settled := self._take_after_settling(settling, repeats[0])
         ):
             settle, look = settling, settled
         elif look.tail < LEVEL and not is_single and not _is_clear_fault(look):
-            return self._with_shorter_steps()
+            return self._take_shorter_steps()
         for count in repeats[1:]:
             if is_known(*look.known_to):
                 break
             before = look
             if settle:
-                look = self._settled(settle, count)
+                look = self._take_after_settling(settle, count)
             else:
-                look = self._taken(0, count, self.at.timesteps)
-            # Four times as many repeats halve an error that is random; else more are in vain.
+                look = self._take(0, count, self.at.timesteps)
+            # Four times as many repeats halve a random error; any other error does not decrease.
             if max(look.known_to) ** 2 > max(before.known_to) ** 2 / 2:
                 break
         return self._as_if_biased(look) if is_single and look.tail < LEVEL else look
 
-    def _may_give_in(self, look: Look) -> bool:
-        """Whether hinges may be what makes gains a fault: they have a limit, and are no leaps."""
+    def _hinges_may_explain(self, look: Look) -> bool:
+        """Whether hinges that give way may explain a fault.
+
+        They may if the gains tend to a limit, rather than leap, and none of the timesteps has been
+        left out.
+        """
         has_hinges = look.steps.before.spins.size and len(self.at.timesteps) == HALVINGS
         return bool(has_hinges and look.tail < LEVEL and kind_of(look) == "limit")
 
     def _as_if_biased(self, look: Look) -> Look:
-        """Judge the same steps as if rounding went one way in all repeats, and in all states.
+        """Judge the same steps as if rounding were biased: alike in all repeats and all states.
 
-        Then the mean of repeats has the whole of it. Newton's was measured to add up to 3 ulp to
-        the angular momentum in every step, and Rapier's 2 to 3, whatever the timestep.
+        The mean of repeats then contains the whole bias. Newton's rounding was measured to add up
+        to 3 ulp to the angular momentum in every step, and Rapier's 2 to 3, whatever the timestep.
         """
         biased = ULPS * self.sessions.engine.ulp * roundings(look.equations, look.steps)
         return replace(look, noise=np.hypot(look.noise, biased), is_pooled=False)
 
-    def _settled(self, settle: int, repeats: int) -> Look:
-        """Take steps after a constraint has settled for so many steps.
+    def _take_after_settling(self, settle: int, repeats: int) -> Look:
+        """Take steps after a constraint has settled for `settle` steps.
 
-        What some more steps of settling change is the noise of the constraint's solver; what is
-        larger than `CONSISTENT` is no residual of a solver. In double precision the longest
-        timesteps are left out, as the body turns by many radians while a constraint settles.
+        By how much a few more steps of settling change the gains is the noise of the constraint's
+        solver, up to `CONSISTENT` of the largest terms: the residual of a solver is not larger. In
+        double precision the longest timesteps are left out, as the body turns by many radians while
+        a constraint settles.
         """
         halved = self.at.timesteps[0 if self.sessions.engine.single_precision else FINER :]
         look, further = (
-            self._taken(count, repeats, halved, may_split=True) for count in (settle, settle + FEW)
+            self._take(count, repeats, halved, may_split=True) for count in (settle, settle + FEW)
         )
-        # What a solver leaves is alike in all states, so that their limits are not independent.
-        return replace(_noisier(look, further, CONSISTENT * look.sizes), is_pooled=False)
+        # A solver's residuals are alike in all states, so that the limits are not independent.
+        return replace(_with_noise(look, further, CONSISTENT * look.sizes), is_pooled=False)
 
-    def _with_shorter_steps(self) -> Look:
+    def _take_shorter_steps(self) -> Look:
         """Take steps with shorter timesteps, too, to see whether they follow a second series.
 
-        All are taken twice, again from states that are changed a little. By how much a gain
-        changes then is noise of the engine, which is no fault up to `NOISE` a step.
+        All steps are taken twice, the second time from states that are changed a little. The
+        difference of their gains is noise of the engine, which is no fault up to `NOISE` a step.
         """
         finer = self.at.timesteps[-1] / 2.0 ** np.arange(1, FINER + 1)
         halved = np.concatenate([self.at.timesteps, finer])
         look, again = (
-            self._taken(0, 1, halved, may_split=True, is_changed=is_changed)
+            self._take(0, 1, halved, may_split=True, is_changed=is_changed)
             for is_changed in (False, True)
         )
-        return _noisier(look, again, noise_of_steps(look.equations, look.steps)[:, 0])
+        return _with_noise(look, again, noise_of_steps(look.equations, look.steps)[:, 0])
 
-    def _taken(
+    def _take(
         self,
         settle: int,
         repeats: int,
@@ -213,13 +230,15 @@ class _Examination:
         may_split: bool = False,
         is_changed: bool = False,
     ) -> Look:
-        """Take steps from each state, and repeats of it that are changed a little.
+        """Take steps from repeats of each state, each of which is changed a little.
 
         Parameters
         ----------
-        settle : steps in which a constraint settles first
-        may_split : whether a second series is looked for, as shorter steps are taken, too
-        is_changed : whether a single repeat is changed as well
+        settle : number of steps in which a constraint settles first
+        repeats : number of repeats of each state; if it is 1, the state itself is used
+        halved : timesteps, each half of the one before, s
+        may_split : whether shorter steps may follow a second series
+        is_changed : whether the state is changed even if it is used only once
         """
         engine, states = self.sessions.engine, self._states(repeats, is_changed=is_changed)
         steps = steps_from(self.sessions, states, self._timesteps(halved), settle, repeats)
@@ -236,10 +255,10 @@ class _Examination:
         return self.at.changed(self.sessions.scenario, NUDGE * self.sessions.engine.ulp, repeats)
 
     def _timesteps(self, halved: FloatArray) -> FloatArray:
-        """The timesteps of steps, s, long to short.
+        """The timesteps at which steps are taken, s, long to short.
 
-        They are the halved ones, one that is no power of two of them, and the engine's stock
-        timesteps in the same range.
+        These are the halved timesteps, one between them that is not obtained by halving, and the
+        engine's stock timesteps in the same range.
         """
         engine = self.sessions.engine
         if engine.single_precision:
@@ -253,18 +272,18 @@ class _Examination:
 def gives_way(equations: Equations, engine: Engine, steps: Steps) -> bool:
     """Whether a constraint gives way, so that it must settle before steps are judged.
 
-    Then the distance of com or velocity from where the constraint should hold them depends on the
-    timestep. If instead the engine holds another body, or misreads it, the distance is the same at
-    any timestep.
+    If it does, the distance of com or velocity from the values that the constraint demands depends
+    on the timestep. If instead the engine holds another body, or misreads it, that distance is the
+    same at all timesteps.
     """
-    velocity, place = (
+    velocity, position = (
         steps.by_timestep(norms(off)) for off in off_the_constraint(equations, steps.after)
     )
     within = 2 * ULPS * engine.slack * equations.reach
-    if np.ptp(place, axis=0).max() > within:
+    if np.ptp(position, axis=0).max() > within:
         return True
     fastest = max(float(norms(state.omega_body).max()) for state in (steps.before, steps.after))
-    # A misread velocity is off by nearly the same at all timesteps.
+    # The error of a misread velocity is nearly the same at all timesteps.
     change = np.ptp(velocity, axis=0).max()
     return bool(change > max(within * fastest, velocity.max() / 2))
 
@@ -272,8 +291,13 @@ def gives_way(equations: Equations, engine: Engine, steps: Steps) -> bool:
 def gives_in(look: Look, settled: Look) -> bool:
     """Whether hinges give way, so that they must settle before steps are judged.
 
-    How far a hinge gives way is not read from an engine. Where one does, the limit that is the
-    least likely is less than half as large after the hinge has settled; that of a fault remains.
+    How far a hinge gives way cannot be read from an engine. Where a hinge does, the limits of the
+    quantity with the smallest tail shrink to less than half once the hinge has settled; the limits
+    that a fault makes remain.
+
+    Parameters
+    ----------
+    look, settled : steps without settling, and after settling
     """
     q = int(np.argmin([one.tail for one in look.series]))
     before, after = (norms(one.series[q].limit).max() for one in (look, settled))
@@ -281,32 +305,33 @@ def gives_in(look: Look, settled: Look) -> bool:
 
 
 def _is_clear_fault(look: Look) -> bool:
-    """Whether the shortest steps gain mostly a limit well above noise: a fault beyond doubt.
+    """Whether the gains of the shortest steps are mostly a limit that is well above noise.
 
-    Then no further steps are needed.
+    That is a fault beyond doubt, and no further steps are needed.
     """
     noise = noise_of_steps(look.equations, look.steps)[-1]
     for q, series in enumerate(look.series):
-        # A limit is none where a series that vanishes explains the gains.
+        # The fitted limit means nothing where a series that vanishes explains the gains.
         if series.tail >= look.level:
             continue
-        sizes, left = norms(series.limit), norms(look.gains[-1, :, q] - series.limit)
-        if ((sizes > 2 * left) & (sizes > SURE * noise[:, q])).any():
+        sizes, remainders = norms(series.limit), norms(look.gains[-1, :, q] - series.limit)
+        if ((sizes > 2 * remainders) & (sizes > SURE * noise[:, q])).any():
             return True
     return False
 
 
-def _noisier(look: Look, again: Look, most: FloatArray) -> Look:
-    """Steps, with the noise by which the same steps that are taken again differ.
+def _with_noise(look: Look, again: Look, most: FloatArray) -> Look:
+    """Steps whose noise includes the difference from the same steps taken again.
 
-    As that may be small by accident at one timestep, the largest of it and of those at the
-    neighbouring timesteps is used.
+    As that difference may be small by accident at one timestep, the largest difference at a
+    timestep and its neighbours is used.
 
     Parameters
     ----------
-    most : what is no noise beyond, (J, Q) or (Q,)
+    look, again : the steps, and the same steps taken again
+    most : the largest difference that counts as noise, in the units of gains, (J, Q) or (Q,)
     """
-    drawn = np.sqrt(((again.gains - look.gains) ** 2).mean(axis=(1, 3)))
-    around = maximum_filter1d(drawn, 3, axis=0, mode="nearest")
+    difference = np.sqrt(((again.gains - look.gains) ** 2).mean(axis=(1, 3)))
+    around = maximum_filter1d(difference, 3, axis=0, mode="nearest")
     noise = np.hypot(look.noise, np.minimum(around, most)[:, None])
     return replace(look, noise=noise)

@@ -1,6 +1,7 @@
-"""Finds the change of a scene's equations of motion that explains what an engine's steps gain.
+"""Finds the changes of a scene's equations of motion that explain the gains of an engine's steps.
 
-The gains that a changed model should have are compared with those of several states at once.
+The gains that changed equations predict are compared with the measured gains of several states at
+once.
 """
 
 from collections.abc import Iterator, Sequence
@@ -25,13 +26,14 @@ from .noise import NO_SIZE
 
 @dataclass(frozen=True, eq=False)
 class Gains(Data):
-    """The limits of what steps from K states gain a second in excess of the exact motion.
+    """The limits, at vanishing timesteps, of the gains of steps from K states.
 
     Attributes
     ----------
-    states : K of them, R times with small changes, (R K)
-    excess : the limits, in the first four quantities of `step_gains`, means of repeats, (K, 4, 3)
-    noise : the largest error of these that noise may cause, (K, 4)
+    states : K states, each repeated R times with small changes, (R K)
+    excess : the limits of the first four quantities of `step_gains`, in their units, means of
+        repeats, (K, 4, 3)
+    noise : the largest error of these limits that noise may cause, (K, 4)
     """
 
     equations: Equations
@@ -42,24 +44,24 @@ class Gains(Data):
     def deviations(
         self, hypotheses: Sequence[Hypothesis], samples: int | None = None
     ) -> FloatArray:
-        """What each hypothesis leaves of the gains, in units of `scale`, (H, K, 4, 3)."""
+        """The residual gains under each of H hypotheses, in units of `scale`, (H, K, 4, 3)."""
         made = np.stack([self.made(one) for one in hypotheses])
         off = (self.excess - made + self.exact) / self.scale[..., None]
         return np.asarray(off[:, :samples])
 
     @cached_property
     def scale(self) -> FloatArray:
-        """The largest error of an excess: by noise, and what is too little to count, (K, 4)."""
+        """The largest error of each limit: by noise, and a size too small to count, (K, 4)."""
         largest = np.linalg.norm(self.excess, axis=2).max(axis=0)
         return np.asarray(np.maximum(self.noise + RANK * largest, NO_SIZE))
 
     @cached_property
     def exact(self) -> FloatArray:
-        """The rates of change by the scene's equations, (K, 4, 3)."""
+        """The rates of change of the quantities by the scene's equations, (K, 4, 3)."""
         return self.made(self.base)
 
     def made(self, hypothesis: Hypothesis) -> FloatArray:
-        """The rates of change by a hypothesis, means of repeats, (K, 4, 3)."""
+        """The rates of change of the quantities by a hypothesis, means of repeats, (K, 4, 3)."""
         e, scenario = hypothesis.equations, self.equations.scenario
         R_world_body = matrices(self.states.q_world_body_wxyz)
         omega = self.states.omega_body @ inverse(hypothesis.read).T
@@ -67,11 +69,11 @@ class Gains(Data):
         torque = omega_rate @ hypothesis.read.T @ scenario.inertia.T
         if scenario.constraint.is_pivot:
             com = np.tile(e.pull / scenario.body.mass, (len(omega), 1))
-            place, step = turned(R_world_body, com), 1.0
+            position, step = turned(R_world_body, com), 1.0
             velocity = turned(R_world_body, np.cross(omega, com))
         else:
-            place, step = self.states.velocity_world, hypothesis.step
-            place = place / (hypothesis.velocity or np.nan)
+            position, step = self.states.velocity_world, hypothesis.step
+            position = position / (hypothesis.velocity or np.nan)
             velocity = np.tile(e.gravity_world, (len(omega), 1))
             if e.mobility:
                 swing = np.cross(omega_rate, e.lever)
@@ -79,28 +81,33 @@ class Gains(Data):
                 velocity[:, 2] = turned(R_world_body, swing)[:, 2]
             velocity -= hypothesis.braking * self.states.velocity_world
         velocity = hypothesis.velocity * velocity
-        parts = hypothesis.step * turning, hypothesis.step * torque, step * velocity, step * place
+        parts = (
+            hypothesis.step * turning,
+            hypothesis.step * torque,
+            step * velocity,
+            step * position,
+        )
         each = np.stack(parts, axis=1).reshape(-1, *self.excess.shape)
         return np.asarray(np.mean(each, axis=0))
 
     def _rates(self, hypothesis: Hypothesis, omega: FloatArray) -> FloatArray:
-        """The angular velocity at which states turn, and ω', body axes, (R K, 6)."""
+        """The angular velocity, rad/s, and ω', rad/s², of each state, body axes, (R K, 6)."""
         e, usual = hypothesis.equations, self.base.equations.kept
-        # The momentum of parts depends on the state, so that it is not that of the scene's start.
+        # The rotors' momentum depends on the state, so that its value at the start cannot be used.
         factor = float(e.kept @ usual / (usual @ usual)) if usual.any() else 0.0
         kept = factor * self.equations.kept_body(self.states)
         return rates(e, np.hstack([self.states.q_world_body_wxyz, omega]), kept)
 
 
 def explanations(gains: Gains) -> tuple[Explanation, ...]:
-    """The change of the model, or the two at once, that explain the gains; empty if none do."""
+    """The change of the equations, or pair of changes, that explains the gains; empty if none."""
     candidates = [*_readings(), *changes(gains.equations.scenario), *_braking()]
     found = Search(gains, candidates).one_or_two()
     return tuple(map(found.explanation, found.changes)) if found else ()
 
 
 def _readings() -> Iterator[Change]:
-    """Changes in which a step takes another time, or ω or velocity is read times a factor."""
+    """Changes in which a step takes another time, or in which ω or velocity is multiplied."""
     one, unit = np.ones(1), np.eye(3)
     yield Change("step", lambda h, n: h._replace(step=1 + n[0]), one)
     yield Change("omega", lambda h, n: h._replace(read=(1 + n[0]) * unit), one)

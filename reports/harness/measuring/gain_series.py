@@ -1,18 +1,18 @@
-"""The model of verdicts: what steps gain is a series of the timestep that vanishes, and noise.
+"""The model of verdicts: gains are a power series that vanishes with the timestep, plus noise.
 
-A step of a method of order p that is consistent with the equations of motion gains, beyond the
-exact motion and per second, g(h) = Σ_{i≥p} a_i (h/H)^i, an analytic function of the timestep
-(Hairer, Nørsett & Wanner I, §II.3 and §II.8). What is measured is g(h) + e(h), with noise e of
-known scale (`noise.py`). The coefficients are taken to be a_i ~ N(0, s² r^2(i−p)): 1/r is the
-radius of convergence, in units of the longest timestep H, and s the amplitude of a state. So gains
-with all timesteps are jointly Gaussian, and each is predicted from those with longer timesteps. The
-innovation of a prediction, in units of its standard deviation, is the statistic (Gauss–Richardson
-extrapolation: Oates, Karvonen, Teckentrup, Strocchi & Niederer, arXiv 2401.07562). A constant added
-to the series, with a flat prior, is the limit at vanishing timesteps, with its standard error.
+The gain of a step of a method of order p that is consistent with the equations of motion is
+g(h) = Σ_{i≥p} a_i (h/H)^i, an analytic function of the timestep h (Hairer, Nørsett & Wanner I,
+§II.3 and §II.8). The measured gain is g(h) + e(h), with noise e of known scale (`noise.py`). The
+coefficients have the prior a_i ~ N(0, s² r^2(i−p)): 1/r is the radius of convergence, in units of
+the longest timestep H, and s the amplitude of a state. So the gains at all timesteps are jointly
+Gaussian, and each gain is predicted from the gains at longer timesteps. The test statistic is the
+innovation of a prediction, in units of its standard deviation (Gauss–Richardson extrapolation:
+Oates, Karvonen, Teckentrup, Strocchi & Niederer, arXiv 2401.07562). The limit at vanishing
+timesteps, and its standard error, are those of a constant added to the series, with a flat prior.
 
-The order is of all states, by maximum likelihood. Radius and amplitude of each state are integrated
-over, with a prior that is estimated from all states (Kiefer & Wolfowitz, Ann. Math. Stat. 27 (1956)
-887).
+One order is estimated for all states, by maximum likelihood. Radius and amplitude of each state are
+integrated over, with a prior that is estimated from all states (Kiefer & Wolfowitz, Ann. Math.
+Stat. 27 (1956) 887).
 """
 
 from collections.abc import Callable, Sequence
@@ -27,7 +27,7 @@ from scipy.special import chdtrc
 from ....scenarios import FloatArray
 from .regression import LEAST, PREDICTED_FROM, Measured, Regression
 
-#: Orders that are tried.
+#: Orders of the series that are tried.
 ORDERS = (1, 2, 3, 4, 5, 6)
 
 T = TypeVar("T", Regression, "_Splits")
@@ -35,22 +35,24 @@ T = TypeVar("T", Regression, "_Splits")
 
 @dataclass(frozen=True, eq=False)
 class GainSeries:
-    """What J timesteps, long to short, show of K states.
+    """The series fitted to the gains of one quantity, at J timesteps, long to short, from K states.
 
     Attributes
     ----------
-    order : of the series
-    tails : the probability that a gain is as far off its prediction, (J, K); 1 where it has none
-    limit_tails : likewise that the limit is as far from zero, (K,)
-    limit, limit_error : of each state, at vanishing timesteps, (K, 3), and its standard error, (K,)
-    predicted, predicted_to : each gain as those with longer timesteps predict it, (J, K, 3), and
-        its standard deviation, (J, K)
+    order : the order of the series
+    tails : the probability of an innovation as large as that of each gain, (J, K); 1 where a gain
+        is not predicted
+    limit_tails : the probability of a limit as far from zero, if it is zero, (K,)
+    limit, limit_error : the limit of each state's gains at vanishing timesteps, (K, 3), and its
+        standard error, (K,), in the unit of the gains
+    predicted, predicted_to : the prediction of each gain from the gains at longer timesteps,
+        (J, K, 3), and its standard deviation, (J, K)
     changes : the index of the first timestep that follows a second series, (K,); 0 where all
-        timesteps follow one
+        timesteps follow one series
     beyond : how many of the longest timesteps are certainly beyond the radius of convergence, (K,)
     is_pooled : whether the limits of the states are independent, so that they are tested together
-    lone_timestep : the index of the only timestep whose gains are off; None if it is not a single
-        one
+    lone_timestep : the index of the timestep that alone explains the misfit; None if no single
+        timestep does
     """
 
     order: int
@@ -72,14 +74,14 @@ class GainSeries:
 
     @property
     def tail(self) -> float:
-        """The probability that some gain, or all limits together, are as unlikely as they are."""
+        """The tail of the whole test: of all gains, all limits, and the pooled limits."""
         return float(min(1.0, 2 * min(self.least_tails.min() * self.tests, self.pooled_tail)))
 
     @property
     def pooled_tail(self) -> float:
-        """The probability that the limits of all states together are as far from zero.
+        """The tail of a χ² test of whether the limits of all states are zero; 1 if not pooled.
 
-        This finds a fault that is too small to show in the limit of any single state.
+        It finds a fault that is too small to show in the limit of any single state.
         """
         if not self.is_pooled:
             return 1.0
@@ -88,7 +90,7 @@ class GainSeries:
 
     @property
     def tests(self) -> int:
-        """How many tails are tested, by which the smallest is multiplied (Bonferroni)."""
+        """The number of tests, by which the smallest tail is multiplied (Bonferroni)."""
         J, K = self.tails.shape
         return int((J - PREDICTED_FROM + 1) * K)
 
@@ -104,25 +106,25 @@ def fitted(
     may_split: bool = True,
     is_pooled: bool = True,
 ) -> GainSeries:
-    """Fit the model to what steps gain.
+    """Fit the model to the gains of steps in one quantity.
 
-    Where one series leaves a tail below the level, two are tried, for a method that computes short
-    steps by another formula than long ones: each of the two must vanish with the timestep. It is
-    not known at which timestep the formula changes, so the method counts as consistent if no tail
-    is below the level for one of the possible changes. As two series can follow almost any gains,
-    this does not hold where a single timestep that is off explains them better, by the level: that
-    is a fault.
+    If the tail of a fit by one series is below the level, two series are tried, for a method that
+    computes short steps by another formula than long steps. Each of the two must vanish with the
+    timestep. The change point, at which the formula changes, is unknown: the method counts as
+    consistent if the tail reaches the level for one of the possible change points. As two series
+    can follow almost any gains, they are not accepted if a single deviating timestep explains the
+    gains better, by the level: such a timestep is a fault.
 
     Parameters
     ----------
     timesteps : long to short, s, (J,)
-    gains : a second, (J, K, 3)
-    noise : its standard deviation in each component, (J, K)
-    level : a smallest tail below it is a fault
+    gains : per second, in any unit, (J, K, 3)
+    noise : standard deviation of each component of a gain, (J, K)
+    level : the significance level, below which a tail is a fault
     turns : the angle by which each step turns the body, or the angle's rank, (J, K); None if it is
         not known
-    changes_elsewhere : changes that other quantities of the same steps show, (K,) each; they are
-        tried first
+    changes_elsewhere : change points, as in `GainSeries.changes`, that other quantities of the same
+        steps show, (K,) each; they are tried first
     may_split : whether two series are tried
     is_pooled : whether the limits of the states are independent, so that they are tested together
     """
@@ -131,27 +133,29 @@ def fitted(
     one = _one_series(fit, is_pooled=is_pooled)
     if one.tail >= level:
         return one
-    lone_timestep, total = _off_alone(measured)
+    lone_timestep, total = _lone_deviation(measured)
     if may_split and len(timesteps) > LEAST:
         splits = _likeliest(lambda order: _Splits.of(measured, order))
         tried = [*splits.changes[splits.totals > total + np.log(level)]]
-        # A single timestep that is off is not excused by a change that another quantity shows.
+        # A change point that another quantity shows does not excuse a single deviating timestep.
         for changes in tried if total > fit.total else [*changes_elsewhere, *tried]:
             two = _two_series(one, splits, changes)
             if two.tail >= level:
                 return two
-    off = _likeliest(lambda order: Regression.of(measured, order, has_constant=True))
-    limit, limit_error, _ = off.limit
+    with_limit = _likeliest(lambda order: Regression.of(measured, order, has_constant=True))
+    limit, limit_error, _ = with_limit.limit
     return replace(
         one,
         limit=limit,
         limit_error=limit_error,
-        lone_timestep=lone_timestep if total > max(off.total, fit.total - np.log(level)) else None,
+        lone_timestep=lone_timestep
+        if total > max(with_limit.total, fit.total - np.log(level))
+        else None,
     )
 
 
 def _likeliest(fit: Callable[[int], T]) -> T:
-    """The fit of the likeliest order; the likelihood is taken to have a single maximum."""
+    """The fit with the most likely order; the likelihood is assumed to have a single maximum."""
     best = fit(ORDERS[0])
     for order in ORDERS[1:]:
         other = fit(order)
@@ -162,7 +166,7 @@ def _likeliest(fit: Callable[[int], T]) -> T:
 
 
 def _one_series(fit: Regression, *, is_pooled: bool) -> GainSeries:
-    """Tails, limits and predictions where all timesteps follow one series."""
+    """The result of a fit in which all timesteps follow one series."""
     limit, limit_error, limit_tails = fit.limit
     return GainSeries(
         fit.order,
@@ -178,11 +182,13 @@ def _one_series(fit: Regression, *, is_pooled: bool) -> GainSeries:
 
 
 def _two_series(one: GainSeries, splits: "_Splits", changes: NDArray[np.intp]) -> GainSeries:
-    """Tails and limits where the shorter steps of a state follow a second series.
+    """The result of a fit in which the shorter steps of some states follow a second series.
 
     Parameters
     ----------
-    changes : the index of the first timestep that does, (K,); 0 where none does
+    one : the result with one series, whose predictions are kept
+    changes : the index of the first timestep that follows the second series, (K,); 0 where all
+        timesteps follow one series
     """
     tails, limit_tails = one.tails.copy(), one.limit_tails.copy()
     limit, limit_error = one.limit.copy(), one.limit_error.copy()
@@ -191,7 +197,7 @@ def _two_series(one: GainSeries, splits: "_Splits", changes: NDArray[np.intp]) -
         states, parts = changes == change, splits.parts[change]
         tails[:, states] = np.concatenate([part.innovations[0] for part in parts])[:, states]
         beyond[states] = parts[0].beyond[states]
-        # With fewer gains a limit cannot be told from a series.
+        # With fewer gains a limit cannot be told from the terms of a series.
         found = [part.limit for part in parts if len(part.measured.x) >= LEAST]
         finest, error, _ = found[-1]
         limit[states], limit_error[states] = finest[states], error[states]
@@ -208,14 +214,14 @@ def _two_series(one: GainSeries, splits: "_Splits", changes: NDArray[np.intp]) -
     )
 
 
-def _off_alone(measured: Measured) -> tuple[int, float]:
-    """The timestep that explains the gains best if it alone is off.
+def _lone_deviation(measured: Measured) -> tuple[int, float]:
+    """The timestep whose gains, if they alone may have any value, let the model fit best.
 
-    Its gains may then be anything: their noise is raised to their own size.
+    To admit any value, the noise at that timestep is raised to the size of its gains.
 
     Returns
     -------
-    Its index, and the logarithm of the likelihood of all gains
+    The index of the timestep, and the logarithm of the likelihood of all gains
     """
 
     def total(j: int) -> float:
@@ -230,13 +236,14 @@ def _off_alone(measured: Measured) -> tuple[int, float]:
 
 @dataclass(frozen=True, eq=False)
 class _Splits:
-    """All ways that are tried to split the timesteps of each state into two series.
+    """The n ways, of splitting the timesteps of each state into two series, that are tried.
 
     Attributes
     ----------
-    parts : the fits of the series, by the index of the timestep that begins the second one; first
-        the fit of one series to all timesteps
-    changes : that index for each state, in n ways, the likeliest first, (n, K)
+    order : the order of all series
+    parts : the fits of one or two series: at index j, the second series begins at timestep j; at
+        index 0, one series is fitted to all timesteps
+    changes : in each way, the index of each state in `parts`, the most likely way first, (n, K)
     totals : the logarithm of the likelihood of the gains of all states in each way, (n,)
     """
 
@@ -247,7 +254,7 @@ class _Splits:
 
     @staticmethod
     def of(measured: Measured, order: int) -> "_Splits":
-        """Fit series of one order in all ways."""
+        """Fit series of a given order to the gains, split in all ways."""
         count = len(measured.x)
         edges = [(0, count), *((0, change, count) for change in range(1, count))]
         parts = [
@@ -262,5 +269,5 @@ class _Splits:
 
     @property
     def total(self) -> float:
-        """The logarithm of the likelihood of the gains of all states in the likeliest way."""
+        """The logarithm of the likelihood of the gains of all states in the most likely way."""
         return float(self.totals[0])

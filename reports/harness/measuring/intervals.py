@@ -1,4 +1,4 @@
-"""The intervals of a run, each of which is run again from its own start."""
+"""The intervals of a run, each of which is replayed: run again from its own start."""
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
@@ -20,13 +20,13 @@ from .places import FINER, Places, states_of
 from .regression import LEAST
 from .steps import FEW, Sessions, Steps, flowed, step_gains
 
-#: Intervals of a run at most.
+#: The most intervals of a run.
 INTERVALS = 64
 
 
 @dataclass(frozen=True, eq=False)
 class MadeRun:
-    """A run that came to its end: its timestep and samples, and its motion at these."""
+    """A run that came to its end: its timestep and samples, and its motion at the samples."""
 
     rung: Rung
     motion: Trajectory
@@ -38,8 +38,8 @@ class Intervals:
 
     Attributes
     ----------
-    edges : the samples that intervals begin and end at, (n + 1,)
-    parts : steps of each interval after which it is restarted when it is run again, (n,)
+    edges : the indices of the samples at which intervals begin and end, (n + 1,)
+    parts : number of steps after which each interval, when it is run again, is restarted, (n,)
     """
 
     sessions: Sessions
@@ -49,7 +49,7 @@ class Intervals:
 
     @staticmethod
     def of(sessions: Sessions, run: MadeRun) -> "Intervals":
-        """The intervals of a whole run, of irregular lengths."""
+        """The intervals of a whole run, of random lengths."""
         edges = _edges(len(run.motion.t), sessions.first.can_restart)
         steps = np.diff(run.rung.sample_steps[edges])
         chance = np.random.default_rng(len(edges))
@@ -57,23 +57,28 @@ class Intervals:
 
     @cached_property
     def steps(self) -> NDArray[np.int64]:
-        """Steps of each interval, (n,)."""
+        """Number of steps of each interval, (n,)."""
         return np.diff(self.run.rung.sample_steps[self.edges])
 
     @cached_property
     def starts(self) -> State:
-        """The states that intervals begin with, n of them."""
+        """The n states in which intervals begin."""
         return states_of(self.run.motion).rows(self.edges[:-1])
 
     @cached_property
     def ends(self) -> State:
-        """The states that the run ends them with, n of them."""
+        """The n states in which intervals end in the run."""
         return states_of(self.run.motion).rows(self.edges[1:])
 
     def some_again(self, kept: NDArray[np.intp], starts: State) -> State:
-        """The states at the ends of K intervals that are run from K starts.
+        """Run K of the intervals from given starts; return the K states in which they end.
 
         Each is restarted on the way, so that a fault cannot hide in the rhythm of the samples.
+
+        Parameters
+        ----------
+        kept : indices of the intervals, (K,)
+        starts : K states
         """
         timestep, ends = self.run.rung.timestep, []
         for k, parts in enumerate(self.parts_of(kept)):
@@ -81,18 +86,19 @@ class Intervals:
         return stacked(ends)
 
     def parts_of(self, kept: Sequence[int] | NDArray[np.intp]) -> NDArray[np.int64]:
-        """Steps of k intervals before and after they are restarted, (k, 2)."""
+        """Numbers of steps of k intervals before and after the restart, (k, 2)."""
         first = self.parts[kept]
         return np.stack([first, self.steps[kept] - first], axis=1)
 
     def all_again(self) -> "Passage":
         """Run all intervals from their own starts, in random order, and read states on the way.
 
-        Of a run of more than `DECIDED_STEPS` steps every n-th state is read.
+        The state is read after every step. In a run of more than `DECIDED_STEPS` steps it is read
+        after every m-th step, so that about `DECIDED_STEPS` states are read.
         """
         order = np.random.default_rng(len(self.steps)).permutation(len(self.steps))
         each = -(-int(self.steps.sum()) // DECIDED_STEPS)
-        made = {k: self._recorded(k, each) for k in map(int, order)}
+        made = {k: self._record(k, each) for k in map(int, order)}
         parts = [made[k] for k in sorted(made)]
         strides = np.concatenate([strides for strides, _ in parts])
         states = self.sessions.first.states([one for _, kept in parts for one in kept])
@@ -107,8 +113,14 @@ class Intervals:
             strides[after] * timestep,
         )
 
-    def _recorded(self, k: int, each: int) -> tuple[list[int], list[Any]]:
-        """The strides in which an interval is run again, and the snapshots after them."""
+    def _record(self, k: int, each: int) -> tuple[list[int], list[Any]]:
+        """Run interval k again, and record a snapshot after every `each` steps.
+
+        Returns
+        -------
+        The numbers of steps before each snapshot since the one before it, 0 after a restart, and
+        the snapshots
+        """
         start, strides, kept = self.starts.rows(k), list[int](), list[Any]()
         for count in self.parts_of([k])[0].tolist():
             part = [0, *np.diff([*range(0, count, each), count]).tolist()]
@@ -126,9 +138,9 @@ class Passage:
 
     Attributes
     ----------
-    ends : the states that they end with, n of them
-    before, after : the states before and after some steps, N of each
-    times, spans : when these steps begin, and how long they take, s, (N,)
+    ends : the n states in which the intervals end
+    before, after : the states before and after each of N stretches of one or more steps
+    times, spans : the time at which each stretch begins, and its duration, s, (N,)
     """
 
     ends: State
@@ -138,18 +150,23 @@ class Passage:
     spans: FloatArray
 
     def places(self, scenario: Scenario, at: Places, *, is_single: bool) -> Places | None:
-        """States of the run to take steps from; None if the body cannot be held in any of them.
+        """States of the run from which steps are taken, and the timesteps of these steps.
 
-        A fault may act in few states only, or only on the motion that the method itself makes. So
-        they are random states, and those in which what a step gains differs the most from the steps
-        before and after it. The shortest timesteps suffice, as many as tell a limit.
+        A fault may act in few states only, or only on the motion that the method itself computes.
+        So random states are chosen, and the states in which the gain of a step differs most from
+        the gains of the steps before and after it. Of the timesteps, the shortest suffice, as many
+        as a limit needs.
 
         Parameters
         ----------
-        at : exact states that steps were taken from
-        is_single : whether the engine computes in single precision; then, and where a constraint
-            has to settle, few states are used with all timesteps, as few timesteps would tell no
-            limit
+        at : the exact states and timesteps from which steps were taken before
+        is_single : whether the engine computes in single precision. If it does, or if a constraint
+            has to settle, few states are used with all timesteps, as few timesteps would not
+            determine the limit
+
+        Returns
+        -------
+        None if the constraint's force is not in its allowed direction in any of the states
         """
         is_few, count = is_single or at.gives_way, len(self.times)
         some = np.random.default_rng(count).permutation(count)
@@ -163,9 +180,10 @@ class Passage:
         return chosen if is_few else replace(chosen, timesteps=at.timesteps[-LEAST:])
 
     def _abrupt(self, scenario: Scenario, most: int) -> NDArray[np.intp]:
-        """Indices of the steps in which a quantity's gain differs most from its neighbours' mean.
+        """Indices of the stretches whose gain differs most from the mean of its two neighbours.
 
-        There are so many of them for each quantity.
+        At most `most` of them are chosen for each quantity; none if the motion turns too far to be
+        followed.
         """
         turn = fastest_rate(scenario, self.before.omega_body) * float(self.times[-1])
         if turn > FARTHEST_TURN or len(self.times) < 3:
@@ -179,12 +197,14 @@ class Passage:
 
 @dataclass(frozen=True, eq=False)
 class Replay:
-    """How n intervals that were run again differ from the run.
+    """The differences between a run and its n intervals that were run again.
 
     Attributes
     ----------
+    evidence : the differences as they are stored
     worst : the indices of the K intervals that differ the most
-    off : how far the ends of these are from those of the run, as `state_differences`, (K, 5, 3)
+    off : differences of the states in which these end from the run, as `state_differences`,
+        (K, 5, 3)
     passage : the states that all intervals pass through
     """
 
@@ -196,7 +216,13 @@ class Replay:
 
 
 def restarted(sessions: Sessions, state: State, timestep: float, counts: Iterable[int]) -> State:
-    """The state after stretches of steps, before each of which the session is restarted."""
+    """The state after stretches of steps, before each of which the session is restarted.
+
+    Parameters
+    ----------
+    timestep : s
+    counts : number of steps of each stretch
+    """
     for count in map(int, counts):
         with sessions.at(state, timestep) as session:
             if count:
@@ -206,7 +232,7 @@ def restarted(sessions: Sessions, state: State, timestep: float, counts: Iterabl
 
 
 def beginning_of(sessions: Sessions, at: Places) -> MadeRun:
-    """A run of the first steps, for a scene whose window would take too many steps."""
+    """A run of the first `DECIDED_STEPS` steps, for a scene whose window takes too many steps."""
     timestep, strides = float(at.timesteps[FINER]), [0, *[DECIDED_STEPS // INTERVALS] * INTERVALS]
     snapshots: list[object] = []
     with sessions.at(at.states.rows(0), timestep) as session:
@@ -217,7 +243,7 @@ def beginning_of(sessions: Sessions, at: Places) -> MadeRun:
 
 
 def _edges(samples: int, can_restart: bool) -> NDArray[np.intp]:
-    """The samples at which intervals begin and end: they cover the run, with random lengths."""
+    """Indices of the samples at which intervals begin and end: random ones, the first and last."""
     most = INTERVALS if can_restart else FEW
     count = min(most, max(1, 2 * (samples - 1) // 3))
     chance = np.random.default_rng(samples)

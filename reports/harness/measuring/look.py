@@ -1,4 +1,4 @@
-"""Steps from known states, what they gain, and the series that explain it."""
+"""Steps from known states, their gains, and the series that are fitted to the gains."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -16,17 +16,17 @@ from .steps import Steps
 
 @dataclass(frozen=True, eq=False)
 class Look:
-    """Steps, what they gain, the noise of that, and the series that explain it.
+    """Steps at J timesteps from K states, their gains, and the series fitted to the gains.
 
     Attributes
     ----------
-    gains, noise : of Q quantities, (J, K, Q, 3) and (J, K, Q)
-    settled : steps in which a constraint settled first
+    gains, noise : gains in Q quantities, in the units of `step_gains`, (J, K, Q, 3), and the
+        standard deviation of their noise, (J, K, Q)
+    settled : number of steps in which a constraint settled first
     is_single : whether the engine declares single precision
-    may_split : whether steps may be computed by one formula with long timesteps and by another with
-        short ones
-    is_pooled : whether the gains of the states are independent of each other, which neighbouring
-        states of a run are not
+    may_split : whether the method may compute short steps by another formula than long steps
+    is_pooled : whether the gains of the states are independent of each other; the gains of
+        neighbouring states of a run are not
     """
 
     equations: Equations
@@ -40,7 +40,7 @@ class Look:
 
     @cached_property
     def series(self) -> tuple[GainSeries, ...]:
-        """The series of each quantity."""
+        """The series of each of the Q quantities."""
         found: list[GainSeries] = []
         for q in range(self.gains.shape[2]):
             series = fitted(
@@ -60,7 +60,7 @@ class Look:
     def turns(self) -> FloatArray:
         """The rank, from 0, of the angle by which each step turned the body, (J, K).
 
-        Angles whose difference is less than their noise have the same rank.
+        Successive angles whose difference is less than their noise have the same rank.
         """
         before, after = self.steps.before.q_world_body_wxyz, self.steps.after.q_world_body_wxyz
         angles = self.steps.by_timestep(norms(rotation_vectors(before, after))).mean(axis=1)
@@ -72,26 +72,27 @@ class Look:
 
     @property
     def level(self) -> float:
-        """The level that one quantity's tail is held to."""
+        """The significance level of one quantity's tail (Bonferroni)."""
         return LEVEL / len(self.sizes)
 
     @property
     def tail(self) -> float:
-        """The probability of gains as unlikely as these."""
+        """The tail of the gains in all quantities (Bonferroni)."""
         return min(1.0, len(self.series) * min(one.tail for one in self.series))
 
     @cached_property
     def sizes(self) -> FloatArray:
-        """The largest terms that the gains are sums of, (Q,)."""
+        """The largest of the terms whose sum a gain is, in the units of gains, (Q,)."""
         return largest_terms(self.equations, self.steps)
 
     @property
     def known_to(self) -> tuple[float, float]:
-        """How well the limit is known to be zero: the larger of its size and its standard error.
+        """How closely the limits are known to be zero: the larger of size and standard error.
 
         Returns
         -------
-        That, relative to the largest terms, and relative to the weakest effect
+        The largest of all states and quantities, relative to the largest terms, and relative to the
+        weakest effect
         """
         sizes = (np.maximum(one.limit_error, norms(one.limit)) for one in self.series)
         errors = np.array([size.max() for size in sizes])

@@ -1,21 +1,23 @@
-"""The noise of what steps gain: every source, with its standard deviation, and the sizes beside it.
+"""The noise of the gains of steps, from every source, and the sizes that gains are compared with.
 
-- Reading: `ULPS` ulp of each number of a state; a step of an engine rounds a few times. It is less
-  in a mean of repeats, unless it goes one way (`examine.py`).
-- The body as it is held: what it may differ by when it is read back (`Engine.slack`); in single
-  precision what rounding of its moments makes.
-- Moments that differ: `ULPS` ulp times the condition number of the tensor, or of the mass matrix
-  where the com is far off, of I dω/dt, and by how far that turns the body (Higham, Accuracy and
-  Stability of Numerical Algorithms, §7.1).
-- Flight: `ULPS` ulp of m v², a torque, as engines may solve for rotation and flight together
-  (measured in MuJoCo 4.0), with v that of the body's origin, which engines move.
-- Parts that turn: `ULPS` ulp of the forces that cancel between them, and of the torques that cancel
-  about their axes (`Scenario.cancelling`); noise of I dω/dt turns them, too.
-- Places that are held: `ULPS` ulp of the com's place, which a constraint corrects within a step.
-- A turn that a solver leaves out in a step, as the adapter declares (`Engine.least_turn`).
-- A constraint's solver: `SOLVED` of the largest terms; and measured, by settling further, up to
-  `CONSISTENT` of them (`examine.py`).
-- Noise of the engine that is no fault: measured, and `NOISE` a step at most (`examine.py`).
+The sources, with their standard deviations, are:
+
+- Rounding of the state: `ULPS` ulp of each component, as a step of an engine rounds a few times. It
+  is smaller in a mean of repeats, unless the rounding is biased (`examine.py`).
+- The body in the engine: the difference that is allowed when the body is read back
+  (`Engine.slack`); in single precision, the effect of rounding its moments.
+- Rounding of moments: `ULPS` ulp times the condition number of the tensor of inertia, or of the
+  mass matrix where the com is far from the body's origin, as an error of I dω/dt; and the angle by
+  which that error turns the body (Higham, Accuracy and Stability of Numerical Algorithms, §7.1).
+- Flight: `ULPS` ulp of m v², as a torque, because engines may solve for rotation and translation
+  together (measured in MuJoCo 4.0). v is the velocity of the body's origin, which engines move.
+- Rotors: `ULPS` ulp of the forces that cancel between the rotors, and of the torques that cancel
+  about their axes (`Scenario.cancelling`). Noise of I dω/dt turns the rotors, too.
+- Contact: `ULPS` ulp of the com's position, which the constraint corrects within a step.
+- A turn in a step that a solver ignores, as the adapter declares (`Engine.least_turn`).
+- The solver of a constraint: `SOLVED` of the largest terms. In addition it is measured, by letting
+  the constraint settle further, up to `CONSISTENT` of the largest terms (`examine.py`).
+- Noise of the engine that is no fault: it is measured, up to `NOISE` a step (`examine.py`).
 """
 
 import numpy as np
@@ -29,34 +31,43 @@ from ...results.evidence import SEEN
 from ...results.records import LARGEST
 from .steps import Steps
 
-#: Rounding of a step, in ulp of each number of a state.
+#: Rounding of a step, in ulp of each component of a state.
 ULPS = 4.0
-#: Relative noise of a state after a step up to which it is no fault: iterative solvers stop there.
+#: Largest relative noise of a state after a step that is no fault: iterative solvers stop there.
 NOISE = 1e-12
-#: What an iterative solver of a constraint leaves of the largest terms, however long it settles:
-#: MuJoCo 4.0 was measured to leave up to 5e-10.
+#: Residual of an iterative solver of a constraint, relative to the largest terms, however long the
+#: constraint settles: up to 5e-10 was measured in MuJoCo 4.0.
 SOLVED = 1e-9
-#: A difference is significant beyond so many standard deviations of noise.
+#: A difference is significant if it exceeds this number of standard deviations of noise.
 SURE = 8.0
-#: Smallest size that anything is divided by: the square of its inverse is finite.
+#: Smallest size used as a divisor: the square of its inverse is finite.
 NO_SIZE = 1 / LARGEST
 
 
 def rounding_of_body(condition: float, ulp: float = float(np.finfo(float).eps)) -> float:
-    """The relative change of a body's angular acceleration by rounding of its moments."""
+    """The relative change of a body's angular acceleration by rounding of its moments.
+
+    Parameters
+    ----------
+    condition : as `Places.condition`
+    ulp : relative spacing of the numbers that the moments are rounded to
+    """
     return ULPS * ulp * condition
 
 
 def noise_of(
     equations: Equations, steps: Steps, engine: Engine, condition: float, *, settled: bool
 ) -> FloatArray:
-    """The noise of gains from all sources that are derived: the standard deviation of their mean.
+    """The standard deviation of gains, averaged over repeats, from all sources but measured ones.
 
-    The mean is that of the repeats of a state.
+    Parameters
+    ----------
+    condition : as `Places.condition`
+    settled : whether a constraint settled before the steps
 
     Returns
     -------
-    In the units of the gains, (J, K, Q).
+    The standard deviation of each component, in the units of the gains, (J, K, Q)
     """
     scenario, rounding = equations.scenario, ULPS * engine.ulp
     spans, sizes = steps.timesteps[:, None], largest_terms(equations, steps)
@@ -70,14 +81,14 @@ def noise_of(
         variance[..., 0] += (engine.least_turn / spans) ** 2
     if not scenario.constraint.is_pivot:
         before = steps.before
-        fast = norms(before.velocity_world) + equations.arm * norms(before.omega_body)
-        torques = rounding * scenario.body.mass * steps.by_timestep(fast).max(axis=1) ** 2
+        linear_speed = norms(before.velocity_world) + equations.arm * norms(before.omega_body)
+        torques = rounding * scenario.body.mass * steps.by_timestep(linear_speed).max(axis=1) ** 2
         variance[..., 1] += torques**2
-        # An angular acceleration that is off turns the body by half of what it adds to ω.
+        # By a step's end, an error of dω/dt has turned the body by half of the added ω times h.
         variance[..., 0] += (torques * np.linalg.norm(equations.inverse, 2) * spans / 2) ** 2
         if not scenario.constraint.is_free:
-            far = steps.by_timestep(norms(before.com_world) + equations.reach).max(axis=1)
-            variance[..., 2] += (rounding * far / spans**2) ** 2
+            distance = steps.by_timestep(norms(before.com_world) + equations.reach).max(axis=1)
+            variance[..., 2] += (rounding * distance / spans**2) ** 2
     variance[..., 0] += (of_body * sizes[0] * np.minimum(1.0, spans * sizes[0] / 2)) ** 2
     if steps.before.spins.size:
         force, torque = scenario.cancelling(np.abs(steps.before.spins))
@@ -92,47 +103,53 @@ def noise_of(
 
 
 def noise_of_steps(equations: Equations, steps: Steps) -> FloatArray:
-    """The noise of gains if each step changes the fastest state by `NOISE`, (J, 1, Q)."""
+    """The noise of gains if each step changes the state by `NOISE`, relative, (J, 1, Q).
+
+    It is the largest of all states, in the units of the gains.
+    """
     return np.asarray(NOISE * roundings(equations, steps).max(axis=1, keepdims=True))
 
 
 def largest_terms(equations: Equations, steps: Steps) -> FloatArray:
-    """The largest of the terms that the gains of all steps are sums of, (Q,)."""
+    """The largest of the terms whose sum the gain of a step is, in the units of gains, (Q,)."""
     scenario, reach, states = equations.scenario, equations.reach, steps.before
     speeds = norms(states.omega_body)
     g = float(np.linalg.norm(scenario.gravity_world))
     if scenario.constraint.is_pivot:
-        velocity, place = speeds * reach, np.full_like(speeds, reach)
+        velocity, position = speeds * reach, np.full_like(speeds, reach)
     else:
-        velocity, place = g + reach * speeds**2, norms(states.velocity_world) + reach * speeds
+        velocity, position = g + reach * speeds**2, norms(states.velocity_world) + reach * speeds
     torque = _largest_moment(equations) * speeds**2 + norms(equations.kept_body(states)) * speeds
     torque += _torques(equations, states).sum(axis=1)
-    sizes = [speeds, torque, velocity, place]
+    sizes = [speeds, torque, velocity, position]
     if states.spins.size:
         turned = float(np.linalg.norm(equations.inverse, 2)) * torque
-        sizes.append(_kept(equations, states) * speeds + equations.scenario.largest_part * turned)
+        sizes.append(
+            _largest_rotor_momentum(equations, states) * speeds
+            + equations.scenario.largest_part * turned
+        )
     return np.maximum([size.max() for size in sizes], NO_SIZE)
 
 
 def weakest_effects(equations: Equations, steps: Steps) -> FloatArray:
-    """The size of the weakest effect in each quantity, (Q,): infinite where no effect acts.
+    """The size of the weakest effect in each quantity, (Q,); infinite where no effect acts.
 
-    The size of an effect is the largest that its term has in any state. Torques of the same kind
-    count as one effect. An effect is ignored if `SEEN` of it is less than `NOISE` of the largest
-    terms, as it could not be told from noise that is no fault.
+    The size of an effect is the largest size of its term in any state, in the units of gains.
+    Torques of the same kind count as one effect. An effect is ignored if `SEEN` times its size is
+    less than `NOISE` times the largest terms, as it could not be told from noise that is no fault.
     """
-    nothing = NOISE / SEEN * largest_terms(equations, steps)
+    negligible = NOISE / SEEN * largest_terms(equations, steps)
     torques = _torques(equations, steps.before).max(axis=0)
-    least = np.full_like(nothing, np.inf)
-    least[1] = torques[torques > nothing[1]].min(initial=np.inf)
+    least = np.full_like(negligible, np.inf)
+    least[1] = torques[torques > negligible[1]].min(initial=np.inf)
     g = float(np.linalg.norm(equations.scenario.gravity_world))
-    if g > nothing[2] and not equations.scenario.constraint.is_pivot:
+    if g > negligible[2] and not equations.scenario.constraint.is_pivot:
         least[2] = g
     return least
 
 
 def _torques(equations: Equations, states: State) -> FloatArray:
-    """Sizes of the constant torques, of those that depend on ω, and of weight's, N m, (n, 3)."""
+    """Sizes of the constant torque, of the torque that depends on ω, and of weight, N m, (n, 3)."""
     scenario = equations.scenario
     still, pushed = (
         push(scenario.pushed, np.eye(3), omega)
@@ -145,26 +162,26 @@ def _torques(equations: Equations, states: State) -> FloatArray:
 
 
 def roundings(equations: Equations, steps: Steps) -> FloatArray:
-    """The largest derivative of gains by relative changes of the states read, (J, K, Q)."""
+    """The largest derivative of each gain by a relative change of the state read, (J, K, Q)."""
     states, spans = steps.before, steps.spans
     speeds = np.maximum(norms(states.omega_body), norms(steps.after.omega_body))
-    fast = norms(states.velocity_world) + equations.reach * speeds
-    far = norms(states.com_world) + equations.reach
+    linear_speed = norms(states.velocity_world) + equations.reach * speeds
+    distance = norms(states.com_world) + equations.reach
     momentum = _largest_moment(equations) * speeds
     if states.spins.size:
-        # Where parts are bodies of their own, their angular momentum is rounded, too.
-        momentum = momentum + _kept(equations, states)
-    sizes = [1 / spans, momentum / spans, fast, far]
+        # Where rotors are bodies of their own, their angular momentum is rounded, too.
+        momentum = momentum + _largest_rotor_momentum(equations, states)
+    sizes = [1 / spans, momentum / spans, linear_speed, distance]
     if not equations.scenario.constraint.is_pivot:
-        sizes[2:] = fast / spans, far / spans
+        sizes[2:] = linear_speed / spans, distance / spans
     if states.spins.size:
-        sizes.append(_kept(equations, states) / spans)
+        sizes.append(_largest_rotor_momentum(equations, states) / spans)
     each = steps.by_timestep(np.stack(np.broadcast_arrays(*sizes), axis=1))
     return np.asarray(each.max(axis=1))
 
 
-def _kept(equations: Equations, states: State) -> FloatArray:
-    """The largest size of the angular momentum that a part keeps, kg m²/s, (n,)."""
+def _largest_rotor_momentum(equations: Equations, states: State) -> FloatArray:
+    """The largest angular momentum, about its axle, of any rotor in n states, kg m²/s, (n,)."""
     fastest = norms(states.omega_body) + np.abs(states.spins).max(axis=1)
     return np.asarray(equations.scenario.largest_part * fastest)
 

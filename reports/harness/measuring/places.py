@@ -1,4 +1,4 @@
-"""Exact states along a motion that a method is tested from, one step at a time."""
+"""Exact states along a motion from which a method is tested, one step at a time."""
 
 from dataclasses import dataclass, replace
 
@@ -12,14 +12,14 @@ from ....scenarios.fastest_rate import fastest_rate
 from ....scenarios.rotation import norms, times, turned_back
 from ..timesteps.ladder import COARSEST_TURN
 
-#: States spread evenly over the window, beside those in which some quantity is largest or least.
+#: Number of states spread evenly over the window, besides those in which a quantity is extreme.
 SPREAD = 12
-#: Directions of ω in the body of two further states: along no axis of a body whose principal axes
-#: are the coordinate axes, so that no torque vanishes by symmetry.
+#: Directions of ω in the body in two further states. They are along no principal axis if these are
+#: the coordinate axes, so that no torque vanishes by symmetry.
 ASKEW = ((0.62, 0.55, 0.56), (-0.48, 0.71, 0.52))
-#: Timesteps of single steps, each half of the one before.
+#: Number of timesteps of single steps, each half of the one before.
 HALVINGS = 10
-#: By how many halvings all timesteps are shorter if a method refuses the longest.
+#: Number of times that all timesteps are halved if a method refuses the longest.
 FINER = 3
 
 
@@ -29,13 +29,13 @@ class Places:
 
     Attributes
     ----------
-    states : K of them
-    times : s, of the states; nan where a state is not of the motion, (K,)
+    states : K states
+    times : times of the states, s; nan where a state is not on the motion, (K,)
     timesteps : s, each half of the one before, (J,)
-    condition : the factor by which relative rounding grows in the angular acceleration: of the
-        tensor of inertia about the fixed point, of flight, and of parts that turn
+    condition : the factor by which the relative error of rounding grows in the angular
+        acceleration: by the tensor of inertia about the fixed point, by flight, and by rotors
     are_apart : whether the states are so far apart that their gains are independent
-    gives_way : whether a constraint is known to have to settle before steps are judged
+    gives_way : whether it is known that a constraint must settle before steps are judged
     """
 
     states: State
@@ -46,20 +46,26 @@ class Places:
     gives_way: bool = False
 
     def changed(self, scenario: Scenario, size: float, repeats: int = 1) -> State:
-        """All states, repeated, with each number changed at random by about `size` of it."""
+        """All K states, repeated R times, each repeat changed at random, (R K).
+
+        Parameters
+        ----------
+        size : as in `changed_at_random`
+        repeats : R
+        """
         chance = np.random.default_rng(repeats)
         copies = [changed_at_random(scenario, self.states, size, chance) for _ in range(repeats)]
         return stacked(copies)
 
     def thinned(self, most: int) -> "Places":
-        """The same with at most so many of the states, evenly chosen."""
+        """The same with at most `most` of the states, evenly chosen."""
         kept = np.unique(np.linspace(0, len(self.times) - 1, most).astype(int))
         return replace(self, states=self.states.rows(kept), times=self.times[kept])
 
     def milder(self) -> "Places":
-        """The same with shorter timesteps, and with states of the motion alone.
+        """The same with shorter timesteps, and only with states on the motion.
 
-        They are used if a method refuses some of these states or timesteps.
+        They are used if a method refuses some of the original states or timesteps.
         """
         along = ~np.isnan(self.times)
         timesteps = self.timesteps / 2.0**FINER
@@ -68,13 +74,14 @@ class Places:
 
 
 def places(scenario: Scenario, motion: Trajectory, coarsest: float | None) -> Places:
-    """Choose states along the exact motion, and two with ω along no principal axis.
+    """Choose states along the exact motion, and two states with ω along no principal axis.
 
     Parameters
     ----------
-    coarsest : s, the ladder's coarsest timestep; None if the motion has no ladder
+    motion : the exact motion at the samples of the window
+    coarsest : the ladder's coarsest timestep, s; None if the motion has no ladder
     """
-    equations, along = Equations(scenario), motion.at(_chosen(scenario, motion))
+    equations, along = Equations(scenario), motion.at(_chosen_samples(scenario, motion))
     rate = fastest_rate(scenario, motion.omega_body) or 1 / scenario.window.duration
     speed = float(norms(motion.omega_body).max()) or rate
     first = states_of(along).rows(np.zeros(len(ASKEW), dtype=int))
@@ -84,17 +91,17 @@ def places(scenario: Scenario, motion: Trajectory, coarsest: float | None) -> Pl
     when = np.append(along.t, [np.nan] * len(ASKEW))
     timesteps = (coarsest or COARSEST_TURN / rate) / 2.0 ** np.arange(HALVINGS)
     condition = float(np.linalg.cond(scenario.inertia))
-    condition += _of_parts(scenario, motion) + _of_flight(scenario)
+    condition += _condition_of_rotors(scenario, motion) + _condition_of_flight(scenario)
     return Places(states.rows(bears), when[bears], np.asarray(timesteps), condition)
 
 
 def states_of(motion: Trajectory) -> State:
-    """The states of a motion's samples."""
+    """The states of a motion at its n samples."""
     return State(*(getattr(motion, name) for name in State.__dataclass_fields__))
 
 
-def _chosen(scenario: Scenario, motion: Trajectory) -> NDArray[np.intp]:
-    """Samples spread over the window, and those of the largest and least ω, tilt and speed."""
+def _chosen_samples(scenario: Scenario, motion: Trajectory) -> NDArray[np.intp]:
+    """Indices of samples over the window, and of those with extreme ω, tilt or speed."""
     spread = np.linspace(0, len(motion.t) - 1, SPREAD).astype(int)
     omega = motion.omega_body
     down = scenario.gravity_world if scenario.gravity_world.any() else np.array([0.0, 0.0, 1.0])
@@ -112,36 +119,39 @@ def _chosen(scenario: Scenario, motion: Trajectory) -> NDArray[np.intp]:
 def changed_at_random(
     scenario: Scenario, states: State, size: float, chance: np.random.Generator
 ) -> State:
-    """The states with each number changed at random, where the body can be held there.
+    """States that are changed at random, by the same relative change in all of them.
+
+    A state stays as it is if the constraint's force would not be in its allowed direction after
+    the change.
 
     Parameters
     ----------
-    size : standard deviation of the change: of the attitude in rad, of vectors relative to their
-        norms
+    size : standard deviation of each component of the change: in rad for the attitude, and
+        relative to their norms for vectors
     """
-    turn, spin, thrown, put = size * chance.standard_normal((4, 3))
+    turn, omega_change, velocity_change, com_change = size * chance.standard_normal((4, 3))
     q = states.q_world_body_wxyz @ times(np.append(1.0, turn / 2) / np.sqrt(1 + turn @ turn / 4))
     other = State(
         q,
-        _by(states.omega_body, spin),
-        _by(states.com_world, put),
-        _by(states.velocity_world, thrown),
+        _changed_by(states.omega_body, omega_change),
+        _changed_by(states.com_world, com_change),
+        _changed_by(states.velocity_world, velocity_change),
         states.spins,
     )
     equations = Equations(scenario)
     return equations.bearable(equations.on_constraint(other), states)
 
 
-def _by(vectors: FloatArray, share: FloatArray) -> FloatArray:
-    """Vectors (n, 3), each changed by its norm times `share`, (3,)."""
-    return np.asarray(vectors + norms(vectors)[:, None] * share)
+def _changed_by(vectors: FloatArray, change: FloatArray) -> FloatArray:
+    """Vectors, (n, 3), each changed by its norm times a relative change, (3,)."""
+    return np.asarray(vectors + norms(vectors)[:, None] * change)
 
 
-def _of_flight(scenario: Scenario) -> float:
-    """What a com off the body's origin adds to the condition of its mass matrix, if it can fly.
+def _condition_of_flight(scenario: Scenario) -> float:
+    """The part of the condition from a com away from the origin of a body without a pivot.
 
-    Engines that solve for rotation and flight together divide by what m arm² leaves of the moment
-    about the origin.
+    Engines that solve for rotation and translation together divide by the difference of the moment
+    about the origin and m arm², with arm the distance of the com from the origin.
     """
     if scenario.constraint.is_pivot:
         return 0.0
@@ -149,8 +159,12 @@ def _of_flight(scenario: Scenario) -> float:
     return float(body.mass * (body.com @ body.com) / body.principal_moments[0])
 
 
-def _of_parts(scenario: Scenario, motion: Trajectory) -> float:
-    """The ratio of torques that cancel in coordinates turning with parts to the gyroscopic one."""
+def _condition_of_rotors(scenario: Scenario, motion: Trajectory) -> float:
+    """The part of the condition from rotors.
+
+    It is the ratio of the torques that cancel in coordinates that turn with the rotors to the
+    gyroscopic torque.
+    """
     _, torque = scenario.cancelling(motion.spins)
     L_world, speed = angular_momentum_world(scenario, motion), norms(motion.omega_body).max()
     gyroscopic = float(norms(L_world).max() * speed)

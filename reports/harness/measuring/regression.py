@@ -1,9 +1,10 @@
-"""Bayesian linear regression of what steps gain on powers of the timestep.
+"""Bayesian linear regression of the gains of steps on powers of the timestep.
 
-The model is that of `gain_series.py`, for one order and a grid of radii of convergence and
-amplitudes. Given these, gains are jointly Gaussian, and all that is needed follows from one
-singular value decomposition for each radius, of the powers in units of the noise (Bishop, Pattern
-Recognition and Machine Learning, §3.3). A gain beyond the radius may be any that steps have.
+The model is described in `gain_series.py`. Here its order is given, and radii of convergence and
+amplitudes are on a grid. For each point of the grid the gains are jointly Gaussian, and likelihood,
+limit and predictions follow from one singular value decomposition for each radius, of the powers in
+units of the noise (Bishop, Pattern Recognition and Machine Learning, §3.3). A gain at a timestep
+beyond the radius may be as large as the largest gain.
 """
 
 from dataclasses import dataclass, replace
@@ -16,24 +17,24 @@ from scipy.special import chdtrc
 from ....scenarios import FloatArray
 from ...results.evidence import LEVEL
 
-#: Terms of the series that are kept: with more, no tail changes by a factor of two.
+#: Number of terms of the series: with more terms, no tail changes by a factor of two.
 TERMS = 16
-#: Ratio of neighbouring radii that are integrated over, and root of that of amplitudes.
+#: Ratio of neighbouring radii of the grid, and square root of the ratio of neighbouring amplitudes.
 RATIO = 2**0.5
-#: How many gains with longer timesteps a prediction needs, and how many gains a limit needs.
+#: Least number of gains at longer timesteps for a prediction, and of gains for a limit.
 PREDICTED_FROM, LEAST = 2, 4
 
 
 @dataclass(frozen=True, eq=False)
 class Measured:
-    """The gains of each state, in units that make the noise of all states the same.
+    """The gains at J timesteps from K states, in units in which all states have the same noise.
 
     Attributes
     ----------
     x : timesteps, relative to the longest, (J,)
-    gains, noise : (J, 3, K) and (J,)
-    units : the size of each state's unit, by which its gains were divided, (K,)
-    amplitudes : those that are integrated over, (A,)
+    gains, noise : gains, (J, 3, K), and the standard deviation of their noise, (J,)
+    units : the unit of each state, by which its gains and noise were divided, (K,)
+    amplitudes : the amplitudes of the grid, (A,)
     turns : the angle by which each step turns the body, or the angle's rank, (J, K)
     radius : the least radius of convergence that is considered; two thirds of all timesteps are
         below it
@@ -51,64 +52,71 @@ class Measured:
     def of(
         timesteps: FloatArray, gains: FloatArray, noise: FloatArray, turns: FloatArray | None
     ) -> "Measured":
-        """Divide the gains of each state by its noise.
+        """Express the gains of each state in units of its noise.
 
-        The noise of all states is taken to depend on the timestep alike: the largest is used.
+        At each timestep the largest noise of any state, in these units, is used for all states.
+
+        Parameters
+        ----------
+        timesteps : long to short, s, (J,)
+        gains, noise : gains, (J, K, 3), and the standard deviation of their noise, (J, K)
+        turns : the angle by which each step turns the body, or the angle's rank, (J, K); the
+            timesteps are used if it is None
         """
         units = np.median(noise / np.median(noise, axis=1, keepdims=True), axis=0)
-        scaled, alike = np.swapaxes(gains, 1, 2) / units, (noise / units).max(axis=1)
-        least, largest = 0.1 * alike.min(), 1e3 * (np.abs(scaled).max() + alike.max())
+        scaled, shared = np.swapaxes(gains, 1, 2) / units, (noise / units).max(axis=1)
+        least, largest = 0.1 * shared.min(), 1e3 * (np.abs(scaled).max() + shared.max())
         count = int(np.ceil(np.log(largest / least) / np.log(RATIO**2)))
         amplitudes = least * RATIO ** (2 * np.arange(count + 1))
         x = timesteps / timesteps[0]
         if turns is None:
             turns = np.repeat(x[:, None], len(units), axis=1)
-        return Measured(x, scaled, alike, units, amplitudes, turns, float(x[len(x) // 3]))
+        return Measured(x, scaled, shared, units, amplitudes, turns, float(x[len(x) // 3]))
 
     def changes(self, last: int) -> NDArray[np.intp]:
-        """The n ways that are tried to split the timesteps of each state in two.
+        """The n ways in which the timesteps of each state are split into two series.
 
-        A method may compute steps otherwise below some timestep, or below some angle that the body
-        turns by in a step. So there is one way for each timestep up to the one with the index
-        `last`, the same in all states, and one for each angle that divides the timesteps of some
-        state there.
+        A method may compute steps by another formula below some timestep, or below some angle by
+        which the body turns in a step. So there is one way for each timestep up to index `last`,
+        the same in all states, and one way for each angle that splits the timesteps of some state
+        at such an index.
 
         Returns
         -------
-        The index of the first timestep on the far side, (n, K); 0 where all are on one side
+        The index of the first timestep of the second series, (n, K); 0 where there is only one
         """
         count, states = self.turns.shape
         by_timestep = np.repeat(np.arange(1, last + 1)[:, None], states, axis=1)
         by_turn = (self.turns[:, :, None] > np.unique(self.turns)).sum(axis=0).T
         by_turn = np.where(by_turn < count, by_turn, 0)
         is_seen = ((by_turn > 0) & (by_turn <= last)).any(axis=1)
-        # One of the two series has enough timesteps to tell a limit.
+        # One of the two series must have enough timesteps to determine a limit.
         is_long = ((by_turn <= last) | (by_turn >= count - last)).all(axis=1)
         return np.unique(np.concatenate([by_timestep, by_turn[is_seen & is_long]]), axis=0)
 
     def part(self, first: int, beyond: int) -> "Measured":
-        """The gains with some of the timesteps alone."""
+        """The gains at the timesteps from index `first` up to, but not including, `beyond`."""
         kept = slice(first, beyond)
         x, gains, noise, turns = (a[kept] for a in (self.x, self.gains, self.noise, self.turns))
         return replace(self, x=x, gains=gains, noise=noise, turns=turns)
 
     @property
     def largest(self) -> float:
-        """The largest component of a gain, and of noise at least."""
+        """The largest component of a gain, or the largest noise if that is larger."""
         return float(np.maximum(np.abs(self.gains).max(), self.noise.max()))
 
 
 @dataclass(frozen=True, eq=False)
 class Regression:
-    """The regression of J gains of K states, for one order and each of A pairs of the grid.
+    """The regression of J gains of K states, for one order and each of R A pairs of the grid.
 
-    A pair is a radius and an amplitude, amplitudes running fastest. The prior over them is
-    estimated from all states.
+    A pair is a radius and an amplitude, with amplitudes running fastest. The prior over the pairs
+    is estimated from all states.
 
     Attributes
     ----------
-    radii : the inverse radii of convergence, in units of the longest timestep, (R,)
-    noise : standard deviation of what is added to the series at each timestep, (R, J); beyond the
+    radii : the inverse radii of convergence, in units of the inverse of the longest timestep, (R,)
+    noise : standard deviation of the noise added to the series at each timestep, (R, J); beyond the
         radius of convergence as large as the largest gain
     basis : the powers of the timestep, zero beyond the radius, (R, J, TERMS)
     has_constant : whether a constant, which may be as large as any gain, is added to the series
@@ -123,9 +131,9 @@ class Regression:
 
     @staticmethod
     def of(measured: Measured, order: int, *, has_constant: bool = False) -> "Regression":
-        """The regression of all gains by one order.
+        """The regression of all gains on a series of a given order.
 
-        A gain beyond the radius of convergence may be as large as the largest of all.
+        A gain beyond the radius of convergence may be as large as the largest of all gains.
         """
         x, radii = measured.x, _inverse_radii(measured)
         scaled = radii[:, None] * x
@@ -137,53 +145,56 @@ class Regression:
         return Regression(measured, order, radii, noise, basis, has_constant)
 
     def before(self, j: int) -> "Regression":
-        """The regression of the first j gains, by the same pairs."""
+        """The regression of the gains at the j longest timesteps, with the same grid."""
         of_first = self.measured.part(0, j)
         return replace(self, measured=of_first, noise=self.noise[:, :j], basis=self.basis[:, :j])
 
     @cached_property
-    def _decomposed(self) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+    def _decomposition(self) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
         """The singular value decomposition U S Vᵀ of the basis in units of the noise.
 
         Returns
         -------
-        Uᵀ over the noise, (R, J, J), S², (R, J), Vᵀ, (R, TERMS, TERMS), and the gains multiplied
-        by the first of these, (R, J, 3, K)
+        Uᵀ divided by the noise, (R, J, J), S², (R, J), Vᵀ, (R, TERMS, TERMS), and the gains
+        multiplied by the first of these, which projects them onto the columns of U, (R, J, 3, K)
         """
         U, values, right = np.linalg.svd(self.basis / self.noise[:, :, None])
         J, _, K = self.measured.gains.shape
         left = np.swapaxes(U, 1, 2) / self.noise[:, None, :]
         squares = np.zeros((len(self.radii), J))
         squares[:, : values.shape[1]] = values**2
-        turned = left @ self.measured.gains.reshape(J, 3 * K)
-        return left, squares, right, turned.reshape(len(left), J, 3, K)
+        projected = left @ self.measured.gains.reshape(J, 3 * K)
+        return left, squares, right, projected.reshape(len(left), J, 3, K)
 
     @cached_property
-    def _shrunk(self) -> FloatArray:
-        """The inverse variance of each turned gain, (R, A, J)."""
-        _, squares, _, _ = self._decomposed
+    def _inverse_variances(self) -> FloatArray:
+        """The inverse variance of each projected gain, (R, A, J)."""
+        _, squares, _, _ = self._decomposition
         return np.asarray(1 / (1 + self.measured.amplitudes[:, None] ** 2 * squares[:, None]))
 
     @cached_property
     def evidence(self) -> FloatArray:
-        """The logarithm of the density of all gains of each state, by each pair, (R A, K)."""
-        _, _, _, turned = self._decomposed
-        each = self._shrunk @ (turned**2).sum(axis=2)
-        scale = np.log(self._shrunk).sum(axis=2) - 2 * np.log(self.noise).sum(axis=1)[:, None]
-        return np.asarray((3 * scale[..., None] - each) / 2).reshape(-1, turned.shape[3])
+        """The log evidence of each pair: of the density of each state's gains, (R A, K)."""
+        _, _, _, projected = self._decomposition
+        each = self._inverse_variances @ (projected**2).sum(axis=2)
+        scale = (
+            np.log(self._inverse_variances).sum(axis=2)
+            - 2 * np.log(self.noise).sum(axis=1)[:, None]
+        )
+        return np.asarray((3 * scale[..., None] - each) / 2).reshape(-1, projected.shape[3])
 
     @cached_property
     def constants(self) -> tuple[FloatArray, FloatArray]:
-        """The constant that fits best, (R A, 3, K), and its standard error, (R A,)."""
-        left, _, _, turned = self._decomposed
-        ones, (R, J, _, K) = left.sum(axis=2), turned.shape
-        precision = (self._shrunk @ (ones**2)[:, :, None]).reshape(-1)
-        summed = (self._shrunk * ones[:, None]) @ turned.reshape(R, J, -1)
+        """The best-fitting constant of the series, (R A, 3, K), and its standard error, (R A,)."""
+        left, _, _, projected = self._decomposition
+        ones, (R, J, _, K) = left.sum(axis=2), projected.shape
+        precision = (self._inverse_variances @ (ones**2)[:, :, None]).reshape(-1)
+        summed = (self._inverse_variances * ones[:, None]) @ projected.reshape(R, J, -1)
         return summed.reshape(-1, 3, K) / precision[:, None, None], 1 / np.sqrt(precision)
 
     @cached_property
     def evidence_with_constant(self) -> FloatArray:
-        """The evidence if a constant is added, which may be as large as any gain, (R A, K)."""
+        """The log evidence if a constant, as large as any gain, may be added, (R A, K)."""
         constants, error = self.constants
         gained = ((constants / error[:, None, None]) ** 2).sum(axis=1) / 2
         return np.asarray(
@@ -192,19 +203,19 @@ class Regression:
 
     @cached_property
     def _log_prior(self) -> FloatArray:
-        """The logarithm of the prior, (R A, 1).
+        """The logarithm of the prior probability of each pair, (R A, 1).
 
-        One half of it is the same everywhere, the other is the mean of what the states show.
+        The prior is the mean of a uniform distribution and of the states' average posterior.
         """
         evidence = self.evidence_with_constant if self.has_constant else self.evidence
-        shown = _weighed(evidence)[0].mean(axis=1, keepdims=True)
+        shown = _normalised(evidence)[0].mean(axis=1, keepdims=True)
         return np.asarray(np.log((1 / len(evidence) + shown) / 2))
 
     @cached_property
     def each(self) -> FloatArray:
         """The logarithm of the likelihood of the gains of each state, (K,)."""
         evidence = self.evidence_with_constant if self.has_constant else self.evidence
-        return _weighed(evidence + self._log_prior)[1]
+        return _normalised(evidence + self._log_prior)[1]
 
     @property
     def total(self) -> float:
@@ -213,9 +224,9 @@ class Regression:
 
     @cached_property
     def limit(self) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """The limit, (K, 3), its standard error, (K,), and the tail of its being zero, (K,)."""
+        """The limits, (K, 3), their standard errors, (K,), and their tails if zero, (K,)."""
         (constants, error), units = self.constants, self.measured.units
-        weights = _weighed(self.evidence_with_constant + self._log_prior)[0]
+        weights = _normalised(self.evidence_with_constant + self._log_prior)[0]
         limit = (weights[:, None] * constants).sum(axis=0)
         spread = ((constants - limit) ** 2).mean(axis=1) + error[:, None] ** 2
         squares = ((constants / error[:, None, None]) ** 2).sum(axis=1)
@@ -224,27 +235,27 @@ class Regression:
 
     @cached_property
     def beyond(self) -> NDArray[np.intp]:
-        """How many of the longest timesteps are certainly beyond the radius, (K,)."""
-        weights = _weighed(self.evidence + self._log_prior)[0]
+        """How many of the longest timesteps are certainly beyond each state's radius, (K,)."""
+        weights = _normalised(self.evidence + self._log_prior)[0]
         of_radius = weights.reshape(len(self.radii), -1, weights.shape[1]).sum(axis=1)
         is_beyond = self.radii[:, None] * self.measured.x >= 1
         return np.asarray((is_beyond.T @ of_radius >= 1 - LEVEL).sum(axis=0))
 
     @cached_property
     def innovations(self) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """How far each gain is off its prediction from those with longer timesteps.
+        """The prediction of each gain from the gains at longer timesteps, and its tail.
 
-        The gains with the longest timesteps have none.
+        The first `PREDICTED_FROM` gains are not predicted: their tail is 1.
 
         Returns
         -------
-        The probability of a gain so far off, (J, K), the predictions, (J, K, 3), and their
+        The probability of an innovation as large, (J, K), the predictions, (J, K, 3), and their
         standard deviations, (J, K)
         """
         J, _, K = self.measured.gains.shape
         tails, means, errors = np.ones((J, K)), np.zeros((J, 3, K)), np.zeros((J, K))
         for j in range(PREDICTED_FROM, J):
-            mean, variance, weights = self._predicted(j)
+            mean, variance, weights = self._prediction(j)
             means[j] = (weights[:, None] * mean).sum(axis=0)
             spread = ((mean - means[j]) ** 2).mean(axis=1) + variance[:, None]
             errors[j] = np.sqrt((weights * spread).sum(axis=0))
@@ -253,18 +264,18 @@ class Regression:
         units = self.measured.units
         return tails, np.swapaxes(means * units, 1, 2), errors * units
 
-    def _predicted(self, j: int) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Predict a gain from those with longer timesteps, by the n pairs that are not impossible.
+    def _prediction(self, j: int) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Predict gain j from the gains at longer timesteps, by the n pairs that are likely enough.
 
         Returns
         -------
-        Its mean, (n, 3, K), its variance, (n,), and the probability of each pair, given the gains
-        before, (n, K)
+        The mean of the prediction by each pair, (n, 3, K), its variance, (n,), and the posterior
+        probability of each pair, given the gains at longer timesteps, (n, K)
         """
         known, row, K = self.before(j), self.basis[:, j], self.measured.gains.shape[2]
-        weights = _weighed(known.evidence + self._log_prior)[0]
-        _, squares, right, turned = known._decomposed
-        # Pairs that are less probable change no tail that is compared with the level.
+        weights = _normalised(known.evidence + self._log_prior)[0]
+        _, squares, right, projected = known._decomposition
+        # A less probable pair cannot change whether a tail is below the level.
         pairs = np.flatnonzero((weights > LEVEL**2).any(axis=1))
         of_radius, of_amplitude = np.divmod(pairs, len(self.measured.amplitudes))
         amplitudes = self.measured.amplitudes[of_amplitude, None] ** 2
@@ -274,15 +285,15 @@ class Regression:
         shares[:, :count] /= 1 + amplitudes * squares
         variance = (shares * seen).sum(axis=1) + self.noise[of_radius, j] ** 2
         weighed = shares[:, None, :count] * np.sqrt(squares)[:, None]
-        mean = weighed @ turned[of_radius, :count].reshape(len(pairs), count, 3 * K)
+        mean = weighed @ projected[of_radius, :count].reshape(len(pairs), count, 3 * K)
         return mean.reshape(len(pairs), 3, K), variance, weights[pairs]
 
 
 def _inverse_radii(measured: Measured) -> FloatArray:
-    """Inverse radii of convergence that are integrated over, (R,).
+    """The inverse radii of convergence of the grid, (R,).
 
-    The radii reach from four times the longest timestep down to the least one that leaves enough
-    timesteps below it to show a series.
+    The radii reach from four times the longest timestep down to the smallest radius below which
+    there are enough timesteps to show a series.
     """
     count = np.arange(np.log(4 / measured.radius) / np.log(RATIO))
     radii = RATIO ** (count + 0.5) / 4
@@ -290,10 +301,10 @@ def _inverse_radii(measured: Measured) -> FloatArray:
     return np.asarray(radii[within >= min(LEAST, len(measured.x))])
 
 
-def _weighed(logarithms: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Probabilities over the first axis, and the logarithm of the sum over it.
+def _normalised(logarithms: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Unnormalised log probabilities, normalised over the first axis, and the log of their sum.
 
-    The functions of scipy take several times as long.
+    `softmax` and `logsumexp` of scipy take several times as long.
     """
     largest = logarithms.max(axis=0)
     weights = np.exp(logarithms - largest)

@@ -1,11 +1,12 @@
-"""Whether a step depends on the state alone.
+"""Replays runs, to decide whether a step depends on the state alone.
 
-Every interval of a run is run again from its own start in a session that remembers nothing. A
-method whose steps are consistent, and which comes to the same states again, converges on any
-window, also where the motion is chaotic (Hairer, Nørsett & Wanner I, theorem II.3.4). A difference
-is only admissible if it vanishes with the timestep, as every gain must (`memory.py`). Intervals are
-of random length and are run again in random order, and each is restarted once more after a random
-number of steps, so that a fault cannot hide in the rhythm of the samples.
+Every interval of a run is run again from its own start, in a session that remembers nothing. A
+method whose steps are consistent, and whose replays end in the same states as its runs, converges
+on any window, even where the motion is chaotic (Hairer, Nørsett & Wanner I, theorem II.3.4). A
+difference between run and replay is no fault only if it vanishes with the timestep, as every gain
+must (`memory.py`). Intervals are of random length and are run again in random order, and each is
+restarted once more after a random number of steps, so that a fault cannot hide in the rhythm of the
+samples.
 """
 
 from collections.abc import Sequence
@@ -29,9 +30,9 @@ from .noise import NOISE, ULPS, rounding_of_body
 from .places import Places, changed_at_random, states_of
 from .steps import FEW, Sessions, sessions_of, state_differences
 
-#: rad, or relative: a change that has grown to this is as large as the motion itself.
+#: A change that has grown to this size, in rad or relative, is as large as the motion itself.
 LOST = 0.1
-#: Random changes of a state, at most, whose growth is measured.
+#: Largest number of random changes of a state whose growth is measured.
 CHANGES = 3
 
 
@@ -44,17 +45,19 @@ def examine_runs(
     ladder: Sequence[MadeRun],
     others: Sequence[MadeRun],
 ) -> tuple[tuple[ReplayEvidence, ...], StepEvidence | None, str]:
-    """Replay the finest run of a ladder and others, and take steps from states of theirs.
+    """Replay the finest run of a ladder and other runs, and take steps from states of a run.
 
     Parameters
     ----------
-    found : what steps from exact states showed
-    ladder : its runs, the longest timestep first
+    at : the exact states and timesteps at which single steps were examined
+    found : the evidence from these steps
+    ladder : the runs of the ladder, the longest timestep first
+    others : runs at other timesteps, all of which are replayed
 
     Returns
     -------
-    What each replay shows; what steps from states of the first run show, None if none were taken;
-    and why the engine refuses to be replayed, else empty.
+    The evidence from each replay; the evidence from steps from states of the first replayed run,
+    None if no such steps were taken; and the engine's reason if it refuses the replay, else empty
     """
     method, settled, shown = engine.method(method_name), found.settled, []
 
@@ -75,25 +78,25 @@ def examine_runs(
 
 
 def _replay(sessions: Sessions, run: MadeRun, condition: float) -> Replay:
-    """Run all intervals of a run again, and compare how they differ with the noise of that."""
+    """Run all intervals of a run again, and compare the differences with their noise."""
     intervals, reach = Intervals.of(sessions, run), Equations(sessions.scenario).reach
     passage = intervals.all_again()
     off = state_differences(passage.ends, intervals.ends, reach)
     sizes = np.linalg.norm(off, axis=(1, 2))
     worst = np.argsort(sizes)[-FEW:]
     starts, ends = intervals.starts.rows(worst), passage.ends.rows(worst)
-    # The worst are run once more, without reading states on the way.
+    # The worst intervals are run once more, without reading states on the way.
     twice = state_differences(intervals.some_again(worst, starts), ends, reach, intervals.ends)
     spread = np.linalg.norm(twice, axis=(1, 2))
     sizes[worst] = np.maximum(sizes[worst], spread)
-    # So large a change is far above the engine's own noise, which must not enlarge `growth`.
+    # The change must be far above the engine's own noise, which would enlarge `growth`.
     change = float(np.sqrt(max(NOISE, sessions.engine.ulp)))
     chance, grown = np.random.default_rng(FEW), np.zeros(len(worst))
     for _ in range(CHANGES):
         changed = changed_at_random(sessions.scenario, starts, change, chance)
         apart = state_differences(intervals.some_again(worst, changed), ends, reach)
         grown = np.maximum(grown, np.abs(apart).max(axis=(1, 2)))
-        # Nothing can be said of an interval in which the change has grown as large as the motion.
+        # An interval in which the change has grown as large as the motion shows nothing.
         is_lost = (grown > LOST) & (spread <= LOST * change)
         growth = float(max(1.0, (np.minimum(grown, LOST) / change).max()))
         noise = growth * _noise(intervals, condition)
@@ -102,8 +105,8 @@ def _replay(sessions: Sessions, run: MadeRun, condition: float) -> Replay:
         squares[worst] = np.where(is_lost, 0.0, np.maximum(squares[worst], again))
         is_chance = spread > noise[worst].max(axis=1)
         evidence = _evidence(intervals, squares, sizes, worst, np.where(is_chance, spread, 0.0))
-        # By chance a change may be one that hardly grows: another one is tried before a difference
-        # counts.
+        # A random change may happen to grow little: before a difference counts as a fault, further
+        # changes are tried.
         if evidence.tail >= LEVEL:
             break
     of_worst = state_differences(ends, intervals.ends.rows(worst), reach)
@@ -117,14 +120,14 @@ def _evidence(
     worst: NDArray[np.intp],
     spread: FloatArray,
 ) -> ReplayEvidence:
-    """The evidence of n intervals whose differences from the run are given.
+    """The evidence from n intervals whose differences from the run are given.
 
     Parameters
     ----------
-    squares : the sum of squares of the differences, in units of their noise, (n,)
-    sizes : the root of the sum of squares of the differences themselves, (n,)
+    squares : the sum of squares of the differences of an interval, in units of their noise, (n,)
+    sizes : the root of the sum of squares of the differences, rad or relative, (n,)
     worst : the indices of the K intervals that were run again twice
-    spread : by how much these two differ from each other; 0 if that is within noise, (K,)
+    spread : the difference of these two replays from each other; 0 if it is within noise, (K,)
     """
     run = intervals.run
     times = run.motion.t[intervals.edges]
@@ -142,27 +145,31 @@ def _evidence(
 def _noise(intervals: Intervals, condition: float) -> FloatArray:
     """The noise of the differences of n intervals, from the sources of `noise.py`, (n, 5).
 
-    Most rounding errors add up as a random walk, and those of a torque or force that hardly changes
-    add up in one direction.
+    It is the standard deviation of each quantity of `state_differences`. Most rounding errors add
+    up as a random walk; rounding errors of a torque or force that hardly changes add up linearly.
+
+    Parameters
+    ----------
+    condition : as `Places.condition`
     """
     engine, scenario = intervals.sessions.engine, intervals.sessions.scenario
     run, steps = intervals.run, intervals.steps
     states = states_of(run.motion)
-    # In double precision a body may be composed of its parts anew at each restart.
+    # In double precision an engine may compose the body of its parts anew at each restart.
     composed = 0.0 if engine.single_precision else rounding_of_body(condition)
     walk = max(NOISE, ULPS * engine.ulp, composed) * np.sqrt(steps)
     noise = np.repeat(walk[:, None], len(QUANTITIES), axis=1)
     speed = float(norms(states.omega_body).max())
-    # The gyroscopic torque is rounded, too, and may be that of the largest moment about the axis of
-    # the smallest.
+    # The gyroscopic torque is rounded, too. At worst, that of the largest moment acts about the
+    # axis of the smallest moment.
     turned = speed * run.rung.timestep * np.sqrt(steps)
     noise += rounding_of_body(condition, engine.ulp) * turned[:, None]
     if scenario.constraint.is_pivot:
-        # The pivot's place is rounded, and a constraint that holds it turns the body back by that
-        # in a step.
+        # The pivot's position is rounded, and the constraint corrects that error within a step, by
+        # turning the body.
         turned_back = ULPS * engine.ulp / (speed * run.rung.timestep) if speed else 0.0
         noise[:, 1:3] += turned_back * np.sqrt(steps)[:, None]
-        # An ω that is off turns the body throughout the interval.
+        # An error of ω turns the body throughout the interval.
         noise[:, [0, 3]] += ULPS * engine.ulp * steps[:, None]
         return noise
     body, rounding = scenario.body, ULPS * engine.ulp * run.rung.timestep * steps[:, None]

@@ -1,6 +1,6 @@
-"""What steps and the series of their gains show, in the form in which it is stored.
+"""The evidence from steps and the series of their gains, in the form in which it is stored.
 
-If it is a fault, it is described: with which timesteps it shows, in which state, and by how much.
+A fault is described by the timestep and the state that show it, and by its size.
 """
 
 import numpy as np
@@ -28,11 +28,12 @@ from .regression import LEAST
 
 
 def evidence_of(look: Look, at: Places, order: int, *, explains: bool = True) -> StepEvidence:
-    """What steps and their series show, as it is stored.
+    """The evidence from steps and the series of their gains.
 
     Parameters
     ----------
-    order : the declared one
+    at : the states from which the steps were taken
+    order : the declared order
     explains : whether changes that explain a fault are looked for
     """
     return StepEvidence(
@@ -50,12 +51,15 @@ def evidence_of(look: Look, at: Places, order: int, *, explains: bool = True) ->
 
 
 def kind_of(look: Look) -> FaultKind:
-    """How the least likely gains are off."""
+    """The way in which the gains with the smallest tail differ from those that are allowed."""
     return _shape(look, *_worst(look))[0]
 
 
 def _order_shown(look: Look, declared: int) -> int:
-    """The lower of the orders of attitude and angular momentum, where gains are above noise."""
+    """The lower of the orders of attitude's and I ω's gains, of those well above noise.
+
+    It is the declared order if neither is well above noise.
+    """
     shown = [
         series.order
         for q, series in enumerate(look.series[:2])
@@ -81,13 +85,13 @@ def _curves(look: Look) -> list[GainCurve]:
 
 
 def _beyond_from(look: Look) -> float:
-    """The shortest timestep, s, beyond the radius of convergence of some state; 0 if none is."""
+    """The shortest timestep, s, beyond some state's radius of convergence; 0 if there is none."""
     count = max(int(one.beyond.max()) for one in look.series)
     return float(look.steps.timesteps[count - 1]) if count else 0.0
 
 
 def _changes_below(look: Look) -> float:
-    """The timestep, s, below which steps follow a second series; 0 where they follow one."""
+    """The change point, s: steps below it follow a second series; 0 if there is none."""
     changes = np.concatenate([one.changes for one in look.series])
     return float(look.steps.timesteps[changes[changes > 0].min() - 1]) if changes.any() else 0.0
 
@@ -95,8 +99,8 @@ def _changes_below(look: Look) -> float:
 def _worst(look: Look) -> tuple[int, int]:
     """The indices of the quantity and the state with the smallest tail.
 
-    Several tails may be zero: then a state whose error in a step is the same at all timesteps comes
-    first, as its gains in other quantities may follow from it.
+    If several tails are equal, as zeros are, a state that leaps in some quantity comes first, as
+    the gains in the other quantities may follow from that leap.
     """
     tails = [one.tail for one in look.series]
     alike = [q for q, tail in enumerate(tails) if tail == min(tails)]
@@ -105,7 +109,7 @@ def _worst(look: Look) -> tuple[int, int]:
 
 
 def _shape(look: Look, q: int, k: int) -> tuple[FaultKind, int]:
-    """How the gains of state k in quantity q are off, and the index of a timestep that shows it."""
+    """The kind of the fault of state k in quantity q, and the index of a timestep that shows it."""
     series, timesteps = look.series[q], look.steps.timesteps
     gains, noise, last = look.gains[:, :, q], look.noise[:, :, q], len(timesteps) - 1
     bad = np.flatnonzero(series.tails[:, k] * series.tests < look.level)
@@ -124,10 +128,11 @@ def _shape(look: Look, q: int, k: int) -> tuple[FaultKind, int]:
 
 
 def _fault(look: Look, at: Places, *, explains: bool) -> StepFault:
-    """The fault that the least likely gains show.
+    """The fault that the gains with the smallest tail show.
 
     Parameters
     ----------
+    at : the states from which the steps were taken
     explains : whether changes of the equations that explain a limit are looked for
     """
     q, k = _worst(look)
@@ -155,7 +160,7 @@ def _fault(look: Look, at: Places, *, explains: bool) -> StepFault:
 
 
 def _limits(look: Look) -> Gains:
-    """The limits of what the states gain, in all quantities but those of parts."""
+    """The limits of the gains of all states, in all quantities but the rotors' momenta."""
     of_the_body = look.series[: QUANTITIES.index("parts")]
     limits, errors = (
         np.stack([getattr(one, name) for one in of_the_body], axis=1)

@@ -1,4 +1,4 @@
-"""Single steps of a method from given states, and what they gain beyond the exact motion."""
+"""Single steps of a method from given states, and their gains."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -16,21 +16,21 @@ from ....scenarios.scenario import started_at
 from ...results.records import LARGEST
 from .places import states_of
 
-#: A few: states or intervals at most, where each takes long; and steps in which a method, or the
-#: solver of a constraint, may still remember a state.
+#: The most states or intervals that are used where each takes long; and the number of steps during
+#: which a method, or the solver of a constraint, may remember an earlier state.
 FEW = 8
 
 
 @dataclass(frozen=True, eq=False)
 class Sessions:
-    """Sessions of a method on a scene, which are set to a state.
+    """Sessions of a method on a scene, which can be set to any state and timestep.
 
-    One is kept and restarted, as opening one takes as long as some hundred steps. Where it cannot
-    be restarted one is opened for each state.
+    One session is kept and restarted, as opening a session takes as long as some hundred steps. If
+    it cannot be restarted, another session is opened for each state.
 
     Attributes
     ----------
-    first : the one that is kept
+    first : the session that is kept
     """
 
     engine: Engine
@@ -44,7 +44,7 @@ class Sessions:
 
     @contextmanager
     def at(self, state: State, timestep: float) -> Iterator[Session]:
-        """A session that is set to a state, with a timestep, s."""
+        """A session in a given state, with a timestep, s."""
         if self.first.can_restart:
             self.first.restart(state, timestep)
             yield self.first
@@ -57,22 +57,24 @@ class Sessions:
 def sessions_of(
     engine: Engine, method: Method, scenario: Scenario, timestep: float
 ) -> Iterator[Sessions]:
-    """Sessions of a method, the first of them with a timestep, s."""
+    """Sessions of a method on a scene, of which the first has the timestep, s, given."""
     with engine.open(scenario, method, timestep) as first:
         yield Sessions(engine, method, scenario, first)
 
 
 @dataclass(frozen=True, eq=False)
 class Steps:
-    """States before and after a step, and where the exact motion goes from those before.
+    """States before and after steps, and the exact states that should be reached.
 
-    Each column has J R K rows: K states R times with the first timestep, then with the next.
+    The states have J R K rows: K states, R times, with the first timestep, then with the next.
 
     Attributes
     ----------
-    timesteps : (J,) s
-    spans : from before to after, s, (J R K,); of a single step the timestep
-    repeats : R, of each state with small changes
+    timesteps : s, (J,)
+    spans : time from before to after, s, (J R K,); for a single step the timestep
+    before, after : the states before and after each step, as the engine gives them
+    exact : the states to which the exact motion leads from those in `before`
+    repeats : R, how often each state is repeated, with small changes
     """
 
     timesteps: FloatArray
@@ -94,12 +96,16 @@ def steps_from(
 
     Parameters
     ----------
-    settle : steps before that one, from where the exact motion was so long before each state
+    states : R K states
+    timesteps : s, (J,)
+    settle : number of steps before that step, in which a constraint settles. They begin in the
+        exact state from which the motion leads to the given state in these steps
+    repeats : R
 
     Raises
     ------
     EngineError
-        If squares of a state are not finite, as where an engine's numbers overflow.
+        If the square of a component of a state is not finite, because of overflow.
     """
     scenario, count = sessions.scenario, len(states.omega_body)
     before, after, starts = [], [], [states.rows(k) for k in range(count)]
@@ -122,11 +128,12 @@ def steps_from(
 
 
 def flowed(scenario: Scenario, states: State, spans: FloatArray) -> State:
-    """The exact states that n states move to in given times.
+    """The n states to which the exact motion leads from given states.
 
     Parameters
     ----------
-    spans : s, (n,)
+    states : n states
+    spans : duration of each motion, s, (n,); it may be negative
     """
     lengths = norms(states.q_world_body_wxyz)[:, None]
     q = states.q_world_body_wxyz / lengths
@@ -135,11 +142,16 @@ def flowed(scenario: Scenario, states: State, spans: FloatArray) -> State:
 
 
 def _earlier(scenario: Scenario, states: State, span: float) -> State:
-    """The exact states so long before each of n states that a run from there leads to these.
+    """The n exact states from which the motion leads to given states in a given time.
 
-    So runs with different timesteps lead to the same states, up to the error of their steps. As a
-    damped motion grows without bounds backwards in time, it is followed back for one time constant
-    at most. A state remains as it is if the body could not be held in the earlier one.
+    Runs that start there lead to the given states at any timestep, up to the error of their steps.
+    As a damped motion grows without bounds backwards in time, it is followed back for one time
+    constant at most. A state remains as it is if, in the earlier state, the constraint's force
+    would not be in its allowed direction.
+
+    Parameters
+    ----------
+    span : s
     """
     decay = decay_rate(scenario)
     span = min(span, 1 / decay) if decay else span
@@ -148,24 +160,25 @@ def _earlier(scenario: Scenario, states: State, span: float) -> State:
 
 
 def step_gains(equations: Equations, steps: Steps) -> FloatArray:
-    """What each step gains beyond the exact motion, a second, (J, R, K, Q, 3).
+    """The gains of steps: their differences from the exact motion, per second, (J, R, K, Q, 3).
 
-    The quantities are: of the attitude rad/s and of I ω N m, body axes; of a free body's velocity
-    m/s² and place m/s, world axes; of a body on a pivot how far velocity (m/s) and com (m) are from
-    where ω and attitude put them; and of parts that turn in the body the momentum that they keep,
-    N m (of more than three parts, in three directions).
+    The quantities are attitude, rad/s, and I ω, N m, in body axes; velocity, m/s², and position of
+    the com, m/s, in world axes; and, if there are rotors, their angular momenta about their axles,
+    which are conserved, N m, or three projections of them if there are more than three rotors. For
+    a body on a pivot, velocity and position are not gains: they are the distances of velocity, m/s,
+    and com, m, from the values that ω and attitude demand.
     """
     spans, after, exact = steps.spans[:, None], steps.after, steps.exact
     attitude = rotation_vectors(exact.q_world_body_wxyz, after.q_world_body_wxyz) / spans
     torque = (after.omega_body - exact.omega_body) @ equations.scenario.inertia.T / spans
     if equations.scenario.constraint.is_pivot:
-        velocity, place = off_the_constraint(equations, after)
+        velocity, position = off_the_constraint(equations, after)
     else:
-        # The body may have sunk into a contact before the step, which is no gain of the step.
-        off_velocity, off_place = off_the_constraint(equations, steps.before)
+        # The body may have sunk into a contact before the step, which is not part of the gain.
+        off_velocity, off_position = off_the_constraint(equations, steps.before)
         velocity = (after.velocity_world - exact.velocity_world - off_velocity) / spans
-        place = (after.com_world - exact.com_world - off_place) / spans
-    gains = [attitude, torque, velocity, place]
+        position = (after.com_world - exact.com_world - off_position) / spans
+    gains = [attitude, torque, velocity, position]
     if after.spins.size:
         kept, wanted = (
             equations.scenario.kept(state.omega_body, state.spins) for state in (after, exact)
@@ -174,18 +187,21 @@ def step_gains(equations: Equations, steps: Steps) -> FloatArray:
     return steps.by_timestep(np.stack(gains, axis=1))
 
 
-def _directions(parts: int) -> FloatArray:
-    """Orthonormal directions, (parts, 3), onto which the momenta of all parts are projected.
+def _directions(rotors: int) -> FloatArray:
+    """Orthonormal directions, (rotors, 3), onto which the momenta of all rotors are projected.
 
-    Each part has a direction of its own if there are three or fewer.
+    If there are three rotors or fewer, each has a direction of its own.
     """
-    if parts <= 3:
-        return np.eye(parts, 3)
-    return np.linalg.qr(np.random.default_rng(parts).standard_normal((parts, 3)))[0]
+    if rotors <= 3:
+        return np.eye(rotors, 3)
+    return np.linalg.qr(np.random.default_rng(rotors).standard_normal((rotors, 3)))[0]
 
 
 def off_the_constraint(equations: Equations, states: State) -> tuple[FloatArray, FloatArray]:
-    """How far velocity, m/s, and com, m, are from what ω and attitude demand, (n, 3) each."""
+    """The differences of velocity, m/s, and com, m, from what the constraint demands, (n, 3) each.
+
+    The constraint determines both from attitude and ω.
+    """
     on = equations.on_constraint(states)
     return states.velocity_world - on.velocity_world, states.com_world - on.com_world
 
@@ -193,16 +209,16 @@ def off_the_constraint(equations: Equations, states: State) -> tuple[FloatArray,
 def state_differences(
     states: State, others: State, reach: float, among: State | None = None
 ) -> FloatArray:
-    """How far states are from others, (n, 5, 3).
+    """The differences of n states from n other states, (n, 5, 3).
 
-    The quantities are attitude, rad; ω, the com's velocity and the com, relative to their sizes;
-    and in the first component of the last the spins of all parts, relative likewise. They are
-    infinite where numbers are not finite.
+    The five quantities are attitude, rad; ω, the com's velocity and the com's position, relative to
+    their sizes; and spins, relative to their size, with the norm of the differences of all spins as
+    the only component. A difference that is not a number is infinite.
 
     Parameters
     ----------
-    reach : m, from the point that is held to the com, or the radius of gyration
-    among : states that they are relative to the largest sizes of; the others if None
+    reach : `Equations.reach`, m
+    among : states whose largest sizes the differences are relative to; the others if None
     """
     among = among or others
     speed = float(norms(among.omega_body).max()) or 1.0
