@@ -1,1 +1,1 @@
-"""Checks of what an engine holds, and of every state that it gives."""
+"""Checks of the model that an engine has loaded, and of every state that it returns."""

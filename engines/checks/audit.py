@@ -1,4 +1,4 @@
-"""Compares what acted on the body in a run with what the scene calls for, after the last step."""
+"""Compares the effects that acted on the body with those of the scene, after a run's last step."""
 
 from ...scenarios import Scenario
 from ..fault import ENVIRONMENTAL
@@ -12,13 +12,14 @@ def audit(session: Session, scenario: Scenario, sampled: Sampled) -> tuple[froze
 
     Returns
     -------
-    The effects that acted, as returned by `Session.active`; and how they differ from the scene, in
-    words, which are empty if exactly what the scene calls for acted, or if the run is not ok
+    The effects that acted, as returned by `Session.active`; and how they differ from the effects
+    that the scene calls for, in words, which are empty if they do not differ, or if the run is not
+    ok
 
     Raises
     ------
     EngineError
-        If it cannot be audited and the machine is to blame.
+        If the session cannot be audited and the machine is to blame.
     """
     if sampled.outcome == "failed":
         return frozenset(), ""
@@ -29,10 +30,10 @@ def audit(session: Session, scenario: Scenario, sampled: Sampled) -> tuple[froze
             raise
         # After a blow-up the engine may not be usable any more.
         return frozenset(), f"cannot be audited: {error}" if sampled.outcome == "ok" else ""
-    return active, _differs(active, scenario.called_for) if sampled.outcome == "ok" else ""
+    return active, _difference(active, scenario.called_for) if sampled.outcome == "ok" else ""
 
 
-def _differs(active: frozenset[str], called_for: frozenset[str]) -> str:
+def _difference(active: frozenset[str], called_for: frozenset[str]) -> str:
     parts = []
     if extra := sorted(active - called_for):
         parts.append(f"active though the scene does not call for it: {', '.join(extra)}")

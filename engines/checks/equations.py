@@ -1,4 +1,4 @@
-"""What a scene's equations of motion say of states: their sizes, and where the body can be held."""
+"""The equations of motion of a scene: scales of its states, and where its constraint can hold."""
 
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -13,36 +13,42 @@ from .read_back import READ_BACK_SLACK, State
 
 @dataclass(frozen=True, eq=False)
 class Equations:
-    """The coefficients of one scene's equations of motion, SI, and what holds its body."""
+    """The coefficients of one scene's equations of motion, SI, and its constraint."""
 
     scenario: Scenario
 
     @cached_property
     def inverse(self) -> FloatArray:
-        """Inverse of the tensor of inertia by which ω' is multiplied, (3, 3)."""
+        """Inverse of the tensor of inertia about the pivot, or the com if it has none, (3, 3)."""
         return np.asarray(np.linalg.inv(self.scenario.inertia), dtype=float)
 
     @cached_property
     def arm(self) -> float:
-        """Distance of the com from the point that is held, or from a free body's origin, m."""
+        """Distance of the com from the constrained point, or from a free body's origin, m."""
         return float(np.linalg.norm(self.scenario.constraint.lever))
 
     @cached_property
     def reach(self) -> float:
-        """Scale of the com's position, m: its arm, or the radius of gyration if it has none.
+        """Scale of the com's position, m: its arm, or the radius of gyration if the arm is zero.
 
-        An arm of less than what a body may differ by when it is read back is none.
+        An arm that is within the tolerance of a body's read-back counts as zero.
         """
         body = self.scenario.body
         gyration = float(np.sqrt(body.principal_moments[-1] / body.mass))
         return self.arm if self.arm > READ_BACK_SLACK * gyration else gyration
 
     def kept_body(self, state: State) -> FloatArray:
-        """The angular momentum that parts keep, kg m²/s, (3,) or (n, 3)."""
+        """The sum of the rotors' constant momenta about their axles, body axes, kg m²/s.
+
+        It is of shape (3,) for one state, and (n, 3) for n states.
+        """
         return self.scenario.kept_body(self.scenario.kept(state.omega_body, state.spins))
 
     def bears(self, states: State) -> NDArray[np.bool_]:
-        """Whether what holds the body can hold it at each of n states: some cannot pull."""
+        """Whether the constraint's force is in its allowed direction in each of n states, (n,).
+
+        A table, for example, can push the body but not pull it.
+        """
         bears = np.ones(len(states.omega_body), dtype=bool)
         for force in filter(None, (one.force for one in self.scenario.acting)):
             at = matrices(states.q_world_body_wxyz), states.omega_body, self.kept_body(states)
@@ -50,13 +56,18 @@ class Equations:
         return bears
 
     def bearable(self, states: State, others: State) -> State:
-        """Each of n states, or the other one where what holds the body cannot hold it there."""
+        """States, each replaced where the constraint's force is not in its allowed direction.
+
+        Parameters
+        ----------
+        states, others : n states, and the n states that replace them
+        """
         bears = self.bears(states)[:, None]
         pairs = zip(states.columns, others.columns, strict=True)
         return State(*(np.where(bears, column, other) for column, other in pairs))
 
     def on_constraint(self, states: State) -> State:
-        """States, n of them, with com and velocity where attitude and ω put them if it is held."""
+        """The n states, with com and velocity as the constraint demands, given attitude and ω."""
         constraint, R_world_body = self.scenario.constraint, matrices(states.q_world_body_wxyz)
         swing_world = turned(R_world_body, cross(states.omega_body, np.array(constraint.lever)))
         return replace(

@@ -1,4 +1,4 @@
-"""Checks on the states of a run that hold for any engine and scene."""
+"""Checks of the states of a run that apply to any engine and scene."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -19,8 +19,8 @@ class Bounds:
     Attributes
     ----------
     timestep : s
-    most_turn : rad a step, beyond which the engine clamps the rotation
-    arm : m, body axes, from the pivot to the com, (3,); None where nothing holds the body
+    most_turn : the rotation in a step, rad, beyond which the engine clamps it
+    arm : vector from the pivot to the com, m, body axes, (3,); None if there is no pivot
     """
 
     timestep: float
@@ -29,9 +29,9 @@ class Bounds:
 
 
 def faults(states: State, bounds: Bounds) -> Iterator[Fault]:
-    """The first bad state of n for each kind of fault."""
+    """The first fault of each kind in n states."""
     timestep = bounds.timestep
-    # The sum is not finite if any number is not, and much faster than a search.
+    # The sum is not finite if any component is not, and takes much less time than a search.
     if not np.isfinite(sum(float(column.sum()) for column in states.columns)):
         finite = np.hstack([np.isfinite(column) for column in states.columns])
         if not finite.all():
@@ -57,7 +57,9 @@ def clamped_turn(speed: float, timestep: float, most: float) -> str:
 
     Parameters
     ----------
-    speed, timestep, most : |ω| in rad/s, s, and rad a step
+    speed : |ω|, rad/s
+    timestep : s
+    most : the largest rotation in a step, rad
     """
     if speed * timestep <= most:
         return ""
@@ -68,7 +70,7 @@ def clamped_turn(speed: float, timestep: float, most: float) -> str:
 
 
 def _pivot_faults(states: State, arm_body: FloatArray) -> Iterator[Fault]:
-    """The first state whose pivot is further off the world's origin than the com is from it."""
+    """The first state whose pivot is further from the world's origin than from the com."""
     drift = norms(states.com_world - matrices(states.q_world_body_wxyz) @ arm_body)
     has_given_way = drift > np.linalg.norm(arm_body)
     if arm_body.any() and has_given_way.any():

@@ -15,8 +15,8 @@ from ..fault import Cause
 READ_BACK_SLACK = 1e-12
 #: The same for engines in single precision.
 READ_BACK_SLACK_SINGLE = 1e-5
-#: Of a tensor about the origin, which an engine may hold: of 4 500 ulp by which a number in double
-#: precision may be off, 4.
+#: Share of the tolerance that applies to m arm², as an engine may hold the tensor about the origin:
+#: 4 of the 4 500 ulp that `READ_BACK_SLACK` is in double precision.
 OF_ORIGIN = 2.0**-10
 
 
@@ -26,7 +26,7 @@ class EngineError(Exception):
     Parameters
     ----------
     reason : in words
-    cause : in a word, if the engine or its adapter knows one
+    cause : in one word, if the engine or its adapter knows it
     """
 
     def __init__(self, reason: str, cause: Cause = "") -> None:
@@ -35,7 +35,7 @@ class EngineError(Exception):
 
 
 class UnsupportedError(EngineError):
-    """The engine is known to simulate this body wrongly without an error: the run is not made."""
+    """The engine is known to simulate this body wrongly, without an error: the run is refused."""
 
     def __init__(self, reason: str, cause: Cause = "body") -> None:
         super().__init__(reason, cause)
@@ -43,10 +43,15 @@ class UnsupportedError(EngineError):
 
 @dataclass(frozen=True, eq=False)
 class BodyReading:
-    """A body as the engine holds it: kg; m from the body's origin; kg m² about the com; body axes.
+    """A body as read back from the engine, in body axes.
 
-    `com` is (3,), `inertia_com` is (3, 3). Of rotors, which are in it as if they did not turn,
-    `axial` is what a spin adds to L: axis times moment about it, kg m², (rotors, 3).
+    Attributes
+    ----------
+    mass : kg, with that of rotors
+    com : position of the com from the body's origin, m, (3,)
+    inertia_com : tensor of inertia about the com, with rotors as fixed parts, kg m², (3, 3)
+    axial : of each rotor, its axis times its moment about it, kg m², (rotors, 3): the derivative of
+        the angular momentum by the spin
     """
 
     mass: float
@@ -55,14 +60,20 @@ class BodyReading:
     axial: FloatArray = field(default_factory=lambda: np.empty((0, 3)))
 
     def placed(self, at: FloatArray, R: FloatArray) -> "BodyReading":
-        """The same body in other axes: its origin is at `at` (3,) m there, turned by R (3, 3)."""
+        """The same body, in other axes.
+
+        Parameters
+        ----------
+        at : position of the body's origin in the other axes, m, (3,)
+        R : the matrix from the body's axes to the other axes, (3, 3)
+        """
         return BodyReading(
             self.mass, at + R @ self.com, R @ self.inertia_com @ R.T, self.axial @ R.T
         )
 
 
 def composed(parts: Sequence[BodyReading]) -> BodyReading:
-    """Parts in the same axes as one rigid body (parallel-axis theorem)."""
+    """The rigid body that is composed of parts, all in the same axes (parallel-axis theorem)."""
     mass = sum(part.mass for part in parts)
     com = sum((part.mass * part.com for part in parts), np.zeros(3)) / (mass or 1.0)
     tensor = np.zeros((3, 3))
@@ -74,10 +85,14 @@ def composed(parts: Sequence[BodyReading]) -> BodyReading:
 
 @dataclass(frozen=True, eq=False)
 class State:
-    """What is read at a sample: attitude (4,), ω (3,) rad/s, com (3,) m, its velocity (3,) m/s.
+    """The state of a body, or n states as the rows of each array.
 
-    Of rotors also their spins relative to the body, (rotors,) rad/s. For n samples, one a row:
-    (n, 4) and (n, 3).
+    Attributes
+    ----------
+    q_world_body_wxyz : attitude, (4,) or (n, 4)
+    omega_body : ω, rad/s, body axes, (3,) or (n, 3)
+    com_world, velocity_world : position, m, and velocity, m/s, of the com, (3,) or (n, 3) each
+    spins : of rotors, relative to the body, rad/s, (rotors,) or (n, rotors)
     """
 
     q_world_body_wxyz: FloatArray
@@ -97,7 +112,7 @@ class State:
         return list(vars(self).values())
 
     def rows(self, kept: int | slice | NDArray[np.bool_] | NDArray[np.intp]) -> "State":
-        """One of n states by its index, or several by a slice, a mask (n,) or indices."""
+        """One of n states by its index, or several by a slice, a mask, (n,), or indices."""
         return State(
             self.q_world_body_wxyz[kept],
             self.omega_body[kept],
@@ -118,9 +133,10 @@ class Difference:
 
     Attributes
     ----------
+    what : name of the quantity
     wanted, got : the scene's value and the engine's
-    relative : their largest difference, relative to the size of the quantity
-    why : the usual mistake that explains it, in words, if one does
+    relative : the largest difference of a component, relative to the size of the quantity
+    why : the common mistake that explains the difference, in words; empty if none does
     """
 
     what: str
@@ -131,14 +147,14 @@ class Difference:
 
     @property
     def complaint(self) -> str:
-        """The message of a run that fails because of it, with all digits."""
+        """The message of a run that fails because of the difference, with all digits."""
         wanted, got = self.wanted.tolist(), self.got.tolist()
         why = f": {self.why}" if self.why else ""
         return f"'{self.what}' must read back as {wanted}, got {got}{why}"
 
     @property
     def remark(self) -> str:
-        """The message of a run that goes on in spite of it, rounded."""
+        """The message of a run that goes on in spite of the difference, with rounded values."""
         wanted, got = _rounded(self.wanted), _rounded(self.got)
         return f"'{self.what}' reads back as {got}, not {wanted}: off by {self.relative:.1%}"
 
@@ -150,7 +166,12 @@ def differences(
 
     Parameters
     ----------
+    reading, state : the body and the state, read back from the engine
     slack : allowed difference, relative to the size of each quantity
+
+    Returns
+    -------
+    The quantities that differ by more
     """
     differing = []
     steiner = OF_ORIGIN * scenario.body.mass * float(scenario.body.com @ scenario.body.com)
@@ -158,20 +179,20 @@ def differences(
         largest = float(np.abs(np.subtract(got, wanted)).max())
         if not largest <= slack * (size + (steiner if what == "inertia_com" else 0.0)):
             relative = largest / size if size else np.inf
-            why = _turned(scenario, got, slack * size) if what == "omega_body" else ""
+            why = _mistake_of_axes(scenario, got, slack * size) if what == "omega_body" else ""
             differing.append(Difference(what, wanted, got, relative, why))
     wanted_q, got_q = scenario.start.q_world_body_wxyz, state.q_world_body_wxyz
     angle = float(norms(rotation_vectors(got_q[None], wanted_q[None]))[0])
     if not angle <= slack:
-        words = _misread(wanted_q, got_q, slack)
+        words = _mistake_of_attitude(wanted_q, got_q, slack)
         off = Difference("q_world_body_wxyz", wanted_q, got_q, angle, words)
-        # Where it is known why, ω in body axes is off for the same reason.
+        # If the mistake is known, it also explains a difference of ω, so that it is named first.
         differing.insert(0 if words else len(differing), off)
     return differing
 
 
-def _misread(wanted_q: FloatArray, got_q: FloatArray, slack: float) -> str:
-    """The usual mistake that makes one quaternion of the other, in words; empty if none does."""
+def _mistake_of_attitude(wanted_q: FloatArray, got_q: FloatArray, slack: float) -> str:
+    """The common mistake that turns one quaternion into the other, in words; empty if none does."""
     conjugated = conjugate(wanted_q)
     order, inverse = "its components are permuted, w x y z for x y z w", "it is conjugated"
     mistakes = (
@@ -187,8 +208,8 @@ def _misread(wanted_q: FloatArray, got_q: FloatArray, slack: float) -> str:
     return ""
 
 
-def _turned(scenario: Scenario, got: FloatArray, slack: float) -> str:
-    """The words that ω is right in other axes than it was asked for; empty if it is not."""
+def _mistake_of_axes(scenario: Scenario, got: FloatArray, slack: float) -> str:
+    """The words that ω is right, but in other axes; empty if it is not."""
     R_world_body, omega_body = matrix(scenario.start.q_world_body_wxyz), scenario.start.omega_body
     for turned in (R_world_body @ omega_body, omega_body @ R_world_body):
         if np.abs(got - turned).max() <= slack:
@@ -197,7 +218,7 @@ def _turned(scenario: Scenario, got: FloatArray, slack: float) -> str:
 
 
 def start_state(scenario: Scenario) -> State:
-    """The scene's start; of a body on a pivot, com and its velocity follow from attitude and ω."""
+    """The scene's start, with com and velocity as the constraint demands, given attitude and ω."""
     start = scenario.start
     R_world_body, constraint = matrix(start.q_world_body_wxyz), scenario.constraint
     swing_world = R_world_body @ cross(start.omega_body, constraint.lever)
@@ -213,11 +234,12 @@ def start_state(scenario: Scenario) -> State:
 def _pairs(
     scenario: Scenario, reading: BodyReading, state: State
 ) -> Iterator[tuple[str, FloatArray, FloatArray, float]]:
-    """Name, value got, value wanted, and the size its difference is measured against."""
+    """The name of each quantity, the engine's value, the scene's value, and the size of it."""
     body, start = scenario.body, start_state(scenario)
     arm = float(np.linalg.norm(body.com))
     speed = float(np.linalg.norm(start.omega_body))
-    # Not of the tensor about the origin: with a long arm that would hide faults of this one.
+    # The size is not that of the tensor about the origin: a long arm makes that much larger, and
+    # would hide faults of the tensor about the com.
     sizes = {"mass": body.mass, "com": arm, "inertia_com": float(body.principal_moments[-1])}
     for what, got, wanted in body_pairs(scenario, reading):
         yield what, got, wanted, sizes.get(what, float(np.linalg.norm(wanted)))
@@ -235,7 +257,7 @@ def _pairs(
 def body_pairs(
     scenario: Scenario, reading: BodyReading
 ) -> Iterator[tuple[str, FloatArray, FloatArray]]:
-    """Name, value got and value wanted of each number of the body."""
+    """The name, the engine's value and the scene's value of each quantity of the body."""
     body = scenario.body
     yield "mass", np.array(reading.mass), np.array(body.mass)
     yield "com", reading.com, body.com

@@ -1,4 +1,4 @@
-"""Judging: from records to verdicts. It runs no engine, and reads no file."""
+"""Derives verdicts from records. It runs no engine, and reads no file."""
 
 from .records import Records
 from .verdict import judge

@@ -1,4 +1,4 @@
-"""Expected failures (`[[known]]` of a scene's file): excused where they occur, unmet where not."""
+"""Compares verdicts with the expected failures (`[[known]]`) of a scene's file."""
 
 from collections.abc import Iterable
 from dataclasses import replace
@@ -8,9 +8,14 @@ from ...results.verdicts import Verdict
 
 
 def compared_with_expected_failures(expected: Iterable[Known], verdict: Verdict) -> Verdict:
-    """Mark a verdict as an expected failure; if it converges, add an unmet expectation.
+    """Return a verdict, marked if its failure is expected.
 
-    An unresolved verdict neither confirms nor refutes an expected failure.
+    If a failure is expected and the verdict is `converges`, an unmet expectation is added. A
+    verdict `unresolved` neither confirms nor refutes an expected failure.
+
+    Parameters
+    ----------
+    expected : the expected failures of the scene, of all engines and methods
     """
     key = verdict.key
     for fault in expected:

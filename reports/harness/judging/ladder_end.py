@@ -1,24 +1,27 @@
-"""Where a ladder ends: it shows what errors come to and cost, and when a method blows up."""
+"""Decides where a ladder ends: once it shows the errors that a method reaches, or a blow-up."""
 
 from ..timesteps.ladder import DECIDED_STEPS, EXCESS, LEAST_RUNGS, MIN_RUNGS
 from .records import Records
 
-#: Errors below this, relative or in rad, in every signal need no finer rung.
+#: If the errors of all signals are below this, relative or in rad, no finer rung is needed.
 GOAL = 1e-9
-#: From this order on ladders are twice as long: errors are far below what others come to.
+#: Ladders of methods of this order or higher may have twice as many steps, as their errors become
+#: far smaller than those of other methods.
 HIGH_ORDER = 4
 
 
 def is_down(records: Records) -> bool:
-    """Whether the ladder ends here: no finer rung is needed, or none can succeed.
+    """Whether the ladder ends with its last row: no finer rung is needed, or none can succeed.
 
-    There must be a row.
+    Parameters
+    ----------
+    records : with at least one row of the ladder
     """
     last, count = records.rows[-1], len(records.rows)
     if records.is_hopeless(last) or _diverges_at_any_timestep(records):
         return True
     most = DECIDED_STEPS * (2 if records.order >= HIGH_ORDER else 1)
-    # Where a run blew up a finer one may tell whether the method does.
+    # If the run has blown up, a finer run may show whether the method blows up at any timestep.
     if 2 * last.steps > (EXCESS if count < LEAST_RUNGS or last.outcome != "ok" else 1) * most:
         return True
     errors = [max(value for _, value in row.errors) for row in records.rows[-3:] if row.errors]
@@ -33,10 +36,11 @@ def cut_short(records: Records) -> bool:
 
 
 def _diverges_at_any_timestep(records: Records) -> bool:
-    """Whether the blow-up comes at the same time after the timestep was halved.
+    """Whether halving the timestep has not delayed the blow-up.
 
-    In an unstable integrator, errors grow by a factor a step that tends to 1 faster than the number
-    of steps increases, so halving delays the blow-up. A clamp is reached at the same time.
+    In an unstable integrator, errors grow by a factor per step that tends to 1 faster than the
+    number of steps increases, so that halving delays the blow-up. A clamp is reached at the same
+    time at any timestep.
     """
     ends = [row.stopped_at for row in records.rows[-2:] if row.outcome == "diverged"]
     coarse, fine = ends if len(ends) == 2 else (None, None)

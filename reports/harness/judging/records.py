@@ -1,4 +1,4 @@
-"""What a method on a scene is judged by."""
+"""The records by which a method on a scene is judged."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -10,20 +10,21 @@ from ...results.records import Row
 
 @dataclass(frozen=True, eq=False)
 class Records:
-    """Its runs, and what was measured of them.
+    """The runs of a method on a scene, and the evidence measured besides them.
 
     Attributes
     ----------
-    evidence : of single steps and of replayed runs
-    rows, single_rows, above_rows : of the ladder, coarse to fine; of single timesteps; above it
+    evidence : the evidence from single steps and from replays of runs
+    rows, single_rows, above_rows : rows of the ladder, coarse to fine; of single timesteps; and of
+        timesteps above the ladder
     has_ladder : whether a ladder was asked for, though it may be empty
-    order : the least that is declared
+    order : the lower of the declared orders of ω and attitude
     as_shipped : whether the method is an engine with all its defaults
     lacking : why the engine cannot simulate the scene, in words; else empty
     is_single : whether the engine computes in single precision
-    rounding : what rounding of the body's moments to that precision changes of its angular
-        acceleration, relative
-    is_replayed : whether runs can be replayed: those of a file cannot
+    rounding : relative change of the body's angular acceleration by rounding of its moments in the
+        engine's precision
+    is_replayed : whether runs can be replayed; runs that were read from a file cannot
     unmet : expectations of the scene that were not met, in words
     known : the expected failures of the scene's file
     """
@@ -44,10 +45,11 @@ class Records:
 
     @property
     def last(self) -> Row | None:
-        """The run whose end decides the verdict if it is not ok; None if there is none."""
+        """The run whose outcome, unless it is ok, decides the verdict; None if there is no run."""
         if self.rows or not self.has_ladder:
             return [*self.single_rows, *self.rows][-1]
-        # Without rungs, only runs above the ladder exist: too coarse for anything but a failure.
+        # Without rungs, only runs above the ladder exist, which are too coarse to show anything but
+        # a failure.
         return next(filter(self.is_hopeless, self.above_rows), None)
 
     def is_hopeless(self, row: Row) -> bool:

@@ -1,8 +1,9 @@
 """The verdict on a method on a scene.
 
 A method whose steps are consistent with the equations of motion, and depend on the state alone,
-converges (Hairer, Nørsett & Wanner I, theorem II.3.4). The first is shown by single steps, the
-second by replays; each has a tail, which is held to one level.
+converges (Hairer, Nørsett & Wanner I, theorem II.3.4). Single steps test whether the steps are
+consistent, and replays whether they depend on the state alone. The tails of both tests are compared
+with the same level.
 """
 
 from dataclasses import replace
@@ -15,7 +16,7 @@ from .records import Records
 
 
 def judge(records: Records) -> Verdict:
-    """Judge a method by what is stored of it, and compare with the scene's expected failures."""
+    """Judge a method by its records, and compare the verdict with the scene's expected failures."""
     word, quoted = _judged(records)
     if word == "unresolved" and records.rounding > CONSISTENT:
         precision = "single" if records.is_single else "double"
@@ -32,21 +33,21 @@ def judge(records: Records) -> Verdict:
 
 
 def _judged(records: Records) -> tuple[VerdictWord, str]:
-    """The verdict's word, and the words of a run or the engine that it quotes."""
+    """The verdict's word, and the words of a run or of the engine that the verdict quotes."""
     last, evidence = records.last, records.evidence
     if last is None and records.lacking:
         return "unsupported", records.lacking
     if last and last.outcome in ("failed", "unsupported"):
-        # What a method cannot simulate it cannot at any timestep.
+        # A scene that a method cannot simulate at one timestep it cannot simulate at any.
         return last.outcome, last.ending_in_words
-    # Of an engine as shipped: how its model differs from the scene.
+    # The reason of a run as shipped says how the engine's model differs from the scene.
     quoted = last.reason if last and last.cause != "law" else ""
     faults = (one.fault for one in (evidence.steps, evidence.own_steps) if one)
     if any(faults):
         return "disagrees", quoted
     if evidence.steps and evidence.steps.is_of_low_order:
         return "disagrees", quoted
-    # Runs that blow up cannot be replayed to any accuracy.
+    # Replays of runs that blow up show nothing, so that they are not considered.
     if last and last.outcome == "diverged":
         return "diverges", last.ending_in_words
     if any(one.is_wrong for one in evidence.replays):
