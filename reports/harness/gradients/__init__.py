@@ -1,1 +1,1 @@
-"""Compares derivatives that engines compute with those of the motion: docs/how-to/gradients.md."""
+"""Compares engines' derivatives with the exact motion's derivatives: docs/how-to/gradients.md."""

@@ -1,7 +1,7 @@
-"""Jacobians that common mistakes would make of the exact one, by name of the mistake.
+"""Jacobians that common mistakes would produce instead of the exact one, by name of the mistake.
 
-A mistake that leaves a term out is known to first order in the timestep: the part of the error
-that it does not explain vanishes with the timestep.
+The effect of leaving a term out is computed to first order in the timestep: the remainder vanishes
+with the timestep.
 """
 
 from collections.abc import Callable, Iterator
@@ -22,19 +22,24 @@ from .jacobians import CHANGES, CHART, WEIGHTS, Units, changed, stepped_by_rate
 
 #: Names of the terms of I dω/dt.
 TERMS = ("gravity", "applied torques", "gyroscopic torque")
-#: Powers of ten of ε that are tried, in rad and rad/s, and their spacing.
+#: Spacing of the common logarithms of ε that are tried, and these; ε is in rad and rad/s.
 SPACING = 0.125
 POWERS = np.arange(-5.0, SPACING, SPACING).tolist()
-#: Tolerance of the fitted ε: derivatives of terms, by differences, have this relative error.
+#: Relative error of the derivatives of terms by differences, and so the tolerance of the fitted ε.
 KNOWN = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
 class Exact:
-    """The exact Jacobians, (J, K, 6, 6), from K states over J spans of time, s.
+    """The exact Jacobians from K states over J spans of time, and what mistakes make of them.
 
-    Each span is one of `steps` steps. What mistakes make of them is kept: all derivatives of an
-    engine are compared with it.
+    The Jacobians by mistakes are cached, as all derivatives of an engine are compared with them.
+
+    Attributes
+    ----------
+    spans : s, (J,); each is the duration of `steps` steps
+    jacobians : (J, K, 6, 6), as in `jacobians.py`
+    units : in which Jacobians are compared
     """
 
     scenario: Scenario
@@ -46,26 +51,23 @@ class Exact:
 
     @cached_property
     def in_world_axes(self) -> list[tuple[str, FloatArray]]:
-        """What `_in_world_axes` yields."""
+        """The Jacobians of `_in_world_axes`, by name of the mistake."""
         return list(_in_world_axes(self))
 
     @cached_property
     def lacking(self) -> list[tuple[str, FloatArray]]:
-        """What `_lacking` yields."""
+        """The Jacobians of `_lacking`, by name of the mistake."""
         return list(_lacking(self))
 
     @cached_property
     def rates(self) -> list["_Rates"]:
-        """dω/dt about each state."""
+        """The function dω/dt near each state."""
         equations = Equations(self.scenario)
         return [_Rates(equations, self.states.rows(k), self.units) for k in range(self.count)]
 
     @cached_property
     def secants(self) -> dict[bool, list[FloatArray]]:
-        """Errors of the derivative of dx/dt by differences, (K, 6, 6), for each of `POWERS`.
-
-        By whether the differences are central.
-        """
+        """The errors that `secant` returns, for each of `POWERS`, by whether it is two-sided."""
         return {
             two_sided: [self.secant(power, two_sided) for power in POWERS]
             for two_sided in (False, True)
@@ -77,11 +79,22 @@ class Exact:
         return len(self.states.omega_body)
 
     def secant(self, power: float, two_sided: bool) -> FloatArray:
-        """Return such errors with ε = 10^power, (K, 6, 6)."""
+        """Return the error of the derivative of dx/dt by finite differences, (K, 6, 6).
+
+        Parameters
+        ----------
+        power : common logarithm of ε
+        two_sided : whether the differences are central, or else forward
+        """
         return np.array([one.secant(10.0**power, two_sided) for one in self.rates])
 
     def off_by(self, change: Callable[["_Rates"], FloatArray]) -> FloatArray:
-        """Return the Jacobians with a change of the derivative of dx/dt."""
+        """Return the Jacobians with a changed derivative of dx/dt, to first order, (J, K, 6, 6).
+
+        Parameters
+        ----------
+        change : returns the change of that derivative, (6, 6), near a state
+        """
         h = self.spans[:, None, None, None]
         return np.asarray(self.jacobians + h * np.array([change(one) for one in self.rates]))
 
@@ -91,8 +104,8 @@ def candidates(exact: Exact, limits: FloatArray) -> Iterator[tuple[str, FloatArr
 
     Parameters
     ----------
-    limits : difference of the engine's Jacobian from the exact one, divided by the time that it is
-        over, in the limit of short timesteps, (K, 6, 6), 1/s
+    limits : difference of the engine's Jacobian from the exact one, divided by the span of time, in
+        the limit of vanishing timesteps, (K, 6, 6), 1/s
     """
     P = exact.jacobians
     yield "it is zero: nothing is differentiated", 0 * P
@@ -125,19 +138,19 @@ def candidates(exact: Exact, limits: FloatArray) -> Iterator[tuple[str, FloatArr
 
 
 def _detached(P: FloatArray) -> Iterator[tuple[str, FloatArray]]:
-    """Yield the exact Jacobians with rows or columns set to zero."""
+    """Yield the exact Jacobians with rows or columns of attitude or ω set to zero."""
     for what, first in {"attitude": 0, "ω": 3}.items():
         three = slice(first, first + 3)
         for part in ("rows", "columns"):
-            left = P.copy()
-            left[(..., three, slice(None)) if part == "rows" else (..., three)] = 0.0
-            yield f"the {what} is detached: its {part} are zero", left
+            remainder = P.copy()
+            remainder[(..., three, slice(None)) if part == "rows" else (..., three)] = 0.0
+            yield f"the {what} is detached: its {part} are zero", remainder
 
 
 def _in_world_axes(exact: Exact) -> Iterator[tuple[str, FloatArray]]:
-    """Yield the exact Jacobians with attitude, ω or both along the world's axes.
+    """Yield the exact Jacobians with attitude, ω or both in world axes.
 
-    δω_world is R (δω − ω × δθ), or R δω if a derivative is only turned.
+    The exact δω_world is R (δω − ω × δθ). If an engine only turns the derivative, it is R δω.
     """
     states, P = exact.states, exact.jacobians
     ends = _ends(exact)
@@ -160,7 +173,7 @@ def _in_world_axes(exact: Exact) -> Iterator[tuple[str, FloatArray]]:
 
 
 def _ends(exact: Exact) -> list[list[tuple[FloatArray, FloatArray]]]:
-    """Return attitude and ω after each span of time from each state."""
+    """Return the exact attitude and ω after each of J spans of time from each of K states."""
     count = exact.count
     rows = np.tile(np.arange(count), len(exact.spans))
     flown = flowed(exact.scenario, exact.states.rows(rows), np.repeat(exact.spans, count))
@@ -171,7 +184,14 @@ def _ends(exact: Exact) -> list[list[tuple[FloatArray, FloatArray]]]:
 def _to_world(
     q: FloatArray, omega: FloatArray, turn: bool, spin: bool, carried: bool
 ) -> FloatArray:
-    """Return the matrix from the chart to one with turn or ω along world axes, (6, 6)."""
+    """Return the matrix from the chart to a chart with some changes in world axes, (6, 6).
+
+    Parameters
+    ----------
+    q, omega : attitude and ω, rad/s, body axes
+    turn, spin : whether δθ is in world axes, and whether δω is
+    carried : whether δω includes the change of the axes, −ω × δθ
+    """
     R, made = matrix(q), np.eye(CHART)
     if turn:
         made[:3, :3] = R
@@ -197,29 +217,34 @@ def _lacking(exact: Exact) -> Iterator[tuple[str, FloatArray]]:
 def _fitted(exact: Exact, limits: FloatArray, two_sided: bool) -> float:
     """Return the ε, rad and rad/s, whose finite differences would come closest to the limits."""
 
-    def left(power: float) -> float:
+    def remainder(power: float) -> float:
         return float(np.linalg.norm(limits - exact.secant(power, two_sided)))
 
     tried = [float(np.linalg.norm(limits - off)) for off in exact.secants[two_sided]]
     near = POWERS[int(np.argmin(tried))]
     bounds = near - SPACING, near + SPACING
-    found = minimize_scalar(left, bounds=bounds, method="bounded", options={"xatol": KNOWN})
+    found = minimize_scalar(remainder, bounds=bounds, method="bounded", options={"xatol": KNOWN})
     return float(10.0**found.x)
 
 
 class _Rates:
-    """dω/dt about one state, term by term, and its derivatives, (3, 6), by differences."""
+    """The function dω/dt near one state, term by term, and its derivatives, by differences."""
 
     def __init__(self, equations: Equations, state: State, units: Units) -> None:
         self.equations, self.state, self.units = equations, state, units
         self.exact = self._derivative("")
 
     def without(self, name: str) -> FloatArray:
-        """Return the change of the derivative of dx/dt if that of one term is left out, (6, 6)."""
+        """Return the derivative of dx/dt without that of a term, less the exact one, (6, 6)."""
         return self._whole(self._derivative(name) - self.exact)
 
     def without_turn(self, first: int) -> FloatArray:
-        """Return the change of the derivative of dx/dt if δθ' = δω − ω × δθ lacks a part."""
+        """Return the change of the derivative of dx/dt if δθ' = δω − ω × δθ lacks a part, (6, 6).
+
+        Parameters
+        ----------
+        first : the first column of that part: 0 for ω × δθ, 3 for δω
+        """
         kept = stepped_by_rate(np.zeros((3, CHART)), self.state.omega_body, 1.0) - np.eye(CHART)
         lacking = np.zeros((CHART, CHART))
         lacking[:, first : first + 3] = -kept[:, first : first + 3]
@@ -249,7 +274,14 @@ class _Rates:
         torque: FloatArray,
         weighed: tuple[FloatArray, FloatArray],
     ) -> FloatArray:
-        """Return the torque with a table's, whose part by gravity may be that of another state."""
+        """Return the torque with a table's reaction, body axes, N m, (3,).
+
+        Parameters
+        ----------
+        torque : the other torques
+        weighed : attitude and ω of the state whose weight loads the table; another state if the
+            term of gravity is kept constant
+        """
         scenario, none = self.equations.scenario, np.zeros(3)
         answer = scenario.answer
         assert answer is not None
@@ -261,7 +293,13 @@ class _Rates:
         return np.asarray(otherwise + by_weight[0] - by_weight[1])
 
     def _rates(self, offsets: FloatArray, frozen: str = "") -> FloatArray:
-        """Return dω/dt at offsets from the state, (n, 3), with one term kept constant if named."""
+        """Return dω/dt at offsets from the state, rad/s², (n, 3).
+
+        Parameters
+        ----------
+        offsets : of attitude and ω, rad and rad/s, (n, 6)
+        frozen : name of a term, or of a factor of one, that is kept constant; none if empty
+        """
         equations, scenario = self.equations, self.equations.scenario
         there = changed(scenario, self.state, offsets)
         kept = equations.kept_body(self.state)

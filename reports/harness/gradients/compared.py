@@ -1,4 +1,4 @@
-"""Compares derivatives of a method on a scene: verdict, cost, and gradients over a window."""
+"""Judges the derivatives of a method on a scene: verdict, cost, and gradients over a window."""
 
 import time
 from collections.abc import Callable
@@ -39,19 +39,19 @@ from .window import (
 
 #: The name of the derivative that spincheck itself computes, for engines without any.
 OURS = "central differences by spincheck"
-#: Number of steps of a derivative through many steps, and those numbers over windows.
+#: Number of steps of a derivative through many steps, and the numbers of steps over windows.
 MANY = 8
 TAPED = (MANY, 64)
 #: End of the name of a derivative through many steps.
 THROUGH = f", through {MANY} steps"
-#: Number of characters of what an engine's code raises that a reason has.
+#: Largest number of characters of a reason that quotes an exception from an engine's code.
 SAID = 300
 #: The reason why an engine's derivative is not judged if a constraint or a contact gives way.
 UNSETTLED = (
     "a constraint gives way: by attitude and ω with the com where it is, as the engine "
     "differentiates, no motion is allowed; only differences of its runs are judged"
 )
-#: Number of plain steps that are timed before each derivative, and how often.
+#: Number of plain steps that are timed before each derivative, and number of repeats.
 TIMED, TIMES = 200, 5
 
 
@@ -63,11 +63,11 @@ class GradientRow:
     ----------
     derivative : the engine's name for it, or `OURS`
     judged : the verdict; failed or unsupported if nothing was computed
-    costs : CPU time, in plain steps, each time that it was measured
+    costs : measured CPU times, divided by the CPU time of as many plain steps
     seconds : wall time until the row was made, including compilation
     timestep : timestep of the window's steps, s
     window : gradients along a run
-    useless_from : time from which on gradients are as wrong as none, s; None if they are not
+    useless_from : time from which on gradients are no better than zero, s; None if they are better
     """
 
     scene: str
@@ -84,7 +84,12 @@ class GradientRow:
 
 @dataclass(frozen=True, eq=False)
 class _Target:
-    """What derivatives should be: the exact Jacobians, and those of the engine's own steps."""
+    """The Jacobians that an engine's are compared with: the exact ones, and its steps' own.
+
+    Attributes
+    ----------
+    timesteps : s, (J,)
+    """
 
     exact: Exact
     own: Own
@@ -98,8 +103,8 @@ class MethodStudy:
     Attributes
     ----------
     at : the states, and the timesteps of the steps that are taken from them
-    units : of turn and ω, in which Jacobians are compared
-    timestep : of the window's steps, s
+    units : units of attitude and ω in which Jacobians are compared
+    timestep : timestep of the window's steps, s
     counts : numbers of steps of the window after which gradients are compared
     """
 
@@ -117,7 +122,7 @@ class MethodStudy:
         return [*own, *(name + THROUGH for name, one in own.items() if one.through), OURS]
 
     def row(self, called: str) -> GradientRow:
-        """Return the row of the derivative of a name."""
+        """Return the row of a derivative, given its name."""
         began, name = time.perf_counter(), called.removesuffix(THROUGH)
         if called == OURS:
             row = self._own_row(self._settled if self._gives_way else self._single)
@@ -141,7 +146,7 @@ class MethodStudy:
         return self._target(MANY)
 
     def _target(self, steps: int) -> _Target:
-        """Return the target over `steps` steps, which last as long as one longer timestep."""
+        """Return the Jacobians over `steps` steps, which together last one of the timesteps."""
         scenario, at, units = self.sessions.scenario, self.at, self.units
         timesteps = at.timesteps[at.timesteps <= at.timesteps[0] / steps]
         spans = steps * timesteps
@@ -152,14 +157,17 @@ class MethodStudy:
 
     @cached_property
     def _settled(self) -> _Target:
-        """Return the target of a step after others, without timesteps that turn the body far."""
+        """Return the Jacobians of a step after a constraint has settled.
+
+        The longest timesteps, at which the body turns far while it settles, are left out.
+        """
         scenario, at, units = self.sessions.scenario, self.at, self.units
         settling, timesteps = (SETTLING, SETTLING + FEW), at.timesteps[FINER:]
         own, jacobians = settled_jacobians(self.sessions, at.states, timesteps, units, settling)
         return _Target(Exact(scenario, at.states, timesteps, jacobians, units), own, timesteps)
 
     def _engines_row(self, target: _Target, name: str, called: str) -> GradientRow:
-        """Return the row of an engine's derivative, with what its code raises as the reason."""
+        """Return the row of an engine's derivative; if its code raises an error, as the reason."""
         steps = target.exact.steps
         try:
             found, is_step = self._found(name, target)
@@ -201,9 +209,9 @@ class MethodStudy:
         return GradientRow(*names, one, timestep=self.timestep)
 
     def _found(self, name: str, target: _Target) -> tuple[FloatArray | str, bool]:
-        """Return Jacobians by a derivative, (J, K, 6, 6), and whether it is of steps or dω/dt.
+        """Return the Jacobians by a derivative, and whether it differentiates steps, not dω/dt.
 
-        If their shape is wrong, that is returned in words.
+        The Jacobians, (J, K, 6, 6), are replaced by words if their shape is wrong.
         """
         states, jacobians, is_step = self.at.states, np.empty_like(target.exact.jacobians), True
         for j, k in np.ndindex(jacobians.shape[:2]):
@@ -253,7 +261,7 @@ class MethodStudy:
         return replace(row, judged=one, window=along, useless_from=useless_from(along))
 
     def _costs(self, name: str, steps: int) -> tuple[float, ...]:
-        """Return ratios of the CPU time of a derivative to that of the steps it is over.
+        """Return ratios of the CPU time of a derivative to the CPU time of the steps it covers.
 
         Plain steps and derivatives are timed in turns. In each turn the derivative is computed
         until it has taken as long as the steps, so that a first call with cold caches is averaged.
@@ -272,6 +280,6 @@ class MethodStudy:
 
 
 def _by(session: Session, name: str, steps: int) -> Callable[[], FloatArray]:
-    """Return a function that computes the derivative of steps, by a tape if they are many."""
+    """Return a function that computes the derivative of a number of steps, by a tape if many."""
     one = session.derivatives()[name]
     return one.compute if steps == 1 or one.through is None else partial(one.through, steps)

@@ -1,4 +1,4 @@
-"""Jacobians of single steps by attitude and ω, of the exact motion and of an engine.
+"""Jacobians, with respect to attitude and ω, of an engine's steps and of the exact motion.
 
 Rows and columns are attitude (3, rad) and ω (3, rad/s) in body axes:
 docs/explanation/sensitivities.md.
@@ -19,7 +19,7 @@ from ..measuring.steps import Sessions, flowed
 
 #: Order of the central differences that are taken.
 ORDER = 4
-#: Offsets of such a difference, in units of the change, and the weights of the
+#: Offsets of a central difference of that order, in units of the change, and the weights of the
 #: results (Fornberg, Math. Comp. 51 (1988) 699, table 1).
 CHANGES, WEIGHTS = np.array([-2.0, -1.0, 1.0, 2.0]), np.array([1.0, -8.0, 8.0, -1.0]) / 12
 #: Number of components of a state in the chart; the first three are the attitude's.
@@ -28,12 +28,12 @@ CHART = 6
 
 @dataclass(frozen=True)
 class Units:
-    """The units of changes of the six numbers in the chart.
+    """The units of changes of the six components in the chart.
 
     Attributes
     ----------
-    rate : unit of ω, rad/s; that of the attitude is 1 rad
-    ulp : relative distance of the numbers of an engine's state
+    rate : unit of ω, rad/s; the unit of the attitude is 1 rad
+    ulp : relative spacing of the numbers in an engine's state
     """
 
     rate: float
@@ -41,7 +41,7 @@ class Units:
 
     @property
     def each(self) -> FloatArray:
-        """The unit of each number, (6,)."""
+        """The unit of each component, (6,)."""
         return np.repeat([1.0, self.rate], 3)
 
     @property
@@ -60,7 +60,12 @@ def units_of(engine: Engine, rate: float) -> Units:
 
 
 def exact_jacobians(scenario: Scenario, states: State, timesteps: FloatArray) -> FloatArray:
-    """Return the Jacobians of the exact motion from K states over J timesteps, (J, K, 6, 6)."""
+    """Return the Jacobians of the exact motion from K states over J timesteps, (J, K, 6, 6).
+
+    Parameters
+    ----------
+    timesteps : s, long to short, (J,)
+    """
     ascending = np.sort(timesteps)
     found = []
     for k in range(len(states.omega_body)):
@@ -83,8 +88,9 @@ def own_jacobian(
 
     Parameters
     ----------
-    counts : numbers of steps, ascending, one for each Jacobian
-    share : size of the change, in that which is best if derivatives are of the size of the units
+    counts : numbers of steps, ascending, one for each Jacobian, (n,)
+    share : size of the change of the state, relative to `Units.change`, which is best if the
+        derivatives are about one in units
     """
     sizes = share * units.change * units.each
     offsets = (CHANGES[:, None, None] * np.diag(sizes)).reshape(-1, CHART)
@@ -109,9 +115,9 @@ def own_jacobian(
 
 
 def changed(scenario: Scenario, state: State, offsets: FloatArray) -> State:
-    """Return states at offsets in attitude and ω, (n, 6), that the constraint allows.
+    """Return the n states at offsets in attitude and ω, (n, 6), that the constraint allows.
 
-    If the body is free, its com and velocity stay as they are.
+    Com and velocity follow from the constraint; those of a free body do not change.
     """
     half = np.linalg.norm(offsets[:, :3], axis=1, keepdims=True) / 2
     turn = np.hstack([np.cos(half), np.sinc(half / np.pi) * offsets[:, :3] / 2])
@@ -141,8 +147,8 @@ class Own:
     Attributes
     ----------
     jacobians : from K states with J timesteps, (J, K, 6, 6)
-    known_to : bound on their error, in units, for each timestep, (J,): by rounding, or by their
-        change when the offsets are halved
+    known_to : bound on the error of the Jacobians, in units, for each timestep, (J,): by rounding,
+        or by their change when the offsets are halved
     """
 
     jacobians: FloatArray
@@ -152,7 +158,7 @@ class Own:
 def own_jacobians(
     sessions: Sessions, states: State, timesteps: FloatArray, units: Units, steps: int
 ) -> Own:
-    """Return Jacobians of a number of steps from K states with J timesteps, and their error."""
+    """Return the Jacobians of `steps` steps from K states with J timesteps, and their error."""
     found, finer = (
         np.array(
             [
@@ -165,7 +171,7 @@ def own_jacobians(
         )
         for share in (1.0, 0.5)
     )
-    return Own(found, _apart(units, found, finer))
+    return Own(found, _error_bound(units, found, finer))
 
 
 def settled_jacobians(
@@ -173,13 +179,13 @@ def settled_jacobians(
 ) -> tuple[Own, FloatArray]:
     """Return Jacobians of a step after a constraint has settled, and the exact ones, (J, K, 6, 6).
 
-    A run begins where the exact motion was some steps before. The states are changed there, as the
-    constraint allows. The Jacobian of the step is that of all steps divided by that of the steps
-    before. Only attitude and ω may be free; all other numbers follow from them.
+    A run begins in the exact state some steps earlier. That state is changed, as the constraint
+    allows. The Jacobian of the step is the Jacobian of all steps times the inverse of the Jacobian
+    of the earlier steps. Com and velocity must follow from attitude and ω.
 
     Parameters
     ----------
-    settling : two numbers of steps before; the difference between them bounds the error
+    settling : two numbers of earlier steps; the difference of the Jacobians bounds their error
     """
     found = np.empty((len(settling), len(timesteps), len(states.omega_body), CHART, CHART))
     exact = np.empty(found.shape[1:])
@@ -195,20 +201,29 @@ def settled_jacobians(
                     there = session.read_state()
                 one = State(*(column[None] for column in there.columns))
                 exact[j, k] = exact_jacobians(sessions.scenario, one, np.array([h]))[0, 0]
-    # The run with more steps before is used; the exact Jacobians are from the states where it ends.
-    return Own(found[-1], _apart(units, *found)), exact
+    # Of the two runs, the longer one is used; the exact Jacobians are from the states it ends in.
+    return Own(found[-1], _error_bound(units, *found)), exact
 
 
-def _apart(units: Units, found: FloatArray, other: FloatArray) -> FloatArray:
-    """Return a bound on the error of Jacobians by their distance from others, in units, (J,)."""
+def _error_bound(units: Units, found: FloatArray, other: FloatArray) -> FloatArray:
+    """Return a bound on the error of Jacobians: their distance from others, in units, (J,).
+
+    The bound is not less than the error by rounding.
+    """
     apart = np.abs(units.of(found - other)).max(axis=(1, 2, 3))
     return np.asarray(np.maximum(apart, ULPS * units.ulp / units.change))
 
 
 def stepped_by_rate(rate: FloatArray, omega_body: FloatArray, timestep: float) -> FloatArray:
-    """Return the Jacobian of an explicit Euler step, (6, 6), given that of dω/dt, (3, 6).
+    """Return the Jacobian of an explicit Euler step, (6, 6), given the derivative of dω/dt.
 
     The turn obeys δθ' = δω − ω × δθ.
+
+    Parameters
+    ----------
+    rate : derivative of dω/dt by attitude and ω, (3, 6)
+    omega_body : rad/s, (3,)
+    timestep : s
     """
     x, y, z = omega_body
     spin = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])

@@ -1,4 +1,4 @@
-"""Judges the derivatives of a method on a scene, in this process or in another one."""
+"""Judges the derivatives of a method on a scene, in this process or in another process."""
 
 import time
 from collections.abc import Iterator
@@ -25,7 +25,7 @@ FINE = 2
 
 
 def offered_by(executor: Executor, scenario: Scenario, engine: Engine, method: str) -> list[str]:
-    """Return the names of a method's derivatives, `OURS` last; that alone if it cannot be asked."""
+    """Return the names of a method's derivatives, `OURS` last; `OURS` alone if the call fails."""
     answer = executor.call_at(engine.site, offered, scenario, engine, method)
     return [OURS] if isinstance(answer.value, CallFailed) else answer.value
 
@@ -39,7 +39,12 @@ def gradient_by(
     timestep: float | None = None,
     window: float | None = None,
 ) -> GradientRow:
-    """Return the row of one derivative, made in another process; it may crash or take too long."""
+    """Return the row of one derivative, made in another process, which may crash or time out.
+
+    Parameters
+    ----------
+    timestep, window : as in `gradients_of`, s
+    """
     began, how = time.perf_counter(), (timestep, window, derivative)
     answer = executor.call_at(engine.site, gradients_of, scenario, engine, method, *how)
     if isinstance(answer.value, CallFailed):
@@ -50,7 +55,7 @@ def gradient_by(
 
 
 def offered(scenario: Scenario, engine: Engine, method_name: str) -> list[str]:
-    """Return the names of a method's derivatives, and of those by spincheck, which are last."""
+    """Return the names of a method's derivatives, `OURS` last."""
     try:
         with _study(scenario, engine, method_name, None, None) as study:
             return study.names()
@@ -66,7 +71,7 @@ def gradients_of(
     window: float | None = None,
     derivative: str | None = None,
 ) -> list[GradientRow]:
-    """Judge a method's derivatives, a row each; if none can be judged, one row has the reason.
+    """Judge a method's derivatives: one row each, or one row with the reason if none can be judged.
 
     Parameters
     ----------

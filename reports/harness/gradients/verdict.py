@@ -1,7 +1,8 @@
-"""The verdict on a derivative, from its gain over the exact one and the model of steps.
+"""The verdict on a derivative, from its gain and the model of the gains of steps.
 
-A step's Jacobian minus the exact motion's, over the timestep, is a series that vanishes with the
-timestep if the derivative is consistent (`measuring/gain_series.py`).
+The gain of a derivative is the Jacobian of a step minus that of the exact motion, divided by the
+timestep. If the derivative is consistent, it is a series that vanishes with the timestep
+(`measuring/gain_series.py`).
 """
 
 from dataclasses import dataclass, replace
@@ -16,26 +17,26 @@ from ..measuring.noise import ULPS
 from .candidates import KNOWN, Exact, candidates
 from .jacobians import CHART, Own, Units
 
-#: Number of halves of the rows, attitude and ω, each of which is judged by itself.
+#: Number of halves of a Jacobian's rows, attitude's and ω's, each of which is judged by itself.
 HALVES = 2
-#: Standard deviations within which a derivative is that of the engine's own step.
+#: Number of standard deviations within which a derivative agrees with that of the engine's step.
 SURE = 8.0
 
 
 @dataclass(frozen=True)
 class Judged:
-    """The verdict on a derivative, and its numbers.
+    """The verdict on a derivative, and the values that it rests on.
 
     Attributes
     ----------
     verdict : converges, disagrees, unresolved, unsupported or failed
-    reason : in words
+    reason : why, in words; empty if it converges and is the derivative of the engine's step
     order : order with which it approaches the motion's derivative as timesteps vanish
-    limit : difference from the motion's derivative in that limit, relative to the fastest rate
-    known_to : uncertainty of the limit, relative to the fastest rate
-    off_own : distance from finite differences of the engine's own steps, relative; None if it is a
-        derivative of no step, or not finite, or these differences themselves
-    is_own : whether that distance is explained by rounding and ε; None likewise
+    limit : size of the limit of its gain as timesteps vanish, relative to the fastest rate
+    known_to : standard error of that limit, relative to the fastest rate
+    off_own : distance from finite differences of the engine's own steps, relative; None if the
+        derivative is not of a step, is not finite, or is these differences
+    is_own : whether rounding and ε explain that distance; None as for `off_own`
     """
 
     verdict: VerdictWord
@@ -48,14 +49,15 @@ class Judged:
 
 
 def noise_of(units: Units, timesteps: FloatArray, condition: float, epsilon: float) -> FloatArray:
-    """Return the standard deviation of a derivative's gain, in units, 1/s, (J, 6) by columns.
+    """Return the standard deviation of a derivative's gain, in units, 1/s, by columns, (J, 6).
 
     Parameters
     ----------
-    condition : factor by which rounding of the moments grows
-    epsilon : of finite differences, rad and rad/s; 0 for exact derivatives. The truncation error
-        grows with it, and is a fault beyond the cube root of an ulp, where central differences are
-        best
+    timesteps : s, (J,)
+    condition : as `Places.condition`
+    epsilon : ε of finite differences, rad and rad/s; 0 for exact derivatives. Their truncation
+        error grows with ε. It counts as noise up to ε = the cube root of an ulp, which is best for
+        central differences, and beyond that as a fault
     """
     rounding, each = ULPS * units.ulp, units.each
     of_state = rounding * (each / epsilon if epsilon else np.ones(CHART))
@@ -65,7 +67,13 @@ def noise_of(units: Units, timesteps: FloatArray, condition: float, epsilon: flo
 
 
 def judged(exact: Exact, found: FloatArray, noise: FloatArray) -> Judged:
-    """Judge Jacobians of steps, (J, K, 6, 6), with noise known by columns, (J, 6)."""
+    """Judge the Jacobians of steps.
+
+    Parameters
+    ----------
+    found : the Jacobians, (J, K, 6, 6)
+    noise : standard deviation of the gains, as `noise_of` returns it, 1/s, (J, 6)
+    """
     units = exact.units
     if not np.isfinite(found).all():
         wrong = int((~np.isfinite(found).all(axis=(2, 3))).sum())
@@ -94,12 +102,13 @@ def judged(exact: Exact, found: FloatArray, noise: FloatArray) -> Judged:
 
 
 def beside_own(one: Judged, exact: Exact, found: FloatArray, own: Own, noise: FloatArray) -> Judged:
-    """Return the verdict with what comparing the derivative with the engine's own steps adds.
+    """Return the verdict, completed by comparing the derivative with the engine's own steps.
 
     Parameters
     ----------
-    found : the Jacobians that the engine gives, (J, K, 6, 6)
-    own : those that finite differences of its steps give
+    one : the verdict so far
+    found : the Jacobians that the engine computes, (J, K, 6, 6)
+    own : the Jacobians that finite differences of its steps give
     noise : standard deviation of the gains, as `noise_of` returns it, 1/s, (J, 6)
     """
     units = exact.units
@@ -123,11 +132,19 @@ def beside_own(one: Judged, exact: Exact, found: FloatArray, own: Own, noise: Fl
 
 
 def _series(exact: Exact, off: FloatArray, noise: FloatArray) -> list[GainSeries]:
-    """Return the series of attitude's and of ω's rows, each column and state a vector of 3."""
+    """Return the series fitted to the rows of attitude and to the rows of ω.
+
+    Each column of each of K states is a vector of three components, as a gain from one state is.
+
+    Parameters
+    ----------
+    off : differences of Jacobians from the exact ones, (J, K, 6, 6)
+    noise : by columns, 1/s, (J, 6)
+    """
     J, K = off.shape[:2]
     columns = np.swapaxes(_gains(exact, off), 2, 3).reshape(J, K * CHART, CHART)
     each = np.tile(noise, (1, K))
-    # Columns of finite differences share a step, so that they are not judged together.
+    # Columns by finite differences share a step and are not independent, so they are not pooled.
     return [
         fitted(exact.spans, half, each, LEVEL / HALVES, may_split=False, is_pooled=False)
         for half in np.split(columns, HALVES, axis=2)
@@ -139,11 +156,11 @@ def _gains(exact: Exact, off: FloatArray) -> FloatArray:
 
 
 def _tail(series: list[GainSeries]) -> float:
-    """Return the probability of the larger gain of both halves, if there were none."""
+    """Return the tail of both halves together (Bonferroni)."""
     return min(1.0, HALVES * min(one.tail for one in series))
 
 
 def _joined(series: list[GainSeries]) -> FloatArray:
-    """Return the limits of all columns as Jacobians, (K, 6, 6)."""
+    """Return the limits of all columns, joined to matrices as Jacobians are, (K, 6, 6)."""
     rows = np.concatenate([one.limit for one in series], axis=1)
     return np.swapaxes(rows.reshape(-1, CHART, CHART), 1, 2)

@@ -1,8 +1,8 @@
 """Gradients of a loss over many steps, by the chain rule along an engine's own run.
 
-The losses are half the square of the turn to a target, which is one radian away from the exact
-attitude at the end, and the kinetic energy of rotation. Both are differentiated by attitude and ω
-at the start, in units: docs/how-to/gradients.md.
+There are two losses: half the square of the turn to a target, which is one radian away from the
+exact attitude at the end, and the kinetic energy of rotation. Both are differentiated by attitude
+and ω at the start, in units: docs/how-to/gradients.md.
 """
 
 from collections.abc import Callable, Iterable, Sequence
@@ -26,21 +26,21 @@ from .verdict import SURE
 TO_TARGET = np.ones(3) / np.sqrt(3.0)
 #: Size of a gradient beyond which squares leave the range of doubles.
 HUGE = 1e150
-#: Relative error of a gradient that is no better than none.
+#: Relative error of a gradient that is no better than a gradient of zero.
 USELESS = 1.0
-#: Number of exact motions kept, with their derivatives.
+#: Number of exact motions that are cached, with their derivatives.
 KEPT = 4
 
 
 @dataclass(frozen=True)
 class Gradient:
-    """The gradient of the turn to the target after some steps, beside the exact one.
+    """The gradients of both losses after some steps, compared with the exact gradients.
 
     Attributes
     ----------
-    t : s
-    error : relative error of the gradient
-    cosine : cosine of the angle between the gradient and the exact one
+    t : time, s
+    error : relative error of the gradient of the turn to the target
+    cosine : cosine of the angle between that gradient and the exact one
     energy_error : relative error of the gradient of the kinetic energy
     conditioning : largest factor by which the exact motion multiplies a change of its start
     """
@@ -53,7 +53,7 @@ class Gradient:
 
 
 def counts_to(last: int) -> list[int]:
-    """Return numbers of steps after which gradients are compared: powers of two, and the last."""
+    """Return numbers of steps after which gradients are compared: powers of two, and `last`."""
     return [*(2**k for k in range(last.bit_length()) if 2**k < last), last]
 
 
@@ -61,14 +61,20 @@ def counts_to(last: int) -> list[int]:
 def exact_along(
     scenario: Scenario, timestep: float, counts: tuple[int, ...]
 ) -> tuple[Trajectory, Sensitivity]:
-    """Return the exact motion after numbers of steps, as far as it is known, and its derivatives.
+    """Return the exact motion after given numbers of steps, and its derivatives.
 
-    It is kept: all derivatives of an engine are compared with it.
+    It ends where the motion is no longer known. It is cached, as all derivatives of an engine are
+    compared with it.
+
+    Parameters
+    ----------
+    timestep : s
+    counts : numbers of steps, ascending, (n,)
 
     Raises
     ------
     IntegrationError
-        If the motion or a derivative cannot be integrated as far.
+        If the motion or a derivative cannot be integrated that far.
     """
     (solution,) = solve_cheaply(scenario, [timestep * np.array(counts, dtype=float)])
     motion = solution.trajectory
@@ -83,10 +89,16 @@ def own_over(
     counts: Sequence[int],
     conditioning: FloatArray,
 ) -> list[FloatArray]:
-    """Return Jacobians, in units, of an engine's own runs of numbers of steps, by differences.
+    """Return Jacobians, in units, of an engine's runs of given numbers of steps, by differences.
 
-    Each is by changes of the start that are as small as what the motion makes of them asks for:
-    rounding grows as 1/ε, the error of fourth order as (ε conditioning)⁴.
+    The changes ε of the start are chosen for each run so that the error is least: the error by
+    rounding grows as 1/ε, the truncation error of fourth order as (ε conditioning)⁴.
+
+    Parameters
+    ----------
+    timestep : s
+    counts : numbers of steps, (n,)
+    conditioning : factors by which the motion multiplies changes of its start, (n,)
     """
     shares = conditioning ** (-ORDER / (ORDER + 1))
     return [
@@ -98,7 +110,14 @@ def own_over(
 def run_along(
     session: Session, counts: Sequence[int], jacobian: Callable[[Session], FloatArray] | None
 ) -> tuple[list[State], list[FloatArray]]:
-    """Return the states after given numbers of steps, and the Jacobians of all single steps."""
+    """Run a session; return the states after given numbers of steps, and all steps' Jacobians.
+
+    Parameters
+    ----------
+    counts : numbers of steps, ascending
+    jacobian : returns the Jacobian of a session's next step, in units, (6, 6); None if no Jacobians
+        are wanted
+    """
     states, each = [], []
     for step in range(counts[-1]):
         each += [jacobian(session)] if jacobian else []
@@ -109,7 +128,7 @@ def run_along(
 
 
 def chained(each: Iterable[FloatArray]) -> list[FloatArray]:
-    """Return the Jacobians from the start over no step, one step, two steps, and so on."""
+    """Return the products of Jacobians: over no step, the first step, two steps, and so on."""
     found: list[FloatArray] = [np.eye(CHART)]
     with np.errstate(over="ignore", invalid="ignore"):
         for one in each:
@@ -125,12 +144,18 @@ def gradients_along(
     jacobians: Sequence[FloatArray],
     states: Sequence[State],
 ) -> tuple[Gradient, ...]:
-    """Return gradients from Jacobians from the start, in units, and the states where they end.
+    """Return the gradients of the losses at n times, compared with the exact gradients.
+
+    Parameters
+    ----------
+    exact, truth : the exact motion at these times, and its derivatives
+    jacobians : an engine's Jacobians from the start to each time, in units, (6, 6) each
+    states : the engine's states at these times
 
     Raises
     ------
     EngineError
-        If numbers are not finite.
+        If a Jacobian or ω is not finite, or so large that it is about to overflow.
     """
     equations = Equations(scenario)
     along = []
@@ -160,12 +185,14 @@ def gradients_along(
 def cut_in_words(each: Sequence[FloatArray], taped: FloatArray, ulp: float) -> str:
     """Return in words how a Jacobian of N steps at once differs from the product of single steps'.
 
-    It is empty if they agree up to the rounding of each Jacobian and of the state that it is taken
-    at, which later Jacobians multiply. All are in units.
+    The words are empty if the two agree up to rounding: of each Jacobian, and of the state at which
+    it is computed, an error that later Jacobians multiply.
 
     Parameters
     ----------
-    each : Jacobian of every step, (6, 6)
+    each : the Jacobian of every step, in units, (6, 6) each
+    taped : the Jacobian of all steps at once, in units, (6, 6)
+    ulp : relative spacing of the engine's numbers
     """
     steps = len(each)
     if not np.isfinite(taped).all():
@@ -178,7 +205,7 @@ def cut_in_words(each: Sequence[FloatArray], taped: FloatArray, ulp: float) -> s
     known_to = SURE * ULPS * ulp * float((after * before * (1 + before)).sum())
     for words, made in (("first", first), ("last", last)):
         off = np.linalg.norm(np.array(made) - taped, axis=(1, 2))
-        # Cut at either end, it may be the whole product, which is looked for before any part of it.
+        # The whole product is tested first, as a part of it may happen to be equal to it.
         if off[-1] <= known_to:
             return ""
         kept = int(off[:-1].argmin())
@@ -188,7 +215,7 @@ def cut_in_words(each: Sequence[FloatArray], taped: FloatArray, ulp: float) -> s
 
 
 def useless_from(gradients: tuple[Gradient, ...]) -> float | None:
-    """Return the time, s, from which on all gradients are as wrong as none, or None."""
+    """Return the time, s, from which on no gradient is better than zero; None if the last is."""
     wrong = [one.t for one in gradients]
     for one in reversed(gradients):
         if one.error < USELESS:
@@ -198,7 +225,7 @@ def useless_from(gradients: tuple[Gradient, ...]) -> float | None:
 
 
 def _slopes(equations: Equations, state: State, target: FloatArray) -> list[FloatArray]:
-    """Return the derivatives of both losses by attitude and ω at a state, (6,) each."""
+    """Return the derivatives of both losses by attitude and ω at the end, (6,) each."""
     turn = rotation_vectors(target[None], state.q_world_body_wxyz[None])[0]
     momentum = equations.scenario.inertia @ state.omega_body
     return [np.append(turn, np.zeros(3)), np.append(np.zeros(3), momentum)]
