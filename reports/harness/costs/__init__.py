@@ -1,1 +1,1 @@
-"""The cost of steps, and the cost of what is left out of them."""
+"""Measures the cost of steps, and the cost of the passes that they leave out."""

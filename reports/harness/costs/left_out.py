@@ -22,10 +22,10 @@ COMPARED = 16
 def with_all_left_in(
     scenario: Scenario, pairs: Sequence[EngineMethod]
 ) -> list[tuple[VariedEngine, Method]]:
-    """Return the methods that are timed with all left in that they leave out of a scene.
+    """Return the methods that are also timed with the passes that they leave out on a scene.
 
-    Among an engine's methods that leave out the same, these are the first and one of the highest
-    order, which reports recommend.
+    Of an engine's methods that leave out the same passes, these are the first method and one of the
+    highest order, which reports recommend.
     """
     alike: dict[tuple[str, tuple[str, ...]], list[EngineMethod]] = {}
     for engine, method in pairs:
@@ -42,12 +42,14 @@ def with_all_left_in(
 def motions_apart(
     scenario: Scenario, engine: VariedEngine, name: str
 ) -> tuple[float, float] | None:
-    """Return how far a varied engine's motion is from that of the same engine as it is.
+    """Return the difference of a varied engine's motion from that of the unvaried engine.
 
-    The result is the time, s, up to which the two were compared, and the largest difference of any
-    number of their states; None if one of them does not load.
+    Returns
+    -------
+    The time, s, up to which the motions were compared, and the largest difference of any component
+    of their states, SI; None if not even the first comparison was reached
     """
-    method, steps = engine.method(name), _compared_steps(scenario)
+    method, steps = engine.method(name), _number_of_steps(scenario)
     timestep, largest = scenario.window.duration / steps, 0.0
     compared = None
     try:
@@ -56,7 +58,7 @@ def motions_apart(
             engine.open(scenario, method, timestep) as whole,
         ):
             for sample in range(1, COMPARED + 1):
-                states = [_stepped(session, steps // COMPARED) for session in (pruned, whole)]
+                states = [_state_after(session, steps // COMPARED) for session in (pruned, whole)]
                 largest = max(largest, float(np.abs(states[0] - states[1]).max()))
                 compared = sample * steps // COMPARED * timestep, largest
     except EngineError as error:
@@ -65,15 +67,15 @@ def motions_apart(
     return compared
 
 
-def _compared_steps(scenario: Scenario) -> int:
+def _number_of_steps(scenario: Scenario) -> int:
     """Return the number of steps over the window, a multiple of `COMPARED`."""
     turned = float(np.linalg.norm(scenario.start.omega_body)) * scenario.window.duration
     wanted = min(turned / COMPARED_TURN, MOST_STEPS)
     return COMPARED * max(1, math.ceil(wanted / COMPARED))
 
 
-def _stepped(session: Session, steps: int) -> FloatArray:
-    """Return all numbers of the state after some steps, (13,)."""
+def _state_after(session: Session, steps: int) -> FloatArray:
+    """Return all components of the state after some steps, (13 + rotors,)."""
     session.advance(steps)
     session.check()
     return np.concatenate(list(vars(session.read_state()).values()))

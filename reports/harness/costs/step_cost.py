@@ -1,4 +1,4 @@
-"""Measures the cost of a step: native stepping, and nothing else in the timed region."""
+"""Measures the cost of a step. Only the engine's own stepping is in the timed region."""
 
 import math
 import time
@@ -38,13 +38,13 @@ WARM_UP = 16
 TRIALS = 3
 #: Angle turned in a timed step, rad: so small that no method blows up while it is timed.
 TIMED_TURN = 1e-4
-#: Number of changes of the clock from which its resolution is measured.
+#: Number of changes of the clock's value from which its resolution is measured.
 CLOCK_TICKS = 100
 
 
 @dataclass(frozen=True)
 class TimingSample:
-    """One timed stretch of steps: seconds for each step."""
+    """One timed stretch of steps: CPU time and wall time per step, s."""
 
     cpu: float
     wall: float
@@ -72,12 +72,12 @@ def measure(
 ) -> tuple[list[StepCost | None], list[str]]:
     """Time every method on a scene; methods that run in one process are timed together.
 
-    If a method crashes or hangs the process, only its own cost is missing: the methods are then
-    timed one by one, no longer interleaved.
+    If a method crashes or hangs the process, the methods are timed one by one, no longer
+    interleaved, so that only the cost of that method is missing.
 
     Returns
     -------
-    The costs, None for those that are missing, and complaints.
+    The costs, None for each that is missing, and complaints in words.
 
     Raises
     ------
@@ -104,11 +104,12 @@ def measure(
 
 
 def step_costs(scenario: Scenario, pairs: Sequence[EngineMethod]) -> list[StepCost | None]:
-    """Time every method on a scene, interleaved; None for one that does not load or step.
+    """Time every method on a scene, interleaved; None for a method that does not load or step.
 
     Parameters
     ----------
-    pairs : engines and their methods; a varied engine comes after the engine as it is
+    pairs : engines and their methods; the ratio of a varied engine's cost to that of the unvaried
+        engine is measured if both are among them
     """
     timestep = timed_timestep(scenario)
     timed = interleaved(
@@ -132,7 +133,7 @@ def timed_timestep(scenario: Scenario) -> float:
 
 
 def interleaved(openings: Sequence[Callable[[], Session]]) -> list[list[TimingSample]]:
-    """Time sessions in turn, `REPEATS` stretches each; none for one that does not load or step."""
+    """Time sessions in turn, `REPEATS` stretches each; none if a session fails to load or step."""
     with ExitStack() as stack:
         timed = [_Timed(stack, opening) for opening in openings]
         for _ in range(REPEATS):
@@ -145,7 +146,7 @@ def interleaved(openings: Sequence[Callable[[], Session]]) -> list[list[TimingSa
 
 @dataclass
 class _Timed:
-    """A session being timed, until its engine gives up."""
+    """A session that is timed until its engine refuses something."""
 
     stack: ExitStack
     opening: Callable[[], Session]
@@ -156,7 +157,7 @@ class _Timed:
         self.attempt(self.open)
 
     def attempt(self, action: Callable[[], None]) -> None:
-        """Call something that the engine may refuse; if it does, its times are discarded."""
+        """Call an action that the engine may refuse; if it does, its times are discarded."""
         if self.gave_up:
             return
         try:
@@ -179,7 +180,12 @@ class _Timed:
             self.steps = _in_few_calls(math.ceil(self.steps * longer))
 
     def _least(self, short: float, seconds: float) -> float:
-        """Return the least length of a stretch, s, given the shortest and the last one tried."""
+        """Return the least duration of a stretch, s.
+
+        Parameters
+        ----------
+        short, seconds : durations of a stretch of `WARM_UP` steps and of the last one tried, s
+        """
         a_step = max(0.0, seconds - short) / (self.steps - WARM_UP)
         a_call = max(0.0, short - WARM_UP * a_step)
         return max(STRETCH, RESOLUTIONS * resolution(), a_call / SHARE_OF_CALL)
@@ -189,7 +195,7 @@ class _Timed:
         self.stretches.append(self._stretch(self.steps))
 
     def check(self) -> None:
-        """Check that the timed steps were valid; clamped steps are, as they cost the same."""
+        """Check that the timed steps are valid; clamped steps are, as they cost the same."""
         try:
             self.session.check()
         except EngineError as error:
@@ -208,14 +214,14 @@ class _Timed:
 
 
 def _in_few_calls(steps: int) -> int:
-    """Return at least `steps` steps, with no more binary digits than `DIGITS_OF_STEPS`."""
+    """Return the next number, from `steps` on, with `DIGITS_OF_STEPS` significant binary digits."""
     unit = 1 << max(0, steps.bit_length() - DIGITS_OF_STEPS)
     return math.ceil(steps / unit) * unit
 
 
 @cache
 def resolution() -> float:
-    """Return the smallest change of the CPU clock, s, measured: some systems report a wrong one."""
+    """Return the measured resolution of the CPU clock, s, as some systems report a wrong one."""
     changes: list[float] = []
     before = time.process_time()
     while len(changes) < CLOCK_TICKS:
@@ -231,7 +237,7 @@ def _cost(stretches: Sequence[TimingSample], plain: Sequence[TimingSample]) -> S
 
     Parameters
     ----------
-    plain : for a varied engine, stretches of the engine as it is, timed in turn with its own
+    plain : for a varied engine, stretches of the unvaried engine, timed in turn with these
     """
     if not stretches:
         return None

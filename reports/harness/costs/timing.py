@@ -20,11 +20,11 @@ def time_scene(
     executor: Executor,
     progress: Callable[[str], None],
 ) -> None:
-    """Time in one call every method that can simulate a scene, some also with all left in.
+    """Time every method that can simulate a scene, some also with the passes they leave out.
 
-    All methods are timed, interleaved, even if only one has no time yet: times taken at different
-    moments cannot be compared. Times are stored last, so a scene with times is complete; if the
-    machine prevented the timing, the next run repeats it.
+    All methods are timed in one call, interleaved, even if the time of only one is missing, as
+    times taken at different moments cannot be compared. Times are stored last, so that a scene with
+    times is complete. If the machine prevented the timing, the next run repeats it.
     """
     try:
         complaints = _time_scene(scene, choice, store, executor)

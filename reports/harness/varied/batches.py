@@ -1,8 +1,9 @@
-"""Whether a world's motion depends on the worlds that are stepped with it, and what a step costs.
+"""Tests whether the motion of a world in a batch depends on the other worlds, and times a step.
 
-It must depend neither on the number of worlds, nor on its place, nor on its neighbours. The worlds
-at the first, middle and last place are compared with the same world alone, with each other, and
-with themselves beside neighbours of which one blows up, one is at rest, and one is another body.
+The motion must depend neither on the number of worlds, nor on the world's place in the batch, nor
+on its neighbours. The worlds at the first, middle and last place are compared with the same world
+alone, with each other, and with themselves beside odd neighbours: one that blows up, one at rest,
+and another body.
 """
 
 import math
@@ -30,29 +31,29 @@ from ....scenarios import Scenario
 from ....scenarios.scatter import member
 from ..executors import CallFailed, Executor
 
-#: Time that the steps of a batch may take, about, s; if steps are expensive, less than the window
-#: is compared.
+#: Approximate time that the steps of a batch may take, s. If steps are expensive, only a part of
+#: the window is compared.
 BUDGET = 10.0
-#: Number of steps by which that time is estimated; number of MuJoCo's steps that are timed, and how
-#: often.
+#: Number of steps from which that time is estimated; number of MuJoCo's steps that are timed, and
+#: number of repeats.
 TRIED, TIMED, TIMES = 10, 2000, 5
 #: Spin of a neighbour that blows up, rad/s: it overflows in single precision at once, in double
 #: precision after a few steps.
 BLOWING_UP = 1e60
-#: What a motion depends on if worlds differ without odd neighbours, or only beside all kinds
-#: together.
+#: Names of what a motion depends on, besides kinds of odd neighbours. The first two are found by
+#: batches without odd neighbours; the last one means all kinds together, but no kind alone.
 NUMBER, PLACE, TOGETHER = "the number of worlds", "its place", "its neighbours together"
 
 
 @dataclass(frozen=True)
 class Apart:
-    """How two runs of one world differ.
+    """The difference of two runs of one world.
 
     Attributes
     ----------
     step : the first step at which they differ, among those compared, each twice the one before
     ulp : largest relative distance, at that step, of attitude, ω, position, velocity and spins
-    degrees : angle between their attitudes at the end; infinite if one is not finite
+    degrees : angle between the attitudes at the end; infinite if an attitude is not finite
     """
 
     step: int
@@ -66,16 +67,17 @@ class BatchRow:
 
     Attributes
     ----------
-    device : the device that steps them; the one asked for if nothing was stepped
+    device : the device that steps the worlds; the one asked for if nothing was stepped
     steps : number of steps that are compared
     until : time of the last of these steps, s
-    alone, place, neighbours : the largest difference from the world alone, between places, and
-        of a world from itself beside other neighbours; None if the motions agree to the last bit
-    has_neighbours : whether there is a place for neighbours
-    because : what the motion depends on; empty if on nothing of its batch
+    alone, place, neighbours : the largest difference of a world from the world alone, from the
+        world at the first place, and from itself beside odd neighbours; None if the motions agree
+        to the last bit
+    has_neighbours : whether the batch has places for odd neighbours
+    because : what the motion depends on; empty if it does not depend on its batch
     seconds_per_step : wall time of a step of all worlds
     beside : wall time of a step of `beside_by`, which steps one world on one core
-    outcome, reason : ok; or unsupported or failed, and why nothing could be compared
+    outcome, reason : ok; or unsupported or failed, and the reason why nothing could be compared
     """
 
     scene: str
@@ -99,7 +101,7 @@ class BatchRow:
 
 
 def batch_by(executor: Executor, scenario: Scenario, engine: Engine, row: BatchRow) -> BatchRow:
-    """Return `batch_of` run in another process; a crash, or too long a time, gives a row too."""
+    """Return the row of `batch_of`, run in another process; if it crashes, the row says so."""
     answer = executor.call_at(engine.site, batch_of, scenario, engine, row)
     if isinstance(answer.value, CallFailed):
         return replace(row, outcome="failed", reason=answer.value.reason)
@@ -107,7 +109,12 @@ def batch_by(executor: Executor, scenario: Scenario, engine: Engine, row: BatchR
 
 
 def batch_of(scenario: Scenario, engine: Engine, row: BatchRow) -> BatchRow:
-    """Compare and time a batch; `row` has its scene, engine, method, timestep, size and device."""
+    """Compare and time a batch, and return its row.
+
+    Parameters
+    ----------
+    row : names of scene, engine and method, the timestep, the number of worlds, and the device
+    """
     method = engine.method(row.method)
     if reason := engine.unsupported(scenario, method):
         return replace(row, outcome="unsupported", reason=reason)
@@ -153,9 +160,12 @@ def neighbours_of(scenario: Scenario) -> dict[str, Scenario]:
 
 @dataclass(frozen=True, eq=False)
 class _Motion:
-    """Worlds at some places after some steps.
+    """The worlds at some places of a batch, after some numbers of steps.
 
-    `snapshots` has one entry for each of `ends`, with one snapshot for each place.
+    Attributes
+    ----------
+    ends : the numbers of steps, ascending
+    snapshots : for each of these, one snapshot for each place
     """
 
     ends: Sequence[int]
@@ -173,11 +183,11 @@ class _Study:
     session: Session
 
     def row(self) -> BatchRow:
-        """Return the row, from batches without odd neighbours, with all, or with each kind."""
+        """Return the row, from batches without, with all kinds, and with each kind of neighbour."""
         begun, odd = self.begun, neighbours_of(self.scenario)
         alike = self._batch(())
         alone = self._alone(alike.ends)
-        apart = partial(_apart, states=self.session.states, ulp=self.engine.ulp)
+        apart = partial(_difference, states=self.session.states, ulp=self.engine.ulp)
         # Each place is compared with the first.
         first = replace(alike, snapshots=[[row[0]] * len(row) for row in alike.snapshots])
         by_number, by_place = apart(alone, first), apart(first, alike)
@@ -209,17 +219,23 @@ class _Study:
 
     @property
     def _places(self) -> list[int]:
-        """The first, middle and last place, each once."""
+        """The indices of the first, middle and last place, each once."""
         worlds = self.begun.worlds
         return sorted({0, worlds // 2, worlds - 1})
 
     @property
     def _free(self) -> list[int]:
-        """The places that a neighbour may have."""
+        """The indices of the places for odd neighbours."""
         return [k for k in range(self.begun.worlds) if k not in self._places]
 
     def _batch(self, odd: Sequence[Scenario], ends: Sequence[int] = ()) -> _Motion:
-        """Run a batch with odd neighbours in turn up to `ends`, chosen by their time if empty."""
+        """Run a batch, with odd neighbours in turn at the free places.
+
+        Parameters
+        ----------
+        odd : scenes of the neighbours; none if empty
+        ends : numbers of steps after which the worlds are compared; chosen by their cost if empty
+        """
         scenes = [self.scenario] * self.begun.worlds
         for number, place in enumerate(self._free if odd else ()):
             scenes[place] = odd[number % len(odd)]
@@ -232,7 +248,7 @@ class _Study:
             return _Motion(ends, snapshots, seconds / ends[-1], batch.device)
 
     def _ends(self, scenes: Sequence[Scenario]) -> list[int]:
-        """Return step counts: powers of two, and the window's steps or those there is time for."""
+        """Return numbers of steps: powers of two, and the last that the window or time allows."""
         with closing(self.engine.open_batch(scenes, self.method, self.begun.timestep)) as batch:
             batch.advance(1)
             a_step = batch.timed(TRIED) / TRIED
@@ -247,10 +263,10 @@ class _Study:
         return _Motion(ends, [[one] * len(self._places) for one in snapshots])
 
 
-def _apart(
+def _difference(
     first: _Motion, second: _Motion, states: Callable[[Sequence[object]], State], ulp: float
 ) -> Apart | None:
-    """Return the largest difference of two motions over places; None if their bits agree."""
+    """Return the largest difference of two motions at any place; None if all bits agree."""
     same = [
         np.array_equal(np.asarray(a), np.asarray(b), equal_nan=True)
         for a, b in zip(first.snapshots, second.snapshots, strict=True)
@@ -264,12 +280,12 @@ def _apart(
 
 
 def _distance(first: State, second: State) -> float:
-    """Return the largest relative distance of a quantity over all rows; infinite if not finite."""
+    """Return the largest relative distance of any quantity in any row; infinite if not finite."""
     found = [0.0]
     for a, b in zip(first.columns, second.columns, strict=True):
-        size, off = (np.linalg.norm(x, axis=1) for x in (a, b - a))
-        apart = (size > 0) & (off != 0)
-        found += (off[apart] / size[apart]).tolist()
+        size, deviation = (np.linalg.norm(x, axis=1) for x in (a, b - a))
+        apart = (size > 0) & (deviation != 0)
+        found += (deviation[apart] / size[apart]).tolist()
     most = float(np.max(found))
     return most if math.isfinite(most) else math.inf
 

@@ -1,4 +1,4 @@
-"""Runs of one scene at one timestep by engines that are varied, each as a row."""
+"""Runs one scene at one timestep with varied engines, and makes a row of each run."""
 
 from dataclasses import replace
 
@@ -14,7 +14,7 @@ from ..timesteps.ladder import Rung
 
 
 def varied_row(scenario: Scenario, engine: Engine, run: Run, rung: Rung, solution: Solution) -> Row:
-    """Return what is kept of a run by a varied engine: a few numbers, and no motion."""
+    """Return the row of a run by a varied engine, without its motion."""
     key = Key(scenario.name, engine.name, run.method)
     row = row_of(scenario, key, run.engine_version, rung, run, solution)
     return replace(row, variation=variation(engine.varied), motion=None)
@@ -28,13 +28,17 @@ def runs_with_defaults(
     solution: Solution,
     at: Places | None = None,
 ) -> list[Row]:
-    """Return runs of a method as shipped with no default, each default alone, and all but each.
+    """Run a method as shipped with no default, with each default alone, and with all but each.
 
     Parameters
     ----------
     rung, solution : the timestep and samples of all runs, and the exact motion at the samples
-    at : exact states from which single steps are taken, to find which defaults change the limit of
-        short timesteps (`Row.acts`); None if that is not asked
+    at : exact states from which single steps are taken, to find out which defaults change the limit
+        of vanishing timesteps (`Row.acts`); None if that is not wanted
+
+    Returns
+    -------
+    One row for each set of defaults
     """
     method = engine.method(method_name)
     names = engine.defaults(scenario, method)

@@ -1,8 +1,8 @@
-"""Runs what is missing of an ensemble, member by member, on an executor.
+"""Runs the missing results of an ensemble, member by member, on an executor.
 
 One call runs all methods at a point, so that its scene is solved once. If that call fails, the
-scene is solved alone, to find out whether the reference or an engine failed, and then each method
-is run alone: a crash costs one method's result.
+scene is solved alone, to find out whether the reference or an engine has failed, and then each
+method is run alone, so that a crash costs the result of one method only.
 """
 
 import json
@@ -34,13 +34,13 @@ class PointLeft:
 
 @dataclass(frozen=True, eq=False)
 class EnsemblePlan:
-    """What an ensemble still has to run.
+    """The results of an ensemble that are missing.
 
     Attributes
     ----------
     pairs : the methods asked for
-    stored : engine and method of the stored results, for each point's variation
-    total, complete : number of points asked for, and of complete ones
+    stored : engines and methods of the stored results, by the variation of the point
+    total, complete : number of points asked for, and of complete points
     """
 
     ensemble: Ensemble
@@ -63,7 +63,7 @@ class EnsemblePlan:
 
 
 def plan_ensemble(ensemble: Ensemble, base: Scenario, choice: Choice, store: Store) -> EnsemblePlan:
-    """Store the definition of an ensemble, and determine what is missing."""
+    """Store the definition of an ensemble, and determine which results are missing."""
     store.rest_on(tuple(fingerprints(base, choice.engines)))
     store.put_environment(environment(choice.engines))
     store.put_methods(choice.engines)
@@ -97,7 +97,7 @@ def run_ensemble(
 
 
 def study_point(left: PointLeft, base: Scenario, store: Store, executor: Executor) -> EnsemblePoint:
-    """Return one point with the results of all its methods, which are stored."""
+    """Run the missing methods at a point, store their results, and return the point."""
     store.put(*_rows(left, base, executor))
     return left.point
 
@@ -109,7 +109,7 @@ def _rows(
 
     Parameters
     ----------
-    is_solved : whether it is known that the exact motion is not to blame
+    is_solved : whether it is known that the exact motion can be found
     """
     rows = executor.call(run_point, base, left.point, left.to_run).value
     if not isinstance(rows, CallFailed):

@@ -21,7 +21,7 @@ Solved = dict[float, Solution] | str
 
 
 def run_point(base: Scenario, point: EnsemblePoint, pairs: Sequence[EngineMethod]) -> list[Row]:
-    """Return one row for each method.
+    """Run methods at a point of an ensemble, and return one row for each method.
 
     Without methods the exact motion is still solved, and there are no rows.
 
@@ -62,7 +62,7 @@ def not_run(
 
 
 def _timestep(base: Scenario, point: EnsemblePoint, engine: Engine) -> float:
-    """Return the timestep of a run that was not made, s; 0 if it has none."""
+    """Return the timestep of a run that was not made, s; 0 if it cannot be determined."""
     if point.timestep is not None:
         return point.timestep
     try:
@@ -113,7 +113,7 @@ def _row(
     row = row_of(scenario, key, engine.version, within, run, solution)
     exact, is_single = solution.trajectory, engine.single_precision
     row = with_defects(row, scenario, exact, is_single=is_single)
-    # Only a few numbers are kept, as there are many points.
+    # Motion and defects are not stored, as there are many points.
     return replace(row, variation=variation(point.varied), motion=None, defects=None)
 
 
@@ -123,13 +123,13 @@ def scene_at(point: EnsemblePoint, base: Scenario) -> Scenario:
     Raises
     ------
     ScenarioError
-        If it is not a valid scene.
+        If the varied scene is not valid.
     """
     return member(base, point.seed, point.number)
 
 
 def rung_at(point: EnsemblePoint, scenario: Scenario, engine: Engine) -> Rung | str:
-    """Return timestep and samples of a run of the scene at a point, or why the run is not made.
+    """Return the rung of a run of the scene at a point, or in words why the run is not made.
 
     Raises
     ------
