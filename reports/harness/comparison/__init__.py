@@ -1,1 +1,1 @@
-"""How a run differs from the exact motion: over the whole window, and in each interval of it."""
+"""Compares runs with the exact motion: over the whole window, and between successive samples."""

@@ -1,10 +1,10 @@
 """The defects of a run: the difference from the exact flow that arises between two samples.
 
-From each sample of an engine the exact flow is followed to the next one, and compared with what the
-engine did. Errors that came before do not count: a defect means something even where a motion is
-chaotic, and where errors have long saturated, and it shows a fault in the interval in which it acts
+From each sample of a run the exact flow is followed to the time of the next sample, and its state
+is compared with that sample. Earlier errors do not count. So a defect is meaningful even where a
+motion is chaotic or errors have saturated, and it shows a fault in the interval in which it acts
 (W. H. Enright, J. Comput. Appl. Math. 125 (2000) 159; L. F. Shampine, J. Comput. Appl. Math. 175
-(2005) 195). Every interval is followed from end to end, so that nothing is missed between them.
+(2005) 195). The intervals cover the whole run, so that no fault is missed.
 
 Defects are in the norms of errors, relative to the same bases of the exact motion.
 """
@@ -21,9 +21,9 @@ from ....scenarios.fastest_rate import fastest_rate
 from ....scenarios.mechanics import RECENT
 from ...results.records import Defect, Row
 
-#: Largest turn of a motion, rad, that is followed: more would take longer than a second.
+#: Largest turn of a motion, rad, that is followed: a larger turn would take more than a second.
 FARTHEST_TURN = 1e5
-#: Least error of a step by rounding, in roundings of the state: a step makes more than one product.
+#: Least error of a step by rounding, relative: it is several ulp, as a step has several products.
 LEAST_ROUNDING = 8 * float(np.finfo(float).eps)
 #: Relative noise of a step that is no fault: the tolerance of iterative solvers.
 NOISE = 1e-12
@@ -39,8 +39,8 @@ class Defects:
     ----------
     t : ends of the intervals between samples, s, (n − 1,)
     series : the defects at these times
-    rounding : the largest defects of the exact motion when it is rounded to doubles: the rounding
-        of a state at the beginning of an interval, grown to its end
+    rounding : the largest defects of the exact motion rounded to doubles: rounding errors at the
+        beginning of an interval, as they have grown by its end
     """
 
     t: FloatArray
@@ -48,12 +48,12 @@ class Defects:
     rounding: Errors
 
     def summary(self, steps: int, ulp: float) -> dict[str, Defect]:
-        """Return the record to store, by signal.
+        """Return the records to store, by the name of the signal.
 
         Parameters
         ----------
         steps : number of steps of the whole run
-        ulp : relative distance of the engine's numbers
+        ulp : relative spacing of the engine's numbers
         """
         step = max(ulp, NOISE) / np.finfo(float).eps
         roundings = np.sqrt(1 + steps / len(self.t)) * step
@@ -65,13 +65,14 @@ class Defects:
         }
 
     def attitude_a_turn(self, motion: Trajectory, usual: float) -> float | None:
-        """Return the median error that a turn of the run adds to the attitude, rad, while it moves.
+        """Return the median attitude error that a turn of the run adds, rad; None if it is at rest.
 
-        At rest there are no turns: a run that has stopped would seem exact. None if it never moves.
+        Intervals at rest are left out, as a run that has stopped would seem exact.
 
         Parameters
         ----------
-        usual : turns that the exact motion makes between two samples
+        motion : the run
+        usual : mean number of turns of the exact motion between two samples
         """
         turns = turns_made(motion)
         moves = turns > MOVING * usual
@@ -81,11 +82,12 @@ class Defects:
 
 
 def defects(scenario: Scenario, motion: Trajectory, exact: Trajectory) -> Defects | None:
-    """Return the defects of a run; None if it has one sample, or turns too far to be followed.
+    """Return the defects of a run; None if it has one sample only, or turns too far.
 
     Parameters
     ----------
-    exact : the exact motion at the run's samples, or at more
+    motion : the run
+    exact : the exact motion at the run's samples, or at more times
     """
     turn = fastest_rate(scenario, motion.omega_body) * float(motion.t[-1])
     if len(motion.t) < 2 or turn > FARTHEST_TURN:
@@ -99,12 +101,12 @@ def defects(scenario: Scenario, motion: Trajectory, exact: Trajectory) -> Defect
 
 
 def with_defects(row: Row, scenario: Scenario, exact: Trajectory, *, is_single: bool) -> Row:
-    """Return the row of a run with its defects, and the error that they add in a turn.
+    """Return the row of a run with its defects, and the attitude error that a turn adds.
 
     Parameters
     ----------
-    exact : the exact motion at the run's samples, or at more
-    is_single : whether the engine's numbers are in single precision
+    exact : the exact motion at the run's samples, or at more times
+    is_single : whether the engine computes in single precision
     """
     if row.motion is None or row.errors is None:
         return row
@@ -118,7 +120,7 @@ def with_defects(row: Row, scenario: Scenario, exact: Trajectory, *, is_single: 
 
 
 def turns_made(motion: Trajectory) -> FloatArray:
-    """Return the turns between neighbouring samples of a motion, 2π rad each, (n − 1,)."""
+    """Return the turns, of 2π rad, between successive samples of a motion, (n − 1,)."""
     rates = np.linalg.norm(motion.omega_body, axis=1)
     turns: FloatArray = (rates[1:] + rates[:-1]) / (4 * np.pi) * np.diff(motion.t)
     return turns

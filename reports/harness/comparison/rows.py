@@ -1,4 +1,4 @@
-"""Compares one run with the exact motion and with the scene's expectations of it."""
+"""Compares one run with the exact motion and with the scene's expectations of the run."""
 
 from collections.abc import Iterator
 from dataclasses import replace
@@ -26,7 +26,7 @@ from .defects import turns_made
 
 #: A run whose energy error exceeds this many times the base has blown up.
 ABSURD_ENERGY = 10.0
-#: Turns are counted until the attitude is off by this angle, rad.
+#: Turns are counted until the attitude error exceeds this angle, rad.
 DEGREE = np.pi / 180
 
 
@@ -38,7 +38,12 @@ def row_of(
     result: Run | CallFailed,
     solution: Solution,
 ) -> Row:
-    """Return the row of a run, compared with the exact motion at the run's own sample times."""
+    """Return the row of a run, compared with the exact motion at the run's own sample times.
+
+    Parameters
+    ----------
+    version : the engine's version, if the run's call has failed
+    """
     if isinstance(result, CallFailed):
         return Row(key, version, rung.timestep, "failed", result.reason, result.cause)
     row = Row(
@@ -91,7 +96,13 @@ def compared(
     solution: Solution,
     steps: StepEvidence | None,
 ) -> Row:
-    """Return the row of a study's run, with what the method's single steps show."""
+    """Return the row of a study's run, marked if the method's single steps show a fault.
+
+    Parameters
+    ----------
+    answer : the run, and what the engine printed
+    steps : the evidence from single steps; None if there is none
+    """
     run = _of_other_law(answer.value, steps)
     row = row_of(scenario, key, engine.version, rung, run, solution)
     return replace(row, printed=answer.printed, stock=rung.timestep in stock_timesteps(engine))
@@ -108,7 +119,7 @@ def _of_other_law(run: Run | CallFailed, steps: StepEvidence | None) -> Run | Ca
 def unmet_expectations(
     scenario: Scenario, expected: Expect, row: Row, exact: Trajectory
 ) -> list[str]:
-    """Return a scene's unmet expectations of one run, as `WHAT at TIMESTEP: how it is`.
+    """Return a scene's unmet expectations of one run, as `WHAT at TIMESTEP: the actual value`.
 
     Parameters
     ----------
@@ -151,20 +162,20 @@ def no_better_than_rest(
 ) -> str:
     """Return in words the signals in which a run is no better than no motion; empty if none.
 
-    Bounds on energy and norms do not find such runs: with an implicit rule at too large a step, a
-    clamp, a joint motor or another body in the model, a run stays bounded. They are found by
-    comparison with rest, a body that does not turn or stays where it was, as a forecast without
-    skill is by comparison with a trivial one (A. H. Murphy, Mon. Wea. Rev. 116 (1988) 2417). A
-    run is `lost` where its distance from the exact motion is at least the distance of either of
-    the two from rest.
+    Bounds on energy and norms do not find such runs, as a run stays bounded with an implicit rule
+    at too large a step, a clamp, a joint motor or another body in the model. They are found by
+    comparison with rest, a body that neither turns nor moves, as a forecast without skill is found
+    by comparison with a trivial forecast (A. H. Murphy, Mon. Wea. Rev. 116 (1988) 2417). A run is
+    `lost` in a signal if its distance from the exact motion is at least the size of the run or the
+    size of the exact motion, whichever is smaller.
 
-    Distances are root mean squares over the second half of the window, since errors grow and a
-    single sample of a motion that flips a little early is off by twice its size; sizes are root
-    mean squares over all of the window. L, which only a torque can change, does not flip: there
-    the largest error of any sample counts, against the largest |L|.
+    The distance is a root mean square over the second half of the window, as errors grow, and as a
+    single sample of a motion that flips a little early has an error of twice its size. The sizes
+    are root mean squares over the whole window. L, which only a torque can change, does not flip:
+    its largest error at any sample is compared with the largest |L|.
 
-    The outcome of such a run is `ok`, with no time at which it stopped, and on a ladder its
-    error counts like any other. `Row.survived` is false.
+    The outcome of such a run is `ok`, with no time at which it stopped, and on a ladder its error
+    counts like that of any other run. `Row.survived` is false.
 
     Parameters
     ----------
@@ -189,9 +200,16 @@ def _signals(
 
 
 def _of_path(name: str, run: FloatArray, exact: FloatArray, times: FloatArray) -> Iterator[str]:
-    """Yield a complaint if a signal, zero at rest, is no better than rest, (n, 3)."""
+    """Yield a complaint if a signal that is zero at rest is no better than rest.
+
+    Parameters
+    ----------
+    name : name of the signal
+    run, exact : its values, in the run and in the exact motion, (n, 3) each
+    times : s, (n,)
+    """
     if not exact.any():
-        # Relative to an exact value of zero even round-off would be infinite.
+        # Relative to a size of zero, even round-off would be infinite.
         return
     size = min(_rms(run), _rms(exact))
     error = run - exact

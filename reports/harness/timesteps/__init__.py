@@ -1,1 +1,1 @@
-"""The timesteps of runs: a ladder of halved ones, and those that users get by default."""
+"""The timesteps of runs: a ladder of halved timesteps, and the timesteps users get by default."""

@@ -1,4 +1,4 @@
-"""The ladder of halved timesteps that a method is run at, chosen from the motion alone."""
+"""The ladder of halved timesteps at which a method is run, chosen from the motion alone."""
 
 import math
 from collections.abc import Iterator
@@ -15,18 +15,19 @@ COARSEST_TURN = 0.2
 #: Above the ladder timesteps are doubled up to this angle, rad: half a turn, beyond which samples
 #: cannot tell a rotation from its opposite.
 LARGEST_TURN = math.pi
-#: Fewest steps of a run above the ladder: in fewer, an instability has no time to grow.
+#: Fewest steps of a run above the ladder: in fewer steps, an instability has no time to grow.
 LEAST_STEPS = 10
 #: A ladder ends before a run would take more steps than this.
 MAX_STEPS = 1 << 20
 #: A quick study's ladders end before a run would take more steps than this.
 QUICK_STEPS = 1 << 14
-#: A ladder also ends before a run would take more steps than this if it shows what errors come to,
-#: as those at finer timesteps follow from the order.
+#: A ladder also ends before a run would take more steps than this, once it shows how errors
+#: decrease: the errors at finer timesteps follow from the order.
 DECIDED_STEPS = 1 << 12
 #: A ladder is not ended early before it has this many rungs.
 MIN_RUNGS = 6
-#: Factor by which runs of the first rungs, which show an order, may exceed the limit of steps.
+#: Number of the first rungs, which show an order, and factor by which the number of their steps may
+#: exceed the limit.
 LEAST_RUNGS = 3
 EXCESS = 4
 #: Largest step count: beyond it a step's number is no longer exact as a double.
@@ -40,8 +41,8 @@ class Rung:
     Attributes
     ----------
     timestep : s
-    sample_steps : (n,) step counts of the samples, the first of them 0
-    every : n, if this rung is sampled at every n-th sample of its ladder
+    sample_steps : number of steps before each sample, the first of them 0, (n,)
+    every : m, if this rung is sampled at every m-th sample of its ladder
     """
 
     timestep: float
@@ -55,7 +56,7 @@ class Rung:
 
     @property
     def times(self) -> FloatArray:
-        """The times of the samples, s."""
+        """The times of the samples, s, (n,)."""
         return np.asarray(self.sample_steps * self.timestep, dtype=float)
 
     def until(self, samples: int) -> "Rung":
@@ -65,15 +66,15 @@ class Rung:
 
 @dataclass(frozen=True, eq=False)
 class Ladder:
-    """The timesteps that fit a scene's motion; all are powers of two of one.
+    """The timesteps that fit a scene's motion; their ratios are powers of two.
 
     Attributes
     ----------
     rungs : coarse to fine, all sampled at the same times; empty if the first would take too many
         steps, or there are no sample times
-    above : coarser timesteps, each twice the one before, starting at twice the first rung's; they
-        show the largest stable timestep, and take no part in a verdict
-    times : (n,) s, at which all rungs are sampled
+    above : coarser timesteps, each twice the one before, from twice the first rung's on. They show
+        the largest stable timestep, and take no part in a verdict
+    times : the times at which all rungs are sampled, s, (n,)
     least_steps : number of steps of the first rung, even if the ladder is empty
     """
 
@@ -83,7 +84,7 @@ class Ladder:
     least_steps: float
 
     def until(self, samples: int) -> "Ladder":
-        """Return the ladder with the first samples only, as far as the exact motion is known."""
+        """Return the ladder with the first samples only, at which the exact motion is known."""
         if samples < 2:
             return Ladder((), (), self.times[:samples], least_steps=0.0)
         parts = (self.rungs, self.above)
@@ -95,17 +96,18 @@ class Ladder:
 def ladder(window: Window, fastest_rate: float, samples: int, max_steps: int = MAX_STEPS) -> Ladder:
     """Choose timesteps for a motion.
 
-    The coarsest turns the body by at most `COARSEST_TURN` where it is fastest, and fits a whole
-    number of times between two samples. Halving is exact in binary, so that all rungs share their
-    sample times to the last bit. If samples are so close that even one step between them leaves no
-    room for a ladder, only every second, fourth, … sample is used.
+    A step with the coarsest timestep turns the body by at most `COARSEST_TURN` where it is fastest,
+    and a whole number of these steps fits between two samples. Halving is exact in binary, so that
+    all rungs share their sample times to the last bit. If the samples are so close that a ladder
+    with one step between them would have too few rungs, only every second, fourth, … sample is
+    used.
 
     Parameters
     ----------
     fastest_rate : the fastest rate, rad/s
     samples : number of samples of the window at which the exact motion is known
-    max_steps : a ladder of `LEAST_RUNGS` or more ends before a run would take more, a shorter one
-        before it would take `EXCESS` times as many
+    max_steps : a ladder of `LEAST_RUNGS` rungs or more ends before a run would take more steps, a
+        shorter ladder before a run would take more than `EXCESS` times as many
     """
     interval = window.duration / (window.samples - 1)
     per_interval = max(1.0, float(np.ceil(interval * fastest_rate / COARSEST_TURN)))
@@ -128,7 +130,13 @@ def ladder(window: Window, fastest_rate: float, samples: int, max_steps: int = M
 
 
 def _thinned(intervals: int, turn: float) -> int:
-    """Return n, a power of two, to use every n-th sample, given the turn between two, rad."""
+    """Return m, a power of two, if every m-th sample is to be used.
+
+    Parameters
+    ----------
+    intervals : number of intervals between samples
+    turn : largest turn between two samples, rad
+    """
     every = 1
     while (
         intervals // every * 2 ** (MIN_RUNGS - 1) > MAX_STEPS and 2 * every * turn <= COARSEST_TURN
@@ -138,7 +146,13 @@ def _thinned(intervals: int, turn: float) -> int:
 
 
 def _above(coarsest: float, counts: NDArray[np.int64], fastest_rate: float) -> Iterator[Rung]:
-    """Yield doubled timesteps, each with the samples that lie at whole steps of it."""
+    """Yield the rungs above a ladder, each sampled where its whole steps end at a ladder's sample.
+
+    Parameters
+    ----------
+    coarsest : the ladder's coarsest timestep, s
+    counts : number of steps of that timestep before each sample, (n,)
+    """
     per_interval = int(counts[1])
     for k in count(1):
         timestep = coarsest * 2**k
@@ -153,7 +167,7 @@ def _above(coarsest: float, counts: NDArray[np.int64], fastest_rate: float) -> I
 
 
 def single(timestep: float, times: NDArray[np.float64]) -> Rung:
-    """Return a rung with a given timestep, sampled at the whole steps nearest to `times`.
+    """Return a rung with a given timestep, s, sampled at the whole steps nearest to `times`, s.
 
     Raises
     ------

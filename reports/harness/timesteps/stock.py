@@ -1,4 +1,4 @@
-"""Runs at stock timesteps: the engine's default, and one that is the same for all engines.
+"""Runs at stock timesteps: the engine's default, and a timestep common to all engines.
 
 They are made and stored in addition to a method's ladder. The run at the engine's own stock
 timestep is replayed for the method's verdict (`measuring/replay.py`).
@@ -13,7 +13,7 @@ from ....reference import Solution
 from ....scenarios import FloatArray, Scenario
 from .ladder import LARGEST_TURN, LEAST_STEPS, QUICK_STEPS, Rung, single
 
-#: Timestep at which every engine is run, too, so that all can be compared at one timestep, s.
+#: Timestep, s, at which every engine is run, so that engines can be compared at one timestep.
 COMMON_TIMESTEP = 1e-3
 #: Largest number of steps of a run that is made: such a run takes about 1 s in MuJoCo, a few in
 #: PyBullet. For hard scenes see `stock_runs_of`.
@@ -26,8 +26,10 @@ class StockRun:
 
     Attributes
     ----------
-    rung, solution : None if the run is not made
-    refusal : why it is not made, with the numbers; else empty
+    timestep : s
+    rung, solution : the timestep with its samples, and the exact motion at these; None if the run
+        is not made
+    refusal : why the run is not made, in words; else empty
     """
 
     timestep: float
@@ -49,9 +51,13 @@ def stock_timesteps(engine: Engine) -> tuple[float, ...]:
 def stock_runs_of(
     engine: Engine, scenario: Scenario, at_stock: Iterable[StockRun]
 ) -> list[StockRun]:
-    """Return an engine's runs at stock timesteps: its own, and the one common to all engines.
+    """Return an engine's runs at its own stock timestep and at the one common to all engines.
 
     On a hard scene the latter is not made if it would take more steps than a quick study's ladder.
+
+    Parameters
+    ----------
+    at_stock : the runs at the stock timesteps of all engines
     """
     own, common = stock_timestep(engine), COMMON_TIMESTEP
     return [
@@ -73,11 +79,12 @@ def _refused_if_long(run: StockRun) -> StockRun:
 
 
 def stock_rung(times: FloatArray, timestep: float, rate: float) -> Rung | str:
-    """Return the rung of a run with a stock timestep, or why the run is not made.
+    """Return the rung of a run with a stock timestep, or in words why the run is not made.
 
     Parameters
     ----------
     times : times of the window's samples, as far as the motion is known, s, (n,)
+    timestep : s
     rate : fastest rate of the motion, rad/s
     """
     if refusal := _refusal(timestep, rate, float(times[-1])):
@@ -89,7 +96,7 @@ def stock_rung(times: FloatArray, timestep: float, rate: float) -> Rung | str:
 
 
 def _refusal(timestep: float, rate: float, horizon: float) -> str:
-    """Return why a run with this timestep is not made; empty if it is made."""
+    """Return in words why a run with this timestep is not made; empty if it is made."""
     turn, steps = timestep * rate, horizon / timestep
     if turn > LARGEST_TURN:
         return (
