@@ -1,4 +1,4 @@
-"""The part of a study that a user asks for."""
+"""The part of a study that a user chooses to run."""
 
 from dataclasses import dataclass
 
@@ -16,11 +16,11 @@ class Choice:
 
     Attributes
     ----------
-    timesteps : s; if empty, the ladder is run
-    max_steps : a ladder ends before a run would take more steps
+    timesteps : s; if there are none, the ladder is run
+    max_steps : a ladder ends before a run would take more steps than this
     timed : whether steps are timed
-    hard_in_passing : whether hard scenes get short ladders without timing, as in a quick study,
-        because few steps show which methods survive
+    hard_in_passing : whether hard scenes get short ladders, and are not timed, as in a quick study:
+        a few steps show which methods survive
     time_limit : CPU time that a run may take, s; the workers' own limit if None
     again : whether stored runs are made again
     """
@@ -55,7 +55,8 @@ class Choice:
     def methods_on(self, scenario: Scenario) -> dict[Key, EngineMethod]:
         """Return the chosen engines and methods for one scene, by the keys of their results.
 
-        Methods that are made for other scenes are included only if the user named them.
+        Methods that the engine does not offer for the scene are included only if the user named
+        methods.
         """
         return {
             Key(scenario.name, engine.name, method.name): (engine, method)

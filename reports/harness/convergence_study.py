@@ -29,9 +29,9 @@ class PlannedRun:
     Attributes
     ----------
     solution : the exact motion at the samples of the rung
-    use : what the run is for
-    judged : whether it was judged before, so that its samples are not needed
-    expectations : expectations of the scene that name a single timestep
+    use : the purpose of the run
+    judged : whether the run was judged before, so that its samples are not needed
+    expectations : expectations of the scene for this timestep
     """
 
     rung: Rung
@@ -41,7 +41,10 @@ class PlannedRun:
     expectations: tuple[Expect, ...] = ()
 
     def is_answered_by(self, row: Row) -> bool:
-        """Whether a stored row is enough: to judge, draw or expect a run takes its motion."""
+        """Whether a stored row is enough.
+
+        The run's motion is needed to judge it, to draw it, and to compare it with expectations.
+        """
         if row.outcome != "ok" or self.judged:
             return True
         if self.use in ("single", "above") and not self.expectations:
@@ -51,19 +54,21 @@ class PlannedRun:
 
 @dataclass(eq=False)
 class ConvergenceStudy:
-    """The runs of a method on a scene, in order, and what their verdict is based on.
+    """The runs of a method on a scene, in order, and the evidence that its verdict is based on.
 
     Attributes
     ----------
     solution : the exact motion at the ladder's sample times
     ladder : None if only single timesteps are asked for
-    singles : asked for by a user, or named in an expectation of the scene
+    singles : runs at timesteps that a user asked for, or that an expectation of the scene names
     stock : runs at stock timesteps
     before : the stored evidence that the method was judged by before; None if there is none
-    rows, single_rows, above_rows, stock_rows : the runs so far
+    rows, single_rows, above_rows, stock_rows : the rows so far, of the ladder, of single timesteps,
+        of timesteps above the ladder, and of stock timesteps
     unmet : expectations of the scene that were not met, in words
-    places : exact states from which the method's steps are tested, if there are any
-    steps, own_steps, replays, refusal : what the method is judged by (see `Evidence`)
+    places : exact states from which the method's steps are tested, and the timesteps of these
+        steps, if there are any
+    steps, own_steps, replays, refusal : the evidence that the method is judged by (see `Evidence`)
     """
 
     scenario: Scenario
@@ -87,14 +92,14 @@ class ConvergenceStudy:
 
     @property
     def evidence(self) -> Evidence:
-        """What the method is judged by besides its rows: the stored evidence, if there is any."""
+        """The evidence that the method is judged by: the stored evidence, if there is any."""
         return self.before or Evidence(
             self.key, self.steps, self.own_steps, self.replays, self.refusal
         )
 
     @property
     def records(self) -> Records:
-        """All that the method is judged by, as far as it has been run."""
+        """The records by which the method is judged, as far as it has been run."""
         scenario, engine = self.scenario, self.engine
         return Records(
             self.evidence,
@@ -114,7 +119,10 @@ class ConvergenceStudy:
 
     @property
     def made_runs(self) -> tuple[list[MadeRun], list[MadeRun]]:
-        """The runs to be replayed: the ladder's, coarse to fine; then singles and the stock run."""
+        """The runs that may be replayed: the ladder's, coarse to fine, and the other runs.
+
+        The other runs are those at single timesteps and at the engine's own stock timestep.
+        """
         ladder = self.ladder.rungs if self.ladder else ()
         others = [planned.rung for planned in self.singles]
         own = stock_timestep(self.engine)
@@ -134,14 +142,14 @@ class ConvergenceStudy:
 
     @property
     def key(self) -> Key:
-        """Scene, engine and method of the results."""
+        """The key of the results: scene, engine and method."""
         return Key(self.scenario.name, self.engine.name, self.method.name)
 
     def runs(self) -> Generator[PlannedRun, Row]:
-        """Yield one planned run after another, and receive its row, just made or stored.
+        """Yield one planned run after another, and receive the row of each, just made or stored.
 
-        First come the single timesteps, then the ladder down to where it can be judged, then
-        timesteps above it as long as runs survive, then stock timesteps.
+        The order is: single timesteps; the ladder, down to the rung at which it can be judged;
+        timesteps above the ladder, as long as runs survive; and stock timesteps.
         """
         for single in self.singles:
             row = yield single
@@ -168,7 +176,7 @@ class ConvergenceStudy:
                 self.stock_rows.append((yield PlannedRun(run.rung, run.solution, "stock")))
 
     def compare(self, planned: PlannedRun, answer: Answer[Run]) -> Row:
-        """Compare an answered run with the exact motion; return its row."""
+        """Compare a run with the exact motion, and return its row."""
         row = compared(
             self.scenario,
             self.engine,
@@ -176,19 +184,19 @@ class ConvergenceStudy:
             planned.rung,
             answer,
             planned.solution,
-            # An engine as shipped is expected to differ.
+            # The equations of an engine as shipped are expected to differ from the scene's.
             None if self.method.as_shipped else self.steps,
         )
         if row.stock or planned.use == "single":
             exact, is_single = planned.solution.trajectory, self.engine.single_precision
             return with_defects(row, self.scenario, exact, is_single=is_single)
         if self.rows and planned.use == "above":
-            # Its samples are not needed, as finer runs are judged and drawn.
+            # The run's samples are not needed, as finer runs are judged and drawn.
             return replace(row, motion=None)
         return row
 
     def refusals(self) -> list[Row]:
-        """Return rows of stock timesteps that do not fit the scene: `unsupported`, not run."""
+        """Return the rows, `unsupported`, of stock timesteps that are not run on the scene."""
         return [
             Row(
                 self.key,
@@ -209,10 +217,10 @@ class ConvergenceStudy:
         return cut_short(self.records)
 
     def discardable_timesteps(self) -> list[float]:
-        """Return timesteps of the runs whose samples are not needed after the verdict.
+        """Return the timesteps, s, of the runs whose samples are not needed after the verdict.
 
-        A report shows the finest run that has samples, and those at stock timesteps; an expectation
-        that is unmet says since when.
+        Samples are needed of the finest run that has them and of runs at stock timesteps, which a
+        report shows, and of runs with expectations, to tell from which time on one is not met.
         """
         rows = self.rows + self.single_rows + self.above_rows
         kept = {single.rung.timestep for single in self.singles if single.expectations}
@@ -221,16 +229,20 @@ class ConvergenceStudy:
 
     @property
     def _stock_left(self) -> list[StockRun]:
-        """Stock timesteps that have not been run yet; none if no timestep can succeed."""
-        return [] if self._pointless else [r for r in self.stock if r.timestep not in self._taken]
+        """Runs at stock timesteps that are still to be made; none if no timestep can succeed."""
+        return (
+            []
+            if self._is_hopeless
+            else [r for r in self.stock if r.timestep not in self._timesteps_so_far]
+        )
 
     @property
-    def _taken(self) -> set[float]:
+    def _timesteps_so_far(self) -> set[float]:
         rows = self.rows + self.single_rows + self.above_rows + self.stock_rows
         return {row.timestep for row in rows}
 
     @property
-    def _pointless(self) -> bool:
+    def _is_hopeless(self) -> bool:
         """Whether the method cannot simulate the scene, or failed at every timestep so far."""
         if self.engine.unsupported(self.scenario, self.method):
             return True
@@ -238,7 +250,7 @@ class ConvergenceStudy:
 
 
 def thinned(solution: Solution, every: int) -> Solution:
-    """Return the exact motion at every n-th of its sample times."""
+    """Return the exact motion at every m-th of its sample times, with m given by `every`."""
     if every == 1:
         return solution
     return replace(solution, trajectory=solution.trajectory.every(every))

@@ -15,7 +15,7 @@ from .executors import may_succeed_if_repeated
 
 @dataclass(frozen=True, eq=False)
 class SceneLeft:
-    """A scene, and which of its results are missing.
+    """A scene, and its missing results.
 
     Attributes
     ----------
@@ -30,11 +30,11 @@ class SceneLeft:
 
 @dataclass(frozen=True, eq=False)
 class Plan:
-    """What a study still has to do.
+    """The results of a study that are still to be computed.
 
     Attributes
     ----------
-    scenes : the incomplete ones, in the order asked for
+    scenes : the incomplete scenes, in the order asked for
     there : number of valid verdicts in the file
     outdated : number of verdicts that are invalid because scene, engine or program has changed
     """
@@ -49,7 +49,7 @@ class Plan:
         return sum(len(scene.to_run) + scene.to_time for scene in self.scenes)
 
     def __str__(self) -> str:
-        """Return in words how many stored results are used again; empty if none."""
+        """Return in words how many stored verdicts are used, and how many are outdated."""
         verdicts = self.there + sum(len(scene.to_run) for scene in self.scenes)
         counts = [f"{self.there} of {verdicts} verdicts are stored already"] if self.there else []
         if self.outdated:
@@ -58,7 +58,11 @@ class Plan:
 
 
 def plan(scenarios: Sequence[Scenario], choice: Choice, store: Store) -> Plan:
-    """Return the plan of a study: skip valid results, and determine what is missing."""
+    """Determine which results of a study are missing from the store.
+
+    Outdated results do not count. If `Choice.again` is set, the stored results asked for are
+    deleted.
+    """
     if choice.again:
         store.forget(key for scenario in scenarios for key in choice.methods_on(scenario))
     outdated = sum(store.rest_on(tuple(fingerprints(s, choice.engines))) for s in scenarios)
@@ -73,7 +77,7 @@ def plan(scenarios: Sequence[Scenario], choice: Choice, store: Store) -> Plan:
         SceneLeft(
             scenario,
             [pair for key, pair in choice.methods_on(scenario).items() if key not in settled],
-            choice.times(scenario) and _untimed(scenario, choice, settled, timed),
+            choice.times(scenario) and _has_untimed(scenario, choice, settled, timed),
         )
         for scenario in scenarios
     ]
@@ -83,7 +87,7 @@ def plan(scenarios: Sequence[Scenario], choice: Choice, store: Store) -> Plan:
 
 
 def settled_verdicts(scenario: Scenario, choice: Choice, store: Store) -> list[Verdict]:
-    """Return the stored verdicts on a scene, except if they follow from a failure that may pass."""
+    """Return the stored verdicts on a scene, but for those by a failure that may not recur."""
     to_repeat = {
         row.key
         for row in store.failed_rows(scenario.name)
@@ -93,7 +97,7 @@ def settled_verdicts(scenario: Scenario, choice: Choice, store: Store) -> list[V
     return [verdict for verdict in verdicts if verdict.key not in to_repeat]
 
 
-def _untimed(
+def _has_untimed(
     scenario: Scenario, choice: Choice, settled: Mapping[Key, Verdict], timed: Collection[Key]
 ) -> bool:
     return any(
@@ -104,10 +108,14 @@ def _untimed(
 
 
 def can_be_timed(scenario: Scenario, pair: EngineMethod, verdict: Verdict | None) -> bool:
-    """Whether a method can be stepped on a scene, as far as is known.
+    """Whether the steps of a method on a scene can be timed, as far as is known.
 
-    A method that only reads models in another way takes the engine's own steps, which are not timed
-    again.
+    A method that differs from another only in how it reads models is not timed, as its steps are
+    the other method's steps.
+
+    Parameters
+    ----------
+    verdict : the stored verdict; None if there is none
     """
     engine, method = pair
     failed = verdict is not None and verdict.verdict in ("failed", "unsupported")

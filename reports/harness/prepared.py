@@ -17,7 +17,15 @@ from .timesteps.stock import StockRun, stock_rung, stock_timesteps
 
 @dataclass(frozen=True, eq=False)
 class Prepared:
-    """A scene's exact motion at the samples of its ladder, single timesteps and stock timesteps."""
+    """A scene's exact motion at the samples of its ladder, single timesteps and stock timesteps.
+
+    Attributes
+    ----------
+    solution : the exact motion at the ladder's sample times
+    singles : single timesteps with their samples, and the exact motion at these
+    stock : the runs at stock timesteps, made or refused
+    places : exact states from which single steps are tested, and the timesteps of these steps
+    """
 
     solution: Solution
     ladder: Ladder
@@ -26,12 +34,12 @@ class Prepared:
     places: Places | None = None
 
     def for_verdicts(self) -> "Prepared":
-        """Return it without the timesteps above the ladder, which are only for reports."""
+        """Return the same without the timesteps above the ladder, which only reports need."""
         return replace(self, ladder=replace(self.ladder, above=()))
 
 
 class SceneReference:
-    """A scene's exact motion for all its methods, solved when the first of them needs it."""
+    """A scene's exact motion for all its methods, solved when the first method needs it."""
 
     def __init__(self, scenario: Scenario, choice: Choice) -> None:
         self._scenario, self._choice = scenario, choice
@@ -39,7 +47,7 @@ class SceneReference:
         self._solved: Prepared | CallFailed | None = None
 
     def get(self, executor: Executor, store: Store) -> Prepared | CallFailed:
-        """Return the exact motion, which is also stored, or why it could not be solved."""
+        """Return the exact motion, which is also stored, or the failure of its solution."""
         with self._solving:
             if self._solved is None:
                 self._solved = self._solve(executor)
@@ -69,7 +77,7 @@ def prepare(
 
     Parameters
     ----------
-    timesteps, stock : s
+    timesteps, stock : single timesteps and stock timesteps, s
     max_steps : largest number of steps of a run of the ladder
     """
     exact = ExactMotion(scenario)

@@ -1,7 +1,8 @@
-"""Runs scenes × engines × methods: solve, step down the ladder, compare, judge, store.
+"""Runs all methods of all engines on scenes: solves, steps down ladders, compares, judges, stores.
 
-Every result is stored at once, and stored results are not made again: a study that was stopped at
-any moment continues when it is started again. `study_method` runs one method on one scene.
+Every result is stored at once, and stored results are not made again, so that a study that was
+stopped at any moment continues when it is started again. `study_method` runs one method on one
+scene.
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -37,9 +38,13 @@ Progress = Callable[[str], None]
 def run_study(
     left: Plan, choice: Choice, store: Store, executor: Executor, progress: Progress
 ) -> None:
-    """Run what is missing for every scene, then time steps while nothing else runs.
+    """Run the missing methods of every scene, then time steps while nothing else runs.
 
-    Each row, verdict and time is stored as soon as it is made.
+    Each row, verdict and cost is stored as soon as it is made.
+
+    Parameters
+    ----------
+    left : the missing results
     """
     store.put_environment(environment(choice.engines, choice.max_steps))
     store.put_methods(choice.engines)
@@ -73,23 +78,23 @@ def study_method(
     key = Key(scenario.name, engine.name, method.name)
     solved = reference.get(executor, store)
     if isinstance(solved, CallFailed):
-        return _unsolved(key, engine, solved, choice, store)
+        return _verdict_of_unsolved(key, engine, solved, choice, store)
     begin = partial(convergence_study_of, scenario, engine, method, solved, choice.timesteps)
     stored = {
         row.timestep: row
         for row in store.rows_of(key)
         if not may_succeed_if_repeated(row.cause, row.reason, choice.time_limit)
     }
-    # Stored runs are judged again from the numbers that are stored for them.
+    # Stored runs are judged again from the evidence that is stored with them.
     before = store.evidence(key)
     study = begin(before)
     if not is_run(study, stored):
         study = begin(None)
-        # The result of steps from exact states does not depend on the ladder.
+        # The evidence of steps from exact states does not depend on the ladder, and is kept.
         study.steps = before.steps if before else None
         for row in run_rungs(study, executor, stored):
             store.put(row)
-        _take_defaults_away(study, executor, store)
+        _run_with_some_defaults(study, executor, store)
     store.put(*study.refusals())
     verdict = judge(study.records)
     step_limit = choice.max_steps_on(scenario) if study.cut_short else None
@@ -98,7 +103,7 @@ def study_method(
     return verdict
 
 
-def _take_defaults_away(study: ConvergenceStudy, executor: Executor, store: Store) -> None:
+def _run_with_some_defaults(study: ConvergenceStudy, executor: Executor, store: Store) -> None:
     """Store runs with some of an engine's defaults, at the coarsest stock timestep that can be run.
 
     Only the engine's first method as shipped, which has all of its defaults, is run.
@@ -120,7 +125,14 @@ def _take_defaults_away(study: ConvergenceStudy, executor: Executor, store: Stor
 
 
 def is_run(study: ConvergenceStudy, stored: Mapping[float, Row]) -> bool:
-    """Return whether all runs of a study are stored and measured, and let it take them."""
+    """Return whether all runs of a study are stored with their evidence.
+
+    Stored rows are passed to the study, up to the first that is missing.
+
+    Parameters
+    ----------
+    stored : stored rows, by timestep, s
+    """
     if study.before is None:
         return False
     runs = study.runs()
@@ -133,7 +145,7 @@ def is_run(study: ConvergenceStudy, stored: Mapping[float, Row]) -> bool:
 
 
 def run_and_judge(study: ConvergenceStudy, executor: Executor) -> Verdict:
-    """Return the verdict on a method that is run now, and store nothing."""
+    """Run a method now, and return the verdict, without storing anything."""
     for _ in run_rungs(study, executor):
         pass
     return judge(study.records)
@@ -142,15 +154,15 @@ def run_and_judge(study: ConvergenceStudy, executor: Executor) -> Verdict:
 def run_rungs(
     study: ConvergenceStudy, executor: Executor, stored: Mapping[float, Row] | None = None
 ) -> Iterator[Row]:
-    """Step down the ladder of a study until it can be judged.
+    """Make the runs of a study in order, and measure the evidence, until it can be judged.
 
     Parameters
     ----------
-    stored : stored runs, by timestep, s; they are not made again
+    stored : stored rows, by timestep, s; these runs are not made again
 
     Yields
     ------
-    The runs made now, each compared with the exact motion.
+    The rows of the runs made now, each compared with the exact motion
     """
     scenario, engine, method = study.scenario, study.engine, study.method
     if not engine.unsupported(scenario, method):
@@ -183,8 +195,8 @@ def convergence_study_of(
 
     Parameters
     ----------
-    timesteps : s; if there are any, only these are run
-    before : the stored evidence that the method was judged by before
+    timesteps : s; if there are any, only runs at these are made
+    before : the stored evidence that the method was judged by before; None if there is none
     """
     singles = []
     for rung, solution in prepared.singles:
@@ -207,7 +219,7 @@ def convergence_study_of(
 
 
 def simulate(engine: Engine, scenario: Scenario, method: str, rung: Rung) -> Run:
-    """Return one run; called in a worker."""
+    """Make one run, in a worker, and return it."""
     return engine.run(scenario, engine.method(method), rung.timestep, rung.sample_steps)
 
 
@@ -224,7 +236,7 @@ def _examine(study: ConvergenceStudy, executor: Executor) -> None:
 
 
 def _examine_runs(study: ConvergenceStudy, executor: Executor) -> None:
-    """Replay the finest run, and runs at other timesteps, in a worker, unless steps are wrong."""
+    """Replay the finest run and runs at other timesteps, in a worker, unless steps show a fault."""
     at, steps, site = study.places, study.steps, study.engine.site
     ladder, others = study.made_runs
     if at is None or steps is None or steps.fault:
@@ -237,10 +249,15 @@ def _examine_runs(study: ConvergenceStudy, executor: Executor) -> None:
         study.replays, study.own_steps, study.refusal = found
 
 
-def _unsolved(
+def _verdict_of_unsolved(
     key: Key, engine: Engine, failure: CallFailed, choice: Choice, store: Store
 ) -> Verdict:
-    """Store a row and a verdict that say that the exact motion could not be found."""
+    """Store a row and a verdict that say that the exact motion could not be found.
+
+    Returns
+    -------
+    The verdict
+    """
     reason = f"the exact motion could not be found: {failure.reason}"
     store.put(Row(key, engine.version, UNSOLVED, "failed", reason, cause_of_unsolved(failure)))
     verdict = Verdict(key, "failed", reason, timesteps=tuple(sorted(choice.timesteps)))

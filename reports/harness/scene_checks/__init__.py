@@ -1,1 +1,1 @@
-"""Checks of a scene and its exact motion against what its file states and what is published."""
+"""Checks a scene and its exact motion against the statements of its file and published values."""

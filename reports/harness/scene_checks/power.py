@@ -1,4 +1,4 @@
-"""Finds what a scene cannot test: effects without which no signal would change, and late times."""
+"""Finds what a scene cannot test: effects that change no signal, and times after the horizon."""
 
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
@@ -12,7 +12,9 @@ from ....scenarios.scenario import with_tables
 
 
 def powerless(scenario: Scenario) -> Iterator[str]:
-    """Yield a sentence for each effect without which no signal would change, and for a lift-off.
+    """Yield a sentence for each effect without which no signal changes, and one for a horizon.
+
+    The horizon is reported if the exact motion ends before the window.
 
     Raises
     ------
@@ -34,10 +36,10 @@ def powerless(scenario: Scenario) -> Iterator[str]:
             continue
         until = min(len(other.t), len(exact.t))
         kept = exact.until(until)
-        # Without its parts a scene has no spins that could change.
+        # Without its rotors a scene has no spins that could be compared.
         without = replace(other.until(until), spins=np.zeros_like(kept.spins))
         moved = errors_between(scenario, without, kept)
-        if _is_nothing(moved, solution.uncertainty, signals_of(without_it)):
+        if _is_within_uncertainty(moved, solution.uncertainty, signals_of(without_it)):
             yield (
                 f"{scenario.name}: cannot tell whether there is {effect.table}: without it no "
                 f"signal changes by more than the reference's uncertainty"
@@ -50,5 +52,5 @@ def _without(scenario: Scenario, effect: Effect) -> Scenario:
     return with_tables(scenario, effects=scenario.effects.model_copy(update={effect.table: None}))
 
 
-def _is_nothing(moved: Errors, uncertainty: Errors, signals: Iterable[Signal]) -> bool:
+def _is_within_uncertainty(moved: Errors, uncertainty: Errors, signals: Iterable[Signal]) -> bool:
     return all(moved[signal.name] <= 2 * uncertainty[signal.name] for signal in signals)

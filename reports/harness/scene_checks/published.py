@@ -1,4 +1,4 @@
-"""Compares published values of a scene with those of its exact motion."""
+"""Compares published values of a scene with the values of its exact motion."""
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
@@ -22,9 +22,9 @@ class PublishedValue:
 
     Attributes
     ----------
-    quantity : as the scenario file names it
-    printed, ours : components, SI, NaN where none was printed; our quaternion has the sign of the
-        printed one
+    quantity : as the scene's file names it
+    printed, ours : components of the published value, SI, NaN where none was printed, and of the
+        reference's value, whose quaternion has the sign of the printed quaternion
     """
 
     published: Published
@@ -34,17 +34,17 @@ class PublishedValue:
 
     @property
     def difference(self) -> float:
-        """The largest difference of a component."""
+        """The largest difference of a component, SI."""
         return float(np.nanmax(np.abs(self.ours - self.printed)))
 
     @property
     def holds(self) -> bool:
-        """Whether the difference is within the tolerance of the digits printed."""
+        """Whether the difference is within the tolerance of the printed digits."""
         return self.difference <= self.published.tolerance
 
 
 def published_values(scenario: Scenario) -> Iterator[PublishedValue]:
-    """Yield every quantity of a scene's `[[published]]`, with the reference's value then."""
+    """Yield every value of a scene's `[[published]]`, with the reference's value at its time."""
     for published in scenario.document.published:
         exact = ExactMotion(scenario)
         times = np.array([0.0, published.t]) if published.t > 0 else np.array([0.0])

@@ -11,8 +11,8 @@ from ....scenarios import Scenario, errors_between
 from .published import published_that_do_not_hold
 
 EPS = float(np.finfo(float).eps)
-#: Largest own error of a cross-check, relative or in rad, that is conclusive; larger errors no
-#: longer grow in proportion, as conditioning assumes.
+#: Largest error bound of a cross-check, relative or in rad, with which it is conclusive. Larger
+#: errors do not grow linearly, as conditioning assumes.
 TELLING = 1e-2
 
 
@@ -33,7 +33,7 @@ def drifting(scenario: Scenario, solution: Solution) -> Iterator[str]:
 
 
 def _cross_check(scenario: Scenario, solution: Solution) -> Iterator[str]:
-    """Yield complaints by DOP853; the span is halved until DOP853's own error is small enough."""
+    """Yield complaints by DOP853; the span is halved until its own error bound is small enough."""
     times = times_within_reach(scenario, solution.trajectory)
     while True:
         if len(times) < len(solution.trajectory.t) or times[-1] < solution.trajectory.t[-1]:
@@ -49,7 +49,11 @@ def _cross_check(scenario: Scenario, solution: Solution) -> Iterator[str]:
 
 
 def _bounds(solution: Solution, other: CrossCheck) -> dict[str, float]:
-    """Return bounds of the cross-check's error: local errors, grown by the conditioning."""
+    """Return bounds, by signal, of the difference between a solution and its cross-check.
+
+    They are the local errors of the cross-check, multiplied by the conditioning, and the solution's
+    uncertainty.
+    """
     committed = other.steps * other.tolerance
     uncertainty = dict(solution.uncertainty)
     return {name: committed * ulp / EPS + uncertainty[name] for name, ulp in solution.conditioning}
