@@ -128,11 +128,13 @@ def turns_made(motion: Trajectory) -> FloatArray:
 
 @lru_cache(maxsize=RECENT)
 def _rounding(scenario: Scenario, exact: Trajectory) -> Errors:
+    """Return the largest defects of the exact motion, which only rounding makes."""
     of_exact = _series(scenario, exact, exact).worst()
     return Errors(**{name: max(value, LEAST_ROUNDING) for name, value in of_exact})
 
 
 def _series(scenario: Scenario, motion: Trajectory, exact: Trajectory) -> ErrorSeries:
+    """Return the defects of a motion in every interval, in the norms of `exact`."""
     flowed = flow(scenario, motion, np.diff(motion.t))
     made, right = (ErrorNorm(scenario, one).true_table for one in (motion, flowed))
     norm = norm_of(scenario, exact)

@@ -189,6 +189,7 @@ def no_better_than_rest(
 def _signals(
     scenario: Scenario, motion: Trajectory, exact: Trajectory, series: ErrorSeries
 ) -> Iterator[str]:
+    """Yield, in words, each signal in which a run is no better than no motion."""
     yield from _of_path("ω", motion.omega_body, exact.omega_body, exact.t)
     L_errors = series["angular_momentum"]
     # Errors relative to an exact value of zero are infinite.
@@ -223,8 +224,10 @@ def _words(name: str, ratio: float, since: float) -> str:
 
 
 def _norms(vectors: FloatArray) -> FloatArray:
+    """Return the norms of vectors, (n, 3)."""
     return np.asarray(np.linalg.norm(vectors, axis=1))
 
 
 def _rms(vectors: FloatArray) -> float:
+    """Return the root mean square of the norms of vectors, (n, 3)."""
     return float(np.sqrt((vectors**2).sum(axis=1).mean()))

@@ -235,7 +235,7 @@ class _Rates:
         self.exact = self._derivative("")
 
     def without(self, name: str) -> FloatArray:
-        """Return the derivative of dx/dt without that of a term, less the exact one, (6, 6)."""
+        """Return the change of the derivative of dx/dt if a named term is held constant, (6, 6)."""
         return self._whole(self._derivative(name) - self.exact)
 
     def without_turn(self, first: int) -> FloatArray:
@@ -260,9 +260,11 @@ class _Rates:
         return self._whole(slope.T - self.exact)
 
     def _whole(self, rate: FloatArray) -> FloatArray:
+        """Return a derivative of dω/dt, (3, 6), as one of dx/dt with the rows of dθ/dt zero."""
         return np.vstack([np.zeros((3, CHART)), rate])
 
     def _derivative(self, frozen: str) -> FloatArray:
+        """Return the derivative of dω/dt by attitude and ω, (3, 6), with one term held constant."""
         sizes = self.units.change * self.units.each
         rates = [self._rates(step * np.diag(sizes), frozen) for step in CHANGES]
         return np.tensordot(WEIGHTS, np.array(rates), axes=1).T / sizes

@@ -134,15 +134,18 @@ class MethodStudy:
 
     @cached_property
     def _gives_way(self) -> bool:
+        """Whether a constraint must settle before steps are judged."""
         steps = steps_from(self.sessions, self.at.states, self.at.timesteps)
         return gives_way(Equations(self.sessions.scenario), self.engine, steps)
 
     @cached_property
     def _single(self) -> _Target:
+        """The Jacobians over single steps."""
         return self._target(1)
 
     @cached_property
     def _many(self) -> _Target:
+        """The Jacobians over `MANY` steps."""
         return self._target(MANY)
 
     def _target(self, steps: int) -> _Target:
@@ -185,6 +188,7 @@ class MethodStudy:
             return self._row(called, Judged("failed", said.removesuffix(": ")))
 
     def _judged(self, target: _Target, found: FloatArray, is_step: bool, name: str) -> Judged:
+        """Return the verdict on Jacobians; those of steps are compared with the engine's steps."""
         epsilon = self.sessions.first.derivatives()[name].epsilon
         noise = noise_of(self.units, target.timesteps, self.at.condition, epsilon)
         one = judged(target.exact, found, noise)
@@ -193,6 +197,7 @@ class MethodStudy:
         return beside_own(one, target.exact, found, target.own, noise)
 
     def _own_row(self, target: _Target) -> GradientRow:
+        """Return the row of central differences of the engine's own steps."""
         exact, own = target.exact, target.own
         noise = noise_of(self.units, target.timesteps, self.at.condition, 0.0)
         one = judged(exact, own.jacobians, noise + (own.known_to / exact.spans)[:, None])
@@ -205,6 +210,7 @@ class MethodStudy:
         return row
 
     def _row(self, derivative: str, one: Judged) -> GradientRow:
+        """Return a row with a verdict, and without costs and window."""
         names = self.sessions.scenario.name, self.engine.name, self.method.name, derivative
         return GradientRow(*names, one, timestep=self.timestep)
 

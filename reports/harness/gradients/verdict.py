@@ -152,6 +152,7 @@ def _series(exact: Exact, off: FloatArray, noise: FloatArray) -> list[GainSeries
 
 
 def _gains(exact: Exact, off: FloatArray) -> FloatArray:
+    """Return differences of Jacobians, (J, K, 6, 6), in units and per second."""
     return np.asarray(exact.units.of(off) / exact.spans[:, None, None, None])
 
 

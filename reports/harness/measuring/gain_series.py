@@ -236,14 +236,14 @@ def _lone_deviation(measured: Measured) -> tuple[int, float]:
 
 @dataclass(frozen=True, eq=False)
 class _Splits:
-    """The n ways, of splitting the timesteps of each state into two series, that are tried.
+    """Fits of series to gains, for n ways of splitting the timesteps of each state in two.
 
     Attributes
     ----------
     order : the order of all series
     parts : the fits of one or two series: at index j, the second series begins at timestep j; at
         index 0, one series is fitted to all timesteps
-    changes : in each way, the index of each state in `parts`, the most likely way first, (n, K)
+    changes : for each way, the index of each state in `parts`, the most likely way first, (n, K)
     totals : the logarithm of the likelihood of the gains of all states in each way, (n,)
     """
 

@@ -243,7 +243,7 @@ def beginning_of(sessions: Sessions, at: Places) -> MadeRun:
 
 
 def _edges(samples: int, can_restart: bool) -> NDArray[np.intp]:
-    """Indices of the samples at which intervals begin and end: random ones, the first and last."""
+    """Indices of the samples at which intervals begin and end: first, last, and random ones."""
     most = INTERVALS if can_restart else FEW
     count = min(most, max(1, 2 * (samples - 1) // 3))
     chance = np.random.default_rng(samples)

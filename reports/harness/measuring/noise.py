@@ -58,7 +58,7 @@ def rounding_of_body(condition: float, ulp: float = float(np.finfo(float).eps)) 
 def noise_of(
     equations: Equations, steps: Steps, engine: Engine, condition: float, *, settled: bool
 ) -> FloatArray:
-    """The standard deviation of gains, averaged over repeats, from all sources but measured ones.
+    """The standard deviation of the mean gain of repeats, from all sources that are not measured.
 
     Parameters
     ----------

@@ -174,7 +174,7 @@ class Regression:
 
     @cached_property
     def evidence(self) -> FloatArray:
-        """The log evidence of each pair: of the density of each state's gains, (R A, K)."""
+        """The logarithm of the likelihood of each state's gains, for each pair, (R A, K)."""
         _, _, _, projected = self._decomposition
         each = self._inverse_variances @ (projected**2).sum(axis=2)
         scale = (
@@ -194,7 +194,7 @@ class Regression:
 
     @cached_property
     def evidence_with_constant(self) -> FloatArray:
-        """The log evidence if a constant, as large as any gain, may be added, (R A, K)."""
+        """The same likelihood if a constant, up to the size of any gain, is added, (R A, K)."""
         constants, error = self.constants
         gained = ((constants / error[:, None, None]) ** 2).sum(axis=1) / 2
         return np.asarray(
@@ -224,7 +224,7 @@ class Regression:
 
     @cached_property
     def limit(self) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """The limits, (K, 3), their standard errors, (K,), and their tails if zero, (K,)."""
+        """The limits, (K, 3), their standard errors, and the tails if they are zero, (K,) each."""
         (constants, error), units = self.constants, self.measured.units
         weights = _normalised(self.evidence_with_constant + self._log_prior)[0]
         limit = (weights[:, None] * constants).sum(axis=0)
@@ -302,9 +302,13 @@ def _inverse_radii(measured: Measured) -> FloatArray:
 
 
 def _normalised(logarithms: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Unnormalised log probabilities, normalised over the first axis, and the log of their sum.
+    """Probabilities, normalised over the first axis, from logarithms that are not normalised.
 
     `softmax` and `logsumexp` of scipy take several times as long.
+
+    Returns
+    -------
+    The probabilities, and the logarithm of the sum before they were normalised
     """
     largest = logarithms.max(axis=0)
     weights = np.exp(logarithms - largest)

@@ -160,8 +160,8 @@ def _noise(intervals: Intervals, condition: float) -> FloatArray:
     walk = max(NOISE, ULPS * engine.ulp, composed) * np.sqrt(steps)
     noise = np.repeat(walk[:, None], len(QUANTITIES), axis=1)
     speed = float(norms(states.omega_body).max())
-    # The gyroscopic torque is rounded, too. At worst, that of the largest moment acts about the
-    # axis of the smallest moment.
+    # The gyroscopic torque is rounded, too. At worst it is as large as the largest moment makes it,
+    # and acts about the axis of the smallest moment: this ratio is the condition.
     turned = speed * run.rung.timestep * np.sqrt(steps)
     noise += rounding_of_body(condition, engine.ulp) * turned[:, None]
     if scenario.constraint.is_pivot:

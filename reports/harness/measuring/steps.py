@@ -163,10 +163,10 @@ def step_gains(equations: Equations, steps: Steps) -> FloatArray:
     """The gains of steps: their differences from the exact motion, per second, (J, R, K, Q, 3).
 
     The quantities are attitude, rad/s, and I ω, N m, in body axes; velocity, m/s², and position of
-    the com, m/s, in world axes; and, if there are rotors, their angular momenta about their axles,
-    which are conserved, N m, or three projections of them if there are more than three rotors. For
-    a body on a pivot, velocity and position are not gains: they are the distances of velocity, m/s,
-    and com, m, from the values that ω and attitude demand.
+    the com, m/s, in world axes; and, if there are rotors, their constant angular momenta about
+    their axles, N m, or three projections of these if there are more than three rotors. For a body
+    on a pivot, velocity and position are not gains: they are the differences of velocity, m/s, and
+    com, m, from the values that ω and attitude demand.
     """
     spans, after, exact = steps.spans[:, None], steps.after, steps.exact
     attitude = rotation_vectors(exact.q_world_body_wxyz, after.q_world_body_wxyz) / spans

@@ -176,6 +176,8 @@ class _Motion:
 
 @dataclass(frozen=True, eq=False)
 class _Study:
+    """The comparison of a batch's worlds; `session` has the scene alone, `begun` is its row."""
+
     scenario: Scenario
     engine: Engine
     method: Method
