@@ -13,14 +13,12 @@ from ....scenarios import FloatArray
 from ...results.evidence import CONSISTENT, LEVEL
 from ...results.verdict_words import VerdictWord
 from ..measuring.gain_series import GainSeries, fitted
-from ..measuring.noise import ULPS
+from ..measuring.noise import SURE, ULPS
 from .candidates import KNOWN, Exact, candidates
 from .jacobians import CHART, Own, Units
 
 #: Number of halves of a Jacobian's rows, attitude's and ω's, each of which is judged by itself.
 HALVES = 2
-#: Number of standard deviations within which a derivative agrees with that of the engine's step.
-SURE = 8.0
 
 
 @dataclass(frozen=True)

@@ -17,10 +17,9 @@ from ....engines.checks.equations import Equations
 from ....reference import Sensitivity, sensitivity, solve_cheaply
 from ....scenarios import FloatArray, Scenario, Trajectory
 from ....scenarios.rotation import rotation_vectors
-from ..measuring.noise import ULPS
+from ..measuring.noise import SURE, ULPS
 from ..measuring.steps import Sessions
 from .jacobians import CHART, ORDER, Units, own_jacobian
-from .verdict import SURE
 
 #: Turn from the exact attitude to the target, rad, body axes.
 TO_TARGET = np.ones(3) / np.sqrt(3.0)

@@ -115,7 +115,7 @@ class Regression:
 
     Attributes
     ----------
-    radii : the inverse radii of convergence, in units of the inverse of the longest timestep, (R,)
+    inverse_radii : of convergence, in units of the inverse of the longest timestep, (R,)
     noise : standard deviation of the noise added to the series at each timestep, (R, J); beyond the
         radius of convergence as large as the largest gain
     basis : the powers of the timestep, zero beyond the radius, (R, J, TERMS)
@@ -124,7 +124,7 @@ class Regression:
 
     measured: Measured
     order: int
-    radii: FloatArray
+    inverse_radii: FloatArray
     noise: FloatArray
     basis: FloatArray
     has_constant: bool = False
@@ -161,7 +161,7 @@ class Regression:
         U, values, right = np.linalg.svd(self.basis / self.noise[:, :, None])
         J, _, K = self.measured.gains.shape
         left = np.swapaxes(U, 1, 2) / self.noise[:, None, :]
-        squares = np.zeros((len(self.radii), J))
+        squares = np.zeros((len(self.inverse_radii), J))
         squares[:, : values.shape[1]] = values**2
         projected = left @ self.measured.gains.reshape(J, 3 * K)
         return left, squares, right, projected.reshape(len(left), J, 3, K)
@@ -237,8 +237,8 @@ class Regression:
     def beyond(self) -> NDArray[np.intp]:
         """How many of the longest timesteps are certainly beyond each state's radius, (K,)."""
         weights = _normalised(self.evidence + self._log_prior)[0]
-        of_radius = weights.reshape(len(self.radii), -1, weights.shape[1]).sum(axis=1)
-        is_beyond = self.radii[:, None] * self.measured.x >= 1
+        of_radius = weights.reshape(len(self.inverse_radii), -1, weights.shape[1]).sum(axis=1)
+        is_beyond = self.inverse_radii[:, None] * self.measured.x >= 1
         return np.asarray((is_beyond.T @ of_radius >= 1 - LEVEL).sum(axis=0))
 
     @cached_property

@@ -67,7 +67,6 @@ def examine_runs(
         with sessions_of(engine, method, scenario, timestep) as sessions:
             runs = runs or [beginning_of(sessions, at)]
             replays = [_replay(sessions, run, at.condition) for run in runs]
-            shown = [one.evidence for one in replays]
             shown = [explained_by_memory(one, settled) for one in replays]
             exact, is_single = replace(at, gives_way=bool(settled)), engine.single_precision
             own = replays[0].passage.places(scenario, exact, is_single=is_single)

@@ -103,6 +103,21 @@ def test_a_change_that_hardly_grows_by_chance_does_not_make_noise_a_memory(
     assert not found.is_wrong
 
 
+def test_a_memory_that_an_engine_refuses_to_show_leaves_the_verdict_open(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """A run that differs from its replays is no fault before a memory has been tried."""
+
+    def refuse(*_: object) -> ReplayEvidence:
+        raise EngineError("it cannot be set to this state")
+
+    monkeypatch.setattr(replay, "explained_by_memory", refuse)
+    study = studied(planted.ForgetsWithTheTimestep, 0.1, "Euler")
+    verdict = judge(study.records)
+    assert verdict.verdict == "unresolved"
+    assert "it cannot be set to this state" in verdict.reason
+
+
 def test_rounding_to_24_bits_is_none_either() -> None:
     assert not replayed(planted.HonestSingle, 0.0, "Euler", single_precision=True).is_wrong
 
