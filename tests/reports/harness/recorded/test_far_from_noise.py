@@ -7,8 +7,8 @@ import pytest
 from planted_motions import Case, case, exactly, rates_of
 from reported_faults import Arrays
 from scipy.spatial.transform import Rotation
-from spincheck.reports.harness.recorded import right_by_itself
 from spincheck.reports.harness.recorded.files.recording import Recording
+from spincheck.reports.harness.recorded.fits import right_by_itself
 from spincheck.reports.harness.recorded.judged import JudgedMotion, judged_motion
 from spincheck.scenarios import from_tables
 

@@ -7,10 +7,10 @@ import pytest
 from library_scenes import library_scene
 from planted_motions import case, exactly, product, rates_of
 from spincheck.reference import solve
-from spincheck.reports.harness.recorded import mistakes
 from spincheck.reports.harness.recorded.files.recording import Recording, RecordingError
 from spincheck.reports.harness.recorded.fits.read_omega import OMEGA
 from spincheck.reports.harness.recorded.judged import judged_motion
+from spincheck.reports.harness.recorded.samples import mistakes
 from spincheck.scenarios import from_tables
 
 pytestmark = pytest.mark.slow
