@@ -37,7 +37,16 @@ def other_tensors(scenario: Scenario) -> Iterator[Tensor]:
 
 
 def _of_mistakes(scenario: Scenario, of_com: FloatArray) -> Iterator[Tensor]:
-    """Tensors about the com by kind of mistake; several may be equal."""
+    """Yield the tensors that usual mistakes in stating the inertia lead to, about the com.
+
+    Parameters
+    ----------
+    of_com : the body's tensor about its com, kg m², (3, 3)
+
+    Yields
+    ------
+    The kind of mistake, the numbers in its words, and the tensor; several tensors may be equal
+    """
     about = scenario.about == "pivot"
     steiner = np.array(scenario.body.inertia_origin) - of_com
     moments, axes = np.linalg.eigh(of_com)

@@ -19,7 +19,7 @@ from .fit import Data, Fit, Linear, Trial, linear, of_pairs
 from .hypothesis import Change
 
 #: The significance level: the probability that noise alone makes a search find a change.
-LEVEL = 1e-6
+SIGNIFICANCE = 1e-6
 #: A change explains residuals if it reduces their root mean square to this fraction or less.
 LEFT = 0.1
 #: A change that reduces them to this fraction or less explains them exactly, but for rounding.
@@ -64,7 +64,7 @@ class Search:
 
     def exceed_noise(self, residuals: FloatArray) -> bool:
         """Whether residuals, (m,), are larger than noise and a method's error make them."""
-        degrees, level = residuals.size / self.data.correlated, LEVEL / len(self.changes)
+        degrees, level = residuals.size / self.data.correlated, SIGNIFICANCE / len(self.changes)
         chi2 = self.data.chi2_decrease(residuals, 0 * residuals)
         return chi2 > float(chdtri(degrees, level))
 
@@ -228,9 +228,9 @@ class Search:
 
     def _critical(self, parameters: int) -> float:
         """The decrease of χ² by so many parameters that is significant among all changes."""
-        return float(chdtri(max(1, parameters), LEVEL / len(self.changes)))
+        return float(chdtri(max(1, parameters), SIGNIFICANCE / len(self.changes)))
 
 
 def largest_of_noise(count: int) -> float:
     """The largest mean square that noise makes of so many residuals, at the significance level."""
-    return float(chdtri(count, LEVEL)) / count
+    return float(chdtri(count, SIGNIFICANCE)) / count

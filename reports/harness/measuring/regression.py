@@ -203,9 +203,10 @@ class Regression:
 
     @cached_property
     def _log_prior(self) -> FloatArray:
-        """The logarithm of the prior probability of each pair, (R A, 1).
+        """The logarithm of the prior of each pair of radius and amplitude in the grid, (R A, 1).
 
-        The prior is the mean of a uniform distribution and of the states' average posterior.
+        The prior is the mean of the uniform distribution and of the posterior averaged over all
+        states (empirical Bayes).
         """
         evidence = self.evidence_with_constant if self.has_constant else self.evidence
         shown = _normalised(evidence)[0].mean(axis=1, keepdims=True)

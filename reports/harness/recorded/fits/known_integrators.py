@@ -35,14 +35,14 @@ class KnownIntegrators:
 
     @cached_property
     def span(self) -> float:
-        """The median distance of two samples, s."""
+        """The median time between consecutive samples, s."""
         return float(np.median(self.intervals.spans))
 
     @cached_property
     def each(self) -> tuple[Intervals, ...]:
         """The intervals as steps of each integrator, with the stated timestep.
 
-        If none is stated, it is taken to be the distance of the samples.
+        If none is stated, it is taken to be the time between samples.
         """
         return self._steps(self.stated or self.span, FEW)
 

@@ -32,7 +32,7 @@ from ...explaining.effect_changes import (
 )
 from ...explaining.fit import Fit, Trial, race
 from ...explaining.hypothesis import Change, Hypothesis
-from ...explaining.search import LEFT, LEVEL, Search
+from ...explaining.search import LEFT, SIGNIFICANCE, Search
 from ..samples.intervals import apart
 from ..samples.sensors import CROSS_AXIS, OF_LOGS, READINGS
 from .log import Log
@@ -189,8 +189,8 @@ class LogFit:
     def alternatives(self, change: Change) -> list[tuple[float, Change, Fit]]:
         """Return the mistakes of a gyroscope that explain about as much as a given one.
 
-        If ω hardly changes, a bias and a scale are alike. Mistakes less likely than `LEVEL` are
-        left out.
+        If ω hardly changes, a bias and a scale are alike. Mistakes less likely than `SIGNIFICANCE`
+        are left out.
 
         Parameters
         ----------
@@ -209,7 +209,7 @@ class LogFit:
                 fit = Trial(self.given, tuple(changes)).fit(self.found)
                 difference = self.search.score(fit) - self.search.score(self.found)
                 fits.append((float(np.exp(min(difference, 0.0) / 2)), other, fit))
-        return sorted((one for one in fits if one[0] > LEVEL), key=lambda one: -one[0])
+        return sorted((one for one in fits if one[0] > SIGNIFICANCE), key=lambda one: -one[0])
 
     @cached_property
     def uneven_times(self) -> list[str]:
@@ -223,10 +223,10 @@ class LogFit:
 
     @cached_property
     def log(self) -> Log:
-        """The samples, with the noise that the further fits assume.
+        """The samples, with the noise that later fits assume.
 
-        It is estimated from the residuals of the best fit, unless it is stated, or they exceed
-        noise.
+        The noise is estimated from the residuals of the best fit. It stays as in `given` if it was
+        stated, or if the residuals are larger than noise explains.
         """
         is_noise = self.given.is_stated or self.is_beyond
         return self.given if is_noise else self.given.with_noise_of(self.found)
@@ -266,10 +266,10 @@ class LogFit:
             fit.residuals.size - len(fit.parameters),
         )
         if self.given.is_stated:
-            return float(chdtrc(freedom, squares.sum())) < LEVEL
+            return float(chdtrc(freedom, squares.sum())) < SIGNIFICANCE
         each = freedom / len(squares)
         ratios = squares / each
-        return float(fdtrc(each, 3 * len(self.given.t) / SHARED, ratios.max())) < LEVEL
+        return float(fdtrc(each, 3 * len(self.given.t) / SHARED, ratios.max())) < SIGNIFICANCE
 
     @property
     def is_far(self) -> bool:
@@ -306,7 +306,7 @@ class LogFit:
             self.fit.covariance[indices, indices] * self.inflation**2 / np.outer(errors, errors)
         )
         squares = in_errors @ np.linalg.lstsq(correlation, in_errors, rcond=None)[0]
-        return bool(squares > chdtri(len(estimates), LEVEL))
+        return bool(squares > chdtri(len(estimates), SIGNIFICANCE))
 
     @property
     def shows_tensor(self) -> bool:

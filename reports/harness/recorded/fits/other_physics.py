@@ -237,7 +237,10 @@ class Physics:
 
     @cached_property
     def _square_beside_methods(self) -> float:
-        """The mean square of the residuals beside methods' errors, relative to `off`."""
+        """The mean square of the differences from the exact flow after a fit of methods' errors.
+
+        It is relative to the size of these differences, `off`; 0 if they are no more than noise.
+        """
         if self.intervals is None or self.is_of_noise:
             return 0.0
         data, orders = self.intervals.with_error(self.off), range(1, self.order + 2)

@@ -17,7 +17,7 @@ from .....scenarios import FloatArray, Trajectory
 from .....scenarios.rotation import norms, rotation_vectors
 from ...explaining.fit import Data
 from ...explaining.hypothesis import Hypothesis, as_it_is
-from ...explaining.search import LEFT, LEVEL, SAME, Search
+from ...explaining.search import LEFT, SAME, SIGNIFICANCE, Search
 from ..samples.clamps import CLAMPS
 from ..samples.intervals import NEAR
 from ..samples.missing import is_attitude_off, turned_off
@@ -65,18 +65,19 @@ class ReadOmega(Data):
 
 
 def omega_read(physics: Physics, *, is_explained: bool) -> list[str]:
-    """Return how the recorded ω was computed from the body's, in words.
+    """Return sentences on how the recorded ω differs from the ω that the attitudes imply.
 
     Parameters
     ----------
-    physics : of the motion with the recorded ω; the attitudes obey its `base`, or else the scene's
-        equations
-    is_explained : whether other mistakes of reading ω explain the motion. Then only a clamp, which
-        has one parameter, or a difference of attitudes is simpler
+    physics : the recorded motion, and the equations that its attitudes obey: those of
+        `physics.base`, or the scene's if it is None
+    is_explained : whether mistakes of reading ω explain the motion already; if so, only a clamp of
+        ω, or ω by differences of attitudes, is looked for, as either has fewer parameters
 
     Returns
     -------
-    Nothing if the attitudes do not obey these equations, or if ω is the body's
+    An empty list if the attitudes do not obey the equations or are too far apart, or if ω is that
+    of the attitudes
     """
     motion = physics.motion
     turns = norms(physics.exact.omega_body)[:-1] * np.diff(motion.t)
@@ -313,7 +314,10 @@ def _filtered(
         )
         enough = min(max(error**2, LEFT**4 * deviation), LEFT**2 * deviation)
         explains = one.residual <= enough and one.is_causal
-        if explains and fdtrc(parameters, count - parameters, F) < LEVEL / (OUTPUTS + 1) / INPUTS:
+        if (
+            explains
+            and fdtrc(parameters, count - parameters, F) < SIGNIFICANCE / (OUTPUTS + 1) / INPUTS
+        ):
             delay = one.delay * spans.mean()
             words = f"ω is filtered, which delays it by {delay:.4g} s: it is {one.words}"
             return one.residual, words

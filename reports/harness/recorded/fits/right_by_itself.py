@@ -6,7 +6,7 @@ from scipy.special import chdtrc, chdtri
 from .....reference.following import follow
 from .....scenarios import FloatArray
 from .....scenarios.rotation import norms
-from ...explaining.search import LEFT, LEVEL
+from ...explaining.search import LEFT, SIGNIFICANCE
 from ..samples.clamps import TINY
 from ..samples.columns import EACH, SATURATES
 from ..samples.digits import where
@@ -42,8 +42,8 @@ def uneven_times(log: Log, unchanged: FloatArray) -> list[str]:
     before, after = float(np.sum(residuals**2)), float(np.sum(remaining**2))
     # If all states are equally late, single times are not wrong.
     is_even = abs(float(np.mean(late))) > float(np.std(late))
-    is_noise = is_even or bool(chdtrc(residuals.size, before) > LEVEL)
-    is_along = bool(chdtrc(residuals.size - len(late), after) > LEVEL)
+    is_noise = is_even or bool(chdtrc(residuals.size, before) > SIGNIFICANCE)
+    is_along = bool(chdtrc(residuals.size - len(late), after) > SIGNIFICANCE)
     if not log.is_stated:
         is_noise, is_along = is_even, after < LEFT**2 * before
     if is_noise or not is_along:
@@ -63,12 +63,12 @@ def right_by_itself(log: Log, unchanged: FloatArray) -> list[str]:
     if not log.has_omega:
         return []
     squares = log.squares(unchanged)
-    is_right = chdtrc(3 * len(log.t), squares) > LEVEL
+    is_right = chdtrc(3 * len(log.t), squares) > SIGNIFICANCE
     if is_right.all() or not is_right.any():
         return []
     words, wrong = (ATTITUDE_ALONE, 1) if is_right[0] else (OMEGA_ALONE, 0)
     each = norms(unchanged.reshape(-1, 3)).reshape(-1, 2)[:, wrong]
-    samples = np.flatnonzero(each**2 > chdtri(3, LEVEL / len(each)))
+    samples = np.flatnonzero(each**2 > chdtri(3, SIGNIFICANCE / len(each)))
     if bound := _saturates_at(log, unchanged) if is_right[0] else 0.0:
         words += f": {SATURATES.format(EACH, bound, np.degrees(bound))}"
     if 0 < 2 * len(samples) < len(each):
@@ -82,7 +82,7 @@ def _saturates_at(log: Log, unchanged: FloatArray) -> float:
     """Return the rate, rad/s, at which a gyroscope saturates; 0 if none is found."""
     omega, noise = log.states[:, 4:], log.noise[1]
     residuals = unchanged.reshape(-1, 2, 3)[:, 1]
-    is_wrong = residuals**2 > chdtri(1, LEVEL / residuals.size)
+    is_wrong = residuals**2 > chdtri(1, SIGNIFICANCE / residuals.size)
     speeds, is_slower = np.abs(omega[is_wrong]), residuals[is_wrong] * omega[is_wrong] < 0
     is_cut = len(speeds) > 1 and is_slower.all() and np.std(speeds) < SATURATED * noise
     return float(np.mean(speeds)) if is_cut else 0.0

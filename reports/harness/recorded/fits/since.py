@@ -11,7 +11,7 @@ from scipy.special import chdtrc
 
 from .....scenarios import FloatArray, Trajectory
 from .....scenarios.rotation import norms
-from ...explaining.search import LEFT, LEVEL
+from ...explaining.search import LEFT, SIGNIFICANCE
 from ..samples.intervals import Intervals, apart, states_of
 from .log import FEWEST, log_of
 from .log_fit import START
@@ -38,7 +38,7 @@ def since_when(fit: Measured, motion: Trajectory, exact: Trajectory) -> list[str
     scenario, log = fit.scenario, fit.given
     squares = np.sum(fit.search.unchanged.residuals.reshape(len(motion.t), -1) ** 2, axis=1)
     degrees_of_freedom = np.arange(1, len(squares) + 1) * log.measured
-    first = int(np.argmax(chdtrc(degrees_of_freedom, np.cumsum(squares)) < LEVEL))
+    first = int(np.argmax(chdtrc(degrees_of_freedom, np.cumsum(squares)) < SIGNIFICANCE))
     if min(first, len(motion.t) - first) < FEWEST:
         return []
 

@@ -10,7 +10,7 @@ from .....reference.following import follow
 from .....scenarios import FloatArray, Scenario
 from .....scenarios.rotation import conjugate, matrix, norms, rotation_vectors
 from ...explaining.hypothesis import as_it_is
-from ...explaining.search import LEFT, LEVEL, SAME
+from ...explaining.search import LEFT, SAME, SIGNIFICANCE
 from ..samples.clamps import TINY
 from ..samples.intervals import apart, gained, gained_before, states_of
 from ..samples.mistakes import FITS
@@ -39,7 +39,7 @@ def elsewhere(physics: Physics) -> list[str]:
     least = physics.least
     variances = np.sum(others**2, axis=(0, 2)) / count + least**2
     p_values = fdtrc(3, count, np.mean(deviations**2, axis=1) / variances)
-    if not ((p_values < LEVEL / 2) & (norms(deviations) > of_method)).any():
+    if not ((p_values < SIGNIFICANCE / 2) & (norms(deviations) > of_method)).any():
         return []
     attitudes = apart(states_of(exact.until(2)), states_of(motion.until(2)))[:, :3]
     if norms(deviations)[0] <= least[0] and norms(attitudes[1:])[0] <= least[0]:

@@ -13,7 +13,7 @@ from .....scenarios import FloatArray
 from ....results.change_words import KINDS
 from ...explaining.fit import NOT_FINITE
 from ...explaining.hypothesis import Change
-from ...explaining.search import LEFT, LEVEL, SAME, largest_of_noise
+from ...explaining.search import LEFT, SAME, SIGNIFICANCE, largest_of_noise
 from ..samples.intervals import Intervals
 
 #: Steps of a fit, and the step of a scaled parameter for a finite difference.
@@ -46,7 +46,7 @@ def varying(data: Intervals, changes: Sequence[Change], among: int) -> Varying |
     (unchanged,) = data.deviations([data.base])
     count = unchanged.size
     enough = max(largest_of_noise(count), LEFT**2 * float(np.mean(unchanged**2)))
-    by_chance = float(chdtri(len(unchanged), LEVEL / (among + len(single))))
+    by_chance = float(chdtri(len(unchanged), SIGNIFICANCE / (among + len(single))))
     # Neither a method's error nor chance lets one parameter explain all six residuals of each
     # interval so well.
     exactly = SAME**2 * float(np.mean(unchanged**2))

@@ -5,7 +5,7 @@ from scipy.special import ndtri
 
 from .....scenarios import FloatArray, Scenario, Trajectory
 from .....scenarios.rotation import norms
-from ...explaining.search import LEVEL
+from ...explaining.search import SIGNIFICANCE
 
 
 def spins_beyond(
@@ -33,7 +33,7 @@ def spins_beyond(
     angles = fastest * np.minimum(spans, timestep or np.inf)
     of_method = np.minimum(1.0, angles) ** order * speed * spans * fastest / 2
     scale = np.hypot(of_method, noise[1] * fastest / speed)
-    if np.abs(excess / scale).max() < -ndtri(LEVEL / excess.size / 2):
+    if np.abs(excess / scale).max() < -ndtri(SIGNIFICANCE / excess.size / 2):
         return []
     k, rotor = np.unravel_index(np.argmax(np.abs(excess / scale)), excess.shape)
     return [

@@ -9,7 +9,7 @@ from scipy.special import chdtri, fdtri
 from .....reference.following import follow
 from .....scenarios import FloatArray
 from .....scenarios.rotation import norms, rotation_vectors
-from ...explaining.search import LEFT, LEVEL, SAME
+from ...explaining.search import LEFT, SAME, SIGNIFICANCE
 from .intervals import Intervals, apart
 from .mistakes import FITS
 
@@ -87,7 +87,7 @@ def _places(data: Intervals, deviations: FloatArray, chi2: FloatArray) -> list[i
     deviations : of the ends of intervals from the exact flow, rad and rad/s, (n, 6)
     chi2 : sum of squares of each interval's deviations, in units of their scale, (n,)
     """
-    level = LEVEL / len(deviations)
+    level = SIGNIFICANCE / len(deviations)
     correlated = 1 + 5 * data.of_method
     is_beyond = chi2 / correlated > chdtri(6 / correlated, level)
     # A method's error changes little from one interval to the next.
@@ -116,7 +116,7 @@ def _goes_on(data: Intervals, k: int, last: int, chi2: float) -> bool:
     spans = data.spans[k : last + 1].T
     after = follow(data.base.equations, data.starts[[k]], spans)[0, -1]
     deviations = apart(after[None], data.ends[[last]])[0] / data.scale[k]
-    return bool(np.sum(deviations**2) < max(chdtri(6, LEVEL), LEFT**4 * chi2))
+    return bool(np.sum(deviations**2) < max(chdtri(6, SIGNIFICANCE), LEFT**4 * chi2))
 
 
 def _outliers(data: Intervals, deviations: FloatArray, k: int, last: int) -> Jump:
@@ -159,7 +159,7 @@ def _outlying_attitudes(data: Intervals, first: int, last: int) -> Jump | None:
     computed = follow(data.base.equations, data.starts[[first]], spans)[0]
     ends, scale = data.ends[first : last + 1], data.scale[first : last + 1]
     deviations = norms(apart(computed, ends)[:, :3])
-    is_outlier = (deviations / scale[:, 0]) ** 2 > chdtri(3, LEVEL)
+    is_outlier = (deviations / scale[:, 0]) ** 2 > chdtri(3, SIGNIFICANCE)
     if is_outlier[-1] or not is_outlier.any():
         return None
     at, size = data.t[first : last + 1][is_outlier], float(np.degrees(deviations.max()))
@@ -254,7 +254,7 @@ def _is_near(computed: FloatArray, recorded: FloatArray, scale: FloatArray) -> b
     scale : standard deviations of attitude, rad, and ω, rad/s, (6,)
     """
     deviations = apart(computed[None], recorded[None])[0] / scale
-    return bool(np.sum(deviations**2) < chdtri(6, LEVEL))
+    return bool(np.sum(deviations**2) < chdtri(6, SIGNIFICANCE))
 
 
 def _size(deviations: FloatArray) -> str:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from planted_motions import case, exactly, rates_of
 from scipy.stats import chi2
-from spincheck.reports.harness.explaining.search import LEVEL
+from spincheck.reports.harness.explaining.search import SIGNIFICANCE
 from spincheck.reports.harness.recorded.fits.other_physics import Physics
 from spincheck.reports.harness.recorded.samples.intervals import Intervals
 from spincheck.scenarios import Trajectory
@@ -54,7 +54,7 @@ def test_as_many_numbers_are_independent_as_do_not_count_as_one(part: float) -> 
     """Of noise all numbers are, and of a method's error one is."""
     one = physics()
     assert one.search is not None
-    level = LEVEL / len(one.search.changes)
+    level = SIGNIFICANCE / len(one.search.changes)
     count = of_parts(part).scale.size
     independent = count / ((1 - part) + part * count)
     bound = chi2.isf(level, independent) / independent

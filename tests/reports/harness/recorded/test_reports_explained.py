@@ -23,7 +23,7 @@ from spincheck.reference.following import follow
 from spincheck.reference.other_equations import equations_of
 from spincheck.reports.harness.explaining.effect_changes import resistance
 from spincheck.reports.harness.explaining.hypothesis import Change, as_it_is
-from spincheck.reports.harness.explaining.search import LEVEL, Search
+from spincheck.reports.harness.explaining.search import SIGNIFICANCE, Search
 from spincheck.reports.harness.recorded.files.recording import Recording, RecordingError
 from spincheck.reports.harness.recorded.fits.log_fit import SHARED
 from spincheck.reports.harness.recorded.judged import JudgedMotion, judged_motion
@@ -293,7 +293,7 @@ def test_one_change_among_a_hundred_must_be_a_hundred_times_less_likely_by_chanc
     starts = np.tile([1.0, 0.0, 0.0, 0.0, 0.5, 1.0, 2.0], (12, 1))
     spans = np.linspace(0.01, 0.2, 12)[:, None]
     ends = follow(drag.apply(base, np.array([1e-3])).equations, starts, spans)[:, 0]
-    fall = chi2.isf(LEVEL / 10, 1)
+    fall = chi2.isf(SIGNIFICANCE / 10, 1)
     exact = Intervals(base, starts, spans[:, 0], spans, ends, np.ones(2), np.zeros((12, 2)))
     noise = np.full(2, np.linalg.norm(exact.apart(base.equations)) / np.sqrt(fall))
     others = [] if is_alone else [Change("sphere", lambda h, _: h, np.empty(0))] * 99
