@@ -42,7 +42,7 @@ HEAD = """# Results by date and version
 
 Each page shows what one version of an engine did: its known issues with what to do about them, the
 verdicts and errors of each method, and each scene. The engines that are installed with spincheck
-are run on the whole library, as `spincheck run` does; optional engines on the whole library, and
+are run on the whole library; optional engines on the whole library, too, and
 older versions on the free and the heavy tops, both with the fewer timesteps of `spincheck run
 --quick`; where fewer scenes or methods are listed, the others were not run yet.
 
@@ -77,7 +77,7 @@ def runs() -> Iterator[tuple[list[str], tuple[object, ...]]]:
     for name, method in VERSIONS.items():
         methods = ("--method", "default", "--method", method)
         yield [name], (*TOPS, *methods, "--quick", "--engine", name)
-    yield [one.name for one in every if not one.is_optional], ()
+    yield [one.name for one in every if not one.is_optional], (LIBRARY,)
 
 
 def records(stored: Any, names: list[str], day: str) -> list[Record]:
