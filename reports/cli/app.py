@@ -81,7 +81,7 @@ def spincheck(
 
 
 def main() -> None:
-    """Run the command line; every complaint is one message and an exit code."""
+    """Run the command line; a `Complaint` ends it with one message on stderr and an exit code."""
     # The text may have Greek letters of a title, or bytes of a file's name, that the terminal's
     # encoding lacks.
     open_closed_streams()

@@ -19,14 +19,19 @@ from .terminal import BAD_INPUT, NOT_RUN, Complaint, as_complaint, say
 
 @contextmanager
 def executor_for(jobs: int, choice: Choice) -> Iterator[Executor]:
-    """Open worker processes for what was chosen, and end them afterwards."""
+    """Yield an executor whose worker processes run the choice; they end with the block.
+
+    Parameters
+    ----------
+    jobs : number of worker processes
+    """
     check_temporary_folder()
     with LocalWorkers(jobs, choice.time_limit) as executor:
         yield executor
 
 
 def say_if_compiling() -> None:
-    """Say that the solver of exact motions is about to be compiled, unless it already is."""
+    """Say that the solver of exact motions is about to be compiled, if it is not compiled yet."""
     from ...reference.compiled import is_compiled
     from ..harness.executors.compiling import notice
 
@@ -51,7 +56,7 @@ def check_temporary_folder() -> None:
 
 #: Prefix of the name of an engine that is a command: docs/reference/engine-protocol.md.
 CHILD = "child:"
-#: Pattern of a module and a name in it.
+#: Pattern of MODULE:NAME, which names a class or an object in a Python module.
 _OBJECT = re.compile(r"[A-Za-z_][\w.]*:[A-Za-z_][\w.]*")
 #: Name for every engine that is installed, optional ones too.
 ALL = "all"
@@ -68,12 +73,14 @@ def choose(
     python: str = "",
     time_limit: float | None = None,
 ) -> Choice:
-    """Return the engines, methods and timesteps asked for; optional engines only if named.
+    """Return the engines, methods and timesteps that a user named; optional engines only if named.
 
     Parameters
     ----------
-    scenarios : scenes to be run; engines that load users' files are left out if no scene names one
-    python : the command of the interpreter that other versions run under; this one if empty
+    scenarios : scenes to be run; engines that load users' model files are left out if no scene
+        names such a file
+    python : the command of the interpreter that other versions of engines run under; the
+        interpreter of this process if empty
     time_limit : CPU time that a run may take, s
     """
     if time_limit is not None and not 0 < time_limit <= MOST_TIME:
@@ -107,7 +114,10 @@ def choose(
 
 
 def _applying(scenarios: Sequence[Scenario]) -> list[Engine]:
-    """Return the installed engines that apply to one of the scenes."""
+    """Return the installed engines that apply to any of the scenes.
+
+    If there are no scenes, return all engines but those that load users' model files.
+    """
     return [
         engine
         for engine in engines().values()
@@ -118,7 +128,10 @@ def _applying(scenarios: Sequence[Scenario]) -> list[Engine]:
 def _engines(
     name: str, python: str, time_limit: float | None, scenarios: Sequence[Scenario]
 ) -> Sequence[Engine]:
-    """Return the engines of a name, in any case; several for 'all' and for a family."""
+    """Return the engines that a value of '--engine' names, in upper or lower case.
+
+    It is a single engine, but for 'all' and for the name of a family of engines, such as 'node'.
+    """
     if name.startswith(CHILD):
         return [_child(name.removeprefix(CHILD), time_limit)]
     if _OBJECT.fullmatch(name):
@@ -158,7 +171,10 @@ def _at_version(name: str, python: str) -> Engine:
 
 
 def _child(command: str, time_limit: float | None) -> Engine:
-    """Return the engine that a command starts, and add it to the list under its own name."""
+    """Return the engine that a command starts, and add it to the list of engines.
+
+    It is listed under the name that it reports itself.
+    """
     from ...engines import EngineError
     from ...engines.child import ANSWER_LIMIT, ChildEngine, child_engine
 
@@ -177,9 +193,10 @@ def _child(command: str, time_limit: float | None) -> Engine:
 
 
 def _of_module(name: str) -> Engine:
-    """Return the engine of a module and a class or object in it, and add it to the list of engines.
+    """Return the engine that MODULE:NAME names, and add it to the list of engines.
 
-    The module may be in the current folder, where it hides no other module.
+    NAME is a class or an object. The module may be in the current folder, where it hides no other
+    module.
     """
     if (here := str(Path.cwd())) not in sys.path:
         sys.path.append(here)
@@ -203,7 +220,7 @@ def _of_module(name: str) -> Engine:
 
 
 def words_of(command: str) -> list[str]:
-    """Return a command's words, quoted as in a shell.
+    """Split a command into its words, by the quoting rules of a shell.
 
     Raises
     ------
@@ -216,7 +233,7 @@ def words_of(command: str) -> list[str]:
 
 
 def check_timesteps(scenarios: Sequence[Scenario], choice: Choice) -> None:
-    """Check that every scene's window is longer than the timesteps asked for."""
+    """Raise a `Complaint` if a timestep asked for is longer than the window of a scene."""
     for scenario in scenarios:
         for timestep in choice.timesteps:
             if timestep > scenario.window.duration:

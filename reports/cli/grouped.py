@@ -1,4 +1,8 @@
-"""Kinds of commands: in groups, with an option for each signal, with an optional number."""
+"""Classes of commands.
+
+Commands are listed in groups; some have an option for each signal, or an option whose number may
+be left out.
+"""
 
 import math
 from inspect import Parameter, Signature
@@ -64,10 +68,13 @@ ANGLES = {"deg": math.pi / 180, "°": math.pi / 180, "rad": 1.0}
 
 
 class EnsembleCommand(TyperCommand):
-    """A command that adds `MEMBERS` if no number follows the option `--ensemble`."""
+    """A command whose option `--ensemble` may lack its number, which is then `MEMBERS`."""
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
-        """Parse the arguments; a number is never the name of a scene."""
+        """Parse the arguments, with `MEMBERS` put after an `--ensemble` that no number follows.
+
+        What follows the option and is a number is never taken for the name of a scene.
+        """
         if _ENSEMBLE in args:
             after = args.index(_ENSEMBLE) + 1
             if not (after < len(args) and args[after].lstrip("-").isdigit()):
@@ -77,16 +84,22 @@ class EnsembleCommand(TyperCommand):
 
 
 class ErrorBoundsCommand(TyperCommand):
-    """A command with an option for each signal; `error_bounds` has the bounds that were given."""
+    """A command with an option for each signal's error bound.
+
+    `error_bounds` returns the bounds that were given.
+    """
 
     def get_params(self, ctx: Any) -> Any:
-        """Return the command's own arguments and options, with the bounds after the first."""
+        """Return the command's parameters, with those for error bounds after the first.
+
+        There is an option for the error bound of each signal.
+        """
         first, *others = super().get_params(ctx)
         return [first, *_bounds(), *others]
 
 
 def error_bounds(context: typer.Context) -> dict[str, float]:
-    """Return the bounds that were given, by signal."""
+    """Return the error bounds that a user gave, by signal: attitude in rad, others relative."""
     from ...scenarios import SIGNAL
 
     bounds = {name: context.meta.get(f"{__name__}.{name}") for name in SIGNAL}
@@ -94,12 +107,13 @@ def error_bounds(context: typer.Context) -> dict[str, float]:
 
 
 def option(signal: str) -> str:
-    """Return the name of the option for a signal's bound."""
+    """Return the name of the option for a signal's error bound, such as "--omega"."""
     return f"--{signal.replace('_', '-')}"
 
 
 def _bounds() -> list[Any]:
     # Imported only here: the help of every other command would wait for it.
+    """Return typer's parameters for the options of the error bounds, one for each signal."""
     from ...scenarios import SIGNALS
 
     def command(**_: float | None) -> None: ...
@@ -116,7 +130,7 @@ def _bounds() -> list[Any]:
 
 
 def _bound(signal: "Signal") -> Any:
-    """Return the annotation of a bound's option."""
+    """Return the annotation of a parameter from which typer makes a signal's option."""
     return Annotated[
         float | None,
         typer.Option(
@@ -131,7 +145,7 @@ def _bound(signal: "Signal") -> Any:
 
 
 def number(text: str) -> float:
-    """Parse a number."""
+    """Parse the number that an option is given."""
     try:
         return float(text)
     except ValueError:
@@ -139,7 +153,7 @@ def number(text: str) -> float:
 
 
 def angle(text: str) -> float:
-    """Parse an angle, a number with its unit behind it, by default rad; return it in rad."""
+    """Parse an angle, a number with its unit behind it, rad if it has none; return it in rad."""
     unit = next((unit for unit in ANGLES if text.endswith(unit)), "rad")
     try:
         return float(text.removesuffix(unit)) * ANGLES[unit]

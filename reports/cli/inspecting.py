@@ -41,7 +41,12 @@ MOST_LINES = 20
 def models(
     files: Sequence[Path], packages: tuple[tuple[str, Path], ...]
 ) -> tuple[list[ModelFile], list[str]]:
-    """Return the models of files that can be read, and complaints about the others."""
+    """Return the models of the files that can be read, and a complaint about each other file.
+
+    Parameters
+    ----------
+    packages : names and folders of the packages that model files may refer to
+    """
     read, wrong = [], []
     for file in files:
         try:
@@ -52,7 +57,12 @@ def models(
 
 
 def inspections(models: Sequence[ModelFile], engines: Sequence[str]) -> Iterator[Inspection]:
-    """Inspect models one after the other; engines read them in one worker process each."""
+    """Inspect models one after the other; each engine reads them in a worker process of its own.
+
+    Parameters
+    ----------
+    engines : names of the engines that read the models; all that can if empty
+    """
     with as_complaint(CannotInspectError):
         readers = reader_engines(engines, say)
         if not readers:
@@ -63,7 +73,10 @@ def inspections(models: Sequence[ModelFile], engines: Sequence[str]) -> Iterator
 
 
 def print_inspection(inspection: Inspection) -> None:
-    """Print the table, the differences (worst first), faults of the file, and remedies."""
+    """Print what the file states of each link and what engines hold of it, as a table.
+
+    Below the table are the differences, worst first, faults of the file, and remedies.
+    """
     model = inspection.model
     stated = (
         plural(len(model.links), "link")
@@ -93,7 +106,18 @@ def print_inspection(inspection: Inspection) -> None:
 def write_mended(
     inspection: Inspection, out: Path, wishes: Wishes, engines: Sequence[str]
 ) -> tuple[Mended, Inspection]:
-    """Write a model's file so that engines hold what it states, and inspect what was written."""
+    """Write a copy of a model's file so that engines hold what it states, and inspect the copy.
+
+    Parameters
+    ----------
+    out : path of the copy
+    wishes : which optional changes are made
+    engines : names of the engines that read the copy
+
+    Returns
+    -------
+    What was changed and what was left, and the inspection of the copy.
+    """
     one = mended(inspection, wishes)
     with written(out):
         write_new(out, one.data.decode(), replace=False)
@@ -104,7 +128,10 @@ def write_mended(
 
 
 def print_mended(one: Mended, before: Inspection, after: Inspection) -> None:
-    """Print what was changed, what is left, and how many links were wrong before and after."""
+    """Print what was changed in a model's file, what was left, and how engines hold either file.
+
+    A table has, for each engine, the number of links that it holds wrongly, before and after.
+    """
     _print(f"{after.model.path}: {before.model.path}, mended. Links that engines hold otherwise:")
     table(
         [
@@ -127,7 +154,7 @@ def _count_of_wrong(inspection: Inspection, column: tuple[str, str]) -> int | st
 
 
 def _row(link: InspectedLink) -> dict[str, object]:
-    """Return a line of the table; headings are broken into lines as narrow as the cells."""
+    """Return a link's row in the table; headings are broken into lines as narrow as cells."""
     stated = link.link.stated
     row: dict[str, object] = {"link": link.link.name, "kg": stated and stated.mass}
     for reading in link.readings:
@@ -148,7 +175,12 @@ def _print_list(heading: str, lines: Sequence[Finding]) -> None:
 
 
 def _print(text: str, first: str = "", rest: str = "") -> None:
-    """Print a paragraph, which is wrapped on a terminal only."""
+    """Print a paragraph, which is wrapped on a terminal only.
+
+    Parameters
+    ----------
+    first, rest : indents of the first line, and of the others
+    """
     text = printable(text)
     wrap = textwrap.TextWrapper(
         terminal_width() or len(first) + len(text) + 1,
@@ -216,11 +248,16 @@ def _body_record(body: BodyReading | None) -> dict[str, Any]:
 
 
 def import_scenes(file: Path, out: Path, links: Sequence[str]) -> list[str]:
-    """Write the scenes; return a line for each, and one for each reason why links were left out.
+    """Write a scene for each link of a model file into a folder.
 
     Parameters
     ----------
+    out : the folder; made if it is not there
     links : names of the only links to write; all if empty
+
+    Returns
+    -------
+    A line for each scene written, and one for each reason why links were left out.
     """
     with as_complaint(ModelFileError):
         model = read_model(file)
@@ -250,7 +287,7 @@ def import_scenes(file: Path, out: Path, links: Sequence[str]) -> list[str]:
 
 
 def _left_out(scenes: Iterable[LinkScene]) -> list[str]:
-    """Yield the links that make no scene, by the reason for it."""
+    """Return a line for each reason why links make no scene, with the links' names."""
     by_reason: dict[str, list[str]] = {}
     for scene in scenes:
         if scene.left_out:

@@ -1,4 +1,4 @@
-"""Outcomes of scenes' test items, kept in pytest's cache until something they rest on changes.
+"""Outcomes of scenes' test items, kept in pytest's cache until something they depend on changes.
 
 Verdicts that disagree are not kept: whoever corrects an engine wants to see them again.
 """
@@ -19,7 +19,17 @@ _FOLDER = "spincheck"
 
 
 def outcome_of(item: pytest.Item, rests_on: str) -> str | None:
-    """Return why the item was last skipped; empty if it passed, None if it must be run."""
+    """Return the outcome of a test item that was kept in an earlier session.
+
+    Parameters
+    ----------
+    rests_on : digest of all that the outcome depends on, as the function `rests_on` returns it
+
+    Returns
+    -------
+    Why the item was skipped; empty if it passed; None if the item must be run, because no outcome
+    is kept or the digest has changed.
+    """
     cache = _cache(item)
     match cache and cache.get(_place(item), None):
         case [str(digest), str(outcome)] if digest == rests_on:
@@ -28,7 +38,13 @@ def outcome_of(item: pytest.Item, rests_on: str) -> str | None:
 
 
 def keep(item: pytest.Item, rests_on: str, outcome: str) -> None:
-    """Store the outcome of a test item in pytest's cache, in place of an earlier outcome."""
+    """Store the outcome of a test item in pytest's cache, in place of an earlier outcome.
+
+    Parameters
+    ----------
+    rests_on : digest of all that the outcome depends on, as `rests_on` returns it
+    outcome : why the item was skipped; empty if it passed
+    """
     if cache := _cache(item):
         cache.set(_place(item), [rests_on, outcome])
 
@@ -39,7 +55,14 @@ def _cache(item: pytest.Item) -> pytest.Cache | None:
 
 
 def rests_on(scenario: Scenario, engine: Engine, method: Method, max_steps: int) -> str:
-    """Return the digest of scene, program, adapter, engine, method and length of the ladder."""
+    """Return a digest of all that the outcome of an engine's test item depends on.
+
+    That is the scene, the program, the adapter, the engine, the method and the ladder's length.
+
+    Parameters
+    ----------
+    max_steps : largest number of steps of a run
+    """
     items = Path(__file__).with_name("scene_items.py")
     parts = [one.digest for one in fingerprints(scenario, [engine]) if one.kind != "timing"]
     parts += [method.name, str(max_steps), source(items).digest, *_native_files(engine)]
@@ -47,7 +70,10 @@ def rests_on(scenario: Scenario, engine: Engine, method: Method, max_steps: int)
 
 
 def _native_files(engine: Engine) -> Iterator[str]:
-    """Yield size and time of change of an engine's native files, which change in a rebuild."""
+    """Yield name, size and time of change of an engine's native files.
+
+    They change when the engine is built again, even if its version does not.
+    """
     package = engine.package or engine.family or engine.name
     spec = find_spec(package) if package.isidentifier() else None
     for folder in (spec and spec.submodule_search_locations) or ():
@@ -62,5 +88,8 @@ def _stamp(file: Path) -> str:
 
 
 def _place(item: pytest.Item) -> str:
-    """Return the item's key in the cache, as not every system allows its name as a file's."""
+    """Return the key of a test item in the cache.
+
+    It is a digest, as not every system allows the item's name as the name of a file.
+    """
     return f"{_FOLDER}/{sha256(item.nodeid.encode()).hexdigest()[:16]}"

@@ -16,12 +16,12 @@ from ...scenarios import (
 )
 from .terminal import Complaint, as_complaint, say
 
-#: Turns a minute that are 1 rad/s.
+#: Revolutions per minute in 1 rad/s.
 RPM = 30 / math.pi
 
 
 def one_scene(name: str) -> Scenario:
-    """Return the scene of a given name."""
+    """Return the only scene that a name stands for; raise a `Complaint` if a folder has several."""
     scenes = scenes_to_run([name], expectations=False)
     if len(scenes) != 1:
         raise Complaint(f"{printable(name)}: takes one scene, this is {len(scenes)}")
@@ -29,10 +29,11 @@ def one_scene(name: str) -> Scenario:
 
 
 def scenes_to_run(names: Sequence[str], *, expectations: bool = True) -> list[Scenario]:
-    """Return all the scenes named, or the library if none is named.
+    """Return the scenes named, or all scenes of the library if none is named.
 
     Parameters
     ----------
+    names : files, folders or names of library scenes
     expectations : whether to check that expectations name engines and methods that exist
     """
     scenarios, wrong = load_each(_files(names))
@@ -65,14 +66,14 @@ def listed(names: Sequence[str]) -> tuple[list[dict[str, object]], list[str]]:
 
 @dataclass(frozen=True)
 class Checked:
-    """The result of a check of scene files, in words.
+    """The result of a check of scene files, in sentences.
 
     Attributes
     ----------
     lines : one for each file without an error
     wrong : one for each error in a file
-    untrue : published values that differ from the exact motion
-    powerless : effects whose absence a scene cannot detect
+    untrue : one for each published value that differs from the exact motion
+    powerless : one for each effect whose absence would not be noticed in the scene's motion
     """
 
     lines: list[str] = field(default_factory=list)
@@ -82,7 +83,12 @@ class Checked:
 
 
 def checked(names: Iterable[str]) -> Checked:
-    """Return the result of checking scenes: files, folders, library scenes."""
+    """Check scenes and return what was found.
+
+    Parameters
+    ----------
+    names : files, folders or names of library scenes
+    """
     from ..harness.scene_checks.expectations import unknown_expectations
 
     result = Checked()
@@ -105,7 +111,7 @@ def checked(names: Iterable[str]) -> Checked:
 
 
 def _in_short(scenario: Scenario) -> str:
-    """Return the numbers that show a wrong unit at a glance: mass, tilt and speeds."""
+    """Return the numbers of a scene that show a wrong unit at a glance: mass, tilt and speeds."""
     w, x, y, z = scenario.start.q_world_body_wxyz.tolist()
     tilt = math.degrees(2 * math.atan2(math.hypot(x, y), math.hypot(w, z)))
     speeds = [math.hypot(*scenario.start.omega_body), *map(float, scenario.start_spins)]
@@ -114,7 +120,10 @@ def _in_short(scenario: Scenario) -> str:
 
 
 def _check_motion(scenario: Scenario, result: Checked) -> bool:
-    """Check what a scene states about its motion; return whether all of it is true."""
+    """Check what a scene states about its motion; return whether all of it is true.
+
+    What is found is added to the result.
+    """
     from ...reference import IntegrationError
     from ..harness.scene_checks.power import powerless
     from ..harness.scene_checks.published import published_that_do_not_hold

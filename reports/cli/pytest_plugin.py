@@ -57,7 +57,7 @@ def pytest_configure(config: pytest.Config) -> None:
 
 
 def pytest_collect_file(file_path: Path, parent: pytest.Collector) -> pytest.Collector | None:
-    """Collect TOML files whose first key is `spincheck`; touch no other."""
+    """Collect TOML files whose first key is `spincheck`; ignore all other files."""
     if file_path.suffix != ".toml" or not _may_be_scenario(file_path):
         return None
     from ...scenarios import is_scenario
@@ -94,7 +94,7 @@ def pytest_terminal_summary(terminalreporter: Any) -> None:
 
 
 def _max_steps(config: pytest.Config) -> int | None:
-    """Return the setting of the number of steps; None if it is left out."""
+    """Return the largest number of steps of a run, from pytest's settings; None if left out."""
     setting = config.getini(_MAX_STEPS)
     if not setting:
         return None

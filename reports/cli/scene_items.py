@@ -27,7 +27,8 @@ class SceneFile(pytest.File):
 
     Parameters
     ----------
-    engines, max_steps : the plugin's settings; empty and None if they are left out
+    engines : names of the engines to test, from pytest's settings; empty if left out
+    max_steps : largest number of steps of a run, from pytest's settings; None if left out
     """
 
     def __init__(self, *, engines: list[str], max_steps: int | None, **parent: Any) -> None:
@@ -36,7 +37,10 @@ class SceneFile(pytest.File):
         self.max_steps = min(max_steps or MAX_STEPS, MAX_STEPS)
 
     def collect(self) -> Iterator[pytest.Item]:
-        """Yield the items; an engine as shipped has one only if an `[[expect]]` names it."""
+        """Yield an item for the reference, and one for each engine and method.
+
+        A method as shipped has an item only if an `[[expect]]` names it.
+        """
         self._check_engines()
         try:
             self.scenario = load(self.path)
@@ -77,7 +81,7 @@ class SceneFile(pytest.File):
 
         Parameters
         ----------
-        by_default : whether they are if the scene expects nothing and no setting names engines
+        by_default : the answer if no setting names engines and the scene has no `[[expect]]`
         """
         if self._engines:
             names = {"all", engine.name, engine.family or engine.name}
@@ -118,7 +122,7 @@ class SceneItem(pytest.Item):
         return shlex.quote(str(self.path))
 
     def reportinfo(self) -> tuple[Path, None, str]:
-        """File, line (none) and name of the item, for pytest's report."""
+        """Return file, line (None) and name of the item, for pytest's report."""
         return self.path, None, f"{self.path.stem}::{self.name}"
 
     def repr_failure(self, excinfo: pytest.ExceptionInfo[BaseException], style: Any = None) -> Any:
@@ -136,7 +140,7 @@ class ReferenceItem(SceneItem):
     """Checks the reference: invariants, a cross-check, published values."""
 
     def runtest(self) -> None:
-        """Raise `Disagreement` with all complaints."""
+        """Raise `Disagreement` with all complaints about the reference, if there are any."""
         if wrong := list(complaints(self.parent.scenario)):
             raise Disagreement(*wrong, f"reproduce with: spincheck reference {self.typed}")
 
@@ -150,7 +154,15 @@ class EngineItem(SceneItem):
         self.method = method
 
     def runtest(self) -> None:
-        """Skip it, or raise `Disagreement`; it is not run if nothing it rests on has changed."""
+        """Run and judge the method on the scene; skip the item if there is no clear verdict.
+
+        The method is not run if nothing that an earlier outcome depends on has changed.
+
+        Raises
+        ------
+        Disagreement
+            If the verdict disagrees, or is unresolved.
+        """
         scenario, engine, method = self.parent.scenario, self.engine, self.method
         if reason := engine.unsupported(scenario, method):
             skipped: str | None = f"{UNSUPPORTED}: {reason}"
@@ -166,7 +178,7 @@ class EngineItem(SceneItem):
             pytest.skip(f"{scenario.name}, {engine.name} {method.name}: {skipped}")
 
     def _skipped(self) -> str:
-        """Run the item; return why it is neither a pass nor a failure, empty if it passes.
+        """Run and judge the method; return why the item is skipped, empty if it passes.
 
         Raises
         ------
@@ -189,7 +201,7 @@ class EngineItem(SceneItem):
         return ""
 
     def _remedies(self) -> Iterator[str]:
-        """The commands that find a timestep at which the bounds of unmet expectations hold."""
+        """Yield commands that find a timestep at which the bounds of unmet expectations hold."""
         own = (self.engine.name, self.method.name)
         for expect in self.parent.scenario.expect:
             if expect.bounds() and (expect.engine, expect.method) == own:

@@ -51,7 +51,7 @@ class Stopped(BaseException):
 
 @contextmanager
 def saying(besides: str) -> Iterator[None]:
-    """Add a sentence to the message if the program is stopped inside the block."""
+    """Add a sentence to the message that is printed if the program is stopped inside the block."""
     _besides.append(besides)
     try:
         yield
@@ -62,7 +62,7 @@ def saying(besides: str) -> Iterator[None]:
 
 
 def say_last_words(number: int) -> None:
-    """Print, once, which signal stopped the program."""
+    """Print which signal stopped the program, only once even if several threads call this."""
     if not _last_words.acquire(blocking=False):
         # Another thread prints it, and who called this may end the program.
         _said.wait(ENDING)
@@ -76,7 +76,10 @@ def say_last_words(number: int) -> None:
 
 
 def raise_when_stopped() -> None:
-    """Let signals raise `Stopped` from now on, except those that are ignored, as by nohup."""
+    """Let signals that stop the program raise `Stopped` from now on.
+
+    Signals that are ignored, as by nohup, stay ignored.
+    """
     # Determined now: `isatty` is false once the terminal has closed.
     terminals = [descriptor for descriptor in (STDOUT, STDERR) if os.isatty(descriptor)]
 

@@ -52,7 +52,7 @@ def say(text: str) -> None:
 
 
 def escape_what_turns_text(stream: TextIO) -> None:
-    """Make a stream print invisible characters and those that reverse text as escapes.
+    """Make a stream print invisible characters, and those that reverse text, as escapes.
 
     Commands of the terminal itself are kept: tables and progress bars are drawn by them.
     """
@@ -96,8 +96,8 @@ def _finite(value: Any) -> Any:
 def table(rows: Sequence[Mapping[str, object]]) -> None:
     """Print records as a table with their keys as headings; in a pipe, each record is a line.
 
-    On a terminal that is too narrow, texts are wrapped; if the numbers alone are too wide side by
-    side, each record is printed as a paragraph. No number is cut.
+    On a terminal that is too narrow, texts are wrapped; if even then a record does not fit into a
+    line, each is printed as a paragraph. No number is cut.
     """
     from rich import box
     from rich.console import Console
@@ -126,12 +126,12 @@ def table(rows: Sequence[Mapping[str, object]]) -> None:
 
 
 def _beside(columns: Sequence[object]) -> int:
-    """Return the number of characters in a line of a table that are not in its cells."""
+    """Return the number of characters in a line of a table beside and between its cells."""
     return 3 * len(columns) + 1
 
 
 def _least_width(text: str) -> int:
-    """Return the least width of a cell: of its longest number, or a readable part of a name."""
+    """Return the least width of a cell: its longest number, or `NAME` letters of a name."""
     words = text.split()
     return max((len(w) if _is_number(w) else min(len(w), NAME) for w in words), default=0)
 
@@ -142,7 +142,13 @@ def _is_number(word: str) -> bool:
 
 
 def _narrowed(widths: list[int], least: list[int], room: int) -> list[int]:
-    """Return widths that fit into the room: the column that can spare most is narrowed first."""
+    """Return widths that fit into the room: the column that can spare most is narrowed first.
+
+    Parameters
+    ----------
+    widths, least : widths of the columns, and their least widths, characters
+    room : the sum of the widths returned
+    """
     widths = list(widths)
     for _ in range(sum(widths) - room):
         spare = [width - needed for width, needed in zip(widths, least, strict=True)]
@@ -186,7 +192,15 @@ def cell(value: object) -> str:
 
 
 def _left(finished: Sequence[float], total: int) -> str:
-    """Return the time left in words, from the later half of what finished; empty at first."""
+    """Return the time left in words, extrapolated from the later half of the calls so far.
+
+    The text is empty as long as fewer than two calls have finished.
+
+    Parameters
+    ----------
+    finished : times at which calls finished, s
+    total : number of calls
+    """
     done = len(finished)
     if done < 2:
         return ""
@@ -196,19 +210,21 @@ def _left(finished: Sequence[float], total: int) -> str:
 
 
 def in_words(seconds: float) -> str:
-    """Return an estimate of a time in words: 42 s, 3 min."""
+    """Return an estimated time in words, such as "42 s" or "3 min"."""
     return f"{seconds:.0f} s" if seconds < 90 else f"{seconds / 60:.0f} min"
 
 
 @contextmanager
 def progress(total: int, lines: int | None = None) -> Iterator[Callable[[str], None]]:
-    """Show a bar on a terminal, plain lines elsewhere; each call counts as one of `total`.
+    """Show progress: a bar on a terminal, plain lines elsewhere.
 
-    Both show the time left, extrapolated from what finished last: the first call may have waited
-    for processes to start and kernels to compile, and the machine's load changes.
+    The block is given a function to be called, with a text, whenever a task has finished. Bar and
+    lines show the time left, extrapolated from the tasks that finished last: the first may have
+    waited for processes to start and kernels to compile, and the machine's load changes.
 
     Parameters
     ----------
+    total : number of tasks
     lines : largest number of plain lines that are printed, evenly spaced; None prints all
     """
     if not sys.stderr.isatty():
@@ -280,7 +296,12 @@ def written(place: Path | str) -> Iterator[None]:
 
 
 def unusable(place: Path | str, error: OSError, purpose: str = "used") -> Complaint:
-    """Return the complaint about a file or folder that cannot be written or used."""
+    """Return the complaint about a file or folder that cannot be written or used.
+
+    Parameters
+    ----------
+    purpose : what it was to be: "written" or "used"
+    """
     from ...scenarios import printable
 
     where = printable(str(place))

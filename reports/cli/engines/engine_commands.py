@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 app = typer.Typer()
 
-#: Width of a line, and of a method's name in it.
+#: Width of a line, and of a method's name in it, characters.
 WIDTH, NAMES = 80, 26
 
 

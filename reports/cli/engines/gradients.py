@@ -12,7 +12,7 @@ from ..choosing import choose, compile_first, executor_for
 from ..named_scenes import scenes_to_run
 from ..terminal import AGREES, DISAGREES, NOT_RUN, Complaint, say, table
 
-#: Numbers of steps below which costs have a decimal.
+#: Costs below this, in steps, are printed with one decimal.
 DIGIT = 10.0
 
 
@@ -24,7 +24,16 @@ def gradients(
     window: float | None,
     time_limit: float | None,
 ) -> list[GradientRow]:
-    """Judge the derivatives of every method that is named, or of all but those as shipped."""
+    """Judge the derivatives of steps, for the methods named; if none is, for all not as shipped.
+
+    Parameters
+    ----------
+    scenes : files, folders or names of library scenes
+    engine, method : names of engines and methods; all defaults if empty
+    timestep, window : timestep, and length of the window over which gradients of many steps are
+        compared, s; chosen for the scene if None
+    time_limit : CPU time that a run may take, s; the default if None
+    """
     for option, given in {"--timestep": timestep, "--window": window}.items():
         if given is not None and not 0 < given < float("inf"):
             raise Complaint(f"'{option}' must be above 0, got {given:g}")
@@ -45,7 +54,7 @@ def gradients(
 
 
 def print_gradients(rows: Sequence[GradientRow]) -> None:
-    """Print the verdicts, the reasons below, then the gradients at the end of windows."""
+    """Print a table of verdicts, then the reasons, then the gradients at the end of the windows."""
     table(list(map(_found, rows)))
     for row in rows:
         if row.judged.reason:
@@ -56,19 +65,19 @@ def print_gradients(rows: Sequence[GradientRow]) -> None:
 
 
 def gradients_as_json(rows: Sequence[GradientRow]) -> list[dict[str, Any]]:
-    """Return a record of each row."""
+    """Return each row as a dictionary, for JSON."""
     return [asdict(row) for row in rows]
 
 
 def exit_code(rows: Sequence[GradientRow]) -> int:
-    """Return the exit code: whether a derivative is wrong, or none could be judged."""
+    """Return 1 if a derivative is wrong, 3 if no derivative is known to be right, else 0."""
     if any(row.judged.verdict == "disagrees" or row.judged.is_own is False for row in rows):
         return DISAGREES
     return AGREES if any(row.judged.verdict == "converges" for row in rows) else NOT_RUN
 
 
 def median_and_quartiles(costs: Sequence[float]) -> str:
-    """Return a median with both quartiles in words; nothing of none."""
+    """Return the median of costs with both quartiles, as "12 (10 to 15)"; empty without costs."""
     if not costs:
         return ""
     low, middle, high = (
@@ -92,7 +101,10 @@ def _found(row: GradientRow) -> dict[str, object]:
 
 
 def useless(row: GradientRow) -> str:
-    """Return the time from which on gradients are as wrong as none, and the conditioning there."""
+    """Return from when on, s, the gradients of a window are as wrong as zeros would be, in words.
+
+    The conditioning at that time follows in brackets. The text is empty if there is no such time.
+    """
     there = [one for one in row.window if one.t == row.useless_from]
     return "".join(f"{one.t:.2g} ({one.conditioning:.0e})" for one in there)
 

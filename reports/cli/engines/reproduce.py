@@ -131,13 +131,13 @@ main();
 
 @dataclass(frozen=True)
 class Frame:
-    """The text around an engine's script.
+    """The text around an engine's script, in one language.
 
     Attributes
     ----------
     suffix : ending of the file's name
-    head, tail : templates of the text before and after it; the head contains a title
-    row : template of a line of exact values: steps, q, omega
+    head, tail : templates of the text before and after the script; the head contains a title
+    row : template of a line of exact values: number of steps, attitude, ω
     """
 
     suffix: str
@@ -157,7 +157,14 @@ MOST_SAMPLES = 21
 
 
 def reproduction(scenario: Scenario, engine: Engine, method: Method, timestep: float) -> str:
-    """Return the text of the file, in the language of the engine's script."""
+    """Return the text of a stand-alone file that repeats one run of an engine.
+
+    It is in the language of the engine's scripts, Python or JavaScript.
+
+    Parameters
+    ----------
+    timestep : timestep of the run, s
+    """
     if reason := engine.unsupported(scenario, method):
         raise Complaint(reason)
     with as_complaint(EngineError, before=f"{engine.name} {method.name}: ", exit_code=NOT_RUN):
@@ -181,13 +188,13 @@ def reproduction(scenario: Scenario, engine: Engine, method: Method, timestep: f
 
 
 def _without_script(scenario: Scenario, engine: Engine) -> str:
-    """Return the complaint that an engine writes no scripts, with the engines that do."""
+    """Return the complaint that an engine cannot write scripts; it names the engines that can."""
     able = [one.name for one in engines().values() if _writes(one, scenario)]
     return f"'--engine' must be one of {', '.join(able)}, which write scripts, got '{engine.name}'"
 
 
 def _writes(engine: Engine, scenario: Scenario) -> bool:
-    """Whether an engine writes scripts, even if not for this scene."""
+    """Whether an engine can write stand-alone scripts, for this scene or for others."""
     try:
         return bool(engine.script(scenario, engine.methods[0], 1.0))
     except EngineError:

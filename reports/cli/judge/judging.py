@@ -34,7 +34,7 @@ class Judgement:
     ----------
     motions : the motions, by the name of their file
     order : order of accuracy of the method that made them
-    beyond : a sentence for each bound of the user's that is exceeded
+    beyond : a sentence for each error bound, given by the user, that a motion exceeds
     """
 
     scenario: Scenario
@@ -44,7 +44,7 @@ class Judgement:
 
     @cached_property
     def study(self) -> ConvergenceStudy:
-        """The files as the timesteps of one method."""
+        """The convergence study in which each file is a run of one method at another timestep."""
         names = ", ".join(map(printable, self.motions))
         with as_complaint(RecordingError, before=f"{names}: "):
             return study_of_files(self.scenario, list(self.motions.values()), self.order)
@@ -75,7 +75,16 @@ def judged_files(
     noise: Sequence[str],
     order: int,
 ) -> Judgement:
-    """Read and judge files."""
+    """Read recorded motions from files and compare them with the exact motion.
+
+    Parameters
+    ----------
+    quaternion, omega : order of a quaternion's components, "wxyz" or "xyzw", and axes of ω, "body"
+        or "world"; None leaves them to the files
+    timesteps : the timestep of each file, s; empty leaves them to the files
+    bounds, noise : the values of '--fail-above' and '--noise', as typed: SIGNAL=SIZE
+    order : order of accuracy of the method that made the motions
+    """
     if timesteps and len(timesteps) != len(files):
         raise Complaint(
             f"'--timestep' must be given once for each file, got {len(timesteps)} for {len(files)}"
@@ -117,7 +126,10 @@ def write_page(judgement: Judgement, folder: Path) -> Path:
 
 
 def _words(**options: str | None) -> dict[str, str]:
-    """Return options that are words, in the form in which a file states them."""
+    """Check options whose values are words, such as "wxyz"; return those that were given.
+
+    They are in the form in which a file states them.
+    """
     given = {name: value for name, value in options.items() if value is not None}
     for name, value in given.items():
         if value not in (known := SETTINGS[name] or ()):
@@ -134,7 +146,10 @@ def _noise(stated: Sequence[str]) -> dict[str, str]:
 
 
 def _bound(option: str, text: str) -> tuple[str, float]:
-    """Return a signal, and the largest error or noise allowed in it, relative or in rad."""
+    """Parse SIGNAL=SIZE, the value of an option; return the signal and the size.
+
+    The size is in rad for the attitude, else the number as typed.
+    """
     name, _, size = text.partition("=")
     if name not in SIGNAL:
         hint = did_you_mean(name, SIGNAL)
@@ -150,7 +165,7 @@ def _bound(option: str, text: str) -> tuple[str, float]:
 
 
 def judgement_as_json(judgement: Judgement) -> dict[str, Any]:
-    """Return the scene, and by file the errors and what explains them."""
+    """Return a judgement as a JSON object: each file's errors with their causes; the verdict."""
     return {
         "scenario": judgement.scenario.name,
         "files": [
@@ -202,7 +217,7 @@ def _lines(name: str, motion: JudgedMotion) -> Iterator[str]:
 
 
 def _rows(motion: JudgedMotion) -> list[dict[str, object]]:
-    """Return a row for each signal: the largest error, and its defects from sample to sample."""
+    """Return a row of a table for each signal: the error, and the median and largest defect."""
     rows: list[dict[str, object]] = []
     for name, error in motion.errors.items():
         signal, defect = SIGNAL[name], motion.defects.get(name)

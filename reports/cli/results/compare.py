@@ -19,6 +19,7 @@ def compare(old: str, new: str, stored: Path) -> list[Change]:
     ----------
     old, new : two result files, or two engines of `stored`, of which one is a version, such as
         mujoco@3.3.0, or in another encoding, such as "mujoco as welded"
+    stored : the result file in which engines are compared
     """
     names_engines = any(mark in old + new for mark in ("@", " as "))
     if names_engines and not (Path(old).exists() and Path(new).exists()):
@@ -27,7 +28,10 @@ def compare(old: str, new: str, stored: Path) -> list[Change]:
 
 
 def changes_between_versions(results: Results, older: str, newer: str) -> list[Change]:
-    """Return the changes; the engine of each is written as "mujoco@3.3.0 → 4.0.0"."""
+    """Return what changed from one engine's results to another engine's, in the same result file.
+
+    The engine of each change is written as "mujoco@3.3.0 → 4.0.0".
+    """
     for name in (older, newer):
         if not any(verdict.key.engine == name for verdict in results.verdicts):
             raise Complaint(
@@ -39,7 +43,13 @@ def changes_between_versions(results: Results, older: str, newer: str) -> list[C
 
 
 def _alone(results: Results, engine: str, name: str) -> Results:
-    """Return the results of one engine, under the name that both engines in the comparison get."""
+    """Return only the results of one engine, renamed.
+
+    Parameters
+    ----------
+    engine : the engine whose results are kept
+    name : the name that both engines get, so that their results are compared with each other
+    """
     rows = [row for row in results.rows if row.key.engine == engine]
     verdicts = [verdict for verdict in results.verdicts if verdict.key.engine == engine]
     return replace(
@@ -65,7 +75,10 @@ def changes_as_json(changes: Sequence[Change]) -> dict[str, Any]:
 
 
 def print_changes(changes: Sequence[Change]) -> None:
-    """Print the changes; of a method's errors on a scene only the error that changed most."""
+    """Print the changes; where several errors of a method on a scene changed, only one.
+
+    It is the error that changed most.
+    """
     if not changes:
         print("nothing changed")
         return
@@ -75,7 +88,11 @@ def print_changes(changes: Sequence[Change]) -> None:
 
 
 def _grouped(changes: Sequence[Change]) -> list[list[Change]]:
-    """Return groups of changes: a method's errors on a scene, all grown or all shrunk; or one."""
+    """Return the changes in groups, each of which is printed as one line.
+
+    Errors of a method on a scene that all grew, or all shrank, are a group; any other change is a
+    group of its own.
+    """
     groups: dict[object, list[Change]] = {}
     for number, change in enumerate(changes):
         errors = (change.direction, change.scenario, change.engine, change.method)

@@ -17,15 +17,15 @@ FORMULA = ("=", "+", "-", "@", "\t", "\n")
 def csv_text(records: Sequence[Mapping[str, object]]) -> str:
     """Return a line of names and a line for each record; numbers read back to the last bit.
 
-    A missing value is an empty cell. A table inside a record has a column for each of its entries,
-    as in ``drifts.energy``; a list is joined by semicolons. A text that a spreadsheet would take
-    for a formula begins with an apostrophe
+    A missing value is an empty cell. A dictionary inside a record has a column for each of its
+    entries, as in ``drifts.energy``; a list is joined by semicolons. A text that a spreadsheet
+    would take for a formula begins with an apostrophe
     (https://owasp.org/www-community/attacks/CSV_Injection).
     """
     flat = [dict(_flattened(record)) for record in records]
     names = dict.fromkeys(name for record in flat for name in record)
     for name in [*names]:
-        # Some records may not have this table.
+        # Where a record has None in place of the dictionary, its name became a column, too.
         while name := name.rpartition(".")[0]:
             names.pop(name, None)
     text = io.StringIO()

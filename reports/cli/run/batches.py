@@ -1,4 +1,7 @@
-"""The option `--worlds`: compares worlds in batches with the same world alone, and prints it."""
+"""The option `--worlds`: compares worlds in batches with the same world alone, and prints it.
+
+A world is one simulation of a scene; some engines step many of them at once, in a batch.
+"""
 
 import textwrap
 from collections.abc import Iterator, Sequence
@@ -20,7 +23,7 @@ MOST = 1 << 20
 
 
 def named_worlds(text: str) -> list[int]:
-    """Return numbers of worlds, separated by commas in the text, in increasing order."""
+    """Return the sizes of batches, in increasing order, from a text with commas between them."""
     try:
         found = sorted({int(part) for part in text.split(",")})
     except ValueError:
@@ -41,7 +44,20 @@ def batches(
     device: str,
     time_limit: float | None,
 ) -> list[BatchRow]:
-    """Return a row for each scene, method and number of worlds; as shipped only if named."""
+    """Compare worlds in batches with the same world alone.
+
+    Parameters
+    ----------
+    methods : names of methods; if empty, all but those as shipped
+    timesteps : s; if empty, the stock timestep of each engine
+    worlds : numbers of worlds in a batch
+    device : where batches are stepped, such as "cuda:0"; the default device if empty
+    time_limit : CPU time that a run may take, s; the default if None
+
+    Returns
+    -------
+    A row for each scene, method, timestep and number of worlds.
+    """
     if not scenes:
         raise Complaint("'--worlds' needs a scene, such as fast-top")
     scenarios = scenes_to_run(scenes)
@@ -77,7 +93,7 @@ def _check_batches(engine: Engine) -> None:
 
 
 def print_batches(rows: Sequence[BatchRow]) -> None:
-    """Print the results of each method: a table, and conclusions."""
+    """Print a table of the rows of each method, and conclusions."""
     for (scene, engine, method, timestep), group in groupby(
         rows, key=lambda row: (row.scene, row.engine, row.method, row.timestep)
     ):
@@ -91,12 +107,15 @@ def print_batches(rows: Sequence[BatchRow]) -> None:
 
 
 def batches_as_json(rows: Sequence[BatchRow]) -> list[dict[str, Any]]:
-    """Return a record of each row."""
+    """Return each row as a dictionary, for JSON."""
     return [asdict(row) for row in rows]
 
 
 def exit_code(rows: Sequence[BatchRow]) -> int:
-    """Return 1 if a motion depends on its batch or a batch failed, 3 if none could be compared."""
+    """Return 1 if a motion depends on its batch or a batch failed, else 0.
+
+    Return 3 if no batch could be compared.
+    """
     if all(row.reason for row in rows):
         return NOT_RUN
     wrong = any(row.because or row.outcome == "failed" for row in rows)

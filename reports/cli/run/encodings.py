@@ -1,4 +1,4 @@
-"""The option `--as`: which encodings it names, and what is printed of them."""
+"""The option `--as`: which encodings it names, and what is printed about them."""
 
 from collections.abc import Iterator, Sequence
 
@@ -12,7 +12,12 @@ ALL = "all"
 
 
 def named_encodings(text: str) -> tuple[str, ...]:
-    """The encodings of `--as`, names with commas between, or `all`; none of an empty text."""
+    """Return the encodings that the value of `--as` names.
+
+    Parameters
+    ----------
+    text : names with commas between, or `all`; no encodings if empty
+    """
     names = [part.strip().lower() for part in text.split(",") if part.strip()]
     if ALL in names:
         return tuple(ENCODINGS)
@@ -28,7 +33,12 @@ def named_encodings(text: str) -> tuple[str, ...]:
 def encoded(
     chosen: Sequence[Engine], names: Sequence[str], scenarios: Sequence[Scenario]
 ) -> Iterator[Engine]:
-    """Yield the engines in each encoding that applies to a scene; the others are said, and why."""
+    """Yield the engines in each encoding that applies to a scene; say which do not apply, and why.
+
+    Parameters
+    ----------
+    names : the names of encodings
+    """
     left_out: dict[str, list[str]] = {}
     for engine in (EncodedEngine(base, name) for base in chosen for name in names):
         if any(map(engine.applies_to, scenarios)):
@@ -40,7 +50,7 @@ def encoded(
 
 
 def encoding_rows() -> list[dict[str, str]]:
-    """A row for each encoding: its name, what it changes, which engines can be given it."""
+    """Return a row for each encoding: its name, what it changes, and engines that support it."""
     rows = []
     for name, encoding in ENCODINGS.items():
         needed = encoding.description.features

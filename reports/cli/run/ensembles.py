@@ -40,7 +40,7 @@ from ..terminal import (
 
 
 def print_ensemble(swept: EnsembleResult) -> None:
-    """Print one line for each method, and its worst member."""
+    """Print a line for each method that ran on an ensemble, with its worst member."""
     print(f"{swept.scenario.name}: {swept.ensemble}")
     table([_line(points) for points in _by_method(swept.points)])
     no_scene = {point.variation: point.reason for point in swept.points if point.cause == "scene"}
@@ -50,7 +50,7 @@ def print_ensemble(swept: EnsembleResult) -> None:
 
 
 def ensemble_as_json(swept: EnsembleResult) -> dict[str, Any]:
-    """Return the definition of an ensemble and its runs, with the names that scripts rely on."""
+    """Return the definition of an ensemble and its runs; scripts rely on the names of the keys."""
     return asdict(swept.ensemble) | {"points": [row_record(point) for point in swept.points]}
 
 
@@ -86,12 +86,14 @@ PROGRESS_LINES = 50
 def run_ensembles(
     scenes: Sequence[str], members: int, seed: int, choice: Choice, jobs: int, out: Path
 ) -> list[EnsembleResult]:
-    """Run the missing members of an ensemble of each scene, and return all of its runs.
+    """Run the missing members of an ensemble of each scene, and return all runs of the ensembles.
 
     Parameters
     ----------
     members, seed : the number of members, and the seed of their random numbers
-    choice : with one timestep at most
+    choice : what runs on the members, at one timestep at most; if none, at stock timesteps
+    jobs : number of worker processes
+    out : the result file, to which runs are added
     """
     if not scenes:
         raise Complaint("'--ensemble' takes scenes to scatter, got none")
@@ -111,7 +113,10 @@ def _check_members(members: int, seed: int) -> None:
 
 
 def member_of(scene: str, number: int | None, seed: int | None) -> Scenario:
-    """Return a scene, or the member of its ensemble with a given number and seed."""
+    """Return the member of a scene's ensemble with a given number and seed.
+
+    The scene itself is returned if the number is None.
+    """
     base = one_scene(scene)
     if number is None:
         if seed is not None:
@@ -131,11 +136,15 @@ def choose_for_ensemble(
     again: bool = False,
     python: str = "",
 ) -> Choice:
-    """Return the choice of engines, methods, at most one timestep, and a time limit, s.
+    """Return the engines, methods, timestep and time limit with which an ensemble is run.
 
     Parameters
     ----------
-    python : the command of the interpreter that versions run under; this one if empty
+    timesteps : one timestep at most, s; if empty, the stock timestep of each engine
+    time_limit : CPU time that a run may take, s; the default if None
+    again : whether members are run whose results are stored already
+    python : the command of the interpreter that other versions of engines run under; the
+        interpreter of this process if empty
     """
     if len(timesteps) > 1:
         raise Complaint(f"'--timestep' may be given once with '--ensemble', got {len(timesteps)}")
@@ -144,7 +153,12 @@ def choose_for_ensemble(
 
 
 def print_ensembles(swept: Sequence[EnsembleResult], out: Path, as_json: bool) -> None:
-    """Print ensembles; as JSON, a single one or a list of them."""
+    """Print ensembles as tables or as JSON, in which several are a list.
+
+    Parameters
+    ----------
+    out : the result file with the runs, which a message names
+    """
     if as_json:
         records = [ensemble_as_json(one) for one in swept]
         print(to_json(records[0] if len(records) == 1 else records))
@@ -158,7 +172,7 @@ def print_ensembles(swept: Sequence[EnsembleResult], out: Path, as_json: bool) -
 
 
 def exit_code_of(swept: Iterable[EnsembleResult]) -> int:
-    """Return 0 if every run finished or diverged, 1 if one failed, 3 if all did."""
+    """Return 3 if all runs failed, 1 if some did, else 0; a run that diverged has not failed."""
     outcomes = {point.outcome for one in swept for point in one.points}
     if outcomes <= {"failed"}:
         return NOT_RUN
@@ -168,7 +182,10 @@ def exit_code_of(swept: Iterable[EnsembleResult]) -> int:
 def _carried_out(
     definitions: Sequence[tuple[Ensemble, Scenario]], choice: Choice, jobs: int, out: Path
 ) -> list[EnsembleResult]:
-    """Run what is missing of ensembles, and return them with the runs of the chosen methods."""
+    """Run the members that the result file lacks.
+
+    Return each ensemble with the stored and the new runs of the chosen methods.
+    """
     check_all_apply(choice, [base for _, base in definitions])
     results = []
     with (

@@ -52,9 +52,10 @@ class Recommendation:
 
     Attributes
     ----------
+    bounds : the largest errors allowed, by signal
     candidates : every method, the cheapest first, those that cannot reach the bounds last
     checks : runs at exactly a recommended timestep; the last one is of the first candidate
-    unchecked : why the choice was not checked; empty if it was
+    unchecked : why the choice was not checked; empty if it was checked
     setup : what users of the first candidate's engine write; empty if that is not known
     command : the command that runs the first candidate again; empty if nothing is recommended
     nothing : why nothing is recommended; empty if something is
@@ -90,17 +91,22 @@ class Recommendation:
 
     @property
     def verified(self) -> bool:
-        """Whether the last check kept every bound."""
+        """Whether the last check kept every error bound."""
         return bool(self.checks) and within(self.checks[-1], self.bounds)
 
 
 def recommend(
     scene: str, bounds: ErrorBounds, engine_names: Sequence[str], jobs: int, stored: Path
 ) -> Recommendation:
-    """Choose from a scene's ladders, and check the choice; engines as shipped are not considered.
+    """Choose the cheapest method and timestep on a scene, and check the choice by a run.
+
+    Engines as shipped are not considered.
 
     Parameters
     ----------
+    bounds : the largest errors allowed, by signal; those of a report if empty
+    engine_names : the engines to choose from; the default ones if empty
+    jobs : number of worker processes
     stored : a result file; if it has no timed runs of the scene, its ladders are run
     """
     bounds = bounds or BOUNDS
@@ -120,7 +126,7 @@ def recommend(
 
 
 def within(row: Row, bounds: ErrorBounds) -> bool:
-    """Return whether a run ended well and kept every bound."""
+    """Return whether a run has errors to compare and none of them exceeds its bound."""
     if row.errors is None:
         return False
     return all(row.errors[signal] <= bound for signal, bound in bounds.items())
@@ -140,7 +146,12 @@ def _check_bounds(bounds: ErrorBounds, scenario: Scenario) -> None:
 
 
 def _methods(scenario: Scenario, engine_names: Sequence[str]) -> list[str]:
-    """Return names of the recommendable methods for a scene, of named or default engines."""
+    """Return the names of the methods that may be recommended for a scene.
+
+    Parameters
+    ----------
+    engine_names : the engines that have the methods; the default ones if empty
+    """
     chosen = choose(engine_names, [], []).engines
     made_for_it = (method for engine in chosen for method in engine.methods_for(scenario))
     offered = [method.name for method in made_for_it if method.is_recommendable]
@@ -156,9 +167,10 @@ def _methods(scenario: Scenario, engine_names: Sequence[str]) -> list[str]:
 def _timed_runs(
     scene: str, bounds: ErrorBounds, engine_names: Sequence[str], stored: Path
 ) -> Results | None:
-    """Return the file's results for the scene, of installed engines; None without a timed ladder.
+    """Return what a result file has of the scene and of installed engines.
 
-    They also count as missing if an error with a bound is missing: older files have no spins.
+    None is returned if no method has `LEAST_TIMED` timed runs, or if a signal that is bounded is
+    missing in the errors: older files have no spins.
     """
     if not stored.exists():
         return None
@@ -189,7 +201,15 @@ def _timed_runs(
 
 
 def _checked(scene: str, bounds: ErrorBounds, results: Results, folder: Path) -> Recommendation:
-    """Choose and check, until a check keeps the bounds or no candidate is left."""
+    """Choose the cheapest candidate and check it by a run; where the check fails, choose again.
+
+    The search ends when a check keeps the bounds, no candidate is left, or after `CHECKS` checks.
+
+    Parameters
+    ----------
+    results : runs of the scene, from which the candidates are interpolated
+    folder : where the result files of the checks are written
+    """
     checks: list[Row] = []
     while True:
         (tried,) = report_data(results).scenes
@@ -212,7 +232,7 @@ def _checked(scene: str, bounds: ErrorBounds, results: Results, folder: Path) ->
 
 
 def _as_typed(candidate: Candidate) -> Candidate:
-    """Return the candidate with its timestep as people type it, and the cost of that."""
+    """Return the candidate with its timestep rounded to few digits, and the cost at that."""
     if candidate.timestep is None or candidate.cost is None:
         return candidate
     timestep = to_type(candidate.timestep, candidate.finest_useful)
@@ -221,6 +241,7 @@ def _as_typed(candidate: Candidate) -> Candidate:
 
 
 def _left_in(results: Results, key: Key) -> MethodCost | None:
+    """Return the cost of a method's steps with nothing left out; None if it was not measured."""
     whole = (one for one in results.costs if one.key == key and one.left_in)
     return next((one for one in whole if one.cost and one.cost.ratio), None)
 
@@ -231,7 +252,12 @@ def _setup(scene: SceneRuns, best: Candidate) -> str:
 
 
 def _too_long(best: Candidate, duration: float) -> str:
-    """Return why a run cannot be checked; empty if it can."""
+    """Return why a run would take too long to be checked; empty if it would not.
+
+    Parameters
+    ----------
+    duration : the simulated time of the run, s
+    """
     seconds = (best.cost or 0.0) * duration
     if seconds <= TIME_LIMIT:
         return ""
@@ -239,7 +265,7 @@ def _too_long(best: Candidate, duration: float) -> str:
 
 
 def _run_again(scenario: Scenario, key: Key, timestep: float, out: Path) -> Row:
-    """Return one run at exactly that timestep."""
+    """Run a method at exactly the given timestep, s, into a new result file, and return the run."""
     say(f"Checking {key.label} at {timestep!r} s.")
     choice = Choice((engines()[key.engine],), (key.method,), (timestep,))
     with open_store(out, create=True) as store:
@@ -250,7 +276,10 @@ def _run_again(scenario: Scenario, key: Key, timestep: float, out: Path) -> Row:
 
 
 def _with_run(results: Results, run: Row) -> Results:
-    """Return the results with one more run, with the cost per step of its method's other runs."""
+    """Return the results with one more run.
+
+    Its cost per step is that of the same method's other runs.
+    """
     alike = next(row for row in reversed(results.rows) if row.key == run.key)
     priced = replace(
         run,

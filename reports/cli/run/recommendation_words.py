@@ -1,4 +1,4 @@
-"""What `recommend` prints: its choice, that of other engines, and its checks."""
+"""What `recommend` prints: its choice, the cheapest of other engines, and its checks."""
 
 import math
 from dataclasses import asdict
@@ -36,7 +36,7 @@ def recommendation_as_json(recommendation: Recommendation) -> dict[str, Any]:
 
 
 def _ratio(recommendation: Recommendation) -> float | None:
-    """Return the time of a step with nothing left out, over the time of the engine as it is."""
+    """Return the factor by which a step takes longer with nothing left out; None if not timed."""
     whole = recommendation.left_in
     return whole.cost.ratio.median if whole and whole.cost and whole.cost.ratio else None
 

@@ -37,7 +37,10 @@ from .encodings import encoded
 
 
 def announcement(left: Plan) -> str:
-    """Return the engines and number of verdicts and timings to make; "" for one at most."""
+    """Return how many verdicts and timings a plan will make, and of which engines, in words.
+
+    The text is empty if there is one verdict at most.
+    """
     pairs = [pair for scene in left.scenes for pair in scene.to_run]
     if len(pairs) < 2:
         return ""
@@ -64,12 +67,22 @@ def run(
     python: str = "",
     encodings: Sequence[str] = (),
 ) -> Results:
-    """Run what was named, and read its results back.
+    """Run the scenes, engines and methods named, and read their results back.
 
-    If nothing is named, that is the whole library, its hard scenes on short ladders; a quick run
+    If no scenes are named, the whole library is run, its hard scenes on short ladders; a quick run
     leaves the hard scenes out.
 
-    What the file holds already is not run again, unless asked for (`again`).
+    Parameters
+    ----------
+    timesteps : s; ladders of halved timesteps if empty
+    jobs : number of worker processes
+    out : the result file; what it holds already is not run again
+    quick : whether ladders are short, and nothing is timed
+    time_limit : CPU time that a run may take, s; the default if None
+    again : whether to run also what the result file holds already
+    python : the command of the interpreter that other versions of engines run under; the
+        interpreter of this process if empty
+    encodings : names of encodings in which bodies are run in addition
     """
     scenarios = scenes_of(scenes, quick=quick)
     choice = choose(
@@ -108,7 +121,7 @@ def run(
 
 
 def gone_on_with(out: Path) -> str:
-    """Return the message of a run that is stopped."""
+    """Return what is said when a run is stopped: where results are, and how to continue."""
     return f"finished results are in {printable(str(out))}; the same command continues from there"
 
 
@@ -123,13 +136,13 @@ def check_all_apply(choice: Choice, scenarios: Sequence[Scenario]) -> None:
 
 
 def scenes_of(names: Sequence[str], *, quick: bool) -> list[Scenario]:
-    """Return the scenes of a run; hard ones of the library are in a quick run only if named."""
+    """Return the scenes of a run; a quick run has hard scenes only if they are named."""
     scenarios = scenes_to_run(names)
     return [scenario for scenario in scenarios if names or not (quick and scenario.hard)]
 
 
 def _asked_for(results: Results, scenarios: Sequence[Scenario], choice: Choice) -> Results:
-    """Return the results of what was asked for, as a result file may hold more."""
+    """Return only the results that the user asked for, as a result file may hold others."""
     pairs = [(engine.name, method.name) for engine, method in choice.pairs()]
     scenes = {scenario.name: scenario for scenario in scenarios}
 
@@ -149,7 +162,12 @@ def _asked_for(results: Results, scenarios: Sequence[Scenario], choice: Choice) 
 
 
 def read(path: Path, scene: str = "") -> Results:
-    """Return everything in a result file, or what it holds of a scene, by its name."""
+    """Return what a result file holds.
+
+    Parameters
+    ----------
+    scene : name of the only scene whose results are returned; all scenes if empty
+    """
     with as_complaint(ResultFileError), open_store(path) as store:
         results = store.read()
         if store.log_missing:
@@ -172,7 +190,7 @@ def read(path: Path, scene: str = "") -> Results:
 
 
 def tidied(path: Path) -> str:
-    """Delete results that no longer count; return in words how many they were."""
+    """Delete results that no longer count; return in words how many were deleted."""
     with as_complaint(ResultFileError):
         with open_store(path):
             before = path.stat().st_size
@@ -197,7 +215,10 @@ def say_where_motions_end(results: Results) -> None:
 
 
 def unproven_in_words(results: Results) -> str:
-    """Return in words how many verdicts are unproven; empty if none is."""
+    """Return in words how many verdicts are 'unresolved' or 'diverges'; empty if none is.
+
+    Methods as shipped and expected failures do not count.
+    """
     count = sum(verdict.is_unproven for verdict in results.verdicts)
     if not count:
         return ""
@@ -212,7 +233,8 @@ def exit_code(results: Results, *, strict: bool = False) -> int:
 
     Parameters
     ----------
-    strict : whether unproven verdicts count as disagreement
+    strict : whether verdicts 'unresolved' and 'diverges' count as disagreement, too; not those on
+        methods as shipped or of expected failures
     """
     if results.rows and all(row.outcome == "failed" for row in results.rows):
         return NOT_RUN

@@ -29,7 +29,7 @@ LEAST_WHOLE = 9.5
 
 
 def short_summary(results: Results, timesteps: Sequence[float] = ()) -> list[str]:
-    """Return the lines of the summary.
+    """Return the lines of the summary of a run.
 
     Parameters
     ----------
@@ -44,7 +44,10 @@ def short_summary(results: Results, timesteps: Sequence[float] = ()) -> list[str
 
 
 def _counts(verdicts: Sequence[Verdict]) -> Iterator[str]:
-    """Yield the number of verdicts, and how many of each word, of methods and as shipped."""
+    """Yield how many verdicts there are, and how many say 'converges', 'disagrees' and so on.
+
+    Methods with the effects of the scene alone, and methods as shipped, are counted apart.
+    """
     scenes = len({verdict.key.scenario for verdict in verdicts})
     yield f"{plural(scenes, 'scene')}, {plural(len(verdicts), 'verdict')}."
     for of_what, shipped in (
@@ -74,7 +77,7 @@ def _first_failure(verdicts: Sequence[Verdict]) -> Iterator[str]:
 
 
 def _lost(rows: Sequence[Row]) -> Iterator[str]:
-    """Yield how many runs were lost because of the machine, and why the first was."""
+    """Yield how many runs failed because of the machine, and why the first of them did."""
     lost = [row for row in rows if row.cause in ENVIRONMENTAL]
     if lost:
         text = f"{plural(len(lost), 'run')} lost by the machine's fault: {lost[0].reason}"
@@ -83,7 +86,7 @@ def _lost(rows: Sequence[Row]) -> Iterator[str]:
 
 
 def _at_stock(report: ReportData) -> Iterator[str]:
-    """Attitude errors at stock timesteps, method by method: median and worst."""
+    """Yield a line for each method: median and largest attitude error at its stock timestep."""
     by_pair = {one.pair: one for one in at_stock(report)}
     first = [by_pair[pair] for pair in leading(report) if pair in by_pair]
     first.sort(key=lambda one: one.middle)
@@ -103,7 +106,10 @@ def _at_stock(report: ReportData) -> Iterator[str]:
 
 
 def _best(report: ReportData) -> Iterator[str]:
-    """Yield the cheapest accurate run of each scene, or if many the methods most often best."""
+    """Yield the cheapest accurate run of each scene.
+
+    For more than `SCENES_PRINTED` scenes, yield the methods that are most often best instead.
+    """
     choices = {scene.name: best_choice(scene) for scene in report.scenes}
     best = {name: choice for name, choice in choices.items() if choice is not None}
     if not best:
@@ -122,13 +128,13 @@ def _best(report: ReportData) -> Iterator[str]:
 
 
 def _finest(report: ReportData) -> Iterator[str]:
-    """Yield below which timestep rounding makes errors grow, and where it is biased."""
+    """Yield the timesteps below which rounding makes errors grow, and where rounding has a bias."""
     for sentence in finest_in_words(list(finest_timesteps(report).values())):
         yield from textwrap.wrap(f"{sentence}.", WIDTH, max_lines=REASON_LINES, placeholder=" …")
 
 
 def _asked_for(rows: Sequence[Row], timesteps: Sequence[float]) -> Iterator[str]:
-    """The errors measured at timesteps that were asked for."""
+    """Yield a line for each run at the timesteps, s, asked for: its errors, or how it ended."""
     shown = [row for row in rows if row.timestep in timesteps]
     errors = (dict(row.errors) for row in shown if row.errors)
     headings, *numbers = aligned(of_signals(errors, _brief)) or [""]
@@ -144,7 +150,10 @@ def _brief(signal: Signal, error: float) -> str:
 
 
 def _named_run(row: Row, width: int) -> str:
-    """Return scene, method and timestep in a given width; long names are cut, not the timestep."""
+    """Return scene, method and timestep of a run, cut or padded to a width.
+
+    Long names are cut; the timestep never is.
+    """
     timestep = f" {duration(row.timestep)}"
     name, room = f"{row.key.scenario} {row.key.label}", width - len(timestep) - 1
     return f"{name if len(name) <= room else f'{name[: room - 1]}…'}{timestep}".ljust(width)

@@ -28,10 +28,10 @@ VARIED = 24
 
 
 def run_lines(rows: Sequence[Row]) -> Iterator[str]:
-    """Yield the runs of each method below its name; a star marks a stock timestep.
+    """Yield a heading for each method on each scene, and below it a line for each run.
 
-    Runs in which nothing is varied are listed by timestep, coarse to fine; others by what is
-    varied.
+    Runs of ladders are listed by timestep, coarse to fine, a stock timestep with a star; runs of
+    ensembles by what is varied in them: seed and number of the member.
     """
     for (key, varied), runs in groupby(rows, key=lambda row: (row.key, tuple(row.varied))):
         yield cut(
@@ -55,7 +55,13 @@ def of_signals(
     errors: Iterable[Mapping[str, float]],
     words: Callable[[Signal, float], str] = lambda _, error: f"{error:.1e}",
 ) -> list[list[str]]:
-    """Return a column for each signal in which any run has an error: its label, and the errors."""
+    """Return a column for each signal in which any run has an error: its label, and the errors.
+
+    Parameters
+    ----------
+    errors : the errors of each run, by signal
+    words : writes an error in a signal
+    """
     known = list(errors)
     shown = [signal for signal in SIGNALS if any(signal.name in one for one in known)]
     return [
@@ -64,7 +70,7 @@ def of_signals(
 
 
 def aligned(columns: Sequence[Sequence[str]]) -> list[str]:
-    """Return the lines of columns of texts, which are aligned on the right."""
+    """Return lines of text in which columns stand side by side, each aligned on the right."""
     widths = [max(map(len, column)) + 1 for column in columns]
     return [
         "".join(text.rjust(width) for text, width in zip(line, widths, strict=True))
@@ -73,7 +79,7 @@ def aligned(columns: Sequence[Sequence[str]]) -> list[str]:
 
 
 def verdict_lines(verdicts: Sequence[Verdict]) -> Iterator[str]:
-    """Yield a line for each verdict, and below each that needs one its reason."""
+    """Yield a line for each verdict, and below it the reason if the verdict needs one."""
     yield f"{'scene':{SCENE}} {'method':{METHOD}} {'verdict':11} {'order':>5} {'known to':>8}"
     for verdict in verdicts:
         key = verdict.key
@@ -99,7 +105,7 @@ def verdict_lines(verdicts: Sequence[Verdict]) -> Iterator[str]:
 
 
 def cut(text: str, width: int) -> str:
-    """Return a text of at most a number of characters."""
+    """Return a text, cut to a number of characters; an ellipsis shows that it was cut."""
     return text if len(text) <= width else f"{text[: width - 1]}…"
 
 
@@ -122,7 +128,7 @@ def _ended(row: Row) -> str:
 
 
 def results_as_json(results: Results) -> dict[str, Any]:
-    """Return rows and verdicts with the names that scripts rely on."""
+    """Return rows and verdicts as a JSON object; scripts rely on the names of the keys."""
     return {
         "rows": [row_record(row) for row in results.rows],
         "verdicts": verdict_records(results),
@@ -130,7 +136,10 @@ def results_as_json(results: Results) -> dict[str, Any]:
 
 
 def verdict_records(results: Results) -> list[dict[str, Any]]:
-    """Return verdicts, each with the timesteps between which its method is of use."""
+    """Return verdicts as JSON objects.
+
+    Each has its method's finest useful timestep and the largest timestep at which runs survived.
+    """
     fastest_rates = {
         name: fastest_rate(scene.scenario, scene.solution.trajectory.omega_body)
         for name, scene in results.scenes.items()
@@ -171,10 +180,10 @@ def run_records(results: Results) -> list[dict[str, Any]]:
 
 
 def row_record(row: Row) -> dict[str, Any]:
-    """Return a run with the names that scripts rely on."""
+    """Return a run as a JSON object; scripts rely on the names of the keys."""
     return as_json(row) | {"variation": row.varied, "survived": row.survived}
 
 
 def verdict_record(verdict: Verdict) -> dict[str, Any]:
-    """Return a verdict with the names that scripts rely on."""
+    """Return a verdict as a JSON object; scripts rely on the names of the keys."""
     return as_json(verdict) | {name: getattr(verdict, name) for name in MADE}

@@ -39,14 +39,14 @@ LETTERS = {1: [""], 3: ["_x", "_y", "_z"], 4: ["_w", "_x", "_y", "_z"]}
 
 
 def solved(scenario: Scenario, times: FloatArray) -> Solution:
-    """Return the exact motion at times, s; the solver is compiled first."""
+    """Return the exact motion of a scene at times, s; compile the solver first if need be."""
     compile_first()
     with as_complaint(IntegrationError, before=f"{scenario.name}: ", exit_code=NOT_RUN):
         return solve(scenario, times)
 
 
 def truth_files(scenario: Scenario, sensitivities: bool = False) -> dict[str, str]:
-    """Return the texts of truth.csv, and of sensitivities.json if wanted."""
+    """Return the texts of truth.csv and, if wanted, of sensitivities.json, by file name."""
     solution = solved(scenario, scenario.times)
     motion = solution.trajectory
     columns = {
@@ -84,7 +84,13 @@ def _csv(scenario: Scenario, solution: Solution, columns: dict[str, FloatArray])
 
 
 def _ends(name: str, count: int) -> list[str]:
-    """Return what the components of a column have behind its name: rotors are numbered."""
+    """Return the endings of the names of a column's components: numbers for rotors, else letters.
+
+    Parameters
+    ----------
+    name : name of the column
+    count : number of its components
+    """
     return [f"_{k}" for k in range(1, count + 1)] if name == "rotors_spin" else LETTERS[count]
 
 
@@ -95,9 +101,12 @@ QUARTERS = 5
 def describe(
     scenario: Scenario, at: Sequence[float], sensitivities: bool = False
 ) -> dict[str, Any]:
-    """Return states, uncertainty, conserved quantities and facts of a scene, SI units.
+    """Return states, uncertainty, conserved quantities and facts of a scene, in SI units.
 
-    The derivatives are included if they are wanted.
+    Parameters
+    ----------
+    at : times of the states, s; if empty, `QUARTERS` times from the start to the end of the window
+    sensitivities : whether the derivatives of the motion are included
     """
     for time in at:
         if not 0 <= time < float("inf"):
@@ -145,9 +154,14 @@ def describe(
 
 
 def _upright(q_world_body_wxyz: FloatArray, uncertainty: float) -> FloatArray:
-    """Return attitudes, (n, 4), in which a tilt of 0 or π within an uncertainty, rad, is exact.
+    """Return attitudes in which a tilt within the uncertainty of 0 or π is exactly 0 or π.
 
-    Otherwise azimuth and turn of these attitudes would be those of rounding.
+    Otherwise the Euler angles α and γ of these attitudes would consist of rounding errors.
+
+    Parameters
+    ----------
+    q_world_body_wxyz : quaternions, (n, 4)
+    uncertainty : uncertainty of the attitude, rad
     """
     w_and_z = np.array([True, False, False, True])
     # Sines of half the tilt, and of half the angle from the tilt to π.
@@ -180,7 +194,7 @@ _ERRORS = ("uncertainty", "conditioning")
 
 
 def _state(state: dict[str, Any]) -> Iterator[str]:
-    """Yield the time and a line for each quantity, whose four components fit eighty columns."""
+    """Yield a line with the time, and one for each quantity; four components fit eighty columns."""
     yield f"\nt = {state['t']:.10g} s"
     for name, value in state.items():
         if name != "t":
@@ -191,7 +205,7 @@ def _state(state: dict[str, Any]) -> Iterator[str]:
 
 
 def _shown(value: Any) -> str:
-    """Return numbers rounded for reading; `--json` has all digits."""
+    """Return a value as text, its numbers rounded for reading; `--json` has all digits."""
     if isinstance(value, list | tuple):
         return "  ".join(_shown(item) for item in value)
     return f"{value:.10g}" if isinstance(value, float) else str(value)

@@ -33,12 +33,12 @@ samples = 201                      # including t = 0
 """
 
 
-#: Names of the tables that the scene begins with; the others are in the file as comments.
+#: Effects whose TOML tables are active in a new scene; those of all others are comments.
 BEGINS_WITH = ("gravity", "pivot")
 
 
 def _effects() -> str:
-    """Return the tables of all effects as text."""
+    """Return an example of each effect's TOML table; all but `BEGINS_WITH` are comments."""
     texts = {e.table: f"{e.heading}\n{e.model.EXAMPLE}" for e in EFFECTS.values()}
     return "".join(
         line if name in BEGINS_WITH else f"# {line}"
@@ -48,7 +48,7 @@ def _effects() -> str:
 
 
 def new_scene(name: str) -> Path:
-    """Write NAME.toml in the current folder."""
+    """Write a scene to edit, NAME.toml, into the current folder; return its path."""
     name = name.removesuffix(".toml")
     if not is_scene_name(name):
         raise Complaint(

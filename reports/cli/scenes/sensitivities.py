@@ -25,7 +25,10 @@ COLUMNS = {
 
 
 def derivatives(scenario: Scenario, motion: Trajectory) -> dict[str, Any]:
-    """Return the `Sensitivity` at a motion's times, its arrays as lists, with rows' meanings."""
+    """Return the `Sensitivity` of a motion at its times as a dictionary, for JSON.
+
+    Arrays are lists; the entry `rows` tells the meaning of their rows.
+    """
     with as_complaint(IntegrationError, before=f"{scenario.name}: ", exit_code=NOT_RUN):
         found = sensitivity(scenario, motion)
     record = {"rows": ROWS} | vars(found) | dict(found.parameters)
@@ -40,7 +43,12 @@ def _listed(record: Any) -> dict[str, Any]:
 
 
 def print_derivatives(record: dict[str, Any]) -> None:
-    """Print tables for each time: each row is differentiated by the numbers in the heading."""
+    """Print a table for each time: each row has the derivatives of the quantities in the headings.
+
+    Parameters
+    ----------
+    record : as `derivatives` returns it
+    """
     for k, t in enumerate(record["t"]):
         print(f"Derivatives at t = {t:.10g} s by the start and by parameters, SI units:")
         table(list(_rows(record, HEADS, k, record["uncertainty"])))

@@ -1,4 +1,4 @@
-"""Pytest hooks of `spincheck.suite`, which are registered if an engine is named; what it tests."""
+"""The suite's pytest hooks, which are registered if an engine is named; the subjects it tests."""
 
 import tomllib
 from abc import ABC, abstractmethod
@@ -34,8 +34,8 @@ class Subject(ABC):
 
     Attributes
     ----------
-    name : in the ids of tests
-    about : the engine and its version, or the folder
+    name : name in the ids of tests
+    about : the engine and its version, or the folder of the recorded motions
     method : the engine's method; None for recorded motions
     """
 
@@ -44,7 +44,7 @@ class Subject(ABC):
     method: Method | None = None
 
     def follows(self, name: str) -> None:
-        """Fail unless the motion of a scene converges to the exact one; skip if that is not known.
+        """Fail unless the motion of a scene converges to the exact one; skip if undecided.
 
         Parameters
         ----------
@@ -65,7 +65,7 @@ class Subject(ABC):
 @final
 @dataclass(eq=False)
 class EngineSubject(Subject):
-    """A method of an engine, stepped down a ladder of timesteps in this process."""
+    """A method of an engine, run at each timestep of a ladder in this process."""
 
     engine: Engine
     method: Method
@@ -86,7 +86,12 @@ class EngineSubject(Subject):
 @final
 @dataclass(eq=False)
 class RecordedSubject(Subject):
-    """Motions recorded elsewhere: a folder for each scene, with a file for each timestep."""
+    """Motions recorded elsewhere: a folder for each scene, with a file for each timestep.
+
+    Attributes
+    ----------
+    folder : the folder that contains those of the scenes
+    """
 
     folder: Path
 
@@ -128,6 +133,10 @@ def _prepared(name: str) -> Prepared:
 def subjects(names: list[str]) -> Iterator[Subject]:
     """Yield the subjects that `--spincheck-engine` names.
 
+    Parameters
+    ----------
+    names : engines, or folders of recorded motions
+
     Raises
     ------
     pytest.UsageError
@@ -153,14 +162,15 @@ TESTS = [name for name in [*vars(test_adapter), *vars(test_physics)] if name.sta
 
 
 def known_failures(path: Path) -> dict[str, str]:
-    """Return reasons of failures by test: ``test_heavy_top``, or with ``[engine-method]``.
+    """Return the reasons of known failures, by test.
 
-    The file is TOML, a line ``"test_heavy_top[my-engine-RK4]" = "reason"`` for each.
+    The file is TOML, a line ``"test_heavy_top[my-engine-RK4]" = "reason"`` for each test. A line
+    without the brackets holds for every engine and method.
 
     Raises
     ------
     pytest.UsageError
-        If it cannot be read, names a test that does not exist, or gives no reason.
+        If the file cannot be read, names a test that does not exist, or gives no reason.
     """
     where = f"'--spincheck-xfails' {path}"
     try:
@@ -187,12 +197,12 @@ _FOLDER = SCENES.parent.resolve()
 
 
 class SuiteHooks:
-    """One run of the suite.
+    """The hooks for one run of the suite.
 
     Parameters
     ----------
-    engines : as typed
-    xfails : a file of known failures, as typed
+    engines : engines, or folders of recorded motions, as typed
+    xfails : path of a file of known failures, as typed; None if there is none
 
     Raises
     ------
@@ -205,14 +215,14 @@ class SuiteHooks:
         self._known = known_failures(Path(xfails)) if xfails else {}
 
     def pytest_generate_tests(self, metafunc: pytest.Metafunc) -> None:
-        """Repeat each test for each method of the engines."""
+        """Repeat each test of the suite for each subject."""
         if SUBJECT in metafunc.fixturenames:
             ids = [subject.name for subject in self._subjects]
             metafunc.parametrize(SUBJECT, self._subjects, ids=ids)
 
     @pytest.hookimpl(tryfirst=True)
     def pytest_collection_modifyitems(self, items: list[pytest.Item]) -> None:
-        """Mark known failures."""
+        """Mark the tests that are known to fail as expected failures."""
         for item in filter(_is_of_suite, items):
             reason = self._known.get(item.name) or self._known.get(item.originalname)
             if reason:
@@ -231,7 +241,7 @@ class SuiteHooks:
         return report
 
     def pytest_terminal_summary(self, terminalreporter: Any) -> None:
-        """Print what the suite was run on."""
+        """Print which engines, versions and folders the suite was run on."""
         names = ", ".join(dict.fromkeys(subject.about for subject in self._subjects))
         terminalreporter.write_line(f"spincheck suite on {names}")
 
