@@ -38,9 +38,10 @@ Progress = Callable[[str], None]
 def run_study(
     left: Plan, choice: Choice, store: Store, executor: Executor, progress: Progress
 ) -> None:
-    """Run the missing methods of every scene, then time steps while nothing else runs.
+    """Run the missing methods of every scene, then measure what their steps cost.
 
-    Each row, verdict and cost is stored as soon as it is made.
+    Nothing else runs while steps are timed. Each row, verdict and cost is stored as soon as it is
+    made.
 
     Parameters
     ----------

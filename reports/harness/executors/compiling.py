@@ -12,14 +12,17 @@ from ....reference.kernel import FOLDER
 from .executor import Executor
 from .local_workers import LocalWorkers
 
-#: The functions that share the work about evenly.
+#: The functions that compile the kernels: each about half of them.
 HALVES = (compile_march, compile_flow)
-#: Time that the slower one takes on a core of its own, with the start of a process, s.
+#: Time that the slower of both takes on a core of its own, with the start of a process, s.
 SECONDS = 19.0
 
 
 def compile_side_by_side(executor: Executor) -> None:
-    """Compile all kernels that are not compiled yet, in as many workers as there are functions."""
+    """Compile all missing kernels in parallel, with one job for each function of `HALVES`.
+
+    Nothing is done if all are compiled, or if there is no folder to keep machine code in.
+    """
     # Without a folder for machine code every process has to compile for itself.
     if FOLDER is None or is_compiled():
         return
@@ -31,7 +34,12 @@ def compile_side_by_side(executor: Executor) -> None:
 
 
 def compile_first(tell: Callable[[str], object]) -> None:
-    """Compile, after saying so, in a process that solves motions itself, unless it is done."""
+    """Compile the solver for a process that solves motions itself, if it is not compiled yet.
+
+    Parameters
+    ----------
+    tell : called first, with the sentence that announces the compilation
+    """
     if is_compiled():
         return
     tell(notice())

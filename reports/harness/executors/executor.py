@@ -18,11 +18,11 @@ QUEUED_PER_THREAD = 1
 
 @dataclass(frozen=True)
 class CallFailed:
-    """A call that returned nothing: it raised, crashed, hung, or was killed.
+    """The answer of a call that returned nothing: it raised, crashed, hung, or was killed.
 
     Attributes
     ----------
-    reason : one sentence
+    reason : why, in one sentence
     cause : the cause in one word
     """
 
@@ -49,11 +49,11 @@ class ExecutorStopped(Exception):
 
 
 class Executor(ABC):
-    """Makes calls, several at a time from as many threads. A context manager.
+    """Makes calls, several at a time from several threads; it is a context manager.
 
     Attributes
     ----------
-    width : calls that can be under way at once
+    width : number of calls that can be under way at once
     """
 
     width: int = 1
@@ -74,9 +74,13 @@ class Executor(ABC):
     def call_at(
         self, site: str, function: Callable[P, T], /, *args: P.args, **kwargs: P.kwargs
     ) -> Answer[T]:
-        """Call a function in a process that imports modules from the folder `site` first.
+        """Call a function in a process that imports modules from a folder first.
 
-        An empty `site` is none. It is for an engine at another version; few executors support it.
+        This is for an engine at another version; few executors support it.
+
+        Parameters
+        ----------
+        site : the folder; if empty, the call is made as by `call`
         """
         if site:
             return Answer(
@@ -94,7 +98,7 @@ class Executor(ABC):
 
     @abstractmethod
     def alone(self) -> "Executor":
-        """Return an executor of one call at a time on this computer, for timing.
+        """Return an executor on this computer that makes one call at a time, for timing.
 
         It ends with this executor, which may make no other call in the meantime.
         """
@@ -103,8 +107,9 @@ class Executor(ABC):
     def each(self, tasks: Iterable[Callable[[], T]]) -> Iterator[T]:
         """Run tasks in threads, started in their order, and yield what they return as they end.
 
-        A task runs in this process and makes calls; `width` tasks run at once. Tasks are taken from
-        the iterable as threads become free. An exception in one stops all others.
+        A task is a function that runs in this process and makes calls by this executor; `width`
+        tasks run at once. Tasks are taken from the iterable as threads become free. An exception in
+        one task stops all others.
         """
         if self.width == 1:
             yield from (task() for task in tasks)

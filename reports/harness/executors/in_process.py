@@ -12,7 +12,7 @@ T = TypeVar("T")
 
 @final
 class InProcess(Executor):
-    """Makes calls in this process, which a call that crashes or hangs takes with it."""
+    """Makes calls in this process, which ends or hangs if a call crashes or hangs."""
 
     def __init__(self) -> None:
         super().__init__()

@@ -14,7 +14,9 @@ T = TypeVar("T")
 
 @final
 class LocalWorkers(Executor):
-    """A number of worker processes, one for each thread, started by the thread's first call.
+    """An executor with a number of worker processes, one for each thread that makes calls.
+
+    A worker process is started by its thread's first call.
 
     Parameters
     ----------
@@ -32,7 +34,7 @@ class LocalWorkers(Executor):
         self._stopped = False
 
     def call(self, function: Callable[P, T], /, *args: P.args, **kwargs: P.kwargs) -> Answer[T]:
-        """Call a function in this thread's worker; what it takes and returns is pickled."""
+        """Call a function in this thread's worker; arguments and returned value are pickled."""
         return self._slot("").call(partial(function, *args, **kwargs))
 
     def call_at(

@@ -38,11 +38,11 @@ NO_THREAD = "can't start new thread"
 
 
 def serve(mark: bytes) -> None:
-    """Take calls until the parent is gone.
+    """Take calls from the parent process, and answer them, until the parent is gone.
 
     Parameters
     ----------
-    mark : printed at the end of each call
+    mark : bytes printed at the end of each call, so that the parent knows that all output is there
     """
     # The parent decides what Ctrl-C does, should it reach this process.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
@@ -89,7 +89,11 @@ def _read(stream: IO[bytes], length: int) -> bytes:
 
 
 def _answer(request: bytes) -> bytes:
-    """Return, pickled, whether a call returned, what it returned or raised, and the cause."""
+    """Make a pickled call and return, pickled, three values.
+
+    They are whether the call returned; what it returned, or what it raised in words; and the cause
+    of a failure.
+    """
     try:
         call = pickle.loads(request)
         return pickle.dumps((True, call(), ""))
@@ -99,7 +103,7 @@ def _answer(request: bytes) -> bytes:
 
 
 def cause_of(error: BaseException) -> "Cause":
-    """The cause, one word, of a call that raised: `environment` if the machine is to blame."""
+    """Return, in one word, why a call raised: `environment` if the machine is to blame."""
     # An `EngineError` has its own cause, as its child may have been killed.
     if getattr(error, "cause", "") == "killed":
         return "killed"
@@ -112,7 +116,7 @@ def cause_of(error: BaseException) -> "Cause":
 
 
 def _is_passing(error: BaseException) -> bool:
-    """Whether the machine is to blame for an error, which may pass."""
+    """Whether the machine, and not the engine, is to blame for an error, which may then pass."""
     if getattr(error, "cause", "") == "environment":
         return True
     if isinstance(error, OSError):

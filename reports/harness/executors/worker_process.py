@@ -39,7 +39,11 @@ ONE_THREAD = dict.fromkeys(THREAD_COUNTS, "1")
 
 
 class WorkerProcess:
-    """The parent's side of a worker.
+    """The parent's side of a worker: it starts the process, sends calls and takes answers.
+
+    Parameters
+    ----------
+    site : folder from which the process imports modules first; none if empty
 
     Raises
     ------
@@ -101,7 +105,16 @@ class WorkerProcess:
         send(_raw(self._process.stdin), call)
 
     def wait(self, limit: float) -> Overdue | None:
-        """Wait for the answer: see `wait_for_answer`."""
+        """Wait for the answer to a call, as `wait_for_answer` does.
+
+        Parameters
+        ----------
+        limit : CPU time that the call may take, s
+
+        Returns
+        -------
+        How the limit was exceeded; None if there is an answer or the process has ended.
+        """
         return wait_for_answer(self._has_answered, self._of_system, limit)
 
     def _has_answered(self, seconds: float) -> bool:
@@ -127,9 +140,9 @@ class WorkerProcess:
 
     @property
     def is_spent(self) -> bool:
-        """Whether it still holds half of the memory that it may: what an engine leaks adds up.
+        """Whether the process still holds half of the memory that it may use: engines leak memory.
 
-        Only Linux tells.
+        It is always false where the system does not tell how much that is; only Linux does.
         """
         try:
             count = int(getattr(self._of_system.memory_info(), "data", 0))
@@ -156,7 +169,7 @@ class WorkerProcess:
         return code
 
     def _take_answers(self) -> None:
-        """Run in a thread: put answers into the queue until the process ends, then None."""
+        """Put answers into the queue until the process ends, then None; run in a thread."""
         stream = _raw(self._process.stdout)
         try:
             while True:
@@ -165,7 +178,7 @@ class WorkerProcess:
             self._answers.put(None)
 
     def _take_output(self) -> None:
-        """Run in a thread: read all output and keep the end of it."""
+        """Read all output and keep the end of it; run in a thread."""
         descriptor = _raw(self._process.stderr).fileno()
         while received := os.read(descriptor, PIPE_SIZE):
             self._printed = (self._printed + received)[-KEPT_OUTPUT - len(self._mark) :]

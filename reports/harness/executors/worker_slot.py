@@ -1,4 +1,4 @@
-"""One worker process at a time, which is replaced when it dies; its death is the call's failure."""
+"""One worker process at a time, which is replaced when it dies; the call under way then fails."""
 
 import pickle
 import re
@@ -22,12 +22,14 @@ _OVERDUE = "did not finish within "
 
 
 class WorkerSlot:
-    """Makes calls, one at a time and all from one thread; any thread may stop it.
+    """Makes calls in one worker process, one at a time and all from one thread.
+
+    Any thread may stop it.
 
     Parameters
     ----------
     time_limit : CPU seconds that a call may take
-    site : a folder from which its process imports modules first; none if empty
+    site : a folder from which the worker process imports modules first; none if empty
     """
 
     def __init__(self, time_limit: float, site: str = "") -> None:
@@ -92,7 +94,7 @@ class WorkerSlot:
         return answer
 
     def _ready(self) -> WorkerProcess:
-        """Return the worker process, a new one if the last has died."""
+        """Return the running worker process; start a new one if there is none or it has died."""
         with self._changing:
             if self._stopped:
                 raise ExecutorStopped
@@ -121,7 +123,12 @@ class WorkerSlot:
 
 
 def is_environmental(cause: str) -> bool:
-    """Whether a cause lies in the machine, not in what was called."""
+    """Whether the machine, not what was called, caused a failure.
+
+    Parameters
+    ----------
+    cause : the cause in one word
+    """
     return cause in ENVIRONMENTAL
 
 
@@ -138,8 +145,13 @@ def cause_of_unsolved(failure: CallFailed) -> Cause:
 def may_succeed_if_repeated(cause: str, reason: str, time_limit: float | None) -> bool:
     """Whether a call that failed may succeed if it is made again.
 
-    It may if the machine is to blame, or if it was stopped after less CPU time than the limit
-    that applies now, s.
+    It may if the machine is to blame, or if the call was stopped after less CPU time than may be
+    used now.
+
+    Parameters
+    ----------
+    cause, reason : why the call failed, in a word and in a sentence
+    time_limit : CPU time that a call may take now, s; None if time is not limited
     """
     if is_environmental(cause):
         return True

@@ -22,7 +22,7 @@ from .jacobians import CHANGES, CHART, WEIGHTS, Units, changed, stepped_by_rate
 
 #: Names of the terms of I dω/dt.
 TERMS = ("gravity", "applied torques", "gyroscopic torque")
-#: Spacing of the common logarithms of ε that are tried, and these; ε is in rad and rad/s.
+#: The common logarithms of ε that are tried, and their spacing; ε is in rad and rad/s.
 SPACING = 0.125
 POWERS = np.arange(-5.0, SPACING, SPACING).tolist()
 #: Relative error of the derivatives of terms by differences, and so the tolerance of the fitted ε.
@@ -31,15 +31,18 @@ KNOWN = 1e-6
 
 @dataclass(frozen=True, eq=False)
 class Exact:
-    """The exact Jacobians from K states over J spans of time, and what mistakes make of them.
+    """The exact Jacobians from K states over J spans of time, and those that mistakes would give.
 
-    The Jacobians by mistakes are cached, as all derivatives of an engine are compared with them.
+    The Jacobians that mistakes would give are cached, as all derivatives of an engine are compared
+    with them.
 
     Attributes
     ----------
+    states : the K states
     spans : s, (J,); each is the duration of `steps` steps
     jacobians : (J, K, 6, 6), as in `jacobians.py`
-    units : in which Jacobians are compared
+    units : units in which Jacobians are compared
+    steps : number of steps that each Jacobian covers
     """
 
     scenario: Scenario
@@ -51,12 +54,12 @@ class Exact:
 
     @cached_property
     def in_world_axes(self) -> list[tuple[str, FloatArray]]:
-        """The Jacobians of `_in_world_axes`, by name of the mistake."""
+        """The Jacobians with attitude, ω or both in world axes, each after the mistake in words."""
         return list(_in_world_axes(self))
 
     @cached_property
     def lacking(self) -> list[tuple[str, FloatArray]]:
-        """The Jacobians of `_lacking`, by name of the mistake."""
+        """The Jacobians with a part of the derivative left out, each after the mistake in words."""
         return list(_lacking(self))
 
     @cached_property
@@ -67,7 +70,7 @@ class Exact:
 
     @cached_property
     def secants(self) -> dict[bool, list[FloatArray]]:
-        """The errors that `secant` returns, for each of `POWERS`, by whether it is two-sided."""
+        """The errors that `secant` returns for each of `POWERS`; the key is `two_sided`."""
         return {
             two_sided: [self.secant(power, two_sided) for power in POWERS]
             for two_sided in (False, True)
@@ -89,11 +92,13 @@ class Exact:
         return np.array([one.secant(10.0**power, two_sided) for one in self.rates])
 
     def off_by(self, change: Callable[["_Rates"], FloatArray]) -> FloatArray:
-        """Return the Jacobians with a changed derivative of dx/dt, to first order, (J, K, 6, 6).
+        """Return the Jacobians that a mistake in the derivative of dx/dt gives, (J, K, 6, 6).
+
+        They are right to first order in the spans of time.
 
         Parameters
         ----------
-        change : returns the change of that derivative, (6, 6), near a state
+        change : returns the error of the derivative of dx/dt near a state, (6, 6)
         """
         h = self.spans[:, None, None, None]
         return np.asarray(self.jacobians + h * np.array([change(one) for one in self.rates]))
@@ -184,7 +189,7 @@ def _ends(exact: Exact) -> list[list[tuple[FloatArray, FloatArray]]]:
 def _to_world(
     q: FloatArray, omega: FloatArray, turn: bool, spin: bool, carried: bool
 ) -> FloatArray:
-    """Return the matrix from the chart to a chart with some changes in world axes, (6, 6).
+    """Return the matrix from the chart, in body axes, to a chart with some world axes, (6, 6).
 
     Parameters
     ----------
@@ -215,7 +220,13 @@ def _lacking(exact: Exact) -> Iterator[tuple[str, FloatArray]]:
 
 
 def _fitted(exact: Exact, limits: FloatArray, two_sided: bool) -> float:
-    """Return the ε, rad and rad/s, whose finite differences would come closest to the limits."""
+    """Return the ε, rad and rad/s, whose finite differences explain an engine's Jacobians best.
+
+    Parameters
+    ----------
+    limits : as for `candidates`
+    two_sided : whether the differences are central, or else forward
+    """
 
     def remainder(power: float) -> float:
         return float(np.linalg.norm(limits - exact.secant(power, two_sided)))
@@ -228,18 +239,23 @@ def _fitted(exact: Exact, limits: FloatArray, two_sided: bool) -> float:
 
 
 class _Rates:
-    """The function dω/dt near one state, term by term, and its derivatives, by differences."""
+    """The function dω/dt near one state, term by term, and its derivatives, by differences.
+
+    Parameters
+    ----------
+    units : units of the changes of attitude and ω by which the differences are taken
+    """
 
     def __init__(self, equations: Equations, state: State, units: Units) -> None:
         self.equations, self.state, self.units = equations, state, units
         self.exact = self._derivative("")
 
     def without(self, name: str) -> FloatArray:
-        """Return the change of the derivative of dx/dt if a named term is held constant, (6, 6)."""
+        """Return the error of the derivative of dx/dt if a term is not differentiated, (6, 6)."""
         return self._whole(self._derivative(name) - self.exact)
 
     def without_turn(self, first: int) -> FloatArray:
-        """Return the change of the derivative of dx/dt if δθ' = δω − ω × δθ lacks a part, (6, 6).
+        """Return the error of the derivative of dx/dt if δθ' = δω − ω × δθ lacks a part, (6, 6).
 
         Parameters
         ----------
@@ -264,7 +280,12 @@ class _Rates:
         return np.vstack([np.zeros((3, CHART)), rate])
 
     def _derivative(self, frozen: str) -> FloatArray:
-        """Return the derivative of dω/dt by attitude and ω, (3, 6), with one term held constant."""
+        """Return the derivative of dω/dt by attitude and ω, (3, 6).
+
+        Parameters
+        ----------
+        frozen : name of the term, or of the factor of a term, that is kept constant; none if empty
+        """
         sizes = self.units.change * self.units.each
         rates = [self._rates(step * np.diag(sizes), frozen) for step in CHANGES]
         return np.tensordot(WEIGHTS, np.array(rates), axes=1).T / sizes

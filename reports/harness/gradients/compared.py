@@ -61,9 +61,9 @@ class GradientRow:
 
     Attributes
     ----------
-    derivative : the engine's name for it, or `OURS`
+    derivative : the engine's name for the derivative, or `OURS`
     judged : the verdict; failed or unsupported if nothing was computed
-    costs : measured CPU times, divided by the CPU time of as many plain steps
+    costs : CPU times of the derivative, each divided by that of the plain steps that it covers
     seconds : wall time until the row was made, including compilation
     timestep : timestep of the window's steps, s
     window : gradients along a run
@@ -84,10 +84,12 @@ class GradientRow:
 
 @dataclass(frozen=True, eq=False)
 class _Target:
-    """The Jacobians that an engine's are compared with: the exact ones, and its steps' own.
+    """The Jacobians that those computed by an engine are compared with.
 
     Attributes
     ----------
+    exact : the Jacobians of the exact motion
+    own : the Jacobians that finite differences of the engine's own steps give
     timesteps : s, (J,)
     """
 
@@ -117,12 +119,12 @@ class MethodStudy:
     counts: list[int]
 
     def names(self) -> list[str]:
-        """Return the names of all derivatives."""
+        """Return the names of all derivatives: the engine's, those through `MANY` steps, and `OURS`."""
         own = self.sessions.first.derivatives()
         return [*own, *(name + THROUGH for name, one in own.items() if one.through), OURS]
 
     def row(self, called: str) -> GradientRow:
-        """Return the row of a derivative, given its name."""
+        """Judge a derivative, given its name, and return its row."""
         began, name = time.perf_counter(), called.removesuffix(THROUGH)
         if called == OURS:
             row = self._own_row(self._settled if self._gives_way else self._single)
@@ -134,22 +136,29 @@ class MethodStudy:
 
     @cached_property
     def _gives_way(self) -> bool:
-        """Whether a constraint must settle before steps are judged."""
+        """Whether a constraint gives way, so that it must settle before steps are judged."""
         steps = steps_from(self.sessions, self.at.states, self.at.timesteps)
         return gives_way(Equations(self.sessions.scenario), self.engine, steps)
 
     @cached_property
     def _single(self) -> _Target:
-        """The Jacobians over single steps."""
+        """The Jacobians over single steps, with which an engine's are compared."""
         return self._target(1)
 
     @cached_property
     def _many(self) -> _Target:
-        """The Jacobians over `MANY` steps."""
+        """The Jacobians over `MANY` steps, with which an engine's are compared."""
         return self._target(MANY)
 
     def _target(self, steps: int) -> _Target:
-        """Return the Jacobians over `steps` steps, which together last one of the timesteps."""
+        """Return the Jacobians over several steps, with which an engine's are compared.
+
+        All timesteps are used with which so many steps take no longer than the longest timestep.
+
+        Parameters
+        ----------
+        steps : number of steps that each Jacobian covers
+        """
         scenario, at, units = self.sessions.scenario, self.at, self.units
         timesteps = at.timesteps[at.timesteps <= at.timesteps[0] / steps]
         spans = steps * timesteps
@@ -160,9 +169,10 @@ class MethodStudy:
 
     @cached_property
     def _settled(self) -> _Target:
-        """Return the Jacobians of a step after a constraint has settled.
+        """The Jacobians of a step after a constraint has settled.
 
-        The longest timesteps, at which the body turns far while it settles, are left out.
+        An engine's Jacobians are compared with them. The longest timesteps, at which the body turns
+        far while the constraint settles, are left out.
         """
         scenario, at, units = self.sessions.scenario, self.at, self.units
         settling, timesteps = (SETTLING, SETTLING + FEW), at.timesteps[FINER:]
@@ -170,7 +180,15 @@ class MethodStudy:
         return _Target(Exact(scenario, at.states, timesteps, jacobians, units), own, timesteps)
 
     def _engines_row(self, target: _Target, name: str, called: str) -> GradientRow:
-        """Return the row of an engine's derivative; if its code raises an error, as the reason."""
+        """Return the row of a derivative that the engine computes.
+
+        If the engine's code raises an error, the row is failed, with the error as the reason.
+
+        Parameters
+        ----------
+        target : the Jacobians that the derivative is compared with
+        name, called : the engine's name for the derivative, and its name in the row
+        """
         steps = target.exact.steps
         try:
             found, is_step = self._found(name, target)
@@ -188,7 +206,16 @@ class MethodStudy:
             return self._row(called, Judged("failed", said.removesuffix(": ")))
 
     def _judged(self, target: _Target, found: FloatArray, is_step: bool, name: str) -> Judged:
-        """Return the verdict on Jacobians; those of steps are compared with the engine's steps."""
+        """Return the verdict on the Jacobians that the engine computes.
+
+        Parameters
+        ----------
+        target : the Jacobians that they are compared with
+        found : the engine's Jacobians, (J, K, 6, 6)
+        is_step : whether they differentiate steps, so that they are compared with the engine's own
+            steps
+        name : the engine's name for the derivative
+        """
         epsilon = self.sessions.first.derivatives()[name].epsilon
         noise = noise_of(self.units, target.timesteps, self.at.condition, epsilon)
         one = judged(target.exact, found, noise)
@@ -217,7 +244,8 @@ class MethodStudy:
     def _found(self, name: str, target: _Target) -> tuple[FloatArray | str, bool]:
         """Return the Jacobians by a derivative, and whether it differentiates steps, not dω/dt.
 
-        The Jacobians, (J, K, 6, 6), are replaced by words if their shape is wrong.
+        The Jacobians have the shape (J, K, 6, 6). If the engine's have another, a sentence that
+        says so is returned in their place.
         """
         states, jacobians, is_step = self.at.states, np.empty_like(target.exact.jacobians), True
         for j, k in np.ndindex(jacobians.shape[:2]):
@@ -241,7 +269,13 @@ class MethodStudy:
         return self.units.of(found)
 
     def _with_window(self, row: GradientRow, name: str = "", is_taped: bool = False) -> GradientRow:
-        """Return a row with gradients along a run, by the derivative or by differences of runs."""
+        """Return a row, completed by gradients along a run.
+
+        Parameters
+        ----------
+        name : the engine's name for the derivative; if empty, differences of runs are used
+        is_taped : whether the derivative of many steps is computed at once
+        """
         sessions, h, units, one = self.sessions, row.timestep, self.units, row.judged
         of_step = partial(self._jacobian, name=name) if name else None
         try:
@@ -267,10 +301,15 @@ class MethodStudy:
         return replace(row, judged=one, window=along, useless_from=useless_from(along))
 
     def _costs(self, name: str, steps: int) -> tuple[float, ...]:
-        """Return ratios of the CPU time of a derivative to the CPU time of the steps it covers.
+        """Return CPU times of a derivative, each divided by that of the steps that it covers.
 
         Plain steps and derivatives are timed in turns. In each turn the derivative is computed
         until it has taken as long as the steps, so that a first call with cold caches is averaged.
+
+        Parameters
+        ----------
+        name : the engine's name for the derivative
+        steps : number of steps that it covers
         """
         with self.sessions.at(self.at.states.rows(0), float(self.at.timesteps[-1])) as session:
             session.advance(TIMED)
@@ -286,6 +325,12 @@ class MethodStudy:
 
 
 def _by(session: Session, name: str, steps: int) -> Callable[[], FloatArray]:
-    """Return a function that computes the derivative of a number of steps, by a tape if many."""
+    """Return a function that computes the Jacobian of a number of steps.
+
+    Parameters
+    ----------
+    name : the engine's name for the derivative
+    steps : number of steps; more than one are differentiated at once if the engine can do so
+    """
     one = session.derivatives()[name]
     return one.compute if steps == 1 or one.through is None else partial(one.through, steps)

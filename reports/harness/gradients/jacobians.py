@@ -115,9 +115,13 @@ def own_jacobian(
 
 
 def changed(scenario: Scenario, state: State, offsets: FloatArray) -> State:
-    """Return the n states at offsets in attitude and ω, (n, 6), that the constraint allows.
+    """Return the n states that differ from one in attitude and ω by offsets.
 
     Com and velocity follow from the constraint; those of a free body do not change.
+
+    Parameters
+    ----------
+    offsets : changes of attitude and ω, rad and rad/s, (n, 6)
     """
     half = np.linalg.norm(offsets[:, :3], axis=1, keepdims=True) / 2
     turn = np.hstack([np.cos(half), np.sinc(half / np.pi) * offsets[:, :3] / 2])
@@ -158,7 +162,13 @@ class Own:
 def own_jacobians(
     sessions: Sessions, states: State, timesteps: FloatArray, units: Units, steps: int
 ) -> Own:
-    """Return the Jacobians of `steps` steps from K states with J timesteps, and their error."""
+    """Return Jacobians from K states with J timesteps, by differences of an engine's own steps.
+
+    Parameters
+    ----------
+    timesteps : s, (J,)
+    steps : number of steps that each Jacobian covers
+    """
     found, finer = (
         np.array(
             [
@@ -206,9 +216,13 @@ def settled_jacobians(
 
 
 def _error_bound(units: Units, found: FloatArray, other: FloatArray) -> FloatArray:
-    """Return a bound on the error of Jacobians: their distance from others, in units, (J,).
+    """Return a bound on the error of Jacobians, in units, for each of J timesteps, (J,).
 
-    The bound is not less than the error by rounding.
+    The bound is their distance from others, but not less than the error by rounding.
+
+    Parameters
+    ----------
+    found, other : the Jacobians, and others with another error, (J, K, 6, 6)
     """
     apart = np.abs(units.of(found - other)).max(axis=(1, 2, 3))
     return np.asarray(np.maximum(apart, ULPS * units.ulp / units.change))
@@ -217,7 +231,7 @@ def _error_bound(units: Units, found: FloatArray, other: FloatArray) -> FloatArr
 def stepped_by_rate(rate: FloatArray, omega_body: FloatArray, timestep: float) -> FloatArray:
     """Return the Jacobian of an explicit Euler step, (6, 6), given the derivative of dω/dt.
 
-    The turn obeys δθ' = δω − ω × δθ.
+    The change δθ of the attitude obeys δθ' = δω − ω × δθ.
 
     Parameters
     ----------

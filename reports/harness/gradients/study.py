@@ -25,7 +25,10 @@ FINE = 2
 
 
 def offered_by(executor: Executor, scenario: Scenario, engine: Engine, method: str) -> list[str]:
-    """Return the names of a method's derivatives, `OURS` last; `OURS` alone if the call fails."""
+    """Return the names of a method's derivatives, as `offered` does, but in a worker process.
+
+    If the call fails, the only name is that of spincheck's own differences, `OURS`.
+    """
     answer = executor.call_at(engine.site, offered, scenario, engine, method)
     return [OURS] if isinstance(answer.value, CallFailed) else answer.value
 
@@ -39,7 +42,7 @@ def gradient_by(
     timestep: float | None = None,
     window: float | None = None,
 ) -> GradientRow:
-    """Return the row of one derivative, made in another process, which may crash or time out.
+    """Judge one derivative in another process, which may crash or time out, and return its row.
 
     Parameters
     ----------
@@ -55,7 +58,7 @@ def gradient_by(
 
 
 def offered(scenario: Scenario, engine: Engine, method_name: str) -> list[str]:
-    """Return the names of a method's derivatives, `OURS` last."""
+    """Return the names of the derivatives that can be judged, spincheck's own, `OURS`, last."""
     try:
         with _study(scenario, engine, method_name, None, None) as study:
             return study.names()
@@ -71,7 +74,9 @@ def gradients_of(
     window: float | None = None,
     derivative: str | None = None,
 ) -> list[GradientRow]:
-    """Judge a method's derivatives: one row each, or one row with the reason if none can be judged.
+    """Judge a method's derivatives and return a row for each.
+
+    If none can be judged, return one row with the reason.
 
     Parameters
     ----------
@@ -98,12 +103,16 @@ def _study(
     timestep: float | None,
     window: float | None,
 ) -> Iterator["MethodStudy"]:
-    """Open an engine at exact states of a scene.
+    """Open an engine at exact states of a scene, where its derivatives are judged.
+
+    Parameters
+    ----------
+    timestep, window : as in `gradients_of`, s
 
     Raises
     ------
     EngineError
-        If it cannot be opened; `UnsupportedError` if it cannot simulate the scene.
+        If the engine cannot be opened; `UnsupportedError` if it cannot simulate the scene.
     """
     method = engine.method(method_name)
     if reason := engine.unsupported(scenario, method):

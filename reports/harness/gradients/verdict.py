@@ -65,11 +65,12 @@ def noise_of(units: Units, timesteps: FloatArray, condition: float, epsilon: flo
 
 
 def judged(exact: Exact, found: FloatArray, noise: FloatArray) -> Judged:
-    """Judge the Jacobians of steps.
+    """Return the verdict on the Jacobians of steps.
 
     Parameters
     ----------
-    found : the Jacobians, (J, K, 6, 6)
+    exact : the exact Jacobians
+    found : the Jacobians to be judged, (J, K, 6, 6)
     noise : standard deviation of the gains, as `noise_of` returns it, 1/s, (J, 6)
     """
     units = exact.units
@@ -130,14 +131,15 @@ def beside_own(one: Judged, exact: Exact, found: FloatArray, own: Own, noise: Fl
 
 
 def _series(exact: Exact, off: FloatArray, noise: FloatArray) -> list[GainSeries]:
-    """Return the series fitted to the rows of attitude and to the rows of ω.
+    """Return the series that are fitted to the gains in attitude and to those in ω.
 
-    Each column of each of K states is a vector of three components, as a gain from one state is.
+    Each column of a Jacobian from each of K states is a vector of three components, as a gain from
+    one state is.
 
     Parameters
     ----------
     off : differences of Jacobians from the exact ones, (J, K, 6, 6)
-    noise : by columns, 1/s, (J, 6)
+    noise : standard deviation of each column's gain, 1/s, (J, 6)
     """
     J, K = off.shape[:2]
     columns = np.swapaxes(_gains(exact, off), 2, 3).reshape(J, K * CHART, CHART)
@@ -150,16 +152,21 @@ def _series(exact: Exact, off: FloatArray, noise: FloatArray) -> list[GainSeries
 
 
 def _gains(exact: Exact, off: FloatArray) -> FloatArray:
-    """Return differences of Jacobians, (J, K, 6, 6), in units and per second."""
+    """Return gains, 1/s: differences of Jacobians, in units, divided by the spans of time.
+
+    Parameters
+    ----------
+    off : the differences, (J, K, 6, 6)
+    """
     return np.asarray(exact.units.of(off) / exact.spans[:, None, None, None])
 
 
 def _tail(series: list[GainSeries]) -> float:
-    """Return the tail of both halves together (Bonferroni)."""
+    """Return the tail of the series of attitude and ω together (Bonferroni)."""
     return min(1.0, HALVES * min(one.tail for one in series))
 
 
 def _joined(series: list[GainSeries]) -> FloatArray:
-    """Return the limits of all columns, joined to matrices as Jacobians are, (K, 6, 6)."""
+    """Return the limits of gains as matrices with the rows and columns of Jacobians, (K, 6, 6)."""
     rows = np.concatenate([one.limit for one in series], axis=1)
     return np.swapaxes(rows.reshape(-1, CHART, CHART), 1, 2)

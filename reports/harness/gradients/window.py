@@ -62,8 +62,8 @@ def exact_along(
 ) -> tuple[Trajectory, Sensitivity]:
     """Return the exact motion after given numbers of steps, and its derivatives.
 
-    It ends where the motion is no longer known. It is cached, as all derivatives of an engine are
-    compared with it.
+    The motion ends where it is no longer known. The result is cached, as all derivatives of an
+    engine are compared with it.
 
     Parameters
     ----------
@@ -143,7 +143,9 @@ def gradients_along(
     jacobians: Sequence[FloatArray],
     states: Sequence[State],
 ) -> tuple[Gradient, ...]:
-    """Return the gradients of the losses at n times, compared with the exact gradients.
+    """Return the gradients of two losses at n times, compared with the exact gradients.
+
+    The losses are half the squared angle to a target attitude, and the rotational energy.
 
     Parameters
     ----------
@@ -182,10 +184,10 @@ def gradients_along(
 
 
 def cut_in_words(each: Sequence[FloatArray], taped: FloatArray, ulp: float) -> str:
-    """Return in words how a Jacobian of N steps at once differs from the product of single steps'.
+    """Return how a Jacobian of N steps differs from the product of the N steps' own Jacobians.
 
-    The words are empty if the two agree up to rounding: of each Jacobian, and of the state at which
-    it is computed, an error that later Jacobians multiply.
+    The text is empty if they agree up to rounding: each Jacobian is rounded, and so is the state at
+    which it is computed, and later Jacobians multiply these errors.
 
     Parameters
     ----------
@@ -214,7 +216,10 @@ def cut_in_words(each: Sequence[FloatArray], taped: FloatArray, ulp: float) -> s
 
 
 def useless_from(gradients: tuple[Gradient, ...]) -> float | None:
-    """Return the time, s, from which on no gradient is better than zero; None if the last is."""
+    """Return the time, s, from which on all gradients are no better than a gradient of zero.
+
+    None is returned if the last gradient is better.
+    """
     wrong = [one.t for one in gradients]
     for one in reversed(gradients):
         if one.error < USELESS:
@@ -224,7 +229,12 @@ def useless_from(gradients: tuple[Gradient, ...]) -> float | None:
 
 
 def _slopes(equations: Equations, state: State, target: FloatArray) -> list[FloatArray]:
-    """Return the derivatives of both losses by attitude and ω at the end, (6,) each."""
+    """Return the derivatives of both losses by attitude and ω at the end of a run, (6,) each.
+
+    Parameters
+    ----------
+    target : quaternion of the target attitude, (4,)
+    """
     turn = rotation_vectors(target[None], state.q_world_body_wxyz[None])[0]
     momentum = equations.scenario.inertia @ state.omega_body
     return [np.append(turn, np.zeros(3)), np.append(np.zeros(3), momentum)]
