@@ -15,9 +15,10 @@ TO_LEVEL = {f"to {number(level, 1).removeprefix('1×')}": level for level in LEV
 
 
 def median_table(gathered: ReportData) -> Table:
-    """Return a table of the median cost of each error over the scenes that a method can simulate.
+    """Return a table of each method's median cost at each level of error.
 
-    Cells have a second line: the number of scenes on which the method reaches the error.
+    The median is over the scenes that the method can simulate. Cells have a second line: the number
+    of scenes on which the method reaches the error.
     """
     found = tallies([curves(scene, COMPARED) for scene in gathered.scenes if scene.solved])
 
@@ -33,7 +34,14 @@ def median_table(gathered: ReportData) -> Table:
 
 
 def left_out_section(costs: Sequence[MethodCost]) -> tuple[Table, str]:
-    """Return a table of steps' cost with nothing left out, and whether motions change."""
+    """Return a table of how much longer steps take with nothing left out, and a sentence.
+
+    The sentence says how many motions are the same to the last bit.
+
+    Parameters
+    ----------
+    costs : costs of varied engines, of which those with nothing left out are used
+    """
     whole = [cost for cost in costs if cost.difference is not None]
     methods = sorted({cost.key.pair for cost in whole})
     cells = {cost.key: _whole_cell(cost) for cost in whole}

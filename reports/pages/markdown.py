@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from html.parser import HTMLParser
 from typing import Any
 
-#: How elements that only a browser draws are marked: an attribute, and tags that always are drawn.
+#: Elements that only a browser draws have this attribute, or one of these tags.
 DRAWN = "data-drawn"
 ALWAYS_DRAWN = ("head", "script", "figure", "template", "svg", "button", "select", "label")
 #: Elements without an end tag.
@@ -39,6 +39,7 @@ def as_markdown(html: str, items: Sequence[Any]) -> str:
 
     Parameters
     ----------
+    html : the page
     items : the data that the page carries for its script, which include folded tables (`PageData`)
     """
     parser = _Parser()
@@ -118,7 +119,7 @@ def _inline(element: _Element) -> str:
 
 
 def _spaced(text: str) -> str:
-    """Return text escaped, with a space on either side where it has white space."""
+    """Return text escaped, with white space at either end reduced to one space."""
     after = text[-1:].isspace() and not text.isspace()
     return f"{' ' * text[:1].isspace()}{escaped(text)}{' ' * after}"
 
@@ -146,7 +147,7 @@ def _text(element: _Element) -> str:
 
 
 def _table(element: _Element) -> str:
-    """Return a table with one line of headings."""
+    """Return a table, of which the first row is the headings."""
     heads, bodies = element.all("thead"), element.all("tbody")
     return _lines([_cells(row) for part in (*heads, *bodies) for row in part.all("tr")])
 
@@ -156,7 +157,12 @@ def _cells(row: _Element) -> list[str]:
 
 
 def _packed_cell(cell: list[str]) -> str:
-    """Return the Markdown of a cell as the page carries it: text, kind, detail and link."""
+    """Return as Markdown a cell in the form in which a page carries it for its script.
+
+    Parameters
+    ----------
+    cell : text, kind, detail and link, of which empty ones at the end are missing
+    """
     text, _, detail, link = [*cell, "", "", ""][:4]
     shown = f"[{escaped(text)}]({_target(link)})" if link else escaped(text)
     return f"{shown} ({escaped(detail)})" if detail else shown

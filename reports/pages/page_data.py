@@ -31,8 +31,8 @@ class Differences:
     ----------
     step : in the unit of the values
     order : how many times differences were taken; each time the first number is kept as it is
-    values : whole numbers, (n,)
-    gaps : indices of NaN
+    values : the differences, whole numbers, (n,)
+    gaps : indices at which the array is NaN
     """
 
     step: float
@@ -41,7 +41,10 @@ class Differences:
     gaps: tuple[int, ...]
 
     def planes(self) -> bytes:
-        """Return zigzag-coded bytes (2v, or −2v − 1 if v < 0): lowest bytes, then the next, …."""
+        """Return the values as bytes: the lowest byte of each, then the next of each, and so on.
+
+        The values are zigzag-coded first: 2v, or −2v − 1 if v < 0.
+        """
         zigzag = np.where(self.values < 0, -2 * self.values - 1, 2 * self.values)
         by_value = zigzag.astype("<u8").view(np.uint8).reshape(-1, 8)
         used = np.flatnonzero(by_value.max(axis=0, initial=0))
@@ -50,7 +53,12 @@ class Differences:
 
 
 def differenced(values: FloatArray, step: float) -> Differences:
-    """Return values, (n,), rounded to multiples of a step > 0; NaN becomes a gap."""
+    """Return values, (n,), rounded to multiples of a step, as the differences that take least room.
+
+    Parameters
+    ----------
+    step : above 0, in the unit of the values
+    """
     gaps = tuple(np.flatnonzero(np.isnan(values)).tolist())
     drawable = np.clip(np.where(np.isnan(values), 0.0, values), -LARGEST * step, LARGEST * step)
     multiples = np.rint(drawable / step)
@@ -62,7 +70,7 @@ def differenced(values: FloatArray, step: float) -> Differences:
 
 
 class PageData:
-    """The data of one page for its script: items, by number."""
+    """The data that one page carries for its script: items, identified by their numbers."""
 
     def __init__(self) -> None:
         self.items: list[Any] = []
@@ -73,7 +81,7 @@ class PageData:
         return len(self.items) - 1
 
     def add_table(self, table: Table) -> int:
-        """Add a table, its cells without trailing empty parts; return its number."""
+        """Add a table and return its number; cells are carried without empty parts at their end."""
         rows = [
             [_trimmed([c.text, c.kind, c.detail, c.link, c.note]) for c in row]
             for row in table.rows
@@ -81,7 +89,10 @@ class PageData:
         return self.add({"headings": table.headings, "rows": rows})
 
     def encoded(self) -> str:
-        """Return all items as JSON, a NUL and arrays, deflated (zlib, RFC 1950), base64."""
+        """Return all items as text for the page.
+
+        They are JSON, a NUL and the arrays, deflated (zlib, RFC 1950), in base64.
+        """
         arrays = bytearray()
 
         def placed(array: Differences) -> dict[str, Any]:

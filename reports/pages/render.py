@@ -65,9 +65,10 @@ SHOWN_TIMESTEP, SHOWN_INTEGRATOR = 0.002, "RK4"
 
 
 def render(results: Results, folder: Path) -> Path:
-    """Write index.html, report.md, assets/ and a page for each scene; return index.html's path.
+    """Write a report into a folder; return the path of its first page, index.html.
 
-    The same results give the same files, byte for byte; files of an earlier report are removed.
+    It has report.md, assets/ and a page for each scene, too. The same results give the same files,
+    byte for byte; files of an earlier report are removed.
 
     Raises
     ------
@@ -155,7 +156,7 @@ def _hard_cases(gathered: ReportData, environment: Environment) -> dict[str, Any
 
 
 def _scene(scene: SceneRuns) -> dict[str, Any]:
-    """Return the contents of a scene, for its HTML page and its Markdown page."""
+    """Return what the templates of a scene's page show, by the names that they use."""
     content: dict[str, Any] = {
         "scene": scene,
         "answer": scene_answer(scene),

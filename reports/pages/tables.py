@@ -13,12 +13,12 @@ def scene_page(name: str) -> str:
 
 
 def method_anchor(engine: str, method: str) -> str:
-    """Return the anchor of a method's verdict on a scene's page."""
+    """Return the anchor of a method's verdict on a scene's page, to which links point."""
     return ":".join(("method", _plain(engine), _plain(method)))
 
 
 def _plain(text: str) -> str:
-    """Return ASCII letters, digits, - and _ as they are, other characters as code points."""
+    """Return a text in which all but ASCII letters, digits, - and _ are written as code points."""
     return "".join(
         c if c.isascii() and (c.isalnum() or c in "-_") else f".{ord(c):x}." for c in text
     )
@@ -30,7 +30,7 @@ class Cell:
 
     Attributes
     ----------
-    kind : "number", a verdict, …: the CSS class by which the style sheet colours or aligns it
+    kind : "number", a verdict, …: the CSS class by which the style sheet colours or aligns the cell
     detail : a second, smaller line
     link : target of the cell's link, relative to the page; HTML only
     note : text that the HTML page shows on demand
@@ -45,7 +45,12 @@ class Cell:
 
 @dataclass(frozen=True)
 class Table:
-    """Headings, and rows of as many cells. `anchors`, one for each row, are targets of links."""
+    """A table: headings, and rows with a cell for each heading.
+
+    Attributes
+    ----------
+    anchors : targets of links, one for each row; none if empty
+    """
 
     headings: tuple[str, ...]
     rows: tuple[tuple[Cell, ...], ...]
@@ -54,7 +59,13 @@ class Table:
 
 @dataclass(frozen=True, eq=False)
 class Captioned:
-    """A table with its title, and what it shows in words; a folded one is shown on demand."""
+    """A table with its title and a sentence on what it shows.
+
+    Attributes
+    ----------
+    label : the title
+    folded : whether the page shows the table only on demand
+    """
 
     label: str
     sentence: str
@@ -73,13 +84,13 @@ def table(headings: Iterable[str], rows: Iterable[Iterable[Cell | str]]) -> Tabl
 
 
 def records(rows: Iterable[Mapping[str, Cell | str]]) -> Table:
-    """Return a table of records with their keys as headings; empty without records."""
+    """Return a table of records with their keys as headings; without records it is empty."""
     rows = list(rows)
     return table(rows[0] if rows else (), (row.values() for row in rows))
 
 
 def figure(text: str) -> Cell:
-    """Return a cell with a number."""
+    """Return a cell that shows a number."""
     return Cell(text, "number")
 
 
@@ -89,5 +100,5 @@ def named(pair: tuple[str, str]) -> dict[str, Cell]:
 
 
 def verdict_cell(word: VerdictWord, detail: str = "", link: str = "") -> Cell:
-    """Return a cell of a verdict's word with its sign, in its colour."""
+    """Return a cell that shows a verdict's word with its sign, in the verdict's colour."""
     return Cell(f"{VERDICT[word].sign} {word}", word, detail, link)

@@ -28,7 +28,7 @@ _READER = (
 
 
 def to_html(text: str) -> str:
-    """Return Markdown as HTML, without any HTML of the writer's."""
+    """Return Markdown as HTML; HTML in the text itself is shown as text."""
     return str(_READER.render(text))
 
 
@@ -49,7 +49,7 @@ class ReportFolder:
     Raises
     ------
     OSError
-        If it cannot be written, or holds files that are not a report's.
+        If the folder cannot be written, or has files that no report wrote.
     """
 
     def __init__(self, folder: Path) -> None:
@@ -65,7 +65,12 @@ class ReportFolder:
         self.write(LIST, "\n".join(sorted(self._earlier)))
 
     def write(self, name: str, text: str) -> Path:
-        """Write a file, given as a relative path with `/`, without control characters."""
+        """Write a text into a file, with control characters escaped; return the file's path.
+
+        Parameters
+        ----------
+        name : path relative to the folder, with `/`
+        """
         path = self._folder / name
         if path.parent != self._folder:
             if path.parent.is_symlink():
@@ -76,7 +81,7 @@ class ReportFolder:
         return path
 
     def finish(self) -> None:
-        """Remove files that an earlier report wrote and this one did not; nothing else."""
+        """Remove the files that an earlier report wrote and this one did not; leave all others."""
         for name in self._earlier - set(self._written):
             path = self._folder / name
             if path.is_file() and not path.parent.is_symlink():
@@ -84,7 +89,10 @@ class ReportFolder:
         self.write(LIST, "\n".join(sorted(set(self._written))) + "\n")
 
     def _listed(self) -> set[str]:
-        """Return what an earlier report wrote: the names in its list that a report can have."""
+        """Return the names of the files that an earlier report wrote, from its list.
+
+        Names that no report can have are ignored.
+        """
         try:
             content = read_regular(self._folder / LIST, LONGEST_LIST)
         except FileNotFoundError:
@@ -102,7 +110,7 @@ FOLDERS = sorted(path for path in _HERE.iterdir() if path.is_dir())
 
 @cache
 def templates() -> Environment:
-    """Return the template environment; values in HTML are escaped."""
+    """Return the environment that renders the pages' templates; values in HTML are escaped."""
     environment = Environment(
         loader=FileSystemLoader(FOLDERS),
         autoescape=select_autoescape(["html"]),
@@ -133,6 +141,6 @@ def source(name: str) -> str:
 
 
 def write_assets(written: ReportFolder, *names: str) -> None:
-    """Write style sheets and scripts."""
+    """Write style sheets and scripts into the folder of a report."""
     for name in names:
         written.write(f"assets/{name}", source(name))

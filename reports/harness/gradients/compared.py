@@ -119,7 +119,7 @@ class MethodStudy:
     counts: list[int]
 
     def names(self) -> list[str]:
-        """Return the names of all derivatives: the engine's, those through `MANY` steps, and `OURS`."""
+        """Return the names of all derivatives: those of the engine, and `OURS` last."""
         own = self.sessions.first.derivatives()
         return [*own, *(name + THROUGH for name, one in own.items() if one.through), OURS]
 

@@ -20,17 +20,18 @@ ErrorBounds = Mapping[str, float]
 
 @dataclass(frozen=True)
 class Candidate:
-    """A method, with the timestep and cost that it needs to stay within every bound.
+    """A method, with the timestep and cost that it needs to stay within every error bound.
 
     Attributes
     ----------
-    word, reason : how timestep and cost are known, or why a bound is out of reach
-    decided_by : the error whose bound needs the smallest timestep, or cannot be reached
+    word, reason : how timestep and cost are known, or why a bound is out of reach, in one word and
+        in a sentence
+    decided_by : the signal whose bound needs the smallest timestep, or cannot be reached
     largest_stable : the coarsest timestep from which on all finer runs ended well, s
-    finest_useful : timestep below which the error that decides grows by rounding, s; None if no run
-        shows that
-    bias : of the rounding, ulp of single precision a step; None if it is not shown to be biased
-    timestep : s; None if out of reach
+    finest_useful : timestep below which the error in that signal grows by rounding, s; None if no
+        run shows that
+    bias : bias of the rounding, ulp of single precision a step; None if no bias is shown
+    timestep : s; None if a bound is out of reach
     cost : CPU seconds for a simulated second at that timestep
     spread : relative spread of the timings of a step
     """
@@ -53,10 +54,10 @@ class Candidate:
 
 
 def candidates(scene: SceneRuns, bounds: ErrorBounds) -> list[Candidate]:
-    """Return timestep and cost of each method for staying within all bounds, the cheapest first.
+    """Return each method's timestep and cost within all error bounds, the cheapest first.
 
     Engines as shipped are left out, since they may simulate something else than the scene, and so
-    are other readers of models.
+    are methods that load users' model files.
     """
     offered = [runs for runs in scene.methods if runs.is_recommendable]
     offers = [_candidate(scene, runs, bounds) for runs in offered]
@@ -64,7 +65,7 @@ def candidates(scene: SceneRuns, bounds: ErrorBounds) -> list[Candidate]:
 
 
 def as_cheap(candidates: Sequence[Candidate]) -> list[Candidate]:
-    """Return the candidates that cost as much as the first, within the spread of the timings."""
+    """Return the candidates that cost as much as the first, within the spread of its timings."""
     best, *others = candidates
     if best.cost is None:
         return []
@@ -73,7 +74,7 @@ def as_cheap(candidates: Sequence[Candidate]) -> list[Candidate]:
 
 
 def _candidate(scene: SceneRuns, runs: MethodRuns, bounds: ErrorBounds) -> Candidate:
-    """Return the smallest timestep that the bounds require, or the first bound out of reach."""
+    """Return a method's longest timestep within every error bound, or a bound out of its reach."""
     curves = {signal: curve_of(scene, runs, signal) for signal in bounds}
     reached = {signal: reach(curves[signal], bound) for signal, bound in bounds.items()}
     timesteps = {
@@ -100,7 +101,10 @@ def _candidate(scene: SceneRuns, runs: MethodRuns, bounds: ErrorBounds) -> Candi
 
 
 def finest_useful(scene: SceneRuns, runs: MethodRuns) -> float | None:
-    """Return the timestep, s, below which errors of attitude or ω grow; None if not shown."""
+    """Return the timestep, s, below which a method's errors of attitude or ω grow by rounding.
+
+    None is returned if no run shows that.
+    """
     if scene.solved is None:
         return None
     found = (curve_of(scene, runs, signal).finest_useful for signal in BOUNDS)
@@ -121,8 +125,9 @@ class BestChoice:
     Attributes
     ----------
     cost : CPU seconds for a simulated second; None if nothing was timed
-    within : whether it is accurate enough; if not, it is the most accurate run
-    finest_useful : timestep below which the method's errors grow, s; None if no run shows that
+    within : whether the run is accurate enough; if not, it is the most accurate one
+    finest_useful : timestep below which the method's errors grow by rounding, s; None if no run
+        shows that
     """
 
     runs: MethodRuns
@@ -133,27 +138,27 @@ class BestChoice:
 
     @property
     def timestep(self) -> float:
-        """The timestep to type, s: the run's, rounded down; stock timesteps are unchanged."""
+        """The run's timestep, rounded down to few digits, s; stock timesteps are unchanged."""
         timestep = self.row.timestep
         return timestep if self.row.stock else to_type(timestep, self.finest_useful)
 
     @property
     def setup(self) -> str:
-        """What users write to use the method at that timestep; see `MethodRuns.setup`."""
+        """What users write to use the method so; empty if its adapter does not say."""
         return self.runs.setup(self.timestep)
 
 
 def best_choice(scene: SceneRuns) -> BestChoice | None:
-    """Return the first of `best_choices`; None if there is none."""
+    """Return the best choice of all engines on a scene; None if there is none."""
     return next(iter(best_choices(scene)), None)
 
 
 def best_choices(scene: SceneRuns) -> list[BestChoice]:
     """Return the best choice of each engine, the best first; none if the motion is `steady`.
 
-    It is the cheapest run within `BOUNDS`, among methods that converge, or if there is none the
-    most accurate run. Engines as shipped, and other readers of models, are left out; so are untimed
-    runs if any run was timed.
+    A best choice is the cheapest run within `BOUNDS`, of the methods that converge, or if there is
+    none the most accurate run. Engines as shipped, and methods that load users' model files, are
+    left out; so are untimed runs if any run was timed.
     """
     if scene.solved is None or steady(scene.solved, BOUNDS):
         return []
@@ -172,17 +177,23 @@ def best_choices(scene: SceneRuns) -> list[BestChoice]:
 
 
 def to_type(timestep: float, finest: float | None) -> float:
-    """Return a timestep, s, rounded down to what people type, but not to where errors grow."""
+    """Return a timestep, s, rounded down to few digits, but not to where errors grow.
+
+    Parameters
+    ----------
+    finest : timestep below which errors grow by rounding, s; None if that is not known
+    """
     shorter = rounded_down(timestep)
     return finest if finest is not None and shorter < finest <= timestep else shorter
 
 
 def steady(solved: SceneResult, bounds: ErrorBounds) -> str:
-    """Return why a scene does not distinguish methods; empty if it does.
+    """Return why a scene does not tell good methods from bad ones; empty if it does.
 
     It does not if a body that turned on as at the start, at a constant rate about a constant axis,
-    would be within `TELLING` times the bounds of attitude and ω, or `BOUNDS` if these have none: a
-    trivial forecast with little less skill (A. H. Murphy, Mon. Wea. Rev. 116 (1988) 2417).
+    would have errors of less than `TELLING` times the bounds of attitude and ω (`BOUNDS` where none
+    is given): a trivial forecast with little less skill (A. H. Murphy, Mon. Wea. Rev. 116 (1988)
+    2417).
     """
     errors = _errors_of_uniform_rotation(solved)
     if any(errors[name] > TELLING * bounds.get(name, bound) for name, bound in BOUNDS.items()):

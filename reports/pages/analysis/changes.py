@@ -43,7 +43,8 @@ class Change:
     old, new : the values in the two files; None if missing
     direction : whether the change is for the worse, for the better, or neither
     regression : whether it is for the worse, and due to the engine or program under test
-    scenario, engine, method, timestep : where it is, timestep in s; None if one does not apply
+    scenario, engine, method, timestep : of the results that changed, timestep in s; None if the
+        change is not of one scene, engine, method or timestep
     """
 
     kind: Kind
@@ -122,7 +123,7 @@ def _verdict(key: Key, old: Verdict | None, new: Verdict | None) -> Iterator[Cha
 
 
 def _order(key: Key, old: Verdict | None, new: Verdict | None) -> Iterator[Change]:
-    """Yield a change of the order at which what steps gain vanishes."""
+    """Yield a change of the order with which the gains of steps vanish."""
     before, after = (v.order if v and v.verdict == "converges" else None for v in (old, new))
     if before is None or after is None or before == after:
         return
@@ -130,7 +131,7 @@ def _order(key: Key, old: Verdict | None, new: Verdict | None) -> Iterator[Chang
 
 
 def _expectations(key: Key, old: Verdict | None, new: Verdict | None) -> Iterator[Change]:
-    """Yield expectations that became unmet or met, identified by what is expected."""
+    """Yield a change for each expectation that was met in one file and is unmet in the other."""
     if old is None or new is None:
         return
     unmet = [
@@ -167,14 +168,23 @@ def _errors(
 
 
 def _noise(scene: SceneRuns, row: Row) -> dict[str, float]:
-    """Return by signal the uncertainty of an error: the reference's, plus grown rounding."""
+    """Return, by signal, by how much an error may differ without having changed.
+
+    It is the uncertainty of the reference, and rounding at every step, multiplied by the
+    conditioning.
+    """
     growth, bound = scene.exact.solution.conditioning, scene.uncertainty(row)
     names = (signal.name for signal in scene.signals)
     return {name: bound[name] + row.steps * growth[name] for name in names}
 
 
 def _has_changed(old: float, new: float, noise: float) -> bool:
-    """Return whether an error has changed; large errors at too coarse a timestep do not count."""
+    """Return whether an error has changed; large errors at too coarse timesteps never count.
+
+    Parameters
+    ----------
+    noise : difference up to which the errors count as equal
+    """
     low, high = sorted((old, new))
     return low != high and low < ASYMPTOTIC and high - low > noise and high > ERROR_FACTOR * low
 
@@ -191,7 +201,7 @@ def _cost(key: Key, old: _OfKey, new: _OfKey, same_machine: bool) -> Iterator[Ch
 
 
 def _seconds(rows: Iterable[Row]) -> tuple[float, float] | None:
-    """Return seconds a step and their spread, the same in all rows of a method, or None."""
+    """Return CPU seconds a step of a method and their spread; None if the method was not timed."""
     for row in rows:
         if row.seconds_per_step is not None and row.seconds_spread is not None:
             return row.seconds_per_step, row.seconds_spread
@@ -206,7 +216,14 @@ def _in_words(
     scale: Sequence[str],
     timestep: float | None = None,
 ) -> Change:
-    """Return a change of a word on a scale from good to bad; None means that it is missing."""
+    """Return the change of a verdict or an outcome, judged by a scale.
+
+    Parameters
+    ----------
+    old, new : the word in the two files; None if missing
+    scale : the words from good to bad
+    timestep : s; None for a verdict
+    """
     if old is None or new is None:
         return Change(kind, kind, old, new, **asdict(key), timestep=timestep)
     return _judged(key, kind, kind, old, new, scale.index(new) > scale.index(old), timestep)
@@ -221,6 +238,6 @@ def _judged(
     worse: bool,
     timestep: float | None = None,
 ) -> Change:
-    """Return a change for the worse, which is a regression, or for the better."""
+    """Return a change that is for the worse, and then a regression, or for the better."""
     direction: Direction = "worse" if worse else "better"
     return Change(kind, name, old, new, direction, worse, **asdict(key), timestep=timestep)

@@ -19,14 +19,20 @@ LEVELS = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8)
 #: One scene's curves in one error, one for each method.
 SceneCurves = Sequence[Curve]
 
-#: By engine, method and level: the number of scenes within reach, the number of those by
-#: extrapolation only, and the median of CPU seconds for a simulated second over the scenes that the
-#: method can simulate, infinite where it is out of reach.
+#: By engine, method and level of error: the number of scenes on which the method reaches the level,
+#: the number of those on which it does by extrapolation only, and the median of CPU seconds for a
+#: simulated second over the scenes that the method can simulate, infinite where it does not.
 Tallies = dict[tuple[str, str, float], tuple[int, int, float | None]]
 
 
 def tallies(scenes: Sequence[SceneCurves], levels: Sequence[float] = LEVELS) -> Tallies:
-    """Return the cost of each level for each method over all scenes."""
+    """Return, for each method and level of error, on how many scenes it is reached, and the cost.
+
+    Parameters
+    ----------
+    scenes : the curves of all methods on each scene, in the errors of one signal
+    levels : the errors to reach
+    """
     lines = (
         (*curve.pair, level, reached.word, reached.cost)
         for curves in scenes
@@ -63,7 +69,7 @@ class Reach:
     Attributes
     ----------
     level : the error
-    word : how its cost is known, or why it is out of reach
+    word : how the cost is known, or why the error is out of reach
     reason : the word's meaning in a sentence
     timestep, cost : s, and CPU seconds for a simulated second; None if out of reach
     floor : the error that rounding may cause at that timestep; None if a run is within the error
@@ -78,10 +84,11 @@ class Reach:
 
 
 def reach(curve: Curve, level: float) -> Reach:
-    """Return timestep and cost to stay within an error, interpolated or extrapolated, or why not.
+    """Return the timestep and cost with which a method stays within an error, or why it cannot.
 
-    The interpolated timestep is on the safe side: between two runs the error is assumed to be the
-    finer run's times (dt ratio)^p, where p is the steeper of the slopes on either side of it.
+    The timestep is interpolated between two runs, or extrapolated. An interpolated one is on the
+    safe side: the error is assumed to be the finer run's times (dt ratio)^p, where p is the steeper
+    of the slopes on either side of that run.
     """
     if curve.points and level < curve.uncertainty:
         reason = f"the reference itself is known to {curve.uncertainty:.1e}"
@@ -118,7 +125,14 @@ def _first_within(curve: Curve, level: float) -> int | None:
 
 
 def _below_finest(curve: Curve, level: float, order: float) -> float:
-    """Return the timestep of an error below all runs, extrapolated from the finest usable."""
+    """Return the timestep at which an error below those of all runs is reached, by extrapolation.
+
+    It is extrapolated from the finest run whose error is larger than rounding explains.
+
+    Parameters
+    ----------
+    order : order with which errors shrink
+    """
     finest = above_round_off(curve)[-1]
     return float(finest.timestep * (level / finest.error) ** (1 / order))
 
@@ -129,7 +143,10 @@ def above_round_off(curve: Curve) -> list[CurvePoint]:
 
 
 def _below_the_ladder(curve: Curve, level: float) -> Reach:
-    """Extrapolate by the observed order, unless there is none or rounding prevents it."""
+    """Return the timestep and cost for an error below those of all runs, by the observed order.
+
+    If errors show no order, or rounding prevents the error, return the reason.
+    """
     if curve.verdict != "converges":
         return Reach(level, curve.verdict or "no verdict", curve.reason)
     if not curve.stable:

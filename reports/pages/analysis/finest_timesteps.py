@@ -20,7 +20,7 @@ class Finest:
     Attributes
     ----------
     label : engine and method
-    timesteps : of each scene that shows it, the timestep below which errors grow, s
+    timesteps : for each scene that shows one, the timestep below which errors grow by rounding, s
     bias : the largest bias of rounding on any scene, ulp of single precision a step; None if no
         scene shows one
     """
@@ -31,17 +31,20 @@ class Finest:
 
     @property
     def timestep_in_words(self) -> str:
-        """The timestep, or the shortest and the longest; empty if no scene shows it."""
+        """The range of the timesteps below which errors grow; empty if no scene shows one."""
         return span(self.timesteps) if self.timesteps else ""
 
     @property
     def bias_in_words(self) -> str:
-        """Such as "biased by 1.3 ulp a step"; empty if no scene shows it."""
+        """The bias in words, as in "biased by 1.3 ulp a step"; empty if no scene shows one."""
         return "" if self.bias is None else f"biased by {self.bias:.2g} ulp a step"
 
 
 def finest_timesteps(gathered: ReportData) -> dict[Pair, Finest]:
-    """Return the methods that show either, the longest timesteps first."""
+    """Return what rounding does to each method, the longest timesteps first.
+
+    Methods are left out if no scene shows that their errors grow by rounding, or a bias.
+    """
     shown: dict[Pair, list[tuple[str, float | None, float | None]]] = {}
     for scene in gathered.scenes:
         for runs in scene.methods:
@@ -60,7 +63,7 @@ def finest_timesteps(gathered: ReportData) -> dict[Pair, Finest]:
 
 
 def finest_in_words(shown: Sequence[Finest]) -> list[str]:
-    """Return what rounding does to methods, in up to two sentences without their full stops."""
+    """Return which methods rounding affects, in up to two sentences without their full stops."""
     worse = [
         ", ".join(filter(None, (f"{one.label} {one.timestep_in_words}", one.bias_in_words)))
         for one in shown

@@ -16,7 +16,7 @@ class Tables:
 
     Parameters
     ----------
-    lines : rows of a table, by its name with its columns, as in ``run (scene, engine)``
+    lines : the rows of each table, by its name with its columns, as in ``run (scene, engine)``
     views : SQL statements that define views
     """
 
@@ -33,12 +33,12 @@ class Tables:
         self._connection.executescript(views)
 
     def ask(self, question: str, *values: Any) -> list[Any]:
-        """Return the lines that answer a question, with `values` in place of its marks."""
+        """Return the rows that an SQL query selects, with `values` for its question marks."""
         return self._connection.execute(question, values).fetchall()
 
 
 class _Aggregate:
-    """A statistic of all numbers that are not NULL; NULL if there is none."""
+    """An SQL aggregate: a statistic of all numbers that are not NULL; NULL if there is none."""
 
     def __init__(self, of: Callable[[list[float]], float]) -> None:
         self._of = of

@@ -15,12 +15,13 @@ DEGREES = SIGNAL["attitude"].shown
 
 @dataclass(frozen=True)
 class Measure:
-    """A number of a run, as people read it.
+    """A number of a run that people read, such as its attitude error in degrees.
 
     Attributes
     ----------
-    of : returns the number of a run, the worst possible if the run did not finish; None if it has
-        none
+    title : name with its unit
+    of : returns the number of a run, the worst possible if the run did not finish; None if the run
+        has none
     more_is_better : whether the best run has the largest number
     """
 
@@ -59,7 +60,7 @@ QUANTILES = {"p50": 0.5, "p95": 0.95, "p99": 0.99, "largest": 1.0}
 
 @dataclass(frozen=True, eq=False)
 class Members:
-    """The members that a method was run on.
+    """The runs of one method on the members of an ensemble.
 
     Attributes
     ----------
@@ -71,15 +72,15 @@ class Members:
 
     @property
     def finished(self) -> tuple[Row, ...]:
-        """The members whose runs finished."""
+        """The runs that finished."""
         return tuple(point for point in self.points if point.errors is not None)
 
     def errors(self, measure: Measure) -> FloatArray:
-        """Return a measure of the finished members, ascending."""
+        """Return the values of a measure for the runs that finished, ascending."""
         return _known(measure, self.finished)
 
     def quantiles(self, measure: Measure) -> tuple[float | None, ...] | None:
-        """Return the values at `QUANTILES`, from the best to the worst; None without members.
+        """Return a measure's values at `QUANTILES`, from the best to the worst; None without runs.
 
         A quantile is None if it would be the largest value itself: p99 needs 100 members.
         """
@@ -99,6 +100,12 @@ def _known(measure: Measure, points: Iterable[Row]) -> FloatArray:
 
 
 def members_of(points: Iterable[Row], pairs: Iterable[Pair]) -> list[Members]:
-    """Return members by method, without those that an engine cannot simulate or was not run on."""
+    """Return the runs on an ensemble's members by method, without those of unsupported scenes.
+
+    Parameters
+    ----------
+    points : the runs of all methods
+    pairs : the methods
+    """
     run = [point for point in points if point.simulated]
     return [Members(pair, tuple(point for point in run if point.pair == pair)) for pair in pairs]

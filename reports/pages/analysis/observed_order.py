@@ -19,13 +19,24 @@ SETTLING_ORDER = 0.5
 def observed_order(
     timesteps: FloatArray, errors: FloatArray, roundoff_bounds: FloatArray, uncertainty: float
 ) -> float | None:
-    """Return the signed least-squares slope of log error against log dt over the best usable rungs.
+    """Return the order with which errors shrink: the slope of log error against log timestep.
 
-    Usable errors are in the asymptotic range and above round-off and the reference's uncertainty;
-    fewer than two have no slope. Windows are `FITTED_RUNGS` neighbouring rungs. The finest window
-    whose errors lie on a line to within `ORDER_SLACK` is used; windows with falling errors are
-    preferred to level ones. If no window is that straight, the straightest is used, since rounding
-    bends the finest. All arrays are (n,), coarse to fine.
+    It is a least-squares slope with its sign, over the best window of `FITTED_RUNGS` neighbouring
+    rungs of a ladder. Errors are usable if they are in the asymptotic range and above round-off and
+    the reference's uncertainty; of fewer than two there is no slope. The finest window is used
+    whose errors lie on a line to within `ORDER_SLACK`; windows with falling errors are preferred to
+    level ones. If no window is that straight, the straightest is used, since rounding bends the
+    finest.
+
+    Parameters
+    ----------
+    timesteps, errors : coarse to fine, timesteps in s, (n,)
+    roundoff_bounds : the largest error by round-off at each timestep, (n,)
+    uncertainty : uncertainty of the reference, in the unit of the errors
+
+    Returns
+    -------
+    The slope; None if fewer than two errors are usable.
     """
     usable = (
         (errors > ABOVE_UNCERTAINTY * uncertainty)

@@ -46,7 +46,7 @@ _FILLED: "WeakKeyDictionary[ReportData, Tables]" = WeakKeyDictionary()
 
 
 def ask(gathered: ReportData, question: str, *values: Any) -> list[Any]:
-    """Return the lines that answer a question in SQL, with `values` in place of its marks."""
+    """Return the rows that an SQL query selects, with `values` for its question marks."""
     if gathered not in _FILLED:
         _FILLED[gathered] = _filled(gathered)
     return _FILLED[gathered].ask(question, *values)
@@ -111,19 +111,24 @@ def _unasked(row: Row) -> Iterable[str]:
 
 
 def own_timesteps(gathered: ReportData) -> dict[str, float]:
-    """Return each engine's stock timestep, s, that users get by default; 1 ms if it has none."""
+    """Return the stock timestep that each engine's users get by default, s; 1 ms if it has none."""
     return dict(ask(gathered, "SELECT engine, timestep FROM own"))
 
 
 def verdict_counts(gathered: ReportData, *, as_shipped: bool) -> dict[str, int]:
-    """Return how many methods on scenes have each verdict, as shipped, or of all others."""
+    """Return on how many pairs of a scene and a method each verdict was given.
+
+    Parameters
+    ----------
+    as_shipped : whether methods as shipped are counted, or else all others
+    """
     where = "verdict IS NOT NULL AND judged_as_shipped = ?"
     question = f"SELECT verdict, count(*) FROM tried WHERE {where} GROUP BY verdict"
     return dict(ask(gathered, question, as_shipped))
 
 
 def as_shipped(gathered: ReportData) -> list[Pair]:
-    """Return the engines with all their defaults."""
+    """Return the methods that are engines with all their defaults."""
     return ask(gathered, "SELECT DISTINCT engine, method FROM tried WHERE shipped ORDER BY place")
 
 
@@ -135,11 +140,12 @@ class Usual(OfMethod):
     ----------
     timestep : s
     shipped : whether it is the engine with all its defaults
-    scenes, unfinished, blew_up, failed : how many runs there are, and how many did not end well
+    scenes, unfinished, blew_up, failed : number of runs, and of those that did not end well,
+        diverged and failed
     middle, largest : the median attitude error, degrees, and the largest; infinite if a run did not
         end well
     worst, worst_finished : the scene of the largest error, and that of the largest finite one
-    largest_finished : degrees; None if no run ended well
+    largest_finished : the largest finite error, degrees; None if no run ended well
     turns : the median number of turns until the attitude is off by 1°, independent of windows
     a_turn : the median error that a turn adds, degrees
     """
@@ -182,7 +188,10 @@ def at_stock(gathered: ReportData) -> list[Usual]:
 
 
 def leading(gathered: ReportData) -> list[Pair]:
-    """Return each engine's first method as shipped, and the most accurate of its other methods."""
+    """Return the methods to show first: of each engine one as shipped and one other.
+
+    They are the first method as shipped, and the most accurate of its other methods.
+    """
     first = {engine: (engine, method) for engine, method in reversed(as_shipped(gathered))}
     others = [one for one in at_stock(gathered) if not one.shipped]
     best: dict[str, Pair] = {}

@@ -35,9 +35,10 @@ class MethodRuns(OfMethod):
 
     Attributes
     ----------
-    rows : coarse to fine
+    rows : runs, coarse to fine
     verdict : None if the study was stopped before there was one
     declared : what the adapter declared about the method when it ran; None if not in the file
+    style : how the method's curves are drawn
     evidence : what the verdict rests on; None if there is none
     single_precision : whether the engine holds its state in floats of 24 bits
     """
@@ -52,17 +53,17 @@ class MethodRuns(OfMethod):
     single_precision: bool = False
 
     def setup(self, timestep: float) -> str:
-        """Return what users write to use it at a timestep, s; empty if its adapter does not say."""
+        """Return what users write to use the method at a timestep, s; empty if not declared."""
         return self.declared.setup.replace("TIMESTEP", typed(timestep)) if self.declared else ""
 
     @property
     def as_shipped(self) -> bool:
-        """Whether it is declared to be the engine as shipped."""
+        """Whether the method is declared to be the engine as shipped."""
         return self.declared is not None and self.declared.as_shipped
 
     @property
     def is_recommendable(self) -> bool:
-        """Whether it may be recommended to users; older files do not hold what was declared."""
+        """Whether the method may be recommended to users; true if nothing is declared."""
         return self.declared is None or self.declared.is_recommendable
 
     @cached_property
@@ -72,13 +73,16 @@ class MethodRuns(OfMethod):
 
     @cached_property
     def finest(self) -> Row | None:
-        """The finest run that ended well, else the finest with any samples."""
+        """The finest run that ended well; if none did, the finest with any samples, or None."""
         finished = [row for row in self.sampled if row.outcome == "ok"]
         return next(iter([*(finished or self.sampled)][-1:]), None)
 
     @cached_property
     def stock(self) -> tuple[Row, ...]:
-        """The runs at stock timesteps, the engine's own first, made or not."""
+        """The runs at stock timesteps, coarse to fine, also those that were not made.
+
+        The engine's own stock timestep is the first, unless it is shorter than 1 ms.
+        """
         return tuple(row for row in self.rows if row.stock)
 
     @property
@@ -105,12 +109,12 @@ class SceneRuns:
 
     @property
     def title(self) -> str:
-        """The scene's own title, or its name if the scene is missing."""
+        """The scene's own title, or its name if the scene could not be solved."""
         return self.solved.scenario.title if self.solved else self.name
 
     @cached_property
     def by_pair(self) -> dict[Pair, MethodRuns]:
-        """The methods by names of engine and method."""
+        """The runs of each method, by the names of engine and method."""
         return {runs.pair: runs for runs in self.methods}
 
     @cached_property
@@ -123,7 +127,7 @@ class SceneRuns:
 
     @property
     def exact(self) -> SceneResult:
-        """The scene and its exact motion, which must have been solved."""
+        """The scene and its exact motion; the scene must have been solved."""
         assert self.solved is not None, "what is exact is known of a solved scene"
         return self.solved
 
@@ -161,7 +165,10 @@ class SceneRuns:
         )
 
     def _exact_at(self, motion: Trajectory) -> Trajectory:
-        """Return the exact motion at a run's samples, stored if they are the ladder's."""
+        """Return the exact motion at the times of a run's samples.
+
+        It is the stored one if these are the sample times of the ladder, and computed otherwise.
+        """
         stored, n = self.exact.solution.trajectory, len(motion.t)
         if n <= len(stored.t) and np.array_equal(stored.t[:n], motion.t):
             return stored.until(n)
@@ -185,13 +192,19 @@ class SceneRuns:
 
     @cached_property
     def _uncertainties(self) -> dict[float, Errors]:
-        """Uncertainties by that stored with a run, kept because figures need them often."""
+        """The uncertainties by that of ω stored with a run, as figures need them often."""
         return {}
 
 
 @dataclass(frozen=True, eq=False)
 class Compared:
-    """A run with the exact motion and the errors at each of its samples."""
+    """A run with the exact motion and the errors at each of its samples.
+
+    Attributes
+    ----------
+    motion, exact : the run's motion and the exact one, at the same times
+    series : the errors at these times
+    """
 
     scenario: Scenario
     runs: MethodRuns
@@ -214,7 +227,12 @@ class Compared:
 
 @dataclass(frozen=True, eq=False)
 class ReportData:
-    """Everything a report shows."""
+    """Everything a report shows.
+
+    Attributes
+    ----------
+    pairs : the methods, in the order in which they are listed
+    """
 
     environment: dict[str, str]
     pairs: tuple[Pair, ...]
@@ -233,7 +251,7 @@ class ReportData:
 
 
 def report_data(results: Results) -> ReportData:
-    """Sort a result file's records by scene and method."""
+    """Return a result file's records, sorted by scene and method."""
     keys = [row.key for row in results.rows] + [verdict.key for verdict in results.verdicts]
     listed = {pair: rank for rank, pair in enumerate(results.methods)}
     pairs = tuple(

@@ -1,4 +1,4 @@
-"""Rounding that goes one way: errors by it grow as 1/timestep, not as the root of that."""
+"""Rounding with a bias: errors by it grow as 1/timestep, those of random rounding as its root."""
 
 from collections.abc import Iterator
 
@@ -14,19 +14,19 @@ MOMENTA = ("L_norm", "L_vertical", "L_axial")
 #: step, and within which factor: by rounding at random it would halve over three runs, and by a
 #: method's own error fall to a quarter or less.
 RUNS, ALIKE = 3, 2**0.5
-#: Least drift of a run, in those of rounding at random by an ulp a step.
+#: Least drift of a run, in units of what rounding at random by an ulp a step comes to.
 WALK = 4.0
 #: Most ulp a step that are called rounding; more have another cause.
 MOST = 64.0
 
 
 def rounding_bias(runs: MethodRuns) -> float | None:
-    """Return what each step adds to a conserved momentum, in ulp of single precision.
+    """Return by how much rounding changes a conserved momentum in each step, in ulp of 24 bits.
 
     Returns
     -------
-    the largest, of the finest run; None if the finest runs do not show that it is rounding, and
-    biased
+    the largest change of any momentum, in the finest run; None if the finest runs do not show that
+    it is by rounding, and always in one direction
     """
     return max(_biases(runs), default=None)
 

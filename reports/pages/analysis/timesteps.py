@@ -16,13 +16,14 @@ from .wording import NOTHING, number
 
 @dataclass(frozen=True)
 class Survival:
-    """The largest timestep that a method survives.
+    """The largest timestep at which a method's runs survive.
 
     Attributes
     ----------
-    timestep : the largest timestep below which every run survived, s; None if the finest did not
+    timestep : the largest timestep below which every run survived, s; None if the finest run did
+        not
     turn : turn in a step of that length where the motion is fastest, rad; None if there is none
-    at_least : whether all runs survived, so that it may survive a larger timestep, too
+    at_least : whether all runs survived, so that the method may survive a larger timestep, too
     """
 
     timestep: float | None
@@ -31,11 +32,16 @@ class Survival:
 
 
 def survival(rows: Iterable[Row], fastest_rate: float | None) -> Survival | None:
-    """Return the largest timestep that a method survives on a scene; None if it was not run there.
+    """Return the largest timestep at which a method survives a scene.
 
     Parameters
     ----------
-    fastest_rate : fastest rate of the scene, rad/s; None if it could not be solved, and nothing ran
+    rows : the method's runs on the scene
+    fastest_rate : fastest rate of the scene, rad/s; None if the scene could not be solved
+
+    Returns
+    -------
+    None if nothing was run, or the method cannot simulate the scene.
     """
     tried = sorted((row for row in rows if row.timestep and row.made), key=lambda row: row.timestep)
     if fastest_rate is None or all(row.outcome == "unsupported" for row in tried):
@@ -48,7 +54,7 @@ def survival(rows: Iterable[Row], fastest_rate: float | None) -> Survival | None
 
 
 def in_words(survived: Survival | None) -> tuple[str, str]:
-    """Return the timestep, s, and the turn, rad a step, as text for two columns of a table."""
+    """Return a survived timestep, s, and its turn, rad a step, as text for two columns."""
     if survived is None:
         return NOTHING, NOTHING
     if survived.timestep is None:
@@ -64,7 +70,17 @@ AT: tuple[At, ...] = ("stock", "common", "finest")
 
 
 def row_at(runs: MethodRuns, at: At, stock_timestep: float) -> Row | None:
-    """Return the run of a method at one of these timesteps; None if there is none."""
+    """Return a method's run at its stock timestep, at 1 ms, or its finest run that ended well.
+
+    Parameters
+    ----------
+    at : which of these
+    stock_timestep : the engine's own stock timestep, s
+
+    Returns
+    -------
+    None if there is no such run.
+    """
     if at == "finest":
         return next((row for row in reversed(runs.rows) if row.outcome == "ok"), None)
     timestep = stock_timestep if at == "stock" else COMMON_TIMESTEP

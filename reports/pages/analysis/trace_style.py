@@ -34,7 +34,10 @@ SYMBOLS = (
 
 @dataclass(frozen=True)
 class TraceStyle:
-    """Colour by method's name; dash and marker by engine and method; names as in Plotly."""
+    """How the curves of a method are drawn; names of dash and marker are Plotly's.
+
+    The colour is that of the method's name; dash and marker are of engine and method.
+    """
 
     colour: str
     dash: str
@@ -44,8 +47,8 @@ class TraceStyle:
 def trace_styles(pairs: Iterable[tuple[str, str]]) -> dict[tuple[str, str], TraceStyle]:
     """Return a style for every (engine, method); a method's name has one colour in every engine.
 
-    Engines' defaults only share a name, so each has a colour of its own. Dash and marker together
-    belong to one pair alone, as long as there are enough of both.
+    Engines' defaults only share a name, so each has a colour of its own. No two methods have the
+    same dash and marker, as long as there are enough of both.
     """
     pairs = list(pairs)
     named = {pair: pair if pair[1].startswith("default") else pair[1] for pair in pairs}

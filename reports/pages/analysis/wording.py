@@ -24,7 +24,7 @@ _MINUS = "−"
 
 
 def number(value: float | None, digits: int = SIGNIFICANT_DIGITS) -> str:
-    """Three significant digits: 12.3, 4.56×10⁻⁷, ∞; `NOTHING` for None."""
+    """Return a number with three significant digits: 12.3, 4.56×10⁻⁷, ∞; `NOTHING` for None."""
     if value is None:
         return NOTHING
     if math.isnan(value):
@@ -43,7 +43,10 @@ def number(value: float | None, digits: int = SIGNIFICANT_DIGITS) -> str:
 
 
 def readable(value: float | None) -> str:
-    """Two significant digits, for sentences: 13, 0.24, 3.1×10⁻⁷, 180; `NOTHING` for None."""
+    """Return a number with two significant digits, for sentences: 13, 3.1×10⁻⁷; 180 stays.
+
+    None is `NOTHING`.
+    """
     if value is not None and value >= 10 ** (READABLE_DIGITS - 1) and value < 10**PLAIN_POWERS.stop:
         return f"{value:.0f}"
     return number(value, READABLE_DIGITS)
@@ -55,7 +58,7 @@ def power_of_ten(exponent: int) -> str:
 
 
 def duration(seconds: float) -> str:
-    """A timestep: 2 ms, 1/240 s, 65.1 µs, 0.5 s."""
+    """Return a timestep as text: 2 ms, 1/240 s, 65.1 µs, 0.5 s."""
     per_second = round(1 / seconds) if seconds else 0
     if per_second in RATES and math.isclose(seconds * per_second, 1.0):
         return f"1/{per_second} s"
@@ -65,12 +68,12 @@ def duration(seconds: float) -> str:
 
 
 def span(timesteps: Sequence[float]) -> str:
-    """The shortest and the longest of several timesteps: 2 ms, 2 ms to 0.1 s."""
+    """Return the shortest and the longest of several timesteps as text: 2 ms to 0.1 s."""
     return " to ".join(dict.fromkeys(map(duration, (min(timesteps), max(timesteps)))))
 
 
 def rounded_down(seconds: float) -> float:
-    """A timestep of two significant digits, as people type it, never a longer one."""
+    """Return a timestep, s, rounded down to two significant digits, as people type it."""
     exact = Decimal(repr(seconds))
     digit = Decimal((0, (1,), exact.adjusted() - TYPED_DIGITS + 1))
     return float(exact.quantize(digit, ROUND_DOWN))
@@ -83,24 +86,31 @@ def typed(seconds: float) -> str:
 
 
 def observed(value: float) -> str:
-    """Five significant digits, for values that are compared with each other."""
+    """Return a number with five significant digits, to be compared with others."""
     return number(value, COMPARED_DIGITS)
 
 
 def count(value: int) -> str:
-    """A whole number with spaces between thousands."""
+    """Return a whole number as text, with spaces between thousands."""
     return f"{value:,}".replace(",", "\N{NARROW NO-BREAK SPACE}")
 
 
 def limited(error: float | None, uncertainty: float) -> str:
-    """Return an error as text, never below the uncertainty of the reference."""
+    """Return an error as text; "≤ uncertainty" if the reference is not known any better."""
     if error is None or not error <= uncertainty:
         return number(error)
     return f"≤ {number(uncertainty)}"
 
 
 def limited_errors(errors: Errors, uncertainty: Errors, names: Sequence[str]) -> list[str]:
-    """Return the errors of a run in some signals, angles in degrees."""
+    """Return a run's errors in some signals as text, angles in degrees.
+
+    An error that does not exceed the uncertainty of the reference is shown as "≤ uncertainty".
+
+    Parameters
+    ----------
+    names : names of the signals
+    """
     shown = {name: SIGNAL[name].shown for name in names}
     return [limited(errors[name] * n, uncertainty[name] * n) for name, n in shown.items()]
 
@@ -111,10 +121,10 @@ def ended(row: Row) -> str:
 
 
 def order(value: float | None) -> str:
-    """An order of accuracy."""
+    """Return an order of accuracy as text, with two decimals; `NOTHING` for None."""
     return NOTHING if value is None else f"{value:.2f}".replace("-", _MINUS)
 
 
 def plural(amount: int, thing: str) -> str:
-    """`1 scene`, `2 scenes`."""
+    """Return a number with a noun, as in `1 scene`, `2 scenes`."""
     return f"{amount} {thing}" if amount == 1 else f"{amount} {thing}s"

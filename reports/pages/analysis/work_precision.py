@@ -29,9 +29,13 @@ SINGLE = float(np.finfo(np.float32).eps)
 
 @dataclass(frozen=True)
 class CurvePoint:
-    """One finished run: timestep, s; CPU seconds for a simulated second, None if not timed; error.
+    """One finished run.
 
-    The error is at least the reference's uncertainty.
+    Attributes
+    ----------
+    timestep : s
+    cost : CPU seconds for a simulated second; None if not timed
+    error : the run's error in one signal, but at least the reference's uncertainty
     """
 
     timestep: float
@@ -41,17 +45,16 @@ class CurvePoint:
 
 @dataclass(frozen=True)
 class Curve(OfMethod):
-    """One method on one scene, in the errors of one signal.
+    """The errors of one method on one scene in one signal, against timestep and cost.
 
     Attributes
     ----------
     points : every run that ended ok, coarse to fine
-    stable : runs of the ladder, and above it, with shorter timesteps than any run that did not end
-        ok
+    stable : the runs of the ladder that ended ok, as far as all runs with shorter timesteps did
     seconds_per_step : CPU time of a step, s, None where it was not timed
-    uncertainty : uncertainty of the reference, in this error
+    uncertainty : uncertainty of the reference in this signal
     rounding : error that one ulp in the start may cause
-    duration : s, for which steps are taken
+    duration : simulated time, s
     single_precision : whether the engine's ulp is that of floats of 24 bits
     declared : the order of accuracy of ω that the adapter declares; None if not known
     verdict, reason, order : of the verdict on the method and scene; None if there is none
@@ -73,10 +76,14 @@ class Curve(OfMethod):
     order: float | None
 
     def floor(self, timestep: float) -> float:
-        """Return the error of a run by rounding: one ulp a step, times its growth.
+        """Return the error that rounding may cause in a run: an ulp a step, times its growth.
 
-        In double precision all steps may round the same way, which is a bound. In single precision
-        that bound is above most errors, and it is what rounding at random comes to.
+        In double precision it is a bound: all steps may round the same way. In single precision
+        that bound is above most errors, and the sum of rounding at random is returned.
+
+        Parameters
+        ----------
+        timestep : s
         """
         steps = self.duration / timestep
         added_up = math.sqrt(steps) if self.single_precision else steps
@@ -84,11 +91,10 @@ class Curve(OfMethod):
 
     @cached_property
     def observed_order(self) -> float | None:
-        """Least-squares slope of log error against log timestep over the finest usable runs.
+        """The least-squares slope of log error against log timestep over the finest usable runs.
 
-        Usable runs are those used for the verdict's order: in the asymptotic range, and above
-        round-off and the reference's uncertainty. With too few of them, the order is that of the
-        verdict.
+        Runs are usable whose error is in the asymptotic range, and above round-off and the
+        reference's uncertainty. If there are too few, it is the order of the verdict.
         """
         timesteps = np.array([point.timestep for point in self.stable])
         errors = np.array([point.error for point in self.stable])
@@ -98,10 +104,10 @@ class Curve(OfMethod):
 
     @cached_property
     def least(self) -> CurvePoint | None:
-        """The run with the least error, if errors are larger at each of several shorter timesteps.
+        """The run with the least error, if errors at shorter timesteps are larger, as by rounding.
 
-        Rounding makes them so. A single larger error may be chance: at least two runs must show it,
-        stock ones included, by errors that grow from each to the next, or are all larger by
+        None is returned otherwise. A single larger error may be chance: at least two runs must show
+        it, stock ones included, by errors that grow from each to the next, or are all larger by
         `GROWN` and do not fall again.
         """
         if not self.stable:
@@ -117,7 +123,7 @@ class Curve(OfMethod):
 
     @property
     def finest_useful(self) -> float | None:
-        """The timestep of that run, s."""
+        """The timestep of the run with the least error, s; None if shorter ones are not worse."""
         return self.least.timestep if self.least else None
 
 
@@ -157,19 +163,19 @@ def curve_of(scene: SceneRuns, runs: MethodRuns, signal: str) -> Curve:
 
 
 def cost(row: Row) -> float | None:
-    """Return the CPU seconds of a simulated second; None if steps were not timed."""
+    """Return a run's CPU seconds for a simulated second; None if its steps were not timed."""
     if row.seconds_per_step is None or not row.timestep:
         return None
     return row.seconds_per_step / row.timestep
 
 
 def slope(coarse: CurvePoint, fine: CurvePoint) -> float:
-    """Return the order of accuracy between two runs."""
+    """Return the order of accuracy between two runs: log error ratio over log timestep ratio."""
     return math.log(coarse.error / fine.error) / math.log(coarse.timestep / fine.timestep)
 
 
 def front(drawn: Iterable[Curve]) -> list[tuple[Curve, CurvePoint]]:
-    """Return the Pareto front of curves: each point is more accurate than all cheaper ones."""
+    """Return the Pareto front: the runs of curves that are more accurate than all cheaper."""
     timed = [
         (point.cost, point.error, curve, point)
         for curve in drawn

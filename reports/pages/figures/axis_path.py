@@ -23,8 +23,8 @@ from .plot import (
     start_dot,
 )
 
-#: Number of lines that show a surface: circles of latitude, half circles of longitude, and points
-#: on each.
+#: Numbers of circles of latitude and of half circles of longitude that show a surface, and number
+#: of points on each.
 LATITUDES, LONGITUDES, POINTS = 5, 8, 25
 #: Length of the axes relative to the surface; distance of the eye, in sides of the scene.
 STICK_OUT = 1.18
@@ -36,7 +36,13 @@ LEAST_HEIGHT = 0.45
 
 
 def _surface(semi_axes: FloatArray, names: tuple[str, str, str]) -> list[Trace]:
-    """Return a wire frame with its three axes named; semi-axes along x, y, z, (3,)."""
+    """Return an ellipsoid's wire frame and its three axes.
+
+    Parameters
+    ----------
+    semi_axes : along x, y and z, (3,)
+    names : names of the axes
+    """
     wires = [*_latitudes(), *_longitudes()]
     gap = np.full((1, 3), np.nan)
     net = np.vstack([piece for wire in wires for piece in (wire, gap)]) * semi_axes
@@ -70,7 +76,14 @@ def _on_surface(
     height: int,
     overlay: dict[str, Any],
 ) -> Figure:
-    """Return a figure of a surface with points, (n, 3), through which the script draws a line."""
+    """Return a figure of a curve on an ellipsoid; the page's script draws the curve itself.
+
+    Parameters
+    ----------
+    points : points of the curve, (n, 3)
+    height : of the figure, pixels
+    overlay : which curve the script draws, as `_overlay` returns it
+    """
     start = _trace(points[:1], mode="markers", marker={"color": INK, "size": 5})
     shown = {"height": height, "scene": _view(semi_axes, points.mean(axis=0))}
     traces = [*_surface(semi_axes, names), start]
@@ -78,12 +91,24 @@ def _on_surface(
 
 
 def _overlay(kind: str, matrix: FloatArray, **panel: int) -> dict[str, Any]:
-    """Return what the page's script draws of a motion: its beginning, seen along other axes."""
+    """Return what the page's script needs to draw a curve of a motion's first turns.
+
+    Parameters
+    ----------
+    kind : which curve
+    matrix : the matrix to the axes that the curve is drawn in
+    panel : number of the panel, if the figure has any
+    """
     return {"kind": kind, "exact": "beginning"} | panel | {"matrix": matrix.tolist()}
 
 
 def _view(semi_axes: FloatArray, towards: FloatArray) -> dict[str, Any]:
-    """Return Plotly's 3-D scene without a box around it, with the eye on the curve's side."""
+    """Return Plotly's 3-D scene without a box around it.
+
+    Parameters
+    ----------
+    towards : direction of the middle of the curve, on whose side the eye is, (3,)
+    """
     direction = _unit(towards, np.ones(3))
     # At an angle, so that no axis points straight at the eye.
     direction = direction + np.array([0.35, 0.5, 0.0])
@@ -146,7 +171,10 @@ STEADY, STEADY_ROOM = 1e-6, 0.5
 
 
 def axis_path(scene: SceneRuns) -> list[Figure]:
-    """Return figures of the path on the sphere, from above, and unrolled into azimuth and tilt."""
+    """Return figures of the path of the body's axis.
+
+    They show the path on the sphere, from above, and unrolled into azimuth and tilt.
+    """
     scenario, motion = scene.exact.scenario, dense_motion(scene)
     # The matrix from world components to two level components and up, (3, 3); up is −g, or z
     # without gravity.
@@ -187,7 +215,7 @@ def _unrolled_figure(exact: FloatArray, R_upright_world: FloatArray) -> Figure:
 
 
 def _first_turn(azimuth: FloatArray) -> Range:
-    """Return the range of all azimuths, or of one turn from the start on."""
+    """Return the range of azimuths to show, degrees: all, but at most a turn from the start on."""
     if np.ptp(azimuth) <= ONE_TURN:
         return padded(azimuth)
     onwards = np.sign(azimuth[-1] - azimuth[0]) or 1.0
@@ -195,13 +223,13 @@ def _first_turn(azimuth: FloatArray) -> Range:
 
 
 def _unit(vector: FloatArray, otherwise: FloatArray) -> FloatArray:
-    """Return the direction of a vector, (3,); another vector if it is zero."""
+    """Return the direction of a vector, (3,); `otherwise` if the vector is zero."""
     size = float(np.linalg.norm(vector))
     return vector / size if size else otherwise
 
 
 def _unrolled(tips: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return azimuth and tilt, degrees, of directions."""
+    """Return azimuth and tilt, degrees, of directions, (n, 3): two level components and up."""
     azimuth = np.unwrap(np.arctan2(tips[:, 1], tips[:, 0]))
     tilt = np.arctan2(np.hypot(tips[:, 0], tips[:, 1]), tips[:, 2])
     return np.degrees(azimuth), np.degrees(tilt)
@@ -242,7 +270,12 @@ def polhode(scene: SceneRuns) -> list[Figure]:
 
 
 def _herpolhode(exact: Trajectory, R_level_world: FloatArray) -> Figure:
-    """Return a figure of the tip of ω in the plane across L, the third of the given axes."""
+    """Return a figure of the path of ω's tip in the plane across the angular momentum.
+
+    Parameters
+    ----------
+    R_level_world : rows are axes in the world, of which the third is along L, (3, 3)
+    """
     flat = (exact.to_world(exact.omega_body) @ R_level_world.T)[:, :2]
     fastest = float(np.linalg.norm(exact.omega_body, axis=1).max())
     widest = HERPOLHODE_MARGIN * max(float(np.abs(flat).max()), NARROWEST * fastest)
@@ -253,7 +286,7 @@ def _herpolhode(exact: Trajectory, R_level_world: FloatArray) -> Figure:
 
 
 def _frame_about(third: FloatArray) -> FloatArray:
-    """Return rows e1, e2, e3 of a right-handed frame with e3 given, (3, 3); x, y, z for z."""
+    """Return a right-handed frame, its axes as rows, with the third axis given, (3, 3)."""
     first = np.eye(3)[np.argmin(np.abs(third))]
     first = first - (first @ third) * third
     first /= np.linalg.norm(first)

@@ -24,9 +24,9 @@ def distribution(
     trace_styles: Mapping[Pair, TraceStyle],
     measure: Measure,
 ) -> Figure:
-    """Return a figure with the percentage of all members whose measure is at most a value.
+    """Return a figure with the percentage of an ensemble's members whose error is at most a value.
 
-    A curve ends at the percentage that finished; at least one member did.
+    Each method has a curve, which ends at the percentage that finished; at least one member did.
     """
     traces = []
     outermost = []
@@ -54,7 +54,12 @@ def distribution(
 
 
 def _steps(x: FloatArray, y: FloatArray, label: str, style: TraceStyle, said: str) -> Trace:
-    """Return a curve with a step at each member."""
+    """Return a curve that rises by a step at each member.
+
+    Parameters
+    ----------
+    said : text that the page shows where the curve is pointed at
+    """
     drawn = method_style(label, style)
     drawn["line"] = drawn["line"] | {"shape": "hv"}
     return line(x, y, 1, **drawn, hovertemplate=f"{escape(label)}<br>{said}<extra></extra>")

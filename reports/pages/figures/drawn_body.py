@@ -19,7 +19,7 @@ MOST, A_TURN = 500, 24
 
 @lru_cache(maxsize=1)
 def dense_motion(scene: SceneRuns) -> Trajectory:
-    """Return the exact motion of the window, up to its first `MOST / A_TURN` turns."""
+    """Return the exact motion of the window, but at most its first `MOST / A_TURN` turns."""
     shown = min(1.0, MOST / A_TURN / scene.turns) if scene.turns else 1.0
     return scene.outline(shown * scene.end, MOST)
 
@@ -38,11 +38,11 @@ class DrawnBody:
     Attributes
     ----------
     shape : an ellipsoid if the body has an axis of symmetry, else a box
-    half_sides : m, along its principal axes, (3,); a solid of the body's mass and moments
+    half_sides : of a solid with the body's mass and moments, along its principal axes, m, (3,)
     R_body_axes : principal axes about the com to body axes, (3, 3)
     axis_body : unit vector of the axis whose path is drawn, (3,)
-    up_world : unit vector that the axis's tilt β is measured from, (3,)
-    up_means : that direction in words
+    up_world : unit vector from which the axis's tilt β is measured, (3,)
+    up_means : the direction of `up_world` in words
     """
 
     shape: Literal["box", "ellipsoid"]
@@ -54,7 +54,7 @@ class DrawnBody:
 
 
 def drawn_body(solved: SceneResult) -> DrawnBody:
-    """Return what is drawn of a scene's body."""
+    """Return the solid, the axis and the upward direction that a scene's body is drawn with."""
     scenario = solved.scenario
     exact_moments, exact_axes = principal_axes(scenario.body.inertia_com_exact)
     moments = np.array(exact_moments, dtype=float)
@@ -73,7 +73,11 @@ def drawn_body(solved: SceneResult) -> DrawnBody:
 
 
 def axis_body(scenario: Scenario) -> FloatArray:
-    """Return the unit vector from pivot to com, or of the symmetry axis, or L's largest part."""
+    """Return the unit vector, body axes, of the axis whose path is drawn, (3,).
+
+    It points from a pivot to the com; without a pivot it is the symmetry axis, or else the
+    principal axis with the largest part of L.
+    """
     lever = scenario.constraint.lever
     length = float(np.linalg.norm(lever))
     if not scenario.constraint.is_free and length:
@@ -89,7 +93,10 @@ def axis_body(scenario: Scenario) -> FloatArray:
 
 
 def _up(solved: SceneResult) -> tuple[FloatArray, str]:
-    """Return up and its meaning: −g if gravity turns the body, else the initial L; z at rest."""
+    """Return the upward direction in the world, (3,), and its meaning in words.
+
+    It is −g if gravity turns the body, else the initial L; z if the body is at rest.
+    """
     scenario = solved.scenario
     gravity = float(np.linalg.norm(scenario.gravity_world))
     if not scenario.constraint.is_free and gravity:

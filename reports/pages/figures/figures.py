@@ -24,7 +24,8 @@ from .ladder_figures import convergence, work_precision
 from .plot import INK, REFERENCE_WIDTH, Figure, Panel, Range, drawing, line
 from .signal_figures import defect_figure, omega_figures, tilt_figure
 
-#: How far beyond the turning points the well is drawn, in its widths; smallest width drawn.
+#: How far beyond the turning points the well is drawn, in widths of the well; the least such
+#: distance, rad.
 BEYOND, NARROWEST = 0.6, math.radians(1.0)
 POINTS = 160
 #: How far above E′ V_eff is drawn, in depths of the well; the depth is taken as at least this
@@ -36,7 +37,10 @@ _ABOVE_LINE = {"yanchor": "bottom", "showarrow": False}
 
 
 def potential(scenario: Scenario) -> Figure | None:
-    """Return a figure of V_eff over the tilt with E′ and turning points; None for other motions."""
+    """Return a figure of V_eff over the tilt with E′ and turning points.
+
+    None is returned for motions other than the nutation of a heavy symmetric top.
+    """
     problem = rotational_problem(scenario)
     top = heavy_symmetric_top(problem)
     if top is None or not nutates(problem):
@@ -77,7 +81,13 @@ def _well(
 
 
 def _heights(heights: FloatArray, energy: float) -> Range:
-    """Return the range of heights from below the bottom to above E′; V_eff may be infinite."""
+    """Return the range of heights, J, from below the bottom of V_eff to above E′.
+
+    Parameters
+    ----------
+    heights : V_eff, J, which may be infinite
+    energy : E′, J
+    """
     bottom, highest = float(heights.min()), float(heights[np.isfinite(heights)].max())
     depth = energy - bottom
     if depth > SHALLOW * (highest - bottom):
@@ -87,13 +97,14 @@ def _heights(heights: FloatArray, energy: float) -> Range:
 
 @dataclass(frozen=True, eq=False)
 class Titled:
-    """Figures that are placed side by side if there is room, with the words around them.
+    """Figures that are placed side by side if there is room, with their title and caption.
 
     Attributes
     ----------
     name : for links and tests
     title : the line above the figures
     caption : what is drawn and what to look for
+    parts : the figures
     """
 
     name: str

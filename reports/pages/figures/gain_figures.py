@@ -28,7 +28,7 @@ FEW = 3
 
 
 def gain_figures(scene: SceneRuns) -> list[Figure]:
-    """Return a figure for each quantity in which any method gains more than noise."""
+    """Return a figure for each quantity in which the steps of any method gain more than noise."""
     return [
         _figure(scene, quantity)
         for quantity in QUANTITIES
@@ -72,7 +72,12 @@ def _figure(scene: SceneRuns, quantity: Quantity) -> Figure:
 
 
 def _band(runs: MethodRuns, curve: GainCurve, low: float) -> Trace:
-    """Return the prediction from gains at longer timesteps, as an outline that is filled."""
+    """Return the band in which gains are predicted from those at longer timesteps, as an area.
+
+    Parameters
+    ----------
+    low : the lowest gain drawn
+    """
     timesteps, predicted, known_to = (
         np.array(column[NOT_PREDICTED:])
         for column in (curve.timesteps, curve.predicted, curve.predicted_to)
@@ -94,7 +99,12 @@ def _band(runs: MethodRuns, curve: GainCurve, low: float) -> Trace:
 
 
 def _gains(runs: MethodRuns, curve: GainCurve, low: float) -> Iterator[Trace]:
-    """Yield the gains joined by a line; those that miss their prediction have a ring."""
+    """Yield a method's gains joined by a line, and rings around those that miss their prediction.
+
+    Parameters
+    ----------
+    low : the lowest gain drawn
+    """
     timesteps, gains = np.array(curve.timesteps), np.array(curve.gains)
     drawn = np.where(gains > low, gains, np.nan)
     style = method_style(runs.label, runs.style)
@@ -110,7 +120,7 @@ def _gains(runs: MethodRuns, curve: GainCurve, low: float) -> Iterator[Trace]:
 
 
 def is_off(curve: GainCurve) -> NDArray[np.bool_]:
-    """Return which gains miss their prediction by more than chance explains, (J,)."""
+    """Return which of J gains miss their prediction by more than chance explains, (J,)."""
     columns = (curve.gains, curve.predicted, curve.predicted_to)
     gains, predicted, known_to = map(np.array, columns)
     off = np.abs(gains - predicted) > OFF * known_to

@@ -46,7 +46,10 @@ Abscissa = Callable[[Row], float | None]
 
 
 def convergence(scene: SceneRuns) -> list[Figure]:
-    """Return figures of errors by signal against the timestep, with slopes of declared orders."""
+    """Return a figure of errors against the timestep for each signal, with guides.
+
+    The guides are lines with the slopes of declared orders.
+    """
     return [
         _with(figure, [], [*_guides(scene, signal)])
         for signal, figure in _against(scene, lambda row: row.timestep, "timestep, s")
@@ -54,7 +57,10 @@ def convergence(scene: SceneRuns) -> list[Figure]:
 
 
 def work_precision(scene: SceneRuns) -> list[Figure]:
-    """Return figures of errors against CPU seconds a simulated second, with the Pareto front."""
+    """Return a figure of errors against CPU seconds a simulated second for each signal.
+
+    Each shows the Pareto front.
+    """
     return [
         _with(figure, [_front(scene, signal)], [])
         for signal, figure in _against(scene, cost, "CPU seconds a simulated second")
@@ -66,7 +72,13 @@ def _with(figure: Figure, below: list[Trace], above: list[Trace]) -> Figure:
 
 
 def _against(scene: SceneRuns, abscissa: Abscissa, x_title: str) -> Iterator[tuple[Signal, Figure]]:
-    """Yield each signal with its figure of errors against an abscissa."""
+    """Yield each signal with its figure of errors against a number of the runs.
+
+    Parameters
+    ----------
+    abscissa : returns that number of a run, None if the run has none
+    x_title : name of that number
+    """
     x_range = _x_range(scene, abscissa)
     ended = list(_ended(scene, abscissa))
     for signal in scene.signals:
@@ -152,7 +164,7 @@ def _front(scene: SceneRuns, signal: Signal) -> Trace:
 def _curves(
     runs: MethodRuns, scene: SceneRuns, signal: Signal, abscissa: Abscissa
 ) -> Iterator[Trace]:
-    """Yield the runs that ended well joined by a line; those at stock timesteps have a ring."""
+    """Yield a method's runs that ended well, joined by a line, and rings at stock timesteps."""
     rows = [row for row in _finished(runs) if abscissa(row) is not None]
     stock = [row for row in rows if row.stock]
     line_style = method_style(runs.label, runs.style)

@@ -43,7 +43,15 @@ FLOOR_COLOUR = "rgba(128,128,128,0.22)"
 
 @dataclass(frozen=True)
 class Panel:
-    """One pair of axes. `floor` is the reference's uncertainty, which is drawn as a shaded band."""
+    """One pair of axes.
+
+    Attributes
+    ----------
+    y_range, x_range : lowest and highest value shown; all values if None
+    floor : the reference's uncertainty, below which a band is shaded; None if nothing is
+    equal_scales : whether both axes have the same scale
+    domain : left and right, and bottom and top, as fractions of the figure
+    """
 
     x_title: str
     y_title: str
@@ -60,13 +68,26 @@ class Panel:
 def drawing(
     traces: Sequence[Trace], panels: Sequence[Panel], height: int, *overlays: dict[str, Any]
 ) -> Figure:
-    """Return a figure of panels; `overlays` are what the page's script adds from the motions."""
+    """Return a figure of panels.
+
+    Parameters
+    ----------
+    traces : Plotly's curves and points
+    height : pixels
+    overlays : what the page's script draws in addition, from the motions that the page carries
+    """
     figure: Figure = {"data": traces, "layout": layout(panels, height)}
     return figure | {"overlays": list(overlays)} if overlays else figure
 
 
 def square(titles: tuple[str, str, str], widest: float) -> Panel:
-    """Return a panel with zero in its middle; `titles` are those of x, y and the panel."""
+    """Return a panel with zero in its middle.
+
+    Parameters
+    ----------
+    titles : of the axes x and y, and of the panel
+    widest : largest absolute value shown on each axis
+    """
     reach = (-widest, widest)
     return Panel(*titles, x_range=reach, y_range=reach, equal_scales=True)
 
@@ -102,7 +123,12 @@ def axis_suffix(k: int) -> str:
 
 
 def line(x: FloatArray, y: FloatArray, k: int, **properties: Any) -> Trace:
-    """Return a line in panel k."""
+    """Return a line in the k-th panel, counted from 1.
+
+    Parameters
+    ----------
+    properties : further properties of Plotly's trace
+    """
     suffix = axis_suffix(k)
     return {
         "type": "scatter",
@@ -117,7 +143,7 @@ def line(x: FloatArray, y: FloatArray, k: int, **properties: Any) -> Trace:
 
 
 def method_style(label: str, style: TraceStyle) -> dict[str, Any]:
-    """Return the style of a method's thin line, which the page switches by `legendgroup`."""
+    """Return the style of a method's line, which the page shows or hides by `legendgroup`."""
     return {
         "mode": "lines",
         "line": {"color": style.colour, "width": METHOD_WIDTH, "dash": style.dash},
@@ -129,7 +155,7 @@ def method_style(label: str, style: TraceStyle) -> dict[str, Any]:
 
 
 def start_dot(x: float, y: float, k: int) -> Trace:
-    """Return a dot in panel k where the motion starts."""
+    """Return a dot in the k-th panel, counted from 1, where the motion starts."""
     marker = {"color": INK, "size": 8}
     return line(np.array([x]), np.array([y]), k, mode="markers", marker=marker, hoverinfo="skip")
 
@@ -150,25 +176,35 @@ def heading(text: str, x: float, y: float) -> dict[str, Any]:
 
 
 def packed(values: FloatArray) -> dict[str, str]:
-    """Return an array in base64 for Plotly: single precision, with gaps for blow-ups."""
+    """Return an array in base64 for Plotly, in single precision; blow-ups are gaps."""
     drawable = np.where(np.abs(values) < BEYOND_DRAWING, values, np.nan)
     single = np.ascontiguousarray(drawable, dtype="<f4")
     return {"dtype": "f4", "bdata": base64.b64encode(single.tobytes()).decode("ascii")}
 
 
 def thinned(n: int, most: int = MOST_SAMPLES) -> NDArray[np.intp]:
-    """Return indices of at most `most` samples out of n, with the first and last among them."""
+    """Return the indices of at most `most` of n samples, evenly spread from first to last."""
     return np.unique(np.linspace(0, n - 1, min(n, most)).astype(np.intp))
 
 
 def claimed(errors: FloatArray, floor: float) -> FloatArray:
-    """Return errors as drawn: at least the reference's uncertainty, with gaps for inf."""
+    """Return errors as drawn: at least the reference's uncertainty; infinite ones are gaps.
+
+    Parameters
+    ----------
+    floor : the uncertainty
+    """
     raised = np.maximum(errors, floor)
     return np.where(np.isfinite(raised), raised, np.nan)
 
 
 def error_range(curves: Sequence[FloatArray], floor: float) -> Range:
-    """Return the range of an error axis: from half the floor to just above the largest error."""
+    """Return the range of an axis of errors: from half the uncertainty to above the largest error.
+
+    Parameters
+    ----------
+    floor : uncertainty of the reference
+    """
     if not 0 < floor < math.inf:
         # A signal with a base of zero, such as L of a body at rest, has no relative error.
         return EPS, 1.0
@@ -178,7 +214,7 @@ def error_range(curves: Sequence[FloatArray], floor: float) -> Range:
 
 
 def padded(values: FloatArray) -> Range:
-    """Return the range of values with a margin; a range of zero width is widened."""
+    """Return the range of values with a margin on both sides; it never has a width of zero."""
     low, high = float(values.min()), float(values.max())
     margin = (high - low or abs(high) or 1.0) * PADDING
     return low - margin, high + margin

@@ -61,7 +61,7 @@ def tilt_figure(scene: SceneRuns) -> Figure:
 
 
 def omega_figures(scene: SceneRuns) -> list[Figure]:
-    """Return figures of ω's components, body axes, and of its distance from the exact ω."""
+    """Return figures of the three components of ω in body axes, and of the error of ω."""
     solved, runs = scene.exact, scene.compared
     figures = [_component(solved, k) for k in range(3)]
     curves = [run.series["omega"] for run in runs]
@@ -71,7 +71,7 @@ def omega_figures(scene: SceneRuns) -> list[Figure]:
 
 
 def defect_figure(scene: SceneRuns) -> Figure:
-    """Return a figure of the largest defect of any signal in each interval."""
+    """Return a figure of each interval's largest defect in any signal."""
     curves = [run.defect for run in scene.compared]
     return _over_time(scene.exact, "defect", ("relative, or rad", ""), curves, LEAST_ROUNDING)
 
@@ -79,7 +79,14 @@ def defect_figure(scene: SceneRuns) -> Figure:
 def _over_time(
     solved: SceneResult, kind: str, axes: tuple[str, str], curves: list[FloatArray], floor: float
 ) -> Figure:
-    """Return a figure with one panel of errors, with a title of its axis and a heading."""
+    """Return a figure with one panel of errors against time.
+
+    Parameters
+    ----------
+    kind : which curves the page's script draws
+    axes : title of the axis of errors, and heading
+    floor : the reference's uncertainty, or what rounding may cause
+    """
     y_range, x_range = _errors(curves, floor), _window(solved)
     panel = Panel("t, s", *axes, y_range=y_range, x_range=x_range, log_y=True, floor=floor)
     return drawing([], [panel], HEIGHT, {"kind": kind, "panel": 1})

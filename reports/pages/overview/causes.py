@@ -22,10 +22,10 @@ STEADY = 0.02
 
 
 def without_gyroscopic_torque(gathered: ReportData) -> tuple[dict[str, dict[str, float]], int]:
-    """Return the engines as shipped that lack the torque on every scene used, and their number.
+    """Return the engines as shipped that lack the gyroscopic torque, and how many were examined.
 
-    Each comes with the largest relative error of ω by scene: its ω keeps its direction, the exact ω
-    does not.
+    Such an engine's ω keeps its direction in space on every scene on which the exact ω turns. With
+    each engine come the largest relative errors of its ω, by scene.
     """
     lacking: dict[Pair, dict[str, float]] = {}
     has_it: set[Pair] = set()
@@ -45,7 +45,7 @@ def without_gyroscopic_torque(gathered: ReportData) -> tuple[dict[str, dict[str,
 
 
 def turned_in_space(motion: Trajectory) -> float:
-    """Return the largest angle, rad, between ω and its start, in space; 0 for a body at rest."""
+    """Return the largest angle between ω and its start, in space, rad; 0 for a body at rest."""
     omega_world = motion.to_world(motion.omega_body)
     start = omega_world[0]
     across = np.linalg.norm(np.cross(omega_world, start), axis=1)
@@ -58,10 +58,15 @@ COMMON = 0.1
 
 
 def why(gathered: ReportData, one: Usual, harmless: Collection[str]) -> str:
-    """Return the reason of a default's errors: the timestep, or defaults; empty if none is known.
+    """Return why a default has errors: its timestep, or what else it does; empty if not known.
 
-    Defaults are a reason only where the method disagrees with the equations of motion: a run that
-    blows up may do so by its integrator alone.
+    What an engine does by default is a reason only where the method disagrees with the equations of
+    motion: a run that blows up may do so by its integrator alone.
+
+    Parameters
+    ----------
+    one : the runs of the default at its stock timestep
+    harmless : names of what changes no motion, which are not named as reasons
     """
     counts = dict(ask(gathered, f"SELECT verdict, count(*) {_OF_METHOD} GROUP BY 1", *one.pair))
     tried = sum(counts[kind.word] for kind in VERDICTS if kind.word in counts and _counts(kind))
@@ -94,7 +99,10 @@ def _counts(kind: VerdictKind) -> bool:
 
 
 def _by_each_default(gathered: ReportData, one: Usual) -> str:
-    """Return on how many scenes each default alone causes an error of ω, in words, if measured."""
+    """Return which defaults each cause an error of ω by itself, and on how many scenes, in words.
+
+    The text is empty if that was not measured.
+    """
     counted = ask(
         gathered,
         "SELECT name, count(*) FROM altered JOIN tried USING (scene, engine, method) "
@@ -107,7 +115,13 @@ def _by_each_default(gathered: ReportData, one: Usual) -> str:
 
 
 def _acting(gathered: ReportData, one: Usual, wrong: int, harmless: Collection[str]) -> str:
-    """Return what acted although not called for, as the engine reports, and on how many scenes."""
+    """Return what acted though scenes do not call for it, and on how many, as the engine reports.
+
+    Parameters
+    ----------
+    wrong : the number of scenes on which the method disagrees
+    harmless : names of what changes no motion, which are left out
+    """
     counted = ask(
         gathered,
         "SELECT name, count(*) FROM unasked JOIN usual USING (scene, engine, method, timestep) "
@@ -124,7 +138,7 @@ def _acting(gathered: ReportData, one: Usual, wrong: int, harmless: Collection[s
 
 
 def no_gyroscopic_torque(gathered: ReportData) -> list[str]:
-    """Return the engines that leave out the gyroscopic torque, and its effect, if any do."""
+    """Return a sentence on the engines that leave out the gyroscopic torque; none if none does."""
     lacking, tried = without_gyroscopic_torque(gathered)
     if not lacking:
         return []

@@ -34,7 +34,7 @@ MEASURES = (
     "CPU time of a step",
     "pruned",
 )
-#: Text for the CPU time of the default as a multiple of itself.
+#: Text for a default's own CPU time: all CPU times are relative to it.
 OWN_RATIO = "1"
 #: Sentence about CPU times, if there are any.
 COST = (
@@ -46,8 +46,9 @@ COST = (
 def answer(gathered: ReportData, left_out: Collection[MethodCost] = ()) -> dict[str, Any] | None:
     """Return the answer, from the plain scenes alone; None if no default was run.
 
-    `lead` has the size of errors of the defaults, and of the methods recommended instead; `table`
-    has a column for each of them, `about` what its numbers are, and `why` the errors' reasons.
+    `lead` says how large the errors of the defaults are, and those of the methods recommended
+    instead; `table` has a column for each of these methods, `about` says what its numbers are, and
+    `why` has the reasons of the errors.
 
     Parameters
     ----------
@@ -103,7 +104,12 @@ def _size(one: Usual) -> tuple[float, float]:
 
 
 def _lead(shipped: Sequence[Usual], instead: Sequence[Usual]) -> str:
-    """Return the median errors of defaults, and of what is recommended, in two sentences."""
+    """Return, in two sentences, the median errors of defaults and of recommended methods.
+
+    Parameters
+    ----------
+    shipped, instead : the runs of both at stock timesteps
+    """
 
     def sizes(these: Sequence[Usual]) -> str:
         return ", ".join(f"{one.label} {_median(one)}" for one in these)
@@ -127,10 +133,16 @@ def _column(
     left_out: Collection[MethodCost],
     finest: Finest | None,
 ) -> list[Cell]:
-    """Return a column for a method: its errors, and its steps' CPU time relative to the default's.
+    """Return the column of a method: its errors, and its steps' CPU time relative to the default's.
 
-    The time is given as most readers use the method, with everything else as shipped, and with what
-    runs in addition although the scene does not need it left out.
+    The time is given twice: with all that the engine does by default, as most readers run it, and
+    without what scenes do not need.
+
+    Parameters
+    ----------
+    one, default : the runs of the method, and of the engine as shipped, at stock timesteps
+    left_out : the cost of what engines leave out
+    finest : what rounding does to the method; None if nothing
     """
     of_steps = "SELECT scene, seconds FROM usual WHERE engine = ? AND method = ?"
     base, pruned = (dict(ask(gathered, of_steps, *used.pair)) for used in (default, one))
@@ -157,14 +169,14 @@ def _column(
 
 
 def _worse_below(finest: Finest | None) -> tuple[str, str, str]:
-    """Return text, kind and note of the cell of the timestep below which errors grow."""
+    """Return the cell for the timestep below which errors grow: text, kind and note."""
     if finest is None or not finest.timesteps:
         return "", "number", ""
     return finest.timestep_in_words, "number", finest.bias_in_words
 
 
 def _others(shipped: Sequence[Usual]) -> list[str]:
-    """Return the other defaults in short: the range of their medians, and which mostly blow up."""
+    """Return sentences on the defaults not in the table: their errors, and which mostly blow up."""
     ended = [one for one in shipped if one.middle < math.inf]
     unfinished = ", ".join(one.engine for one in shipped if one not in ended)
     sentences = []
@@ -179,7 +191,13 @@ def _others(shipped: Sequence[Usual]) -> list[str]:
 
 
 def _instead(shipped: Usual, clean: Sequence[Usual]) -> Usual | None:
-    """Return the most accurate method of the same engine, if its median error is much smaller."""
+    """Return the engine's most accurate other method; None unless its error is much smaller.
+
+    Parameters
+    ----------
+    shipped : the runs of the engine as shipped
+    clean : the runs of all methods not as shipped
+    """
     own = [one for one in clean if one.engine == shipped.engine]
     most = max((one.scenes for one in own), default=0)
     offered = [one for one in own if one.scenes >= COVERING * most]
@@ -190,9 +208,14 @@ def _instead(shipped: Usual, clean: Sequence[Usual]) -> Usual | None:
 
 
 def _price(seconds: Mapping[str, float | None], base: Mapping[str, float | None]) -> str:
-    """Return the median ratio of a step's times over scenes, and its quartiles; "" without.
+    """Return, as text, the median over scenes of the ratio of two times of a step.
 
-    The quartiles are left out where they are the same number, as of a single scene.
+    It is followed by the quartiles, unless they are the same number. The text is empty if no scene
+    has both times.
+
+    Parameters
+    ----------
+    seconds, base : time of a step on each scene, s, and the time that it is divided by
     """
     ratios = [dear / cheap for name, dear in seconds.items() if dear and (cheap := base.get(name))]
     if not ratios:

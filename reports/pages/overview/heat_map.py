@@ -18,7 +18,10 @@ from .overview import GROUPS, group_of
 
 
 def stock_table(gathered: ReportData) -> Table:
-    """Return a table with a line for each scene: attitude errors, degrees, as shipped first."""
+    """Return a table of attitude errors at stock timesteps, degrees, with a row for each scene.
+
+    Each method has a column; those as shipped come first.
+    """
     steps, shipped = own_timesteps(gathered), as_shipped(gathered)
     pairs = [*shipped, *(pair for pair in gathered.pairs if pair not in shipped)]
     headings = [
@@ -57,7 +60,7 @@ def _best_in_words(scene: SceneRuns) -> str:
 
 
 def _attitude(scene: SceneRuns, row: Row) -> str:
-    """Return the attitude error, degrees, at least the uncertainty; or how the run ended."""
+    """Return a run's attitude error, degrees, as text; or how the run ended."""
     if row.errors is None:
         return ended(row) if row.made else "not run"
     return f"{limited_errors(row.errors, scene.uncertainty(row), ('attitude',))[0]}°"
@@ -70,10 +73,12 @@ FIRST_SIGNAL = "attitude"
 
 
 def heat_map(gathered: ReportData) -> dict[str, Any]:
-    """Return columns, and for each scene a cell for each column and the best choices, best first.
+    """Return the data from which the page's script draws the table of errors.
 
-    A cell is None if a method was not tried. It has a run for each name in `AT`, or None. An error
-    below the reference's uncertainty is given as that uncertainty with a minus sign.
+    `columns` are the methods. Each of `scenes` has a cell for each column, and the best choices,
+    the best first. A cell is None if the method was not tried on the scene; else it has a run for
+    each name in `AT`, or None. An error below the reference's uncertainty is given as that
+    uncertainty with a minus sign.
     """
     steps = own_timesteps(gathered)
     shipped = as_shipped(gathered)
@@ -120,7 +125,12 @@ def heat_map(gathered: ReportData) -> dict[str, Any]:
 
 
 def _label(pair: Pair, shipped: list[Pair]) -> str:
-    """Return a heading below the group's: a method's name, or the engine's if it is as shipped."""
+    """Return the heading of a method's column: its name, or the engine's if it is as shipped.
+
+    Parameters
+    ----------
+    shipped : all methods as shipped
+    """
     engine, method = pair
     if pair not in shipped:
         return method
@@ -167,7 +177,15 @@ def _run(scene: SceneRuns, row: Row) -> dict[str, Any]:
 
 
 def _best(scene: SceneRuns, best: BestChoice, steps: dict[str, float]) -> dict[str, Any]:
-    """Return a best choice, and the default's cost relative to it (its engine's or the first)."""
+    """Return the page's data of a best choice, with its cost relative to a run as shipped.
+
+    That run is at the stock timestep, by the same engine, or else by the first engine that has one.
+
+    Parameters
+    ----------
+    best : the best choice of an engine on the scene
+    steps : stock timestep of each engine, s
+    """
     defaults = {
         runs.engine: cost(row)
         for runs in scene.methods
@@ -189,5 +207,5 @@ def _best(scene: SceneRuns, best: BestChoice, steps: dict[str, float]) -> dict[s
 
 
 def _rounded(value: float | None) -> float | None:
-    """Return the number rounded to the digits carried; None for inf and NaN, which JSON lacks."""
+    """Return a number rounded to `DIGITS` digits; None for inf and NaN, which JSON lacks."""
     return float(f"{value:.{DIGITS}g}") if value is not None and np.isfinite(value) else None

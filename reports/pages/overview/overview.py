@@ -16,7 +16,7 @@ from ..tables import Cell, Table, figure, method_anchor, named, records, scene_p
 #: Attitude error, rad, up to which a run counts as close.
 CLOSE = math.radians(1.0)
 WORDS = tuple(kind.word for kind in LISTED)
-#: Groups of scenes in reading order: scenes that are held come first.
+#: Groups of scenes in reading order: scenes whose body is held by a constraint come first.
 FREE, NOT_SOLVED = "Free", "Not solved"
 _OF_HELD = [one.group for one in EFFECTS.values() if one.group and one.constraint]
 _OF_OTHERS = [one.group for one in EFFECTS.values() if one.group and not one.constraint]
@@ -24,7 +24,10 @@ GROUPS = tuple(dict.fromkeys([*_OF_HELD, FREE, *_OF_OTHERS, NOT_SOLVED]))
 
 
 def headline(gathered: ReportData) -> str:
-    """Return counts of verdicts in words; hard scenes and engines as shipped are separate."""
+    """Return how many verdicts of each kind there are, in sentences.
+
+    Those on hard scenes and on engines as shipped are counted apart.
+    """
     plain = gathered.plain
     counts, shipped = (verdict_counts(plain, as_shipped=which) for which in (False, True))
     parts = [
@@ -52,7 +55,10 @@ def headline(gathered: ReportData) -> str:
 
 
 def at_stock(gathered: ReportData) -> str:
-    """Return what `converges` says nothing about: errors at stock timesteps, in words."""
+    """Return, in words, how many runs at stock timesteps are close, of methods that converge.
+
+    A verdict `converges` says nothing about errors at a given timestep.
+    """
     ((runs, close),) = ask(
         gathered,
         "SELECT count(*), sum(attitude <= ?) FROM usual "
@@ -69,7 +75,7 @@ def at_stock(gathered: ReportData) -> str:
 
 
 def group_of(scene: SceneRuns) -> str:
-    """Return the one of `GROUPS` that a scene belongs to, by its effects."""
+    """Return to which of `GROUPS` a scene belongs, by its effects."""
     if scene.solved is None:
         return NOT_SOLVED
     groups = [effect.group for effect in scene.solved.scenario.acting if effect.group]
@@ -109,9 +115,14 @@ def methods_table(gathered: ReportData) -> Table:
 def complaints(
     gathered: ReportData, is_listed: Callable[[VerdictKind], bool], *, as_shipped: bool = False
 ) -> Table:
-    """Return a table of listed verdicts, and of unmet expectations, with their reasons.
+    """Return a table of verdicts with their reasons.
 
-    They are those of engines as shipped, or of all other methods.
+    It has the verdicts of the kinds listed, and all those with unmet expectations.
+
+    Parameters
+    ----------
+    is_listed : tells which kinds of verdicts are in the table
+    as_shipped : whether the table is of methods as shipped, or else of all others
     """
     rows = []
     for kind in LISTED:
@@ -164,7 +175,7 @@ def hard_scenes(gathered: ReportData) -> tuple[SceneRuns, ...]:
 
 
 def survivors_table(gathered: ReportData) -> Table:
-    """Return a table of how many hard scenes each method survives, and at which timestep."""
+    """Return a table of how many hard scenes each method survives, by the turn in a step."""
     reached = ", ".join(f"count(*) FILTER (WHERE at_least OR turn >= {turn})" for turn in TURNS)
     question = f"""
         WITH can AS (SELECT * FROM tried WHERE hard AND at_least IS NOT NULL)

@@ -18,7 +18,10 @@ from ..tables import Cell, figure, scene_page, table
 
 
 def spread(results: Results) -> dict[str, Any] | None:
-    """Return the distributions at stock timesteps by kind of motion; None without any ensemble."""
+    """Return the distributions of errors at stock timesteps; None if no ensemble was run.
+
+    There is one for each kind of motion, with a figure and a table.
+    """
     ensembles = [one for one in results.ensembles if one.points and one.ensemble.timestep is None]
     declared = _declared([point for one in ensembles for point in one.points], results)
     styles = trace_styles(list(declared))
@@ -40,7 +43,14 @@ def spread(results: Results) -> dict[str, Any] | None:
 
 
 def _declared(points: Sequence[Row], results: Results) -> dict[Pair, Method | None]:
-    """Return what adapters declared about methods that were run, in the adapters' order."""
+    """Return what adapters declared about the methods that were run, in the adapters' order.
+
+    It is None for a method that is not declared.
+
+    Parameters
+    ----------
+    points : the runs of ensembles
+    """
     listed = {pair: rank for rank, pair in enumerate(results.methods)}
     pairs = {point.pair for point in points}
     ordered = sorted(pairs, key=lambda p: (p[0], listed.get(p, len(listed)), p[1]))
@@ -53,7 +63,10 @@ def _of_kind(
     declared: dict[Pair, Method | None],
     styles: dict[Pair, TraceStyle],
 ) -> dict[str, Any] | None:
-    """Return members of a kind for each engine's default and best method; None if all exact."""
+    """Return the figure and table of ensembles of one kind of motion; None if no run has an error.
+
+    They show the default and the best other method of each engine.
+    """
     # Two ensembles of the same scene may have members in common.
     points = {(p.key.scenario, p.variation, p.pair): p for one in ensembles for p in one.points}
     shown = _shown(list(points.values()), declared)
@@ -70,7 +83,12 @@ def _of_kind(
 
 
 def _shown(points: Sequence[Row], declared: dict[Pair, Method | None]) -> list[Members]:
-    """Return members of each engine's first method as shipped, and of the best other method."""
+    """Return the runs of each engine's best method as shipped, and of its best other method.
+
+    Parameters
+    ----------
+    points : runs on the members of ensembles
+    """
     chosen: dict[tuple[str, bool], Members] = {}
     members = members_of(points, declared)
     for one in sorted(members, key=_from_best):
@@ -81,7 +99,7 @@ def _shown(points: Sequence[Row], declared: dict[Pair, Method | None]) -> list[M
 
 
 def _from_best(one: Members) -> tuple[float, float]:
-    """Return a sort key, the median and the largest error; infinite without members."""
+    """Return a sort key: the median error and the largest one; infinite if nothing was run."""
     median, *_, largest = one.quantiles(ATTITUDE) or (math.inf, math.inf)
     assert median is not None, "a median there always is"
     assert largest is not None, "a largest there always is"

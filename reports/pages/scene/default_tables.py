@@ -8,7 +8,8 @@ from ..analysis.report_data import SceneRuns
 from ..analysis.wording import NOTHING, duration, limited_errors
 from ..tables import Captioned, Cell, Table, figure, table
 
-#: A default has an effect if the error of ω exceeds this many times that without, and this size.
+#: A default has an effect if the error of ω with it exceeds this multiple of the error without any
+#: default, and this size.
 NOTICED, NEGLIGIBLE = 1.5, 1e-6
 
 
@@ -39,7 +40,7 @@ def _table(scene: SceneRuns, measured: DefaultEffects) -> Table:
 
 
 def _sentence(measured: DefaultEffects) -> str:
-    """Return in words the defaults that alone increase the error of ω, the largest effect first."""
+    """Return, in words, which defaults increase the error of ω by themselves, the worst first."""
     if measured.none is None:
         return "The run does not come to its end without any of them."
     least = max(NOTICED * measured.none.omega, NEGLIGIBLE)

@@ -47,7 +47,7 @@ DECADES_STEP, LOWEST_DECADE = 0.01, -20.0
 
 
 def motion_data(scene: SceneRuns) -> dict[str, Any] | None:
-    """Return what the page's script draws motions from; None if the scene could not be solved."""
+    """Return the data from which the page's script draws a scene's motions; None if unsolved."""
     solved = scene.solved
     if solved is None:
         return None
@@ -70,7 +70,10 @@ def motion_data(scene: SceneRuns) -> dict[str, Any] | None:
 
 
 def _first(scene: SceneRuns) -> int:
-    """Return the index of the run played first: the least wrong default at its own timestep."""
+    """Return the index of the run to be played first: of the defaults, the one with least error.
+
+    Each default counts at its own stock timestep.
+    """
     shipped = [
         (float(run.series["attitude"].max()), k)
         for k, run in enumerate(scene.compared)
@@ -80,13 +83,13 @@ def _first(scene: SceneRuns) -> int:
 
 
 def noticeable_from(run: Compared) -> float | None:
-    """Return when a run's attitude is first off by more than `NOTICEABLE`, s; None if never."""
+    """Return when a run's attitude error first exceeds `NOTICEABLE`, s; None if it never does."""
     beyond = np.flatnonzero(run.series["attitude"] > NOTICEABLE)
     return float(run.motion.t[beyond[0]]) if len(beyond) else None
 
 
 def run_name(row: Row) -> str:
-    """Return engine, method and timestep as people say them."""
+    """Return engine, method and timestep of a run in words."""
     return f"{row.key.label} at {duration(row.timestep)}"
 
 
@@ -136,7 +139,15 @@ def _run(run: Compared, scene: SceneRuns, fastest: float) -> dict[str, Any]:
 
 
 def _kept(run: Compared, most: int, attitude: FloatArray, omega: FloatArray) -> NDArray[np.intp]:
-    """Return indices of spread samples, of the largest errors, and of the first noticeable."""
+    """Return the indices of the samples that the page carries of a run.
+
+    They are evenly spread, with the samples of the largest errors and the first noticeable one.
+
+    Parameters
+    ----------
+    most : number of spread samples
+    attitude, omega : errors at the samples, (n,)
+    """
     kept = set(thinned(len(run.motion.t), most).tolist())
     kept |= {
         int(np.nanargmax(errors)) for errors in (attitude, omega) if not np.isnan(errors).all()
@@ -146,13 +157,25 @@ def _kept(run: Compared, most: int, attitude: FloatArray, omega: FloatArray) -> 
 
 
 def _largest_since(values: FloatArray, kept: NDArray[np.intp]) -> FloatArray:
-    """Return the largest value after each kept sample up to the next; NaN first."""
+    """Return, for each kept sample, the largest value since the kept sample before; NaN at first.
+
+    Parameters
+    ----------
+    values : (n,)
+    kept : indices of the kept samples, ascending
+    """
     largest = np.fmax.reduceat(values, kept[:-1] + 1) if len(kept) > 1 else values[:0]
     return np.append(np.nan, largest)
 
 
 def _samples_for(scene: SceneRuns, most: int, a_turn: int) -> int:
-    """Return as many samples as the turns in the window need."""
+    """Return the number of samples that a motion needs, by the turns in the window.
+
+    Parameters
+    ----------
+    most : largest number
+    a_turn : number for each turn
+    """
     return int(min(most, max(LEAST_SAMPLES, math.ceil(a_turn * scene.turns))))
 
 
@@ -166,7 +189,13 @@ def _exact_states(motion: Trajectory, fastest: float) -> dict[str, Any]:
 def _states(
     motion: Trajectory, kept: NDArray[np.intp], step: float, omega_step: float
 ) -> dict[str, Any]:
-    """Return components of quaternions, and of ω in body axes, rad/s, as differences."""
+    """Return the components of attitude and ω, rad/s, body axes, as differences.
+
+    Parameters
+    ----------
+    kept : indices of the samples
+    step, omega_step : steps to which quaternions and ω are rounded
+    """
     q = _continuous(motion.q_world_body_wxyz[kept])
     return {
         "q": [differenced(component, step) for component in q.T],
@@ -175,12 +204,12 @@ def _states(
 
 
 def _continuous(q: FloatArray) -> FloatArray:
-    """Return the same rotations as quaternions without jumps of sign."""
+    """Return quaternions, (n, 4), with signs such that neighbours are close."""
     flips = np.cumsum(np.einsum("ij,ij->i", q[1:], q[:-1]) < 0)
     return np.asarray(q * np.where(np.append(0, flips) % 2, -1.0, 1.0)[:, None])
 
 
 def _decades(errors: FloatArray) -> Differences:
-    """Return logarithms of errors as differences."""
+    """Return the common logarithms of errors, at least `LOWEST_DECADE`, as differences."""
     with np.errstate(divide="ignore"):
         return differenced(np.maximum(np.log10(errors), LOWEST_DECADE), DECADES_STEP)

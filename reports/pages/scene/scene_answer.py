@@ -70,14 +70,20 @@ def _is_of_files(scene: SceneRuns) -> bool:
 
 
 def shown_at_first(scene: SceneRuns) -> set[str]:
-    """Return labels of the methods drawn in figures at first: closest defaults and best choice."""
+    """Return the labels of the methods shown in figures at first.
+
+    They are the defaults with the smallest errors, and the best choice.
+    """
     best = best_choice(scene)
     closest = [runs.label for runs, _ in closest_defaults(scene)[:SHOWN_DEFAULTS]]
     return {*closest, *([best.runs.label] if best else [])}
 
 
 def gains_shown_at_first(scene: SceneRuns) -> set[str]:
-    """Return labels of methods in figures of gains at first: some wrong, and the best choice."""
+    """Return the labels of the methods whose gains are shown at first.
+
+    They are some that disagree, and the best choice or another method that does not.
+    """
     examined = [one for one in scene.methods if one.verdict and one.evidence and one.evidence.steps]
     wrong = [one.label for one in examined if one.verdict and one.verdict.verdict == "disagrees"]
     right = [one.label for one in examined if one.label not in wrong]
@@ -87,14 +93,17 @@ def gains_shown_at_first(scene: SceneRuns) -> set[str]:
 
 
 def closest_defaults(scene: SceneRuns) -> list[tuple[MethodRuns, Row]]:
-    """Return engines as shipped at their own stock timesteps, the least wrong first."""
+    """Return engines as shipped with their runs at stock timesteps, the smallest error first."""
     shipped = [runs for runs in scene.methods if runs.as_shipped]
     tried = [(runs, row) for runs in shipped for row in runs.stock[:1]]
     return sorted(tried, key=lambda one: one[1].errors.attitude if one[1].errors else math.inf)
 
 
 def attitude_in_degrees(scene: SceneRuns, row: Row) -> str:
-    """Return a run's attitude error, degrees, at least the uncertainty; `NOTHING` if none."""
+    """Return a run's attitude error, degrees, as text; `NOTHING` if there is none.
+
+    An error that does not exceed the reference's uncertainty is shown as "≤ uncertainty".
+    """
     if row.errors is None:
         return NOTHING
     return limited_errors(row.errors, scene.uncertainty(row), ("attitude",))[0]
@@ -135,7 +144,10 @@ def _run_in_words(scene: SceneRuns, label: str, row: Row) -> str:
 
 
 def _price(best: BestChoice, defaults: Sequence[tuple[MethodRuns, Row]]) -> str:
-    """Return the cost of the best choice relative to the same engine's default, in words."""
+    """Return, in words, the cost of the best choice relative to its engine's default.
+
+    The text is empty if either was not timed.
+    """
     for runs, row in defaults:
         usual = cost(row)
         if runs.engine == best.runs.engine and row.outcome == "ok" and usual and best.cost:
@@ -145,7 +157,7 @@ def _price(best: BestChoice, defaults: Sequence[tuple[MethodRuns, Row]]) -> str:
 
 
 def _use(scene: SceneRuns, choice: BestChoice) -> dict[str, Any]:
-    """Return a choice as users use it: a line, what they write, and a command that checks it."""
+    """Return a best choice for the page: a summary, what users write, and a command to check it."""
     off, key = attitude_in_degrees(scene, choice.row), choice.row.key
     options = [scene.name, "--engine", key.engine, "--method", key.method]
     options += ["--timestep", repr(choice.timestep)]

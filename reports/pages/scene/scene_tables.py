@@ -60,7 +60,7 @@ def exact_motion_table(solved: SceneResult) -> Table:
 
 
 def facts_table(solved: SceneResult) -> Table:
-    """Return a table of derived numbers of the scene."""
+    """Return a table of numbers that follow from the scene, with their meanings."""
     rows = [
         (fact.name, figure(observed(fact.value)), fact.unit, fact.meaning)
         for fact in facts(solved.scenario)
@@ -69,14 +69,17 @@ def facts_table(solved: SceneResult) -> Table:
 
 
 def verdict_table(scene: SceneRuns) -> Table:
-    """Return a table of verdicts, each row with an anchor."""
+    """Return a table of verdicts, each row with an anchor for links."""
     made = records(_verdict_row(scene, runs) for runs in scene.methods)
     anchors = tuple(method_anchor(runs.engine, runs.method) for runs in scene.methods)
     return Table(made.headings, made.rows, anchors)
 
 
 def signals_table(scene: SceneRuns) -> Table:
-    """Return a table of methods' finest runs: errors by signal, their order, and their floor."""
+    """Return a table of the errors of each method's finest run, by signal.
+
+    Each has the order found, and the timestep below which rounding makes the error grow.
+    """
     return records(
         {
             **named(runs.pair),
@@ -104,7 +107,7 @@ def _declared(runs: MethodRuns, signal: Signal) -> str:
 
 
 def published_table(scenario: Scenario) -> Table | None:
-    """Return a table of published values and the reference's; None without any."""
+    """Return a table that compares published values with the exact motion; None without any."""
     holds = {True: Cell("✓ holds", "converges"), False: Cell("✗ does not hold", "disagrees")}
     made = records(
         {
@@ -123,7 +126,7 @@ def published_table(scenario: Scenario) -> Table | None:
 
 
 def drifts_table(scene: SceneRuns) -> Table | None:
-    """Return a table of the drifts of each method's finest run; None without any."""
+    """Return a table of the drifts of each method's finest run; None if nothing is conserved."""
     laws = [invariant.law for invariant in invariants(scene.exact.scenario)]
     shown = [(runs, runs.finest) for runs in scene.methods]
     made = records(
@@ -139,7 +142,7 @@ def drifts_table(scene: SceneRuns) -> Table | None:
 
 
 def runs_tables(scene: SceneRuns) -> list[Captioned]:
-    """Return a table for each method."""
+    """Return a table for each method, with a row for each run."""
     headings = (
         "timestep, s",
         "steps",
@@ -159,7 +162,7 @@ def runs_tables(scene: SceneRuns) -> list[Captioned]:
 
 
 def printed(scene: SceneRuns) -> list[tuple[str, str]]:
-    """Return what engines wrote to the terminal: method and text, each text once."""
+    """Return what engines wrote to the terminal: pairs of a method and a text, each text once."""
     outputs = [(runs.label, row.printed) for runs in scene.methods for row in runs.rows]
     return list(dict.fromkeys((label, text) for label, text in outputs if text.strip()))
 
@@ -193,13 +196,13 @@ def _verdict_row(scene: SceneRuns, runs: MethodRuns) -> dict[str, Cell | str]:
 
 
 def _besides(runs: MethodRuns) -> str:
-    """Return what acts in an engine as shipped although the scene does not call for it, or ""."""
+    """Return what acts in an engine although the scene does not call for it; empty if nothing."""
     names = dict.fromkeys(name for row in runs.rows for name in row.unasked)
     return f"Active though the scene does not call for it: {', '.join(names)}." if names else ""
 
 
 def _summary(runs: MethodRuns) -> str:
-    """Return a line: version, verdict, number of runs and how they ended."""
+    """Return a line on a method: its version, the verdict, and how its runs ended."""
     ended = Counter(row.outcome for row in runs.rows if row.made)
     versions = dict.fromkeys(row.engine_version for row in runs.rows)
     outcomes = ", ".join(f"{amount} {outcome}" for outcome, amount in ended.items())
