@@ -31,12 +31,12 @@ def load(scene: "Scene", name: str = "scene") -> "Scenario":
     """Return a scene.
 
     A file of the current folder, such as `./fast-top.toml`, takes precedence over a scene of the
-    library; `logging` then says so.
+    library; then a warning is logged.
 
     Parameters
     ----------
-    scene : its name in the library, the path of its file, or its tables as a dict, as the file has
-        them; NumPy's arrays may stand for lists
+    scene : its name in the library, the path of its file, or the TOML tables of its file as a dict;
+        NumPy's arrays may stand for lists
     name : name of a scene that is given as a dict
 
     Raises
@@ -185,7 +185,7 @@ def judge_timesteps(scene: "Scene", motions: "Sequence[JudgedMotion]", order: in
 
 
 def run(scene: "Scene", *, engine: str, method: str, timestep: float) -> "Row":
-    """Simulate a scene with one method and timestep, in a process of its own.
+    """Simulate a scene with one method and timestep, s, in a process of its own.
 
     Returns
     -------
@@ -219,7 +219,7 @@ def results(path: "str | Path") -> "StoredResults":
 
 
 def _compile_first() -> None:
-    """Say through `logging`, on the terminal, why the first call takes half a minute."""
+    """Compile the solver if it is not compiled yet; a logged warning says why that takes long."""
     from logging import getLogger
 
     from spincheck.reports.harness.executors.compiling import compile_first

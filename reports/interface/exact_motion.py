@@ -103,7 +103,7 @@ class ExactMotion:
         return sensitivity(self._scenario, self._known(times).trajectory)
 
     def _known(self, times: ArrayLike) -> Solution:
-        """Return the motion at given times, at all of which it must be known."""
+        """Return the motion at given times; raise if it is not known at all of them."""
         wanted = np.atleast_1d(np.asarray(times, dtype=float))
         if wanted.ndim > 1 or not len(wanted):
             raise ValueError(f"'times' must have the shape (n,), got {wanted.shape}.")

@@ -29,11 +29,11 @@ ARGUMENTS = {
 
 @dataclass(frozen=True)
 class Made:
-    """How motions were made: the settings that a file may state.
+    """How a recorded motion was made.
 
     Attributes
     ----------
-    timestep : s
+    timestep : s; None if it is not known
     precision : "double" or "single"; None if it is to be found from the numbers
     order : order of accuracy
     noise_attitude, noise_omega : standard deviations, rad and rad/s; None if they are to be
@@ -64,7 +64,12 @@ class Made:
 
 
 def judged(scenario: Scenario, arguments: Mapping[str, ArrayLike], made: Made) -> JudgedMotion:
-    """Return the judged motion that arrays hold; `arguments` are those of `spincheck.judge`.
+    """Return a recorded motion, compared with the exact one.
+
+    Parameters
+    ----------
+    arguments : the arrays, by the names of the arguments of `spincheck.judge`
+    made : how the motion was made
 
     Raises
     ------
@@ -91,7 +96,11 @@ def judged(scenario: Scenario, arguments: Mapping[str, ArrayLike], made: Made) -
 
 
 def verdict_on(scenario: Scenario, motions: Sequence[JudgedMotion], order: int) -> Verdict:
-    """Return the verdict on motions at halved timesteps, as those of one method.
+    """Return the verdict on a method, from its motions at halved timesteps.
+
+    Parameters
+    ----------
+    order : order of accuracy that the method has or claims
 
     Raises
     ------

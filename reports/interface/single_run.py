@@ -1,4 +1,4 @@
-"""One run of a method, or its derivatives, for scripts."""
+"""A single run of a method, or the judgement of its derivatives, for scripts."""
 
 import atexit
 import os
@@ -19,7 +19,7 @@ from spincheck.scenarios import Scenario
 
 
 def single_run(scenario: Scenario, engine: str, method: str, timestep: float) -> Row:
-    """Run one method with one timestep, in a worker process that later runs use, too.
+    """Run one method with one timestep, s, in a worker process that later runs use, too.
 
     Raises
     ------
@@ -49,7 +49,11 @@ def single_run(scenario: Scenario, engine: str, method: str, timestep: float) ->
 def judged_gradients(
     scenario: Scenario, engine: str, method: str, timestep: float | None, window: float | None
 ) -> list[GradientRow]:
-    """Judge the derivatives of one method, in the same worker process.
+    """Judge the derivatives of one method, in the worker process of `single_run`.
+
+    Parameters
+    ----------
+    timestep, window : as for `spincheck.gradients`, s
 
     Raises
     ------
@@ -64,7 +68,7 @@ def judged_gradients(
 
 
 def _engine_of(engine: str, method: str) -> Engine:
-    """Return the engine of a name, after checking that it has the method.
+    """Return the engine with a given name, after checking that it has the method.
 
     Raises
     ------
@@ -83,7 +87,10 @@ def _engine_of(engine: str, method: str) -> Engine:
 
 @cache
 def _workers(_process: int) -> LocalWorkers:
-    """Return the worker of this process, kept because starting one takes longer than most runs."""
+    """Return an executor with one worker process, started once for this process.
+
+    It is kept because starting a worker takes longer than most runs.
+    """
     executor = LocalWorkers(1)
     atexit.register(executor.close)
     return executor

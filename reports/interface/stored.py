@@ -27,13 +27,15 @@ class StoredResults:
 
     @classmethod
     def read(cls, path: Path) -> Self:
-        """Return what a result file holds."""
+        """Return the runs and verdicts in a result file."""
         with open_store(path) as store:
             results = store.read()
         return cls(results.rows, results.verdicts)
 
     def rows_frame(self) -> Any:
-        """Return the runs as a table with a column for each field; errors are `errors.omega` etc.
+        """Return the runs as a pandas `DataFrame` with a column for each field.
+
+        The errors are in columns of their own, as in `errors.omega`.
 
         Raises
         ------
@@ -43,7 +45,7 @@ class StoredResults:
         return _frame(asdict(replace(row, motion=None)) for row in self.rows)
 
     def verdicts_frame(self) -> Any:
-        """Return the verdicts as a table with a column for each field.
+        """Return the verdicts as a pandas `DataFrame` with a column for each field.
 
         Raises
         ------

@@ -10,7 +10,10 @@ from .records import MOTIONS, Key, Record
 
 
 def as_json(record: Record) -> dict[str, Any]:
-    """Return every field of a record but its motion; each signal's error is a field, or null."""
+    """Return a record as a JSON object, without its motion.
+
+    The error in each signal is an entry of its own, or null.
+    """
     content: dict[str, Any] = {}
     for field in fields(record):
         value = getattr(record, field.name)

@@ -1,7 +1,7 @@
-"""Names of what may be wrong: changes of equations of motion, and mistakes in reading states.
+"""Words for what may be wrong: changes of equations of motion, and mistakes in reading states.
 
-They are used for single steps of an engine, and for recorded motions. A change is identified by its
-kind and its numbers, SI; its words follow "as if".
+They are used for single steps of an engine, and for recorded motions. A change is identified by
+its kind and its numbers, SI; its words follow "as if".
 """
 
 import math
@@ -35,13 +35,13 @@ def vector(numbers: Sequence[float]) -> str:
 
 
 def _fitted_vector(numbers: Sequence[float]) -> str:
-    """Return numbers that are fitted: of some, only what differs from zero beyond rounding."""
+    """Return numbers that were found by a fit, in brackets; those of rounding size are zero."""
     least = 10.0**-DIGITS * max(map(abs, numbers))
     return vector([n if abs(n) > least else 0.0 for n in numbers])
 
 
 def _factor(numbers: Sequence[float]) -> str:
-    """Return 1 + change, with as many digits as show the change."""
+    """Return 1 + change, with enough digits to show the change."""
     (change,) = numbers
     return f"{1 + change:.{7 if abs(change) > VISIBLE else 11}g}"
 
@@ -63,13 +63,13 @@ def _decays(numbers: Sequence[float]) -> str:
 
 
 def _power(numbers: Sequence[float]) -> str:
-    """Return a size, N m, for an ω in rad/s, and a power of ‖ω‖, against the direction of ω."""
+    """Return the words for a drag torque: its size, N m, at 1 rad/s, times a power of ‖ω‖."""
     size, power = numbers
     return f"{size:.4g} ‖ω‖^{round(power, DIGITS) + 0.0:.4g}"
 
 
 def _rotors(numbers: Sequence[float]) -> str:
-    """Return which rotors, counted from one; 0 is all."""
+    """Return which rotor is meant, counted from one; 0 means all rotors."""
     return f"rotor {numbers[0]:.0f}" if numbers[0] else "the rotors"
 
 
@@ -79,24 +79,34 @@ def _axes(numbers: Sequence[float]) -> str:
 
 
 def _components(numbers: Sequence[float]) -> str:
-    """Return components of ω, each by its axis, counted from one, with a sign."""
+    """Return components of ω, each given by its axis, counted from one, with a sign."""
     return ", ".join(f"{'−' if n < 0 else ''}ω{_axes([abs(n) - 1])}" for n in numbers)
 
 
 def _products(numbers: Sequence[float]) -> str:
-    """Return names of the products of inertia that have another sign."""
+    """Return the names of the products of inertia whose sign is −1.
+
+    Parameters
+    ----------
+    numbers : the signs of Ixy, Ixz and Iyz
+    """
     pairs = zip(numbers, PRODUCTS, strict=True)
     return " and ".join(name for sign, name in pairs if sign < 0)
 
 
 def _exchanged(numbers: Sequence[float]) -> str:
-    """Return names of products of inertia, each by its number, from zero, in Ixy, Ixz, Iyz."""
+    """Return names of products of inertia, each given by its place in Ixy, Ixz, Iyz, from zero."""
     names = [PRODUCTS[int(k)] for k in numbers]
     return f"{', '.join(names[:2])} and {names[2]}"
 
 
 def _entry(numbers: Sequence[float]) -> str:
-    """Return an entry by its number from zero, its value, and by how much that is off."""
+    """Return which entry of the tensor would have which value, and how far that is off.
+
+    Parameters
+    ----------
+    numbers : place of the entry, from zero, its value, and by how much the value is off, kg m²
+    """
     at, value, off = numbers
     name, how = ("Ixx", "Iyy", "Izz", *PRODUCTS)[int(at)], "more" if off > 0 else "less"
     return f"{name} were {value:.7g} kg m², {abs(off):.3g} {how} than it is"
@@ -107,12 +117,22 @@ def _permuted(numbers: Sequence[float]) -> str:
 
 
 def _gradient(numbers: Sequence[float]) -> str:
-    """Return the size, 1/s², of a gravity gradient, and its axis."""
+    """Return the words for a gravity gradient.
+
+    Parameters
+    ----------
+    numbers : the size, 1/s², and the axis
+    """
     return f"{numbers[0]:.4g} /s² along {vector(numbers[1:])}"
 
 
 def _gradient_tensor(numbers: Sequence[float]) -> str:
-    """Return the size and axis of a gravity gradient, or its tensor up to a multiple of 1, 1/s²."""
+    """Return the words for a gravity gradient's tensor: size and axis, if it has one, else entries.
+
+    Parameters
+    ----------
+    numbers : xx − zz, yy − zz, xy, xz and yz, 1/s²
+    """
     xx, yy, xy, xz, yz = numbers
     sizes, axes = np.linalg.eigh([[xx, xy, xz], [xy, yy, yz], [xz, yz, 0.0]])
     below, above = np.diff(sizes)
@@ -125,7 +145,14 @@ def _gradient_tensor(numbers: Sequence[float]) -> str:
 
 
 def _by_attitude(numbers: Sequence[float]) -> str:
-    """Return the torque Σᵢ P eᵢ × Rᵀ eᵢ, N m, of nine entries of P, as a dipole's or a spring's."""
+    """Return the words for a torque that depends on the attitude: Σᵢ P eᵢ × Rᵀ eᵢ, N m.
+
+    They are those of a dipole in a field, or of a spring, if it is one.
+
+    Parameters
+    ----------
+    numbers : the nine entries of P, N m
+    """
     P = np.reshape(numbers, (3, 3))
     of_body, sizes, of_world = np.linalg.svd(P)
     first, size = float(sizes[0]), float(sizes.mean())
@@ -147,7 +174,12 @@ def _by_attitude(numbers: Sequence[float]) -> str:
 
 
 def _tilted(numbers: Sequence[float]) -> str:
-    """Return an angle, °, and the gravity, m/s², that is tilted by it."""
+    """Return the words for a tilted gravity.
+
+    Parameters
+    ----------
+    numbers : the angle of the tilt, °, and the tilted gravity, m/s²
+    """
     angle, *gravity = numbers
     return (
         f"{angle:.3g}° against the scene's, and is {_fitted_vector(gravity)} m/s²: a stand, or the "
@@ -156,7 +188,12 @@ def _tilted(numbers: Sequence[float]) -> str:
 
 
 def _by_angle(numbers: Sequence[float]) -> str:
-    """Return a spring's torque, of k, N m a radian, and the attitude at which there is none."""
+    """Return the words for a spring's torque, in proportion to the angle from its attitude of rest.
+
+    Parameters
+    ----------
+    numbers : stiffness, N m a radian, and the quaternion at rest, w x y z
+    """
     k, *q_rest_wxyz = numbers
     at = vector([round(q, DIGITS) + 0.0 for q in q_rest_wxyz])
     way = "to" if k > 0 else "away from"
@@ -173,9 +210,9 @@ class Kind:
     ----------
     template : its words, with braces in place of its numbers
     count : how many numbers it has
-    shown : returns its numbers as they are printed
+    shown : returns its numbers as text
     is_kinematic : whether it changes how the attitude follows ω, not how ω changes
-    special : other words for a special value of its first number, by that value
+    special : other words for special values of its first number, by that value
     """
 
     template: str
@@ -192,7 +229,14 @@ class Kind:
 
 
 def _of_factor(template: str, none: str = "", reversed_: str = "") -> Kind:
-    """Return a kind whose number is a factor's relative error, with words for factors 0, −1."""
+    """Return a kind of change that multiplies a term by a factor.
+
+    Its number is the factor less 1.
+
+    Parameters
+    ----------
+    none, reversed_ : other words for the factors 0 and −1
+    """
     return Kind(template, 1, _factor, special={-1.0: none, -2.0: reversed_})
 
 

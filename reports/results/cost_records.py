@@ -20,7 +20,7 @@ class Ratio:
 
 @dataclass(frozen=True)
 class StepCost:
-    """The cost of a step.
+    """The CPU and wall time of a step.
 
     Attributes
     ----------
@@ -39,13 +39,14 @@ class StepCost:
 
 @dataclass(frozen=True)
 class MethodCost(Record):
-    """The cost of a step of a method on a scene, on one processor; None if it cannot be timed.
+    """The cost of a step of a method on a scene, on one processor.
 
     Attributes
     ----------
+    cost : None if the steps cannot be timed
     variation : JSON that says how the engine is varied; empty if it is not
-    difference : for an engine with all left in that it leaves out, the largest difference of any
-        number of its state from the engine as it is, SI; 0 if the motions are identical
+    difference : for an engine with nothing left out, the largest difference of any number of its
+        state from the engine as it is, SI; 0 if the motions are identical
     compared_until : time up to which the two were compared, s; the whole window unless one diverged
     """
 
@@ -58,5 +59,5 @@ class MethodCost(Record):
 
     @property
     def left_in(self) -> tuple[str, ...]:
-        """What is left in that the engine leaves out by default, by the engine's names."""
+        """The names of what this engine did that it leaves out by default."""
         return tuple(varied_in(self.variation).get("left_in", ()))

@@ -47,7 +47,7 @@ def _as_stored(value: Any) -> str | float | None:
 
 
 class Database:
-    """Queries and transactions, one at a time.
+    """A connection that makes queries and transactions, one at a time.
 
     Parameters
     ----------
@@ -65,7 +65,7 @@ class Database:
 
     @contextmanager
     def transaction(self) -> Iterator[sqlite3.Connection]:
-        """Write everything in this block, or nothing of it."""
+        """Yield the connection; all that the block writes is stored, or nothing of it."""
         with self._one_at_a_time, self._connection:
             yield self._connection
             # A new value in the log with every transaction (`result_file`).
@@ -75,7 +75,12 @@ class Database:
     def select(
         self, table: str, where: str = "TRUE", values: Sequence[Any] = (), order: str = "rowid"
     ) -> list[sqlite3.Row]:
-        """Return records of a table.
+        """Return the records of a table that a condition selects.
+
+        Parameters
+        ----------
+        where, order : the condition and the order, in SQL
+        values : values for the condition's question marks
 
         Raises
         ------
@@ -95,7 +100,7 @@ class Database:
 
 
 def put(connection: sqlite3.Connection, table: str, record: Mapping[str, Any]) -> None:
-    """Write a record; it replaces one with the same key."""
+    """Write a record into a table; it replaces a record with the same key."""
     written = {n: shown(value) if isinstance(value, str) else value for n, value in record.items()}
     written[CHECKSUM] = checksum(table, written)
     columns = ", ".join(f'"{name}"' for name in written)
@@ -117,5 +122,5 @@ def _text(content: bytes) -> str:
 
 
 def _named(record: sqlite3.Row) -> str:
-    """Return the first of a record's values, which say what the record is about."""
+    """Return the first three values of a record, which tell what it is about."""
     return printable(", ".join(str(value) for value in tuple(record)[:3]), 100)

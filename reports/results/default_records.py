@@ -12,15 +12,15 @@ DEFAULTS = "defaults"
 
 @dataclass(frozen=True)
 class DefaultEffect:
-    """One default of a method as shipped.
+    """The effect of one default of a method as shipped.
 
     Attributes
     ----------
     name : the engine's own name for the default
     alone : errors with this default and no other; None if the run did not finish
     without : errors with all defaults but this one; None if the run did not finish
-    acts : whether this default alone alters the equations of motion, in steps however short; None
-        if unknown, as when steps do not obey the equations of motion even without any default
+    acts : whether this default by itself alters the equations of motion, in steps however short;
+        None if unknown, as when steps do not obey the equations of motion even without any default
     """
 
     name: str
@@ -31,12 +31,13 @@ class DefaultEffect:
 
 @dataclass(frozen=True)
 class DefaultEffects:
-    """A method as shipped on a scene, with its defaults removed one at a time.
+    """The effects of all defaults of a method as shipped on a scene, each by itself.
 
     Attributes
     ----------
     timestep : s
     none, all : errors with none and with all of the defaults; None if the run did not finish
+    each : the effect of each default
     """
 
     key: Key
@@ -47,7 +48,7 @@ class DefaultEffects:
 
 
 def default_effects(rows: Iterable[Row], varied: Iterable[Row]) -> list[DefaultEffects]:
-    """Return the effects of defaults, for each method and scene where they were run.
+    """Return the effects of defaults, for each method and scene where they were measured.
 
     Parameters
     ----------

@@ -19,7 +19,7 @@ MAX_SEED = (1 << 128) - 1
 
 @dataclass(frozen=True)
 class EnsemblePoint:
-    """One member of an ensemble, and the timestep of its runs.
+    """The identity of a member of an ensemble, and the timestep of its runs.
 
     Attributes
     ----------
@@ -33,12 +33,12 @@ class EnsemblePoint:
 
     @property
     def varied(self) -> dict[str, float]:
-        """What identifies the point, in whichever ensemble it is."""
+        """What identifies the member's runs, by name, in whichever ensemble the member is."""
         parts: dict[str, float] = {"seed": self.seed, "member": self.number}
         return parts if self.timestep is None else {**parts, "timestep": self.timestep}
 
     def __str__(self) -> str:
-        """Return the point in words."""
+        """Return the member's number and the timestep in words."""
         at = "" if self.timestep is None else f", timestep {self.timestep:.6g}"
         return f"member {self.number}{at}"
 
@@ -48,11 +48,13 @@ _Timestep = Annotated[float, Field(gt=0, lt=math.inf)]
 
 @dataclass(frozen=True)
 class Ensemble:
-    """An ensemble of scattered starts and bodies; a member does not depend on how many there are.
+    """An ensemble: a scene with start and body scattered; its size does not change its members.
 
     Attributes
     ----------
     scenario : the scene's name
+    members : number of members
+    seed : seed of the random numbers
     timestep : timestep of every run, s; None for each engine's stock timestep
     """
 
@@ -66,11 +68,16 @@ class Ensemble:
         return self.members
 
     def points(self) -> Iterator[EnsemblePoint]:
-        """Yield all members as points."""
+        """Yield each member's identity, by seed and number, with the timestep of its runs."""
         return map(self._member, range(self.members))
 
     def point(self, parts: Mapping[str, Any]) -> EnsemblePoint | None:
-        """Return the point with a given identity, parsed; None if there is none."""
+        """Return the member that a stored run is of; None if it is not of this ensemble.
+
+        Parameters
+        ----------
+        parts : what identifies the run, as `EnsemblePoint.varied` returns it
+        """
         number = parts.get("member")
         if type(number) is not int or not 0 <= number < self.members:
             return None
@@ -108,7 +115,12 @@ class DefinedEnsemble(Record):
 
 @dataclass(frozen=True, eq=False)
 class EnsembleResult:
-    """An ensemble, the scene that is scattered, and the stored runs, member by member."""
+    """An ensemble, the scene that is scattered, and the stored runs of its members.
+
+    Attributes
+    ----------
+    points : the runs, member by member
+    """
 
     ensemble: Ensemble
     scenario: Scenario
@@ -116,7 +128,12 @@ class EnsembleResult:
 
 
 def swept(stored: Iterable[DefinedEnsemble], points: Iterable[Row]) -> list[EnsembleResult]:
-    """Return the ensembles with their stored runs.
+    """Return ensembles with their stored runs.
+
+    Parameters
+    ----------
+    stored : the definitions of the ensembles
+    points : all stored runs of members
 
     Raises
     ------
@@ -135,7 +152,7 @@ def swept(stored: Iterable[DefinedEnsemble], points: Iterable[Row]) -> list[Ense
 def points_of(ensemble: Ensemble, stored: Iterable[Row]) -> tuple[Row, ...]:
     """Return the runs of an ensemble among those stored for its scene, member by member.
 
-    It loops over the stored runs, not over all members, because few may have been run.
+    All stored runs are searched, and not all members, because few members may have been run.
     """
     found = [row for row in stored if ensemble.point(row.varied) is not None]
     return tuple(sorted(found, key=lambda row: (row.varied["member"], row.pair)))

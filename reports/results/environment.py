@@ -13,7 +13,7 @@ PACKAGES = ("spincheck", "numpy", "scipy", "numba", "mpmath")
 
 
 def environment(engines: Iterable[Engine], max_steps: int | None = None) -> dict[str, str]:
-    """Return name and value of everything that results may depend on.
+    """Return the names and values of all that results may depend on: machine, system, versions.
 
     Parameters
     ----------
@@ -32,7 +32,7 @@ def environment(engines: Iterable[Engine], max_steps: int | None = None) -> dict
 
 
 def processor() -> str:
-    """The processor's name; on Linux, where the standard library has none, from /proc/cpuinfo."""
+    """Return the processor's name; on Linux it is read from /proc/cpuinfo."""
     try:
         lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
     except OSError:

@@ -58,10 +58,11 @@ class Explanation:
 
 @dataclass(frozen=True)
 class StepFault:
-    """How single steps differ from those of a method that converges.
+    """A difference of an engine's single steps from those of a method that converges.
 
     Attributes
     ----------
+    kind : how the gains depend on the timestep
     quantity : the quantity that shows the difference best
     time : time of the state that shows it best, s; None if ω is along a skew axis at the start
     timestep : timestep at which it shows, s
@@ -81,13 +82,16 @@ class StepFault:
 
 @dataclass(frozen=True)
 class GainCurve:
-    """The gains of the least likely state, relative to the largest terms, for a picture.
+    """Gains against the timestep, for a figure, relative to the largest terms.
+
+    They are the gains from the state whose gains are the least likely.
 
     Attributes
     ----------
     timesteps : s, long to short, (J,)
-    gains, predicted, predicted_to : sizes of its gains, of the gains predicted from longer
-        timesteps, and the standard deviation of the prediction, (J,)
+    gains : sizes of the gains, (J,)
+    predicted, predicted_to : sizes of the gains predicted from longer timesteps, and the standard
+        deviation of the prediction, (J,)
     largest : the largest gain of any state, (J,)
     """
 
@@ -107,7 +111,12 @@ class GainCurve:
 
 
 def is_known(known_to: float, of_an_effect: float) -> bool:
-    """Whether a limit is known well enough for a verdict: see `StepEvidence`."""
+    """Whether the limit of gains is known well enough for a verdict.
+
+    Parameters
+    ----------
+    known_to, of_an_effect : as in `StepEvidence`
+    """
     return known_to <= CONSISTENT and of_an_effect <= SEEN
 
 
@@ -120,12 +129,13 @@ class StepEvidence:
     states : number of states
     tail : the probability of gains as unlikely as these, if the steps are those of a method that
         converges: the smallest tail times the number of tails
-    known_to, of_an_effect : the larger of the standard error and the size of the gains' limit,
+    known_to, of_an_effect : the standard error of the gains' limit, or its size if that is larger,
         relative to the largest terms, and to the weakest effect of the scene
     order, declared : the least order that gains show, and the declared order, which is 0 in single
         precision, where rounding hides it
     curves : one for each quantity that is not zero throughout
-    settled : number of steps before, in which a constraint settled
+    fault : how the steps differ from those of a method that converges; None if they do not
+    settled : number of steps taken before, in which a constraint settled
     changes_below : timestep below which gains are another function of the timestep, which vanishes
         as well, s; 0 if there is none
     beyond_from : the shortest timestep beyond the radius of convergence of the gains' series in
@@ -146,12 +156,12 @@ class StepEvidence:
 
     @property
     def is_of_low_order(self) -> bool:
-        """Whether gains are of half of the declared order, or less."""
+        """Whether gains vanish with the timestep, but at half of the declared order or less."""
         return not self.fault and 0 < 2 * self.order <= self.declared
 
     @property
     def is_known(self) -> bool:
-        """Whether the limit is known well enough for a verdict."""
+        """Whether the limit of the gains is known well enough for a verdict."""
         return is_known(self.known_to, self.of_an_effect)
 
 
@@ -163,7 +173,7 @@ class ReplayEvidence:
     ----------
     timestep : timestep of the run, s
     intervals : number of intervals
-    tail : the probability of differences as large, if a step depends on the state alone
+    tail : the probability of differences as large as these, if a step depends only on the state
     off : the largest difference for each radian turned, rad or relative to ω
     since : start of the first interval that differs, s; None if none does
     spread : difference of two runs of one interval, in the same unit; 0 if the engine is
@@ -194,9 +204,9 @@ class Evidence(Record):
 
     Attributes
     ----------
-    steps : of steps from exact states; None if the method cannot be opened there
-    own_steps : of steps from states of its own runs; None if none were taken
-    replays : of replays of its runs
+    steps : evidence from steps from exact states; None if the method cannot be opened there
+    own_steps : evidence from steps from states of its own runs; None if none were taken
+    replays : evidence from replays of its runs
     refusal : why the runs could not be replayed, in the engine's words; else empty
     """
 

@@ -49,10 +49,10 @@ _STORING, _RULING = "reports.results", ("reports.results.verdict_words", "report
 
 
 def fingerprints(scenario: Scenario, engines: Sequence[Engine]) -> Iterator[Fingerprint]:
-    """Yield the digests of what results of a scene rest on: for all engines, and for each engine.
+    """Yield the digests of all that results of a scene depend on.
 
-    The digest of an engine at another version includes the name of its folder, which ends with the
-    Python that it runs under.
+    Some hold for all engines, the others for one engine each. The digest of an engine at another
+    version includes the name of its folder, which ends with the Python that it runs under.
     """
     scene = {"motion": scenario.digest, "verdict": scenario.judged_digest}
     for kind in DECIDING:
@@ -71,14 +71,24 @@ def program(kind: str) -> str:
 
 @cache
 def modules(kind: str) -> frozenset[str]:
-    """Return the modules that a kind of result rests on, by their names in this program."""
+    """Return the names of the modules on which a kind of result depends, within this program.
+
+    Parameters
+    ----------
+    kind : one of `DECIDING`
+    """
     without = () if kind == "verdict" else JUDGING
     return _closure(DECIDING[kind], without)
 
 
 @cache
 def adapter(kind: type[Engine]) -> str:
-    """Return the digest of an adapter, its module or whole package, and all that it imports."""
+    """Return the digest of an adapter's module or package, and of all that it imports.
+
+    Parameters
+    ----------
+    kind : the adapter's class
+    """
     try:
         file = Path(inspect.getfile(kind))
     except (TypeError, OSError):
@@ -94,7 +104,14 @@ def adapter(kind: type[Engine]) -> str:
 
 
 def _closure(names: Iterable[str], without: tuple[str, ...]) -> frozenset[str]:
-    """Return modules and all that they import, at any depth, except modules that store results."""
+    """Return the names of modules and of all that they import, at any depth.
+
+    Modules that store results are left out.
+
+    Parameters
+    ----------
+    without : beginnings of the names of further modules that are left out
+    """
     found: set[str] = set()
     left = list(names)
     while left:
@@ -114,7 +131,13 @@ def _imported_by(name: str) -> tuple[str, ...]:
 
 
 def _imported(path: Path, package: str) -> Iterator[str]:
-    """Return the modules of this program that a module imports, at the top or within functions."""
+    """Yield the names of the modules that a file imports from this program, anywhere in it.
+
+    Parameters
+    ----------
+    path : the file
+    package : the package that the file is in
+    """
     for one in source(path).imports:
         base = _base(one, package)
         if base is not None:
@@ -123,7 +146,12 @@ def _imported(path: Path, package: str) -> Iterator[str]:
 
 
 def _base(one: Import, package: str) -> str | None:
-    """Return the module that names are imported from; None if it is not part of this program."""
+    """Return the module or package that an import names; None if it is not of this program.
+
+    Parameters
+    ----------
+    package : the package that contains the import
+    """
     if one.level:
         parts = package.split(".")
         base = ".".join([*parts[: len(parts) + 1 - one.level], *filter(None, [one.module])])
@@ -136,10 +164,9 @@ def _base(one: Import, package: str) -> str | None:
 
 @cache
 def _defining(base: str, name: str) -> str:
-    """Return the module that defines a name that is imported from a module or a package.
+    """Return the module that defines a name which is imported from another module or a package.
 
-    A package that itself imports the name, as the interface of adapters does, does not count; only
-    the module that defines the name does.
+    A package that only passes the name on, as the interface of adapters does, does not count.
     """
     if _file(f"{base}.{name}").is_file():
         return f"{base}.{name}"
@@ -160,7 +187,7 @@ def _file(name: str) -> Path:
 
 @cache
 def _content(path: Path) -> str:
-    """Return the digest of a file, of a Python file by its meaning."""
+    """Return the digest of a file; of a Python file without docstrings, comments and layout."""
     if path.suffix != ".py":
         return _digest([path.read_bytes().hex()])
     return source(path).digest

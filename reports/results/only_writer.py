@@ -15,12 +15,18 @@ _NAMES_ANOTHER = bytes.fromhex("d9d505f920a163d7")
 
 
 def check_journals(path: Path) -> None:
-    """Check that the files that SQLite keeps beside a file are its own, before SQLite acts on them.
+    """Raise if a file that SQLite keeps beside a result file may not be its own.
 
-    SQLite writes to '-wal' and '-shm', waits for one that is a pipe, and undoes what '-journal'
-    says was half written; if that ends in the name of a super-journal, SQLite deletes the file of
-    that name. It writes such a name where databases are attached, which is never done here
-    (https://www.sqlite.org/fileformat2.html, *The Rollback Journal*).
+    This comes before SQLite acts on those files. SQLite writes to '-wal' and '-shm', waits for one
+    that is a pipe, and undoes what '-journal' says was half written; if that ends in the name of a
+    super-journal, SQLite deletes the file of that name. It writes such a name where databases are
+    attached, which is never done here (https://www.sqlite.org/fileformat2.html, *The Rollback
+    Journal*).
+
+    Raises
+    ------
+    ResultFileError
+        If it is a link or no regular file, or names another file to be deleted.
     """
     for suffix in ("-wal", "-shm", "-journal"):
         beside = path.with_name(f"{path.name}{suffix}")
@@ -45,12 +51,12 @@ def _last_bytes(path: Path, count: int) -> bytes:
 
 
 def log_of(path: Path) -> Path:
-    """Return where SQLite keeps the log of a file."""
+    """Return the path of the write-ahead log that SQLite keeps beside a file."""
     return path.with_name(f"{path.name}-wal")
 
 
 def has_log(path: Path) -> bool:
-    """Whether a file has a log that is not empty."""
+    """Whether a file has a write-ahead log that is not empty."""
     with suppress(OSError):
         return log_of(path).stat().st_size > 0
     return False
@@ -67,10 +73,15 @@ _BEYOND = 1 << 62
 
 @contextmanager
 def only_writer(path: Path) -> Iterator[Callable[[], None]]:
-    """Lock the file as its only writer; the system releases the lock when this process ends.
+    """Lock a result file for its only writer; the system releases the lock when this process ends.
 
-    The lock is independent of those by which SQLite coordinates readers and a writer. Yields a
-    function that raises if the file has been removed or replaced since.
+    The lock is independent of those by which SQLite coordinates readers and a writer. The block is
+    given a function that raises if the file has been removed or replaced since.
+
+    Raises
+    ------
+    ResultFileError
+        If the file cannot be written, or another process has locked it.
     """
     try:
         descriptor = os.open(path, os.O_RDWR | os.O_CREAT, 0o666)

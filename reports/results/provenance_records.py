@@ -16,7 +16,12 @@ class EnvironmentEntry(Record):
 
 @dataclass(frozen=True)
 class DeclaredEngine(Record):
-    """What an adapter declares, so that a report needs no engine; `Engine` explains the fields."""
+    """What an adapter declares, stored so that a report needs no engine.
+
+    Attributes
+    ----------
+    methods, stock_timestep, single_precision : as in `Engine`
+    """
 
     name: Name
     methods: tuple[Method, ...]
@@ -33,7 +38,13 @@ class DeclaredEngine(Record):
 
 @dataclass(frozen=True)
 class Fingerprint(Record):
-    """The digest of what results of a scene rest on; the engine is empty if all rest on it."""
+    """The digest of a part of what results of a scene depend on.
+
+    Attributes
+    ----------
+    engine : the engine whose results depend on it; empty if those of all engines do
+    kind : the part: the exact motion, the program that makes runs, the engine, …
+    """
 
     scenario: SceneName
     engine: str

@@ -39,7 +39,14 @@ def reason_in_words(
     own_steps: StepEvidence | None,
     replays: Sequence[ReplayEvidence],
 ) -> str:
-    """Return the reason of a verdict; what decides it comes first."""
+    """Return the reason of a verdict; what decides the verdict comes first.
+
+    Parameters
+    ----------
+    word : the verdict
+    quoted : what a run, the engine or the scene's file says about it, in their own words
+    steps, own_steps, replays : the evidence, as in `Evidence`
+    """
     parts: list[str] = []
     if word == "disagrees":
         parts += [fault_in_words(one.fault) for one in (steps, own_steps) if one and one.fault]
@@ -58,7 +65,7 @@ def reason_in_words(
 
 
 def ground_in_words(steps: StepEvidence, replays: Sequence[ReplayEvidence]) -> str:
-    """Return what a verdict `converges` rests on, in words."""
+    """Return, in words, how many states and intervals a verdict `converges` rests on."""
     intervals = sum(one.intervals for one in replays)
     return f"in steps from {steps.states} states, and {intervals} intervals of runs"
 
@@ -108,13 +115,13 @@ def _open(steps: StepEvidence) -> str:
 
 
 def fault_in_words(fault: StepFault) -> str:
-    """Return how steps differ from those of a method that converges, and what explains it."""
+    """Return, in words, how steps differ from correct ones, and which change explains that."""
     as_if = " and ".join(change.words for change in fault.changes)
     return f"behaves as if {as_if}: {_shown(fault)}" if as_if else _shown(fault)
 
 
 def _shown(fault: StepFault) -> str:
-    """Return how steps differ from those of a method that converges."""
+    """Return, in words, how steps differ from those of a method that converges."""
     when = _when(fault)
     if fault.kind == "misread":
         omega, turn, spins = fault.got
@@ -149,7 +156,7 @@ def _when(fault: StepFault) -> str:
 
 
 def _gained(fault: StepFault) -> str:
-    """Return the rate of a quantity in words, and what it should be."""
+    """Return, in words, at which rate a quantity changes, and at which rate it should."""
     if fault.quantity == "parts":
         off = math.hypot(*fault.got)
         return f"{RATES['parts']} changes at a rate of {off:.{DIGITS}g} N m {_when(fault)}, not 0"

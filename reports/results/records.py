@@ -36,21 +36,21 @@ LARGEST = 1e150
 
 
 def _size(value: float) -> float:
-    """Return the number, which must be neither negative nor so large that its square overflows."""
+    """Return a number; raise if it is negative, or so large that its square overflows."""
     if not 0 <= value <= LARGEST and value != math.inf:
         raise ValueError(f"must be from 0 to {LARGEST:g}")
     return value
 
 
 def _finite(value: float) -> float:
-    """Return the number, which must not be NaN, nor so large that its square overflows."""
+    """Return a number; raise if it is NaN or so large that its square overflows."""
     if not abs(value) <= LARGEST:
         raise ValueError(f"must be from -{LARGEST:g} to {LARGEST:g}")
     return value
 
 
 def _name_of_scene(name: str) -> str:
-    """Return the name, which must be a scene's: pages are named after scenes."""
+    """Return a name; raise unless a scene may have it, as pages are named after scenes."""
     if not is_scene_name(name):
         raise ValueError(f"{printable(name)!r} is no scene's name")
     return name
@@ -63,17 +63,22 @@ def _name(name: str) -> str:
 
 
 def variation(varied: Mapping[str, Any]) -> str:
-    """Return what is varied in a run as the text that identifies it; empty if nothing is."""
+    """Return the text that identifies what is varied in a run; empty if nothing is.
+
+    Parameters
+    ----------
+    varied : values of what is varied, by name
+    """
     return json.dumps(varied, sort_keys=True) if varied else ""
 
 
 def varied_in(text: str) -> dict[str, Any]:
-    """Return what `variation` made a text of."""
+    """Return what is varied, by name, from the text that `variation` returns."""
     return json.loads(text) if text else {}
 
 
 def _variation(text: str) -> str:
-    """Return the text, which must be as `variation` writes it."""
+    """Return a text; raise unless `variation` writes it so."""
     if text and (not isinstance(varied := json.loads(text), dict) or variation(varied) != text):
         raise ValueError(f"{printable(text)!r} says of nothing that it is varied")
     return text
@@ -90,13 +95,13 @@ Variation = Annotated[str, AfterValidator(_variation)]
 
 @dataclass(frozen=True, eq=False)
 class Record:
-    """Base of dataclasses that are stored; values that are not as declared are refused."""
+    """Base of dataclasses that are stored; values of other than the declared types are refused."""
 
     __pydantic_config__: ClassVar = ConfigDict(extra="forbid", arbitrary_types_allowed=True)
 
 
 class OfMethod:
-    """Base of what belongs to a method of an engine."""
+    """Base of classes with the names of an engine and one of its methods."""
 
     engine: str
     method: str
@@ -133,7 +138,10 @@ MethodKey = Annotated[Key, AfterValidator(_named)]
 
 @dataclass(frozen=True)
 class Defect:
-    """The defects of a run in one signal: its difference from the exact flow between two samples.
+    """The defects of a run in one signal.
+
+    A defect is what a run does from one sample to the next, less what the exact motion does from
+    the same sample.
 
     Attributes
     ----------
@@ -151,7 +159,14 @@ class Defect:
 
 @dataclass(frozen=True, eq=False)
 class SolvedScene(Record):
-    """A scene's file and its exact motion at the sample times; other fields as in `Solution`."""
+    """A scene's file and its exact motion at the sample times.
+
+    Attributes
+    ----------
+    scenario : the scene's name
+    toml : the text of the scene's file
+    method, uncertainty, conditioning, horizon, lifts_off, trajectory : as in `Solution`
+    """
 
     scenario: SceneName
     toml: str
@@ -168,7 +183,7 @@ class SolvedScene(Record):
         return SolvedScene(scenario.name, scenario.text, **vars(solution))
 
     def solved(self) -> tuple[Scenario, Solution]:
-        """The scene and its exact motion.
+        """Return the scene and its exact motion.
 
         Raises
         ------
@@ -249,7 +264,7 @@ class Row(Record):
 
     @property
     def varied(self) -> dict[str, Any]:
-        """What is varied, by name: paths of the scene's file, or seed and member."""
+        """What is varied in the run, by name: paths of the scene's file, or seed and member."""
         return varied_in(self.variation)
 
     @property
@@ -259,17 +274,17 @@ class Row(Record):
 
     @property
     def made(self) -> bool:
-        """Whether the run was made: a stock timestep may be too coarse or too fine for a scene."""
+        """Whether the run was made; at a timestep too coarse or too fine for the scene, none is."""
         return self.cause != "timestep"
 
     @property
     def simulated(self) -> bool:
-        """Whether the engine can simulate the scene, with this timestep."""
+        """Whether the engine can simulate the scene with this timestep."""
         return self.outcome != "unsupported"
 
     @property
     def ending_in_words(self) -> str:
-        """The reason, with the time at which the run ended, and its timestep."""
+        """Why the run ended as it did, when, and with which timestep."""
         when = f" at {self.stopped_at:.4g} s" if self.stopped_at is not None else ""
         ended = f"{self.reason}{when}, with a timestep of {self.timestep:.3g} s"
         return self.reason if self.cause == "effects" else ended

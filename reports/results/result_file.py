@@ -58,6 +58,7 @@ class OpenFile(NamedTuple):
 
     Attributes
     ----------
+    connection : SQLite's connection to the file
     check : raises `ResultFileError` if the file was removed or replaced
     log_missing : whether the file is a copy without its log, made while a run was writing
     """
@@ -69,11 +70,12 @@ class OpenFile(NamedTuple):
 
 @contextmanager
 def opened(path: Path, schema: str, *, writing: bool) -> Iterator[OpenFile]:
-    """Open a result file for reading, or for writing; a new one is created if there is none.
+    """Open a result file for reading, or for writing; then it is created if there is none.
 
     Parameters
     ----------
-    schema : the tables as SQL
+    schema : the SQL statements that create the file's tables
+    writing : whether it is opened for writing
 
     Raises
     ------
@@ -104,7 +106,12 @@ def opened(path: Path, schema: str, *, writing: bool) -> Iterator[OpenFile]:
 
 
 def _is_there(path: Path, purpose: str) -> bool:
-    """Whether there is a file to open; pipes, which would block, are refused."""
+    """Whether there is a file to open; raise if it is a pipe, which would block, or another kind.
+
+    Parameters
+    ----------
+    purpose : "read" or "written", for the message
+    """
     try:
         found = path.stat()
     except FileNotFoundError:
@@ -181,7 +188,7 @@ def _connected(path: Path, options: str) -> Iterator[sqlite3.Connection]:
 
 
 def _check_log(path: Path) -> None:
-    """Check that the log beside a file is its own, not one left by a killed run of another file.
+    """Raise if the log beside a file belongs to another file, whose run was killed.
 
     SQLite would apply the log to whatever file now has the name.
     """
@@ -197,7 +204,12 @@ def _check_log(path: Path) -> None:
 
 
 def _session(path: Path, options: str) -> str | None:
-    """Return the name of the run that wrote last; None if it cannot be read."""
+    """Return the random name of the run that wrote last; None if it cannot be read.
+
+    Parameters
+    ----------
+    options : of SQLite's connection: whether the log is ignored
+    """
     try:
         with _connected(path, options) as connection:
             return str(connection.execute("SELECT max(session) FROM file").fetchone()[0])
@@ -222,7 +234,7 @@ def _begin(connection: sqlite3.Connection, schema: str) -> None:
 
 
 def _check(connection: sqlite3.Connection, schema: str) -> None:
-    """Check that the file is one of this format, with this schema, and undamaged."""
+    """Raise unless the file is a result file of this format and schema, and undamaged."""
     if connection.execute("PRAGMA application_id").fetchone()[0] != APPLICATION_ID:
         raise ResultFileError("not a result file of spincheck")
     version = connection.execute("PRAGMA user_version").fetchone()[0]
@@ -244,7 +256,7 @@ def _check(connection: sqlite3.Connection, schema: str) -> None:
 
 
 def _digest_of(connection: sqlite3.Connection) -> str:
-    """Return the SHA-256 of type, name, table and text of everything in a schema."""
+    """Return the SHA-256 of the type, name, table and SQL text of everything in a schema."""
     query = "SELECT type, name, tbl_name, sql FROM sqlite_master"
     objects = sorted([*map(str, columns)] for columns in connection.execute(query))
     return sha256(json.dumps(objects).encode()).hexdigest()

@@ -28,11 +28,15 @@ class Results:
 
     Attributes
     ----------
+    environment : machine and versions, by name
+    scenes : the scenes that were solved, by name
+    rows : the runs in which nothing is varied
     costs : costs of varied engines; those of engines as they are are in `rows`
-    varied : the runs in which something is varied, such as members of ensembles
+    defaults : the effects of engines' defaults, where they were measured
     methods : what each engine's adapter declares about its methods, in the adapter's order
     stock_timesteps : stock timesteps, s, of the engines that have one
     single_precision : the engines that hold their state in floats of 24 bits
+    varied : the runs in which something is varied, such as members of ensembles
     """
 
     environment: dict[str, str]
@@ -50,7 +54,7 @@ class Results:
 
     @property
     def every_row(self) -> list[Row]:
-        """The runs in which nothing is varied, then all others by method and by what is varied."""
+        """The runs in which nothing is varied, then the others by method and what is varied."""
         return [*self.rows, *sorted(self.varied, key=_place)]
 
     def of(self, scene: str) -> Self:
@@ -69,7 +73,7 @@ class Results:
 
 
 def _place(row: Row) -> tuple[object, ...]:
-    """Return a sort key of a run in a list: numbers that are varied are ordered as numbers."""
+    """Return a key by which varied runs are sorted; numbers that are varied sort as numbers."""
     varied = row.varied
     values = [
         (one, "") if isinstance(one, int | float) else (0, str(one)) for one in varied.values()

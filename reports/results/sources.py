@@ -1,4 +1,4 @@
-"""The meaning of Python sources, and what they import.
+"""Digests of Python sources by their meaning, and what the sources import.
 
 Parsing the whole program takes a second, so the findings are kept in the user's cache, by the
 content of files.
@@ -22,13 +22,13 @@ LARGEST = 1 << 22
 
 
 class Import(NamedTuple):
-    """An import `from MODULE import NAMES`, and where it stands.
+    """One statement `from MODULE import NAMES`.
 
     Attributes
     ----------
     level : number of dots before the module
     names : pairs of a name and its name in the importing module
-    outside : whether it stands outside functions and classes
+    outside : whether the statement stands outside functions and classes
     """
 
     level: int
@@ -38,12 +38,12 @@ class Import(NamedTuple):
 
 
 class Source(NamedTuple):
-    """The meaning of a file, and its imports.
+    """The meaning of a Python file, as a digest, and the file's imports.
 
     Attributes
     ----------
-    digest : digest of its meaning: without docstrings, comments and layout, which change no result
-    imports : in any order
+    digest : digest of the file without docstrings, comments and layout, which change no result
+    imports : the statements `from MODULE import NAMES`, in any order
     """
 
     digest: str
@@ -52,7 +52,7 @@ class Source(NamedTuple):
 
 @cache
 def source(path: Path) -> Source:
-    """Return a Python file's meaning and imports."""
+    """Return the digest and the imports of a Python file."""
     content = path.read_bytes()
     known, key = _known(), sha256(content).hexdigest()
     if key not in known:
@@ -64,7 +64,7 @@ def source(path: Path) -> Source:
 
 @cache
 def _known() -> dict[str, Source]:
-    """Return the known sources by the digest of their content, which are saved at exit."""
+    """Return the sources found earlier, by the digest of their content; they are saved at exit."""
     known = {}
     with suppress(OSError, ValueError, TypeError, AttributeError):
         kept = json.loads(read_regular(_file(), LARGEST))
@@ -89,7 +89,7 @@ def _keep(known: dict[str, Source], before: int) -> None:
 
 
 def _file() -> Path:
-    """Return the file of this module's findings; another version of it may find others."""
+    """Return the path of the cache; it differs between versions of this module."""
     own = sha256(Path(__file__).read_bytes()).hexdigest()[:16]
     return user_cache() / f"sources-{own}.json"
 
@@ -105,8 +105,8 @@ def _imports(tree: ast.Module) -> Iterator[Import]:
 def _meaning(node: object) -> object:
     """Return a syntax tree without what changes no result: docstrings, comments, layout.
 
-    Other texts that stand alone, as docstrings do, are left out, too. Empty fields are left out,
-    because versions of Python differ in which they have.
+    All strings that are statements of their own are left out, as docstrings are. Empty fields are
+    left out, because versions of Python differ in which they have.
     """
     if isinstance(node, list):
         return [_meaning(one) for one in node if not _is_text_alone(one)]

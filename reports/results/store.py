@@ -78,7 +78,12 @@ class Store:
         return not table.rests_on or columns[DIGEST] == self._digest(table, columns)
 
     def _digest(self, table: Table[Any], columns: Mapping[str, Any] | sqlite3.Row) -> str:
-        """Return the digest that a record must have to count; empty if it is unknown."""
+        """Return the digest that a record of a table must have to count; empty if it is unknown.
+
+        Parameters
+        ----------
+        columns : the record's values, by column
+        """
         engine = columns["engine"] if "engine" in table.key else ""
         parts = [
             self._fingerprints.get((columns["scenario"], engine if kind == "engine" else "", kind))
@@ -91,7 +96,12 @@ class Store:
         self._fingerprints |= {(f.scenario, f.engine, f.kind): f.digest for f in fingerprints}
 
     def rest_on(self, fingerprints: Sequence[Fingerprint]) -> int:
-        """Set what results must rest on to count; return how many verdicts no longer do."""
+        """Set the digests that results of a scene must have to count from now on.
+
+        Returns
+        -------
+        How many stored verdicts no longer count.
+        """
         scenario = fingerprints[0].scenario
         verdicts = self._database.select("verdicts", "scenario = ?", (scenario,))
         before = sum(self._counts(tables.VERDICTS, one) for one in verdicts)
@@ -100,7 +110,7 @@ class Store:
         return before - sum(self._counts(tables.VERDICTS, one) for one in verdicts)
 
     def tidy(self) -> int:
-        """Delete the results that no longer count; return the number of records."""
+        """Delete the results that no longer count; return how many records were deleted."""
         deleted = 0
         with self._database.transaction() as connection:
             for table in (table for table in tables.TABLES if table.rests_on):
@@ -114,7 +124,7 @@ class Store:
         return deleted
 
     def put_environment(self, environment: dict[str, str]) -> None:
-        """Store machine and versions."""
+        """Store name and value of what results may depend on: the machine and versions."""
         self.put(*(EnvironmentEntry(name, value) for name, value in environment.items()))
 
     def put_methods(self, engines: Iterable[Engine]) -> None:
@@ -122,7 +132,12 @@ class Store:
         self.put(*map(DeclaredEngine.of, engines))
 
     def forget(self, keys: Iterable[Key]) -> None:
-        """Delete the results of methods on their scenes; runs of ensembles are kept."""
+        """Delete the results of methods on scenes; runs of ensembles are kept.
+
+        Parameters
+        ----------
+        keys : scene, engine and method of each
+        """
         with self._database.transaction() as connection:
             for key in keys:
                 for table in tables.OF_STUDIES:
@@ -140,10 +155,11 @@ class Store:
     def put_verdict(
         self, verdict: Verdict, evidence: Evidence | None = None, discardable: Sequence[float] = ()
     ) -> None:
-        """Store a verdict and what it is based on, and drop samples that are no longer needed.
+        """Store a verdict and its evidence, and drop samples that are no longer needed.
 
         Parameters
         ----------
+        evidence : None if there is none
         discardable : timesteps, s, of the runs whose samples are dropped
         """
         with self._database.transaction() as connection:
@@ -158,11 +174,13 @@ class Store:
             )
 
     def evidence(self, key: Key) -> Evidence | None:
-        """Return the evidence that a method on a scene was judged by; None if it was not."""
+        """Return the evidence on a method on a scene; None if none is stored."""
         return next(iter(self.select(tables.EVIDENCE, _ONE_METHOD, _names(key))), None)
 
     def settled(self, scenario: str, timesteps: Sequence[float], step_limit: int) -> list[Verdict]:
-        """Return the stored verdicts on a scene, except those that a smaller step limit cut short.
+        """Return the stored verdicts on a scene that need not be made again.
+
+        Those are left out whose ladder was cut short by a smaller step limit.
 
         Parameters
         ----------
@@ -190,7 +208,7 @@ class Store:
                 connection.execute(f"DELETE FROM costs WHERE {_ONE_METHOD}", _names(key))
 
     def timed(self) -> set[Key]:
-        """Return the methods whose steps were timed."""
+        """Return the methods on scenes whose steps were timed."""
         return {one.key for one in self.select(tables.COSTS, "variation = ''")}
 
     def read(self, timesteps: Sequence[float] = ()) -> Results:
@@ -198,8 +216,8 @@ class Store:
 
         Parameters
         ----------
-        timesteps : the timesteps of the verdicts that are wanted, s; if empty, the verdicts on
-            ladders, or if there is none the latest other verdict
+        timesteps : the timesteps of the verdicts that are wanted, s; if empty, verdicts on ladders
+            are returned, and where there is none the latest other verdict
 
         Raises
         ------
@@ -263,7 +281,7 @@ def _names(key: Key) -> tuple[str, str, str]:
 
 
 def _as_stored(timesteps: Sequence[float]) -> str:
-    """Return the timesteps asked for, s, in the form in which `Verdict.timesteps` is stored."""
+    """Return the timesteps that a user asked for, s, in the form in which verdicts store them."""
     return json.dumps(sorted(timesteps))
 
 
@@ -273,7 +291,11 @@ _LADDER = _as_stored(())
 
 @contextmanager
 def open_store(path: Path, *, create: bool = False) -> Iterator[Store]:
-    """Open a result file for reading; with `create` for writing, and create it if there is none.
+    """Open a result file.
+
+    Parameters
+    ----------
+    create : whether the file is opened for writing, and created if there is none
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""The tables of a result file: one for each kind of record, made from its dataclass.
+"""The tables of a result file, in SQL: one for each kind of record, made from its dataclass.
 
 The fields that identify a record have a column each, its motion is a blob, and all others are one
 JSON object. A field added to a record is stored and read with no change here; records stored
@@ -45,7 +45,7 @@ _WIDEST = 4
 def pack(motion: Trajectory) -> bytes:
     """Return a motion as an archive in numpy's format .npz, not compressed.
 
-    Compressing takes several times as long, and motions become only a fifth smaller.
+    Compression would take several times as long, and make motions only a fifth smaller.
     """
     buffer = io.BytesIO()
     arrays: dict[str, Any] = {
@@ -63,9 +63,9 @@ def unpack(blob: bytes) -> Trajectory:
     Raises
     ------
     ValueError
-        If it is not an archive of a motion, or larger than one can be.
+        If the bytes are not an archive of a motion, or larger than a motion can be.
     zipfile.BadZipFile
-        If it is damaged, according to its checksums (CRC-32).
+        If the archive is damaged, according to its checksums (CRC-32).
     """
     with zipfile.ZipFile(io.BytesIO(blob)) as archive:
         members = archive.infolist()
@@ -113,7 +113,7 @@ _NAMES_OF_KEY = tuple(field.name for field in fields(Key))
 
 
 def as_result_file_error(read: Callable[P, T]) -> Callable[P, T]:
-    """Make a function raise `ResultFileError` for whatever a damaged record raises."""
+    """Return the function so wrapped that it raises `ResultFileError` for any damaged record."""
 
     @wraps(read)
     def reading(*arguments: P.args, **named: P.kwargs) -> T:
@@ -133,10 +133,12 @@ def as_result_file_error(read: Callable[P, T]) -> Callable[P, T]:
 
 @dataclass(frozen=True)
 class Table(Generic[R]):
-    """The table of one dataclass's records.
+    """The SQL table of one dataclass's records.
 
     Attributes
     ----------
+    name : of the table
+    record : the dataclass
     key : the columns that identify a record: fields of the record, or of its `Key`
     rests_on : the kinds of fingerprints that a record rests on, if any; their digest is part of the
         key, so that records of several programs, scenes and engines can be kept
@@ -159,11 +161,14 @@ class Table(Generic[R]):
 
     @cached_property
     def motions(self) -> tuple[str, ...]:
-        """Names of the columns of blobs."""
+        """The names of the columns that hold motions."""
         return tuple(field.name for field in fields(self.record) if field.name in MOTIONS)
 
     def columns(self, record: R) -> dict[str, Any]:
-        """Return a record as it is stored, without fields that are None, as they are by default."""
+        """Return a record as it is stored, by column.
+
+        Fields that are None are left out if None is their default.
+        """
         values = {field.name: getattr(record, field.name) for field in fields(self.record)}
         motions = {name: values.pop(name) for name in self.motions}
         plain = to_jsonable_python(values, inf_nan_mode="constants", fallback=np.ndarray.tolist)
@@ -181,7 +186,7 @@ class Table(Generic[R]):
 
     @as_result_file_error
     def read(self, columns: sqlite3.Row) -> R:
-        """Return the record in a row of the table.
+        """Return the record that is stored in a row of the table.
 
         Raises
         ------
@@ -210,12 +215,12 @@ class Table(Generic[R]):
 
 
 def from_json(text: Any) -> dict[str, Any]:
-    """Return the JSON object in a column, with control characters in its texts escaped.
+    """Return the JSON object in a text, with control characters in its strings escaped.
 
     Raises
     ------
     ValueError
-        If it is not a JSON object, or too long.
+        If the text is not a JSON object, or too long.
     """
     if not isinstance(text, str) or len(text) > LONGEST_JSON:
         raise ValueError(f"JSON must be a text of at most {LONGEST_JSON} characters")
@@ -227,12 +232,12 @@ def from_json(text: Any) -> dict[str, Any]:
 
 
 def _is_shown(text: str) -> bool:
-    """Whether JSON has no control characters, neither plain nor hidden in escapes."""
+    """Whether a JSON text has no control characters, neither plain nor as escapes."""
     return text.isprintable() and "\\" not in text
 
 
 def _shown(value: Any) -> Any:
-    """Return the value with control characters in its texts escaped."""
+    """Return a value from JSON with control characters in its texts escaped."""
     if isinstance(value, str):
         return shown(value)
     if isinstance(value, dict):

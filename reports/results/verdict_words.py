@@ -17,8 +17,8 @@ class VerdictKind:
     Attributes
     ----------
     sign : sign beside the word, as colour is never the only difference
-    phrases : what one pair of a scene and a method does, and what several do
-    meaning : the rule, in words
+    phrases : what one pair of a scene and a method does, and what several pairs do
+    meaning : when the verdict is given, in words
     light, dark : colours of background and text, on light and on dark pages. Every pair has a
         contrast of 4.5 or more, and the backgrounds differ in lightness too
     fails : whether it fails a run
@@ -36,7 +36,7 @@ class VerdictKind:
 
     @property
     def needs_reason(self) -> bool:
-        """Whether lists of what is wrong or open contain it, with its reason."""
+        """Whether the verdict is listed with its reason: something is wrong or undecided."""
         return self.fails or self.is_unproven
 
 

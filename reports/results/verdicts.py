@@ -45,13 +45,13 @@ class Verdict(Record):
 
     @property
     def ground(self) -> str:
-        """What a verdict `converges` rests on, in words; else empty."""
+        """How many states and intervals a verdict `converges` rests on, in words; else empty."""
         converges = self.verdict == "converges" and self.steps is not None
         return ground_in_words(self.steps, self.replays) if converges and self.steps else ""
 
     @property
     def tail(self) -> float | None:
-        """The probability that a method that converges has evidence as unlikely as this one's."""
+        """The probability of evidence as unlikely as this if the method converges; None without."""
         found = [one.tail for one in (self.steps, self.own_steps, *self.replays) if one]
         return min(1.0, min(found) * len(found)) if found else None
 
@@ -72,7 +72,7 @@ class Verdict(Record):
 
     @property
     def findings(self) -> list[str]:
-        """The verdict with its reason, and unmet expectations; what fails the study is first."""
+        """The verdict with its reason, and unmet expectations; what makes a study fail is first."""
         judged = f"{self.verdict}: {self.reason}"
         return [judged, *self.unmet] if self._is_wrong else [*self.unmet, judged]
 
@@ -82,6 +82,9 @@ class Verdict(Record):
 
     @property
     def is_unproven(self) -> bool:
-        """Whether a method, if not as shipped, is shown neither to converge nor to be wrong."""
+        """Whether the verdict says neither that the method converges nor that it is wrong.
+
+        It is false for methods as shipped and for expected failures.
+        """
         expected = self.as_shipped or self.expected_failure
         return VERDICT[self.verdict].is_unproven and not expected

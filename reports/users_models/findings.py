@@ -13,7 +13,7 @@ from .inspection import InspectedLink, Inspection, LinkReading
 
 #: Largest number of links that a line names.
 MOST_NAMES = 3
-#: Cells of the table if an engine holds what the file states, and if nothing is compared.
+#: Texts of cells of the table: an engine holds what the file states; nothing is compared.
 FINE, NOTHING = "ok", "–"
 #: Meanings of the cells of `cell_text`.
 LEGEND = (
@@ -42,6 +42,7 @@ class Finding:
     ----------
     who : engines and configurations; empty if the statement is about the file itself
     names : names of the links; empty if it is about the whole file
+    text : the statement
     line : XML to put into the file; empty if there is none
     """
 
@@ -52,7 +53,7 @@ class Finding:
 
     @property
     def about(self) -> str:
-        """The engines and links it concerns, with a colon; empty if it is about the whole file."""
+        """The engines and links that the finding is about, with a colon; empty without any."""
         about = [part for part in (" and ".join(self.who), listed(self.names)) if part]
         return f"{', '.join(about)}: " if about else ""
 
@@ -61,13 +62,18 @@ class Finding:
 
 
 def listed(names: Sequence[str]) -> str:
-    """Return the first names, and how many more there are."""
+    """Return the first of some names as text, and how many more there are."""
     more = len(names) - MOST_NAMES
     return ", ".join(names[:MOST_NAMES]) + (f" and {more} more" if more > 0 else "")
 
 
 def grouped(entries: Iterable[tuple[str, str, str]]) -> list[Finding]:
-    """Return one finding for each pair of who and text, with the names of all its links."""
+    """Return one finding for each statement about an engine, with the names of all its links.
+
+    Parameters
+    ----------
+    entries : the engine with its configuration, empty if none, the statement, and a link's name
+    """
     alike: dict[tuple[str, str], list[str]] = {}
     for who, text, name in entries:
         alike.setdefault((who, text), []).append(name)
@@ -77,7 +83,10 @@ def grouped(entries: Iterable[tuple[str, str, str]]) -> list[Finding]:
 
 
 def wrong_readings(inspection: Inspection) -> list[tuple[LinkReading, str]]:
-    """Return readings that differ from the file, and their links' names, in the file's order."""
+    """Return the readings that differ from the file, each with its link's name.
+
+    They are in the order of the file's links.
+    """
     return [
         (reading, link.link.name)
         for link in inspection.links
@@ -87,7 +96,7 @@ def wrong_readings(inspection: Inspection) -> list[tuple[LinkReading, str]]:
 
 
 def sections(inspection: Inspection) -> list[tuple[str, list[Finding]]]:
-    """Return all findings by headings, without headings that have none."""
+    """Return all findings under their headings; headings without findings are left out."""
     by_heading = {
         "Bodies that engines hold differently, the worst first": differences(inspection),
         "Impossible in the file": problems_of(inspection, impossible=True),
@@ -100,7 +109,7 @@ def sections(inspection: Inspection) -> list[tuple[str, list[Finding]]]:
 
 
 def differences(inspection: Inspection) -> list[Finding]:
-    """Return findings about engines: refusals first, then the others by `badness`."""
+    """Return findings about engines: files that they refuse, then wrong bodies, the worst first."""
     wrong = sorted(wrong_readings(inspection), key=lambda one: badness(one[0]), reverse=True)
     return [
         *(Finding((" ".join(who),), (), reason) for who, reason in inspection.refusals.items()),
@@ -117,9 +126,11 @@ def _apart(reading: LinkReading) -> str:
 
 
 def badness(reading: LinkReading) -> tuple[float, float]:
-    """Return the angle between attitudes at the latest time, degrees, and the difference's size.
+    """Return how wrong a reading is, as a sort key.
 
-    A body for which the file states nothing counts as worse than any wrong body.
+    It is the angle between the attitudes of the file's body and the engine's at the latest time,
+    degrees, and the largest relative difference of the bodies. A body for which the file states
+    nothing counts as worse than any other.
     """
     if reading.agrees is not False:
         return (0.0, 0.0)
@@ -131,7 +142,12 @@ def badness(reading: LinkReading) -> tuple[float, float]:
 
 
 def problems_of(inspection: Inspection, *, impossible: bool) -> list[Finding]:
-    """Return findings about the file: impossible or doubtful numbers."""
+    """Return findings about the file.
+
+    Parameters
+    ----------
+    impossible : whether they are about numbers that no body can have, or else about doubtful ones
+    """
     return grouped(
         ("", problem.text, f"{link.link.name} (line {link.link.where.rpartition(':')[2]})")
         for link in inspection.links
@@ -141,7 +157,7 @@ def problems_of(inspection: Inspection, *, impossible: bool) -> list[Finding]:
 
 
 def composed_bodies(inspection: Inspection) -> list[Finding]:
-    """Return findings about bodies of several links, with mass and moments of the whole."""
+    """Return findings about bodies that consist of several links: their mass and moments."""
     lines = []
     for body in inspection.composed:
         assert body.stated is not None, "a part states an inertia"
@@ -158,7 +174,10 @@ def stated_mass(inspection: Inspection) -> float:
 
 
 def added_masses(inspection: Inspection) -> dict[str, float]:
-    """Return by configuration the total mass, kg, of bodies for which the file states nothing."""
+    """Return by how much each engine makes the model heavier than its file states, kg.
+
+    It is the mass of the bodies for which the file states nothing, by engine and configuration.
+    """
     added: dict[str, float] = {}
     for reading, _ in wrong_readings(inspection):
         if reading.kind == "nothing stated" and reading.body is not None and reading.body.mass:
@@ -167,7 +186,7 @@ def added_masses(inspection: Inspection) -> dict[str, float]:
 
 
 def weight_in_words(inspection: Inspection) -> str:
-    """Return the robot's mass, and the engines that give it more; empty if none does."""
+    """Return the model's mass by its file and by engines with more; empty if no engine has more."""
     stated = stated_mass(inspection)
     by_mass: dict[str, list[str]] = {}
     for who, added in added_masses(inspection).items():
@@ -177,7 +196,7 @@ def weight_in_words(inspection: Inspection) -> str:
 
 
 def remedies(inspection: Inspection) -> list[Finding]:
-    """Return all remedies, each once: those of refusals first, then in the order of the columns."""
+    """Return what to do, each remedy once: first about refused files, then about wrong bodies."""
     alike: dict[tuple[str, str, tuple[str, ...]], Finding] = {}
     for one in (*_of_refusals(inspection), *_of_differences(inspection)):
         key = (one.text, one.line, one.names)
@@ -187,7 +206,12 @@ def remedies(inspection: Inspection) -> list[Finding]:
 
 
 def configuration_of(engine: str, name: str) -> Configuration:
-    """Return a configuration of an engine at any version."""
+    """Return a configuration of an engine by its name.
+
+    Parameters
+    ----------
+    engine : the engine's name, with or without a version
+    """
     configurations = model_readers()[engine.partition("@")[0]].configurations
     return next(one for one in configurations if one.name == name)
 
@@ -200,7 +224,7 @@ _CONCERNED: dict[str, Callable[[InspectedLink], bool]] = {
 
 
 def _of_refusals(inspection: Inspection) -> Iterator[Finding]:
-    """Yield what makes an engine accept a file that it refuses."""
+    """Yield what has to change for an engine to accept a file that it refuses."""
     for (engine, configuration), reason in inspection.refusals.items():
         refusals = model_readers()[engine.partition("@")[0]].refusals
         advice = next((one for phrase, one in refusals.items() if phrase in reason), None)
@@ -211,7 +235,7 @@ def _of_refusals(inspection: Inspection) -> Iterator[Finding]:
 
 
 def _of_differences(inspection: Inspection) -> Iterator[Finding]:
-    """Yield what corrects a difference in any engine, with what the engine itself adds to it."""
+    """Yield what corrects wrong bodies: advice for any engine, then advice for this engine."""
     wrong: dict[tuple[tuple[str, str], str], list[str]] = {}
     for reading, name in wrong_readings(inspection):
         wrong.setdefault((reading.column, reading.kind), []).append(name)
@@ -228,7 +252,7 @@ def _of_differences(inspection: Inspection) -> Iterator[Finding]:
 
 
 def cell_text(reading: LinkReading) -> str:
-    """Return the text of a cell: how one configuration holds one link."""
+    """Return the text of a cell of the table: how one configuration of an engine holds one link."""
     if reading.kind == "refused":
         return "refused"
     if reading.agrees is None:

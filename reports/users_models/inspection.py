@@ -33,8 +33,8 @@ TIMES = (1.0, 3.0)
 #: Spin at the start, rad/s, along the file's principal axes, ascending: one turn a second about an
 #: axis that is none of them.
 START = 2 * np.pi * np.array([1.0, 2.0, 3.0]) / np.sqrt(14.0)
-#: A free body along its principal axes: with other axes the reference would search for them in 60
-#: digits.
+#: A scene with a free body, described along its principal axes: otherwise the reference would
+#: compute these to 60 digits.
 _SCENE = """spincheck = 1
 title = "Tumbling"
 source = "docs/how-to/models.md"
@@ -55,16 +55,18 @@ READ_LIMIT = 60.0
 
 @dataclass(frozen=True, eq=False)
 class LinkReading:
-    """One link as one engine holds it.
+    """One link as one engine holds it, in one of its configurations.
 
     Attributes
     ----------
-    body : None if there is none: the engine refused the file, or fused the link with another
+    body : the body that the engine holds; None if there is none: the engine refused the file, or
+        fused the link with another
     agrees : whether the body is what the file states; None if there is nothing to compare
     cause : in words, how the body differs and why; empty if it agrees
     kind : the cause in a word: that of `cause`, or "refused", "nothing stated", or a wrong "sum"
     fused : links whose mass the engine has added to this one
-    expected : the link together with these, with which the body is compared
+    expected : the body that the file states for this link and those fused with it
+    difference : the difference of `body` from `expected`; None if they cannot be compared
     attitude_apart_deg : by time in s, the angle between the file's body and the engine's, tumbling
         from the same start; None if there is no such motion
     """
@@ -117,7 +119,7 @@ class Inspection:
 
     Attributes
     ----------
-    refusals : why an engine holds nothing of the file, by engine and configuration
+    refusals : why an engine refuses the file, by engine and configuration
     """
 
     model: ModelFile
@@ -126,12 +128,12 @@ class Inspection:
 
     @property
     def columns(self) -> list[tuple[str, str]]:
-        """Engine and configuration of each reading of the file."""
+        """The pairs of an engine and a configuration that the file was read with."""
         return [reading.column for reading in self.links[0].readings]
 
     @property
     def composed(self) -> list[RigidBody]:
-        """Bodies of several links that move as one."""
+        """The bodies of the file that consist of several links, welded together."""
         return [body for body in rigid_bodies(self.model.links) if body.welded]
 
     @property
@@ -163,9 +165,14 @@ class ReaderEngine:
 def reader_engines(
     names: Sequence[str] = (), say: Callable[[str], object] = len
 ) -> list[ReaderEngine]:
-    """Return the engines of some names; if no name is given, all but optional ones.
+    """Return the engines with given names that read model files.
 
-    An engine@version is installed first if necessary; `say` is called with a sentence before.
+    An engine@version is installed first if necessary.
+
+    Parameters
+    ----------
+    names : as users type them; if empty, all engines but optional ones
+    say : called with a sentence before an installation
 
     Raises
     ------
@@ -194,7 +201,7 @@ def reader_engines(
 def inspect_model(
     model: ModelFile, executor: Executor, engines: Sequence[ReaderEngine]
 ) -> Inspection:
-    """Read a model with every configuration of some engines, and compare.
+    """Let engines read a model in each of their configurations, and compare what they hold.
 
     Parameters
     ----------
@@ -230,7 +237,14 @@ def inspect_model(
 
 
 def read_held(engine: str, model: ModelFile, configuration: str) -> dict[str, BodyReading] | str:
-    """Return the bodies that an engine holds, or why it refuses the file; called in a worker."""
+    """Return the bodies that an engine holds of a file, by link, or why it refuses the file.
+
+    It is called in a worker process.
+
+    Parameters
+    ----------
+    configuration : name of one of the engine's configurations
+    """
     reader = model_readers().get(engine)
     if reader is None:
         return f"{engine} cannot be imported"
@@ -246,7 +260,13 @@ def _compared(
     who: tuple[str, str, str],
     configuration: Configuration,
 ) -> Iterator[LinkReading]:
-    """Yield for every link of the file the comparison with the body in one configuration."""
+    """Yield, for every link of the file, how one configuration of an engine holds it.
+
+    Parameters
+    ----------
+    bodies : the engine's bodies, by link
+    who : engine, version and configuration
+    """
     wholes = rigid_bodies(model.links, {link.name for link in model.links} - set(bodies))
     hosts = {part.name: body for body in wholes for part, _ in body.parts}
     for link in model.links:
@@ -265,7 +285,14 @@ def _link_reading(
     who: tuple[str, str, str],
     configuration: Configuration,
 ) -> LinkReading:
-    """Compare a link, together with those that the engine fused into it, with the engine's body."""
+    """Return the comparison of an engine's body with what the file states.
+
+    Parameters
+    ----------
+    whole : the link with those that the engine fused with it, as the file states them
+    got : the engine's body
+    who : engine, version and configuration
+    """
     stated, others = whole.stated, tuple(link.name for link, _ in whole.parts[1:])
     if stated is None:
         empty = got.mass == 0 and not got.inertia_com.any()
@@ -292,7 +319,7 @@ def attitude_apart(stated: FloatArray, got: FloatArray, times: FloatArray) -> Fl
     Parameters
     ----------
     stated, got : tensors about the com in the link's axes, (3, 3); a common factor has no effect
-    times : s, (n,), at most 3 s as in the scene
+    times : s, (n,), at most 3 s, the duration of the scene
 
     Returns
     -------
@@ -304,7 +331,16 @@ def attitude_apart(stated: FloatArray, got: FloatArray, times: FloatArray) -> Fl
 
 
 def _attitudes(tensor: FloatArray, omega: FloatArray, times: FloatArray) -> Rotation | None:
-    """Return the attitude of a body at each time, unturned at the start; None if impossible."""
+    """Return the attitude at each time of a body that tumbles freely; None if it is impossible.
+
+    At the start the attitude is the identity.
+
+    Parameters
+    ----------
+    tensor : about the com, up to a factor, (3, 3)
+    omega : angular velocity at the start, rad/s, (3,)
+    times : s, (n,)
+    """
     moments, axes = np.linalg.eigh(tensor)
     axes[:, 2] *= np.sign(np.linalg.det(axes))
     if not (total := float(moments.sum())) > 0:

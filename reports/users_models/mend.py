@@ -41,7 +41,7 @@ REMARK = "made up by spincheck"
 
 @dataclass(frozen=True)
 class Wishes:
-    """What is only done if a user asks for it.
+    """Changes that are made only if a user asks for them.
 
     Attributes
     ----------
@@ -57,7 +57,14 @@ class Wishes:
 
 @dataclass(frozen=True)
 class Mended:
-    """A model as written: its bytes, what was changed, and what cannot be corrected in the file."""
+    """A model as it is to be written.
+
+    Attributes
+    ----------
+    data : the content of the file
+    changes : what was changed
+    left : what cannot be corrected in the file, or was not asked for
+    """
 
     data: bytes
     changes: list[Finding]
@@ -70,7 +77,10 @@ Plan = dict[str, tuple[BodyReading | None, str]]
 
 
 def mended(inspection: Inspection, wishes: Wishes) -> Mended:
-    """Return the model with the inertia of links along their own axes, and all else as it is."""
+    """Return the model with the inertias corrected, written along the links' own axes.
+
+    All else in the file stays as it is.
+    """
     model = inspection.model
     elements = elements_of(model)
     plan = _plan(inspection, wishes)
@@ -125,7 +135,12 @@ def _plan(inspection: Inspection, wishes: Wishes) -> Plan:
 
 
 def _compose(whole: RigidBody, plan: Plan) -> None:
-    """Plan to let the host of welded links state the mass of all, and the others none."""
+    """Plan that of welded links one states the mass of all, and the others are massless.
+
+    Parameters
+    ----------
+    plan : what is written for each link, which is changed
+    """
     parts = [
         (link.name, body.placed(pose.position, pose.R))
         for link, pose in whole.parts
@@ -149,7 +164,19 @@ def _compose(whole: RigidBody, plan: Plan) -> None:
 def _alone(
     inspected: InspectedLink, form: str, massless: bool, wishes: Wishes
 ) -> tuple[BodyReading | None, str]:
-    """Return the body that is written for a link by itself, and what that changes."""
+    """Return the body that is written for a link without regard to links welded to it.
+
+    Parameters
+    ----------
+    form : format of the file, "urdf" or "mjcf"
+    massless : whether the link moves, and neither it nor any link welded to it has an inertia
+    wishes : which optional changes are made
+
+    Returns
+    -------
+    The body, None if the file stays as it is, and in words what that changes or why it stays; the
+    words are empty if nothing is wrong.
+    """
     link, stated = inspected.link, inspected.link.stated
     if link.by_shapes:
         of_shapes = next((one.body for one in inspected.readings if one.body is not None), None)
@@ -184,7 +211,11 @@ def _alone(
 
 
 def _without_inertia(link: Link, wishes: Wishes) -> tuple[BodyReading | None, str]:
-    """Return a body for a link without tensor or mass: the box about its shapes, of water."""
+    """Return a body that is made up for a link without tensor or mass, and its origin in words.
+
+    It is the box about the link's shapes, filled with water. Unless the user asks for it, there is
+    no body, but a reason.
+    """
     if not wishes.made_up:
         return None, "it has no mass, or no tensor; '--made-up' makes one up from its shapes"
     box, words = shapes_box(link), "made up: that of the box about its shapes"
@@ -201,11 +232,12 @@ def _without_inertia(link: Link, wishes: Wishes) -> tuple[BodyReading | None, st
 
 
 def nearest_possible(inertia: FloatArray) -> FloatArray | None:
-    """Return the nearest possible tensor, by the squares of all entries, kg m², (3, 3).
+    """Return the possible tensor nearest to an impossible one, kg m², (3, 3).
 
-    It has the same axes, as the norm does not depend on them; its moments are found by least
-    squares with second moments that are not negative (Lawson & Hanson, Solving Least Squares
-    Problems, ch. 23). None if only zero is near.
+    The distance is the root of the sum of the squares of all entries' differences. The tensor has
+    the same axes, as this norm does not depend on them; its moments are found by least squares with
+    second moments that are not negative (Lawson & Hanson, Solving Least Squares Problems, ch. 23).
+    None is returned if only zero is near.
     """
     moments, axes = np.linalg.eigh(inertia)
     scale = float(np.abs(moments).max())

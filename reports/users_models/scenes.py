@@ -33,7 +33,7 @@ class LinkScene:
     Attributes
     ----------
     link : name of the link, to which others may be welded
-    welded : the links with an inertia that are welded to it: parts of the same body
+    welded : names of the links with an inertia that are welded to it: parts of the same body
     name : name of the scene: the link's, in characters that file names may have
     text : text of the scene's file; empty if the link is left out
     left_out : why the link is left out; empty if it is not
@@ -47,7 +47,9 @@ class LinkScene:
 
 
 def link_scenes(model: ModelFile, folder: Path) -> Iterator[LinkScene]:
-    """Yield a scene for every link, with those welded to it, whose inertia a body can have.
+    """Yield, for every link, a scene in which it tumbles, or why there is none.
+
+    Links that are welded to another are part of its scene.
 
     Parameters
     ----------

@@ -28,14 +28,25 @@ SAMPLES = 8
 def able_scenes(
     engine: Engine, method: Method, names: Iterable[str] = SCENES
 ) -> Iterator[Scenario]:
-    """Yield the scenes that the method can simulate; fail the test if there is none."""
+    """Yield the scenes that a method can simulate; fail the test if there is none.
+
+    Parameters
+    ----------
+    names : names of the scenes to choose from
+    """
     able = [SCENES[name] for name in names if not engine.unsupported(SCENES[name], method)]
     require(bool(able), engine, method, None, "it can simulate none of the contract's scenes")
     yield from able
 
 
 def moves_as_opened(engine: Engine, method: Method, scene: Scenario, session: Session) -> None:
-    """Require that a restarted session steps like a newly opened one."""
+    """Fail the test unless a restarted session steps like one that is opened at the same state.
+
+    Parameters
+    ----------
+    scene : the scene with the start from which the session was restarted
+    session : the restarted session
+    """
     with engine.open(scene, method, TIMESTEP) as opened:
         for steps in RESTART_STRIDES:
             opened.advance(steps)
@@ -47,7 +58,7 @@ def moves_as_opened(engine: Engine, method: Method, scene: Scenario, session: Se
 
 
 def apart(first: Session, second: Session) -> float:
-    """Return the largest difference of two states: angles in rad, other quantities relative."""
+    """Return the largest difference of two sessions' states: attitude in rad, others relative."""
     one, other = first.read_state(), second.read_state()
     turn = rotation_vectors(one.q_world_body_wxyz[None], other.q_world_body_wxyz[None])
     pairs = list(zip(vars(one).values(), vars(other).values(), strict=True))[1:]
@@ -56,7 +67,7 @@ def apart(first: Session, second: Session) -> float:
 
 
 def moves_apart(engine: Engine, method: Method, other: Method, scene: Scenario) -> bool:
-    """Return whether two methods differ after a few steps."""
+    """Return whether two methods are in different states after a few steps."""
     with (
         engine.open(scene, method, TIMESTEP) as first,
         engine.open(scene, other, TIMESTEP) as second,
@@ -67,7 +78,12 @@ def moves_apart(engine: Engine, method: Method, other: Method, scene: Scenario) 
 
 
 def observed_orders(engine: Engine, method: Method, scene: Scenario) -> tuple[float, float] | None:
-    """Return signed orders of ω and attitude, from three runs; None if round-off hides them."""
+    """Return the orders with which ω and attitude converge, from three runs at halved timesteps.
+
+    Returns
+    -------
+    None if round-off hides the orders.
+    """
     coarsest = COARSEST.get(method.order, SAMPLES)
     motions: list[Trajectory] = []
     for refinement in (1, 2, 4):
@@ -89,7 +105,7 @@ def observed_orders(engine: Engine, method: Method, scene: Scenario) -> tuple[fl
 
 
 def numbers(session: Session) -> FloatArray:
-    """Return all numbers of a state, (13,)."""
+    """Return all numbers of a session's state, joined, (n,)."""
     return np.concatenate([np.ravel(column) for column in vars(session.read_state()).values()])
 
 
@@ -101,7 +117,13 @@ def same(first: Session, second: Session) -> bool:
 def require(
     holds: bool, engine: Engine, method: Method, scene: Scenario | None, words: str
 ) -> None:
-    """Fail the test, with what is wrong in words and no stack trace, unless the condition holds."""
+    """Fail the test, without a stack trace, unless a condition holds.
+
+    Parameters
+    ----------
+    scene : the scene on which it failed; None if it is not about one scene
+    words : what is wrong
+    """
     if not holds:
         where = f" on '{scene.name}'" if scene is not None else ""
         pytest.fail(f"{engine.name} {method.name}{where}: {words}.", pytrace=False)

@@ -11,7 +11,10 @@ collect_ignore_glob = ["scenes/*"]
 
 @pytest.fixture
 def spincheck_subject() -> Any:
-    """Return the subject of a test; spincheck's plugin parametrises it if an engine is named."""
+    """Return the subject of a test: a method of an engine, or recorded motions.
+
+    The plugin replaces this fixture by parameters if an engine is named; otherwise pytest is ended.
+    """
     pytest.exit(
         "'--spincheck-engine' must name what is tested: my_package:MyEngine, an engine of "
         "'spincheck engines', 'child:COMMAND', or a folder of recorded motions.",
@@ -21,7 +24,7 @@ def spincheck_subject() -> Any:
 
 @pytest.fixture
 def method(spincheck_subject: Any) -> Method:
-    """A method of the engine."""
+    """The method that is tested; recorded motions have none, and the test is skipped."""
     if spincheck_subject.method is None:
         pytest.skip("needs the engine itself, recorded motions do not show it")
     method: Method = spincheck_subject.method

@@ -55,7 +55,7 @@ SKEW_GRAVITY = "[effects.gravity]\nacceleration = [1.0, -2.0, -9.0]\n"
 TABLE = "[effects.table]\nheight = 0.1\ntip = [0.0, 0.0, -0.005]\nradius = 0.02\n"
 DRAG = "[effects.drag]\nrotational = 0.3\n"
 TORQUE_BODY = "[effects.torque]\nbody = [0.4, -0.3, 0.2]\n"
-#: A start for the toy top.
+#: A torque for the toy top.
 FEEBLE = "[effects.torque]\nbody = [1e-4, -2e-4, 3e-4]\n"
 TORQUE_WORLD = "[effects.torque]\nworld = [0.4, -0.3, 0.2]\n"
 #: Rotors on each kind of hinge, along no axes, with spins of both signs.
@@ -81,7 +81,7 @@ inertia = [0.1, 0.12]
 spin = -5.0
 hinge = "driven"
 """
-#: Effects for the toy top.
+#: Rotors for the toy top.
 SMALL_ROTORS = """
 [[rotors]]
 axis = [0.1, 0.0, 1.0]
@@ -108,13 +108,14 @@ def scene(
     duration: float = 1.0,
     samples: int = 11,
 ) -> Scenario:
-    """Return a scenario made of the contents of its tables; `effects` includes its own headings.
+    """Return a scene, given the contents of its TOML tables.
 
     Parameters
     ----------
-    body, start : lines of these tables
-    effects : tables, headings included
+    body, start : the lines of the tables `body` and `start`
+    effects : tables of effects, headings included
     duration : s
+    samples : number of samples
     """
     return loads(
         f"""spincheck = 1
@@ -132,7 +133,7 @@ samples = {samples}
 
 
 def from_elsewhere(scenario: Scenario) -> Scenario:
-    """Return the scene with another attitude, ω, spins and, if it is free, position and velocity.
+    """Return the scene with another attitude, ω, spins and, if free, position and velocity.
 
     A body on a table leans a little the other way, so that the table still pushes.
     """

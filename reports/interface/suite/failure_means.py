@@ -7,11 +7,13 @@ Test = TypeVar("Test", bound=Callable[..., None])
 
 
 def failure_means(sentence: str, *issues: str) -> Callable[[Test], Test]:
-    """Return a decorator that attaches this to a test; it is shown when the test fails.
+    """Return a decorator that attaches to a test what its failure means, to be shown if it fails.
 
     Parameters
     ----------
-    issues : of GitHub, ``owner/repository#number``, or pull requests
+    sentence : what a failure means
+    issues : public issues that the test would have caught, or pull requests, on GitHub, as
+        ``owner/repository#number``
     """
     urls = tuple(f"https://github.com/{issue.replace('#', '/issues/')}" for issue in issues)
 
