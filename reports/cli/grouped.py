@@ -32,7 +32,7 @@ class GroupedCommands(TyperGroup):
     """Lists commands under the headings of `GROUPS`; commands in no group come last."""
 
     def format_commands(self, ctx: Any, formatter: Any) -> None:
-        """Write a section for each group."""
+        """Write a section of the help for each group of commands."""
         commands = set(self.list_commands(ctx))
         grouped = {name for names in GROUPS.values() for name in names}
         for heading, names in (GROUPS | {_OTHERS: sorted(commands - grouped)}).items():
@@ -42,7 +42,7 @@ class GroupedCommands(TyperGroup):
                     formatter.write_dl(rows)
 
     def get_command(self, ctx: Any, cmd_name: str) -> Any:
-        """Return a command whose help shows no Python types."""
+        """Return a command by its name, changed so that its help shows no Python types."""
         command = super().get_command(ctx, cmd_name)
         for one in command.params if command else ():
             if one.param_type_name == "argument":

@@ -118,7 +118,7 @@ class SceneItem(pytest.Item):
 
     @property
     def typed(self) -> str:
-        """The path of the scene's file as it is typed in a command."""
+        """The path of the scene's file, quoted as it has to be in a command."""
         return shlex.quote(str(self.path))
 
     def reportinfo(self) -> tuple[Path, None, str]:
@@ -126,7 +126,7 @@ class SceneItem(pytest.Item):
         return self.path, None, f"{self.path.stem}::{self.name}"
 
     def repr_failure(self, excinfo: pytest.ExceptionInfo[BaseException], style: Any = None) -> Any:
-        """Show what disagreed; only an error in this program shows a stack trace."""
+        """Return what disagreed, in words; for an error in this program, the stack trace."""
         if isinstance(excinfo.value, Disagreement):
             return "\n".join(excinfo.value.args)
         return super().repr_failure(excinfo, style)

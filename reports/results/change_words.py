@@ -29,7 +29,7 @@ _MOMENTUM = next(one.wrong_momentum for one in EFFECTS.values() if one.wrong_mom
 
 
 def vector(numbers: Sequence[float]) -> str:
-    """Return numbers in brackets."""
+    """Return numbers as text in brackets; those of rounding size are zero."""
     least = ROUNDING * max(map(abs, numbers))
     return f"[{', '.join(f'{n if abs(n) > least else 0.0:.7g}' for n in numbers)}]"
 

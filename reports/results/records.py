@@ -108,12 +108,12 @@ class OfMethod:
 
     @property
     def pair(self) -> Pair:
-        """Engine and method."""
+        """The names of engine and method."""
         return self.engine, self.method
 
     @property
     def label(self) -> str:
-        """Engine and method as users type them."""
+        """Engine and method in one text, as users type them."""
         return f"{self.engine} {self.method}"
 
 
@@ -269,7 +269,7 @@ class Row(Record):
 
     @property
     def pair(self) -> Pair:
-        """Engine and method."""
+        """The names of engine and method."""
         return self.key.pair
 
     @property

@@ -85,12 +85,12 @@ class LinkReading:
 
     @property
     def column(self) -> tuple[str, str]:
-        """Engine and configuration."""
+        """The names of engine and configuration."""
         return self.engine, self.configuration
 
     @property
     def who(self) -> str:
-        """Engine and configuration as text."""
+        """The names of engine and configuration in one text."""
         return " ".join(self.column)
 
 

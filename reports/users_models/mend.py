@@ -135,11 +135,11 @@ def _plan(inspection: Inspection, wishes: Wishes) -> Plan:
 
 
 def _compose(whole: RigidBody, plan: Plan) -> None:
-    """Plan that of welded links one states the mass of all, and the others are massless.
+    """Plan that one of several welded links states the mass of all, and the others are massless.
 
     Parameters
     ----------
-    plan : what is written for each link, which is changed
+    plan : what is written for each link; changed in place
     """
     parts = [
         (link.name, body.placed(pose.position, pose.R))

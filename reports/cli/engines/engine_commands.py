@@ -112,8 +112,8 @@ def gradients(
 ) -> None:
     """Check engines' derivatives of their steps against those of the exact motion.
 
-    Those that an engine gives itself, and central differences of its steps. Methods as shipped are
-    left out unless they are named. Exits with 1 if a derivative is wrong.
+    Derivatives that an engine gives itself are checked, and central differences of its steps.
+    Methods as shipped are left out unless they are named. Exits with 1 if a derivative is wrong.
     """
     from .gradients import exit_code, gradients_as_json, print_gradients
     from .gradients import gradients as judge_gradients

@@ -73,7 +73,7 @@ EXPORTED_TIMESTEP = 0.002
 
 
 def scene_as_json(scenario: Scenario) -> dict[str, Any]:
-    """Return a scene as it was read: SI units; names include body or world axes."""
+    """Return a scene as it was read, in SI units, as a JSON object."""
     body, start = scenario.body, scenario.start
     written = scenario.document.model_dump(exclude_none=True)
     tables = written | written["effects"]
@@ -99,7 +99,7 @@ def scene_as_json(scenario: Scenario) -> dict[str, Any]:
 
 
 def model_files(scenario: Scenario) -> dict[str, str]:
-    """Return the texts of scene.xml (MJCF) and scene.urdf."""
+    """Return the texts of a scene's model files, scene.xml (MJCF) and scene.urdf, by file name."""
     rate = fastest_rate(scenario, scenario.start.omega_body)
     timestep = EXPORTED_TURN / rate if rate else EXPORTED_TIMESTEP
     return {

@@ -59,7 +59,7 @@ class Subject(ABC):
 
     @abstractmethod
     def _verdict(self, name: str) -> Verdict:
-        """Return the verdict on a scene."""
+        """Return the verdict on one of the suite's scenes, given its name."""
 
 
 @final

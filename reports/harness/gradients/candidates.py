@@ -1,7 +1,8 @@
 """Jacobians that common mistakes would produce instead of the exact one, by name of the mistake.
 
 The effect of leaving a term out is computed to first order in the timestep: the remainder vanishes
-with the timestep.
+with the timestep. The state x is attitude and ω in the chart, so that the derivative of dx/dt is a
+matrix of 6 × 6.
 """
 
 from collections.abc import Callable, Iterator
@@ -64,7 +65,7 @@ class Exact:
 
     @cached_property
     def rates(self) -> list["_Rates"]:
-        """The function dω/dt near each state."""
+        """The function dω/dt near each of the K states."""
         equations = Equations(self.scenario)
         return [_Rates(equations, self.states.rows(k), self.units) for k in range(self.count)]
 
@@ -82,7 +83,7 @@ class Exact:
         return len(self.states.omega_body)
 
     def secant(self, power: float, two_sided: bool) -> FloatArray:
-        """Return the error of the derivative of dx/dt by finite differences, (K, 6, 6).
+        """Return the error that finite differences make in the derivative of dx/dt, (K, 6, 6).
 
         Parameters
         ----------
@@ -267,7 +268,13 @@ class _Rates:
         return lacking
 
     def secant(self, epsilon: float, two_sided: bool) -> FloatArray:
-        """Return the error of the derivative of dω/dt by finite differences with ε, (6, 6)."""
+        """Return the error that finite differences make in the derivative of dx/dt, (6, 6).
+
+        Parameters
+        ----------
+        epsilon : change of attitude and ω, rad and rad/s
+        two_sided : whether the differences are central, or else forward
+        """
         ahead, behind = (self._rates(step * np.eye(CHART)) for step in (epsilon, -epsilon))
         if two_sided:
             slope = (ahead - behind) / (2 * epsilon)
@@ -276,7 +283,12 @@ class _Rates:
         return self._whole(slope.T - self.exact)
 
     def _whole(self, rate: FloatArray) -> FloatArray:
-        """Return a derivative of dω/dt, (3, 6), as one of dx/dt with the rows of dθ/dt zero."""
+        """Return the derivative of dx/dt, (6, 6), whose rows of dω/dt are given and others zero.
+
+        Parameters
+        ----------
+        rate : derivative of dω/dt, (3, 6)
+        """
         return np.vstack([np.zeros((3, CHART)), rate])
 
     def _derivative(self, frozen: str) -> FloatArray:

@@ -153,7 +153,7 @@ class MethodStudy:
     def _target(self, steps: int) -> _Target:
         """Return the Jacobians over several steps, with which an engine's are compared.
 
-        All timesteps are used with which so many steps take no longer than the longest timestep.
+        Only timesteps are used of which `steps` together are no longer than the longest timestep.
 
         Parameters
         ----------

@@ -46,7 +46,10 @@ class Units:
 
     @property
     def change(self) -> float:
-        """Best change, in units, for differences of order 4: rounding equals truncation error."""
+        """Best change of a component, in units, for central differences of order 4.
+
+        The error by rounding is then as large as the truncation error.
+        """
         return float(self.ulp ** (1 / (ORDER + 1)))
 
     def of(self, jacobians: FloatArray) -> FloatArray:

@@ -128,12 +128,15 @@ class Curve(OfMethod):
 
 
 def curves(scene: SceneRuns, signal: str) -> list[Curve]:
-    """Return every method's curve on a scene; none if the scene could not be solved."""
+    """Return every method's errors in a signal on a scene, against timestep and cost.
+
+    There are none if the scene could not be solved.
+    """
     return [curve_of(scene, runs, signal) for runs in scene.methods] if scene.solved else []
 
 
 def curve_of(scene: SceneRuns, runs: MethodRuns, signal: str) -> Curve:
-    """Return one method's curve on a scene that was solved."""
+    """Return one method's errors in a signal on a scene that was solved."""
     solution = scene.exact.solution
     finished = [row for row in runs.rows if row.errors]
     unfinished = [row.timestep for row in runs.rows if row.made and row.outcome != "ok"]

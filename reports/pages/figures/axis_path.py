@@ -246,8 +246,8 @@ def polhode(scene: SceneRuns) -> list[Figure]:
     """Return figures of polhode on its ellipsoid, and herpolhode; none for a body that never turns.
 
     The ellipsoid is Σ Iₖ ωₖ² = 2T in principal axes, T the largest rotational energy of the exact
-    motion: ω/√2T is on one of semi-axes 1/√Iₖ. The herpolhode is seen along the exact L at the
-    start (Landau & Lifshitz, Mechanics, §37; Goldstein §5.6).
+    motion. It is drawn for ω/√2T, so that its semi-axes are 1/√Iₖ. The herpolhode is seen along the
+    exact L at the start (Landau & Lifshitz, Mechanics, §37; Goldstein §5.6).
     """
     exact = dense_motion(scene)
     problem = rotational_problem(scene.exact.scenario)

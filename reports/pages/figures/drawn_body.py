@@ -109,7 +109,13 @@ def _up(solved: SceneResult) -> tuple[FloatArray, str]:
 
 
 def _half_sides(mass: float, moments: FloatArray, shape: float) -> FloatArray:
-    """Return the half sides of the solid: h₁² = (shape / 2 m) (I₂ + I₃ − I₁), m, (3,)."""
+    """Return the half sides of the solid: h₁² = (shape / 2 m) (I₂ + I₃ − I₁), m, (3,).
+
+    Parameters
+    ----------
+    moments : principal moments, kg m², (3,)
+    shape : `BOX` or `ELLIPSOID`
+    """
     squares = shape / (2 * mass) * (moments.sum() - 2 * moments)
     half_sides = np.sqrt(np.maximum(squares, 0.0))
     return np.asarray(np.maximum(half_sides, LEAST_THICKNESS * half_sides.max()))
