@@ -21,16 +21,16 @@ class Batch(ABC):
         """Take `steps` steps of every world; return when they are taken."""
 
     def timed(self, steps: int) -> float:
-        """Take steps of every world; returns the wall time that they took, s."""
+        """Take `steps` steps of every world; return the wall time that the steps took, s."""
         began = time.perf_counter()
         self.advance(steps)
         return time.perf_counter() - began
 
     @abstractmethod
     def snapshots(self, places: Sequence[int]) -> Sequence[Any]:
-        """Return for each world at `places` what `Session.snapshot` returns for a single scene.
+        """Return a snapshot, as `Session.snapshot` does, of each world whose index is in `places`.
 
-        It never raises for a world that blew up.
+        It raises no error for a world that blew up.
         """
 
     @abstractmethod

@@ -1,4 +1,4 @@
-"""Derivatives of their steps that engines compute, in the coordinates of the reference's.
+"""Derivatives of steps that engines compute, in the coordinates that the reference uses.
 
 Rows and columns are a turn of the attitude, δR = R [δθ]×, rad, then ω, rad/s, both in body axes:
 docs/explanation/sensitivities.md calls these coordinates the chart.
@@ -45,7 +45,7 @@ def numbers_by_chart(q_wxyz: FloatArray) -> FloatArray:
 
 
 def in_chart(q_wxyz: FloatArray, numbers: FloatArray) -> FloatArray:
-    """Return derivatives of a quaternion and ω, (7, n), as derivatives of the chart, (6, n).
+    """Return derivatives of the chart, (6, n), that belong to those of a quaternion and ω, (7, n).
 
     δθ is twice the vector part of q̄ δq. A change of the quaternion's norm is no change.
     """
@@ -54,12 +54,12 @@ def in_chart(q_wxyz: FloatArray, numbers: FloatArray) -> FloatArray:
 
 
 def along(R: FloatArray, derivative: FloatArray) -> FloatArray:
-    """Return a derivative, (3 n, 6), turned from axes a to axes b, with R taking a to b."""
+    """Return a derivative, (3 n, 6), in axes b, given in axes a; R takes components a to b."""
     rows, columns = (np.kron(np.eye(n // 3), R) for n in derivative.shape)
     return np.asarray(rows @ derivative @ columns.T)
 
 
 def _vectors_after(q_wxyz: FloatArray) -> FloatArray:
-    """Return the matrix M with q (0, v) = M v, (4, 3)."""
+    """Return the matrix M with q (0, v) = M v for a quaternion q and any vector v, (4, 3)."""
     w, x, y, z = q_wxyz
     return np.array([[-x, -y, -z], [w, -z, y], [z, w, -x], [-y, x, w]])

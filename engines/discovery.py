@@ -1,4 +1,4 @@
-"""Finds the engines: all in `adapters/`, and those of other packages' entry points."""
+"""Finds the engines: those in `adapters/`, and those that other packages name as entry points."""
 
 import importlib
 import pkgutil
@@ -36,7 +36,7 @@ def engines() -> dict[str, Engine]:
 
 
 def add(engine: Engine) -> None:
-    """Add an engine until this process ends, in place of an engine of its class and name, if any.
+    """Add an engine until this process ends; it replaces one of the same class and name, if any.
 
     Raises
     ------

@@ -48,12 +48,12 @@ class Engine(Adapted, ABC):
     package : of an optional engine, the package that it needs, imported when a scene is opened
     extra : the extra of spincheck that installs the package; the engine's name if empty
     family : a name for several optional engines, by which users may ask for all of them
-    of_file : whether it loads a link, which the scene names, out of the user's own model file
+    of_file : whether it reads the body from a user's model file, of which the scene names a link
     script_language : what `script` is written in
     has_batches : whether `open_batch` is implemented
-    describes : the `Description.features` that `open_with` can write
-    varied : name of the way in which it opens scenes differently from the adapter's `open`; empty
-        for an adapter
+    describes : names of the `Description.features` that `open_with` can write
+    varied : the argument of `open_with` by which it opens scenes, by the argument's name; empty for
+        an adapter, which opens scenes by `open`
     """
 
     interface: int
@@ -85,7 +85,7 @@ class Engine(Adapted, ABC):
 
     @property
     def ulp(self) -> float:
-        """The relative distance of two neighbouring numbers of its state."""
+        """The relative distance of neighbouring floats in the precision of the engine's state."""
         return float(np.finfo(np.float32 if self.single_precision else np.float64).eps)
 
     @property
@@ -95,12 +95,12 @@ class Engine(Adapted, ABC):
 
     @property
     def sources(self) -> tuple[Path, ...]:
-        """Files that its results depend on, besides its adapter."""
+        """Files that the engine's results depend on, besides its adapter."""
         return ()
 
     @property
     def site(self) -> str:
-        """A folder from which its worker process imports modules first; empty if there is none."""
+        """The folder from which a worker process imports the engine; empty if there is none."""
         return ""
 
     def at_version(self, version: str) -> Release | None:  # noqa: ARG002
@@ -125,7 +125,7 @@ class Engine(Adapted, ABC):
         raise NotImplementedError(f"{self.name} steps one world at a time.")
 
     def use_device(self, name: str) -> None:
-        """Step all that is opened in this process from now on by a device, such as cuda:0.
+        """Make a device, such as cuda:0, step all scenes that this process opens from now on.
 
         Since version 2 of the interface.
 
@@ -157,7 +157,9 @@ class Engine(Adapted, ABC):
         raise NotImplementedError(f"{self.name} opens a scene in one way.")
 
     def script(self, scenario: Scenario, method: Method, timestep: float) -> str:  # noqa: ARG002
-        """Return code that builds and steps the scene with this engine's package alone, or "".
+        """Return code that builds and steps the scene with this engine's package alone.
+
+        It is empty if the engine has no scripts.
 
         The code may use `TIMESTEP`, the functions `product`, `conjugate` and `turned` on
         quaternions, w x y z, and in Python `np`. It defines `step(count)`, and `state()`, which
@@ -167,11 +169,17 @@ class Engine(Adapted, ABC):
         return ""
 
     def left_out(self, scenario: Scenario, method: Method) -> tuple[str, ...]:  # noqa: ARG002
-        """Return the names of what `open` leaves out, as it costs time and changes no motion."""
+        """Return names of the engine's passes or parts that `open` leaves out.
+
+        The scene does not call for them: they would cost time and not change the motion.
+        """
         return ()
 
     def defaults(self, scenario: Scenario, method: Method) -> tuple[str, ...]:  # noqa: ARG002
-        """Return the names of the defaults of a method as shipped that alter motions."""
+        """Return names of those of the engine's defaults that alter motions.
+
+        They act only in a method as shipped.
+        """
         return ()
 
     def differences(
@@ -185,7 +193,7 @@ class Engine(Adapted, ABC):
         return differences(scenario, body, state, self.slack)
 
     def applies_to(self, scenario: Scenario) -> bool:  # noqa: ARG002
-        """Whether the engine can load anything of the scene."""
+        """Whether the engine can load the scene's kind of body at all, stated or from a file."""
         return True
 
     @final
@@ -201,7 +209,7 @@ class Engine(Adapted, ABC):
 
     @final
     def methods_for(self, scenario: Scenario) -> list[Method]:
-        """Return the methods that are made for a scene, which has the effects they require."""
+        """Return the methods whose required effects a scene has; none if it cannot be loaded."""
         if not self.applies_to(scenario):
             return []
         return [method for method in self.methods if method.requires <= scenario.called_for]
@@ -262,13 +270,19 @@ class Engine(Adapted, ABC):
 
 
 def _arm(scenario: Scenario, body: BodyReading) -> FloatArray | None:
-    """Return the vector from pivot to com as read back, m, body axes; None without pivot."""
+    """Return the vector from pivot to com as read back, m, body axes, (3,).
+
+    It is None if the scene has no pivot, or if pivot and com are the same point.
+    """
     has_arm = float(np.linalg.norm(body.com)) > READ_BACK_SLACK * Equations(scenario).reach
     return body.com if has_arm and scenario.constraint.is_pivot else None
 
 
 def clamped_start(scenario: Scenario, method: Method, timestep: float) -> str:
-    """Return a message if the engine clamps the turn of body or parts in the first step."""
+    """Return a message if the engine clamps the turn of body or rotors in the first step.
+
+    It is empty if the first step turns them less than the method's limit.
+    """
     speed = float(np.linalg.norm(scenario.start.omega_body))
     if method.clamps_parts:
         speed += float(np.abs(start_state(scenario).spins).max(initial=0.0))
@@ -276,7 +290,10 @@ def clamped_start(scenario: Scenario, method: Method, timestep: float) -> str:
 
 
 def _samples(sampled: Sampled, sample_steps: NDArray[np.int64], timestep: float) -> dict[str, Any]:
-    """Return the fields of a `Run`: trajectory of the good samples, steps, and where it stopped."""
+    """Return fields of a `Run` by name: the trajectory of the valid samples, and its last step.
+
+    The field `stopped_at`, the time of the first invalid sample, is there unless the run is ok.
+    """
     fields: dict[str, Any] = {}
     count = sampled.count
     if count:

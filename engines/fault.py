@@ -50,7 +50,7 @@ class Fault:
 
     Attributes
     ----------
-    index : of the state
+    index : index of the state among those that were checked
     cause, reason : what is bad about the state, in a word and in a sentence
     """
 

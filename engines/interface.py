@@ -29,11 +29,12 @@ class Adapted:
 
 
 def misfit(what: str, stated: object, oldest: int = OLDEST, newest: int = NEWEST) -> str:
-    """Return why an engine that states a version cannot be used; empty if it can.
+    """Return why the version that an engine states cannot be used; empty if it can.
 
     Parameters
     ----------
-    what : the key by which the engine states the version
+    what : name of the key or attribute with the version, for the message
+    stated : the version that the engine states; of any type, as others write it
     oldest, newest : versions that can be used
     """
     if type(stated) is int and oldest <= stated <= newest:

@@ -36,11 +36,12 @@ MOST_WALL = 20.0
 
 
 class Overdue(NamedTuple):
-    """Why waiting for an answer was given up.
+    """The reason why waiting for an answer was given up.
 
     Attributes
     ----------
-    words : to be appended to "within "
+    words : the limit that was exceeded; a message has these words after "did not answer within "
+    cause : the reason in a word
     """
 
     words: str
@@ -50,12 +51,14 @@ class Overdue(NamedTuple):
 def wait_for_answer(
     has_answered: Callable[[float], bool], process: psutil.Process, limit: float
 ) -> Overdue | None:
-    """Wait until a process has answered or ended; returns None, or why waiting was given up.
+    """Wait until a process has answered or ended; return None, or why waiting was given up.
 
     Parameters
     ----------
-    has_answered : waits, at most so many seconds, and returns whether it has answered or ended
-    limit : CPU seconds that it may take
+    has_answered : waits for the given number of seconds at most, and returns whether the process
+        has answered or ended
+    process : the process, whose CPU time is read
+    limit : CPU time that the answer may take, s
     """
     wall, begun = 0.0, None
     # When it was last seen to make progress, and the CPU time used by then.
@@ -88,7 +91,7 @@ def _idle(process: psutil.Process, limit: float, used: float) -> Overdue:
 
 
 def death(exit_code: int) -> tuple[str, Cause]:
-    """Return how a process ended before it answered, in words and as a cause.
+    """Return how a process ended, in words that follow a subject ("was killed by …"), and a cause.
 
     Parameters
     ----------
@@ -107,7 +110,10 @@ def death(exit_code: int) -> tuple[str, Cause]:
 
 
 def last_line(printed: str) -> str:
-    """Return the last line that a process printed, to be added to the reason of its death."""
+    """Return words that quote the last line of what a process printed; empty if it printed none.
+
+    They are appended to the message that says how the process ended.
+    """
     lines = printed.strip().splitlines()
     if lines and lines[-1].startswith("Node.js v"):
         # The line that node prints after the error that ends it.

@@ -13,7 +13,7 @@ COMMON_EFFECTS = frozenset({"gravity", "pivot", "drag", "torque_body", "torque_w
 
 @dataclass(frozen=True)
 class Method:
-    """One way an engine can simulate a top: an integrator, a formulation.
+    """One of an engine's integrators or formulations, by which it can simulate a scene.
 
     Attributes
     ----------
@@ -21,8 +21,9 @@ class Method:
     order : order of accuracy of ω in the timestep, as the adapter declares it
     attitude_order : order of accuracy of the attitude, likewise
     summary : one line for tables
-    effects : names out of `scenarios.EFFECTS` that it can simulate
-    requires : effects without which it makes no sense, such as a pivot for a pivot constraint
+    effects : names, out of `scenarios.EFFECTS`, of the effects that it can simulate
+    requires : names of the effects that a scene must have for it to make sense, such as a pivot
+        for a method that simulates pivots by a constraint
     max_rotation_per_step : rad; beyond it the engine silently clamps, so it is not run
     clamps_parts : whether the engine also clamps how far parts of the body turn relative to it
     as_shipped : whether the engine runs with all its defaults: a difference from the scene is then
@@ -46,7 +47,7 @@ class Method:
 
     @property
     def is_recommendable(self) -> bool:
-        """Whether it may be recommended: it is neither as shipped nor just another reader."""
+        """Whether reports may recommend the method: it is neither as shipped nor just a reader."""
         return not (self.as_shipped or self.reader)
 
 

@@ -11,7 +11,7 @@ class Missing:
     ----------
     name : of the engine, or of its adapter if the adapter cannot be imported
     package : the distribution that is not installed; empty if importing failed for another reason
-    reason : one sentence, with how to get it
+    reason : why the engine cannot be used, with how to install it
     family : as in `Engine`
     """
 

@@ -1,4 +1,4 @@
-"""The readers of model files that the engines have which are installed."""
+"""The readers of model files of all engines that are installed."""
 
 from functools import cache
 
@@ -9,7 +9,7 @@ from .world_engine import WorldEngine
 
 @cache
 def model_readers() -> dict[str, ModelReader]:
-    """Return the readers by name, sorted."""
+    """Return the installed engines' readers of model files, by name."""
     readers = [
         engine.reader
         for engine in engines().values()

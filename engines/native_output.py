@@ -21,7 +21,9 @@ class Printed:
 
 @contextmanager
 def native_output() -> Iterator[Printed]:
-    """Capture what Python or C prints inside the block; afterwards the yielded object has the text.
+    """Capture what Python or native code prints inside the block.
+
+    The yielded object has the text once the block has ended.
 
     Not thread-safe: the descriptors belong to the whole process.
     """
@@ -37,7 +39,7 @@ def native_output() -> Iterator[Printed]:
 
 @contextmanager
 def silent() -> Iterator[None]:
-    """Inside the block nothing is printed, and Python warns of nothing."""
+    """Discard all output and all Python warnings of the code inside the block."""
     with native_output(), warnings.catch_warnings():
         warnings.simplefilter("ignore")
         yield
@@ -45,7 +47,7 @@ def silent() -> Iterator[None]:
 
 @contextmanager
 def _caught(descriptor: int) -> Iterator[int]:
-    """Redirect one descriptor to a temporary file, whose descriptor is returned."""
+    """Redirect a file descriptor, inside the block, to a temporary file; yield its descriptor."""
     _flush()
     kept = os.dup(descriptor)
     with tempfile.TemporaryFile() as file:

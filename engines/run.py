@@ -20,8 +20,8 @@ class Run:
         says how the engine differs from the scene
     cause : the reason in a word
     stopped_at : the time at which the run diverged or failed, s; else None
-    trajectory : the samples up to that time; None if there are none
-    steps : whole steps up to the last of these samples
+    trajectory : the valid samples, all of them before `stopped_at`; None if there are none
+    steps : number of steps up to the last of these samples
     active : what the engine says acted on the body (names out of `scenarios.EFFECTS`, and anything
         else the adapter found switched on)
     """

@@ -30,7 +30,8 @@ class Sampled:
 
     Attributes
     ----------
-    states : one a row; no rows if the first sample was bad
+    states : the samples, one a row; no rows if the first sample was invalid
+    outcome : how the run, or block, ended
     reason, cause : why there are no more samples, in words and in a word; empty if the outcome is
         ok
     """
@@ -51,7 +52,9 @@ def sample(session: Session, sample_steps: NDArray[np.int64], bounds: Bounds) ->
 
     Parameters
     ----------
+    session : a session that has taken no step yet
     sample_steps : (n,) increasing whole numbers of steps, the first of them 0
+    bounds : bounds that every state must keep; the run diverges where one does not
     """
     parts: list[State] = []
     end = Sampled(NOTHING)
@@ -81,7 +84,10 @@ def _blocks(steps: NDArray[np.int64]) -> Iterator[tuple[int, int]]:
 
 
 def _read(session: Session, strides: Sequence[int]) -> tuple[list[Any], Sampled]:
-    """Return the snapshots of a block, fewer if the engine stopped, and how the block ended."""
+    """Return the snapshots of a block, and how it ended, without states.
+
+    There are fewer snapshots than `strides`, the steps before each, if the engine stopped.
+    """
     snapshots: list[Any] = []
     try:
         session.record(strides, snapshots.append)
@@ -100,7 +106,7 @@ def _read(session: Session, strides: Sequence[int]) -> tuple[list[Any], Sampled]
 
 
 def _blown_up(session: Session) -> Cause:
-    """Return the cause if an engine stopped at an invalid state; empty if the state is valid."""
+    """Return the cause if the state at which an engine stopped is invalid; empty if it is valid."""
     try:
         session.check()
         state = session.read_state()
@@ -112,7 +118,13 @@ def _blown_up(session: Session) -> Cause:
 def _checked(
     session: Session, snapshots: list[Any], states: State, end: Sampled, bounds: Bounds
 ) -> Sampled:
-    """Return a block's states up to the first bad one, and how the block ended."""
+    """Return a block's states before the first invalid one, and how the block ended.
+
+    Parameters
+    ----------
+    snapshots, states : the block's n snapshots, and the n states that they stand for
+    end : how the block ended as far as known before its states are checked
+    """
     block_faults = list(faults(states, bounds))
     if fault := session.first_fault(snapshots, states):
         block_faults.insert(0, fault)

@@ -93,7 +93,7 @@ class RecordFrame:
         return self.com_body - self.whole_body
 
     def motion(self, state: State) -> dict[str, list[float]]:
-        """Return a state as in a record: `q`, `omega`, `com`, `velocity`, with rotors `spins`."""
+        """Return a state by a record's keys: `q`, `omega`, `com`, `velocity` and any `spins`."""
         world_from_body = Rotation.from_quat(state.q_world_body_wxyz, scalar_first=True)
         com_world, velocity_world = state.com_world, state.velocity_world
         if self._lag_body.any():
@@ -109,7 +109,12 @@ class RecordFrame:
         return motion | ({"spins": _numbers(state.spins)} if state.spins.size else {})
 
     def states(self, rows: FloatArray) -> State:
-        """Return the states of n motions: rows of `q`, `omega`, `com`, `velocity` and `spins`."""
+        """Return n states in the scene's frames, given as rows of a record's numbers.
+
+        Parameters
+        ----------
+        rows : `q`, `omega`, `com`, `velocity` and `spins`, as in a record, (n, 13 + rotors)
+        """
         q_world_axes, omega_world, com_world, velocity_world, spins = np.split(
             rows, (4, 7, 10, 13), axis=1
         )
@@ -137,10 +142,11 @@ class RecordFrame:
 def with_rotors(
     parts: Sequence[BodyReading], axes: Sequence[FloatArray] | FloatArray
 ) -> BodyReading:
-    """Return rigidly joined parts, in the same axes, as one body; the last of them are its rotors.
+    """Return several bodies, joined rigidly, as one body; the last of them are its rotors.
 
     Parameters
     ----------
+    parts : the bodies, the rotors last, all in the same axes and from the same origin
     axes : of each rotor the axis that it turns about, a unit vector, or zeros if it is locked, (3,)
     """
     if len(parts) == 1:

@@ -27,7 +27,7 @@ class Session(Adapted, ABC):
 
     @abstractmethod
     def read_body(self) -> BodyReading:
-        """Return mass, com and tensor of the body as the engine holds them."""
+        """Return mass, com and tensor of inertia of the body as the engine holds them."""
 
     @abstractmethod
     def read_state(self) -> State:
@@ -35,10 +35,10 @@ class Session(Adapted, ABC):
 
     @abstractmethod
     def advance(self, steps: int) -> None:
-        """Take `steps` whole steps, natively; do nothing else here, as this is what is timed."""
+        """Take `steps` whole steps in the engine, and do nothing else: this call is timed."""
 
     def timed(self, steps: int) -> tuple[float, float]:
-        """Take whole steps; return the CPU and wall time that they took, s.
+        """Take `steps` whole steps; return the CPU time and the wall time that they took, s.
 
         An engine in another process measures both times in that process.
         """
@@ -53,14 +53,14 @@ class Session(Adapted, ABC):
 
     @property
     def restarts_to_the_last_bit(self) -> bool:
-        """Whether a restart gives the same bits as opening the scene there.
+        """Whether a restart gives the same bits as opening the scene in that state.
 
-        Otherwise it differs by rounding, because the engine's coordinates are not those of `State`.
+        Otherwise both differ by rounding, as the engine's coordinates are not those of `State`.
         """
         return True
 
     def restart(self, state: State, timestep: float | None = None) -> None:
-        """Set the body to a state as if the scene had been opened there, without loading it again.
+        """Set the body to a state as if the scene had been opened in it, without loading it again.
 
         Nothing of earlier steps may be left: clocks, warm starts, warnings. A body in reduced
         coordinates hangs by its pivot whatever `com_world` and `velocity_world` are.
@@ -89,9 +89,9 @@ class Session(Adapted, ABC):
         """Free the engine's memory."""
 
     def snapshot(self) -> Any:
-        """Return what is read at a sample, in the engine's own format.
+        """Return the present state in any format of the adapter's, which `states` converts.
 
-        Raises `EngineError` for trouble that the engine has reported so far.
+        It raises `EngineError` for trouble that the engine has reported so far.
         """
         self.check()
         return self.read_state()
@@ -114,9 +114,10 @@ class Session(Adapted, ABC):
         return stacked(snapshots)
 
     def first_fault(self, snapshots: Sequence[Any], states: State) -> Fault | None:  # noqa: ARG002
-        """Return the first snapshot with a fault; None if there is none.
+        """Return the first fault in n snapshots, with the snapshot's index; None if there is none.
 
-        A fault is what `check` would have raised at the snapshot and `snapshot` does not check.
+        A fault here is trouble that `check` would have raised at the snapshot, in an adapter whose
+        `snapshot` does not call `check`. `states` has the n states of the snapshots.
         """
         return None
 

@@ -31,7 +31,9 @@ _KILL = getattr(signal, "SIGKILL", signal.SIGTERM)
 
 
 def start(command: Sequence[str], **options: Any) -> "subprocess.Popen[Any]":
-    """Start a process as `subprocess.Popen` does; `kill` must be called, even when it has ended.
+    """Start a process as `subprocess.Popen` does.
+
+    `kill` must be called for it, even when the process has ended.
 
     Raises
     ------
@@ -49,7 +51,7 @@ def start(command: Sequence[str], **options: Any) -> "subprocess.Popen[Any]":
 
 
 def kill(process: "subprocess.Popen[Any]") -> int:
-    """Kill a process and what is left of its group; return its exit code."""
+    """Kill a process, and all processes left in its group; return the process's exit code."""
     _kill_group(process.pid)
     code = process.wait()
     with suppress(OSError):
@@ -96,7 +98,10 @@ class _Guard:
             self._started()
 
     def tell(self, group: int) -> None:
-        """Tell the guard to guard a process group from now on, or no longer if negative."""
+        """Tell the guard which process group to guard from now on.
+
+        A negative number −g says that group g has ended and is no longer to be guarded.
+        """
         with self._telling:
             self._groups = self._groups | {group} if group > 0 else self._groups - {-group}
             if not self._groups and self._process is None:
@@ -109,7 +114,7 @@ class _Guard:
                 self._write(self._started(), sorted(self._groups))
 
     def end(self) -> None:
-        """End the guard; it kills the groups that are left."""
+        """End the guard, which kills the process groups that have not ended."""
         if self._process is not None:
             assert self._process.stdin is not None, "it is a pipe"
             self._process.stdin.close()

@@ -9,15 +9,15 @@ from ..scenarios.regular_files import is_own
 
 
 def user_cache() -> Path:
-    """The folder `spincheck` of the user's cache; it may not exist yet.
+    """Return the folder `spincheck` in the user's cache folder; it may not exist yet.
 
-    `$XDG_CACHE_HOME`, or if that is not absolute `~/.cache` (XDG Base Directory Specification);
-    `~/Library/Caches` on macOS.
+    The user's cache is `$XDG_CACHE_HOME`, or if that is not an absolute path `~/.cache` (XDG Base
+    Directory Specification); on macOS it is `~/Library/Caches`.
 
     Raises
     ------
     PermissionError
-        If others may write to it: what is in it is executed.
+        If other users may write to the folder, since files in it are executed.
     """
     own = "Library/Caches" if sys.platform == "darwin" else ".cache"
     stated = Path(os.environ.get("XDG_CACHE_HOME", ""))

@@ -17,6 +17,7 @@ class VariedEngine(Engine):
     ----------
     base : the other engine
     way : name of the argument of `open_with` that is given
+    names : value of that argument
     """
 
     def __init__(self, base: Engine, way: str, names: tuple[str, ...]) -> None:
@@ -33,7 +34,7 @@ class VariedEngine(Engine):
 
     @property
     def site(self) -> str:
-        """The other engine's own `site`."""
+        """The folder that a worker process imports the other engine from; see `Engine.site`."""
         return self.base.site
 
     def open(self, scenario: Scenario, method: Method, timestep: float) -> Session:

@@ -13,7 +13,10 @@ from .user_cache import user_cache
 
 @contextmanager
 def kernels_kept() -> Iterator[None]:
-    """Inside the block kernels are compiled once, for minutes, and Warp prints nothing."""
+    """Keep the kernels that Warp compiles inside the block, and discard what it prints.
+
+    Compiling takes minutes; later processes load the kernels from the user's cache.
+    """
     with silent():
         import warp
 
@@ -22,7 +25,12 @@ def kernels_kept() -> Iterator[None]:
 
 
 def use_warp_device(world: str, name: str) -> None:
-    """Make a stand-alone module, which steps on the CPU by default, step on a device of Warp's.
+    """Make a stand-alone module step on a device of Warp's; it uses the CPU by default.
+
+    Parameters
+    ----------
+    world : full name of the module, which imports Warp as `wp`
+    name : Warp's name of the device, such as cuda:0
 
     Raises
     ------

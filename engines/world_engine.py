@@ -1,4 +1,4 @@
-"""An engine whose worlds are in a stand-alone module beside its adapter, `world.py`."""
+"""An engine whose world is defined in a stand-alone module, `world.py`, beside the adapter."""
 
 import inspect
 from importlib.metadata import version
@@ -12,14 +12,14 @@ from .world_session import WorldSession, world_script
 
 
 class WorldEngine(Engine):
-    """Opens scenes in worlds of that module, and returns the module as a script.
+    """An engine that opens scenes in worlds of a module `world.py` beside the adapter.
 
-    Its name is that of its distribution.
+    The same module is the core of its scripts. The engine's name is that of its distribution.
 
     Attributes
     ----------
     session : class of the session that reads a world
-    reader : how the engine reads users' model files, if it does
+    reader : how the engine reads users' model files; None if it does not
     """
 
     interface = 2
@@ -37,6 +37,6 @@ class WorldEngine(Engine):
         return self.session(f"{module}.world", scenario, method.name, timestep)
 
     def script(self, scenario: Scenario, method: Method, timestep: float) -> str:  # noqa: ARG002
-        """Return the world as Python."""
+        """Return a Python script of the run, made of the module `world.py`."""
         world = Path(inspect.getfile(type(self))).with_name("world.py")
         return world_script(world, scenario, method.name)

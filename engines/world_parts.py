@@ -16,12 +16,15 @@ DRIVE = 2.0**50
 
 
 def drive(rotor: Any) -> float:
-    """Return the inertia of a hinge's drive, kg m²: so large that the spin stays, else 0."""
+    """Return the inertia of a hinge's drive, kg m²; 0 if the hinge is not driven.
+
+    It is so large that the rotor's spin does not change.
+    """
     return DRIVE * float(rotor["inertia"][1]) if rotor["hinge"] == "driven" else 0.0
 
 
 def rotor_tensor(rotor: Any) -> Any:
-    """Return the inertia of a rotor about its com, kg m², (3, 3)."""
+    """Return the tensor of inertia of a scene record's rotor about its com, kg m², (3, 3)."""
     across, along = rotor["inertia"]
     axis = np.array(rotor["axis"])
     return across * np.eye(3) + (along - across) * np.outer(axis, axis)

@@ -31,7 +31,7 @@ _RELATIVE_IMPORT = re.compile(r"^from \.[\w.]* import .+\n", re.MULTILINE)
 
 
 class WorldSession(Session):
-    """One body in a world; adapters add how the body is read.
+    """A session of one body in a world; adapters add how the body is read, and what acts on it.
 
     Parameters
     ----------
@@ -62,21 +62,35 @@ class WorldSession(Session):
         self.world.restart(self.frame.motion(state), self.timestep)
 
     def damped_by(self, damping: Sequence[float]) -> dict[str, bool]:
-        """Return the name of what a joint's damping, rotations first, is, and whether it acts.
+        """Return a name for a joint's damping, and whether it acts.
 
-        The name is "drag" if it is the scene's.
+        The name is "drag" if the damping is the scene's drag, else it tells the numbers.
+
+        Parameters
+        ----------
+        damping : the damping coefficients of the joint's coordinates, rotations first
         """
         wanted = [self.scene["drag"]] * 3 + [0.0] * (len(damping) - 3)
         name = "drag" if list(damping) == wanted else f"a joint damping of {damping} N m s"
         return {name: any(damping)}
 
     def gravity_by(self, vector: FloatArray) -> dict[str, bool]:
-        """Return the name of what a world's gravity, m/s², is, and whether it acts."""
+        """Return a name for a world's gravity, m/s², and whether it acts.
+
+        The name is "gravity" if it is the scene's gravity, else it tells the vector.
+        """
         right = np.array_equal(vector, self.scenario.gravity_world)
         return {"gravity" if right else f"a gravity of {vector.tolist()} m/s²": bool(vector.any())}
 
     def pushed_by(self, torque: FloatArray) -> dict[str, bool]:
-        """Return what a torque on the body at rest, N m, world axes, is, and whether it acts."""
+        """Return names for a torque on the body at rest, and whether each acts.
+
+        The names are those of the scene's torques, and one for a torque that differs from them.
+
+        Parameters
+        ----------
+        torque : the torque that the engine applies, N m, world axes, (3,)
+        """
         wanted = push(self.scene, matrix(self.world.motion()[:4]), np.zeros(3))
         pushes = np.linalg.norm(torque - wanted) <= SLACK * np.linalg.norm(wanted)
         acting = dict.fromkeys(self.scenario.called_for & TORQUES, bool(torque.any()))
@@ -87,11 +101,14 @@ class WorldSession(Session):
         return self.frame.body(self.world_body())
 
     def read_state(self) -> State:
-        """The state now."""
+        """The state after the last step, in the scene's body axes."""
         return self.states([self.snapshot()]).rows(0)
 
     def snapshot(self) -> Sequence[float]:
-        """Return the motion in the record's frames, if the engine reports no trouble."""
+        """Return the motion in the record's axes, (13 + rotors,).
+
+        It raises `EngineError` if the engine reports trouble or a number is not finite.
+        """
         self.check()
         motion: Sequence[float] = self.world.motion()
         if not np.isfinite(motion).all():
@@ -116,7 +133,14 @@ class WorldSession(Session):
 
 @final
 class WorldBatch(Batch):
-    """Worlds that a stand-alone module steps: with `advance(steps)` and `motions(places)`."""
+    """A batch of worlds that a stand-alone module steps together.
+
+    Parameters
+    ----------
+    worlds : the module's object, with `advance(steps)` and `motions(places)`, which returns the
+        motions of the worlds at some indices, each as `World.motion` gives it
+    device : the device that steps them: the CPU, or the name of a GPU
+    """
 
     def __init__(self, worlds: Any, device: str = Batch.device) -> None:
         self._worlds, self.device = worlds, device
@@ -126,7 +150,7 @@ class WorldBatch(Batch):
         self._worlds.advance(steps)
 
     def snapshots(self, places: Sequence[int]) -> Sequence[Any]:
-        """Return the motions of the worlds at `places`."""
+        """Return the motions of the worlds whose indices are in `places`."""
         motions: Sequence[Any] = self._worlds.motions(list(places))
         return motions
 
@@ -136,7 +160,12 @@ class WorldBatch(Batch):
 
 
 def world_script(path: Path, scenario: Scenario, method: str) -> str:
-    """Return a run as Python: the stand-alone module, the scene's record as data, and its steps."""
+    """Return a Python script of a run: a stand-alone module, the scene's record and the steps.
+
+    Parameters
+    ----------
+    path : file of the stand-alone module, which defines `World`
+    """
     record = scene_record(scenario)
     entries = "\n".join(f'    "{key}": {record[key]!r},  # {ABOUT[key]}' for key in record)
     pushing = "\n\n".join(inspect.getsource(function) for function in (is_pushed, push))
@@ -145,10 +174,12 @@ def world_script(path: Path, scenario: Scenario, method: str) -> str:
 
 
 def run_script(path: Path, made: str, state: str, step: str = "world.advance(count)") -> str:
-    """Return a run as Python: a stand-alone module, the lines that make its world, and its steps.
+    """Return a Python script of a run: a stand-alone module, a world, and the steps.
 
     Parameters
     ----------
+    path : file of the stand-alone module
+    made : lines that make the world
     state : lines that return the attitude, w x y z, and ω in body axes
     step : the line that takes `count` steps
     """

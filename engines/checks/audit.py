@@ -12,9 +12,9 @@ def audit(session: Session, scenario: Scenario, sampled: Sampled) -> tuple[froze
 
     Returns
     -------
-    The effects that acted, as returned by `Session.active`; and how they differ from the effects
-    that the scene calls for, in words, which are empty if they do not differ, or if the run is not
-    ok
+    The effects that acted, as returned by `Session.active`, and words on how they differ from the
+    effects that the scene calls for. The words are empty if no effect differs, or if the run is not
+    ok.
 
     Raises
     ------

@@ -45,7 +45,7 @@ class Equations:
         return self.scenario.kept_body(self.scenario.kept(state.omega_body, state.spins))
 
     def bears(self, states: State) -> NDArray[np.bool_]:
-        """Whether the constraint's force is in its allowed direction in each of n states, (n,).
+        """Whether the constraint can exert the force that it needs, in each of n states, (n,).
 
         A table, for example, can push the body but not pull it.
         """
@@ -56,18 +56,22 @@ class Equations:
         return bears
 
     def bearable(self, states: State, others: State) -> State:
-        """States, each replaced where the constraint's force is not in its allowed direction.
+        """Return n states, with those replaced in which the constraint's force is not allowed.
 
         Parameters
         ----------
-        states, others : n states, and the n states that replace them
+        states : n states
+        others : n states; the k-th replaces the k-th of `states` if `bears` is false for it
         """
         bears = self.bears(states)[:, None]
         pairs = zip(states.columns, others.columns, strict=True)
         return State(*(np.where(bears, column, other) for column, other in pairs))
 
     def on_constraint(self, states: State) -> State:
-        """The n states, with com and velocity as the constraint demands, given attitude and ω."""
+        """Return n states with com and velocity replaced by those that the constraint demands.
+
+        Attitude and ω stay as they are.
+        """
         constraint, R_world_body = self.scenario.constraint, matrices(states.q_world_body_wxyz)
         swing_world = turned(R_world_body, cross(states.omega_body, np.array(constraint.lever)))
         return replace(

@@ -29,7 +29,7 @@ class Bounds:
 
 
 def faults(states: State, bounds: Bounds) -> Iterator[Fault]:
-    """The first fault of each kind in n states."""
+    """Yield the first fault of each kind in n states, with the index of the state."""
     timestep = bounds.timestep
     # The sum is not finite if any component is not, and takes much less time than a search.
     if not np.isfinite(sum(float(column.sum()) for column in states.columns)):
@@ -53,7 +53,7 @@ def faults(states: State, bounds: Bounds) -> Iterator[Fault]:
 
 
 def clamped_turn(speed: float, timestep: float, most: float) -> str:
-    """The message if the body turns further in a step than the engine allows; else empty.
+    """Return a message if the body turns further in a step than the engine allows; else empty.
 
     Parameters
     ----------
@@ -70,7 +70,10 @@ def clamped_turn(speed: float, timestep: float, most: float) -> str:
 
 
 def _pivot_faults(states: State, arm_body: FloatArray) -> Iterator[Fault]:
-    """The first state whose pivot is further from the world's origin than from the com."""
+    """Yield a fault for the first state whose pivot is too far from the world's origin.
+
+    It is too far if it is further from the origin, where it should be, than from the com.
+    """
     drift = norms(states.com_world - matrices(states.q_world_body_wxyz) @ arm_body)
     has_given_way = drift > np.linalg.norm(arm_body)
     if arm_body.any() and has_given_way.any():

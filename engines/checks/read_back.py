@@ -60,12 +60,12 @@ class BodyReading:
     axial: FloatArray = field(default_factory=lambda: np.empty((0, 3)))
 
     def placed(self, at: FloatArray, R: FloatArray) -> "BodyReading":
-        """The same body, in other axes.
+        """Return the same body in the axes, and from the origin, of another frame.
 
         Parameters
         ----------
-        at : position of the body's origin in the other axes, m, (3,)
-        R : the matrix from the body's axes to the other axes, (3, 3)
+        at : position of the body's origin in the other frame, m, (3,)
+        R : the matrix from the body's axes to those of the other frame, (3, 3)
         """
         return BodyReading(
             self.mass, at + R @ self.com, R @ self.inertia_com @ R.T, self.axial @ R.T
@@ -108,11 +108,11 @@ class State:
 
     @property
     def columns(self) -> list[FloatArray]:
-        """The arrays of the state, one for each quantity."""
+        """The arrays of the state: attitude, ω, position, velocity and spins."""
         return list(vars(self).values())
 
     def rows(self, kept: int | slice | NDArray[np.bool_] | NDArray[np.intp]) -> "State":
-        """One of n states by its index, or several by a slice, a mask, (n,), or indices."""
+        """Return one of n states, chosen by its index, or several by a slice, mask or indices."""
         return State(
             self.q_world_body_wxyz[kept],
             self.omega_body[kept],
@@ -123,7 +123,7 @@ class State:
 
 
 def stacked(states: Sequence[State]) -> State:
-    """States as the rows of one state, in the order given."""
+    """Return several states as one state, whose arrays have a row for each in the order given."""
     return State(*map(np.vstack, zip(*(state.columns for state in states), strict=True)))
 
 
@@ -134,7 +134,7 @@ class Difference:
     Attributes
     ----------
     what : name of the quantity
-    wanted, got : the scene's value and the engine's
+    wanted, got : the scene's value and the engine's value
     relative : the largest difference of a component, relative to the size of the quantity
     why : the common mistake that explains the difference, in words; empty if none does
     """
@@ -162,7 +162,7 @@ class Difference:
 def differences(
     scenario: Scenario, reading: BodyReading, state: State, slack: float
 ) -> list[Difference]:
-    """Compare a freshly loaded model and state with the scene.
+    """Return the differences of a freshly loaded model and its state from the scene.
 
     Parameters
     ----------
@@ -171,7 +171,7 @@ def differences(
 
     Returns
     -------
-    The quantities that differ by more
+    The quantities that differ by more than `slack`; one that explains others comes first
     """
     differing = []
     steiner = OF_ORIGIN * scenario.body.mass * float(scenario.body.com @ scenario.body.com)
@@ -192,7 +192,15 @@ def differences(
 
 
 def _mistake_of_attitude(wanted_q: FloatArray, got_q: FloatArray, slack: float) -> str:
-    """The common mistake that turns one quaternion into the other, in words; empty if none does."""
+    """Return in words the common mistake that turns one quaternion into another.
+
+    It is empty if no mistake that is known does.
+
+    Parameters
+    ----------
+    wanted_q, got_q : the scene's quaternion and the engine's, w x y z, (4,)
+    slack : the allowed angle between attitudes, rad
+    """
     conjugated = conjugate(wanted_q)
     order, inverse = "its components are permuted, w x y z for x y z w", "it is conjugated"
     mistakes = (
@@ -209,7 +217,7 @@ def _mistake_of_attitude(wanted_q: FloatArray, got_q: FloatArray, slack: float) 
 
 
 def _mistake_of_axes(scenario: Scenario, got: FloatArray, slack: float) -> str:
-    """The words that ω is right, but in other axes; empty if it is not."""
+    """Return words that say that ω is right but in other axes; empty if that is not so."""
     R_world_body, omega_body = matrix(scenario.start.q_world_body_wxyz), scenario.start.omega_body
     for turned in (R_world_body @ omega_body, omega_body @ R_world_body):
         if np.abs(got - turned).max() <= slack:
@@ -218,7 +226,7 @@ def _mistake_of_axes(scenario: Scenario, got: FloatArray, slack: float) -> str:
 
 
 def start_state(scenario: Scenario) -> State:
-    """The scene's start, with com and velocity as the constraint demands, given attitude and ω."""
+    """Return the scene's start as a state, with com and velocity as the constraint demands."""
     start = scenario.start
     R_world_body, constraint = matrix(start.q_world_body_wxyz), scenario.constraint
     swing_world = R_world_body @ cross(start.omega_body, constraint.lever)
@@ -234,7 +242,11 @@ def start_state(scenario: Scenario) -> State:
 def _pairs(
     scenario: Scenario, reading: BodyReading, state: State
 ) -> Iterator[tuple[str, FloatArray, FloatArray, float]]:
-    """The name of each quantity, the engine's value, the scene's value, and the size of it."""
+    """Yield each quantity that is read back but the attitude.
+
+    It yields the quantity's name, the engine's value, the scene's value, and the size that the
+    tolerance is relative to.
+    """
     body, start = scenario.body, start_state(scenario)
     arm = float(np.linalg.norm(body.com))
     speed = float(np.linalg.norm(start.omega_body))
@@ -257,7 +269,7 @@ def _pairs(
 def body_pairs(
     scenario: Scenario, reading: BodyReading
 ) -> Iterator[tuple[str, FloatArray, FloatArray]]:
-    """The name, the engine's value and the scene's value of each quantity of the body."""
+    """Yield the name, the engine's value and the scene's value of each quantity of the body."""
     body = scenario.body
     yield "mass", np.array(reading.mass), np.array(body.mass)
     yield "com", reading.com, body.com
@@ -267,7 +279,7 @@ def body_pairs(
 
 
 def _rounded(values: FloatArray) -> str:
-    """A number or nested lists of numbers, to three digits, with round-off set to zero."""
+    """Return an array as text, to three digits; entries of the size of round-off become zero."""
     least = float(np.finfo(float).eps) * np.abs(values).max()
     shown = np.where(np.abs(values) > least, values, 0.0)
     written = np.array2string(shown, separator=", ", formatter={"float_kind": "{:.3g}".format})

@@ -18,10 +18,10 @@ class ChildEngine(Engine):
     Parameters
     ----------
     command : the program and its arguments
-    hello : its description of itself; each process of it must give the same
-    limit : longest time that an answer may take, s
-    sources : files that its results depend on; if None, the files named in the command
-    script : returns a run of a scene with a method as JavaScript; if None, the engine has no
+    hello : the engine's description of itself, which each of its processes must give alike
+    limit : CPU time that an answer may take, s
+    sources : files that the engine's results depend on; if None, the files named in the command
+    script : returns a script in JavaScript, given a scene and a method; if None, the engine has no
         scripts
     """
 
@@ -45,7 +45,7 @@ class ChildEngine(Engine):
 
     @property
     def version(self) -> str:
-        """The version that the child reports."""
+        """The engine's version, as its process reports it."""
         return self.hello.version
 
     @property
@@ -56,7 +56,7 @@ class ChildEngine(Engine):
         return tuple(path for path in map(Path, self.command) if path.is_file())
 
     def open(self, scenario: Scenario, method: Method, timestep: float) -> ChildSession:
-        """Open the scene in an idle child, or a new one."""
+        """Open the scene in an idle process of the engine if there is one, else in a new one."""
         try:
             child = taken(self.command, self._limit)
             try:
@@ -69,7 +69,7 @@ class ChildEngine(Engine):
             raise ProtocolError(f"{self.name}: {error}", error.cause) from None
 
     def script(self, scenario: Scenario, method: Method, timestep: float) -> str:  # noqa: ARG002
-        """Return the run as JavaScript; empty if the engine has no scripts."""
+        """Return a script of the run in JavaScript; empty if the engine has no scripts."""
         return self._script(scenario, method) if self._script else ""
 
     def _check(self, child: ChildProcess) -> None:
@@ -81,12 +81,17 @@ class ChildEngine(Engine):
 
 
 def child_engine(command: Sequence[str], limit: float = ANSWER_LIMIT) -> ChildEngine:
-    """The engine that a command starts.
+    """Return the engine that a command starts, after asking it for its description of itself.
+
+    Parameters
+    ----------
+    command : the program and its arguments
+    limit : CPU time that an answer may take, s
 
     Raises
     ------
     ProtocolError
-        If it cannot be started, or does not describe itself.
+        If the command cannot be started, or does not answer with a description.
     """
     child = taken(tuple(command), limit)
     try:

@@ -75,7 +75,7 @@ class ChildAnswer(BaseModel):
 
 
 class ChildMethod(ChildAnswer):
-    """A method, as `Method` has it."""
+    """A method as the child describes it; `Method` documents the fields."""
 
     name: Name
     order: Order
@@ -88,7 +88,7 @@ class ChildMethod(ChildAnswer):
     as_shipped: bool = False
 
     def method(self) -> Method:
-        """The method as the harness uses it."""
+        """Return the method as the program's own class."""
         sets = {"effects": frozenset(self.effects), "requires": frozenset(self.requires)}
         return Method(**self.model_dump(exclude_none=True) | sets)
 
@@ -135,18 +135,18 @@ class ChildRigid(ChildAnswer):
 
 
 class ChildPart(ChildRigid):
-    """A part that turns in the body, at the start; `axis` is that of its hinge."""
+    """A part that turns in the body (a rotor), at the start; `axis` is the axis of its hinge."""
 
     axis: Vector
 
 
 class ChildBody(ChildRigid):
-    """The body without its parts.
+    """The body without its rotors, and the rotors.
 
     Attributes
     ----------
-    arm : m, the point where the body is held; null if it is free
-    parts : in the scene's order
+    arm : position of the point where the body is held, m; None if the body is free
+    parts : the rotors, in the scene's order
     """
 
     arm: Vector | None
@@ -154,13 +154,13 @@ class ChildBody(ChildRigid):
 
 
 class StateRow(ChildAnswer):
-    """The motion of the com and the body's axes, in the world's.
+    """A state of the body without its rotors, in world axes.
 
     Attributes
     ----------
     q : attitude, w x y z
     omega, com, velocity : rad/s, m, m/s
-    spins : of its parts, about their axes relative to the body, rad/s
+    spins : angular velocities of the rotors about their axes, relative to the body, rad/s
     """
 
     q: Rotation
@@ -171,7 +171,7 @@ class StateRow(ChildAnswer):
 
 
 class Stepped(ChildAnswer):
-    """The state after steps; null for numbers that are not finite, which JSON cannot write."""
+    """The state after steps; numbers that are not finite, which JSON cannot write, are None."""
 
     q: tuple[Known, Known, Known, Known]
     omega: tuple[Known, Known, Known]
@@ -188,23 +188,23 @@ class Opened(ChildAnswer):
 
 
 class Seconds(ChildAnswer):
-    """CPU and wall time of steps, measured by the child around the steps only."""
+    """The time that steps took, s, measured by the child around the steps only."""
 
     seconds: Positive
 
 
 class Active(ChildAnswer):
-    """What acts on the body."""
+    """The names of what acts on the body, as `Session.active` returns them."""
 
     active: Annotated[list[Words], Field(max_length=MOST_NAMES)]
 
 
 class Done(ChildAnswer):
-    """The answer of a call that returns nothing."""
+    """The answer to a call that returns nothing."""
 
 
 class Refusal(ChildAnswer):
-    """The answer of a call that failed: the reason."""
+    """The answer to a call that failed: the reason in words."""
 
     error: Annotated[str, Field(min_length=1, max_length=2000)]
 
@@ -213,16 +213,22 @@ A = TypeVar("A", bound=ChildAnswer)
 
 
 class Misanswer(ValueError):
-    """An answer breaks the protocol; the message goes on from "its answer"."""
+    """An answer breaks the protocol; the message goes on a sentence that begins "its answer"."""
 
 
 def parse(line: bytes, number: int, expected: type[A]) -> A | Refusal:
-    """Read one line.
+    """Return the answer that a line holds: the one expected, or a refusal.
+
+    Parameters
+    ----------
+    line : the line, as received
+    number : `id` of the call, which the answer must repeat
+    expected : class of the answer to this call
 
     Raises
     ------
     Misanswer
-        If it is not the answer that the protocol requires.
+        If the line is not an answer that the protocol allows.
     """
     try:
         answer: Any = json.loads(line, parse_constant=_no_number)

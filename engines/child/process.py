@@ -58,7 +58,7 @@ class ProtocolError(EngineError):
 
 
 class ChildProcess:
-    """A child that is running.
+    """A running process of an engine, which is sent calls and answers them.
 
     Parameters
     ----------
@@ -67,7 +67,7 @@ class ChildProcess:
 
     Attributes
     ----------
-    hello : its description of itself; None before it was asked
+    hello : the engine's description of itself; None before the process was asked for it
 
     Raises
     ------
@@ -127,7 +127,13 @@ class ChildProcess:
         return self._broken is None
 
     def ask(self, expected: type[A], do: str, /, **arguments: Any) -> A:
-        """Call, and wait for the answer.
+        """Send a call to the child, and return its answer.
+
+        Parameters
+        ----------
+        expected : class of the answer to this call
+        do : name of the call
+        arguments : the call's further keys
 
         Raises
         ------
@@ -162,7 +168,10 @@ class ChildProcess:
         return answer
 
     def _line(self, do: str) -> bytes:
-        """Return the next line of the answers; output that the child prints is read in between."""
+        """Return the next line of the answers' pipe, for the call named `do`.
+
+        What the child prints meanwhile is read and kept, so that its output never blocks.
+        """
         self._request = do
         if overdue := wait_for_answer(self._has_answered, self._of_system, self._limit):
             words = f"it did not answer '{do}' within {overdue.words}{self._last_printed()}"
@@ -171,12 +180,12 @@ class ChildProcess:
         return line
 
     def _has_answered(self, seconds: float) -> bool:
-        """Wait for a line, at most so many seconds, and read what the child prints.
+        """Whether a whole line arrives within some seconds; what the child prints is kept.
 
         Raises
         ------
         ProtocolError
-            If it has died, or its line is too long.
+            If the child has died, or the line is too long.
         """
         until = time.monotonic() + seconds
         while b"\n" not in self._received:
@@ -191,7 +200,7 @@ class ChildProcess:
         return True
 
     def is_running(self) -> bool:
-        """Whether the child has not ended: an idle child may be killed from outside."""
+        """Whether the child still runs; an idle child may have been killed from outside."""
         return self._process.poll() is None
 
     def _take(self, descriptor: int, do: str) -> None:
@@ -210,7 +219,7 @@ class ChildProcess:
             )
 
     def _ended(self, do: str) -> ProtocolError:
-        """Return the error that says how the child ended, after it has closed its pipe."""
+        """Return the error that says how the child ended before it answered the call `do`."""
         self._calls.close()
         try:
             code = self._process.wait(END_LIMIT)
@@ -223,7 +232,7 @@ class ChildProcess:
         return ProtocolError(f"it {how} instead of answering '{do}'{self._last_printed()}", cause)
 
     def _last_printed(self) -> str:
-        """Return the last line that the child printed, to be appended to a message, or ""."""
+        """Return words that quote the last line that the child printed; empty if there is none."""
         printed = self._printed.decode(errors="replace").strip()
         # An answer that was printed instead of written to the answers' pipe.
         is_answer = printed.rpartition("\n")[2].startswith("{")
@@ -247,7 +256,7 @@ _idle: dict[tuple[str, ...], list[ChildProcess]] = {}
 
 
 def taken(command: tuple[str, ...], limit: float) -> ChildProcess:
-    """Return an idle child of this command that still runs, or else a new one."""
+    """Return an idle process of a command that still runs, or else start a new one."""
     idle = _idle.get(command, [])
     while idle:
         child = idle.pop()
@@ -258,14 +267,14 @@ def taken(command: tuple[str, ...], limit: float) -> ChildProcess:
 
 
 def given_back(child: ChildProcess) -> None:
-    """Keep a child for the next scene; one that is not usable is dropped."""
+    """Keep a child for the next scene, unless it is not usable."""
     if child.usable:
         _idle.setdefault(tuple(child.command), []).append(child)
 
 
 @atexit.register
 def end_idle() -> None:
-    """End the children that are kept."""
+    """End all idle children."""
     for children in _idle.values():
         while children:
             children.pop().end()

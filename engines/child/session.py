@@ -57,12 +57,12 @@ class ChildSession(Session):
             raise EngineError(words, "protocol")
 
     def read_state(self) -> State:
-        """The state now."""
+        """Return the state after the last step, in the scene's body axes."""
         return self.states([self.snapshot()]).rows(0)
 
     @property
     def can_restart(self) -> bool:
-        """Whether the child says so."""
+        """Whether the child says in its description that it can restart."""
         return self._child.hello is not None and self._child.hello.restart
 
     def restart(self, state: State, timestep: float | None = None) -> None:
@@ -72,11 +72,11 @@ class ChildSession(Session):
         self._state = self._child.ask(StateRow, "restart", **motion, timestep=self._timestep)
 
     def advance(self, steps: int) -> None:
-        """Take steps, in calls of a limited number."""
+        """Count steps that the next snapshot will take, in calls of a limited number of steps."""
         self._left += steps
 
     def timed(self, steps: int) -> tuple[float, float]:
-        """Return CPU and wall time, s, which the child measures around the steps only."""
+        """Take steps; return twice the time, s, that the child measures around the steps only."""
         self.snapshot()
         begun = time.perf_counter()
         seconds = self._child.ask(Seconds, "time", steps=steps).seconds
@@ -87,7 +87,10 @@ class ChildSession(Session):
         return seconds, seconds
 
     def snapshot(self) -> list[float | None]:
-        """The state in the child's frames."""
+        """Take the steps that are due, and return the state in the child's frames.
+
+        These are the numbers q, ω, com, velocity and spins in one list, None if not finite.
+        """
         while self._left:
             steps = min(MOST_STEPS_A_CALL, self._left)
             self._state = self._child.ask(Stepped, "run", steps=steps)
@@ -97,18 +100,18 @@ class ChildSession(Session):
         return [*state.q, *state.omega, *state.com, *state.velocity, *state.spins]
 
     def states(self, snapshots: Sequence[Any]) -> State:
-        """The states of n snapshots, in the scene's body axes."""
+        """Return the states of n snapshots, in the scene's body axes."""
         return self._frame.states(np.array(snapshots, dtype=float))
 
     def check(self) -> None:
         """Nothing to check: a child reports trouble in its answers."""
 
     def active(self) -> frozenset[str]:
-        """The effects that the child reports as acting."""
+        """Return the names of what the child reports as acting on the body."""
         return frozenset(self._child.ask(Active, "active").active)
 
     def close(self) -> None:
-        """Close the scene in the child, and keep the child for another."""
+        """Close the scene in the child, and keep the child for another scene."""
         try:
             if self._child.usable:
                 self._child.ask(Done, "close")

@@ -33,8 +33,8 @@ from ..checks.read_back import BodyReading, State
 _POLAR, _AXIAL = np.array([-1.0, 1.0, 1.0]), np.array([1.0, -1.0, -1.0])
 _MIRRORED_Q = np.array([1.0, 1.0, -1.0, -1.0])
 
-#: Effects that a scene may have for a change of axes and units, of how the body is written, of one
-#: without parts, of one in free fall.
+#: Effects that a scene may have for an encoding by other axes or units (all effects); for one that
+#: writes the body differently; for one that needs a body without rotors; for one in free fall.
 ON_A_TABLE = frozenset(EFFECTS)
 OF_BODIES = ON_A_TABLE - {"table"}
 OF_ONE_BODY = OF_BODIES - {"rotors"}
@@ -50,8 +50,8 @@ class SceneChange:
     Attributes
     ----------
     q_body_new : takes components along the new body axes to those along the old ones
-    shift : of the body's origin, m, along the old body axes
-    length, mass, time : how many new units one old unit is
+    shift : from the old to the new origin of the body, m, along the old body axes
+    length, mass, time : the number of new units in one old unit
     is_mirrored : whether x is reversed, of world and body
     """
 
@@ -63,7 +63,7 @@ class SceneChange:
     is_mirrored: bool = False
 
     def scene(self, scenario: Scenario) -> Scenario:
-        """Return the changed scene; its numbers are exact, as those of the scene are."""
+        """Return the changed scene; its numbers have the extended precision of the scene's."""
         with mp.workdps(DIGITS):
             window = scenario.window.model_copy(
                 update={"duration": scenario.window.duration * self.time}
@@ -131,7 +131,7 @@ class SceneChange:
         )
 
     def _number(self, number: Any, unit: Unit) -> float | tuple[float, ...]:
-        """Return a number or vector of an effect's table in the new units and axes."""
+        """Return a number or vector of an effect, as the scene states it, in new units and axes."""
         units = (self.mass, unit.mass), (self.length, unit.length), (self.time, unit.time)
         scale = mp.fprod(mpf(one) ** power for one, power in units)
         if unit.kind == "scalar":
@@ -143,7 +143,7 @@ class SceneChange:
         return tuple(float(part * scale) for part in mirrored)
 
     def state(self, state: State) -> State:
-        """Return a state of the scene as one of the changed scene, but for rounding."""
+        """Return a state of the original scene as one of the changed scene, in double precision."""
         q_new = state.q_world_body_wxyz @ times(np.array([float(c) for c in self.q_body_new]))
         omega_new = state.omega_body @ self._R_body_new / self.time
         if self.is_mirrored:
@@ -158,7 +158,7 @@ class SceneChange:
         )
 
     def state_back(self, states: State) -> State:
-        """States of the changed scene, n rows, as those of the scene."""
+        """Return n states of the changed scene, as rows, as states of the original scene."""
         back = times(np.array([float(c) for c in conjugate(self.q_body_new)]))
         R_body_new = self._R_body_new
         omega_new, q_new = states.omega_body, states.q_world_body_wxyz
@@ -174,7 +174,7 @@ class SceneChange:
         )
 
     def body_back(self, body: BodyReading) -> BodyReading:
-        """Return a body of the changed scene in the axes and units of the original scene."""
+        """Return a body, read in the changed scene, in the axes and units of the original one."""
         R = self._R_body_new
         sign = self._sign
         com, tensor = body.com * sign / self.length, body.inertia_com * np.outer(sign, sign)

@@ -26,9 +26,10 @@ SAME_BODY = 64
 
 @final
 class EncodedEngine(Engine):
-    """An engine that is given every scene in one encoding, and is judged as any other.
+    """An engine that is given every scene in one encoding, and judged as any other engine.
 
-    Its name is such as "mujoco as welded". Methods as shipped are not among its own.
+    An example of its name is "mujoco as welded". It has the engine's methods except those as
+    shipped.
     """
 
     def __init__(self, base: Engine, encoding: str) -> None:
@@ -43,7 +44,7 @@ class EncodedEngine(Engine):
 
     @property
     def encoding(self) -> Encoding:
-        """The encoding by its name, which alone is sent to workers: functions cannot be pickled."""
+        """The encoding, looked up by name: only the name can be pickled and sent to workers."""
         return ENCODINGS[self._encoding]
 
     @property
@@ -58,7 +59,7 @@ class EncodedEngine(Engine):
 
     @property
     def sources(self) -> tuple[Path, ...]:
-        """The files of its adapter, besides those that the adapter names."""
+        """The files of the engine's adapter, and those that the adapter says results depend on."""
         folder = Path(inspect.getfile(type(self.base))).parent
         return (*sorted(folder.glob("*.py")), *self.base.sources)
 
@@ -67,7 +68,7 @@ class EncodedEngine(Engine):
         return self.base.applies_to(scenario) and not self.why_not(scenario)
 
     def why_not(self, scenario: Scenario) -> str:
-        """Why it does not apply to a scene; empty if it does."""
+        """Return why a scene cannot be given in this encoding; empty if it can."""
         return self.encoding.why_not(self.base, scenario)
 
     def open(self, scenario: Scenario, method: Method, timestep: float) -> Session:
@@ -87,7 +88,10 @@ class EncodedEngine(Engine):
         body: BodyReading,
         state: State,  # noqa: ARG002
     ) -> list[Difference]:
-        """Return the differences of the body; a wrong start shows in the motion."""
+        """Return the differences of the body from the scene's.
+
+        The start is not compared: if it is wrong, the motion shows it.
+        """
         own, change = scenario.body, self.encoding.change(scenario)
         shift = np.array(change.shift, dtype=float)
         # The tensor about a point far away is larger, and with it its rounding.
@@ -114,7 +118,7 @@ class EncodedSession(Session):
         return self._change.body_back(self._session.read_body())
 
     def read_state(self) -> State:
-        """The state after the last step."""
+        """Return the state after the last step, as one of the original scene."""
         return self.states([self.snapshot()]).rows(0)
 
     @property
@@ -124,7 +128,7 @@ class EncodedSession(Session):
 
     @property
     def restarts_to_the_last_bit(self) -> bool:
-        """No: a state is converted in double precision, a scene that is opened exactly."""
+        """False: a restart converts the state in double precision, opening in extended."""
         return False
 
     def restart(self, state: State, timestep: float | None = None) -> None:
@@ -133,7 +137,7 @@ class EncodedSession(Session):
         self._session.restart(self._change.state(state), timestep)
 
     def advance(self, steps: int) -> None:
-        """Take whole steps."""
+        """Take `steps` whole steps of the changed scene."""
         self._session.advance(steps)
 
     def record(self, strides: Sequence[int], keep: Callable[[Any], object]) -> None:
@@ -141,11 +145,11 @@ class EncodedSession(Session):
         self._session.record(strides, keep)
 
     def snapshot(self) -> Any:
-        """The engine's own snapshot."""
+        """Return the snapshot of the engine's own session."""
         return self._session.snapshot()
 
     def states(self, snapshots: Sequence[Any]) -> State:
-        """The states of n snapshots."""
+        """Return the states of n snapshots of the engine's own session, in the original scene."""
         return self._change.state_back(self._session.states(snapshots))
 
     def first_fault(
@@ -161,9 +165,9 @@ class EncodedSession(Session):
         self._session.check()
 
     def active(self) -> frozenset[str]:
-        """Return the effects that the scene calls for, unchecked.
+        """Return the effects that the scene calls for, without an audit.
 
-        They are audited in runs of the unchanged scene.
+        Effects are audited in runs of the unchanged scene.
         """
         return self._scenario.called_for
 

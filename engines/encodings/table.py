@@ -39,9 +39,10 @@ class Encoding:
     ----------
     name : as users type it
     summary : what it changes
-    change : returns the change of a scene
+    change : returns the change of axes, origin and units of a scene
     description : how the model describes the changed body
     effects : names of the effects that a scene may have
+    needs_free : whether the encoding is of free bodies only
     """
 
     name: str

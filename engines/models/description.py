@@ -36,11 +36,11 @@ class Description:
 
     Attributes
     ----------
-    parts : "one" body; "welded", an empty body with the whole welded to it; "nested", the same with
-        an empty body between them, shifted and turned; or "halves" and "thirds", two or three
-        bodies that share the mass, the others welded to the first
+    parts : "one" body; "welded", an empty body with the whole mass on a second body welded to it;
+        "nested", the same with an empty body between them, shifted and turned; or "halves" and
+        "thirds", two or three bodies that share the mass, the others welded to the first
     full_tensor : whether the tensor is written whole, not along its principal axes
-    shape : whether the body is a box of the same inertia, which is not stated
+    shape : whether the model has a box of the body's inertia and states no inertia itself
     joint : the joint that the body moves by; `aligned` is a free joint along the inertial frame,
         which the model has shifted and turned against the body's frame
     compensated : whether gravity acts although the scene has none, and is compensated
@@ -56,7 +56,10 @@ class Description:
 
     @property
     def features(self) -> frozenset[str]:
-        """The features, beyond those of `PLAIN`, that an engine's models must allow."""
+        """Names of the ways in which the description differs from `PLAIN`.
+
+        An engine whose `describes` lacks one of these names cannot write such a model.
+        """
         wanted = {
             "parts": self.parts != "one",
             "full tensor": self.full_tensor,
@@ -79,8 +82,8 @@ class Part:
     Attributes
     ----------
     onto : index of the part that it is welded to; None for the first part
-    position, q : of its frame in the frame of that part, m
-    body : mass, com and tensor in its own frame; None if it is empty
+    position, q : pose of the part's frame in the frame of the part that it is welded to, m, w x y z
+    body : mass, com and tensor in the part's own frame; None if the part has no mass
     """
 
     onto: int | None
@@ -90,10 +93,10 @@ class Part:
 
 
 def parts_of(body: Body, parts: Parts) -> tuple[Part, ...]:
-    """Return the parts of a body; the frame of the first is the body's own.
+    """Return the parts that a body is written as; the frame of the first is the body's own.
 
-    Parts that share the mass lie on the axis of the least moment, where the mass reaches furthest,
-    so that what is left of the tensor for each of them is one that a body can have.
+    Parts that share the mass lie on the axis of the least moment, along which the mass reaches
+    furthest: so each part gets a tensor that is physically possible.
     """
     with mp.workdps(DIGITS):
         if parts == "one":
@@ -112,7 +115,7 @@ def parts_of(body: Body, parts: Parts) -> tuple[Part, ...]:
 
 
 def away_from(body: Body) -> Vector:
-    """Return a point far off the body's origin, m, body axes."""
+    """Return a point far from the body's origin, m, body axes, in proportion to the body's size."""
     with mp.workdps(DIGITS):
         reach = mp.sqrt(max(principal_axes(body.inertia_com_exact)[0]) / body.mass_exact)
         x, y, z = (part * reach for part in AWAY)
@@ -120,7 +123,10 @@ def away_from(body: Body) -> Vector:
 
 
 def _shared(body: Body, count: int) -> tuple[Part, ...]:
-    """Return `count` parts of equal mass, apart by half of the mass's spread along its axis."""
+    """Return `count` parts of equal mass, in a row along the axis of the least moment.
+
+    Their places account for half of Σ m x² along that axis, their own tensors for the rest.
+    """
     axis, spread = _longest(body)
     squares = sum((2 * k - count + 1) ** 2 for k in range(count))
     apart = mp.sqrt(spread / 2 * count / (body.mass_exact * squares))
@@ -149,7 +155,7 @@ def _shared(body: Body, count: int) -> tuple[Part, ...]:
 
 
 def _longest(body: Body) -> tuple[Vector, mpf]:
-    """Return the axis of the least moment, and Σ m x² along it, kg m²."""
+    """Return the axis of the least moment, body axes, and the body's Σ m x² along it, kg m²."""
     moments, R_body_axes = principal_axes(body.inertia_com_exact)
     least = min(range(3), key=lambda k: moments[k])
     x, y, z = (row[least] for row in R_body_axes)

@@ -14,9 +14,10 @@ QUATERNION, ANGLES = 4, 3
 def hinged(
     qpos: Sequence[float] | FloatArray, qvel: Sequence[float] | FloatArray
 ) -> tuple[FloatArray, FloatArray]:
-    """Return coordinates and velocities with angles and rates in place of a quaternion and ω.
+    """Return coordinates and velocities of a body on three hinges, given those on a ball joint.
 
-    The given coordinates end with a quaternion w, x, y, z and ω in body axes.
+    The given coordinates end with a quaternion w, x, y, z, and the given velocities with ω in body
+    axes; angles and rates of the hinges replace them.
     R = Rz(a) Ry(b) Rx(c), so that ω = M (ȧ, ḃ, ċ) with M of the angles (Diebel 2006, §5.6.12).
     """
     place, q = np.split(np.asarray(qpos, dtype=float), [-QUATERNION])
@@ -27,7 +28,12 @@ def hinged(
 
 
 def unhinged(qpos: FloatArray, qvel: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return coordinates and velocities with quaternions and ω, given n rows of `hinged` ones."""
+    """Return n rows of coordinates and velocities with quaternions and ω: the inverse of `hinged`.
+
+    Parameters
+    ----------
+    qpos, qvel : n rows that end with the angles, rad, and rates, rad/s, of three hinges
+    """
     angles = qpos[:, -ANGLES:]
     q = Rotation.from_euler("ZYX", angles).as_quat(scalar_first=True)
     omega_body = np.einsum("nij,nj->ni", _omega_of_rates(angles), qvel[:, -ANGLES:])
@@ -35,7 +41,10 @@ def unhinged(qpos: FloatArray, qvel: FloatArray) -> tuple[FloatArray, FloatArray
 
 
 def _omega_of_rates(angles: FloatArray) -> FloatArray:
-    """Return the matrices M, (n, 3, 3), for angles about z, y and x, (n, 3)."""
+    """Return the matrices from rates of the hinges to ω in body axes, (n, 3, 3).
+
+    The angles about z, y and x are the rows of `angles`, rad, (n, 3).
+    """
     _, b, c = angles.T
     zero, one = np.zeros_like(b), np.ones_like(b)
     rows = [

@@ -164,7 +164,10 @@ def _add_body(world: ET.Element, scenario: Scenario, description: Description) -
 
 
 def armature(rotor: Rotor) -> float:
-    """Return the inertia of a hinge's drive, kg m²: so large that the spin stays, else 0."""
+    """Return the inertia of a hinge's drive, kg m²; 0 if the hinge is not driven.
+
+    It is so large that the rotor's spin does not change.
+    """
     return DRIVE * float(rotor.along) if rotor.hinge == "driven" else 0.0
 
 
@@ -193,7 +196,11 @@ def _add_inertia(element: ET.Element, body: Body, description: Description = PLA
 
 
 def _add_joints(element: ET.Element, scenario: Scenario, kind: Joint) -> None:
-    """Add the joints: a ball joint at the held point, on slides along the axes not held."""
+    """Add the joints that the body moves by, of the kind that a description names.
+
+    A held body is on a ball joint, or three hinges, at the held point; slides along the axes that
+    are not held come before it.
+    """
     constraint, point = scenario.constraint, scenario.body.com - scenario.constraint.lever
     if constraint.is_free and kind in ("own", "aligned"):
         # A free joint aligned with the inertial frame would have qpos and qvel along other axes.
@@ -218,7 +225,9 @@ def _add_joints(element: ET.Element, scenario: Scenario, kind: Joint) -> None:
 
 
 def _actuators(scenario: Scenario) -> Iterator[ET.Element]:
-    """Yield the torques other than joint damping: constant ones, and the drag of a free body.
+    """Yield an actuator for each torque that joint damping cannot give.
+
+    These are the constant torques, and the drag of a free body.
 
     A free joint's damping would slow its translation too, so drag is three servos, one for each
     body axis.

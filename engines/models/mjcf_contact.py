@@ -27,7 +27,7 @@ def off_its_table(scenario: Scenario) -> Scenario:
 
 
 def sphere_and_plane(scenario: Scenario) -> tuple[float, float]:
-    """Return the sphere's radius and the plane's height, m."""
+    """Return the radius of the sphere that the body has at its tip, and the plane's height, m."""
     table, lever = scenario.effects.table, float(np.linalg.norm(scenario.constraint.lever))
     assert table is not None
     radius = table.radius or SHARE_OF_LEVER * lever or 1.0
@@ -36,9 +36,13 @@ def sphere_and_plane(scenario: Scenario) -> tuple[float, float]:
 
 
 def with_contact(text: str, scenario: Scenario) -> str:
-    """Return the MJCF of a free body, with every pass on, with the contact added.
+    """Return the MJCF of a free body with a sphere on the body and a plane under it added.
 
-    Its time constant and damping ratio (`solref`) are MuJoCo's own.
+    The time constant and damping ratio of their contact (`solref`) are MuJoCo's defaults.
+
+    Parameters
+    ----------
+    text : MJCF of the scene without its table, with every pass on
     """
     table, (radius, height) = scenario.effects.table, sphere_and_plane(scenario)
     assert table is not None

@@ -71,7 +71,10 @@ def _within_triangle(moments: Iterable[mpf], thickness: float) -> list[float]:
 
 
 def _roll_pitch_yaw(R: Tensor) -> Vector:
-    """Angles of R = Rz(yaw) Ry(pitch) Rx(roll) (Diebel 2006, Representing Attitude, §5.6.12)."""
+    """Return roll, pitch and yaw, rad, of a rotation R = Rz(yaw) Ry(pitch) Rx(roll).
+
+    The formulas are those of Diebel 2006, Representing Attitude, §5.6.12.
+    """
     cos_pitch = mp.hypot(R[0][0], R[1][0])
     pitch = mp.atan2(-R[2][0], cos_pitch)
     if cos_pitch < GIMBAL_LOCK:

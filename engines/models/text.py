@@ -5,7 +5,7 @@ from collections.abc import Iterable
 
 
 def decimals(values: Iterable[float]) -> str:
-    """Doubles, separated by spaces, each in the fewest digits that read back exactly (≤ 17)."""
+    """Return numbers as text, separated by spaces, in the fewest digits that read back exactly."""
     return " ".join(repr(float(value)) for value in values)
 
 
@@ -16,6 +16,6 @@ def xml_text(root: ET.Element) -> str:
 
 
 def python_text(name: str, text: str) -> str:
-    """Return Python that gives a text a name, line by line, whatever characters it holds."""
+    """Return Python code that assigns a text to a name, with one literal for each line."""
     lines = "\n".join(f"    {line!r}" for line in text.splitlines(keepends=True))
     return f"{name} = (\n{lines}\n)"

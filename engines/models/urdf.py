@@ -102,7 +102,11 @@ def _from(origin: Vector, place: Iterable[mpf]) -> Vector:
 
 
 def _add_slides(robot: ET.Element, scenario: Scenario) -> str:
-    """Add the fixed world, and massless links that slide on it; return the last one's name."""
+    """Add a fixed link for the world, and massless links that slide on it; return the last's name.
+
+    There is one sliding link for each axis along which the held point may move; for a pivot the
+    name is that of the fixed link.
+    """
     ET.SubElement(robot, "link", name=WORLD_LINK)
     onto = WORLD_LINK
     for axis in np.flatnonzero(np.logical_not(scenario.constraint.is_held)):
@@ -137,7 +141,10 @@ def _add_rotor(
 def _add_link(
     robot: ET.Element, name: str, body: Body | None, thickness: float, *, whole: bool = False
 ) -> None:
-    """Add a link; it has no `inertial` if it has no body."""
+    """Add a link with the inertia of a body; without `inertial` if `body` is None.
+
+    The tensor is written `whole`, or as principal moments in a turned inertial frame.
+    """
     link = ET.SubElement(robot, "link", name=name)
     if body is None:
         return
