@@ -1,4 +1,4 @@
-"""How far an engine's body is from the file's; the difference's size and cause in words."""
+"""Compares an engine's body with the one that a model file states: size and cause in words."""
 
 from dataclasses import dataclass
 
@@ -21,13 +21,14 @@ NEAR_ONE = 0.1
 
 @dataclass(frozen=True)
 class BodyDifference:
-    """How far an engine's body is from the file's.
+    """How far an engine's body is from the body that a file states.
 
     Attributes
     ----------
-    mass : relative
-    com : distance, relative to the file's radius of gyration or |com|, whichever is larger
-    inertia : norm of the difference of the tensors about the com, relative to the file's
+    mass : difference of the masses, relative to the file's
+    com : distance of the coms, relative to the radius of gyration or |com| of the file's body,
+        whichever is larger
+    inertia : norm of the difference of the tensors about the com, relative to the file's tensor
     axes_deg : the smallest rotation between the principal axes; 0 if both have three equal moments
     """
 
@@ -64,10 +65,10 @@ def _relative(value: float, size: float) -> float:
 
 
 def angle_between_axes(one: FloatArray, other: FloatArray) -> float:
-    """Return the smallest rotation between the principal axes of two tensors, rad.
+    """Return the smallest rotation that takes the principal axes of one tensor to the other's, rad.
 
-    Axes are paired by the order of their moments, and turn freely among those whose moments are
-    equal.
+    Axes are paired by the order of their moments; where two moments are equal, the choice of their
+    axes is free.
     """
     (moments, axes), (other_moments, other_axes) = np.linalg.eigh(one), np.linalg.eigh(other)
     free = _equal_pairs(moments) | _equal_pairs(other_moments)
@@ -96,12 +97,13 @@ def compared(
 ) -> tuple[BodyDifference, str, str]:
     """Return how far an engine's body is from the file's, and why, in a word and in a sentence.
 
-    Word and sentence, as of `cause`, are empty if the body is the file's.
+    The word and the sentence are those of `cause`, and empty if the bodies agree.
 
     Parameters
     ----------
+    stated, got : the body that the file states, and the engine's
     body : the links of the file that the engine holds as this body
-    made_up : as in `cause`
+    made_up : the source of tensors that the engine does not take from the file; else empty
     """
     apart = difference(stated, got)
     if apart.worst <= AGREES:
@@ -111,7 +113,7 @@ def compared(
 
 
 def unstated_body(body: BodyReading) -> str:
-    """Return the cause of a difference where an engine has a body and the file states none."""
+    """Return words for an engine's body of which the file states no mass and no tensor."""
     return (
         f"held as {body.mass:.3g} kg, {_moments(body.inertia_com)} kg m²: the file states nothing"
     )
@@ -127,11 +129,14 @@ def cause(
     """Return why an engine's body is not the file's, in a word and in a sentence.
 
     The word is "zero" if the tensor was set to zero, "no tensor" if the file states only a mass,
-    "made up", "rotation lost" of the inertial frame, "turned" axes, "products dropped" of inertia,
-    or "other".
+    "made up" if the engine does not take tensors from the file, "rotation lost" if it ignores the
+    rotation of the inertial frame, "turned" if only the principal axes differ, "products dropped"
+    if it ignores products of inertia, or "other".
 
     Parameters
     ----------
+    stated, body : the body that the file states, and the engine's
+    apart : how far they are from each other
     problems : faults of the link's numbers in the file
     made_up : the source of tensors that the engine does not take from the file; else empty
     """
@@ -175,7 +180,10 @@ def _of_tensor(
 
 
 def _why(problems: tuple[FileProblem, ...]) -> str:
-    """Return the first impossible number, its rule first: ": no body has it, 0.3 + 0.1 < 0.9"."""
+    """Return words for the first impossible number of the file; empty if there is none.
+
+    The rule comes before the number, as in ": no body has it, 0.3 + 0.1 < 0.9".
+    """
     for problem in problems:
         if problem.impossible:
             text, colon, rule = problem.text.partition(": ")
@@ -199,7 +207,7 @@ def _close(one: FloatArray, other: FloatArray) -> bool:
 
 
 def _moments(inertia: FloatArray) -> str:
-    """The moments as text; one number if all three are equal."""
+    """Return the principal moments of a tensor as text; one number if all three are equal."""
     moments = principal_moments(inertia)
     alike = moments[2] - moments[0] <= AGREES * abs(moments[2])
     return f"{moments[2]:.3g}" if alike else ", ".join(f"{moment:.3g}" for moment in moments)

@@ -15,18 +15,19 @@ _ATTRIBUTE = re.compile(rb"""\s+([^\s=/>]+)\s*=\s*("[^"]*"|'[^']*')""")
 
 
 def elements_of(model: ModelFile) -> dict[Span, Element]:
-    """Return the elements of the file itself, without those of included files, by their spans."""
+    """Return the elements of a model's own file, without those of included files, by span."""
     root, _ = parse_xml(model.data, str(model.path))
     return {element.span: element for element in root.walk()}
 
 
 def write_inertia(model: ModelFile, element: Element, body: BodyReading, remark: str = "") -> Edits:
-    """Return the edits that make a link state a body along its own axes.
+    """Return the edits after which a link states a given body, its tensor along the link's axes.
 
     Parameters
     ----------
     element : the element of the link
-    remark : comment written beside it, if it is not empty
+    body : mass, com and tensor that the link shall state
+    remark : text of a comment before the link's inertial; no comment if empty
     """
     comment = f"<!-- {remark} -->".encode() if remark else b""
     inertial = element.only("inertial")
@@ -61,7 +62,10 @@ def _of_urdf(data: bytes, inertial: Element, body: BodyReading) -> Edits:
 
 
 def inertial_line(body: BodyReading, form: str = "urdf") -> str:
-    """Return the `<inertial>` of a body without a rotation, which every reader reads alike."""
+    """Return the `<inertial>` of a body: the tensor along the link's axes, without a rotation.
+
+    Every reader reads it alike. `form` is "urdf" or "mjcf".
+    """
     if form == "mjcf":
         inside = " ".join(f'{key}="{value}"' for key, value in _of_mjcf(body).items())
         return f"<inertial {inside}/>"
@@ -90,7 +94,12 @@ def _entries(body: BodyReading) -> dict[str, float]:
 def set_attributes(
     data: bytes, element: Element, changes: Mapping[str, str | None]
 ) -> tuple[Span, bytes]:
-    """Return the edit that gives an element's attributes other values; None removes one."""
+    """Return the edit that changes an element's attributes.
+
+    Parameters
+    ----------
+    changes : new values by the names of the attributes; None removes an attribute
+    """
     start, end = element.span[0], tag_end(data, element.span[0])
     left = dict(changes)
 
@@ -109,7 +118,7 @@ def set_attributes(
 
 
 def _inside(data: bytes, element: Element, new: bytes) -> tuple[Span, bytes]:
-    """Return the edit that inserts something as the first child of an element."""
+    """Return the edit that inserts the XML `new` as the first child of an element."""
     start, end = element.span[0], tag_end(data, element.span[0])
     tag = data[start:end]
     if tag.endswith(b"/>"):

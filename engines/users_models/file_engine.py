@@ -22,10 +22,11 @@ class Advice:
 
     Attributes
     ----------
-    line : XML to put into the file; empty if the advice is something else
-    is_mended : whether a newer version of the engine no longer needs it
+    text : the advice as a sentence
+    line : XML that the advice puts into the file; empty if it is about something else
+    is_mended : whether newer versions of the engine no longer need the advice
     concerns : for a refused file, which links the advice is about: those with an "impossible"
-        tensor, or "massless" ones, which move without mass or tensor
+        tensor, or "massless" ones, which move without mass or tensor; else empty
     """
 
     text: str
@@ -42,8 +43,9 @@ class Configuration:
     ----------
     name : as users type and read it
     summary : what is set, in one line
-    made_up : the source of tensors that are not taken from the file; else empty
-    advice : by the word of a difference, what helps in this engine besides what helps in every one
+    made_up : the source of the tensors if the engine does not take them from the file; else empty
+    advice : what helps in this engine against a difference, by the difference's word (see
+        `compare.cause`), besides advice for all engines
     """
 
     name: str
@@ -57,7 +59,9 @@ class ModelReader(ABC):
 
     Attributes
     ----------
-    refusals : by words of the engine's reason for refusing a file, what makes it accept the file
+    formats : the formats of files that it reads
+    configurations : the ways in which users let it read a file
+    refusals : what makes the engine accept a file that it refuses, by words in its reason
     is_optional : whether it reads files only if the user names it
     """
 
@@ -76,7 +80,8 @@ class ModelReader(ABC):
     def read(self, model: ModelFile, configuration: str) -> dict[str, BodyReading]:
         """Return the bodies that the engine has after it has read the file, by the links' names.
 
-        A link that was fused with another has no body of its own and is left out.
+        A link that was fused with another has no body of its own and is left out. `configuration`
+        is the name of one of `configurations`.
 
         Raises
         ------
@@ -88,7 +93,8 @@ class ModelReader(ABC):
 class FileEngine(Engine):
     """An engine for scenes that name a link of a model file, and for no others.
 
-    Bodies are compared with the tolerance of `inspect`, as engines diagonalise tensors loosely.
+    Bodies are compared with the tolerance of the command `inspect`, since some engines diagonalise
+    tensors with larger errors than rounding.
 
     Attributes
     ----------
@@ -117,7 +123,10 @@ class FileEngine(Engine):
     def differences(
         self, scenario: Scenario, method: str, body: BodyReading, state: State
     ) -> list[Difference]:
-        """Return the differences from the scene; those of the body in the words of `inspect`."""
+        """Return the differences from the scene.
+
+        All those of the body are one difference, described as the command `inspect` does it.
+        """
         differing = super().differences(scenario, method, body, state)
         others = [one for one in differing if one.what not in OF_BODY]
         if len(others) == len(differing):
@@ -135,7 +144,7 @@ class FileEngine(Engine):
 
 @dataclass(frozen=True, eq=False)
 class _OtherBody(Difference):
-    """A body that is not the one the file states, and the cause."""
+    """An engine's body that differs from the body that the file states; `why` has the cause."""
 
     why: str
 

@@ -25,19 +25,22 @@ DENSEST = 22590.0
 
 @dataclass(frozen=True, eq=False)
 class FileProblem:
-    """One fault of a link in a file; `text` describes it, with the numbers."""
+    """One fault of a link in a file: its kind in a word or two, and a text with the numbers."""
 
     kind: str
     text: str
 
     @property
     def impossible(self) -> bool:
-        """Whether no body can have the number; otherwise it is doubtful."""
+        """Whether no body can have the numbers; otherwise they are only doubtful."""
         return self.kind in IMPOSSIBLE
 
 
 def problems(link: Link) -> tuple[FileProblem, ...]:
-    """Return the faults of a link's inertial; if it has none, what is doubtful about it."""
+    """Return the faults of the mass and tensor that a link states.
+
+    These are numbers that no body can have; if there are none, numbers that are doubtful.
+    """
     stated = link.stated
     if stated is None:
         return ()
@@ -48,7 +51,7 @@ def problems(link: Link) -> tuple[FileProblem, ...]:
 
 
 def problems_of_parts(body: RigidBody) -> tuple[tuple[Link, FileProblem], ...]:
-    """Return the faults of a body's links, each with its link."""
+    """Return the faults of all links of a body, each with the link that has it."""
     return tuple((link, problem) for link, _ in body.parts for problem in problems(link))
 
 
@@ -79,7 +82,7 @@ def _of_tensor(stated: Stated) -> Iterator[tuple[str, str]]:
 
 
 def _digits(small: float, middle: float, large: float) -> str:
-    """Return the text "a + b < c", with as many digits as show the inequality."""
+    """Return three moments as the text "a + b < c", in the fewest digits that still obey it."""
     for digits in range(2, 18):
         a, b, c = (f"{moment:.{digits}g}" for moment in (small, middle, large))
         if float(a) + float(b) < float(c):
@@ -96,11 +99,11 @@ def _placeholder(stated: Stated) -> Iterator[tuple[str, str]]:
 
 
 def _beside_its_shapes(link: Link, stated: Stated) -> Iterator[tuple[str, str]]:
-    """Yield what a mass within the link's shapes cannot have.
+    """Yield faults of a link's numbers that its shapes show, if its mass is within the shapes.
 
     The variance of a mass within a width w is at most (w/2)² (T. Popoviciu 1935); along x it is
-    (Iyy + Izz − Ixx) / 2m. Nor is the mass denser than any element, if it fills the box about the
-    shapes; for a flat shape, whose box has no volume, the density is not known.
+    (Iyy + Izz − Ixx) / 2m. And a mass that fills the box around the shapes is no denser than the
+    densest element; for a flat shape, whose box has no volume, the density is not known.
     """
     box = shapes_box(link)
     if box is None:
@@ -128,7 +131,10 @@ def _beside_its_shapes(link: Link, stated: Stated) -> Iterator[tuple[str, str]]:
 
 
 def shapes_box(link: Link) -> FloatArray | None:
-    """Return the lowest and highest corner of a link's shapes, m, (2, 3); None if unknown."""
+    """Return the lowest and the highest corner of the box around a link's shapes, m, (2, 3).
+
+    It is None if the link has no shapes, or one whose size is not known.
+    """
     boxes = [shape.box for shape in link.shapes]
     known = [box for box in boxes if box is not None]
     if not known or len(known) < len(boxes):

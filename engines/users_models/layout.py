@@ -1,4 +1,4 @@
-"""Writes a model's file for engines that take paths, with the files that it may name."""
+"""Writes a model file, and the files that it may name, into a folder for engines to read."""
 
 from collections.abc import Collection, Iterable
 from pathlib import Path
@@ -16,7 +16,7 @@ def laid_out(
     endings: Collection[str] = MESHES,
     links: Iterable[Link] | None = None,
 ) -> str:
-    """Write a model into a folder, with the files that an inertia may come from.
+    """Write a model into a folder, with the files that engines may compute an inertia from.
 
     Parameters
     ----------
@@ -25,7 +25,7 @@ def laid_out(
 
     Returns
     -------
-    the path of the model's file
+    The path of the model's file
     """
     path = folder / {"urdf": "model.urdf", "mjcf": "model.xml", "usd": "model.usda"}[model.format]
     data, files = model.checked.encode(), _named(model)
@@ -39,7 +39,7 @@ def laid_out(
 
 
 def _named(model: ModelFile) -> dict[str, bytes]:
-    """Return the contents of the files that the checked text names, by their names."""
+    """Return the contents of the files that the model's checked text names, by their new names."""
     contents = {
         name: file.encode() if isinstance(file, str) else mesh_bytes(model, str(file))
         for name, file in model.files.items()

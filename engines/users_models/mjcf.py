@@ -1,7 +1,7 @@
 """Reads what an MJCF file states: `body/inertial`, after includes, frames and replicates.
 
-`mujoco.MjSpec` is not used for it, because MuJoCo's reading is what is checked, a file may crash
-it, and it keeps no places in the file.
+`mujoco.MjSpec` is not used, because MuJoCo's reading is what is checked; a file may also crash it,
+and it does not keep the elements' places in the file.
 """
 
 from collections.abc import Callable
@@ -23,7 +23,7 @@ ZEROS = (0.0, 0.0, 0.0)
 
 
 def read_mjcf(root: Element, files: CheckedFiles) -> tuple[tuple[Link, ...], tuple[str, ...]]:
-    """Return the bodies of a model, in the file's order, and what of the model was not read.
+    """Return the bodies of a model, in the file's order, and sentences on what was not read.
 
     Raises
     ------
@@ -42,7 +42,14 @@ def read_mjcf(root: Element, files: CheckedFiles) -> tuple[tuple[Link, ...], tup
 
 @dataclass(frozen=True)
 class Compiler:
-    """The settings of MuJoCo's compiler that say what the numbers of a file mean."""
+    """The settings of MuJoCo's compiler that say what the numbers of a file mean.
+
+    Attributes
+    ----------
+    degrees : whether angles are in degrees
+    eulerseq : the axes of Euler angles; small letters turn with the frame
+    from_shapes : whether inertia is computed from shapes even where the file states it
+    """
 
     degrees: bool
     eulerseq: str
@@ -65,7 +72,15 @@ def _compiler(root: Element) -> Compiler:
 
 @dataclass
 class _Reader:
-    """Walks the bodies of a world; they are nested no deeper than the file's elements may be."""
+    """Reads the bodies of a model by recursion; `MAX_DEPTH` limits how deep elements are nested.
+
+    Attributes
+    ----------
+    file : name of the model's own file, as elements have it
+    unnamed : number of bodies so far without a name
+    links : the bodies that were read
+    notes : sentences on what was not read
+    """
 
     file: str
     compiler: Compiler
@@ -74,12 +89,12 @@ class _Reader:
     notes: list[str] = field(default_factory=list)
 
     def read(self, element: Element, parent: str, frame: Pose) -> None:
-        """Read the bodies of an element.
+        """Read the bodies inside an element.
 
         Parameters
         ----------
         parent : name of the body that they are attached to; empty for the world
-        frame : pose of the element's frame in the parent's
+        frame : pose of the element's frame in the parent's frame
         """
         for child in element.children:
             if child.tag == "body":
@@ -159,7 +174,11 @@ def _pose(element: Element, compiler: Compiler) -> Pose:
 
 
 def _rotation(element: Element, compiler: Compiler) -> FloatArray:
-    """Return the rotation, given in one of five ways (XML reference, *Frame orientations*)."""
+    """Return the rotation matrix that an element states in one of five ways, (3, 3).
+
+    They are listed in MuJoCo's XML reference, *Frame orientations*. It is the identity if the
+    element states no rotation.
+    """
     ways = [key for key in WAYS if key in element.attributes]
     if len(ways) > 1:
         element.refuse(f"{element} gives its rotation twice: '{ways[0]}' and '{ways[1]}'")
@@ -182,7 +201,7 @@ def _by_axis_angle(values: FloatArray, compiler: Compiler) -> Rotation:
 
 
 def _by_euler(values: FloatArray, compiler: Compiler) -> Rotation:
-    """Return the rotation of three angles: axes in small letters turn with the frame."""
+    """Return the rotation of three Euler angles; axes in small letters turn with the frame."""
     total = Rotation.identity()
     for letter, angle in zip(compiler.eulerseq, values, strict=True):
         one = Rotation.from_euler(letter.lower(), angle, degrees=compiler.degrees)

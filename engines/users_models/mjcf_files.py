@@ -1,4 +1,4 @@
-"""Limits what MuJoCo may read and make of an MJCF file: no files elsewhere, not too many elements.
+"""Limits which files MuJoCo reads for an MJCF file, and how many elements it generates from it.
 
 MuJoCo is given the checked tree as text, with new names for the files that it may read: it opens
 none of the user's files by the user's names.
@@ -16,8 +16,8 @@ MAX_INCLUDES, MAX_MODELS = 256, 64
 READ = ("hfield", "flexcomp")
 #: Attributes with folders that the names of files are relative to.
 PLACES = ("meshdir", "assetdir", "texturedir")
-#: Largest number of elements that counts may make together, and the elements that have counts:
-#: MuJoCo takes time by the square of their number.
+#: Largest number of elements that MuJoCo may generate for all elements with a count, and the tags
+#: of elements with a count. MuJoCo's time grows as the square of the number.
 MAX_MADE = 4096
 COUNTED = ("replicate", "composite", "flexcomp")
 #: Largest number in <size>: of keyframes, user data.
@@ -27,27 +27,31 @@ NO_FILE = "none"
 
 
 class CheckedFiles:
-    """Inserts included files and finds named ones, of a model and of the models it attaches.
+    """Checks a model and the models that it attaches: inserts included files, finds named files.
 
     Attributes
     ----------
-    files : paths of the files, by the names that the checked text has for them
+    files : paths of the files, or texts of attached models, by the names that replace the files'
+        own names in the checked text
     """
 
     def __init__(self, folders: Folders) -> None:
         self._folders = folders
-        # Attached models by their file: the new name, and how many elements each makes; None while
-        # the model is being read.
+        # Attached models by their file: the new name of the file, and the number of elements that
+        # the model expands to; None while the model is being read.
         self._models: dict[Path, tuple[str, int] | None] = {}
         self.files: dict[str, str | Path] = {}
 
     def check(self, root: Element) -> int:
-        """Check that MuJoCo reads and makes no more than it may; return how many elements it makes.
+        """Check a model, and replace the names of the files that it names.
+
+        Returns the number of elements that MuJoCo generates from it, besides those in the file.
 
         Raises
         ------
         ModelFileError
-            If a file lies outside the folders or is included twice, or too much would be made.
+            If a file lies outside the folders or is included twice, or if MuJoCo would generate too
+            many elements.
         """
         self._include(root)
         attached = self._name_files(root)
@@ -55,7 +59,7 @@ class CheckedFiles:
         return _made(root, attached)
 
     def _include(self, root: Element) -> None:
-        """Put the contents of included files where they are included."""
+        """Replace each `include` inside an element by the contents of the file that it names."""
         included: set[Path] = set()
         left, count = [(root, 1)], 0
         while left:
@@ -83,7 +87,14 @@ class CheckedFiles:
         return read_xml(path)[1].children
 
     def _found(self, element: Element, name: str, places: Iterable[str]) -> Path:
-        """Return the file that an element names, at the first of the places where it exists."""
+        """Return the file that an element names: the first of several paths that exists.
+
+        Parameters
+        ----------
+        element : the element, which is refused if no path exists
+        name : the file's name in the element, for the message
+        places : paths that the name may mean
+        """
         path = next(filter(None, map(self._folders.find, places)), None)
         if path is None:
             element.refuse(
@@ -93,7 +104,12 @@ class CheckedFiles:
         return path
 
     def _name_files(self, root: Element) -> dict[str, int]:
-        """Rename files that elements name; return how many elements each attached model makes."""
+        """Replace the file names in a model's elements; no file on disk is renamed.
+
+        Returns
+        -------
+        The number of elements that each attached model expands to, by the model's name
+        """
         folders = []
         for compiler in root.all("compiler"):
             folders += [compiler.attributes.pop(key, "") for key in PLACES]
@@ -137,7 +153,13 @@ class CheckedFiles:
 
 
 def _made(root: Element, attached: dict[str, int]) -> int:
-    """Return how many elements counts and attached models make; refuse more than `MAX_MADE`."""
+    """Return the number of elements that MuJoCo generates; refuse more than `MAX_MADE`.
+
+    Parameters
+    ----------
+    root : the model, whose elements with a count or `attach` generate others
+    attached : the number of elements that each attached model expands to, by name
+    """
     made = 0
     left = [(root, 1)]
     while left:
@@ -158,7 +180,7 @@ def _made(root: Element, attached: dict[str, int]) -> int:
 
 
 def _check_sizes(root: Element) -> None:
-    """Check that no table is requested that would fill the memory."""
+    """Check that no array whose size `<size>` states, of keyframes or user data, is too large."""
     for size in root.all("size"):
         for key, text in size.attributes.items():
             # The other sizes are of motions, which are not computed here.

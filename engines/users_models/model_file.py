@@ -19,13 +19,16 @@ WORLD = "world"
 
 @dataclass(frozen=True, eq=False)
 class Pose:
-    """The pose of a frame in another one: `p = position + R @ p_inner`; m."""
+    """The pose of an inner frame in an outer frame.
+
+    A point p_inner of the inner frame is at `position + R @ p_inner` in the outer frame, m.
+    """
 
     position: FloatArray = field(default_factory=lambda: np.zeros(3))
     R: FloatArray = field(default_factory=lambda: np.eye(3))
 
     def then(self, inner: "Pose") -> "Pose":
-        """Return the pose, in the outer frame, of a frame whose pose in this one is `inner`."""
+        """Return, in this pose's outer frame, the pose of a frame at `inner` in its inner frame."""
         return Pose(self.position + self.R @ inner.position, self.R @ inner.R)
 
 
@@ -42,7 +45,7 @@ class Stated(BodyReading):
 
     @property
     def is_physical(self) -> bool:
-        """Whether a mass and a tensor are stated."""
+        """Whether the mass is positive and the tensor not zero."""
         return self.mass > 0 and bool(self.inertia_com.any())
 
 
@@ -53,9 +56,9 @@ class Shape:
     Attributes
     ----------
     box : lowest and highest corner, (2, 3); None for a mesh, and for an unknown kind of shape
-    span : span of its element
-    mesh : the file it names, if it is a mesh
-    collides : whether it is a collision shape
+    span : span of the shape's element in the file
+    mesh : the file that a mesh names; None for another shape
+    collides : whether it is a collision shape; else it is only drawn
     """
 
     box: FloatArray | None
@@ -65,7 +68,7 @@ class Shape:
 
     @property
     def ending(self) -> str:
-        """The file ending of its mesh, in small letters."""
+        """The file ending of a mesh, in small letters; empty for another shape."""
         return Path(self.mesh or "").suffix.lower()
 
 
@@ -75,15 +78,15 @@ class Link:
 
     Attributes
     ----------
-    where : file and line
-    stated : None if the file has no `inertial` for it
-    parent : name of the link that it is attached to; empty for a root
-    pose : pose of its frame in its parent's
-    moves : whether a joint lets it move against its parent
-    by_shapes : whether its inertia is to be computed from its shapes, which is not done here
-    shapes : shapes that it is drawn with and collides with
-    span, joint : spans of its element and of the URDF joint that it is attached by; (0, 0) if it is
-        in no file, or in one that is included
+    where : file and line of the link
+    stated : mass, com and tensor that the file states; None if it has no `inertial` for the link
+    parent : name of the link that this one is attached to; empty for a root
+    pose : pose of the link's frame in the parent's frame
+    moves : whether a joint lets the link move relative to its parent
+    by_shapes : whether engines compute the link's inertia from its shapes, which is not done here
+    shapes : shapes by which the link is drawn and collides
+    span, joint : spans, in the model's own file, of the link's element and of the URDF joint that
+        attaches it; (0, 0) if there is none, or if it is in an included file
     """
 
     name: str
@@ -99,7 +102,7 @@ class Link:
 
     @property
     def has_inertia(self) -> bool:
-        """Whether the file states a mass and a tensor for it."""
+        """Whether the file states a mass and a tensor for the link, neither of them zero."""
         return self.stated is not None and self.stated.is_physical
 
 
@@ -119,8 +122,8 @@ class Folders:
     def find(self, name: str) -> Path | None:
         """Return a file that a model names, if it exists inside one of the folders; else None.
 
-        The packages that contain the model itself, as ROS lays them out and installs them, count
-        too.
+        Packages of ROS that contain the model itself count as folders, too: those with a
+        package.xml, and those installed under share.
         """
         above = [
             folder
@@ -144,16 +147,17 @@ class Folders:
 
 @dataclass(frozen=True, eq=False)
 class ModelFile:
-    """A file as read.
+    """A model file that was read.
 
     Attributes
     ----------
-    data : its bytes
-    links : in the file's order
+    data : the bytes of the file
+    links : the model's links, in the file's order
     notes : sentences on what is odd about the file, and on what of it was not read
     checked : for an MJCF or a USD file, the text that engines may read, with included files
         inserted
-    files : files that the checked text names, by the names that it has for them: the text of a
+    folders : the folders in which the model's files may be
+    files : files that the checked text names, by their names in this text: the text of an attached
         model, or the path of a mesh or a height field
     """
 
@@ -167,7 +171,7 @@ class ModelFile:
     files: Mapping[str, str | Path] = field(default_factory=dict)
 
     def link(self, name: str) -> Link:
-        """Return the link of a given name; KeyError if there is none."""
+        """Return the link of a given name; raise KeyError if there is none."""
         return {link.name: link for link in self.links}[name]
 
 
@@ -184,30 +188,33 @@ class RigidBody:
 
     @property
     def host(self) -> Link:
-        """The link that the others are welded to."""
+        """The link that the other parts are welded to."""
         return self.parts[0][0]
 
     @property
     def welded(self) -> tuple[str, ...]:
-        """Names of the links welded to it that have an inertia of their own."""
+        """Names of the links welded to the host for which the file states an inertia."""
         return tuple(link.name for link, _ in self.parts[1:] if link.stated is not None)
 
     @property
     def unread(self) -> str:
-        """The parts whose inertia is to be computed from their shapes, in words; empty if none."""
+        """Words that name the parts whose inertia engines compute from shapes; empty if none."""
         names = [link.name for link, _ in self.parts if link.by_shapes]
         return f"the inertia of {', '.join(names)} is that of its shapes, not read" if names else ""
 
     @property
     def stated(self) -> Stated | None:
-        """Mass, com and tensor of the whole; None if the file states none for any part."""
+        """Mass, com and tensor of the whole body; None if the file states them for no part."""
         stated = [(link.stated, pose) for link, pose in self.parts if link.stated is not None]
         if self.welded:
             return fused(stated)
         return stated[0][0] if stated else None
 
     def only(self, names: Collection[str]) -> "RigidBody":
-        """Return the body of its host, the named links, and the links between them and the host."""
+        """Return the body without the welded links that are not needed.
+
+        It keeps the host, the links of the given names, and the links between them and the host.
+        """
         parents = {link.name: link.parent for link, _ in self.parts[1:]}
         wanted = {self.host.name}
         for name in names:
@@ -224,8 +231,8 @@ def rigid_bodies(
 
     Parameters
     ----------
-    gone : names of links that are part of the link they are attached to; by default the links that
-        no joint moves
+    gone : names of links that have no body of their own but belong to the link that they are
+        attached to; by default the links that no joint moves
     """
     if gone is None:
         gone = {li.name for li in links if li.parent and not li.moves and li.parent != WORLD}

@@ -1,4 +1,4 @@
-"""Reads a model file of any format, and the link of one that a scene names."""
+"""Reads a model file of any format, and finds the link of such a file that a scene names."""
 
 from dataclasses import dataclass
 from functools import lru_cache
@@ -23,7 +23,7 @@ def read_model(path: str | Path, packages: tuple[tuple[str, Path], ...] = ()) ->
 
     Parameters
     ----------
-    packages : folders of its meshes by the name that `package://` gives them
+    packages : names of packages, as in `package://`, and their folders, in which meshes are found
 
     Raises
     ------
@@ -57,7 +57,7 @@ def read_model(path: str | Path, packages: tuple[tuple[str, Path], ...] = ()) ->
 
 
 def _scaled(robot: Element) -> list[str]:
-    """Return names of links whose tensor Bullet scales by an element of its own."""
+    """Return a note for each link whose tensor Bullet, and no other engine, scales."""
     return [
         f"{scaling.where}: Bullet multiplies the tensor of {link} by this <inertia_scaling>; no "
         "other engine does"
@@ -81,12 +81,13 @@ def _missing_meshes(links: tuple[Link, ...], folders: Folders, path: Path) -> li
 
 @dataclass(frozen=True, eq=False)
 class UsersLink:
-    """A link with what is welded to it, and its file.
+    """The link of a model file that a scene names, with the links welded to it.
 
     Attributes
     ----------
-    body : the link with only those welded links that the scene names
-    stated : mass, com and tensor of the whole
+    model : the file
+    body : the link, and those of the links welded to it that the scene names
+    stated : mass, com and tensor of the whole body
     """
 
     model: ModelFile
@@ -95,7 +96,7 @@ class UsersLink:
 
 
 def users_link(scenario: Scenario) -> UsersLink:
-    """Return the link that a scene names.
+    """Return the link of a model file that a scene names, and read the file for it.
 
     Raises
     ------
@@ -131,5 +132,5 @@ def users_link(scenario: Scenario) -> UsersLink:
 
 @lru_cache(maxsize=KEPT)
 def _read(path: Path, digest: str) -> ModelFile:  # noqa: ARG001
-    """Return the file; it is kept by path and digest."""
+    """Return the model in a file; it is read again only if path or digest are others."""
     return read_model(path)

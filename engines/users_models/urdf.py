@@ -42,7 +42,7 @@ def urdf_links(robot: Element) -> tuple[Link, ...]:
 
 
 def _joints(robot: Element, links: dict[str, Element]) -> dict[str, tuple[str, Element]]:
-    """Return parent's name and joint of each link that has one, by the link's name."""
+    """Return the parent's name and the joint of each link that hangs on a joint, by its name."""
     joints: dict[str, tuple[str, Element]] = {}
     for joint in robot.all("joint"):
         ends = {}
@@ -114,7 +114,10 @@ def _stated(inertial: Element) -> Stated:
 
 
 def _pose(element: Element) -> Pose:
-    """Return the pose in the element's `origin`; R = Rz(yaw) Ry(pitch) Rx(roll)."""
+    """Return the pose that an element's `origin` states, with R = Rz(yaw) Ry(pitch) Rx(roll).
+
+    Without an `origin` it is no shift and no turn.
+    """
     origin = element.only("origin")
     if origin is None:
         return Pose()
@@ -138,7 +141,10 @@ def _shape(element: Element) -> Shape:
 
 
 def _half_extents(solid: Element) -> FloatArray | None:
-    """Return half the box around a shape, along its own axes, m; None for an unknown kind."""
+    """Return half the sides of the box around a shape, along the shape's axes, m, (3,).
+
+    It is None for an unknown kind of shape.
+    """
     if solid.tag == "box":
         return np.array(solid.numbers("size", 3)) / 2
     if solid.tag == "sphere":
@@ -160,17 +166,17 @@ Edits = list[tuple[Span, bytes]]
 def with_meshes(
     model: ModelFile, links: Iterable[Link], endings: Collection[str]
 ) -> tuple[bytes, dict[str, bytes]]:
-    """Return the file with its meshes renamed, so that an engine finds no other files.
+    """Return a URDF that names its meshes by new names, so that an engine finds no other files.
 
     Parameters
     ----------
-    links : links whose meshes are read, of their collision shapes
-    endings : file endings of the meshes that are read
+    links : links whose collision shapes keep their meshes
+    endings : file endings of the meshes that are kept
 
     Returns
     -------
     data : the file without visual parts, and without collision shapes whose mesh is missing, lies
-        outside the model's folders, or is not to be read
+        outside the model's folders, or is not kept
     meshes : contents of the mesh files, by their new names
     """
     wanted = {shape for link in links for shape in link.shapes if shape.ending in endings}
@@ -183,9 +189,11 @@ def body_alone(
 ) -> tuple[bytes, dict[str, bytes]]:
     """Return a URDF of one body, its links and the joints between them cut verbatim out of a model.
 
+    It is returned as in `with_meshes`: the file's bytes, and the meshes by their new names.
+
     Parameters
     ----------
-    endings : as in `with_meshes`; if None, the links have no shapes
+    endings : file endings of the meshes that are kept; if None, the links have no shapes
     """
     links = [link for link, _ in body.parts]
     shapes = [shape for link in links for shape in link.shapes]
@@ -201,7 +209,7 @@ def body_alone(
 
 
 def edited(data: bytes, edits: Edits) -> bytes:
-    """Return the data with spans, which do not overlap, replaced."""
+    """Return a file's bytes after edits, whose spans must not overlap."""
     parts, at = [], 0
     for (start, end), new in sorted(edits):
         parts += [data[at:start], new]
@@ -210,15 +218,15 @@ def edited(data: bytes, edits: Edits) -> bytes:
 
 
 def mesh_bytes(model: ModelFile, name: str) -> bytes | None:
-    """Return the contents of a mesh that a model names, without references to an OBJ's materials.
+    """Return the contents of a mesh that a model names; None if it is not in the model's folders.
 
-    PyBullet would open the materials, wherever they are. None if the mesh is not inside the model's
-    folders.
+    References to materials in an OBJ file are made comments, since PyBullet would open the
+    materials wherever they are.
 
     Raises
     ------
     EngineError
-        If it cannot be read or is too large.
+        If the mesh cannot be read or is too large.
     """
     path = model.folders.find(name)
     if path is None:
@@ -233,7 +241,11 @@ def mesh_bytes(model: ModelFile, name: str) -> bytes | None:
 def _edits(
     model: ModelFile, links: Iterable[Link], wanted: Collection[Shape]
 ) -> tuple[Edits, dict[str, bytes]]:
-    """Return edits that rename the meshes of `wanted` collision shapes, and those meshes."""
+    """Return edits of the shapes of some links, and the contents of meshes by their new names.
+
+    The edits give the meshes of the `wanted` collision shapes new names, and remove visual shapes
+    and all other meshes.
+    """
     edits: Edits = []
     meshes: dict[str, bytes] = {}
     for shape in (shape for link in links for shape in link.shapes):

@@ -1,4 +1,4 @@
-"""Reads what a USD file, as text, states of its rigid bodies: UsdPhysics' MassAPI and joints.
+"""Reads what a USD file in text form states of rigid bodies: UsdPhysics' MassAPI and joints.
 
 OpenUSD reads the file, which may name no other files; units, scales and axes are applied here.
 """
@@ -20,7 +20,9 @@ TEXT = b"#usda"
 
 
 def usd_links(path: Path, data: bytes) -> tuple[tuple[Link, ...], tuple[str, ...]]:
-    """Return the rigid bodies of a file by their paths, in its order, and what was not read.
+    """Return the rigid bodies of a file, named by their paths, and sentences on what was not read.
+
+    The bodies are in the file's order.
 
     Raises
     ------
@@ -80,7 +82,15 @@ def usd_links(path: Path, data: bytes) -> tuple[tuple[Link, ...], tuple[str, ...
 
 
 def _stated(mass: Any, metre: float, kilogram: float, scale: FloatArray) -> Stated | None:
-    """Return what a MassAPI states; None if mass, com or tensor are to be computed from shapes."""
+    """Return what a MassAPI states, in SI units; None if it lacks the mass, com or tensor.
+
+    Engines compute what is lacking from shapes.
+
+    Parameters
+    ----------
+    metre, kilogram : the file's units of length, m, and of mass, kg
+    scale : factors by which the prim's axes are scaled, (3,)
+    """
     value = float(mass.GetMassAttr().Get() or 0.0)
     moments = np.array(mass.GetDiagonalInertiaAttr().Get() or (0.0,) * 3, dtype=float)
     com = mass.GetCenterOfMassAttr()
@@ -97,7 +107,11 @@ def _stated(mass: Any, metre: float, kilogram: float, scale: FloatArray) -> Stat
 
 
 def _joints(stage: Any, physics: Any, metre: float) -> dict[str, tuple[str, Pose, bool]]:
-    """Return by body what it is attached to, its pose there, and whether the joint moves."""
+    """Return the joints of a stage, by the path of the body that each attaches.
+
+    A joint is given as the path of the body that this one is attached to, the pose in that body's
+    frame, and whether the joint lets it move.
+    """
     joints: dict[str, tuple[str, Pose, bool]] = {}
     for prim in stage.Traverse():
         if not prim.IsA(physics.Joint):

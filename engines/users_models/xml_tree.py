@@ -23,7 +23,10 @@ _NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?", re.ASCII)
 
 
 class ModelFileError(ValueError):
-    """A model file has no single meaning; the message names file, line, element and rule."""
+    """A model file cannot be read, or engines would not read it alike.
+
+    The message names the file, and where it can the line, the element and the rule.
+    """
 
 
 #: Largest depth of nested elements; robots nest one body for each joint.
@@ -57,8 +60,8 @@ class Element:
 
     Attributes
     ----------
-    file, line : where it begins
-    span : the bytes of the file that it takes up
+    file, line : name of the file, and the line in it where the element begins
+    span : indices of the element's first byte in the file and of the byte after its last
     """
 
     tag: str
@@ -91,7 +94,10 @@ class Element:
         return children[0] if children else None
 
     def walk(self) -> Iterator["Element"]:
-        """Yield the element and its descendants, as they are when reached, without recursion."""
+        """Yield the element and its descendants, without recursion.
+
+        If a descendant is changed before it is yielded, the changed one is yielded.
+        """
         left = [self]
         while left:
             element = left.pop()
@@ -109,13 +115,14 @@ class Element:
 
         Parameters
         ----------
-        length : how many numbers there must be; any if None
-        default : the numbers if the attribute is missing; None if it must not be
+        key : name of the attribute
+        length : how many numbers there must be; None allows any
+        default : the numbers to return if the attribute is missing; None if it must be there
 
         Raises
         ------
         ModelFileError
-            If the attribute is missing without a default, or is not that many decimal numbers.
+            If the attribute is missing without a default, or has not `length` decimal numbers.
         """
         text = self.attributes.get(key)
         if text is None:
@@ -135,7 +142,10 @@ class Element:
         return tuple(map(float, parts))
 
     def text(self) -> str:
-        """Return the element as XML; elements keep the lines that engines' messages name."""
+        """Return the element as XML, each element in its original line.
+
+        So the line numbers in engines' messages are those of the user's file.
+        """
         parts: list[str] = []
         line = 1
         left: list[Element | str] = [self]
@@ -165,24 +175,27 @@ def _why(part: str) -> str:
 
 
 def shown(value: str) -> str:
-    """Return a value of the file as messages show it."""
+    """Return a value of the file as messages show it: quoted, printable, and not too long."""
     return printable(repr(value), MAX_SHOWN)
 
 
 def read_xml(path: Path) -> tuple[bytes, Element, list[str]]:
-    """Read a file; return its bytes, its outermost element, and why other tools refuse it.
+    """Read a file; return its bytes, its outermost element, and notes.
+
+    The notes say why standard XML parsers would refuse the file although engines read it.
 
     Raises
     ------
     ModelFileError
-        If it cannot be read, is too large or too deep, has a DTD, or is not XML in UTF-8.
+        If the file cannot be read, is too large, nests elements too deep, has a DTD, or is not XML
+        in UTF-8.
     """
     data = read_bytes(path)
     return data, *parse_xml(data, printable(str(path)))
 
 
 def parse_xml(data: bytes, file: str) -> tuple[Element, list[str]]:
-    """Return the outermost element of a file's bytes, and why other tools refuse the file."""
+    """Return the outermost element of an XML file, given its bytes, and notes as in `read_xml`."""
     if b"\0" in data:
         raise ModelFileError(f"{file}: must be a text in UTF-8, no engine reads UTF-16 or zeros")
     notes: list[str] = []
@@ -208,7 +221,7 @@ def read_bytes(path: Path, limit: int = LARGEST_MODEL) -> bytes:
     Raises
     ------
     ModelFileError
-        If it cannot be read, is no regular file, or is larger than the limit.
+        If it cannot be read, is no regular file, or has more than `limit` bytes.
     """
     file = printable(str(path))
     try:
@@ -226,14 +239,14 @@ def _not_xml(error: expat.ExpatError, file: str) -> ModelFileError:
 
 
 def tag_end(data: bytes, start: int) -> int:
-    """Return the index after the tag that starts at `start`."""
+    """Return the index of the byte after the tag that starts at index `start`."""
     tag = _TAG.match(data, start)
     assert tag is not None, "expat has read a tag here"
     return tag.end()
 
 
 class _Builder:
-    """Builds the tree from expat's events, without recursion."""
+    """Builds a file's tree of elements from expat's events; `root` is the outermost element."""
 
     def __init__(self, file: str, data: bytes) -> None:
         self._file, self._data = file, data
@@ -281,7 +294,7 @@ class _Builder:
 
 
 def _unbound_prefixes(root: Element) -> list[str]:
-    """Return a note for each prefix that no `xmlns:` declares."""
+    """Return a note for each prefix of a tag that no attribute `xmlns:` declares."""
     notes: dict[str, str] = {}
     left: list[tuple[Element, frozenset[str]]] = [(root, frozenset({"xml"}))]
     while left:

@@ -18,7 +18,7 @@ from .folders import Say, VersionError, check_version, install, install_for
 PACKAGES = tuple(f"spincheck.{part}" for part in ("engines", "reference", "reports", "scenarios"))
 
 
-#: Methods that use none of the package, answered in any process.
+#: Methods of the adapter that do not use the engine's package, so that any process may call them.
 WITHOUT_PACKAGE = frozenset({"applies_to", "at_version", "defaults", "left_out", "script"})
 
 
@@ -26,9 +26,9 @@ WITHOUT_PACKAGE = frozenset({"applies_to", "at_version", "defaults", "left_out",
 class VersionedEngine(Engine):
     """The adapter of an engine on another version of its package.
 
-    It opens scenes in a process in which modules are found in `site` first, and that has imported
-    no other version before. Whatever an `Engine` has and this class does not define is the
-    adapter's.
+    It opens scenes in a process that imports modules from the folder `site` first and has imported
+    no other version before. All members of `Engine` that this class does not define are forwarded
+    to the adapter.
     """
 
     def __init__(self, base: str, version: str, methods: tuple[Method, ...], site: Path) -> None:
@@ -53,7 +53,7 @@ class VersionedEngine(Engine):
         return tuple(sorted(file.parent.glob("*.py")))
 
     def open(self, scenario: Scenario, method: Method, timestep: float) -> Session:
-        """Open a scene as the adapter does."""
+        """Open a scene as the adapter does, in the process of this version."""
         return self._adapter().open(scenario, method, timestep)
 
     def _adapter(self) -> Engine:
@@ -68,7 +68,10 @@ class VersionedEngine(Engine):
 
 
 def _forwarded(name: str) -> Callable[..., Any]:
-    """Return a method that calls the adapter's method, in this version if it needs the package."""
+    """Return a method that calls the adapter's method of the same name.
+
+    If that method uses the engine's package, the installed version is checked first.
+    """
 
     def forward(self: VersionedEngine, *args: Any, **kwargs: Any) -> Any:
         adapter = engines()[self._base] if name in WITHOUT_PACKAGE else self._adapter()
@@ -78,7 +81,7 @@ def _forwarded(name: str) -> Callable[..., Any]:
 
 
 def _shared(name: str) -> property:
-    """Return a property with a value that the adapter has in any version."""
+    """Return a property with the adapter's value of a name, which is the same in any version."""
     return property(lambda self: getattr(engines()[self._base], name))
 
 
@@ -89,11 +92,12 @@ for _name, _member in vars(Engine).items():
 
 
 def versioned(name: str, python: str = "", say: Say = len) -> VersionedEngine:
-    """Return an engine@version, which is installed if it is not yet.
+    """Return an engine at another version, which is installed unless it is already.
 
     Parameters
     ----------
-    python : the command of another interpreter that it is to run under
+    name : engine@version, such as mujoco@3.1.6
+    python : the command of another interpreter that it is to run under; empty for this one
     say : called with a sentence before anything is downloaded
 
     Raises

@@ -30,11 +30,11 @@ Say = Callable[[str], object]
 
 
 class VersionError(Exception):
-    """A version that is not available, and why.
+    """A version of an engine cannot be had; the message says why.
 
     Attributes
     ----------
-    is_usage : whether the user's command itself cannot be right
+    is_usage : whether the user's command is wrong, rather than that installing failed
     """
 
     def __init__(self, message: str, *, is_usage: bool = False) -> None:
@@ -43,17 +43,25 @@ class VersionError(Exception):
 
 
 def folder_of(name: str, python: str = _PYTHON) -> Path:
-    """Return the folder of an engine@version, installed or not, for a Python's wheel tag."""
+    """Return the folder of an engine at a version, which need not exist.
+
+    Parameters
+    ----------
+    name : engine@version
+    python : wheel tag of the interpreter, such as cp312
+    """
     return _folders() / f"{name}-{python}"
 
 
 def install(
     name: str, requirements: Sequence[str], surplus: Sequence[str] = (), say: Say = len
 ) -> Path:
-    """Install an engine@version with pip, unless it is installed already; return its folder.
+    """Install an engine at a version with pip, unless it is installed; return its folder.
 
     Parameters
     ----------
+    name : engine@version
+    requirements : distributions to install, as pip takes them
     surplus : packages that are removed after installing
     say : called with a sentence before anything is downloaded
 
@@ -79,11 +87,13 @@ def install_for(
     surplus: Sequence[str] = (),
     say: Say = len,
 ) -> Path:
-    """Install packages for another Python, in a virtual environment of that Python.
+    """Install an engine for another interpreter, in a virtual environment; return its folder.
 
     Parameters
     ----------
-    python : the command of an interpreter
+    python : the command of the other interpreter
+    name : engine@version
+    requirements : distributions to install, as pip takes them
     code : folders of packages that are to be importable there as they are here
 
     Raises
@@ -121,17 +131,17 @@ def install_for(
 
 
 def interpreter_of(site: Path) -> Path:
-    """Return the Python of a folder if that is a virtual environment."""
+    """Return the path of the interpreter of a virtual environment in the folder `site`."""
     return site / "bin" / "python"
 
 
 def check_version(version: str) -> None:
-    """Check that a version has the form of one.
+    """Check that a version, as the user typed it, has the form of a version.
 
     Raises
     ------
     VersionError
-        If it does not.
+        If it has not.
     """
     if len(version) > LONGEST_VERSION or not _VERSION.fullmatch(version):
         raise VersionError(
@@ -151,7 +161,7 @@ def _drop(packages: Path, surplus: Sequence[str]) -> None:
 
 
 def _made(folder: Path, fill: Callable[[Path], None], say: Say) -> Path:
-    """Return a folder, which is filled unless it exists."""
+    """Return a folder; if it does not exist, `fill` fills a temporary one, which is moved there."""
     if folder.is_dir():
         return folder
     say(f"Installing {folder.name}, once, into {folder.parent}")
@@ -174,7 +184,12 @@ def _not_there(name: str, wanted: Sequence[str]) -> str:
 
 
 def _call(failing: str, command: Sequence[str]) -> str:
-    """Return what a command prints; `failing` says what it means if the command fails."""
+    """Run a command and return what it prints.
+
+    Parameters
+    ----------
+    failing : beginning of the message if the command fails: what did not succeed
+    """
     try:
         done = run(command, _PATIENCE)
     except subprocess.TimeoutExpired:
