@@ -22,10 +22,10 @@ SLACK = 8 * float(np.finfo(np.float32).eps)
 
 @final
 class BraxSession(WorldSession):
-    """One body in a Brax system of its own, with its frame at the joint."""
+    """A session of one body in a Brax system of its own; the body's frame is at its joint."""
 
     def world_body(self) -> WorldBody:
-        """The body as the system holds it."""
+        """Return the body as the system holds it, from its joint."""
         inertia = self.world.system.link.inertia
         mass, com, tensor = (
             np.asarray(one[0], dtype=float)
@@ -34,7 +34,7 @@ class BraxSession(WorldSession):
         return WorldBody(float(mass), com, tensor, None if self.world.is_free else np.zeros(3))
 
     def active(self) -> frozenset[str]:
-        """What acts, as the system says."""
+        """Return what acts on the body, as the system reports it."""
         system, gravity = self.world.system, np.asarray(self.world.system.gravity, dtype=float)
         right = np.allclose(gravity, self.scenario.gravity_world, rtol=SLACK, atol=0)
         named = {
@@ -49,7 +49,10 @@ class BraxSession(WorldSession):
         return frozenset(name for name, acts in named.items() if acts)
 
     def derivatives(self) -> Mapping[str, Derivative]:
-        """Jacobians of `generalized` by JAX, of one or many steps, in forward and reverse mode."""
+        """Return Jacobians by JAX, of one or many steps, in forward and in reverse mode.
+
+        Only the method `generalized` has any.
+        """
         if not self.world.is_generalized:
             return {}
         ways = {way: partial(self._derivative, way) for way in ("jacfwd", "jacrev")}
@@ -85,7 +88,7 @@ class Brax(WorldEngine):
     )
 
     def open_batch(self, scenarios: Sequence[Scenario], method: Method, timestep: float) -> Batch:
-        """Open a batch with a world for each row; each different scene is compiled once."""
+        """Open a batch with a world for each of the scenes; equal scenes are compiled once."""
         module = import_module(f"{__package__}.world")
         worlds = {
             scenario: module.World(scene_record(scenario), method.name, timestep)

@@ -14,12 +14,15 @@ from ...user_cache import user_cache
 parts: Any = import_module(f"{__package__}.world")
 # Imported when it is first asked for, because it compiles for a minute.
 parts.jax.config.update("jax_compilation_cache_dir", str(user_cache() / "jax"))
-#: Where the coordinates of a free joint have the quaternion in q, and ω in qd.
+#: Places of the quaternion in q, and of ω in qd, the coordinates of a free joint.
 QUATERNION, TURNING = slice(3, 7), slice(3, 6)
 
 
 def _stepped(steps: Any, x: Any, system: Any) -> Any:
-    """Return coordinates q and qd after `steps` steps, twice: as value and as auxiliary output."""
+    """Return coordinates q and qd after `steps` steps, twice: as value and as auxiliary output.
+
+    JAX differentiates the value by `x`, the coordinates q and qd before the steps in one array.
+    """
     without_actuators = jnp.zeros(0, x.dtype)
     begun = parts.generalized.init(system, x[: system.q_size()], x[system.q_size() :])
     ended = jax.lax.fori_loop(
@@ -37,7 +40,12 @@ _JACOBIANS = {
 
 
 def jacobian(world: Any, way: str, steps: int) -> FloatArray:
-    """Return the Jacobian of a world's next steps, along the axes of its body, (6, 6)."""
+    """Return the Jacobian of a world's next steps by a turn and ω, its body's axes, (6, 6).
+
+    Parameters
+    ----------
+    way : JAX's mode, "jacfwd" or "jacrev"
+    """
     x = np.concatenate([world.state.q, world.state.qd])
     with warnings.catch_warnings(**parts.WARNINGS):
         made = _JACOBIANS[way](steps, x, parts.system_of(*world.system_parts))
@@ -57,7 +65,7 @@ def _chart_by_hinges(q: Any, qd: Any) -> FloatArray:
     """Return the derivative of (δθ, ω), body axes, by three hinges' angles and rates, (6, 6).
 
     With the hinges' axes b_i in body axes, ω = Σ b_i q_i', and a turn of a later hinge j changes
-    b_i by b_i × b_j.
+    b_i by b_i × b_j. `q` has the angles, rad, and `qd` the rates, rad/s, (3,) each.
     """
     b = parts.hinged(q).T @ parts.hinge_axes(q)
     by_angles = np.zeros((3, 3))

@@ -87,7 +87,7 @@ def angles(R):
 
 
 def turned_about(angle, axis):
-    """Return the rotation matrix of one hinge."""
+    """Return the matrix of a rotation by an angle, rad, about the axis with number 0, 1 or 2."""
     q = np.zeros(4)
     q[0], q[1 + axis] = np.cos(angle / 2), np.sin(angle / 2)
     return matrix(q)
@@ -106,10 +106,10 @@ def hinge_axes(q):
 
 
 class Structure:
-    """The structure of systems that differ in numbers alone.
+    """The structure that systems share if they differ only in numbers.
 
-    JAX finds what it has compiled for it by this object: to compare the constant arrays of two
-    structures takes longer than a step.
+    JAX finds compiled code by the identity of this object; comparing the constant arrays of two
+    structures would take longer than a step.
     """
 
     def __init__(self, tree):
@@ -121,23 +121,28 @@ structure_of = cache(Structure)
 
 
 def system_of(structure, numbers, timestep):
-    """Return the system with these numbers, whose steps take so long, s."""
+    """Return the system of a structure with given numbers and a timestep, s."""
     system = jax.tree.unflatten(structure.tree, numbers)
     return system.replace(opt=system.opt.replace(timestep=timestep))
 
 
 @partial(jax.jit, static_argnums=(0, 1))
 def begun(pipeline, structure, numbers, timestep, q, qd):
-    """Return the state with coordinates q and qd."""
+    """Return a pipeline's state with coordinates q and velocities qd, before the first step."""
     return pipeline.init(system_of(structure, numbers, timestep), q, qd)
 
 
 @partial(jax.jit, static_argnums=0)
 def moved(structure, numbers, timestep, state, place, turning):
-    """Return a state whose bodies have other positions and velocities of their coms.
+    """Return a state with the bodies' coms at other places and velocities.
 
-    The function `init` gives a body on several hinges a wrong velocity: "fix qd->jd calculation
-    for stacked/offset joints" (brax/kinematics.py).
+    It is needed because `init` gives a body on several hinges a wrong velocity: "fix qd->jd
+    calculation for stacked/offset joints" (brax/kinematics.py).
+
+    Parameters
+    ----------
+    place : position and attitude of each body's com, a `Transform`
+    turning : ω and velocity of each body's com, a `Motion`
     """
     system = system_of(structure, numbers, timestep)
     x, xd = com.to_world(system, place, turning)
@@ -157,7 +162,14 @@ def stepped(pipeline, structure, numbers, timestep, state, count):
 
 
 class World:
-    """One body in a system of its own."""
+    """One body in a Brax system of its own.
+
+    Parameters
+    ----------
+    scene : the scene's record
+    method : key of `PIPELINES`
+    timestep : s
+    """
 
     def __init__(self, scene, method, timestep):
         self.scene, self.is_free = scene, scene["arm"] is None
@@ -195,15 +207,15 @@ class World:
 
     @property
     def system_parts(self):
-        """Structure, numbers and timestep of the system, as `system_of` takes them."""
+        """The structure, the numbers and the timestep of the system: arguments of `system_of`."""
         return self.structure, self.numbers, self.timestep
 
     def motion(self):
-        """Attitude, w x y z, ω, com and its velocity, world axes."""
+        """Return attitude, w x y z, ω, com and its velocity, in world axes, (13,)."""
         return self.motion_of(self.state)
 
     def motion_of(self, state):
-        """Return what `motion` does, of a given state of the system."""
+        """Return the motion, as `motion` does, in a given state of the system."""
         q, qd = np.asarray(state.q, float), np.asarray(state.qd, float)
         if not self.is_generalized:
             place, turning = jax.tree.map(
@@ -232,7 +244,7 @@ def stepped_all(pipeline, systems, states, count):
 
 
 def stacked(trees):
-    """Return trees of arrays as one tree, with a row for each."""
+    """Return trees that differ only in numbers as one tree, whose arrays have a row for each."""
     return jax.tree.map(lambda *leaves: np.stack(leaves), *trees)
 
 
@@ -252,7 +264,7 @@ class Worlds:
         self.states = jax.block_until_ready(ended)
 
     def motions(self, places):
-        """The motions of some worlds, as `World.motion` gives them."""
+        """Return the motions of the worlds with indices `places`, as `World.motion` does."""
         states = jax.tree.map(np.asarray, self.states)
         return [
             self.worlds[k].motion_of(jax.tree.map(lambda leaf, k=k: leaf[k], states))

@@ -27,17 +27,17 @@ world.setDeactivationOptions(options)"""
 
 @final
 class DartSession(WorldSession):
-    """One body in a world of its own; its frame is at the joint."""
+    """A session of one body in a DART world of its own; the body's frame is at its joint."""
 
     def world_body(self) -> WorldBody:
-        """The body as its body node holds it, from the joint."""
+        """Return the body as its body node holds it, from its joint."""
         inertia = self.world.body.getInertia()
         arm = None if self.world.is_free else np.zeros(3)
         mass = inertia.getMass(), inertia.getLocalCOM(), np.array(inertia.getMoment())
         return WorldBody(*mass, arm, [_rotor(*rotor) for rotor in self.world.rotors])
 
     def active(self) -> frozenset[str]:
-        """What acts, as reported by world, joint and body node."""
+        """Return what acts on the body, as reported by world, joint and body node."""
         world, joint = self.world.world, self.world.joint
         gravity = np.array(world.getGravity()) * self.world.body.getGravityMode()
         count = joint.getNumDofs()
@@ -55,7 +55,10 @@ class DartSession(WorldSession):
         return frozenset(name for name, acts in named.items() if acts)
 
     def _joints(self) -> dict[str, bool]:
-        """Return what the joints are, under and beyond the body's, and whether each acts."""
+        """Return names for what the joints are, and whether each is there.
+
+        The joints are the body's own, the slide that the body's joint may be on, and the rotors'.
+        """
         slide, rotors = self.world.slide, self.world.rotors
         count = self.world.skeleton.getNumBodyNodes()
         turns = self.world.joint.getType() == "BallJoint"
@@ -69,7 +72,7 @@ class DartSession(WorldSession):
         }
 
     def _wrong_hinges(self) -> Iterator[str]:
-        """Yield in words how joints of rotors differ from the scene's."""
+        """Yield in words how the joints of rotors differ from what the scene states."""
         kinds = self.module.dart.dynamics.ActuatorType
         described = self.scene.get("rotors", ())
         rows = enumerate(zip(described, self.world.rotors, strict=True), start=1)
@@ -88,7 +91,7 @@ class DartSession(WorldSession):
 
 
 def _rotor(joint: Any, node: Any) -> HeldRotor:
-    """Return the rotor that is a body node beyond a joint, at the joint's angle 0."""
+    """Return the rotor that a joint and its body node are, at the joint's angle 0."""
     inertia, at = node.getInertia(), joint.getTransformFromParentBodyNode()
     R = np.array(at.rotation())
     com = np.array(at.translation()) + R @ inertia.getLocalCOM()

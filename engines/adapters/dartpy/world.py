@@ -34,7 +34,10 @@ class World:
         self.restart(scene, timestep)
 
     def slid(self, scene):
-        """Return the body node that the joint is on if the body slides: it has next to no mass."""
+        """Return, as a tuple, the body node that the body's joint is on; empty for the world.
+
+        If the body slides, this body node, of next to no mass, slides in the plane.
+        """
         if "slides" not in scene:
             return ()
         self.slide, node = self.skeleton.createTranslationalJoint2DAndBodyNodePair()
@@ -85,7 +88,7 @@ class World:
         self.joint.setSpatialVelocity(velocity, dart.dynamics.Frame.World(), self.body)
 
     def motion(self):
-        """Attitude, w x y z, ω, com and its velocity, world axes."""
+        """Return attitude, w x y z, ω, com and its velocity, in world axes, then the spins."""
         body = self.body
         attitude = body.getWorldTransform()
         omega = attitude.rotation() @ body.getSpatialVelocity()[:3]

@@ -10,10 +10,11 @@ from ...world_parts import matrix
 
 
 def differentiated(world: Any, steps: int) -> tuple[FloatArray, FloatArray]:
-    """Return a world's attitude after some steps, w x y z, and derivatives by its present state.
+    """Return a world's attitude, w x y z, and derivatives by its present turn and ω.
 
-    The derivatives are of this attitude and ω, (7, 6), or if the plant does not step itself of
-    dω/dt, (3, 6), by a turn and ω, all along the axes of the scene's record.
+    For a plant that steps itself these are the attitude after `steps` steps, and the derivatives of
+    that attitude and ω, (7, 6). For any other plant they are the present attitude, and the
+    derivatives of dω/dt, (3, 6). Turn and ω are along the axes of the scene's record.
 
     Raises
     ------
@@ -49,7 +50,12 @@ def differentiated(world: Any, steps: int) -> tuple[FloatArray, FloatArray]:
 
 
 def _set(world: Any, plant: Any, context: Any, numbers: Any) -> Any:
-    """Set attitude and ω in a context; return the body."""
+    """Set attitude and ω in a context of a plant; return the plant's body.
+
+    Parameters
+    ----------
+    numbers : the attitude, w x y z, and ω in body axes, with their gradients, (7,)
+    """
     joint = plant.get_joint(world.joint.index())
     quaternion = drake.Quaternion_[drake.AutoDiffXd](wxyz=numbers[:4])
     R = drake.RotationMatrix_[drake.AutoDiffXd](quaternion)
@@ -64,7 +70,7 @@ def _set(world: Any, plant: Any, context: Any, numbers: Any) -> Any:
 
 
 def _turning(spatial: Any, body: Any, context: Any) -> Any:
-    """Return the angular part of a spatial vector, along the body's axes."""
+    """Return the angular part of a spatial velocity or acceleration, in body axes, (3,)."""
     R = body.EvalPoseInWorld(context).rotation().matrix()
     return R.T @ spatial.rotational()
 

@@ -47,7 +47,7 @@ ApplySimulatorConfig(config, simulator)"""
 
 @final
 class DrakeSession(WorldSession):
-    """One body in a plant of its own; its frame is at the joint.
+    """A session of one body in a Drake plant of its own; the body's frame is at its joint.
 
     Raises
     ------
@@ -62,7 +62,7 @@ class DrakeSession(WorldSession):
         super().restart(state, timestep)
 
     def world_body(self) -> WorldBody:
-        """The body as the plant's context holds it, from the joint."""
+        """Return the body as the plant's context holds it, from its joint."""
         arm = None if self.world.is_free else np.zeros(3)
         return WorldBody(
             *self._mass_of(self.world.body),
@@ -79,7 +79,7 @@ class DrakeSession(WorldSession):
         return mass, com, np.array(about_com)
 
     def _rotor(self, joint: Any) -> HeldRotor:
-        """Return the rotor that is the body beyond a joint, at the joint's angle 0."""
+        """Return the rotor that the child body of a joint is, at the joint's angle 0."""
         mass, com, inertia_com = self._mass_of(joint.child_body())
         at = joint.frame_on_parent().GetFixedPoseInBodyFrame()
         R = at.rotation().matrix()
@@ -97,7 +97,7 @@ class DrakeSession(WorldSession):
             raise EngineError(f"Drake: {words}", "warning" if singular else "refused") from None
 
     def derivatives(self) -> Mapping[str, Derivative]:
-        """Derivatives by `AutoDiffXd`: of the discrete update, or of dω/dt."""
+        """Return the derivative by `AutoDiffXd`: of the discrete update, or of dω/dt."""
         if self.world.is_discrete:
             update = Derivative(self._derivative, through=self._derivative)
             return {"AutoDiff of the discrete update": update}
@@ -124,7 +124,7 @@ class DrakeSession(WorldSession):
             raise EngineError(f"Drake took {count} steps, not {taken}", "clock")
 
     def active(self) -> frozenset[str]:
-        """What acts, as reported by plant, joint and input port."""
+        """Return what acts on the body, as reported by plant, joint and input port."""
         plant, joint = self.world.plant, self.world.joint
         slides, rotors = self.world.slides, self.world.rotors
         turns = joint.type_name() == self.module.drake.BallRpyJoint.kTypeName
@@ -144,7 +144,7 @@ class DrakeSession(WorldSession):
         return frozenset(name for name, acts in named.items() if acts)
 
     def _wrong_hinges(self) -> Iterator[str]:
-        """Yield in words how joints of rotors differ from the scene's."""
+        """Yield in words how the joints of rotors differ from what the scene states."""
         plant, context = self.world.plant, self.world.context
         drives = {
             int(actuator.joint().index()): actuator.calc_reflected_inertia(context)
@@ -162,7 +162,7 @@ class DrakeSession(WorldSession):
         yield from (f"an actuator of {inertia:g} kg m²" for inertia in drives.values())
 
     def _felt_torque(self) -> FloatArray:
-        """The torque at the plant's input port, N m, world axes."""
+        """Return the torque applied at the plant's input port, N m, world axes, (3,)."""
         port, context = self.world.plant.get_applied_spatial_force_input_port(), self.world.context
         forces = port.Eval(context) if port.HasValue(context) else []
         return sum((np.array(force.F_Bq_W.rotational()) for force in forces), np.zeros(3))

@@ -10,7 +10,7 @@ DISCRETE = ("discrete", "default")
 
 
 class Torque(drake.LeafSystem):
-    """The scene's constant torques, computed at each evaluation."""
+    """A Drake system whose output is the scene's constant torques on the body."""
 
     def __init__(self, scene, body):
         super().__init__()
@@ -22,7 +22,7 @@ class Torque(drake.LeafSystem):
         self.DeclareAbstractOutputPort("torque", kind, self.torque)
 
     def torque(self, context, output):
-        """Set the output to the torque at the present attitude."""
+        """Set the output port's value to the torque on the body at its present attitude."""
         R = self.poses.Eval(context)[int(self.body.index())].rotation().matrix()
         force = drake.ExternallyAppliedSpatialForce()
         force.body_index = self.body.index()
@@ -82,7 +82,10 @@ class World:
         self.plant.Finalize()
 
     def slid(self, scene):
-        """Return the frame that the body's joint is on: the world's or that of massless slides."""
+        """Return the frame that the body's joint is on: the world's, or that of the last slide.
+
+        The slides, one for each axis along which the body may move, are added here without mass.
+        """
         frame, height = self.plant.world_frame(), [0.0, 0.0, scene.get("height", 0.0)]
         if any(height):
             frame = self.offset("plane", frame, height)
@@ -114,7 +117,7 @@ class World:
         return joint
 
     def offset(self, name, frame, place):
-        """Add a frame at a place in another frame."""
+        """Add and return a frame with a given name, at a place in another frame."""
         at = drake.RigidTransform(np.array(place))
         return self.plant.AddFrame(drake.FixedOffsetFrame(name, frame, at))
 
@@ -146,7 +149,7 @@ class World:
         self.simulator.ResetStatistics()
 
     def slide_to(self, motion):
-        """Put the slides where the com has its place and velocity."""
+        """Set the slides so that the com has the place and velocity of a motion."""
         body, context = self.body, self.context
         arm = matrix(motion["q"]) @ body.CalcCenterOfMassInBodyFrame(context)
         place = motion["com"] - arm
@@ -156,7 +159,7 @@ class World:
             slide.set_translation_rate(context, slide.translation_axis() @ speed)
 
     def motion(self):
-        """Attitude, w x y z, ω, com and its velocity, world axes."""
+        """Return attitude, w x y z, ω, com and its velocity, in world axes, then the spins."""
         body, context = self.body, self.context
         pose, moving = body.EvalPoseInWorld(context), body.EvalSpatialVelocityInWorld(context)
         return np.concatenate(
@@ -170,11 +173,11 @@ class World:
         )
 
     def advance(self, steps):
-        """One native loop, up to the time that Drake's own clock reaches by summing steps.
+        """Take steps in one native call, up to the time that Drake's clock reaches by summing them.
 
         A discrete plant steps at multiples of the timestep, the first at 0, so it is advanced to a
-        time between two of them. With any other end time Drake would take a tiny extra step, or one
-        step less.
+        time between two multiples. With any other end time Drake would take a tiny extra step, or
+        one step less.
         """
         self.taken += steps
         until = (self.taken - 0.5) * self.timestep

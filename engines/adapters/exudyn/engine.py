@@ -51,10 +51,10 @@ mbs.SolveDynamic(settings, solverType=exudyn.DynamicSolverType.{name})"""
 
 @final
 class ExudynSession(WorldSession):
-    """One body; if it has a pivot, its rotation about the pivot is what is stepped."""
+    """A session of one body in an Exudyn system; a body on a pivot is described from the pivot."""
 
     def world_body(self) -> WorldBody:
-        """The body as the object holds it, from the node; its com is where gravity acts."""
+        """Return the body as its object holds it, from its node; the com is where gravity acts."""
         system, R_axes_node = self.world.system, self.world.R_axes_node
         com = R_axes_node @ system.GetMarker(self.world.com)["localPosition"]
         mass, about_node = self._mass_of(self.world.body)
@@ -64,7 +64,10 @@ class ExudynSession(WorldSession):
         return WorldBody(mass, com, inertia_com, arm, rotors)
 
     def _mass_of(self, body: int) -> tuple[float, FloatArray]:
-        """Return an object's mass, kg, and tensor about its node, record's axes, kg m², (3, 3)."""
+        """Return the mass of the object with number `body`, kg, and its tensor about its node.
+
+        The tensor is along the axes of the scene's record, kg m², (3, 3).
+        """
         found, R_axes_node = self.world.system.GetObject(body), self.world.R_axes_node
         xx, yy, zz, yz, xz, xy = found["inertia"]
         of_node = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
@@ -90,7 +93,7 @@ class ExudynSession(WorldSession):
     _trouble = ""
 
     def restart(self, state: State, timestep: float | None = None) -> None:
-        """As in `Session`."""
+        """Set the body to a state; see `Session.restart`."""
         self._trouble = ""
         super().restart(state, timestep)
 
@@ -121,7 +124,7 @@ class ExudynSession(WorldSession):
             raise EngineError(self._trouble, "warning")
 
     def active(self) -> frozenset[str]:
-        """What acts, from the loads and objects of the system and their strengths."""
+        """Return what acts on the body, by the loads and objects of the system."""
         system = self.world.system
         numbers = system.systemData
         loads = [self._of_load(system.GetLoad(k)) for k in range(numbers.NumberOfLoads())]
@@ -147,7 +150,7 @@ class ExudynSession(WorldSession):
         return frozenset(acting | {f"an object of type {kind}" for kind in {*kinds} - KINDS})
 
     def _wrong_hinges(self, objects: Sequence[Any]) -> Iterator[str]:
-        """Yield in words how joints and drives of rotors differ from the scene's."""
+        """Yield in words how joints and drives of rotors differ from what the scene states."""
         described = zip(self.scene["rotors"], self.world.rotors, self.world.spins_set, strict=True)
         for number, (wanted, rotor, spin) in enumerate(described, start=1):
             joint, hinge = objects[int(rotor.joint)], wanted["hinge"]
@@ -162,7 +165,11 @@ class ExudynSession(WorldSession):
                     yield f"rotor {number} driven to another spin than {spin:g} rad/s"
 
     def _of_constraints(self, objects: Sequence[Any]) -> set[str]:
-        """Return the effect, pivot or table, that the constrained coordinates are; else words."""
+        """Return the effect, pivot or table, that the constrained coordinates implement, as a set.
+
+        It is empty if no coordinate is constrained; if they implement neither, it has words on
+        which coordinates they are.
+        """
         constrained = []
         for found in objects:
             if found["objectType"] == "ConnectorCoordinate" and not found["velocityLevel"]:
@@ -198,7 +205,7 @@ class ExudynSession(WorldSession):
 
 
 def _check_turns(scenario: Scenario, timestep: float) -> None:
-    """Raise `UnsupportedError` if a rotor turns too far in a step for the Newton iteration."""
+    """Raise `UnsupportedError` if a rotor turns too far in a step for Newton's iteration."""
     omega = float(np.linalg.norm(scenario.start.omega_body))
     fastest = omega + float(np.abs(scenario.rotors.start_spins).max())
     if fastest * timestep > MOST_TURN:

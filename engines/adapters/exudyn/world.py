@@ -41,7 +41,7 @@ Rotor = namedtuple("Rotor", "node body joint drive place axis")
 
 
 def settings(solver):
-    """Return settings of the solver; those as shipped let Exudyn halve steps that fail."""
+    """Return Exudyn's settings for a solver; as shipped, Exudyn halves steps that fail."""
     own = OF_TRAPEZOIDAL_RULE if solver == "TrapezoidalIndex2" else {}
     steady = {} if solver == AS_SHIPPED else {"adaptiveStep": False}
     simulation = exudyn.SimulationSettings()
@@ -75,14 +75,13 @@ class World:
         self.restart(scene, timestep)
 
     def face(self, R_world_axes):
-        """Build the system on a node whose axes suit an attitude, unless it is on such a node.
+        """Build the system anew if another choice of the node's axes suits an attitude better.
 
         Exudyn composes rotation vectors with an arc cosine, which loses half the digits of a small
         vector: in a run that started along the world's axes, rotations of less than 1.5e-8 rad a
-        step
-        were lost. So the node's axes are the body's axes in the order that is furthest from the
-        world's at the start. Errors with joints depend on these axes, so that a restart must build
-        the system again on the axes that suit the new attitude.
+        step were lost. So the node's axes are the body's axes in the order that is furthest from
+        the world's at the start. Errors with joints depend on these axes, so that a restart must
+        build the system again on the axes that suit the new attitude.
         """
         starts = [np.trace(R_world_axes @ turned) for turned in TURNED]
         best = TURNED[int(np.argmin(np.abs(starts)))]
@@ -102,7 +101,7 @@ class World:
         self.container.Reset()
 
     def assemble(self, scene):
-        """Build the body, and what holds it and acts on it."""
+        """Add the body to the system, with what holds it and acts on it, and its rotors."""
         system, R = self.system, self.R_axes_node
         lever = -np.array(scene["arm"] or (0.0, 0.0, 0.0))  # from the node to the com
         about_node = scene["mass"] * (lever @ lever * np.eye(3) - np.outer(lever, lever))
@@ -132,7 +131,14 @@ class World:
         self.rotors = [self.add_rotor(rotor, lever) for rotor in scene.get("rotors", [])]
 
     def add_body(self, part, tensor, com):
-        """Add a body and its weight; return the numbers of node, object and marker at its com."""
+        """Add a body and its weight; return the numbers of its node, object and marker at the com.
+
+        Parameters
+        ----------
+        part : the record of the scene or of a rotor, whose `mass` is used
+        tensor : tensor of inertia about the node, in the node's axes, kg m², (3, 3)
+        com : position of the com from the node, in the node's axes, m, (3,)
+        """
         system, mass = self.system, part["mass"]
         node = system.AddNode(items.NodeRigidBodyRotVecLG())
         entries = [tensor[at] for at in ENTRIES]
@@ -148,7 +154,10 @@ class World:
         return node, body, marker
 
     def add_rotor(self, rotor, lever):
-        """Add a rotor on a hinge, its axes those of the body; a driven one keeps its spin."""
+        """Add a rotor on its hinge, and its drive if it is driven; return its `Rotor`.
+
+        `lever` is the vector from the node to the com, m, axes of the record.
+        """
         system, R = self.system, self.R_axes_node
         node, body, _ = self.add_body(rotor, R.T @ rotor_tensor(rotor) @ R, np.zeros(3))
         axis, place = np.array(rotor["axis"]), R.T @ (lever + rotor["place"])
@@ -171,7 +180,13 @@ class World:
         return Rotor(node, body, joint, drive, np.array(rotor["place"]), axis)
 
     def drive(self, rotor, place, axis):
-        """Constrain a rotor's angular velocity relative to the body; return the object's number."""
+        """Constrain a rotor's angular velocity relative to the body; return the object's number.
+
+        Parameters
+        ----------
+        rotor : number of the rotor's object
+        place, axis : place of the hinge, m, and its axis, in the body's node's axes, (3,)
+        """
         system = self.system
         turn = items.MarkerBodiesRelativeRotationCoordinate(
             bodyNumbers=[self.body, rotor], localPosition0=[*place], axis0=[*axis]
@@ -182,7 +197,7 @@ class World:
         )
 
     def still(self):
-        """Return the number of a new marker of a coordinate that stays 0."""
+        """Add a coordinate that stays 0; return the number of its marker."""
         ground = self.system.AddNode(items.NodePointGround())
         return self.system.AddMarker(items.MarkerNodeCoordinate(nodeNumber=ground, coordinate=0))
 
@@ -195,7 +210,7 @@ class World:
             self.system.AddObject(items.ObjectConnectorCoordinate(markerNumbers=pair))
 
     def restart(self, motion, timestep):
-        """Set another motion and timestep: a new start of nodes, and a new run of the solver."""
+        """Set another motion and timestep, and begin a new run of the solver."""
         self.timestep = timestep
         R_world_axes, omega = matrix(motion["q"]), np.array(motion["omega"])
         self.face(R_world_axes)
@@ -229,11 +244,16 @@ class World:
         self.solver.InitializeSolver(self.system, self.settings)
 
     def terms(self, body, turning, place, omega):
-        """Return the size of the terms that a body adds to the residual, N and N m.
+        """Return the size of the terms that a body or rotor adds to the solver's residual, N, N m.
 
-        The body is at a distance `place` from the node and `omega` is the node's angular velocity;
-        its
-        own is `turning`. Its torque has terms in I ω², which cancel for a turn about an axis.
+        Its torque has terms in I ω², which cancel for a turn about a principal axis.
+
+        Parameters
+        ----------
+        body : number of its object
+        turning : its angular velocity, rad/s, (3,)
+        place : vector from the body's com to its own, m, (3,)
+        omega : angular velocity of the body, rad/s, (3,)
         """
         found = self.system.GetObject(body)
         swing = np.linalg.norm(place) * (omega @ omega) + np.linalg.norm(self.gravity)
@@ -241,7 +261,7 @@ class World:
         return torque + found["mass"] * swing
 
     def start(self, node, R_world_node, omega, place, velocity):
-        """Set the start of a node; ω, position and velocity are along world axes."""
+        """Set the attitude, ω, position and velocity with which a node starts, in world axes."""
         start = {
             "referenceCoordinates": [*place, *rotation_vector(quaternion(R_world_node))],
             "initialVelocities": [*velocity, *(R_world_node.T @ omega)],
@@ -250,13 +270,13 @@ class World:
             self.system.SetNodeParameter(node, name, coordinates)
 
     def spins(self, omega, R_world_axes):
-        """Return the angular velocities of rotors about their axes, relative to the body, rad/s."""
+        """Return the spins of rotors: angular velocities about their axes, relative to the body."""
         turning = exudyn.OutputVariableType.AngularVelocity
         each = ((rotor, self.system.GetNodeOutput(rotor.node, turning)) for rotor in self.rotors)
         return [(R_world_axes @ rotor.axis) @ (of_rotor - omega) for rotor, of_rotor in each]
 
     def motion(self):
-        """Attitude, w x y z, ω, com and its velocity, world axes; spins."""
+        """Return attitude, w x y z, ω, com and its velocity, in world axes, then the spins."""
         of_node, of_marker = self.system.GetNodeOutput, self.system.GetMarkerOutput
         names = exudyn.OutputVariableType
         R_world_node = np.array(of_node(self.node, names.RotationMatrix)).reshape(3, 3)
@@ -275,9 +295,9 @@ class World:
     def advance(self, steps):
         """Take steps in one native loop; Exudyn's clock starts at 0 in each call and adds up steps.
 
-        The end time is that sum, too: with steps · timestep, a fraction of a step might be left
-        over. With constant steps it is half a step earlier: Exudyn does not shorten the last of
-        them, and after 1e6 s took one too many, as if the sum had not been reached.
+        The end time is also computed as that sum: with steps · timestep, a fraction of a step might
+        remain. With constant steps it is half a step earlier: Exudyn does not shorten the last
+        step, and in a run to 1e6 s it took one step too many, as if the sum had not been reached.
         """
         progress, end = self.solver.it, 0.0
         for _ in range(steps):

@@ -13,7 +13,10 @@ FOLDERS = {"GS_CACHE_FILE_PATH": "genesis", "QD_OFFLINE_CACHE_FILE_PATH": "quadr
 
 @contextmanager
 def kernels_kept() -> Iterator[None]:
-    """Inside the block Genesis compiles its kernels once, and prints nothing."""
+    """Keep the kernels that Genesis compiles inside the block, and discard what it prints.
+
+    Later processes load the kernels from the user's cache.
+    """
     for variable, name in FOLDERS.items():
         os.environ.setdefault(variable, str(user_cache() / name))
     with silent():

@@ -33,10 +33,10 @@ scene = gs.Scene(sim_options=gs.options.SimOptions(dt=TIMESTEP), rigid_options=r
 
 @final
 class GenesisSession(WorldSession):
-    """One body in a Genesis scene of its own, with its frame at the joint."""
+    """A session of one body in a Genesis scene of its own; the body's frame is at its joint."""
 
     def world_body(self) -> WorldBody:
-        """The body as the solver holds it."""
+        """Return the body as the solver holds it, from its joint."""
         links = self.world.solver.dyn_info.links
         mass, com, tensor, q = (
             getattr(links, f"inertial_{name}").to_numpy()[-1].astype(float)
@@ -48,7 +48,7 @@ class GenesisSession(WorldSession):
         )
 
     def active(self) -> frozenset[str]:
-        """What acts, as the solver says."""
+        """Return what acts on the body, as the solver reports it."""
         world, solver = self.world, self.world.solver
         motion = world.motion()
         gravity = solver.get_gravity().numpy().astype(float).ravel()
@@ -77,7 +77,7 @@ class GenesisSession(WorldSession):
         return frozenset(acting | stated if torque.any() else acting)
 
     def advance(self, steps: int) -> None:
-        """Take steps as the world does; Genesis raises when a state is no longer finite."""
+        """Take steps as the world does; raise `EngineError` if a state is no longer finite."""
         try:
             super().advance(steps)
         except self.module.gs.GenesisException as error:

@@ -22,7 +22,7 @@ IMPOSSIBLE = Advice("correct the tensors that no body has", concerns="impossible
 
 @final
 class GenesisModelReader(ModelReader):
-    """`gs.morphs.URDF` and `MJCF`; the bodies are those of the built scene.
+    """A reader by `gs.morphs.URDF` and `gs.morphs.MJCF`; its bodies are those of a built scene.
 
     Meshes are read only for links whose inertia comes from them.
     """

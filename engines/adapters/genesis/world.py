@@ -90,7 +90,7 @@ class World:
         self.start([motion])
 
     def start(self, motions):
-        """Set a motion of each world."""
+        """Set the motions of all worlds, one for each."""
         pairs = [self.coordinates(motion) for motion in motions]
         with np.errstate(over="ignore"):
             q, qd = (np.array(part, np.float32) for part in zip(*pairs, strict=True))
@@ -98,18 +98,18 @@ class World:
         self.solver.set_dofs_velocity(qd)
 
     def coordinates(self, motion):
-        """Return the joint's coordinates and velocities, where ω is along the body's axes."""
+        """Return the joint's coordinates and velocities at a motion; their ω is in body axes."""
         place, velocity = (motion["com"], motion["velocity"]) if self.is_free else ((), ())
         omega = matrix(motion["q"]).T @ motion["omega"]
         return [*place, *motion["q"]], [*velocity, *omega]
 
     def motion(self):
-        """Attitude, w x y z, ω, com and its velocity, world axes."""
+        """Return attitude, w x y z, ω, com and its velocity, in world axes, (13,)."""
         (motion,) = self.motions([0])
         return motion
 
     def motions(self, worlds):
-        """The motions of some worlds."""
+        """Return the motions of the worlds with given indices, each as `motion` gives it."""
         q, qd = (
             numbers.numpy().astype(float)
             for numbers in (self.solver.get_qpos(), self.solver.get_dofs_velocity())
@@ -117,7 +117,7 @@ class World:
         return [self.motion_of(self.scenes[k], q[k], qd[k]) for k in worlds]
 
     def motion_of(self, scene, q, qd):
-        """Return the motion, as `motion` gives it, of a joint's coordinates and velocities."""
+        """Return the motion, as `motion` does, for coordinates q and velocities qd of the joint."""
         R = matrix(q[-4:])
         omega = R @ qd[-3:]
         if self.is_free:

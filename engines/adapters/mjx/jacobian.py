@@ -12,7 +12,13 @@ from .world import in_precision, one_step
 
 @cache
 def _compiled(trees: Any, way: str) -> Any:
-    """Return a compiled function that gives qpos and qvel after some steps and their Jacobian."""
+    """Return a compiled function that gives the Jacobian of steps, and qpos and qvel after them.
+
+    Parameters
+    ----------
+    trees : structures of the model and of the data, as JAX's trees
+    way : JAX's mode, "jacfwd" or "jacrev"
+    """
     model_tree, data_tree = trees
 
     def stepped(steps: Any, x: Any, still: Any, moving: Any) -> Any:
@@ -29,7 +35,10 @@ def _compiled(trees: Any, way: str) -> Any:
 
 
 def jacobian(world: Any, way: str, steps: int) -> tuple[Any, Any]:
-    """Return coordinates after the next steps of a world, (n,), and their Jacobian, (n, n)."""
+    """Return qpos and qvel after the next steps of a world, (n,), and their Jacobian, (n, n).
+
+    The Jacobian is by qpos and qvel before the steps; `way` is JAX's mode, "jacfwd" or "jacrev".
+    """
     in_precision(world.is_double)
     data = world.data()
     x = np.concatenate([data.qpos, data.qvel])

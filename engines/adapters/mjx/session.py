@@ -21,7 +21,13 @@ MODELS = 64
 
 @final
 class MJXSession(PortSession):
-    """One body and its rotors; MJX's model and data are kept as flat lists of JAX's arrays."""
+    """A session of one body and its rotors in MJX.
+
+    Parameters
+    ----------
+    text : MJCF of the scene
+    is_double : whether MJX computes in double precision; else in single
+    """
 
     def __init__(self, scenario: Scenario, text: str, timestep: float, is_double: bool) -> None:
         model, data = _in_mjx(text, is_double)
@@ -29,19 +35,22 @@ class MJXSession(PortSession):
         super().__init__(scenario, model, world, SPRINGS)
 
     def record(self, strides: Sequence[int], keep: Callable[[FloatArray], object]) -> None:
-        """As in `Session`, many samples a call."""
+        """Take steps and keep snapshots, as in `Session`, many of them by a call of MJX's loop."""
         most = _module().SAMPLES_A_CALL
         for first in range(0, len(strides), most):
             for row in self._world.run(strides[first : first + most]):
                 keep(row)
 
     def derivatives(self) -> Mapping[str, Derivative]:
-        """Jacobians by JAX, of one step or through many, in forward and reverse mode."""
+        """Return Jacobians by JAX, of one or many steps, in forward and in reverse mode."""
         ways = {way: partial(self._derivative, way) for way in ("jacfwd", "jacrev")}
         return {way: Derivative(compute, through=compute) for way, compute in ways.items()}
 
     def _derivative(self, way: str, steps: int = 1) -> FloatArray:
-        """Return the Jacobian of attitude and ω by a turn and ω, (6, 6)."""
+        """Return the Jacobian of the next steps by a turn and ω, body axes, (6, 6).
+
+        `way` is JAX's mode, "jacfwd" or "jacrev".
+        """
         jacobians: Any = import_module(f"{__package__}.jacobian")
         before = self._world.data()
         after, jacobian = jacobians.jacobian(self._world, way, steps)
@@ -64,7 +73,10 @@ def batch(
 
 @lru_cache(maxsize=MODELS)
 def _in_mjx(text: str, is_double: bool) -> tuple[Any, Any]:
-    """Return a model and data at rest, kept because MJX takes a tenth of a second for them."""
+    """Return MJX's model and data at rest for an MJCF.
+
+    They are kept, because MJX takes a tenth of a second to make them.
+    """
     module = _module()
     module.in_precision(is_double)
     made: tuple[Any, Any] = module.in_mjx(compiled(lambda: module.nameless(text).compile()))

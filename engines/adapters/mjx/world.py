@@ -56,7 +56,13 @@ def kinds(arrays):
 
 @cache
 def loop(trees, still, moving):
-    """Return the compiled loop of steps for one structure of a model; all numbers are arguments."""
+    """Return the compiled loop of steps for models of one structure, whose numbers are arguments.
+
+    Parameters
+    ----------
+    trees : structures of the model and of the data, as JAX's trees
+    still, moving : shapes and types of the arrays of the model and of the data, from `kinds`
+    """
     model_tree, data_tree = trees
 
     def run(still, moving, strides, count):
@@ -129,7 +135,7 @@ class World:
         self.run([steps])
 
     def motions(self, places):
-        """Return qpos and qvel in one row."""
+        """Return qpos and qvel of the one world, whose index is 0, in one row for each place."""
         at = self.moving_at.qpos, self.moving_at.qvel
         return np.concatenate([self.moving[one] for one in at])[None][places]
 

@@ -99,9 +99,9 @@ def acting(model: Any, data: Any, scenario: Scenario) -> frozenset[str]:
 
 
 def _further_parts(model: Any, rotors: Sequence[Rotor]) -> set[str]:
-    """Return in words what parts there are beside the body, "rotors" if they are the scene's.
+    """Return in words what the model has besides the body; "rotors" if it is the scene's rotors.
 
-    Bodies welded to the first body are parts of it.
+    Bodies welded to the first body belong to it.
     """
     if rotors:
         return {*_wrong_hinges(model, rotors)} or {"rotors"}
@@ -114,7 +114,7 @@ def _further_parts(model: Any, rotors: Sequence[Rotor]) -> set[str]:
 
 
 def _wrong_hinges(model: Any, rotors: Sequence[Rotor]) -> Iterator[str]:
-    """Yield in words how the bodies after the first differ from rotors on their hinges."""
+    """Yield in words how the bodies after the first differ from the scene's rotors."""
     if model.nbody - 2 != len(rotors) or (model.body_parentid[2:] != 1).any():
         yield f"{model.nbody - 2} parts of the body, not {len(rotors)} rotors"
         return
@@ -150,11 +150,10 @@ def _wrong_strengths(strengths: dict[str, FloatArray], scenario: Scenario) -> It
 
 
 def read_strengths(model: Any) -> tuple[dict[str, FloatArray], list[str]]:
-    """Return the strength of each effect by name, and in words what else actuators do.
+    """Return the strength of each effect by name, and sentences on what else actuators do.
 
-    A strength is a vector, (3,), except of drag the matrix D of the torque −D ω in body axes, (3,
-    3).
-    It is zero for an effect whose pass is switched off.
+    A strength is a vector, (3,), except that of drag: the matrix D of the torque −D ω in body axes,
+    (3, 3). It is zero for an effect whose pass is switched off.
     """
     drag, others = np.diag(_joint_damping(model)), []
     torque_body, torque_world = np.zeros((2, 3), model.opt.gravity.dtype)
@@ -188,18 +187,26 @@ def _joint_damping(model: Any) -> FloatArray:
 
 
 def _turning(model: Any) -> slice:
-    """Return the indices of the velocities that are the body's ω, the last of its own."""
+    """Return the indices, in qvel, of the body's ω: the last three of the body's velocities."""
     end = _own(model.dof_bodyid)
     return slice(end - 3, end)
 
 
 def _own(bodies: NDArray[np.integer]) -> int:
-    """Return how many joints, or velocities, are the body's own; those of its rotors follow."""
+    """Return how many of a model's joints, or velocities, are the body's, as the first ones are.
+
+    Parameters
+    ----------
+    bodies : for each joint, or velocity, the index of the body that it moves
+    """
     return int(np.count_nonzero(bodies == bodies[0]))
 
 
 def _joints(model: Any, scenario: Scenario) -> Iterator[str]:
-    """Yield the effect that the body's joints implement, and in words what else they are or do."""
+    """Yield the effect, pivot or table, that the body's joints implement.
+
+    For a table as a contact it is the contact that does. Yields in words what no scene calls for.
+    """
     if model.ngeom:
         yield "table" if _rests(model, scenario) else "collision geometry"
         return
@@ -225,7 +232,7 @@ def _joints(model: Any, scenario: Scenario) -> Iterator[str]:
 
 
 def _same(got: FloatArray, wanted: FloatArray) -> bool:
-    """Whether numbers are equal, in the precision of the numbers that were read."""
+    """Whether two arrays are equal in the precision of `got`, which was read from a model."""
     return np.array_equal(got, wanted.astype(got.dtype))
 
 

@@ -30,10 +30,10 @@ SHIPPED = _hung.value
 
 
 def hang(clock: int | None) -> None:
-    """Make the library read this clock, a function pointer, from now on; None for no clock."""
+    """Set the clock that the library reads from now on: a function pointer; None for no clock."""
     _hung.value = clock
 
 
 def is_hung() -> bool:
-    """Whether the library reads a clock."""
+    """Whether the library reads a clock at present."""
     return _hung.value is not None

@@ -1,4 +1,4 @@
-"""Converts between spincheck's bodies and states and MuJoCo's tables, qpos and qvel."""
+"""Converts between spincheck's bodies and states and MuJoCo's models, qpos and qvel."""
 
 from typing import Any
 
@@ -26,7 +26,7 @@ TURNING = 3
 
 
 def one_body(model: Any, body: int) -> BodyReading:
-    """Return one body of a model, its principal moments turned back into the body's axes."""
+    """Return one body of a compiled model, given its index; the tensor is along the body's axes."""
     R_body_axes = _rotation(model.body_iquat[body]).as_matrix()
     return BodyReading(
         mass=float(model.body_mass[body]),
@@ -89,7 +89,7 @@ class CoordinateSession(Session):
         return np.arange(self._moving, self._moving + TURNING)
 
     def read_body(self) -> BodyReading:
-        """Return the body with the bodies welded to it and its rotors, in its own axes."""
+        """Return the body, with the bodies welded to it and its rotors, in the body's own axes."""
         model, poses = self._compiled, {BODY: (np.zeros(3), np.eye(3))}
         parts = [one_body(model, BODY)]
         for body in range(BODY + 1, model.nbody):
@@ -103,15 +103,15 @@ class CoordinateSession(Session):
         return with_rotors(parts, axes)
 
     def read_state(self) -> State:
-        """Return the state now."""
+        """Return the state after the last step."""
         return self.states([self.snapshot()]).rows(0)
 
     def states_at(self, qpos: FloatArray, qvel: FloatArray) -> State:
         """Return the states of n rows of coordinates, (n, nq), and velocities, (n, nv).
 
-        The first coordinates are the place of a point of the body; on a ball joint, which has none,
-        the point stands still. The com is at this point plus R times the arm of the compiled model,
-        and its velocity is that of the point plus ω × arm.
+        The first coordinates are the place of a point of the body; a ball joint has none, and the
+        point stands still. The com is at this point plus R times the arm, the vector from the point
+        to the com in the compiled model, and its velocity is that of the point plus ω × arm.
         """
         if self._on_hinges:
             qpos, qvel = unhinged(qpos, qvel)
@@ -129,7 +129,7 @@ class CoordinateSession(Session):
         return State(q_world_body_wxyz, omega_body, com_world, velocity_world, spins)
 
     def coordinates(self, state: State) -> tuple[FloatArray, FloatArray]:
-        """Return a state's coordinates, (nq,), and velocities, (nv,), as of `states_at`."""
+        """Return a state's coordinates, (nq,), and velocities, (nv,), as `states_at` reads them."""
         q_world_body_wxyz, omega_body = state.q_world_body_wxyz, state.omega_body
         spins, moving = state.spins[self._is_turning], self._moving
         R_world_body = matrix(q_world_body_wxyz)

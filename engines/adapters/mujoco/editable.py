@@ -34,13 +34,13 @@ def free(body: Any) -> None:
 
 
 def with_start(spec: Any) -> Any:
-    """Return an editable model compiled with a keyframe, for `set_scene`."""
+    """Add a keyframe to an editable model, which `set_scene` fills; return the compiled model."""
     spec.add_key(name=START_KEY)
     return spec.compile()
 
 
 def set_scene(model: Any, scenario: Scenario, integrator: str) -> None:
-    """Set what a file of a body does not contain: integrator, gravity, and the start."""
+    """Set in a compiled model what a body's file does not have: integrator, gravity, the start."""
     model.opt.integrator = mujoco.mjtIntegrator.__members__[f"mjINT_{integrator.upper()}"]
     model.opt.gravity = scenario.gravity_world
     model.key_qpos[0], model.key_qvel[0] = start_coordinates(scenario)

@@ -181,12 +181,15 @@ class MuJoCo(Engine):
         return (*passes, *([CLOCK] if clock.SHIPPED else ()))
 
     def at_version(self, version: str) -> Release:
-        """Return another version, with its differences according to MuJoCo's changelog."""
+        """Return another version, with the orders that follow from MuJoCo's changelog."""
         return release(version, self.methods)
 
 
 def release(version: str, methods: tuple[Method, ...]) -> Release:
-    """Return a version of MuJoCo; before 4.0.0, RK4 averaged the stages' rotations."""
+    """Return a version of MuJoCo, with its packages and its methods' orders.
+
+    Before 4.0.0, RK4 averaged the stages' rotations, which made it of second order.
+    """
     number = numbers_of(version)
     if number < (4,):
         methods = tuple(
@@ -207,12 +210,12 @@ def _is_by_contact(method: Method) -> bool:
 
 
 def _tied(method: Method) -> float:
-    """Return the time constant of a method's contacts, in timesteps; 0 for MuJoCo's own."""
+    """Return the time constant of a method's contacts, in timesteps; 0 for MuJoCo's default."""
     return STIFFEST if _is_by_contact(method) and not method.as_shipped else 0.0
 
 
 def _alone(scenario: Scenario, method: Method) -> Scenario:
-    """Return the scene as the joints see it: a body that lies on a contact is free."""
+    """Return the scene that the joints implement: without its table if that is a contact."""
     return off_its_table(scenario) if _is_by_contact(method) else scenario
 
 

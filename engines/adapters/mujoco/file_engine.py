@@ -23,7 +23,7 @@ PREFIX = "cut-"
 
 @final
 class MuJoCoFile(FileEngine):
-    """MuJoCo's URDF and MJCF readers on the link that a scene names."""
+    """An engine that simulates the link that a scene names as MuJoCo reads it from URDF or MJCF."""
 
     name = "mujoco-file"
     reader = MuJoCoModelReader()
@@ -56,12 +56,12 @@ class MuJoCoFile(FileEngine):
 
 @lru_cache(maxsize=KEPT)
 def _model(users: UsersLink) -> Any:
-    """Return the compiled model of a link; kept, because every run of a ladder needs it."""
+    """Return the compiled model of a link; it is kept, since every timestep needs the same one."""
     return compiled(lambda: (_of_urdf if users.model.format == "urdf" else _of_mjcf)(users))
 
 
 def _of_urdf(users: UsersLink) -> Any:
-    """Return the model of the link's element, without shapes: its inertia is stated."""
+    """Return the compiled model of a link's URDF, without shapes: its inertia is stated."""
     text, _ = body_alone(users.model, users.body)
     spec = spec_of_urdf(text.decode(errors="replace"))
     free(spec.body(users.body.host.name))
@@ -69,7 +69,10 @@ def _of_urdf(users: UsersLink) -> Any:
 
 
 def _of_mjcf(users: UsersLink) -> Any:
-    """Return the body with its file's compiler settings and defaults, without moving children."""
+    """Return the compiled model of a link's body, without the children that joints move.
+
+    The file's compiler settings and defaults apply to it.
+    """
     with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder:
         return _alone(spec_of(users.model, Path(folder)), users)
 

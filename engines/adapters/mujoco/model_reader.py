@@ -24,7 +24,7 @@ FUSED = Advice(
 
 @final
 class MuJoCoModelReader(ModelReader):
-    """MuJoCo's compiler with its default settings, except that no bodies are fused.
+    """A reader of model files by MuJoCo's compiler.
 
     Meshes are read only for links whose inertia comes from them; they do not affect a stated
     inertia.
@@ -81,9 +81,10 @@ def _compiled(model: ModelFile, folder: Path, *, unfused: bool) -> Any:
 
 
 def spec_of(model: ModelFile, folder: Path) -> Any:
-    """Return a model with only the meshes that an inertia comes from, and without visual parts.
+    """Return a file as an editable model, with only the meshes that an inertia comes from.
 
-    It is read from a folder that holds all that it may read, and compiled while that is there.
+    Visual parts are removed. The model's files are written into `folder`, which must exist until
+    the model is compiled.
     """
     spec = mujoco.MjSpec.from_file(laid_out(model, folder, MESHES))
     if model.format == "mjcf":
@@ -106,5 +107,5 @@ def _strip_drawn(model: ModelFile, spec: Any) -> None:
 
 
 def _is_there(model: ModelFile, mesh: Any) -> bool:
-    """Whether a mesh names no file, or one inside the model's folders."""
+    """Whether a mesh can be compiled: it names no file, or a file inside the model's folders."""
     return mesh is not None and (not mesh.file or mesh.file in model.files)

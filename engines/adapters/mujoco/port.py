@@ -1,4 +1,7 @@
-"""What ports of MuJoCo share: they run its compiled models, and its functions audit them."""
+"""What adapters of MuJoCo's ports share: a session, and scripts.
+
+Ports run models that MuJoCo compiles, and MuJoCo's audit reads the ports' models and data.
+"""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -21,7 +24,7 @@ return np.array(q, dtype=float), np.array(omega, dtype=float)"""
 
 
 class PortSession(CoordinateSession):
-    """One body and its rotors in a port of MuJoCo.
+    """A session of one body and its rotors in a port of MuJoCo.
 
     Parameters
     ----------
@@ -39,13 +42,13 @@ class PortSession(CoordinateSession):
         self._world, self._always_on = world, always_on
 
     def restart(self, state: State, timestep: float | None = None) -> None:
-        """Set the coordinates of the state in the data of the start; nothing is compiled again."""
+        """Set the body to a state, with all else as at the start; nothing is compiled again."""
         if timestep is not None:
             self._world.set_timestep(timestep)
         self._world.restart(*self.coordinates(state))
 
     def snapshot(self) -> FloatArray:
-        """Return coordinates qpos and velocities qvel now, in one row."""
+        """Return the present coordinates qpos and velocities qvel in one array, (nq + nv,)."""
         (numbers,) = self._world.motions([0])
         return np.asarray(numbers)
 
@@ -62,9 +65,10 @@ class PortSession(CoordinateSession):
         """Nothing to do: no port warns or resets."""
 
     def active(self) -> frozenset[str]:
-        """Return what acts by the port's model and data, without the passes that are always on.
+        """Return what acts on the body, as the port's model and data tell.
 
-        Those passes do nothing in a scene that does not need them.
+        Passes that the port cannot switch off are left out; they do nothing in a scene that does
+        not need them.
         """
         names_acting = acting(self._world.model, self._world.data(), self._scenario)
         return names_acting - {FLAG_WORDS[name] for name in self._always_on}
@@ -77,24 +81,30 @@ class PortSession(CoordinateSession):
 def left_in(
     scenario: Scenario, integrator: str | None, always_on: tuple[str, ...]
 ) -> tuple[str, ...]:
-    """Return the passes that stay on without need: as shipped, without integrator, all."""
+    """Return the names of the passes that stay on although the scene does not need them.
+
+    As shipped, which `integrator` None stands for, these are all passes that could be switched off;
+    else those that the port cannot switch off.
+    """
     return switched_off(scenario) if integrator is None else always_on
 
 
 def starts(scenarios: Sequence[Scenario]) -> tuple[FloatArray, FloatArray]:
-    """Return the starts of many worlds as qpos and as qvel, one a row."""
+    """Return the starts of many worlds as two arrays, qpos and qvel, with a row for each world."""
     at_start = {scenario: start_coordinates(scenario) for scenario in scenarios}
     qpos, qvel = zip(*(at_start[scenario] for scenario in scenarios), strict=True)
     return np.array(qpos), np.array(qvel)
 
 
 def port_script(world: Path, scenario: Scenario, text: str, made: str) -> str:
-    """Return a run as Python: the stand-alone module, the MJCF, and its steps.
+    """Return a Python script of a run: the stand-alone module, the MJCF and the steps.
 
     Parameters
     ----------
     world : path of the stand-alone module
-    made : lines that make `world` from `MJCF`, at `TIMESTEP` and `{qpos}` and `{qvel}`
+    text : the MJCF
+    made : lines that make `world` from `MJCF` and `TIMESTEP`, with `{qpos}` and `{qvel}` where the
+        start's coordinates and velocities are filled in
     """
     qpos, qvel = start_coordinates(scenario)
     made = f"{python_text('MJCF', text)}\n{made.format(qpos=qpos, qvel=qvel)}"

@@ -39,9 +39,9 @@ Snapshot = bytes
 
 @final
 class MuJoCoSession(CoordinateSession):
-    """One body on a ball joint, which may be on slides, or free, and what is welded to it.
+    """A session of a compiled MuJoCo model of one body, started at its first keyframe.
 
-    It starts at the model's first keyframe.
+    The body is free, or on a ball joint, which may be on slides; other bodies may be welded to it.
 
     Parameters
     ----------
@@ -64,7 +64,7 @@ class MuJoCoSession(CoordinateSession):
         self._clock = clock.SHIPPED if has_clock else None
 
     def read_state(self) -> State:
-        """The state now, of whatever MuJoCo has warned; see `states`."""
+        """Return the state after the last step, even if MuJoCo has warned."""
         return self.states([self._bytes()]).rows(0)
 
     def set_timestep(self, timestep: float) -> None:
@@ -108,7 +108,7 @@ class MuJoCoSession(CoordinateSession):
             raise EngineError(f"MuJoCo stopped: {error}", "warning") from None
 
     def check(self) -> None:
-        """Raise on any warning, or if the clock does not match the steps taken."""
+        """Raise `EngineError` if MuJoCo warned, or if its clock does not match the steps taken."""
         snapshots = [self.snapshot()]
         if fault := self.first_fault(snapshots, self.states(snapshots)):
             raise EngineError(fault.reason, fault.cause)
@@ -116,7 +116,7 @@ class MuJoCoSession(CoordinateSession):
             raise EngineError(f"MuJoCo counted {counted} kinds of warning", "warning")
 
     def snapshot(self) -> Snapshot:
-        """Return the state as MuJoCo holds it; raise if MuJoCo has warned."""
+        """Return the state as MuJoCo holds it; raise `EngineError` if MuJoCo has warned."""
         if self._warnings:
             warned = f"MuJoCo warned: {self._warnings[0]}"
             fault = self.first_fault([self._bytes()], self.read_state())
@@ -126,7 +126,10 @@ class MuJoCoSession(CoordinateSession):
         return self._bytes()
 
     def states(self, snapshots: Sequence[Snapshot]) -> State:
-        """Return states from qpos and qvel alone: derived data (xipos, cvel) is one step old."""
+        """Return the states of n snapshots, from qpos and qvel alone.
+
+        MuJoCo's derived data (xipos, cvel) would be one step old.
+        """
         _, qpos, qvel = np.split(_rows(snapshots), [2, 2 + self.model.nq], axis=1)
         return self.states_at(qpos, qvel)
 
@@ -135,7 +138,10 @@ class MuJoCoSession(CoordinateSession):
         snapshots: Sequence[Snapshot],
         states: State,  # noqa: ARG002
     ) -> Fault | None:
-        """Return the first snapshot whose clock does not match the steps taken."""
+        """Return a fault for the first snapshot whose clock does not match the steps taken.
+
+        It is None if all match.
+        """
         timestep = self.model.opt.timestep
         steps, times = _rows(snapshots)[:, :2].T
         expected = steps * timestep
@@ -151,20 +157,24 @@ class MuJoCoSession(CoordinateSession):
         return Fault(first, "clock", reason)
 
     def active(self) -> frozenset[str]:
-        """Return what acts, as in the compiled model, the data and the process."""
+        """Return what acts on the body, as the model, the data and the process's callbacks tell."""
         clock.hang(self._clock)
         names_acting = acting(self.model, self.data, self._scenario)
         return names_acting | {clock.CLOCK} if clock.is_hung() else names_acting
 
     def derivatives(self) -> Mapping[str, Derivative]:
-        """The derivatives that `mjd_transitionFD` finds by finite differences of `mj_step`."""
+        """Return the derivatives that `mjd_transitionFD` finds by finite differences of a step."""
         return {
             f"mjd_transitionFD, {way}": Derivative(partial(self._transition, centred), EPSILON)
             for way, centred in {"forward": False, "centred": True}.items()
         }
 
     def _transition(self, centred: bool) -> FloatArray:
-        """Return the matrix A of a step; MuJoCo's tangent of a quaternion is a turn, body axes."""
+        """Return the derivative of a step by a turn and ω, body axes, (6, 6).
+
+        These are rows and columns of MuJoCo's matrix A, whose tangent of a quaternion is a turn in
+        body axes. `centred` says whether differences are centred or forward.
+        """
         nv = self.model.nv
         A = np.zeros((2 * nv, 2 * nv))
         try:
@@ -202,7 +212,7 @@ def check_not_too_small(scenario: Scenario) -> None:
 
 
 def compiled(build: Callable[[], Any]) -> Any:
-    """The model that `build` compiles.
+    """Return the model that `build` compiles; any warning of the compiler is an error.
 
     Raises
     ------
@@ -229,7 +239,10 @@ def compiled(build: Callable[[], Any]) -> Any:
 
 @contextmanager
 def _hearing(messages: list[str]) -> Iterator[None]:
-    """Collect MuJoCo's warnings; by default they go to the terminal and to MUJOCO_LOG.TXT."""
+    """Append MuJoCo's warnings inside the block to `messages`.
+
+    By default MuJoCo writes them to the terminal and to MUJOCO_LOG.TXT.
+    """
     previous = mujoco.get_mju_user_warning()
     mujoco.set_mju_user_warning(messages.append)
     try:

@@ -34,14 +34,14 @@ def flags(enum, prefix):
 
 
 def set_timestep(model, timestep, tied):
-    """Set the timestep, s, and the time constant of contacts to `tied` of them, unless 0."""
+    """Set the timestep, s, and with `tied` > 0 the time constant of contacts, in timesteps."""
     model.opt.timestep = timestep
     if tied:
         model.geom_solref[:, 0] = tied * timestep
 
 
 def at_start(model):
-    """Return data of the model at its first keyframe."""
+    """Return new data of a model, set to its first keyframe."""
     data = mujoco.MjData(model)
     mujoco.mj_resetDataKeyframe(model, data, 0)
     return data

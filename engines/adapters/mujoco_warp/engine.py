@@ -82,6 +82,6 @@ class MuJoCoWarp(Engine):
         return mjcf(scenario, self.stock_timestep, integrator, passes)
 
     def script(self, scenario: Scenario, method: Method, timestep: float) -> str:  # noqa: ARG002
-        """The MJCF, and the few calls that step it."""
+        """Return the MJCF, and the few calls that step it, as Python."""
         world = Path(__file__).with_name("world.py")
         return port_script(world, scenario, self._text(scenario, method), _MADE)

@@ -12,9 +12,9 @@ wp.set_device("cpu")
 
 
 class FirstWorld:
-    """What MuJoCo Warp holds of its first world, by MuJoCo's names, in numpy's arrays.
+    """MuJoCo Warp's model or data of its first world, under MuJoCo's names, as numpy's arrays.
 
-    A field that MuJoCo Warp does not have is read from MuJoCo's model.
+    A field that MuJoCo Warp does not have is read from MuJoCo's own model or data.
     """
 
     def __init__(self, on_device, compiled):
@@ -64,7 +64,15 @@ def arrays_of(data):
 
 
 class World:
-    """Worlds starting at coordinates qpos and qvel, one a row; `compiled` as in `in_warp`."""
+    """Worlds that MuJoCo Warp steps together.
+
+    Parameters
+    ----------
+    compiled : MuJoCo's models
+    worlds : for each world, the index of its model
+    timestep : s
+    qpos, qvel : coordinates and velocities of the start, with a row for each world
+    """
 
     def __init__(self, compiled, worlds, timestep, qpos, qvel):
         self.on_device = in_warp(compiled, worlds)
@@ -105,5 +113,5 @@ class World:
         return np.concatenate([self.there.qpos.numpy(), self.there.qvel.numpy()], axis=1)[places]
 
     def data(self):
-        """Return the data of the first world now."""
+        """Return the present data of the first world."""
         return FirstWorld(self.there, self.at_rest)

@@ -48,17 +48,17 @@ solver.step(state_in, state_out, control, contacts, TIMESTEP)"""
 
 @final
 class NewtonSession(WorldSession):
-    """One body in a model of its own, its frame at the joint."""
+    """A session of one body in a Newton model of its own; the body's frame is at its joint."""
 
     def world_body(self) -> WorldBody:
-        """The body as the solver holds it."""
+        """Return the body as the solver holds it, from its joint."""
         arm = None if self.scene["arm"] is None else np.zeros(3)
         first, *others = self._bodies()
         rotors = zip(others, self.world.model.joint_type.numpy()[1:], strict=True)
         return WorldBody(*first, arm, [self._rotor(k, *one) for k, one in enumerate(rotors, 1)])
 
     def _bodies(self) -> list[tuple[float, FloatArray, FloatArray]]:
-        """Return mass, com and tensor about the com of each body, in its own axes."""
+        """Return mass, com and tensor about the com of each body, SI units, in the body's axes."""
         model, solved = self.world.model, getattr(self.world.solver, "mjw_model", None)
         if solved is None:
             arrays = model.body_mass, model.body_com, model.body_inertia
@@ -74,7 +74,14 @@ class NewtonSession(WorldSession):
         ]
 
     def _rotor(self, number: int, body: Any, kind: int) -> HeldRotor:
-        """A rotor, whose axes are the body's at the joint's angle 0."""
+        """Return a rotor in the body's axes, which are its own at the joint's angle 0.
+
+        Parameters
+        ----------
+        number : index of the rotor's joint
+        body : mass, com and tensor of the rotor, in its own axes
+        kind : Newton's type of the joint
+        """
         mass, com, tensor = body
         model = self.world.model
         place = model.joint_X_p.numpy()[number, :3] + com
@@ -85,7 +92,7 @@ class NewtonSession(WorldSession):
         return HeldRotor(mass, place, tensor, axis)
 
     def derivatives(self) -> Mapping[str, Derivative]:
-        """Derivatives by Warp's tape of a solver's steps."""
+        """Return the derivative of a solver's steps by Warp's tape."""
         return {"Warp's tape": Derivative(self._taped, through=self._taped)}
 
     def _taped(self, steps: int = 1) -> FloatArray:
@@ -102,7 +109,7 @@ class NewtonSession(WorldSession):
         return import_module(f"{__package__}.tape").Tape(self.world)
 
     def active(self) -> frozenset[str]:
-        """Return what acts, as reported by the model and the solver."""
+        """Return what acts on the body, as reported by the model and the solver."""
         world, model, scenario = self.world, self.world.model, self.scenario
         motion, gravity = world.motion(), model.gravity.numpy()[0].astype(float)
         drag = self.scene["drag"]
@@ -142,7 +149,7 @@ class NewtonSession(WorldSession):
         return float(model.steel.rigid_body_angular_damping.numpy()[0] * is_free)
 
     def _wrong_hinges(self) -> Iterator[str]:
-        """Yield in words how joints differ from the scene's."""
+        """Yield in words how the armatures of joints differ from what the scene needs."""
         model = self.world.model
         armature, starts = model.joint_armature.numpy(), model.joint_qd_start.numpy()
         if armature[: starts[1]].any():

@@ -18,7 +18,9 @@ KEPT = Advice("import it without collapse_fixed_joints: Newton then has a fixed 
 
 @final
 class NewtonModelReader(ModelReader):
-    """`ModelBuilder.add_urdf`, `add_mjcf` and `add_usd`; the bodies are the finalized model's.
+    """A reader by `add_urdf`, `add_mjcf` and `add_usd` of `ModelBuilder`.
+
+    Its bodies are those of the finalized model.
 
     Meshes are read only for links whose inertia comes from them.
     """
@@ -58,7 +60,10 @@ class NewtonModelReader(ModelReader):
 
 
 def _bodies(built: Any, model: ModelFile) -> dict[str, BodyReading]:
-    """Return the bodies by the links' names: Newton's labels are paths that end with them."""
+    """Return a finalized model's bodies by the links' names.
+
+    Newton labels a body by a path that ends with the link's name.
+    """
     names = {link.name.replace("-", "_"): link.name for link in model.links}
     names |= {link.name: link.name for link in model.links}
     arrays = (built.body_mass, built.body_com, built.body_inertia)

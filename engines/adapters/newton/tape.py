@@ -20,7 +20,7 @@ QUATERNION, TURNING = (6, 3, 4, 5), (3, 4, 5)
 
 
 class Tape:
-    """A differentiable twin of a world with one scene."""
+    """A second model of a world's scene, with gradients, whose steps Warp's tape records."""
 
     def __init__(self, world: Any) -> None:
         builder = world.builder()
@@ -30,7 +30,7 @@ class Tape:
         self._solver = world.solver_class(self._model, **world.options)
 
     def jacobian(self, motion: Any, timestep: float, steps: int) -> FloatArray:
-        """Return the Jacobian of `steps` steps from a motion, along the axes of the record, (6, 6).
+        """Return the Jacobian of steps from a motion by a turn and ω, axes of the record, (6, 6).
 
         Raises
         ------
@@ -52,7 +52,15 @@ class Tape:
         return self._in_chart(motion, states[-1], self._rows(tape, start, states[-1]))
 
     def _rows(self, tape: Any, start: Any, end: Any) -> FloatArray:
-        """Return the Jacobian of attitude, w x y z, and ω by the start's, world axes, (7, 7)."""
+        """Return the Jacobian of the end's attitude and ω by those of the start, (7, 7).
+
+        Attitudes are quaternions, w x y z, and ω is along world axes.
+
+        Parameters
+        ----------
+        tape : Warp's tape, on which the steps are recorded
+        start, end : Newton's states before and after the steps
+        """
         is_free = self._world.scene["arm"] is None
         of_q = np.array(QUATERNION) - (0 if is_free else 3)
         of_qd = np.array(TURNING) - (0 if is_free else 3)
@@ -68,9 +76,15 @@ class Tape:
         return np.array(rows, dtype=float)
 
     def _in_chart(self, motion: Any, end: Any, rows: FloatArray) -> FloatArray:
-        """Return derivatives by a turn and ω in body axes, given derivatives in world axes.
+        """Return the Jacobian in the chart, (6, 6), given one of quaternions and ω_world, (7, 7).
 
-        ω_world is R ω, and δR is R [δθ]×.
+        The chart is a turn δθ and ω in body axes: ω_world is R ω, and δR is R [δθ]×.
+
+        Parameters
+        ----------
+        motion : the motion before the steps
+        end : Newton's state after them
+        rows : the Jacobian from `_rows`
         """
         q, q_after = np.array(motion["q"]), end.body_q.numpy()[0, list(QUATERNION)].astype(float)
         R, R_after = matrix(q), matrix(q_after)

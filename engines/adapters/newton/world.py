@@ -34,7 +34,7 @@ def push_bodies(
     bodies: int,
     wrench: wp.array(dtype=wp.spatial_vector),
 ):
-    """Set the torque on the first of `bodies` bodies of each world."""
+    """Set the scene's torques on the first of the `bodies` bodies of each world; a Warp kernel."""
     i = wp.tid() * bodies
     turned = wp.quat_rotate(wp.transform_get_rotation(pose[i]), torque_body)
     torque = turned + torque_world - drag * wp.spatial_bottom(twist[i])
@@ -98,7 +98,7 @@ class World:
         builder.add_articulation([root, *hinges])
 
     def add_body(self, builder, mass, com, tensor):
-        """Add a body; returns its number."""
+        """Add a body, given mass, com and tensor about the com; return its number."""
         inertia = wp.mat33(*tensor.ravel())
         return builder.add_link(mass=mass, com=wp.vec3(*com), inertia=inertia, lock_inertia=True)
 
@@ -114,7 +114,7 @@ class World:
         )
 
     def restart(self, motion, timestep):
-        """Set another motion, or one for each world, and timestep; forget earlier steps."""
+        """Set another timestep and motion, or a list of motions; forget earlier steps."""
         motions = motion if isinstance(motion, list) else [motion]
         self.start(motions)
         if timestep not in self.graphs:
@@ -137,7 +137,7 @@ class World:
             newton.eval_fk(self.model, state.joint_q, state.joint_qd, state)
 
     def coordinates(self, scene, motion):
-        """Return the joints' coordinates and velocities in one world."""
+        """Return the coordinates and velocities of all joints of a scene at a motion."""
         w, *xyz = motion["q"]
         spins = zip(scene.get("rotors", ()), motion.get("spins", ()), strict=True)
         spins = [spin for rotor, spin in spins if rotor["hinge"] != "locked"]
@@ -145,7 +145,7 @@ class World:
         return [*place, *xyz, w, *np.zeros(len(spins))], [*velocity, *motion["omega"], *spins]
 
     def motion(self, world=0):
-        """Attitude, w x y z, ω, com and its velocity, world axes; spins."""
+        """Return attitude, w x y z, ω, com and its velocity, in world axes, then the spins."""
         scene, own = self.scenes[world], slice(world * self.bodies, (world + 1) * self.bodies)
         poses = self.now.body_q.numpy()[own].astype(float)
         twists = self.now.body_qd.numpy()[own].astype(float)
@@ -160,7 +160,7 @@ class World:
         return np.concatenate([(w, x, y, z), omega, com, twists[0, :3], spins])
 
     def motions(self, worlds):
-        """The motions of some worlds."""
+        """Return the motions of the worlds with given indices, each as `motion` gives it."""
         return [self.motion(world) for world in worlds]
 
     def push(self, state):

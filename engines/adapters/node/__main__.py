@@ -14,10 +14,10 @@ PATIENCE = 3600.0
 
 
 def main() -> int:
-    """Install what is missing; returns the exit code.
+    """Install the packages unless they are installed, and print each engine's version.
 
-    It is 3 if npm is not installed; 1 if npm cannot install the packages, or an engine does not
-    start.
+    Returns the exit code: 3 if npm is not installed, 1 if npm cannot install the packages or an
+    engine does not start, else 0.
     """
     npm = shutil.which("npm")
     modules = modules_folder()

@@ -41,7 +41,7 @@ def discovered() -> Iterator[Engine | Missing]:
 
 
 def modules_folder() -> Path:
-    """Return the folder that npm puts the packages into: one for each state of the lock file."""
+    """Return the folder of the npm packages; its path has a digest of the lock file."""
     digest = sha256(LOCK.read_bytes()).hexdigest()[:16]
     return user_cache() / "node" / digest / "node_modules"
 
@@ -68,7 +68,13 @@ def _child_engine(command: tuple[str, ...], hello: Hello, path: Path) -> ChildEn
 
 
 def _said_before(path: Path, modules: Path) -> Hello | None:
-    """Return an engine's description as kept when it was first asked; None if there is none."""
+    """Return an engine's description as stored when it was first started; None if none is stored.
+
+    Parameters
+    ----------
+    path : the engine's `.mjs` file
+    modules : folder of the npm packages
+    """
     try:
         return Hello.model_validate_json(read_regular(_memory(path, modules), LONGEST_ANSWER))
     except (OSError, ValueError):

@@ -40,7 +40,7 @@ function state() {{
 
 
 def script(path: Path, scenario: Scenario, method: Method) -> str:
-    """Return the run of a method of the engine whose file is `path`, as JavaScript."""
+    """Return JavaScript that builds and steps a scene with a method of the engine in `path`."""
     text = path.read_text(encoding="utf-8")
     found = _OPEN.search(text)
     assert found is not None, f"{path.name} has no function 'open'"
@@ -65,7 +65,10 @@ def _part(path: Path) -> str:
 
 
 def _package(text: str) -> str:
-    """Return the npm package that an engine's file loads, at the version that spincheck runs."""
+    """Return the npm package that an engine's file loads, as name@version.
+
+    The version is the one in `package.json`. `text` is the engine's file.
+    """
     wanted = json.loads((HERE / "package.json").read_text(encoding="utf-8"))["dependencies"]
     (package,) = (f"{name}@{version}" for name, version in wanted.items() if f"'{name}/" in text)
     return package

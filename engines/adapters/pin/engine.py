@@ -27,10 +27,10 @@ EFFECTS = COMMON_EFFECTS | {"rotors", "table"}
 
 @final
 class PinocchioSession(WorldSession):
-    """One body; its joint is at the pivot, or else at the com."""
+    """A session of one body in a Pinocchio model; its joint is at the pivot, or else at the com."""
 
     def world_body(self) -> WorldBody:
-        """The body as the model holds it, from the joint."""
+        """Return the body as the model holds it, from its joint."""
         inertia = self.world.model.inertias[self.world.joint]
         arm = None if self.world.is_free else np.zeros(3)
         rotors = [self._rotor(joint) for joint in self.world.rotors]
@@ -39,7 +39,11 @@ class PinocchioSession(WorldSession):
         )
 
     def _rotor(self, joint: int) -> HeldRotor:
-        """Return the rotor on a hinge, at angle 0; a locked rotor is part of the body."""
+        """Return the rotor on a hinge at angle 0, given the number of its joint.
+
+        The number 0 stands for a locked rotor, which the model has made part of the body: the
+        returned rotor then has no mass.
+        """
         if not joint:
             return HeldRotor(0.0, np.zeros(3), np.zeros((3, 3)), np.zeros(3))
         model = self.world.model
@@ -49,7 +53,7 @@ class PinocchioSession(WorldSession):
         return HeldRotor(inertia.mass, com, R @ inertia.inertia @ R.T, R @ axis)
 
     def derivatives(self) -> Mapping[str, Derivative]:
-        """The derivative of dω/dt by its articulated-body algorithm."""
+        """Return the derivative of dω/dt by Pinocchio's articulated-body algorithm."""
         return {"computeABADerivatives": Derivative(self._rate)}
 
     def _rate(self) -> FloatArray:
@@ -69,7 +73,10 @@ class PinocchioSession(WorldSession):
         return along(self.frame.body_from_axes.as_matrix(), rate)
 
     def active(self) -> frozenset[str]:
-        """Return what acts: gravity and joints as in the model; torques as passed to `aba`."""
+        """Return what acts on the body: gravity and joints as in the model.
+
+        Torques are passed to `aba` in each step; those of the scene are assumed to act.
+        """
         model, scenario = self.world.model, self.scenario
         named = {
             **self.gravity_by(np.array(model.gravity.linear)),
@@ -81,7 +88,10 @@ class PinocchioSession(WorldSession):
         return frozenset(name for name, acts in named.items() if acts)
 
     def _joints(self) -> dict[str, bool]:
-        """Return what the joints are, before and after the body's, and whether each acts."""
+        """Return names for what the joints are, and whether each is there.
+
+        Joints before the body's are slides, those after it are hinges of rotors.
+        """
         world, model = self.world, self.world.model
         kinds = [joint.shortname() for joint in model.joints]
         hinges = [joint for joint in world.rotors if joint]

@@ -76,7 +76,7 @@ class World:
         self.v = np.array([*speed, *(R.T @ omega), *spins])
 
     def motion(self):
-        """Attitude, w x y z, ω, com and its velocity, world axes."""
+        """Return attitude, w x y z, ω, com and its velocity, in world axes, then the spins."""
         x, y, z, w = self.q[self.q_turning]
         R = pinocchio.Quaternion(self.q[self.q_turning]).matrix()
         omega, arm = R @ self.v[self.v_turning], R @ self.lever
@@ -117,7 +117,10 @@ class World:
         self.q, self.v = self.normalised(q + h / 6 * q_gain), v + h / 6 * v_gain
 
     def rate(self, q, v):
-        """Return the time derivative of the coordinates; that of the quaternion is ½ q (0, ω)."""
+        """Return the time derivative of the coordinates q, given q and the velocities v.
+
+        The derivative of the quaternion is ½ q (0, ω).
+        """
         # With Python's floats: numpy's cost several times as much one by one.
         (x, y, z, w), (a, b, c) = q[self.q_turning].tolist(), v[self.v_turning].tolist()
         turning = (
@@ -133,7 +136,7 @@ class World:
         return np.array([*moving, *(part / 2 for part in turning), *spins])
 
     def acceleration(self, q, v):
-        """Return the acceleration by the articulated-body algorithm."""
+        """Return the time derivative of the velocities v, by the articulated-body algorithm."""
         torque = np.zeros(len(v))
         if self.is_pushed:
             R = pinocchio.Quaternion(q[self.q_turning]).matrix()

@@ -22,10 +22,10 @@ world.step(TIMESTEP)"""
 
 @final
 class PyBox3DSession(WorldSession):
-    """One box, whose origin is the com."""
+    """A session of one box, whose origin is the body's com."""
 
     def world_body(self) -> WorldBody:
-        """Return the body: its tensor is measured by impulses, the rest is read."""
+        """Return the body as the engine holds it, with its tensor measured by impulses."""
         joint, xyz = self.world.joint, self.module.xyz
         arm = None if joint is None else xyz(joint.anchor_b)
         return WorldBody(self.world.body.mass, np.zeros(3), self._tensor(), arm)
@@ -34,8 +34,7 @@ class PyBox3DSession(WorldSession):
         """Return the tensor, body axes, kg m², (3, 3), which no attribute of the body holds.
 
         It is measured by couples of impulses, each of which would turn a body with the scene's
-        moments
-        about one axis at 2 rad/s.
+        moments about one axis at 2 rad/s.
         """
         body, world = self.world.body, self.world.world
         before = world.snapshot()
@@ -52,7 +51,10 @@ class PyBox3DSession(WorldSession):
         return (tensor + tensor.T) / 2
 
     def active(self) -> frozenset[str]:
-        """Return what acts as reported by the world; torques are not reported, but trusted."""
+        """Return what acts on the body, as the world reports it.
+
+        Torques are not reported: those of the scene are assumed to act.
+        """
         world, scenario = self.world.world, self.scenario
         joint, gravity = self.world.joint, self.module.xyz(world.gravity)
         right = np.allclose(gravity, scenario.gravity_world, rtol=SLACK, atol=0)

@@ -17,7 +17,7 @@ def xyz(v):
 
 
 def half_extents(mass, moments):
-    """Return half the edges of the box with these principal moments, m, (3,)."""
+    """Return half the edges, m, (3,), of the uniform box with a mass, kg, and moments, kg m²."""
     squares = np.sum(moments) / 2 - np.array(moments)
     return np.sqrt(3 / mass * np.maximum(squares, 0.0))
 
@@ -30,7 +30,7 @@ class World:
         self.restart(scene, timestep)
 
     def restart(self, motion, timestep):
-        """Build a new world, with another motion and timestep and no memory of earlier steps."""
+        """Build a new world with another motion and timestep, without memory of earlier steps."""
         self.scene = scene = self.scene | motion
         self.timestep = timestep
         self.world = pybox3d.World(gravity=tuple(scene["gravity"]))
@@ -53,7 +53,7 @@ class World:
             self.world.add_filter_joint(ground, self.body)
 
     def motion(self):
-        """Attitude, w x y z, ω, com and its velocity, world axes."""
+        """Return attitude, w x y z, ω, com and its velocity, in world axes, (13,)."""
         body = self.body
         vectors = body.angular_velocity, body.position, body.linear_velocity
         return np.concatenate([wxyz(body.orientation), *map(xyz, vectors)])

@@ -17,8 +17,8 @@ from .model import Model
 from .probe import PROBE_SPIN, SLACK, Probe, near
 from .world import BASE, World
 
-#: Speed of a fast probe, rad/s, above the default clamp: the body keeps this speed only if the
-#: clamp is off.
+#: Speed, rad/s, at which the body takes a step to find out whether PyBullet clamps it. It is above
+#: the default clamp, so that the body keeps the speed only if the clamp is off.
 PROBE_RUSH = 2.0**9
 #: The effect that a spherical joint is, by the number of slides that it is on.
 HELD_BY = {0: "pivot", 2: "table"}
@@ -27,13 +27,13 @@ EMPTY_MARGIN = 0.001
 
 
 def what_acts(advance: Callable[[int], None], model: Model, scenario: Scenario) -> frozenset[str]:
-    """Names of the effects that act, and descriptions of anything else that does.
+    """Return names of the effects that act, and descriptions of anything else that acts.
+
+    The measurements change the body's state, and switch PyBullet's defaults off.
 
     Parameters
     ----------
     advance : takes whole steps, with the torques that belong to the scene
-
-    The probes change the body's state, and switch PyBullet's defaults off.
     """
     world = model.world
     acting = _engine(world, scenario) | _holds(world) | _beside(world, scenario)
@@ -73,9 +73,10 @@ def _holds(world: World) -> set[str]:
 
 
 def _beside(world: World, scenario: Scenario) -> set[str]:
-    """Return in words what else is in the world, or can collide with the body.
+    """Return in words what could touch the body: other bodies, and the body's collision shapes.
 
-    The plane that a body rests on is removed, so that nothing pushes the body in the probes.
+    If the scene has a table as a contact, the plane under the body is reported as "table". It is
+    removed from the world, so that it does not push the body in the measurements that follow.
     """
     client, acting = world.client, set()
     bodies = [p.getBodyUniqueId(i, client) for i in range(p.getNumBodies(client))]
@@ -114,7 +115,10 @@ def _has_shape(client: int, body: int, link: int) -> bool:
 
 
 def _acting(probe: Probe) -> set[str]:
-    """Return the effects that the momentum gained in a step shows: torques, drag, damping."""
+    """Return names of the torques, drag and damping that act, as the gain of momentum shows.
+
+    The gain is that in a step without gravity, from rest and from a slow spin.
+    """
     torque, resistance, force = probe.unlike()
     acting = {words for words in (torque, resistance, force) if words}
     if acting:
@@ -132,7 +136,10 @@ def _acting(probe: Probe) -> set[str]:
 
 
 def _wrong_hinges(probe: Probe) -> set[str]:
-    """Return in words what is wrong with the hinges, or PyBullet's motors if they are what is."""
+    """Return in words what is wrong with the rotors' hinges; empty if nothing is.
+
+    If nothing is wrong once PyBullet's motors are removed, the answer is "joint motor".
+    """
     if not probe.wrong_hinges():
         return set()
     probe.model.world.take_away_motors()
@@ -140,7 +147,10 @@ def _wrong_hinges(probe: Probe) -> set[str]:
 
 
 def _slowing_defaults(probe: Probe) -> set[str]:
-    """Return PyBullet's defaults that act: the ones whose removal makes a difference."""
+    """Return the names of PyBullet's defaults whose removal changes the torque against a spin.
+
+    They stay removed.
+    """
     world, acting = probe.model.world, set()
     slowing: dict[str, Callable[[], object]] = {"damping": world.take_away_damping}
     if world.link != BASE:
@@ -155,7 +165,7 @@ def _slowing_defaults(probe: Probe) -> set[str]:
 
 
 def _is_clamped(probe: Probe) -> bool:
-    """Whether a fast body is slower a step later, although no damping is left."""
+    """Whether PyBullet clamps velocities: a fast body is slower after a step without damping."""
     before, after = probe.after(probe.spin_world * (PROBE_RUSH / PROBE_SPIN))
     speed = float(np.linalg.norm(before.omega_body))
     return bool(np.linalg.norm(after.omega_body) < speed / 2)

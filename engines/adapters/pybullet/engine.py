@@ -143,7 +143,7 @@ class PyBullet(Engine):
         return script(scenario, REPRESENTATIONS[method.name], timestep)
 
     def left_out(self, scenario: Scenario, method: Method) -> tuple[str, ...]:
-        """Return the parts left out: the collision shape, and on a joint the forceless motor."""
+        """Return the parts that are left out: the collision shape, and a joint's idle motor."""
         representation = REPRESENTATIONS[method.name]
         if representation.as_shipped or representation.by_contact:
             return ()
@@ -154,14 +154,17 @@ class PyBullet(Engine):
         return release(version, self.methods)
 
     def defaults(self, scenario: Scenario, method: Method) -> tuple[str, ...]:
-        """Return the defaults of a method as shipped; a motor is one only if there is a joint."""
+        """Return PyBullet's defaults that a method keeps and that can alter the scene's motion.
+
+        The joint motor is one of them only if the scene has a joint.
+        """
         has_joint = scenario.constraint.is_pivot or scenario.rotors.is_turning.any()
         left = REPRESENTATIONS[method.name].defaults - (set() if has_joint else {JOINT_MOTOR})
         return tuple(name for name in DEFAULTS if name in left)
 
 
 def release(version: str, methods: tuple[Method, ...]) -> Release:
-    """Return a version of PyBullet; 3.2.6 and older need numpy 1."""
+    """Return a version of PyBullet with what it needs to be installed: up to 3.2.6, numpy 1."""
     older = ("numpy==1.26.4",) if numbers_of(version) <= (3, 2, 6) else ()
     # Robots and meshes that come with the package, 142 MB.
     robots = ("pybullet_data",)
@@ -170,5 +173,5 @@ def release(version: str, methods: tuple[Method, ...]) -> Release:
 
 @cache
 def installed_version() -> str:
-    """Return the installed version, kept because finding it takes as long as a hundred steps."""
+    """Return the installed version; it is kept, as looking it up takes as long as many steps."""
     return version("pybullet")

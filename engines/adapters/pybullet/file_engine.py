@@ -17,7 +17,10 @@ LEFT = {DEFAULT: frozenset(DEFAULTS), FROM_FILE: frozenset[str]()}
 
 @final
 class PyBulletFile(FileEngine):
-    """`loadURDF` on the link that a scene names; `inspect`'s configurations are the methods."""
+    """An engine that simulates the link that a scene names as `loadURDF` reads it.
+
+    Its methods are the reader's configurations.
+    """
 
     name = "pybullet-file"
     reader = PyBulletModelReader()

@@ -47,7 +47,7 @@ class BodyRepresentation:
 
     @property
     def as_shipped(self) -> bool:
-        """Whether the body is loaded as a user would, but for defaults removed one by one."""
+        """Whether the body is loaded as users do it, with at least one of PyBullet's defaults."""
         return bool(self.defaults)
 
     def hangs(self, scenario: Scenario) -> bool:
@@ -83,7 +83,10 @@ def load(
 
 
 def _record(scenario: Scenario, representation: BodyRepresentation) -> dict[str, Any]:
-    """Return the world's record of the scene, without numbers along the principal axes."""
+    """Return the record of the scene that `World` takes, as far as it is known before loading.
+
+    Numbers along the principal axes are missing, since PyBullet finds these axes itself.
+    """
     start, is_pivot = scenario.start, scenario.constraint.is_pivot
     hung = representation.hangs(scenario)
     world_from_body = Rotation.from_quat(start.q_world_body_wxyz, scalar_first=True)
@@ -109,7 +112,10 @@ def _record(scenario: Scenario, representation: BodyRepresentation) -> dict[str,
 
 
 def scenes_own(scenario: Scenario, representation: BodyRepresentation) -> dict[str, bytes]:
-    """Return the scene as URDF; only a body that hangs by a joint has what holds it in the URDF."""
+    """Return the scene's URDF, by the name of its file.
+
+    What holds the body is in the URDF only if the body hangs by a joint.
+    """
     hung = representation.hangs(scenario)
     sphere: tuple[tuple[float, ...], float] | None = None
     if representation.by_contact:
@@ -131,7 +137,7 @@ def scenes_own(scenario: Scenario, representation: BodyRepresentation) -> dict[s
 
 
 def _check_not_lost(scenario: Scenario, representation: BodyRepresentation) -> None:
-    """Raise `UnsupportedError` if Bullet would drop terms, being below its constant."""
+    """Raise `UnsupportedError` if Bullet would take a number of the body for zero."""
     mass, moments = scenario.carrier.mass, scenario.carrier.principal_moments
     is_pivot, product, least = scenario.constraint.is_pivot, np.prod(moments), min(mass, *moments)
     is_jointed = is_pivot and representation.hung

@@ -27,7 +27,7 @@ XYZW, WXYZ = [1, 2, 3, 0], [3, 0, 1, 2]
 
 
 def attitude(state: State) -> FloatArray:
-    """Return the matrix, (3, 3), of a state's normalised quaternion."""
+    """Return the rotation matrix of a state, (3, 3), body to world."""
     q_wxyz = state.q_world_body_wxyz
     return matrix(q_wxyz / np.linalg.norm(q_wxyz))
 
@@ -90,7 +90,7 @@ class Model:
         return with_rotors(parts, axes_of_rotors)
 
     def read_state(self) -> State:
-        """The state now."""
+        """Return the present state, in spincheck's frames."""
         rows = np.concatenate([*self.world.motion(), self.world.spins()])[None]
         return self.states(rows).rows(0)
 
@@ -99,7 +99,8 @@ class Model:
 
         Parameters
         ----------
-        rows : the numbers of each reading, (n, 13), and the spins of rotors that turn
+        rows : com, attitude of the principal axes (x y z w), velocity and ω in world axes, and the
+            spins of the rotors that turn, (n, 13 + rotors)
         """
         com_world, q_wxyz = rows[:, :3], rows[:, (6, 3, 4, 5)]
         velocity_world, omega_world = rows[:, 7:10], rows[:, 10:13]
@@ -114,7 +115,7 @@ class Model:
         return State(q_world_body, omega_body, com_world, velocity_world, spins)
 
     def coordinates(self, states: State) -> FloatArray:
-        """Return the velocity coordinates that PyBullet clamps, rad/s and m/s, a row a state."""
+        """Return the velocity coordinates of n states, which PyBullet clamps, rad/s and m/s."""
         R_world_body = matrices(states.q_world_body_wxyz)
         if self.world.link == BASE:
             omega_world = turned(R_world_body, states.omega_body)
@@ -152,7 +153,10 @@ class Model:
         }
 
     def in_its_axes(self, scenario: Scenario) -> dict[str, Any]:
-        """Return the rest of the record for `set_up`: start and torque along principal axes."""
+        """Return the entries of the record that only `World.set_up` needs.
+
+        They are the start and the torque along the principal axes that PyBullet has found.
+        """
         start, is_pivot = scenario.start, scenario.constraint.is_pivot
         is_base, principal_from_body = self.world.link == BASE, self.body_from_principal.inv()
         world_from_body = Rotation.from_quat(start.q_world_body_wxyz, scalar_first=True)

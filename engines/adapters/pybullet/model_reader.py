@@ -26,7 +26,7 @@ LINK_NAME = 12
 
 @final
 class PyBulletModelReader(ModelReader):
-    """`loadURDF`, without and with the flag by which it uses the file's tensors."""
+    """A reader by `loadURDF`, without and with the flag by which it uses the file's tensors."""
 
     name = "pybullet"
     formats = frozenset({"urdf"})

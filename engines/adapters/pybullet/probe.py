@@ -53,9 +53,13 @@ class Probe:
         self._lever_body = scenario.constraint.lever * is_held
 
     def after(self, omega_world: FloatArray) -> tuple[State, State]:
-        """Return the states before and after a step that starts with a given ω, rad/s, (3,).
+        """Return the states before and after a step that starts with a given ω.
 
         A body that is not on a pivot also starts with a velocity: the same vector in m/s.
+
+        Parameters
+        ----------
+        omega_world : ω, rad/s, (3,)
         """
         now = self.model.read_state()
         R_world_body = attitude(now)
@@ -84,7 +88,10 @@ class Probe:
         return force, gain + mass * cross(velocity_world - swing_world, velocity_world)
 
     def _momentum(self, state: State) -> FloatArray:
-        """Return L about the held point, or else the com, world axes, kg m²/s, (3,)."""
+        """Return the angular momentum about the held point, kg m²/s, world axes, (3,).
+
+        It is about the com if no point is held by a joint or constraint.
+        """
         # Normalised, as differences of momenta are divided by a short time.
         body, R_world_body = self.model.body, attitude(state)
         L_body = body.inertia_com @ state.omega_body + state.spins @ body.axial
@@ -96,10 +103,11 @@ class Probe:
         return self.gains(self.spin_world)[1] - self.gains(np.zeros(3))[1]
 
     def unlike(self) -> tuple[str, str, str]:
-        """Return in words how torque, resistance and force differ from the scene's; empty if equal.
+        """Return words on a torque, a resistance and a force that the scene does not have.
 
-        Gravity is off and so not part of the force; along axes on which a joint holds the body
-        there is no force to compare.
+        Each is empty if the engine's is the scene's: the torque at rest, the change of the torque
+        by a slow spin, and the force on the com. Gravity is off and so not part of the force; along
+        axes on which a joint holds the body there is no force to compare.
         """
         torque, force, resistance = "", "", ""
         _, at_rest = self.gains(np.zeros(3))
@@ -114,7 +122,10 @@ class Probe:
         return torque, resistance, force
 
     def wrong_hinges(self) -> list[str]:
-        """Return in words the hinges that do not keep their constant from a slow spin on."""
+        """Return words on the hinges with a torque: their angular momentum changes in a step.
+
+        The angular momentum is the one that the scene's hinge would keep (see `Rotors.kept`).
+        """
         rotors = self.scenario.rotors
         self.model.world.set_spins(np.full(len(rotors.each), PROBE_SPIN))
         before, after = self.after(self.spin_world)
@@ -127,7 +138,7 @@ class Probe:
 
     @property
     def noise(self) -> float:
-        """Bound of the rounding and truncation errors of the measured torque, N m."""
+        """A bound on the rounding and truncation errors of a measured torque, N m."""
         body, arm = self.model.body, float(np.linalg.norm(self.scenario.constraint.lever))
         moments = np.linalg.eigvalsh(body.inertia_com)
         largest_moment = float(moments[-1]) + body.mass * arm**2
@@ -143,10 +154,10 @@ class Probe:
 
 
 def near(got: FloatArray, wanted: FloatArray, noise: float) -> bool:
-    """Whether two vectors are equal up to rounding and noise."""
+    """Whether two vectors are equal up to rounding and to an absolute error `noise`."""
     return bool(np.abs(got - wanted).max() <= SLACK * np.abs(wanted).max() + noise)
 
 
 def size(vector: FloatArray) -> str:
-    """Return the length of a vector as text."""
+    """Return the length of a vector as text, to three digits."""
     return f"{np.linalg.norm(vector):.3g}"

@@ -37,7 +37,7 @@ p.changeConstraint(tie, maxForce=1e100)"""
 
 
 def setup(representation: BodyRepresentation) -> str:
-    """Return what users write to load a URDF of their own, with a pivot as joint or constraint."""
+    """Return the lines that users write to load a URDF of their own as a method does."""
     maximal = ", useMaximalCoordinates=True" if representation.maximal else ""
     holding = CONTACT if representation.by_contact else JOINT if representation.hung else TIE
     return f"""\
@@ -49,7 +49,7 @@ p.changeDynamics(body, -1, maxJointVelocity=1e100)
 
 
 def script(scenario: Scenario, representation: BodyRepresentation, timestep: float) -> str:
-    """Return the world of a method as Python, with the numbers that a session gives it."""
+    """Return a Python script of a run, with the record that a session of the scene ends up with."""
     with PyBulletSession(scenario, representation, timestep) as session:
         entries = [f'    "{key}": {value!r},' for key, value in session.world.scene.items()]
     world = Path(__file__).with_name("world.py")

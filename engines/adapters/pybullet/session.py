@@ -31,7 +31,7 @@ WARNING = "b3Warning"
 
 @final
 class PyBulletSession(Session):
-    """One scene in a world of its own.
+    """A session of one scene in a PyBullet world of its own.
 
     Raises
     ------
@@ -50,25 +50,25 @@ class PyBulletSession(Session):
         self._is_sound = True
 
     def read_body(self) -> BodyReading:
-        """Mass, com and tensor as PyBullet holds them."""
+        """Return mass, com and tensor of the body as PyBullet holds them."""
         return self.model.body
 
     def read_state(self) -> State:
-        """The state now."""
+        """Return the state after the last step."""
         return self.model.read_state()
 
     @property
     def can_restart(self) -> bool:
-        """Whether the body lies on no contact: Bullet keeps a contact's impulses."""
+        """Whether the body lies on no contact, of which Bullet would keep the earlier impulses."""
         return self.world.scene["plane"] is None
 
     @property
     def restarts_to_the_last_bit(self) -> bool:
-        """Whether the body is on a joint: PyBullet rounds any other pose as it loads it."""
+        """Whether the body hangs by a joint; PyBullet rounds the pose of any other body."""
         return bool(self.world.link != BASE)
 
     def restart(self, state: State, timestep: float | None = None) -> None:
-        """Set pose and velocities; a body on a constraint may be set off its pivot, too."""
+        """Set pose and velocities; a body held by a constraint may also be set beside its pivot."""
         timestep = self.world.timestep if timestep is None else timestep
         if self._is_maximal and self._scenario.constraint.is_pivot:
             check_borne(self._scenario, state, timestep)
@@ -108,7 +108,7 @@ class PyBulletSession(Session):
             raise EngineError(fault.reason, fault.cause)
 
     def snapshot(self) -> bytes:
-        """The numbers of the motion as PyBullet returns them, in one array of bytes.
+        """Return com, attitude, velocity, ω and spins as PyBullet returns them, packed as bytes.
 
         A state that is not finite ends the run: the solvers might not return from it.
         """
@@ -120,7 +120,7 @@ class PyBulletSession(Session):
         return pack(f"{len(numbers)}d", *numbers)
 
     def states(self, snapshots: Sequence[bytes]) -> State:
-        """The states of n snapshots, in spincheck's frames."""
+        """Return the states of n snapshots, in spincheck's frames."""
         rows = np.frombuffer(bytearray().join(snapshots)).reshape(len(snapshots), -1)
         return self.model.states(rows)
 
@@ -129,7 +129,7 @@ class PyBulletSession(Session):
         snapshots: Sequence[bytes],  # noqa: ARG002
         states: State,
     ) -> Fault | None:
-        """The first snapshot in which a velocity is clamped."""
+        """Return a fault for the first snapshot with a clamped velocity; None if there is none."""
         clamped = np.abs(self.model.coordinates(states)) >= self._clamp * (1 - ROTATED)
         if not clamped.any():
             return None
@@ -137,7 +137,7 @@ class PyBulletSession(Session):
         return Fault(int(np.argmax(clamped.any(axis=1))), "clamp", reason)
 
     def active(self) -> frozenset[str]:
-        """Return what acts, as read back and measured: see `audit`."""
+        """Return what acts on the body, read back or measured: see `audit`."""
         return what_acts(self.advance, self.model, self._scenario)
 
     def close(self) -> None:
@@ -151,7 +151,7 @@ class PyBulletSession(Session):
 
 
 def _open(scenario: Scenario, representation: BodyRepresentation, timestep: float) -> Model:
-    """Return the scene's body in a world of its own."""
+    """Return the scene's body in a world of its own, at the start; PyBullet's warnings raise."""
     client = -1
     try:
         with native_output() as printed:

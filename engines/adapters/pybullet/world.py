@@ -193,7 +193,7 @@ class World:
         self.set_timestep(timestep)
 
     def set_moving(self, motion):
-        """Set a motion but for the pose of a base."""
+        """Set velocities and spins, and angles and places of joints, but not the base's pose."""
         place, velocity, omega = motion["place"], motion["velocity"], motion["omega"]
         if self.link == BASE:
             p.resetBaseVelocity(self.body, velocity, omega, self.client)
@@ -253,11 +253,11 @@ class World:
             self.change(self.link, jointDamping=drag)
 
     def push(self, torque, frame):
-        """Apply a torque to the base or link."""
+        """Apply a torque, N m, to the body's base or link, along the axes that `frame` names."""
         p.applyExternalTorque(self.body, self.link, torque, frame, self.client)
 
     def resist(self, drag):
-        """Apply the drag of a body that hangs by no joint."""
+        """Apply the torque −drag ω to a body that does not hang by a joint."""
         _, (x, y, z) = p.getBaseVelocity(self.body, self.client)
         self.push((-drag * x, -drag * y, -drag * z), p.WORLD_FRAME)
 

@@ -18,7 +18,7 @@ def take_world() -> int:
     Raises
     ------
     EngineError
-        If PyBullet opens no more.
+        If PyBullet cannot open another world.
     """
     if _empty:
         return _empty.pop()

@@ -32,10 +32,10 @@ body = rapier3d.RigidBody.dynamic().can_sleep(False).allow_fast_rotation(True)""
 
 @final
 class Rapier3DSession(WorldSession):
-    """One body, whose origin is the com."""
+    """A session of one body in a Rapier world; the body's origin is its com."""
 
     def world_body(self) -> WorldBody:
-        """Return the body by its principal moments, their axes, and the joint's anchor."""
+        """Return the body as Rapier holds it: principal moments, their axes, the joint's anchor."""
         joint, xyz = self.world.joint, self.module.xyz
         arm = None if joint is None else xyz(joint.data.local_anchor2)
         rotors = [self._rotor(*rotor) for rotor in self.world.rotors]
@@ -49,7 +49,16 @@ class Rapier3DSession(WorldSession):
         return body.mass, xyz(properties.local_com), inertia
 
     def _rotor(self, body: Any, joint: Any) -> HeldRotor:
-        """Return a rotor, whose axes are the body's at the start."""
+        """Return a rotor in the axes and from the origin of its carrier.
+
+        Rotor and carrier are two of Rapier's bodies. Their axes coincide at the start, so that the
+        rotor's tensor needs no rotation.
+
+        Parameters
+        ----------
+        body : the rotor's body
+        joint : the joint between carrier and rotor
+        """
         (mass, com, inertia), hinge, xyz = self._mass_of(body), joint.data, self.module.xyz
         place = xyz(hinge.local_anchor1) + com - xyz(hinge.local_anchor2)
         turns = self.module.count(hinge.locked_axes) < EVERY
@@ -63,12 +72,12 @@ class Rapier3DSession(WorldSession):
         self.check()
 
     def check(self) -> None:
-        """Raise if a body was quarantined, that is stopped as not finite, in any step so far."""
+        """Raise `EngineError` if Rapier has quarantined a body, as its numbers are not finite."""
         if self.world.quarantined:
             raise EngineError("Rapier has quarantined the body: not finite", "not-finite")
 
     def active(self) -> frozenset[str]:
-        """Return what acts, as reported by the world and the body."""
+        """Return what acts on the body, as reported by the world and the body."""
         body, world, scenario = self.world.body, self.world.world, self.scenario
         motion = self.world.motion()
         wanted = push(self.scene, matrix(motion[:4]), motion[4:7])
@@ -100,7 +109,7 @@ class Rapier3DSession(WorldSession):
         return frozenset(acting | stated_effects if got.any() else acting)
 
     def _wrong_hinges(self) -> Iterator[str]:
-        """Yield in words how joints of rotors differ from the scene's."""
+        """Yield in words how the joints of rotors differ from what the scene states."""
         described = self.scene.get("rotors", ())
         for number, (rotor, (_, joint)) in enumerate(
             zip(described, self.world.rotors, strict=True), 1

@@ -25,7 +25,7 @@ def count(mask):
 
 
 class World:
-    """The body, its rotors, and joints: the one that holds the body, then the rotors' hinges."""
+    """A body, its rotors, the joint that holds the body if it is not free, and rotors' hinges."""
 
     def __init__(self, scene, method, timestep):
         self.scene, self.method = scene, method
@@ -50,7 +50,10 @@ class World:
             self.rotors.append(self.add_rotor(carrier, rotor, spin))
 
     def add_body(self, motion, moments, frame):
-        """Add a body with its com at its origin; returns it and its handle."""
+        """Add a body with its com at its origin; return Rapier's body and its handle.
+
+        `frame` is the rotation from the principal axes to the body's axes.
+        """
         mass = rapier3d.MassProperties((0.0, 0.0, 0.0), motion["mass"], tuple(moments), frame)
         described = rapier3d.RigidBody.dynamic().additional_mass_properties(mass)
         if self.method != "default":
@@ -66,7 +69,14 @@ class World:
         return body, handle
 
     def add_rotor(self, carrier, rotor, spin):
-        """Add a rotor, its axes along the body's; returns it and its joint."""
+        """Add a rotor, its axes along those of the carrier; return the rotor's body and joint.
+
+        Parameters
+        ----------
+        carrier : handle of the body that the rotor is on
+        rotor : the rotor's record
+        spin : angular velocity about its axis, relative to the carrier, rad/s
+        """
         scene, hinge = self.scene, rotor["hinge"]
         R = matrix(scene["q"])
         arm, axis = R @ rotor["place"], R @ rotor["axis"]
@@ -88,12 +98,12 @@ class World:
         return body, self.add_joint(carrier, handle, joint)
 
     def add_joint(self, parent, child, described):
-        """Add a joint between two bodies; returns it."""
+        """Add a joint between two bodies, given their handles and a builder; return the joint."""
         number = self.world.impulse_joints.insert(parent, child, described.build())
         return self.world.impulse_joints.get(number)
 
     def motion(self):
-        """Attitude, w x y z, ω, com and its velocity, world axes; spins."""
+        """Return attitude, w x y z, ω, com and its velocity, in world axes, then the spins."""
         body = self.body
         q, omega = wxyz(body.rotation), xyz(body.angvel)
         spun = [xyz(rotor.angvel) - omega for rotor, _ in self.rotors]
@@ -102,7 +112,10 @@ class World:
         return np.concatenate([q, omega, xyz(body.center_of_mass), xyz(body.linvel), spins])
 
     def push(self):
-        """Set the torque, which Rapier keeps until it is reset; returns it, N m, world axes."""
+        """Set the torque on the body, which Rapier keeps until it is reset.
+
+        Returns the torque, N m, world axes, (3,).
+        """
         rotation = matrix(wxyz(self.body.rotation))
         torque = push(self.scene, rotation, xyz(self.body.angvel))
         self.body.reset_torques()
